@@ -1,0 +1,2 @@
+//! The `tresses` command.
+fn main() {}

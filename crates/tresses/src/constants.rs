@@ -1,0 +1,19 @@
+//! Numbers that host and shaders share. `build.rs` includes this file and hands the table to
+//! WESL, where a shader writes `import constants::STRAND_WORKGROUP;`.
+
+/// The table `build.rs` reads.
+#[allow(dead_code)]
+pub const SHARED: &[(&str, u32)] = &[
+    ("GUIDE_WORKGROUP", GUIDE_WORKGROUP),
+    ("STRAND_WORKGROUP", STRAND_WORKGROUP),
+    ("MAX_GUIDE_VERTICES", MAX_GUIDE_VERTICES),
+    ("MAX_STRAND_VERTICES", MAX_STRAND_VERTICES),
+];
+/// Threads of one workgroup of the passes that run once per guide.
+pub const GUIDE_WORKGROUP: u32 = 32;
+/// Threads of one workgroup of the passes that run once per strand vertex.
+pub const STRAND_WORKGROUP: u32 = 64;
+/// The most vertices a guide may have.
+pub const MAX_GUIDE_VERTICES: u32 = 64;
+/// The most vertices a drawn strand may have.
+pub const MAX_STRAND_VERTICES: u32 = 64;

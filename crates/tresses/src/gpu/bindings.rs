@@ -1,0 +1,94 @@
+//! Bind group layouts by position: the nth entry is `@binding(n)`.
+
+use wgpu::{BindingType, BufferBindingType, SamplerBindingType, TextureSampleType, TextureViewDimension};
+
+/// What a shader sees at one binding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Binding {
+    /// `var<uniform>`.
+    Uniform,
+    /// `var<uniform>` whose offset is given when the group is set.
+    UniformDynamic,
+    /// `var<storage, read>`.
+    Storage,
+    /// `var<storage, read_write>`.
+    StorageMut,
+    /// `texture_2d<f32>` of a filterable format.
+    Texture2d,
+    /// `texture_multisampled_2d<f32>`.
+    TextureMultisampled,
+    /// `texture_3d<f32>` of a filterable format.
+    Texture3d,
+    /// `texture_depth_2d_array`.
+    DepthArray,
+    /// `sampler` that filters.
+    Sampler,
+    /// `sampler_comparison`.
+    Comparison,
+}
+
+impl Binding {
+    fn ty(self) -> BindingType {
+        let buffer =
+            |ty, has_dynamic_offset| BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
+        let texture = |sample_type, view_dimension, multisampled| BindingType::Texture {
+            sample_type,
+            view_dimension,
+            multisampled,
+        };
+        let filterable = TextureSampleType::Float { filterable: true };
+        match self {
+            Self::Uniform => buffer(BufferBindingType::Uniform, false),
+            Self::UniformDynamic => buffer(BufferBindingType::Uniform, true),
+            Self::Storage => buffer(BufferBindingType::Storage { read_only: true }, false),
+            Self::StorageMut => buffer(BufferBindingType::Storage { read_only: false }, false),
+            Self::Texture2d => texture(filterable, TextureViewDimension::D2, false),
+            Self::TextureMultisampled => {
+                texture(TextureSampleType::Float { filterable: false }, TextureViewDimension::D2, true)
+            }
+            Self::Texture3d => texture(filterable, TextureViewDimension::D3, false),
+            Self::DepthArray => texture(TextureSampleType::Depth, TextureViewDimension::D2Array, false),
+            Self::Sampler => BindingType::Sampler(SamplerBindingType::Filtering),
+            Self::Comparison => BindingType::Sampler(SamplerBindingType::Comparison),
+        }
+    }
+}
+
+/// A layout whose nth entry is `entries[n]`, visible to `stages`.
+pub fn layout(
+    device: &wgpu::Device,
+    label: &str,
+    stages: wgpu::ShaderStages,
+    entries: &[Binding],
+) -> wgpu::BindGroupLayout {
+    let entries: Vec<_> = entries
+        .iter()
+        .enumerate()
+        .map(|(binding, entry)| wgpu::BindGroupLayoutEntry {
+            binding: binding as u32,
+            visibility: stages,
+            ty: entry.ty(),
+            count: None,
+        })
+        .collect();
+    device
+        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+}
+
+/// A group whose nth resource is `resources[n]`.
+pub fn group(
+    device: &wgpu::Device,
+    label: &str,
+    layout: &wgpu::BindGroupLayout,
+    resources: &[wgpu::BindingResource<'_>],
+) -> wgpu::BindGroup {
+    let entries: Vec<_> = resources
+        .iter()
+        .enumerate()
+        .map(|(binding, resource)| wgpu::BindGroupEntry {
+            binding: binding as u32,
+            resource: resource.clone(),
+        })
+        .collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
+}

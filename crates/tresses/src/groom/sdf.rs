@@ -1,0 +1,72 @@
+//! A signed distance field on a regular grid, CPU side: the collider of a head.
+
+use glam::{UVec3, Vec3};
+
+/// Signed distances (metres, negative inside) at the nodes of a regular grid in groom space.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SdfGrid {
+    /// Nodes along x, y and z.
+    pub size: UVec3,
+    /// Position of node (0, 0, 0), metres.
+    pub origin: Vec3,
+    /// Distance between neighbouring nodes, metres.
+    pub cell: f32,
+    /// Distances, x fastest.
+    pub distances: Vec<f32>,
+}
+
+impl SdfGrid {
+    /// A grid whose longest axis has `resolution` nodes and that covers `lo..hi`, filled by `distance`.
+    pub fn from_fn(lo: Vec3, hi: Vec3, resolution: u32, distance: impl Fn(Vec3) -> f32) -> Self {
+        let cell = (hi - lo).max_element() / (resolution.max(2) - 1) as f32;
+        let size = ((hi - lo) / cell).ceil().as_uvec3() + UVec3::ONE;
+        let mut grid = Self { size, origin: lo, cell, distances: Vec::new() };
+        grid.distances = (0..size.x * size.y * size.z).map(|i| distance(grid.node(i))).collect();
+        grid
+    }
+
+    /// The position of node `i`, metres.
+    pub fn node(&self, i: u32) -> Vec3 {
+        let (x, y, z) = (i % self.size.x, i / self.size.x % self.size.y, i / (self.size.x * self.size.y));
+        self.origin + Vec3::new(x as f32, y as f32, z as f32) * self.cell
+    }
+
+    /// The distance at `p`, metres: trilinear inside the grid; outside, that of the nearest point
+    /// of the grid's box plus the way to it.
+    pub fn sample(&self, p: Vec3) -> f32 {
+        let last = (self.size - UVec3::ONE).as_vec3();
+        let local = (p - self.origin) / self.cell;
+        let q = local.clamp(Vec3::ZERO, last);
+        let base = q.floor().min(last - Vec3::ONE).max(Vec3::ZERO);
+        let f = q - base;
+        let base = base.as_uvec3();
+        let at = |x: u32, y: u32, z: u32| {
+            let c = (base + UVec3::new(x, y, z)).min(self.size - UVec3::ONE);
+            self.distances[(c.x + self.size.x * (c.y + self.size.y * c.z)) as usize]
+        };
+        let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
+        let plane = |z| mix(mix(at(0, 0, z), at(1, 0, z), f.x), mix(at(0, 1, z), at(1, 1, z), f.x), f.y);
+        mix(plane(0), plane(1), f.z) + (local - q).length() * self.cell
+    }
+
+    /// The gradient of the distance at `p`, normalised: away from the obstacle.
+    pub fn normal(&self, p: Vec3) -> Vec3 {
+        let h = 0.5 * self.cell;
+        let d = |axis: Vec3| self.sample(p + axis * h) - self.sample(p - axis * h);
+        Vec3::new(d(Vec3::X), d(Vec3::Y), d(Vec3::Z)).normalize_or(Vec3::Y)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sphere_is_sampled_as_a_sphere() {
+        let grid = SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), 33, |p| p.length() - 0.1);
+        for p in [Vec3::new(0.12, 0.03, -0.05), Vec3::new(0.05, 0.0, 0.04), Vec3::new(0.5, 0.0, 0.0)] {
+            assert!((grid.sample(p) - (p.length() - 0.1)).abs() < 2e-3, "{p}");
+        }
+        assert!(grid.normal(Vec3::new(0.0, 0.11, 0.0)).dot(Vec3::Y) > 0.999);
+    }
+}

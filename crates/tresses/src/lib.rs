@@ -1,0 +1,18 @@
+//! Real-time hair for everything that runs wgpu: a groom goes in, simulated and shaded hair comes out.
+//!
+//! The modules stand in the order in which data passes through them; [`frame`] is the frame.
+
+pub mod groom;
+
+pub mod strands;
+
+pub mod constants;
+pub mod error;
+pub mod gpu;
+pub mod math;
+pub mod shaders;
+
+pub use error::{Error, Result};
+pub use glam;
+pub use math::pose::Pose;
+pub use wgpu;

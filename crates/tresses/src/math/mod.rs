@@ -1,0 +1,3 @@
+//! Small mathematics that several stages share.
+
+pub mod pose;

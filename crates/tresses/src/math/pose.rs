@@ -1,0 +1,80 @@
+//! A rigid pose: where a head or a collider is.
+
+use glam::{Mat4, Quat, Vec3};
+
+/// A rotation and a translation from groom space to the world, in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Unit quaternion.
+    pub rotation: Quat,
+    /// Metres.
+    pub translation: Vec3,
+}
+
+impl Default for Pose {
+    fn default() -> Self {
+        Self::IDENTITY
+    }
+}
+
+impl Pose {
+    /// No rotation, no translation.
+    pub const IDENTITY: Self = Self { rotation: Quat::IDENTITY, translation: Vec3::ZERO };
+
+    /// A rotation about a fixed point (metres), for example a neck joint.
+    pub fn about(pivot: Vec3, rotation: Quat) -> Self {
+        Self { rotation, translation: pivot - rotation * pivot }
+    }
+
+    /// A point of groom space in the world.
+    pub fn point(&self, p: Vec3) -> Vec3 {
+        self.rotation * p + self.translation
+    }
+
+    /// `self` after `other`: the pose that maps `p` to `self.point(other.point(p))`.
+    pub fn after(&self, other: &Self) -> Self {
+        Self {
+            rotation: (self.rotation * other.rotation).normalize(),
+            translation: self.rotation * other.translation + self.translation,
+        }
+    }
+
+    /// The pose that undoes this one.
+    pub fn inverse(&self) -> Self {
+        let rotation = self.rotation.conjugate();
+        Self { rotation, translation: -(rotation * self.translation) }
+    }
+
+    /// Between two poses: spherical for the rotation, linear for the translation.
+    pub fn lerp(&self, other: &Self, t: f32) -> Self {
+        Self {
+            rotation: self.rotation.slerp(other.rotation, t),
+            translation: self.translation.lerp(other.translation, t),
+        }
+    }
+
+    /// As a column-major matrix.
+    pub fn matrix(&self) -> Mat4 {
+        Mat4::from_rotation_translation(self.rotation, self.translation)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inverse_undoes() {
+        let pose = Pose { rotation: Quat::from_rotation_y(0.7), translation: Vec3::new(1.0, -2.0, 0.5) };
+        let p = Vec3::new(0.3, 0.2, 0.1);
+        assert!((pose.inverse().point(pose.point(p)) - p).length() < 1e-6);
+        assert!((pose.after(&pose.inverse()).point(p) - p).length() < 1e-6);
+    }
+
+    #[test]
+    fn pivot_stays() {
+        let pivot = Vec3::new(0.0, 1.4, 0.0);
+        let pose = Pose::about(pivot, Quat::from_rotation_z(1.0));
+        assert!((pose.point(pivot) - pivot).length() < 1e-6);
+    }
+}

@@ -1,0 +1,132 @@
+//! The buffers themselves: sizes checked against the adapter's limits before anything is made.
+
+use super::{Guide, GuideRest, GuideSample, GuideShape, PackedRest, Strand, StrandBinding, StrandVertex};
+use crate::{Error, Result};
+use wgpu::BufferUsages;
+
+/// The buffers of the guides, indexed `vertex * count + guide` unless said otherwise.
+#[derive(Debug)]
+pub struct GuideBuffers {
+    /// Number of guides.
+    pub count: u32,
+    /// Vertices per guide.
+    pub vertex_count: u32,
+    /// Samples per tessellated guide.
+    pub sample_count: u32,
+    /// [`Guide`], one per guide.
+    pub info: wgpu::Buffer,
+    /// [`GuideRest`].
+    pub rest: wgpu::Buffer,
+    /// [`GuideShape`].
+    pub shape: wgpu::Buffer,
+    /// `vec4`: world position after the last but one step (xyz).
+    pub previous: wgpu::Buffer,
+    /// `vec4`: world position after the last step (xyz).
+    pub current: wgpu::Buffer,
+    /// `vec4`: velocity after the last step (xyz), metres per second.
+    pub velocity: wgpu::Buffer,
+    /// [`GuideSample`], indexed `guide * sample_count + sample`.
+    pub samples: wgpu::Buffer,
+    /// `vec4`: rest position of each sample, groom space (xyz), indexed as `samples`.
+    pub sample_rest: wgpu::Buffer,
+}
+
+/// The buffers of the drawn strands.
+#[derive(Debug)]
+pub struct StrandBuffers {
+    /// Number of strands.
+    pub count: u32,
+    /// Vertices per strand.
+    pub vertex_count: u32,
+    /// [`Strand`], one per strand.
+    pub strands: wgpu::Buffer,
+    /// [`StrandBinding`], one per strand.
+    pub bindings: wgpu::Buffer,
+    /// [`PackedRest`], indexed `strand * vertex_count + vertex`.
+    pub rest: wgpu::Buffer,
+    /// [`StrandVertex`], indexed as `rest`.
+    pub vertices: wgpu::Buffer,
+}
+
+/// Makes a storage buffer for `count` values of `T`, or says that the adapter cannot hold it.
+///
+/// # Errors
+/// [`Error::Limit`].
+pub fn storage<T>(device: &wgpu::Device, what: &'static str, count: u64) -> Result<wgpu::Buffer> {
+    let need = count.saturating_mul(size_of::<T>() as u64).max(16);
+    let limits = device.limits();
+    let have = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
+    if need > have {
+        return Err(Error::Limit { what, need, have });
+    }
+    Ok(device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(what),
+        size: need,
+        usage: BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC,
+        mapped_at_creation: false,
+    }))
+}
+
+impl GuideBuffers {
+    /// Empty buffers.
+    ///
+    /// # Errors
+    /// [`Error::Limit`].
+    pub fn new(device: &wgpu::Device, count: u32, vertex_count: u32, sample_count: u32) -> Result<Self> {
+        let vertices = u64::from(count) * u64::from(vertex_count);
+        let samples = u64::from(count) * u64::from(sample_count);
+        Ok(Self {
+            count,
+            vertex_count,
+            sample_count,
+            info: storage::<Guide>(device, "guide info", count.into())?,
+            rest: storage::<GuideRest>(device, "guide rest", vertices)?,
+            shape: storage::<GuideShape>(device, "guide shape", vertices)?,
+            previous: storage::<[f32; 4]>(device, "guide previous", vertices)?,
+            current: storage::<[f32; 4]>(device, "guide current", vertices)?,
+            velocity: storage::<[f32; 4]>(device, "guide velocity", vertices)?,
+            samples: storage::<GuideSample>(device, "guide samples", samples)?,
+            sample_rest: storage::<[f32; 4]>(device, "guide sample rest", samples)?,
+        })
+    }
+
+    /// Bytes of GPU memory.
+    pub fn bytes(&self) -> u64 {
+        [
+            &self.info,
+            &self.rest,
+            &self.shape,
+            &self.previous,
+            &self.current,
+            &self.velocity,
+            &self.samples,
+            &self.sample_rest,
+        ]
+        .iter()
+        .map(|buffer| buffer.size())
+        .sum()
+    }
+}
+
+impl StrandBuffers {
+    /// Empty buffers.
+    ///
+    /// # Errors
+    /// [`Error::Limit`].
+    pub fn new(device: &wgpu::Device, count: u32, vertex_count: u32) -> Result<Self> {
+        let vertices = u64::from(count) * u64::from(vertex_count);
+        Ok(Self {
+            count,
+            vertex_count,
+            strands: storage::<Strand>(device, "strands", count.into())?,
+            bindings: storage::<StrandBinding>(device, "strand bindings", count.into())?,
+            rest: storage::<PackedRest>(device, "strand rest", vertices)?,
+            vertices: storage::<StrandVertex>(device, "strand vertices", vertices)?,
+        })
+    }
+
+    /// Bytes of GPU memory.
+    pub fn bytes(&self) -> u64 {
+        [&self.strands, &self.bindings, &self.rest, &self.vertices].iter().map(|buffer| buffer.size()).sum()
+    }
+}

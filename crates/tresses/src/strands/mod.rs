@@ -1,0 +1,27 @@
+//! The GPU data that stages share. One file pair per buffer: the Rust struct and its WESL twin,
+//! compared byte by byte in `tests/layouts.rs`.
+//!
+//! ```text
+//! guides     rest, shape, info            written once           read by simulate, tessellate
+//!            previous, current, velocity  written by simulate    read by tessellate
+//! samples    position + rotation          written by tessellate  read by interpolate
+//! strands    binding, rest                written once           read by interpolate
+//!            strand                       written once           read by light, draw
+//!            vertices                     written by interpolate read by light, draw
+//! ```
+//!
+//! Guide vertices are stored vertex-major (`index = vertex * guide_count + guide`), so that
+//! neighbouring threads, one per guide, read neighbouring addresses. Samples and strand vertices
+//! are stored strand-major (`index = strand * vertex_count + vertex`).
+
+pub mod binding;
+pub mod buffers;
+pub mod guide;
+pub mod strand;
+pub mod vertex;
+
+pub use binding::{PackedRest, StrandBinding};
+pub use buffers::{GuideBuffers, StrandBuffers};
+pub use guide::{Guide, GuideRest, GuideSample, GuideShape};
+pub use strand::Strand;
+pub use vertex::StrandVertex;
