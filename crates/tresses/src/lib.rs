@@ -6,6 +6,10 @@ pub mod groom;
 
 pub mod strands;
 
+pub mod tessellate;
+
+pub mod interpolate;
+
 pub mod constants;
 pub mod error;
 pub mod gpu;
