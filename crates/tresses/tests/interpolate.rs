@@ -59,8 +59,8 @@ fn draw(
     let params = TessellateParams::new(&guides, &now, &now, &now, blend);
     let tessellate_params = uniform(bytemuck::bytes_of(&params));
     let interpolate_params = uniform(bytemuck::bytes_of(&InterpolateParams {
-        head_rotation: now.rotation,
-        head_translation: now.translation,
+        field_rotation: now.rotation,
+        field_translation: now.translation,
         strand_count: strands.count,
         vertex_count: strands.vertex_count,
         sample_count: guides.sample_count,

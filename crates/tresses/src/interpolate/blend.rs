@@ -12,17 +12,17 @@ use glam::{Quat, Vec3};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct InterpolateParams {
-    /// The head's rotation now.
-    pub head_rotation: Quat,
-    /// The head's translation now, metres.
-    pub head_translation: Vec3,
-    /// How far drawn strands keep from the head, metres; 0 switches the test off.
+    /// Rotation of the distance field's frame now.
+    pub field_rotation: Quat,
+    /// Translation of the distance field's frame now, metres.
+    pub field_translation: Vec3,
+    /// How far drawn strands keep from the obstacle, metres; 0 switches the test off.
     pub clearance: f32,
-    /// Smallest corner of the distance field's texture, groom space, metres.
-    pub field_origin: Vec3,
+    /// Texture coordinate of the origin of the field's frame.
+    pub field_bias: Vec3,
     /// Number of strands.
     pub strand_count: u32,
-    /// From metres to texture coordinates.
+    /// Texture coordinates per metre.
     pub field_scale: Vec3,
     /// Vertices per strand, at least 2.
     pub vertex_count: u32,
