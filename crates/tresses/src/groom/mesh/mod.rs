@@ -1,6 +1,13 @@
 //! Triangle meshes: heads and bodies that hair grows on and collides with.
 
+pub mod bvh;
+#[cfg(test)]
+mod shapes;
+mod triangle;
+
 use glam::Vec3;
+
+pub use bvh::{Bvh, Closest};
 
 /// A triangle mesh, metres, in the same space as the groom.
 #[derive(Clone, Debug, Default, PartialEq)]
