@@ -58,26 +58,11 @@ impl Gpu {
     /// # Errors
     /// [`Error::Adapter`] when there is none, with what to do about it.
     pub async fn open() -> Result<Self> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        let adapter = match std::env::var("WGPU_ADAPTER_NAME") {
-            Ok(name) => instance
-                .enumerate_adapters(wgpu::Backends::all())
-                .await
-                .into_iter()
-                .find(|adapter| adapter.get_info().name.to_lowercase().contains(&name.to_lowercase()))
-                .ok_or_else(|| Error::Adapter(format!("no GPU adapter has {name:?} in its name")))?,
-            Err(_) => instance
-                .request_adapter(&wgpu::RequestAdapterOptions {
-                    power_preference: wgpu::PowerPreference::HighPerformance,
-                    ..Default::default()
-                })
-                .await
-                .map_err(|error| {
-                    Error::Adapter(format!(
-                        "no GPU adapter was found ({error}); on Linux without a GPU, scripts/setup installs Mesa's software Vulkan driver"
-                    ))
-                })?,
-        };
+        // OpenGL only as a last resort: merely asking for it makes some systems print warnings.
+        let adapter = match Self::adapter(wgpu::Backends::PRIMARY).await {
+            Err(Error::Adapter(_)) => Self::adapter(wgpu::Backends::SECONDARY).await,
+            adapter => adapter,
+        }?;
         let tier = Tier::of(&adapter);
         let (device, queue) = adapter
             .request_device(&wgpu::DeviceDescriptor {
@@ -90,5 +75,30 @@ impl Gpu {
             .await
             .map_err(|error| Error::Adapter(format!("{}: {error}", adapter.get_info().name)))?;
         Ok(Self { device, queue, info: adapter.get_info(), tier })
+    }
+
+    async fn adapter(backends: wgpu::Backends) -> Result<wgpu::Adapter> {
+        let descriptor =
+            wgpu::InstanceDescriptor { backends, ..wgpu::InstanceDescriptor::new_without_display_handle() };
+        let instance = wgpu::Instance::new(descriptor.with_env());
+        match std::env::var("WGPU_ADAPTER_NAME") {
+            Ok(name) => instance
+                .enumerate_adapters(wgpu::Backends::all())
+                .await
+                .into_iter()
+                .find(|adapter| adapter.get_info().name.to_lowercase().contains(&name.to_lowercase()))
+                .ok_or_else(|| Error::Adapter(format!("no GPU adapter has {name:?} in its name"))),
+            Err(_) => instance
+                .request_adapter(&wgpu::RequestAdapterOptions {
+                    power_preference: wgpu::PowerPreference::HighPerformance,
+                    ..Default::default()
+                })
+                .await
+                .map_err(|error| {
+                    Error::Adapter(format!(
+                        "no GPU adapter was found ({error}); on Linux without a GPU, scripts/setup installs Mesa's software Vulkan driver"
+                    ))
+                }),
+        }
     }
 }
