@@ -6,6 +6,12 @@ pub mod groom;
 
 pub mod strands;
 
+pub mod light;
+
+pub mod draw;
+
+pub mod present;
+
 pub mod constants;
 pub mod error;
 pub mod gpu;
