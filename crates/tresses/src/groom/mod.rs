@@ -1,6 +1,10 @@
 //! The CPU side: what a groom is before the GPU sees it.
 
+pub mod export;
+pub mod import;
+pub mod lint;
 pub mod mesh;
+pub mod orient;
 pub mod sdf;
 pub mod strands;
 
