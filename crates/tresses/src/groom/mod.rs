@@ -1,5 +1,6 @@
 //! The CPU side: what a groom is before the GPU sees it.
 
+pub mod mannequin;
 pub mod mesh;
 pub mod sdf;
 pub mod strands;
