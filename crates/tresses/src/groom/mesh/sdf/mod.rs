@@ -41,7 +41,7 @@ pub struct SdfOptions {
     /// out: tubes of lashes, brows, threads.
     pub thinnest: f32,
     /// Whether air that does not reach the border of the grid (closed mouths, nostrils behind sealed
-    /// lips) becomes solid.
+    /// lips) becomes solid. A gap as wide as the grid shows keeps a cavity open.
     pub fill_cavities: bool,
 }
 
