@@ -6,6 +6,8 @@ pub mod groom;
 
 pub mod strands;
 
+pub mod simulate;
+
 pub mod constants;
 pub mod error;
 pub mod gpu;

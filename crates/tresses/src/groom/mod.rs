@@ -1,6 +1,7 @@
 //! The CPU side: what a groom is before the GPU sees it.
 
 pub mod mesh;
+pub mod resample;
 pub mod sdf;
 pub mod strands;
 
