@@ -217,7 +217,7 @@ impl ColliderSet {
 /// Where the colliders are in a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ColliderPoses {
-    /// Pose of the distance field's frame; `None` when it moves with the head.
+    /// Pose of the distance field relative to the head; `None` when its frame is the head's.
     pub field: Option<Pose>,
     /// The capsules, world space, in the same order in every frame.
     pub capsules: Vec<Capsule>,

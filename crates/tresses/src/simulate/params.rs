@@ -92,11 +92,25 @@ impl SimulationParams {
         };
         let acceleration = self.gravity.abs().max_element() + self.gravity.length();
         test("gravity", acceleration, 0.0, 1e4, "finite and below 5,000 m/s²")?;
-        test("wind", self.wind.abs().max_element() + self.wind.length(), 0.0, 1e3, "finite and below 500 m/s")?;
+        test(
+            "wind",
+            self.wind.abs().max_element() + self.wind.length(),
+            0.0,
+            1e3,
+            "finite and below 500 m/s",
+        )?;
         test("line density", self.line_density, 1e-9, 1.0, "from 1e-9 to 1 kg/m")?;
-        for (name, along, most) in [("bending stiffness", self.bending, 1.0), ("goal stiffness", self.goal, 1e7)] {
+        for (name, along, most) in
+            [("bending stiffness", self.bending, 1.0), ("goal stiffness", self.goal, 1e7)]
+        {
             for value in [along.root, along.tip] {
-                test(name, value, 0.0, most, "not negative, and at most 1 N·m² (bending) or 1e7 1/s² (goal)")?;
+                test(
+                    name,
+                    value,
+                    0.0,
+                    most,
+                    "not negative, and at most 1 N·m² (bending) or 1e7 1/s² (goal)",
+                )?;
             }
             test(name, along.falloff, 0.0, 1e3, "a falloff from 0 to 1,000 m")?;
         }

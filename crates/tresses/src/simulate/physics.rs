@@ -139,7 +139,10 @@ fn cantilever() {
                 s.step(&still(&params, n), &Obstacles::default());
             }
             let found = -s.current[n - 1].y / length;
-            println!("cantilever Γ {gamma} n {n}: drop {found}, exact {drop}, {:+.2} %", (found / drop - 1.0) * 100.0);
+            println!(
+                "cantilever Γ {gamma} n {n}: drop {found}, exact {drop}, {:+.2} %",
+                (found / drop - 1.0) * 100.0
+            );
             assert!((found / drop - 1.0).abs() < 0.02);
         }
     }

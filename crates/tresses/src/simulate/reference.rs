@@ -183,7 +183,8 @@ impl Strand {
                     kb *= 2.0;
                 }
                 let inverse = 1.0 / e.length_squared().max(1e-18);
-                let a = Mat3::from_diagonal(Vec3::splat(e.dot(target) * inverse)) - outer(e * inverse, target);
+                let a =
+                    Mat3::from_diagonal(Vec3::splat(e.dot(target) * inverse)) - outer(e * inverse, target);
                 let s = e_next - target + (w_next - a * w) * u.bending_damping;
                 let km = kb * (1.0 + u.bending_damping / h);
                 let at = a.transpose();

@@ -165,8 +165,7 @@ pub fn guides(
         {
             // Rounding to half floats and to texels must not make a contact of the rest pose.
             let has = field.map_or(f32::MAX, |field| field.sample(*position) - 2e-4);
-            out.rest[i * count + g] =
-                GuideRest { position: *position, contact: options.clearance.min(has) };
+            out.rest[i * count + g] = GuideRest { position: *position, contact: options.clearance.min(has) };
             out.shape[i * count + g] = *shape;
         }
         out.info.push(info);
