@@ -11,5 +11,5 @@ pub fn neck(p: Vec3) -> f32 {
     let body = join(front, back, 30.0);
     let mastoid = stroke(p, (vec3(42.0, 60.0, -26.0), 8.0), (vec3(9.0, -98.0, 2.0), 4.5));
     let throat = stroke(p, (vec3(0.0, 15.0, 29.0), 10.0), (vec3(0.0, -90.0, -8.0), 10.0));
-    join(join(body, mastoid, 16.0), throat, 22.0)
+    join(join(body, mastoid, 20.0), throat, 22.0)
 }

@@ -28,5 +28,5 @@ pub fn torso(p: Vec3) -> f32 {
 /// The cut: below the curve that swings from the arms down to the breastbone there is nothing.
 pub fn cut(p: Vec3) -> f32 {
     let q = vec3(p.x, p.y + 60.0, 0.0);
-    ellipsoid(q, Vec3::ZERO, vec3(208.0, 165.0, 1e4))
+    ellipsoid(q, Vec3::ZERO, vec3(238.0, 172.0, 1e4))
 }
