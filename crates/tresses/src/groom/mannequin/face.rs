@@ -55,9 +55,9 @@ fn nose(p: Vec3, d: f32) -> f32 {
         return d;
     }
     let bridge = stroke(p, (vec3(0.0, 123.0, 82.5), 6.0), (vec3(0.0, 74.0, 104.5), 5.8));
-    let flank = stroke(p, (vec3(0.0, 116.0, 72.0), 13.0), (vec3(0.0, 74.0, 88.0), 15.0));
+    let flank = stroke(p, (vec3(0.0, 117.0, 74.0), 11.0), (vec3(0.0, 74.0, 88.0), 15.0));
     let tip = ellipsoid(p, vec3(0.0, 70.8, 104.5), vec3(7.6, 7.6, 9.0));
-    let wing = ellipsoid(p, vec3(9.6, 65.6, 94.0), vec3(6.0, 6.4, 10.0));
+    let wing = ellipsoid(vec3(astride(p.x, 3.0), p.y, p.z), vec3(7.2, 65.6, 94.0), vec3(6.0, 6.4, 10.0));
     let septum = ellipsoid(p, vec3(0.0, 64.0, 96.0), vec3(8.0, 4.8, 11.0));
     let n = join(join(bridge, flank, 16.0), tip, 8.0);
     let n = join(join(n, wing, 9.0), septum, 6.0);
@@ -69,7 +69,7 @@ fn nose(p: Vec3, d: f32) -> f32 {
 fn lips(p: Vec3, d: f32) -> f32 {
     let philtrum = hill(p, vec3(0.0, 53.0, 99.0), vec3(6.0, 10.0, 14.0));
     let corner = hill(p, vec3(26.0, 40.0, 86.0), vec3(9.0, 8.0, 12.0));
-    let d = d + 1.0 * philtrum + 0.8 * corner;
+    let d = d + 1.0 * philtrum + 0.5 * corner;
     if (p - vec3(0.0, 40.0, 84.0)).length() - 32.0 > d + 6.0 {
         return d;
     }

@@ -44,8 +44,12 @@ const BLOCK: usize = 6;
 impl Lattice {
     fn new(resolution: u32) -> Self {
         let cell = 0.30 / resolution.clamp(16, 512) as f32;
-        let axes =
-            [nodes(LO.x, HI.x, 0.0, cell), nodes(LO.y, HI.y, 0.080, cell), nodes(LO.z, HI.z, 0.080, cell)];
+        // Lips and lids run across: rows are closer than columns.
+        let axes = [
+            nodes(LO.x, HI.x, 0.0, 1.15 * cell),
+            nodes(LO.y, HI.y, 0.075, 0.7 * cell),
+            nodes(LO.z, HI.z, 0.080, cell),
+        ];
         let shape = RuntimeShape::<u32, 3>::new([0, 1, 2].map(|a| axes[a].len() as u32));
         let distances = vec![0.0; axes.iter().map(Vec::len).product()];
         let mut lattice = Self { axes, shape, distances };
@@ -142,7 +146,10 @@ pub fn mesh(resolution: u32) -> TriMesh {
     surface_nets(&lattice.distances, &lattice.shape, [0; 3], last, &mut nets);
     let mut mesh = TriMesh::default();
     for q in &nets.positions {
-        let mut p = lattice.point(*q);
+        // Both halves are worked out on the left, so that they mirror each other to the bit.
+        let q = lattice.point(*q);
+        let mirror = vec3(if q.x < 0.0 { -1.0 } else { 1.0 }, 1.0, 1.0);
+        let mut p = q * mirror;
         let mut normal = Vec3::Y;
         // Naive surface nets leave a vertex a little off the surface: two Newton steps bring it there.
         for _ in 0..2 {
@@ -150,9 +157,9 @@ pub fn mesh(resolution: u32) -> TriMesh {
             p -= g * (d / g.length_squared().max(0.25));
             normal = g.normalize_or(normal);
         }
-        mesh.positions.push(p);
-        mesh.normals.push(normal);
+        mesh.positions.push(p * mirror);
+        mesh.normals.push(normal * mirror);
     }
-    mesh.triangles = nets.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+    mesh.triangles = nets.indices.as_chunks().0.to_vec();
     mesh
 }
