@@ -24,14 +24,14 @@ pub fn ear(p: Vec3) -> f32 {
     let lobe = ellipsoid(q, vec3(-4.0, -19.0, 0.5), vec3(8.0, 11.0, 4.2));
     let hollow = ellipsoid(q, vec3(-0.5, 6.0, 7.0), vec3(12.0, 21.0, 7.6));
     let fold = join(
-        stroke(q, (vec3(4.0, 15.0, -2.0), 2.6), (vec3(7.0, -2.0, -0.5), 3.2)),
-        stroke(q, (vec3(7.0, -2.0, -0.5), 3.2), (vec3(0.0, -14.0, 0.5), 3.2)),
+        stroke(q, (vec3(2.0, 15.0, -2.5), 2.4), (vec3(4.5, -1.0, -1.0), 2.8)),
+        stroke(q, (vec3(4.5, -1.0, -1.0), 2.8), (vec3(0.0, -14.0, 0.5), 3.2)),
         4.0,
     );
-    let bowl = ellipsoid(q, vec3(-3.0, -3.0, 4.5), vec3(6.5, 9.5, 6.5));
+    let bowl = ellipsoid(q, vec3(-4.0, -3.0, 4.5), vec3(6.0, 9.0, 6.5));
     let tragus = ellipsoid(q, vec3(-11.0, -5.5, 1.5), vec3(4.0, 6.5, 4.5));
-    let root = ellipsoid(q, vec3(-4.0, 0.0, -9.0), vec3(11.0, 21.0, 9.0));
+    let root = ellipsoid(q, vec3(-3.0, 0.0, -9.0), vec3(12.0, 22.0, 10.0));
     let d = carve(join(egg, lobe, 8.0), hollow, 4.0);
-    let d = carve(join(d, fold, 4.0), bowl, 4.0);
+    let d = carve(join(d, fold, 7.0), bowl, 5.0);
     join(join(d, tragus, 4.0), root, 6.0)
 }

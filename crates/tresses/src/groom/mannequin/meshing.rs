@@ -48,7 +48,7 @@ impl Lattice {
         let axes = [
             nodes(LO.x, HI.x, 0.0, 1.15 * cell),
             nodes(LO.y, HI.y, 0.075, 0.7 * cell),
-            nodes(LO.z, HI.z, 0.080, cell),
+            nodes(LO.z, HI.z, 0.045, cell),
         ];
         let shape = RuntimeShape::<u32, 3>::new([0, 1, 2].map(|a| axes[a].len() as u32));
         let distances = vec![0.0; axes.iter().map(Vec::len).product()];
