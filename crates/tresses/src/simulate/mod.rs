@@ -228,7 +228,7 @@ impl Simulation {
         queue.write_buffer(&self.colliders.capsules, 0, bytemuck::cast_slice(&motions));
         self.capsules.clone_from(&poses.capsules);
         let mut bytes = vec![0u8; STRIDE as usize * steps.len()];
-        for (step, slot) in steps.iter().zip(bytes.chunks_exact_mut(STRIDE as usize)) {
+        for (step, slot) in steps.iter().zip(bytes.as_chunks_mut::<{ STRIDE as usize }>().0) {
             let uniforms = self.uniforms(params, step, poses);
             slot[..size_of::<StepUniforms>()].copy_from_slice(bytemuck::bytes_of(&uniforms));
         }

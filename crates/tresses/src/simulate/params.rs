@@ -79,6 +79,7 @@ pub const MAX_BENDING_RATE: f32 = 1e9;
 pub(crate) const MAX_CURL: f32 = 20.0;
 /// What a solve adds to the stiffness of an edge, per bending rate and squared sine of the angle
 /// of the bend, in place of the stiffness of that twist. It is no force: it vanishes at rest.
+#[cfg_attr(not(test), allow(dead_code))] // Only the twin reads it; the kernel has its own.
 pub(crate) const BRAKE: f32 = 4.0;
 /// The most substeps of one step.
 pub const MAX_SUBSTEPS: u32 = 32;
