@@ -194,7 +194,8 @@ fn compare(gpu: &Gpu, n: usize, frames: usize, disturb: f32) -> (f32, Vec<[f32; 
 #[test]
 fn kernel_and_twin_agree() {
     let Some(gpu) = gpu() else { return };
-    // The solve's rounding grows steeply with the vertex count: see `mod.rs`.
+    // The difference grows steeply with the vertex count, for reasons not yet shown: see `mod.rs`.
+    // The last tolerance only catches gross errors.
     for (n, tolerance) in [(5, 2e-6), (12, 2e-5), (16, 1e-4), (32, 2e-2)] {
         let (worst, _) = compare(&gpu, n, 4, 0.0);
         println!("{n} vertices: kernel and twin differ by {worst} m after 4 steps");

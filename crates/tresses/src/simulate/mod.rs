@@ -27,10 +27,11 @@
 //! a 2 Hz shake) for fewer operations, and elimination is serial along the strand, so 63 of 64
 //! threads would wait at barriers. A thousand guides fill a GPU as well as a thousand groups.
 //!
-//! **Known limits.** Rounding of the solve grows with `EI h² n⁸ / L⁴`: beyond 24 vertices, stiff hair
-//! that is shaken deviates by millimetres (no jitter at rest). Elimination from tip to root would save
+//! **Known limits.** Beyond 16 vertices, kernel and twin part by millimetres within a few steps of a
+//! turning head, though both rest exactly. Rounding of stiff systems is suspected, not shown: soft
+//! guides differ too. Elimination from tip to root would save
 //! a pass, but its rounding is far worse. Twist has no stiffness of its own: it is rigid.
-//! Untried: unknowns per edge instead of per vertex, which would mend the rounding.
+//! Untried: unknowns per edge instead of per vertex, which should round less.
 
 pub mod clock;
 pub mod collider;
