@@ -35,7 +35,8 @@ pub fn advance(
     hair: &mut Hair,
     frame: &Frame<'_>,
 ) -> Result<()> {
-    let steps = hair.clock.tick(frame.dt, frame.head, frame.simulation)?;
+    frame.simulation.check()?;
+    let steps = hair.tick(frame.dt, frame.simulation.step, &frame.head);
     stage(encoder, timings, Stage::Simulate, |pass| {
         hair.simulation.record(
             &renderer.simulate,

@@ -7,7 +7,8 @@ use crate::{
     groom::{Groom, SdfGrid},
     interpolate::{Interpolate, InterpolateParams},
     simulate::{
-        Clock, ColliderSet, GuideTraits, RestOptions, RestShape, Simulate, Simulation, SimulationParams, rest,
+        Clock, ColliderSet, GuideTraits, Mode, RestOptions, RestShape, Simulate, Simulation,
+        SimulationParams, Step, rest,
     },
     strands::{GuideBuffers, StrandBuffers},
     tessellate::{Tessellate, TessellateParams, rest_samples},
@@ -80,6 +81,8 @@ pub struct Hair {
     pub set: HairSet,
     pub(crate) simulation: Simulation,
     pub(crate) clock: Clock,
+    /// Poses of the head before and after the last step, and the blend between them.
+    states: (Pose, Pose, f32),
     clearance: f32,
     tessellate_params: wgpu::Buffer,
     tessellate_group: wgpu::BindGroup,
@@ -158,7 +161,8 @@ impl Hair {
                 &strands,
                 field,
             ),
-            clock: Clock::new(Pose::IDENTITY),
+            clock: Clock::default(),
+            states: (Pose::IDENTITY, Pose::IDENTITY, 1.0),
             clearance: if head.is_some() { options.clearance } else { 0.0 },
             guides,
             strands,
@@ -168,9 +172,22 @@ impl Hair {
         })
     }
 
-    /// Puts the hair to rest on a head at `pose`, before the next frame.
-    pub fn reset(&mut self, pose: Pose) {
-        self.clock.reset(pose);
+    /// Puts the hair to rest at the next frame, wherever the head is then.
+    pub fn reset(&mut self) {
+        self.clock.reset();
+    }
+
+    /// The fixed steps that are due `dt` seconds after the last frame, the head now at `head`.
+    pub(crate) fn tick(&mut self, dt: f32, step: f32, head: &Pose) -> Vec<Step> {
+        let ticks = self.clock.tick(dt, step, head);
+        self.states.2 = ticks.alpha;
+        for step in &ticks.steps {
+            self.states = match step.mode {
+                Mode::Step => (step.begin, step.end, ticks.alpha),
+                Mode::Carry | Mode::Reset => (step.end, step.end, ticks.alpha),
+            };
+        }
+        ticks.steps
     }
 
     /// Bytes of GPU memory, without render targets and shadow maps.
@@ -181,7 +198,7 @@ impl Hair {
     /// Writes the uniforms of [`tessellate`](Self::record_tessellate) and
     /// [`interpolate`](Self::record_interpolate): the head is at `head`, its field at `field`.
     pub(crate) fn prepare(&self, queue: &wgpu::Queue, head: &Pose, field: &Pose) {
-        let (previous, current, blend) = self.clock.states();
+        let (previous, current, blend) = self.states;
         let params = TessellateParams::new(&self.guides, &previous, &current, head, blend);
         queue.write_buffer(&self.tessellate_params, 0, bytemuck::bytes_of(&params));
         let collider = &self.simulation.colliders().field;

@@ -1,65 +1,147 @@
-//! Fixed steps from an accumulator.
+//! Fixed steps from real time.
+//!
+//! A frame hands over the time since the last one and where the head is now; out come the fixed
+//! steps to simulate and how far the drawn state lies between the last two. The head's way within
+//! the frame is divided among the steps, so that the hair sees the same motion at any frame rate.
 
-use super::{MAX_STEPS, SimulationParams, Step, params::Mode};
-use crate::{Pose, Result};
+use super::{MAX_STEPS, Step, params::Mode};
+use crate::Pose;
 
-/// When the next step is due, and where the head was.
-#[derive(Clone, Copy, Debug)]
+/// Turns frames into fixed steps.
+#[derive(Clone, Debug)]
 pub struct Clock {
-    /// Time since the last step, seconds.
-    due: f32,
-    /// 0 draws the state before the last step, 1 that after it.
-    blend: f32,
-    /// The head at the end of the last frame.
-    head: Pose,
-    previous: Pose,
-    current: Pose,
+    /// A head that moves farther than this in one fixed step, metres, is teleported: the hair is
+    /// carried along rigidly.
+    pub teleport_distance: f32,
+    /// The same for a turn, radians.
+    pub teleport_angle: f32,
+    accumulator: f64,
+    /// The head's pose at the end of the last step.
+    state: Option<Pose>,
     reset: bool,
 }
 
+impl Default for Clock {
+    fn default() -> Self {
+        Self { teleport_distance: 0.3, teleport_angle: 1.0, accumulator: 0.0, state: None, reset: false }
+    }
+}
+
+/// What a frame has to do.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ticks {
+    /// The steps, in order.
+    pub steps: Vec<Step>,
+    /// What is drawn lies at this fraction from the state before the last step to the one after it.
+    pub alpha: f32,
+    /// Time of the frame that was left out because it was too long, s.
+    pub skipped: f32,
+}
+
 impl Clock {
-    /// A clock for hair that rests on a head at `pose`.
-    pub fn new(pose: Pose) -> Self {
-        Self { due: 0.0, blend: 1.0, head: pose, previous: pose, current: pose, reset: true }
+    /// The next frame starts from the rest pose.
+    pub fn reset(&mut self) {
+        self.reset = true;
     }
 
-    /// Rest on a head at `pose` from the next tick on.
-    pub fn reset(&mut self, pose: Pose) {
-        *self = Self::new(pose);
-    }
-
-    /// The steps that are due after `dt` seconds during which the head moved to `head`.
-    pub fn tick(&mut self, dt: f32, head: Pose, params: &SimulationParams) -> Result<Vec<Step>> {
-        params.check()?;
-        if self.reset {
+    /// The steps, each `step` seconds, of a frame that came `dt` seconds after the last one with
+    /// the head now at `head`. A `dt` that is negative or no number counts as 0, and of one that
+    /// is longer than [`MAX_STEPS`] steps the rest is skipped, which [`Ticks::skipped`] says.
+    pub fn tick(&mut self, dt: f32, step: f32, head: &Pose) -> Ticks {
+        let whole = |mode| Step { mode, begin: *head, end: *head, from: 0.0, to: 1.0 };
+        let Some(at) = self.state.filter(|_| !self.reset) else {
             self.reset = false;
-            *self = Self { reset: false, ..Self::new(head) };
-            return Ok(vec![Step { mode: Mode::Reset, begin: head, end: head, from: 0.0, to: 1.0 }]);
+            self.accumulator = 0.0;
+            self.state = Some(*head);
+            return Ticks { steps: vec![whole(Mode::Reset)], alpha: 1.0, skipped: 0.0 };
+        };
+        let step = f64::from(step.clamp(1e-4, 0.1));
+        let dt = if dt.is_finite() { f64::from(dt.max(0.0)) } else { 0.0 };
+        let before = self.accumulator;
+        // Just below a whole step counts as one: 1/60 s is not a sum of binary fractions.
+        let due = ((before + dt) / step + 1e-4).floor();
+        let count = due.min(f64::from(MAX_STEPS));
+        let skipped = (due - count) * step;
+        self.accumulator = (before + dt - due * step).max(0.0);
+        // The last step ends this long before the frame's time.
+        let lag = self.accumulator;
+        let span = (before + dt - skipped).max(1e-9);
+        let mut steps = Vec::with_capacity(count as usize);
+        let (distance, angle) =
+            (at.translation.distance(head.translation), at.rotation.angle_between(head.rotation));
+        let steps_in_span = (span / step).max(1.0) as f32;
+        let jumps = distance > self.teleport_distance * steps_in_span
+            || angle > self.teleport_angle * steps_in_span
+            || !distance.is_finite();
+        if jumps {
+            steps.push(Step { mode: Mode::Carry, begin: at, end: *head, from: 0.0, to: 0.0 });
+            self.state = Some(*head);
+            self.accumulator = 0.0;
+            return Ticks { steps, alpha: 1.0, skipped: (skipped + count * step) as f32 };
         }
-        let dt = if dt.is_finite() { dt.clamp(0.0, params.step * MAX_STEPS as f32) } else { 0.0 };
-        let before = self.due;
-        self.due += dt;
-        let mut steps = Vec::new();
-        let mut at = -before;
-        while self.due >= params.step * 0.9999 {
-            self.due -= params.step;
-            let end_at = at + params.step;
-            let to = if dt > 0.0 { (end_at / dt).clamp(0.0, 1.0) } else { 1.0 };
-            let end = self.head.lerp(&head, to);
-            let from = steps.last().map_or(0.0, |s: &Step| s.to);
-            steps.push(Step { mode: Mode::Step, begin: self.current, end, from, to });
-            self.previous = self.current;
-            self.current = end;
-            at = end_at;
+        let mut begin = at;
+        for i in 1..=count as u32 {
+            let done = f64::from(i) * step / span;
+            let end = if i == count as u32 && lag < 1e-3 * step {
+                *head
+            } else {
+                at.lerp(head, done.min(1.0) as f32)
+            };
+            let from = (done - step / span).max(0.0) as f32;
+            steps.push(Step { mode: Mode::Step, begin, end, from, to: done.min(1.0) as f32 });
+            begin = end;
         }
-        self.due = self.due.max(0.0);
-        self.blend = (self.due / params.step).min(1.0);
-        self.head = head;
-        Ok(steps)
+        self.state = Some(begin);
+        Ticks { steps, alpha: (lag / step).min(1.0) as f32, skipped: skipped as f32 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    fn at(x: f32) -> Pose {
+        Pose { translation: Vec3::X * x, ..Pose::IDENTITY }
     }
 
-    /// The head's poses of the states before and after the last step, and the blend between them.
-    pub fn states(&self) -> (Pose, Pose, f32) {
-        (self.previous, self.current, self.blend)
+    #[test]
+    fn the_same_number_of_steps_at_any_frame_rate() {
+        for rate in [24.0f32, 30.0, 60.0, 90.0, 144.0, 1000.0] {
+            let mut clock = Clock::default();
+            let mut steps = clock.tick(0.0, 1.0 / 60.0, &at(0.0)).steps;
+            assert_eq!(steps.remove(0).mode, Mode::Reset);
+            let mut end = at(0.0);
+            for i in 1..=(rate * 2.0) as u32 {
+                let ticks = clock.tick(1.0 / rate, 1.0 / 60.0, &at(0.1 * i as f32 / rate));
+                assert!((0.0..=1.0).contains(&ticks.alpha) && ticks.skipped == 0.0);
+                for step in ticks.steps {
+                    assert_eq!((step.mode, step.begin), (Mode::Step, end));
+                    end = step.end;
+                    steps.push(step);
+                }
+            }
+            assert!(steps.len().abs_diff(120) <= 1, "{rate}: {}", steps.len());
+            for step in &steps {
+                let way = step.end.translation.x - step.begin.translation.x;
+                assert!((way - 0.1 / 60.0).abs() < 0.1 * 0.1 / 60.0, "{rate}: {way}");
+            }
+        }
+    }
+
+    #[test]
+    fn long_frames_are_cut_and_jumps_are_carried() {
+        let mut clock = Clock::default();
+        clock.tick(0.0, 1.0 / 60.0, &at(0.0));
+        let ticks = clock.tick(2.0, 1.0 / 60.0, &at(0.2));
+        assert_eq!(ticks.steps.len(), MAX_STEPS as usize);
+        assert!((ticks.skipped - (2.0 - 8.0 / 60.0)).abs() < 0.02);
+        assert_eq!(ticks.steps.last().map(|s| s.to > 0.99), Some(true));
+        let ticks = clock.tick(1.0 / 60.0, 1.0 / 60.0, &at(5.0));
+        assert_eq!(ticks.steps[0].mode, Mode::Carry);
+        assert_eq!(ticks.steps[0].end, at(5.0));
+        assert!(clock.tick(f32::NAN, 1.0 / 60.0, &at(5.0)).steps.is_empty());
+        clock.reset();
+        assert_eq!(clock.tick(0.1, 1.0 / 60.0, &at(0.0)).steps[0].mode, Mode::Reset);
     }
 }

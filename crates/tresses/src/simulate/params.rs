@@ -74,6 +74,13 @@ impl Default for SimulationParams {
 /// Bending is not made stiffer than this (1/s², per vertex): such hair is rigid, and single
 /// precision would turn the rounding of its positions into noise.
 pub const MAX_BENDING_RATE: f32 = 1e9;
+/// The largest bending rate times the square of the substep and of the sine of the rest angle:
+/// beyond, the twist that a bend puts on the hair above it is too stiff to be treated as a force.
+pub(crate) const MAX_CURL: f32 = 20.0;
+/// What a solve adds to the stiffness of an edge, per bending rate and squared sine of the angle
+/// of the bend, in place of the stiffness of that twist. It is no force: it vanishes at rest.
+#[cfg_attr(not(test), allow(dead_code))] // Only the twin reads it; the kernel has its own.
+pub(crate) const BRAKE: f32 = 4.0;
 /// The most substeps of one step.
 pub const MAX_SUBSTEPS: u32 = 32;
 
@@ -122,10 +129,12 @@ impl SimulationParams {
         test("substeps", self.substeps as f32, 1.0, MAX_SUBSTEPS as f32, "from 1 to 32")
     }
 
-    /// Bending rate (1/s², per unit of vertex weight) at arc length `s` of a guide with
-    /// stiffness factor `factor` and mean edge length `edge`.
-    pub fn bending_rate(&self, s: f32, factor: f32, edge: f32) -> f32 {
-        bending_rate(self.bending, self.line_density, s, factor, edge)
+    /// Bending rate (1/s², per unit of vertex weight) at vertex `j` of a guide with stiffness factor
+    /// `factor` and mean edge length `edge`, between the rest edges `before` and `next`.
+    pub(crate) fn bending_rate(&self, j: usize, factor: f32, edge: f32, before: Vec3, next: Vec3) -> f32 {
+        let square = edge * edge;
+        let bare = factor * self.bending.at(j as f32 * edge) / (self.line_density * square * square);
+        bending_rate(bare, j, before, next, self.step / self.substeps.max(1) as f32)
     }
 
     /// Stretching rate (1/s², per unit of vertex weight) of a guide `length` long (metres).
@@ -134,9 +143,14 @@ impl SimulationParams {
     }
 }
 
-fn bending_rate(bending: Along, line_density: f32, s: f32, factor: f32, edge: f32) -> f32 {
-    let square = edge * edge;
-    (factor * bending.at(s) / (line_density * square * square)).min(MAX_BENDING_RATE)
+/// The bending rate at vertex `j` between rest edges `before` and `next`, from that of the
+/// continuum: twice at the root, where half of the bend lies in the skin; limited by
+/// [`MAX_BENDING_RATE`] and, where the hair curls tightly, by [`MAX_CURL`].
+pub(crate) fn bending_rate(bare: f32, j: usize, before: Vec3, next: Vec3, h: f32) -> f32 {
+    let sine =
+        before.cross(next).length_squared() / (before.length_squared() * next.length_squared()).max(1e-30);
+    let rate = if j == 1 { 2.0 * bare } else { bare };
+    rate.min(MAX_BENDING_RATE).min(MAX_CURL / (h * h * sine.max(1e-6)))
 }
 
 fn stretch_rate(gravity: Vec3, stretch: f32, length: f32, edge: f32) -> f32 {

@@ -2,7 +2,7 @@
 
 use super::{
     collider::{CapsuleMotion, FieldVolume},
-    params::{MAX_BENDING_RATE, Mode, StepUniforms},
+    params::{BRAKE, Mode, StepUniforms, bending_rate},
 };
 use crate::strands::{Guide, GuideRest, GuideShape, guide::TIP_PINNED};
 use glam::{Mat3, Quat, Vec3};
@@ -75,6 +75,15 @@ fn contact(d: f32, n: Vec3, clearance: f32, slip: Vec3, h: f32, friction: f32, m
     *f += n * (k * push) - tangential * kt;
 }
 
+/// How far the bend at vertex `j` is from its target `t`, damping included, and how the target
+/// follows the edge before.
+fn bend(p: &[Vec3], v: &[Vec3], j: usize, t: Vec3, damping: f32) -> (Vec3, Mat3) {
+    let e = p[j] - p[j - 1];
+    let inverse = 1.0 / e.length_squared().max(1e-18);
+    let a = Mat3::from_diagonal(Vec3::splat(e.dot(t) * inverse)) - outer(e * inverse, t);
+    (p[j + 1] - p[j] - t + (v[j + 1] - v[j] - a * (v[j] - v[j - 1])) * damping, a)
+}
+
 impl Strand {
     /// At rest in the pose of `guide`'s rest vertices, head upright.
     pub fn at_rest(guide: Guide, rest: Vec<GuideRest>, shape: Vec<GuideShape>) -> Self {
@@ -115,117 +124,130 @@ impl Strand {
         let h = u.h;
         let mut p: Vec<Vec3> = self.current.iter().map(|c| *c - origin).collect();
         let mut v = self.velocity.clone();
+        let rate = |j: usize| {
+            let fade = (j as f32 * edge * u.bending_falloff).min(1.0);
+            let bare = self.guide.stiffness * (u.bending_root + (u.bending_tip - u.bending_root) * fade);
+            let rest_e = self.rest[j].position - self.rest[j - 1].position;
+            let rest_next = self.rest[j + 1].position - self.rest[j].position;
+            bending_rate(bare * square * square, j, rest_e, rest_next, h)
+        };
         let mut bad = false;
-        let mut solved = vec![(Mat3::ZERO, Mat3::ZERO, Vec3::ZERO); n];
+        let mut twist = vec![0f32; n];
+        let mut target = vec![Vec3::ZERO; n];
+        let mut carried = vec![Vec3::ZERO; n];
+        let mut rows = vec![(Mat3::ZERO, Mat3::ZERO, Vec3::ZERO); n];
         for sub in 0..u.substeps {
             let t = (sub + 1) as f32 / u.substeps as f32;
             let head = nlerp(u.head_begin, u.head_end, t);
             let head_at = u.head_begin_at.lerp(u.head_end_at, t) - origin;
-            let (mut d0, mut d1, mut d2) = (Mat3::ZERO, Mat3::ZERO, Mat3::ZERO);
-            let (mut u0, mut u1, mut c0) = (Mat3::ZERO, Mat3::ZERO, Mat3::ZERO);
-            let (mut g0, mut g1, mut g2) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
-            let mut q = head;
+            // Root to tip: predict, and carry the frames along the strand.
             let mut kept = p[0];
-            for i in 0..2.min(n) {
-                let target = head * self.rest[i].position + head_at;
-                v[i] = (target - p[i]) / h;
-                kept = p[i];
-                p[i] = target;
+            let mut q = head;
+            let mut rest_e = Vec3::ZERO;
+            for i in 0..n {
+                let follows = i < 2 || (tip_pinned && i == n - 1);
+                let old = if follows { p[i] } else { kept + self.guard(i - 1, p[i] - kept) };
+                kept = old;
+                if follows {
+                    let y = head * self.rest[i].position + head_at;
+                    v[i] = (y - old) / h;
+                    p[i] = y;
+                } else {
+                    v[i] += (old - p[i]) / h;
+                    p[i] = old + v[i] * h;
+                }
+                if i == 0 {
+                    continue;
+                }
+                let rest_next = self.rest[i].position - self.rest[i - 1].position;
+                if i > 1 {
+                    let j = i - 1;
+                    target[j] = q * (rest_e + self.shape[j].curvature);
+                    carried[j] = q * rest_next / rest_next.length().max(1e-9);
+                    q = (minimal_rotation(carried[j], p[i] - p[j]) * q).normalize();
+                }
+                rest_e = rest_next;
             }
-            let mut e = p[1] - p[0];
-            let mut w = v[1] - v[0];
-            let mut rest_e = self.rest[1].position - self.rest[0].position;
+            // Tip to root: the torque of the bends below about each edge.
+            let mut torque = Vec3::ZERO;
+            for j in (1..n - 1).rev() {
+                let e_next = p[j + 1] - p[j];
+                let unit = e_next / e_next.length().max(1e-9);
+                let sum = 1.0 / (1.0 + carried[j].dot(unit)).max(0.1);
+                twist[j] = torque.dot(unit) * sum;
+                let (s, _) = bend(&p, &v, j, target[j], u.bending_damping);
+                torque = (carried[j] + unit) * twist[j] - target[j].cross(s) * rate(j);
+            }
+            // Root to tip: assemble and eliminate.
+            let (mut d0, mut d1, mut u0) = (Mat3::ZERO, Mat3::ZERO, Mat3::ZERO);
+            let (mut g0, mut g1) = (Vec3::ZERO, Vec3::ZERO);
             for j in 1..n - 1 {
-                // Predict the next vertex.
                 let i = j + 1;
                 let tip = i == n - 1;
-                let pinned = tip && tip_pinned;
-                let goal = head * self.rest[i].position + head_at;
-                let old = kept + self.guard(j, p[i] - kept);
-                v[i] += (old - p[i]) / h;
-                kept = old;
-                if pinned {
-                    v[i] = (goal - old) / h;
-                }
-                let y = if pinned { goal } else { old + v[i] * h };
-                p[i] = y;
-                // What acts on the vertex alone, per unit of weight.
-                let arc = j as f32 * edge;
-                let fade = (arc * u.bending_falloff).min(1.0);
-                let goal_fade = ((arc + edge) * u.goal_falloff).min(1.0);
+                let y = p[i];
+                let arc = i as f32 * edge;
+                let goal_fade = (arc * u.goal_falloff).min(1.0);
                 let kg = self.guide.stiffness * (u.goal_root + (u.goal_tip - u.goal_root) * goal_fade);
+                // What acts on the vertex alone, per unit of weight.
+                let goal = head * self.rest[i].position + head_at;
                 let mut m = Mat3::from_diagonal(Vec3::splat(1.0 / (h * h) + u.drag / h + kg));
                 let mut f = u.gravity + (u.wind - v[i]) * u.drag + (goal - y) * kg;
-                self.contacts(u, obstacles, i, t, origin, old, y, &mut m, &mut f);
+                self.contacts(u, obstacles, i, t, origin, y - v[i] * h, y, &mut m, &mut f);
                 let weight = if tip { 0.5 } else { 1.0 };
-                d2 = m * weight;
-                g2 = f * weight;
                 // The edge as a spring.
                 let e_next = y - p[j];
-                let w_next = v[i] - v[j];
-                let length = e_next.length();
-                let dir = e_next / length.max(1e-9);
-                let l0 = self.shape[j].length;
-                let tension = stretch * (length - l0);
-                let slack = (tension / length.max(1e-9)).max(0.0);
-                let k = outer(dir, dir) * (stretch - slack) + Mat3::from_diagonal(Vec3::splat(slack));
-                d1 += k;
-                d2 += k;
-                u1 = -k;
-                g1 += dir * tension;
-                g2 -= dir * tension;
+                let length = e_next.length().max(1e-9);
+                let unit = e_next / length;
+                let tension = stretch * (length - self.shape[j].length);
+                let slack = (tension / length).max(0.0);
+                let k = outer(unit, unit) * (stretch - slack) + Mat3::from_diagonal(Vec3::splat(slack));
                 // The bend between the two edges: s = e_next - t, where t follows e.
-                let rest_next = self.rest[i].position - self.rest[j].position;
-                let target = q * (rest_e + self.shape[j].curvature);
-                let bend = u.bending_root + (u.bending_tip - u.bending_root) * fade;
-                let mut kb = (self.guide.stiffness * bend * square * square).min(MAX_BENDING_RATE);
-                if j == 1 {
-                    kb *= 2.0;
-                }
+                let e = p[j] - p[j - 1];
                 let inverse = 1.0 / e.length_squared().max(1e-18);
-                let a =
-                    Mat3::from_diagonal(Vec3::splat(e.dot(target) * inverse)) - outer(e * inverse, target);
-                let s = e_next - target + (w_next - a * w) * u.bending_damping;
+                let t_j = target[j];
+                let kb = rate(j);
+                let (s, a) = bend(&p, &v, j, t_j, u.bending_damping);
                 let km = kb * (1.0 + u.bending_damping / h);
                 let at = a.transpose();
                 let ata = at * a;
                 let ats = at * s;
-                d0 += ata * km;
-                u0 -= (at + ata) * km;
-                c0 = at * km;
-                d1 += (Mat3::IDENTITY + a + at + ata) * km;
-                u1 -= (Mat3::IDENTITY + at) * km;
-                d2 += Mat3::from_diagonal(Vec3::splat(km));
-                g0 -= ats * kb;
-                g1 += (s + ats) * kb;
-                g2 -= s * kb;
-                q = (minimal_rotation(q * rest_next, e_next) * q).normalize();
+                let sine = e.cross(t_j).length_squared() * inverse / t_j.length_squared().max(1e-18);
+                let brake = Mat3::from_diagonal(Vec3::splat(BRAKE * km * sine));
+                // The torque from below, which turns the frames above.
+                let from_e = (carried[j] + unit).cross(e) * (twist[j] * inverse);
+                let from_next = carried[j].cross(unit) * (-twist[j] / length);
+                d0 += ata * km + brake;
+                u0 -= (at + ata) * km + brake;
+                let c0 = at * km;
+                d1 += k + (Mat3::IDENTITY + a + at + ata) * km + brake;
+                let mut u1 = (k + (Mat3::IDENTITY + at) * km) * -1.0;
+                let mut d2 = m * weight + k + Mat3::from_diagonal(Vec3::splat(km));
+                g0 += from_e - ats * kb;
+                g1 += unit * tension + (s + ats) * kb + from_next - from_e;
+                let mut g2 = f * weight - unit * tension - s * kb - from_next;
                 // Eliminate the row before.
                 if j > 2 {
                     let inv = d0.inverse();
                     let (x, z, r) = (inv * u0, inv * c0, inv * g0);
-                    solved[j - 1] = (x, z, r);
-                    let u0t = u0.transpose();
-                    let c0t = c0.transpose();
+                    rows[j - 1] = (x, z, r);
+                    let (u0t, c0t) = (u0.transpose(), c0.transpose());
                     d1 -= u0t * x;
                     u1 -= u0t * z;
                     d2 -= c0t * z;
                     g1 -= u0t * r;
                     g2 -= c0t * r;
                 }
-                (d0, d1) = (d1, d2);
-                u0 = u1;
+                (d0, d1, u0) = (d1, d2, u1);
                 (g0, g1) = (g1, g2);
-                (e, w, rest_e) = (e_next, w_next, rest_next);
             }
-            // Rows n - 2 and n - 1 remain.
             if n < 3 {
                 continue;
             }
-            let (mut x, mut r) = (Mat3::ZERO, Vec3::ZERO);
+            // Rows n - 2 and n - 1 remain.
             if n > 3 {
                 let inv = d0.inverse();
-                (x, r) = (inv * u0, inv * g0);
+                let (x, r) = (inv * u0, inv * g0);
+                rows[n - 2] = (x, Mat3::ZERO, r);
                 d1 -= u0.transpose() * x;
                 g1 -= u0.transpose() * r;
             }
@@ -233,13 +255,8 @@ impl Strand {
             let mut next = if tip_pinned { Vec3::ZERO } else { d1.inverse() * g1 };
             for i in (2..n).rev() {
                 if i < n - 1 {
-                    let (z, here);
-                    if i == n - 2 {
-                        (z, here) = (Mat3::ZERO, r);
-                    } else {
-                        (x, z, here) = solved[i];
-                    }
-                    let delta = here - x * next - z * after;
+                    let (x, z, r) = rows[i];
+                    let delta = r - x * next - z * after;
                     after = next;
                     next = delta;
                 }
@@ -254,14 +271,13 @@ impl Strand {
         }
         let mut kept = p[0];
         for i in 0..n {
-            let mut at = p[i];
+            let free = p[i];
             if i >= 2 && !(tip_pinned && i == n - 1) {
-                at = kept + self.guard(i - 1, p[i] - kept);
-                v[i] += (at - p[i]) / h;
+                p[i] = kept + self.guard(i - 1, free - kept);
             }
-            kept = at;
-            self.current[i] = origin + at;
-            self.velocity[i] = v[i];
+            kept = p[i];
+            self.current[i] = origin + p[i];
+            self.velocity[i] = v[i] + (p[i] - free) / h;
         }
     }
 

@@ -192,25 +192,20 @@ pub(crate) fn shape(p: &[Vec3], info: &Guide, params: &SimulationParams, mode: R
     // A pinned tip takes half the weight: of the many equilibria, the symmetric one.
     let pinned = info.flags & TIP_PINNED != 0;
     let mut load = if pinned { -params.gravity * (n - 3) as f32 * 0.5 } else { Vec3::ZERO };
-    let mut moment = Vec3::ZERO;
+    let mut torque = Vec3::ZERO;
     for i in (1..n - 1).rev() {
         if !(pinned && i + 2 == n) {
             load += params.gravity * weight(i + 1);
         }
         let e = edge_of(i);
-        let dir = e.normalize_or_zero();
-        let force = load + moment;
-        let tension = force.dot(dir);
-        let mut rate = params.bending_rate(i as f32 * edge, info.stiffness, edge);
-        if i == 1 {
-            rate *= 2.0;
-        }
-        let s = ((force - dir * tension) / rate.max(1e-9)).clamp_length_max(MOST_COMPENSATION * e.length());
-        // What a bend gives to the edge before it, as in the step.
         let before = edge_of(i - 1);
-        let target = e - s;
-        let inverse = 1.0 / before.length_squared().max(1e-18);
-        moment = rate * (s * before.dot(target) - target * before.dot(s)) * inverse;
+        let dir = e.normalize_or_zero();
+        let force = load - torque.cross(e) / e.length_squared().max(1e-18);
+        let tension = force.dot(dir);
+        let rate = params.bending_rate(i, info.stiffness, edge, before, e);
+        let s = ((force - dir * tension) / rate.max(1e-9)).clamp_length_max(MOST_COMPENSATION * e.length());
+        // What a bend and the twist from below give to the edge before, as in the step.
+        torque = dir * dir.dot(torque) - rate * (e - s).cross(s);
         out[i].curvature -= s;
         out[i].length -= (tension / stretch).clamp(-0.05 * e.length(), 0.05 * e.length());
     }
