@@ -65,13 +65,16 @@ pub struct Shadows {
     pub hair_radius: f32,
     /// Radius over which the shadow on the body is averaged, metres.
     pub body_radius: f32,
+    /// How much of a light hair takes from the body behind it, per metre of distance, 1/m: small
+    /// values fade the shadow in with the distance.
+    pub body_absorption: f32,
     /// How far a surface is lifted towards the light before it is compared, metres.
     pub bias: f32,
 }
 
 impl Default for Shadows {
     fn default() -> Self {
-        Self { hair_radius: 0.003, body_radius: 0.004, bias: 0.0015 }
+        Self { hair_radius: 0.003, body_radius: 0.004, body_absorption: 250.0, bias: 0.0015 }
     }
 }
 
@@ -126,12 +129,12 @@ pub struct LightsUniform {
     pub bias: f32,
     /// [`Sky::horizon`].
     pub horizon: Vec3,
-    /// Unused.
-    pub _pad: f32,
+    /// Texels along each edge of a map.
+    pub resolution: u32,
     /// [`Sky::ground`].
     pub ground: Vec3,
-    /// Unused.
-    pub _pad_2: f32,
+    /// [`Shadows::body_absorption`].
+    pub body_absorption: f32,
 }
 
 impl Lights {
@@ -151,9 +154,9 @@ impl Lights {
             zenith: self.sky.zenith,
             bias: shadows.bias,
             horizon: self.sky.horizon,
-            _pad: 0.0,
+            resolution,
             ground: self.sky.ground,
-            _pad_2: 0.0,
+            body_absorption: shadows.body_absorption,
         }
     }
 }

@@ -6,10 +6,9 @@
 //!                                                                        or per pixel
 //! ```
 //!
-//! **Shadow** ([`ShadowMaps`]): one orthographic depth map per light, hair drawn as lines. What is
+//! **Shadow** ([`ShadowMaps`]): one orthographic map per light, hair and body apart. What is
 //! stored is the surface nearest the light; hair behind it passes `exp(-absorption * way)` of the
-//! light, averaged over a disk (Halen's absorption-weighted filter). A solid obstacle needs no map
-//! of its own: nothing passes centimetres of it. The third map looks down from the zenith and,
+//! light, averaged over a disk (Halen's absorption-weighted filter). The third map looks down from the zenith and,
 //! with the two others, tells how open the sky is.
 //!
 //! **Shade** ([`Shade`]): one thread per strand vertex evaluates the three transmittances and,
