@@ -107,6 +107,12 @@ impl HairSet {
         })
     }
 
+    /// What `light::shade` wrote: four half floats per strand vertex, radiance (or the three
+    /// transmittances) and the radius in millimetres.
+    pub fn shaded(&self) -> &wgpu::Buffer {
+        &self.shaded
+    }
+
     /// Bytes of GPU memory, without the strands' own buffers.
     pub fn bytes(&self) -> u64 {
         self.shaded.size() + self.uniform.size() + self.strips.indices.size()

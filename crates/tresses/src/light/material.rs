@@ -92,7 +92,7 @@ impl HairMaterial {
             lightness_spread: 0.2,
             primary: 0.6,
             secondary: 1.0,
-            transmission: 1.2,
+            transmission: 1.3,
             absorption: 45.0,
             secondary_color: Vec3::new(0.80, 0.62, 0.36),
             ..Self::colored(Vec3::new(0.36, 0.235, 0.12))
@@ -120,7 +120,7 @@ impl HairMaterial {
         Self {
             primary: 1.1,
             secondary: 0.5,
-            transmission: 0.1,
+            transmission: 0.3,
             absorption: 140.0,
             ..Self::colored(Vec3::new(0.012, 0.010, 0.009))
         }
@@ -136,7 +136,7 @@ impl HairMaterial {
             file_colors: true,
             lightness_spread: 0.35,
             warmth_spread: 0.08,
-            root_darkness: 0.55,
+            root_darkness: 0.7,
             diffuse: 0.35 + 0.5 * lightness,
             primary: 1.0,
             primary_exponent: 40.0,
@@ -145,7 +145,7 @@ impl HairMaterial {
             secondary_exponent: 10.0,
             secondary_shift: -0.14,
             secondary_color: (albedo / peak).powf(1.2) * (0.25 + 0.75 * lightness),
-            transmission: 0.6 + 0.3 * lightness,
+            transmission: 1.0 + 0.3 * lightness,
             transmission_exponent: 40.0,
             shift_spread: 0.12,
             shift_noise: 0.05,
