@@ -40,11 +40,11 @@ impl Default for Lights {
         Self {
             key: Directional {
                 direction: Vec3::new(-0.42, 0.62, 0.66).normalize(),
-                irradiance: Vec3::new(5.0, 4.75, 4.3),
+                irradiance: Vec3::new(5.6, 5.3, 4.85),
             },
             rim: Directional {
                 direction: Vec3::new(0.45, 0.5, -0.74).normalize(),
-                irradiance: Vec3::new(4.0, 4.15, 4.4),
+                irradiance: Vec3::new(3.1, 3.25, 3.5),
             },
             sky: Sky {
                 zenith: Vec3::new(0.30, 0.31, 0.33),
@@ -74,7 +74,7 @@ pub struct Shadows {
 
 impl Default for Shadows {
     fn default() -> Self {
-        Self { hair_radius: 0.003, body_radius: 0.004, body_absorption: 250.0, bias: 0.0015 }
+        Self { hair_radius: 0.003, body_radius: 0.004, body_absorption: 160.0, bias: 0.0015 }
     }
 }
 

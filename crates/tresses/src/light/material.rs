@@ -89,9 +89,10 @@ impl HairMaterial {
     /// Light blond.
     pub fn blond() -> Self {
         Self {
-            lightness_spread: 0.2,
-            primary: 0.6,
-            secondary: 1.0,
+            lightness_spread: 0.25,
+            diffuse: 0.55,
+            primary: 1.0,
+            secondary: 1.4,
             transmission: 1.3,
             absorption: 45.0,
             secondary_color: Vec3::new(0.80, 0.62, 0.36),
@@ -145,7 +146,7 @@ impl HairMaterial {
             secondary_exponent: 10.0,
             secondary_shift: -0.14,
             secondary_color: (albedo / peak).powf(1.2) * (0.25 + 0.75 * lightness),
-            transmission: 1.0 + 0.3 * lightness,
+            transmission: 0.8 + 0.3 * lightness,
             transmission_exponent: 40.0,
             shift_spread: 0.12,
             shift_noise: 0.05,
