@@ -102,7 +102,7 @@ impl HairMaterial {
 
     /// Brown.
     pub fn brown() -> Self {
-        Self { secondary_color: Vec3::new(0.36, 0.18, 0.05), ..Self::colored(Vec3::new(0.07, 0.038, 0.021)) }
+        Self { secondary_color: Vec3::new(0.33, 0.18, 0.075), ..Self::colored(Vec3::new(0.07, 0.038, 0.021)) }
     }
 
     /// Copper red.
