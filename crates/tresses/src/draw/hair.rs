@@ -64,6 +64,7 @@ pub struct HairSet {
     pub(crate) group: wgpu::BindGroup,
     pub(crate) shade_group: wgpu::BindGroup,
     pub(crate) splat_group: wgpu::BindGroup,
+    pub(crate) block_group: wgpu::BindGroup,
 }
 
 impl HairSet {
@@ -99,6 +100,7 @@ impl HairSet {
             vertex_count,
             strips: Chunks::new(device, count, &strip, 2 * vertex_count.max(1)),
             splat: [stride, last.div_ceil(stride)],
+            block_group: stage.bind_blocks(device),
             splat_group: stage.bind_splat(device, &uniform, strands),
             group: stage.bind_hair(device, &uniform, strands, &shaded),
             shade_group: stage.bind_shade(device, &uniform, strands, &shaded),

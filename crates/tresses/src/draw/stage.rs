@@ -69,12 +69,12 @@ impl DrawStage {
         let lights = uniform("lights", size_of::<LightsUniform>());
         use Binding::{Comparison, DepthArray, Storage, Uniform};
         let frame_layout =
-            layout(device, "frame", both, &[Uniform, Uniform, DepthArray, Comparison, Storage]);
+            layout(device, "frame", both, &[Uniform, Uniform, DepthArray, Comparison, Storage, Storage]);
         let hair_layout = layout(device, "hair", both, &[Uniform, Storage, Storage, Storage]);
         let body_layout = layout(device, "body", both, &[Uniform]);
         let shadow_maps = ShadowMaps::new(device, options.shadow_resolution, &body_layout);
-        let [maps, comparison, nearest] = shadow_maps.resources();
-        let frame = [view.as_entire_binding(), lights.as_entire_binding(), maps, comparison, nearest];
+        let [maps, comparison, nearest, blocks] = shadow_maps.resources();
+        let frame = [view.as_entire_binding(), lights.as_entire_binding(), maps, comparison, nearest, blocks];
         let frame_group = group(device, "frame", &frame_layout, &frame);
         let pipeline = |module: &'static str, vertex: &str, fragment: &str, geometry, buffers: &[_]| {
             let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -161,9 +161,13 @@ impl DrawStage {
         strands: &StrandBuffers,
         shaded: &wgpu::Buffer,
     ) -> wgpu::BindGroup {
-        let [maps, comparison, nearest] = self.shadow_maps.resources();
+        let [maps, comparison, nearest, _] = self.shadow_maps.resources();
         let (view, lights) = (self.view.as_entire_binding(), self.lights.as_entire_binding());
         self.shade.bind(device, [view, lights, maps, comparison, nearest], strands, uniform, shaded)
+    }
+
+    pub(crate) fn bind_blocks(&self, device: &wgpu::Device) -> wgpu::BindGroup {
+        self.shadow_maps.bind_blocks(device, &self.lights)
     }
 
     pub(crate) fn bind_splat(

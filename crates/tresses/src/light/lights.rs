@@ -63,7 +63,7 @@ pub const SHADOW_LAYERS: u32 = 3;
 pub struct Shadows {
     /// Radius over which the shadow on hair is averaged, metres.
     pub hair_radius: f32,
-    /// Radius over which the shadow on the body is averaged, metres.
+    /// Radius over which the shadow of the body on itself is averaged, metres.
     pub body_radius: f32,
     /// How much of a light hair takes from the body behind it, per metre of distance, 1/m: small
     /// values fade the shadow in with the distance.

@@ -90,10 +90,10 @@ impl HairMaterial {
     pub fn blond() -> Self {
         Self {
             lightness_spread: 0.25,
-            diffuse: 0.55,
+            diffuse: 0.42,
             primary: 1.0,
             secondary: 1.4,
-            transmission: 1.3,
+            transmission: 1.9,
             absorption: 45.0,
             secondary_color: Vec3::new(0.80, 0.62, 0.36),
             ..Self::colored(Vec3::new(0.36, 0.235, 0.12))
@@ -119,9 +119,9 @@ impl HairMaterial {
     /// Black, with clear highlights.
     pub fn black() -> Self {
         Self {
-            primary: 1.1,
-            secondary: 0.5,
-            transmission: 0.3,
+            primary: 0.75,
+            secondary: 0.35,
+            transmission: 0.2,
             absorption: 140.0,
             ..Self::colored(Vec3::new(0.012, 0.010, 0.009))
         }

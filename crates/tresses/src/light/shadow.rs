@@ -38,6 +38,9 @@ pub struct ShadowMaps {
     splat: Kernel,
     /// Height of the hair nearest the light, one per texel and layer.
     nearest: wgpu::Buffer,
+    /// The same in blocks of 4 by 4 texels: how much hair, and how high.
+    blocks: wgpu::Buffer,
+    block_kernel: Kernel,
     comparison: wgpu::Sampler,
     body: wgpu::RenderPipeline,
 }
@@ -45,6 +48,7 @@ pub struct ShadowMaps {
 impl ShadowMaps {
     /// Maps of `resolution`² texels. `body` is the layout of [`Body`]'s bind group.
     pub(crate) fn new(device: &wgpu::Device, resolution: u32, body: &wgpu::BindGroupLayout) -> Self {
+        let resolution = resolution.clamp(4, 8192).next_multiple_of(4);
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("shadow maps"),
             size: wgpu::Extent3d {
@@ -123,12 +127,19 @@ impl ShadowMaps {
             "light::splat",
             &[Binding::Uniform, Binding::Uniform, Binding::Storage, Binding::StorageMut],
         );
-        let nearest = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("nearest hair"),
-            size: 4 * u64::from(SHADOW_LAYERS) * u64::from(resolution) * u64::from(resolution),
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let texels = u64::from(SHADOW_LAYERS) * u64::from(resolution) * u64::from(resolution);
+        let buffer = |label, count| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: 4 * count,
+                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        };
+        let nearest = buffer("nearest hair", texels);
+        let blocks = buffer("hair blocks", texels / 16);
+        let block_kernel =
+            Kernel::new(device, "light::blocks", &[Binding::Uniform, Binding::Storage, Binding::StorageMut]);
         let comparison = device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("shadow comparison"),
             mag_filter: wgpu::FilterMode::Linear,
@@ -137,16 +148,35 @@ impl ShadowMaps {
             ..Default::default()
         });
         let view = texture.create_view(&Default::default());
-        Self { resolution, view, layers, matrices, layer_group, splat, nearest, comparison, body }
+        Self {
+            resolution,
+            view,
+            layers,
+            matrices,
+            layer_group,
+            splat,
+            nearest,
+            blocks,
+            block_kernel,
+            comparison,
+            body,
+        }
     }
 
-    /// What shaders need to ask for light: body maps, their sampler, nearest hair.
-    pub(crate) fn resources(&self) -> [wgpu::BindingResource<'_>; 3] {
+    /// What shaders need to ask for light: body maps, their sampler, nearest hair, its blocks.
+    pub(crate) fn resources(&self) -> [wgpu::BindingResource<'_>; 4] {
         [
             wgpu::BindingResource::TextureView(&self.view),
             wgpu::BindingResource::Sampler(&self.comparison),
             self.nearest.as_entire_binding(),
+            self.blocks.as_entire_binding(),
         ]
+    }
+
+    /// The group of the pass that sums up blocks.
+    pub(crate) fn bind_blocks(&self, device: &wgpu::Device, lights: &wgpu::Buffer) -> wgpu::BindGroup {
+        let buffers = [lights, &self.nearest, &self.blocks];
+        self.block_kernel.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()))
     }
 
     pub(crate) fn bind_splat(
@@ -196,6 +226,9 @@ impl ShadowMaps {
             }
         }
         encoder.clear_buffer(&self.nearest, 0, None);
+        if hair.is_none() {
+            encoder.clear_buffer(&self.blocks, 0, None);
+        }
         if let Some(hair) = hair {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                 label: Some("shadow"),
@@ -203,6 +236,8 @@ impl ShadowMaps {
             });
             let workgroups = (hair.count * hair.splat[1]).div_ceil(STRAND_WORKGROUP);
             self.splat.record(&mut pass, &hair.splat_group, &[], workgroups);
+            let blocks = (self.blocks.size() / 4) as u32;
+            self.block_kernel.record(&mut pass, &hair.block_group, &[], blocks.div_ceil(STRAND_WORKGROUP));
         }
     }
 }
