@@ -22,6 +22,8 @@ use crate::{
 
 /// Depth of the shadow maps.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+/// Edge of a block of texels, as in `light::lights`.
+const BLOCK: u32 = 8;
 /// Distance between the matrices of two layers: the largest offset alignment WebGPU asks for.
 const STEP: u64 = 256;
 
@@ -38,7 +40,7 @@ pub struct ShadowMaps {
     splat: Kernel,
     /// Height of the hair nearest the light, one per texel and layer.
     nearest: wgpu::Buffer,
-    /// The same in blocks of 4 by 4 texels: how much hair, and how high.
+    /// The same in blocks of texels: how much hair, and how high.
     blocks: wgpu::Buffer,
     block_kernel: Kernel,
     comparison: wgpu::Sampler,
@@ -48,7 +50,7 @@ pub struct ShadowMaps {
 impl ShadowMaps {
     /// Maps of `resolution`² texels. `body` is the layout of [`Body`]'s bind group.
     pub(crate) fn new(device: &wgpu::Device, resolution: u32, body: &wgpu::BindGroupLayout) -> Self {
-        let resolution = resolution.clamp(4, 8192).next_multiple_of(4);
+        let resolution = resolution.clamp(BLOCK, 8192).next_multiple_of(BLOCK);
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("shadow maps"),
             size: wgpu::Extent3d {
@@ -137,7 +139,7 @@ impl ShadowMaps {
             })
         };
         let nearest = buffer("nearest hair", texels);
-        let blocks = buffer("hair blocks", texels / 16);
+        let blocks = buffer("hair blocks", texels / u64::from(BLOCK * BLOCK));
         let block_kernel =
             Kernel::new(device, "light::blocks", &[Binding::Uniform, Binding::Storage, Binding::StorageMut]);
         let comparison = device.create_sampler(&wgpu::SamplerDescriptor {
