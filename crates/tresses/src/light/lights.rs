@@ -74,7 +74,7 @@ pub struct Shadows {
 
 impl Default for Shadows {
     fn default() -> Self {
-        Self { hair_radius: 0.003, body_radius: 0.004, body_absorption: 160.0, bias: 0.0015 }
+        Self { hair_radius: 0.003, body_radius: 0.004, body_absorption: 240.0, bias: 0.0015 }
     }
 }
 
