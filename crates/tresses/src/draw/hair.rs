@@ -57,11 +57,14 @@ pub struct HairSet {
     /// Vertices per strand.
     pub vertex_count: u32,
     strips: Chunks,
-    lines: Chunks,
+    /// Stride and number of the segments in the shadow maps.
+    pub(crate) splat: [u32; 2],
     pub(crate) uniform: wgpu::Buffer,
     shaded: wgpu::Buffer,
     pub(crate) group: wgpu::BindGroup,
     pub(crate) shade_group: wgpu::BindGroup,
+    pub(crate) splat_group: wgpu::BindGroup,
+    pub(crate) block_group: wgpu::BindGroup,
 }
 
 impl HairSet {
@@ -89,18 +92,16 @@ impl HairSet {
         let strip: Vec<u16> = (0..vertex_count.saturating_sub(1) as u16)
             .flat_map(|i| [0, 1, 2, 2, 1, 3].map(|corner| 2 * i + corner))
             .collect();
-        // The maps' texels are coarse: about eight lines per strand are enough.
-        let last = vertex_count.saturating_sub(1);
+        // The maps' texels are coarse: about eight segments per strand are enough.
+        let last = vertex_count.saturating_sub(1).max(1);
         let stride = (last / 8).max(1);
-        let line: Vec<u16> = (0..last)
-            .step_by(stride as usize)
-            .flat_map(|i| [i as u16, (i + stride).min(last) as u16])
-            .collect();
         Ok(Self {
             count,
             vertex_count,
             strips: Chunks::new(device, count, &strip, 2 * vertex_count.max(1)),
-            lines: Chunks::new(device, count, &line, vertex_count.max(1)),
+            splat: [stride, last.div_ceil(stride)],
+            block_group: stage.bind_blocks(device),
+            splat_group: stage.bind_splat(device, &uniform, strands),
             group: stage.bind_hair(device, &uniform, strands, &shaded),
             shade_group: stage.bind_shade(device, &uniform, strands, &shaded),
             uniform,
@@ -108,9 +109,15 @@ impl HairSet {
         })
     }
 
+    /// What `light::shade` wrote: four half floats per strand vertex, radiance (or the three
+    /// transmittances) and the radius in millimetres.
+    pub fn shaded(&self) -> &wgpu::Buffer {
+        &self.shaded
+    }
+
     /// Bytes of GPU memory, without the strands' own buffers.
     pub fn bytes(&self) -> u64 {
-        self.shaded.size() + self.uniform.size() + self.strips.indices.size() + self.lines.indices.size()
+        self.shaded.size() + self.uniform.size() + self.strips.indices.size()
     }
 
     /// Triangles of the strips.
@@ -121,10 +128,5 @@ impl HairSet {
     pub(crate) fn record_strips(&self, pass: &mut wgpu::RenderPass<'_>) {
         pass.set_bind_group(1, &self.group, &[]);
         self.strips.record(pass, self.count);
-    }
-
-    pub(crate) fn record_lines(&self, pass: &mut wgpu::RenderPass<'_>) {
-        pass.set_bind_group(1, &self.group, &[]);
-        self.lines.record(pass, self.count);
     }
 }

@@ -68,28 +68,14 @@ impl DrawStage {
         let view = uniform("view", size_of::<ViewUniform>());
         let lights = uniform("lights", size_of::<LightsUniform>());
         use Binding::{Comparison, DepthArray, Storage, Uniform};
-        let frame_layout = layout(device, "frame", both, &[Uniform, Uniform, DepthArray, Comparison]);
+        let frame_layout =
+            layout(device, "frame", both, &[Uniform, Uniform, DepthArray, Comparison, Storage, Storage]);
         let hair_layout = layout(device, "hair", both, &[Uniform, Storage, Storage, Storage]);
         let body_layout = layout(device, "body", both, &[Uniform]);
-        let shadow_maps = ShadowMaps::new(device, options.shadow_resolution, &hair_layout, &body_layout);
-        let comparison = device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("shadow comparison"),
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            compare: Some(wgpu::CompareFunction::LessEqual),
-            ..Default::default()
-        });
-        let frame_group = group(
-            device,
-            "frame",
-            &frame_layout,
-            &[
-                view.as_entire_binding(),
-                lights.as_entire_binding(),
-                wgpu::BindingResource::TextureView(&shadow_maps.view),
-                wgpu::BindingResource::Sampler(&comparison),
-            ],
-        );
+        let shadow_maps = ShadowMaps::new(device, options.shadow_resolution, &body_layout);
+        let [maps, comparison, nearest, blocks] = shadow_maps.resources();
+        let frame = [view.as_entire_binding(), lights.as_entire_binding(), maps, comparison, nearest, blocks];
+        let frame_group = group(device, "frame", &frame_layout, &frame);
         let pipeline = |module: &'static str, vertex: &str, fragment: &str, geometry, buffers: &[_]| {
             let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some(module),
@@ -175,8 +161,22 @@ impl DrawStage {
         strands: &StrandBuffers,
         shaded: &wgpu::Buffer,
     ) -> wgpu::BindGroup {
-        let frame = [&self.view, &self.lights];
-        self.shade.bind(device, frame, &self.shadow_maps.view, strands, uniform, shaded)
+        let [maps, comparison, nearest, _] = self.shadow_maps.resources();
+        let (view, lights) = (self.view.as_entire_binding(), self.lights.as_entire_binding());
+        self.shade.bind(device, [view, lights, maps, comparison, nearest], strands, uniform, shaded)
+    }
+
+    pub(crate) fn bind_blocks(&self, device: &wgpu::Device) -> wgpu::BindGroup {
+        self.shadow_maps.bind_blocks(device, &self.lights)
+    }
+
+    pub(crate) fn bind_splat(
+        &self,
+        device: &wgpu::Device,
+        uniform: &wgpu::Buffer,
+        strands: &StrandBuffers,
+    ) -> wgpu::BindGroup {
+        self.shadow_maps.bind_splat(device, &self.lights, uniform, strands)
     }
 
     pub(crate) fn bind_body(&self, device: &wgpu::Device, uniform: &wgpu::Buffer) -> wgpu::BindGroup {
@@ -200,7 +200,7 @@ impl DrawStage {
         self.shadow_maps.prepare(queue, &lights);
         self.present.prepare(queue, scene, targets);
         if let Some(hair) = hair {
-            let uniform = scene.hair.uniform(scene.shading, hair.count, hair.vertex_count);
+            let uniform = scene.hair.uniform(scene.shading, hair.count, hair.vertex_count, hair.splat);
             write(&hair.uniform, bytemuck::bytes_of(&uniform));
         }
         if let Some(body) = body {
@@ -268,19 +268,20 @@ impl DrawStage {
             pass.set_bind_group(0, &self.frame_group, &[]);
             record(&mut pass);
         };
-        pass(encoder, &mut timings, "body", true, &|pass| {
-            if let Some(body) = body {
-                pass.set_pipeline(&self.body);
-                body.record(pass);
-            }
-        });
-        if let Some(hair) = hair {
-            pass(encoder, &mut timings, "hair", false, &|pass| {
+        // Hair first: the body's shading costs more per pixel, and most of the scalp is hidden.
+        pass(encoder, &mut timings, "hair", true, &|pass| {
+            if let Some(hair) = hair {
                 pass.set_pipeline(match scene.shading {
                     ShadingRate::PerVertex => &self.hair_per_vertex,
                     ShadingRate::PerPixel => &self.hair_per_pixel,
                 });
                 hair.record_strips(pass);
+            }
+        });
+        if let Some(body) = body {
+            pass(encoder, &mut timings, "body", false, &|pass| {
+                pass.set_pipeline(&self.body);
+                body.record(pass);
             });
         }
     }

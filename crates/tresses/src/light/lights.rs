@@ -40,11 +40,11 @@ impl Default for Lights {
         Self {
             key: Directional {
                 direction: Vec3::new(-0.42, 0.62, 0.66).normalize(),
-                irradiance: Vec3::new(5.0, 4.75, 4.3),
+                irradiance: Vec3::new(5.6, 5.3, 4.85),
             },
             rim: Directional {
                 direction: Vec3::new(0.45, 0.5, -0.74).normalize(),
-                irradiance: Vec3::new(4.0, 4.15, 4.4),
+                irradiance: Vec3::new(3.1, 3.25, 3.5),
             },
             sky: Sky {
                 zenith: Vec3::new(0.30, 0.31, 0.33),
@@ -63,15 +63,18 @@ pub const SHADOW_LAYERS: u32 = 3;
 pub struct Shadows {
     /// Radius over which the shadow on hair is averaged, metres.
     pub hair_radius: f32,
-    /// Radius over which the shadow on the body is averaged, metres.
+    /// Radius over which the shadow of the body on itself is averaged, metres.
     pub body_radius: f32,
+    /// How much of a light hair takes from the body behind it, per metre of distance, 1/m: small
+    /// values fade the shadow in with the distance.
+    pub body_absorption: f32,
     /// How far a surface is lifted towards the light before it is compared, metres.
     pub bias: f32,
 }
 
 impl Default for Shadows {
     fn default() -> Self {
-        Self { hair_radius: 0.003, body_radius: 0.004, bias: 0.0015 }
+        Self { hair_radius: 0.003, body_radius: 0.004, body_absorption: 240.0, bias: 0.0015 }
     }
 }
 
@@ -126,12 +129,12 @@ pub struct LightsUniform {
     pub bias: f32,
     /// [`Sky::horizon`].
     pub horizon: Vec3,
-    /// Unused.
-    pub _pad: f32,
+    /// Texels along each edge of a map.
+    pub resolution: u32,
     /// [`Sky::ground`].
     pub ground: Vec3,
-    /// Unused.
-    pub _pad_2: f32,
+    /// [`Shadows::body_absorption`].
+    pub body_absorption: f32,
 }
 
 impl Lights {
@@ -151,9 +154,9 @@ impl Lights {
             zenith: self.sky.zenith,
             bias: shadows.bias,
             horizon: self.sky.horizon,
-            _pad: 0.0,
+            resolution,
             ground: self.sky.ground,
-            _pad_2: 0.0,
+            body_absorption: shadows.body_absorption,
         }
     }
 }

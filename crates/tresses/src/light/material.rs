@@ -89,18 +89,20 @@ impl HairMaterial {
     /// Light blond.
     pub fn blond() -> Self {
         Self {
-            lightness_spread: 0.2,
-            primary: 0.6,
-            secondary: 1.0,
-            transmission: 1.0,
-            absorption: 90.0,
-            ..Self::colored(Vec3::new(0.42, 0.27, 0.13))
+            lightness_spread: 0.25,
+            diffuse: 0.42,
+            primary: 1.0,
+            secondary: 1.4,
+            transmission: 1.9,
+            absorption: 45.0,
+            secondary_color: Vec3::new(0.80, 0.62, 0.36),
+            ..Self::colored(Vec3::new(0.36, 0.235, 0.12))
         }
     }
 
     /// Brown.
     pub fn brown() -> Self {
-        Self::colored(Vec3::new(0.085, 0.046, 0.026))
+        Self { secondary_color: Vec3::new(0.33, 0.18, 0.075), ..Self::colored(Vec3::new(0.07, 0.038, 0.021)) }
     }
 
     /// Copper red.
@@ -108,19 +110,19 @@ impl HairMaterial {
         Self {
             primary: 0.8,
             secondary: 1.0,
-            transmission: 0.9,
-            absorption: 140.0,
-            ..Self::colored(Vec3::new(0.22, 0.062, 0.014))
+            absorption: 80.0,
+            secondary_color: Vec3::new(0.55, 0.27, 0.05),
+            ..Self::colored(Vec3::new(0.19, 0.078, 0.026))
         }
     }
 
     /// Black, with clear highlights.
     pub fn black() -> Self {
         Self {
-            primary: 1.1,
-            secondary: 0.5,
-            transmission: 0.1,
-            absorption: 260.0,
+            primary: 0.75,
+            secondary: 0.35,
+            transmission: 0.2,
+            absorption: 140.0,
             ..Self::colored(Vec3::new(0.012, 0.010, 0.009))
         }
     }
@@ -135,26 +137,32 @@ impl HairMaterial {
             file_colors: true,
             lightness_spread: 0.35,
             warmth_spread: 0.08,
-            root_darkness: 0.55,
-            diffuse: 1.0,
+            root_darkness: 0.7,
+            diffuse: 0.26 + 0.45 * lightness,
             primary: 1.0,
             primary_exponent: 40.0,
             primary_shift: 0.10,
             secondary: 0.9,
             secondary_exponent: 10.0,
             secondary_shift: -0.14,
-            secondary_color: (albedo / peak).powf(0.8) * (0.25 + 0.75 * lightness),
-            transmission: 0.5 + 0.5 * lightness,
-            transmission_exponent: 30.0,
+            secondary_color: (albedo / peak).powf(1.2) * (0.25 + 0.75 * lightness),
+            transmission: 0.95 + 0.25 * lightness,
+            transmission_exponent: 40.0,
             shift_spread: 0.12,
             shift_noise: 0.05,
-            absorption: 230.0 - 140.0 * lightness,
+            absorption: 120.0 - 75.0 * lightness,
             saturation: 0.8,
             min_width: 1.0,
         }
     }
 
-    pub(crate) fn uniform(&self, shading: ShadingRate, count: u32, vertex_count: u32) -> HairUniform {
+    pub(crate) fn uniform(
+        &self,
+        shading: ShadingRate,
+        count: u32,
+        vertex_count: u32,
+        splat: [u32; 2],
+    ) -> HairUniform {
         HairUniform {
             root_color: self.root_color,
             lightness_spread: self.lightness_spread,
@@ -180,8 +188,8 @@ impl HairMaterial {
             count,
             vertex_count,
             per_vertex: u32::from(shading == ShadingRate::PerVertex),
-            _pad: 0,
-            _pad_2: 0,
+            splat_stride: splat[0],
+            splat_segments: splat[1],
         }
     }
 }
@@ -224,8 +232,8 @@ pub struct HairUniform {
     pub vertex_count: u32,
     /// Whether `light::shade` writes radiance (1) or transmittances (0).
     pub per_vertex: u32,
-    /// Unused.
-    pub _pad: u32,
-    /// Unused.
-    pub _pad_2: u32,
+    /// Every how manyth vertex the shadow maps get.
+    pub splat_stride: u32,
+    /// Segments per strand in the shadow maps.
+    pub splat_segments: u32,
 }

@@ -6,11 +6,13 @@
 //!                                                                        or per pixel
 //! ```
 //!
-//! **Shadow** ([`ShadowMaps`]): one orthographic depth map per light, hair drawn as lines. What is
-//! stored is the surface nearest the light; hair behind it passes `exp(-absorption * way)` of the
-//! light, averaged over a disk (Halen's absorption-weighted filter). A solid obstacle needs no map
-//! of its own: nothing passes centimetres of it. The third map looks down from the zenith and,
-//! with the two others, tells how open the sky is.
+//! **Shadow** ([`ShadowMaps`]): one orthographic map per light. The body is rasterised into a depth
+//! texture; hair, which is thinner than a texel, is walked into a buffer by a kernel, one thread
+//! per segment, with an atomic maximum. What is stored is the surface nearest the light; hair
+//! behind hair passes `exp(-absorption * way)` of the light, averaged over a disk (Halen's
+//! absorption-weighted filter), hair behind the body none. For the body, blocks of texels hold how
+//! much hair there is and how high: smooth skin wants smooth shadows. The third map looks down
+//! from the zenith and, with the two others, tells how open the sky is.
 //!
 //! **Shade** ([`Shade`]): one thread per strand vertex evaluates the three transmittances and,
 //! unless pixels are to be shaded, the whole radiance. Both are interpolated along the strand,

@@ -18,31 +18,23 @@ impl Shade {
         Self(Kernel::new(
             device,
             "light::shade",
-            &[Uniform, Uniform, Uniform, DepthArray, Storage, Storage, StorageMut],
+            &[Uniform, Uniform, DepthArray, Comparison, Storage, Uniform, Storage, Storage, StorageMut],
         ))
     }
 
+    /// `frame` is the first five resources: view, lights and what the shadow maps offer.
     pub(crate) fn bind(
         &self,
         device: &wgpu::Device,
-        frame: [&wgpu::Buffer; 2],
-        maps: &wgpu::TextureView,
+        frame: [wgpu::BindingResource<'_>; 5],
         strands: &StrandBuffers,
         uniform: &wgpu::Buffer,
         shaded: &wgpu::Buffer,
     ) -> wgpu::BindGroup {
-        self.0.bind(
-            device,
-            &[
-                frame[0].as_entire_binding(),
-                frame[1].as_entire_binding(),
-                uniform.as_entire_binding(),
-                wgpu::BindingResource::TextureView(maps),
-                strands.vertices.as_entire_binding(),
-                strands.strands.as_entire_binding(),
-                shaded.as_entire_binding(),
-            ],
-        )
+        let hair = [uniform, &strands.vertices, &strands.strands, shaded];
+        let resources: Vec<_> =
+            frame.into_iter().chain(hair.map(|buffer| buffer.as_entire_binding())).collect();
+        self.0.bind(device, &resources)
     }
 
     /// Records the kernel for all vertices of `hair`.

@@ -1,19 +1,29 @@
-//! The shadow maps and the passes that draw them.
+//! The shadow maps and the passes that draw them: the body as triangles into depth textures, the
+//! hair by a kernel into a buffer.
+//!
+//! Hair is thinner than a texel, so that a line walk with an atomic maximum is all the
+//! rasterisation it needs. It reads each vertex once for all maps, has no triangles to set up (a
+//! software driver does that on one thread), and keeps hair and body apart: hair lets light
+//! through, the body does not.
 
 use glam::Mat4;
 
 use super::lights::{LightsUniform, SHADOW_LAYERS};
 use crate::{
+    constants::STRAND_WORKGROUP,
     draw::{Body, HairSet},
     gpu::{
-        Binding, Timings,
+        Binding, Kernel, Timings,
         bindings::{group, layout},
     },
     shaders,
+    strands::StrandBuffers,
 };
 
 /// Depth of the shadow maps.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+/// Edge of a block of texels, as in `light::lights`.
+const BLOCK: u32 = 8;
 /// Distance between the matrices of two layers: the largest offset alignment WebGPU asks for.
 const STEP: u64 = 256;
 
@@ -22,24 +32,25 @@ const STEP: u64 = 256;
 pub struct ShadowMaps {
     /// Texels along each edge.
     pub resolution: u32,
-    /// All layers.
-    pub(crate) view: wgpu::TextureView,
+    /// Depth of the body, all layers.
+    view: wgpu::TextureView,
     layers: Vec<wgpu::TextureView>,
     matrices: wgpu::Buffer,
     layer_group: wgpu::BindGroup,
-    hair: wgpu::RenderPipeline,
+    splat: Kernel,
+    /// Height of the hair nearest the light, one per texel and layer.
+    nearest: wgpu::Buffer,
+    /// The same in blocks of texels: how much hair, and how high.
+    blocks: wgpu::Buffer,
+    block_kernel: Kernel,
+    comparison: wgpu::Sampler,
     body: wgpu::RenderPipeline,
 }
 
 impl ShadowMaps {
-    /// Maps of `resolution`² texels. `hair` and `body` are the layouts of [`HairSet`]'s and
-    /// [`Body`]'s bind groups.
-    pub(crate) fn new(
-        device: &wgpu::Device,
-        resolution: u32,
-        hair: &wgpu::BindGroupLayout,
-        body: &wgpu::BindGroupLayout,
-    ) -> Self {
+    /// Maps of `resolution`² texels. `body` is the layout of [`Body`]'s bind group.
+    pub(crate) fn new(device: &wgpu::Device, resolution: u32, body: &wgpu::BindGroupLayout) -> Self {
+        let resolution = resolution.clamp(BLOCK, 8192).next_multiple_of(BLOCK);
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("shadow maps"),
             size: wgpu::Extent3d {
@@ -82,48 +93,103 @@ impl ShadowMaps {
                 size: wgpu::BufferSize::new(size_of::<Mat4>() as u64),
             })],
         );
-        let pipeline = |module: &'static str, geometry, topology, buffers: &[Option<_>]| {
-            let entry = module.rsplit("::").next();
-            let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        let module = "light::shadow_body";
+        let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(module),
+            source: wgpu::ShaderSource::Wgsl(shaders::source(module).into()),
+        });
+        let body = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(module),
+            layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: Some(module),
-                source: wgpu::ShaderSource::Wgsl(shaders::source(module).into()),
-            });
-            device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some(module),
-                layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                    label: Some(module),
-                    bind_group_layouts: &[Some(&layer_layout), Some(geometry)],
-                    immediate_size: 0,
-                })),
-                vertex: wgpu::VertexState {
-                    module: &shader,
-                    entry_point: entry,
-                    compilation_options: Default::default(),
-                    buffers,
-                },
-                primitive: wgpu::PrimitiveState { topology, ..Default::default() },
-                depth_stencil: Some(wgpu::DepthStencilState {
-                    format: FORMAT,
-                    depth_write_enabled: Some(true),
-                    depth_compare: Some(wgpu::CompareFunction::Less),
-                    stencil: Default::default(),
-                    bias: Default::default(),
-                }),
-                multisample: Default::default(),
-                fragment: None,
-                multiview_mask: None,
-                cache: None,
+                bind_group_layouts: &[Some(&layer_layout), Some(body)],
+                immediate_size: 0,
+            })),
+            vertex: wgpu::VertexState {
+                module: &shader,
+                entry_point: Some("shadow_body"),
+                compilation_options: Default::default(),
+                buffers: &[Some(Body::LAYOUT)],
+            },
+            primitive: Default::default(),
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: FORMAT,
+                depth_write_enabled: Some(true),
+                depth_compare: Some(wgpu::CompareFunction::Less),
+                stencil: Default::default(),
+                bias: Default::default(),
+            }),
+            multisample: Default::default(),
+            fragment: None,
+            multiview_mask: None,
+            cache: None,
+        });
+        let splat = Kernel::new(
+            device,
+            "light::splat",
+            &[Binding::Uniform, Binding::Uniform, Binding::Storage, Binding::StorageMut],
+        );
+        let texels = u64::from(SHADOW_LAYERS) * u64::from(resolution) * u64::from(resolution);
+        let buffer = |label, count| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: 4 * count,
+                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
             })
         };
-        let hair = pipeline("light::shadow_hair", hair, wgpu::PrimitiveTopology::LineList, &[]);
-        let body = pipeline(
-            "light::shadow_body",
-            body,
-            wgpu::PrimitiveTopology::TriangleList,
-            &[Some(Body::LAYOUT)],
-        );
+        let nearest = buffer("nearest hair", texels);
+        let blocks = buffer("hair blocks", texels / u64::from(BLOCK * BLOCK));
+        let block_kernel =
+            Kernel::new(device, "light::blocks", &[Binding::Uniform, Binding::Storage, Binding::StorageMut]);
+        let comparison = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("shadow comparison"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            compare: Some(wgpu::CompareFunction::LessEqual),
+            ..Default::default()
+        });
         let view = texture.create_view(&Default::default());
-        Self { resolution, view, layers, matrices, layer_group, hair, body }
+        Self {
+            resolution,
+            view,
+            layers,
+            matrices,
+            layer_group,
+            splat,
+            nearest,
+            blocks,
+            block_kernel,
+            comparison,
+            body,
+        }
+    }
+
+    /// What shaders need to ask for light: body maps, their sampler, nearest hair, its blocks.
+    pub(crate) fn resources(&self) -> [wgpu::BindingResource<'_>; 4] {
+        [
+            wgpu::BindingResource::TextureView(&self.view),
+            wgpu::BindingResource::Sampler(&self.comparison),
+            self.nearest.as_entire_binding(),
+            self.blocks.as_entire_binding(),
+        ]
+    }
+
+    /// The group of the pass that sums up blocks.
+    pub(crate) fn bind_blocks(&self, device: &wgpu::Device, lights: &wgpu::Buffer) -> wgpu::BindGroup {
+        let buffers = [lights, &self.nearest, &self.blocks];
+        self.block_kernel.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()))
+    }
+
+    pub(crate) fn bind_splat(
+        &self,
+        device: &wgpu::Device,
+        lights: &wgpu::Buffer,
+        uniform: &wgpu::Buffer,
+        strands: &StrandBuffers,
+    ) -> wgpu::BindGroup {
+        let buffers = [lights, uniform, &strands.vertices, &self.nearest];
+        self.splat.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()))
     }
 
     pub(crate) fn prepare(&self, queue: &wgpu::Queue, lights: &LightsUniform) {
@@ -160,10 +226,20 @@ impl ShadowMaps {
                 pass.set_pipeline(&self.body);
                 body.record(&mut pass);
             }
-            if let Some(hair) = hair {
-                pass.set_pipeline(&self.hair);
-                hair.record_lines(&mut pass);
-            }
+        }
+        encoder.clear_buffer(&self.nearest, 0, None);
+        if hair.is_none() {
+            encoder.clear_buffer(&self.blocks, 0, None);
+        }
+        if let Some(hair) = hair {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some("shadow"),
+                timestamp_writes: timings.and_then(|timings| timings.compute("shadow")),
+            });
+            let workgroups = (hair.count * hair.splat[1]).div_ceil(STRAND_WORKGROUP);
+            self.splat.record(&mut pass, &hair.splat_group, &[], workgroups);
+            let blocks = (self.blocks.size() / 4) as u32;
+            self.block_kernel.record(&mut pass, &hair.block_group, &[], blocks.div_ceil(STRAND_WORKGROUP));
         }
     }
 }
