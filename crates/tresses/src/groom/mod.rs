@@ -1,8 +1,10 @@
 //! The CPU side: what a groom is before the GPU sees it.
 
+pub mod grow;
 pub mod mesh;
 pub mod sdf;
 pub mod strands;
+pub mod styles;
 
 pub use mesh::TriMesh;
 pub use sdf::SdfGrid;
