@@ -1,6 +1,7 @@
 //! The CPU side: what a groom is before the GPU sees it.
 
 pub mod grow;
+pub mod mannequin;
 pub mod mesh;
 pub mod sdf;
 pub mod strands;

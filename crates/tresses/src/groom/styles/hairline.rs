@@ -124,12 +124,12 @@ fn elevation_at_height(scalp: &dyn Scalp, azimuth: f32, y: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::standin;
+    use super::super::GridScalp;
     use super::*;
 
     #[test]
     fn hair_grows_on_the_scalp_only() {
-        let head = standin::head();
+        let head = GridScalp::mannequin(96);
         let line = Hairline::new(&head, 0.0, 0.002, 3);
         let marks = head.landmarks();
         let up = head.point(Vec3::Y);

@@ -18,8 +18,6 @@ pub(crate) mod random;
 mod recipe;
 mod roots;
 mod scalp;
-#[cfg(test)]
-pub(crate) mod standin;
 mod trace;
 
 pub use face::Face;

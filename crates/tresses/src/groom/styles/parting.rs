@@ -59,12 +59,12 @@ impl Parting {
 
 #[cfg(test)]
 mod tests {
-    use super::super::standin;
+    use super::super::GridScalp;
     use super::*;
 
     #[test]
     fn a_parting_lies_on_the_scalp_and_has_two_sides() {
-        let head = standin::head();
+        let head = GridScalp::mannequin(96);
         let parting = Parting::new(&head, 0.02, 0.0015, 1);
         for p in &parting.line {
             assert!(head.distance(*p).abs() < 1e-3);

@@ -1,6 +1,6 @@
 //! What a hairstyle needs to know of a head.
 
-use crate::groom::SdfGrid;
+use crate::groom::{SdfGrid, mannequin};
 use glam::{Vec2, Vec3};
 
 /// Points of a head that hairstyles are measured from, groom space, metres.
@@ -56,6 +56,25 @@ pub struct GridScalp {
     pub field: SdfGrid,
     /// The landmarks.
     pub landmarks: Landmarks,
+}
+
+impl GridScalp {
+    /// The built-in mannequin, its field sampled at `resolution` nodes along the longest axis.
+    pub fn mannequin(resolution: u32) -> Self {
+        Self::of_mannequin(mannequin::sdf(resolution))
+    }
+
+    /// The built-in mannequin with its field already sampled.
+    pub fn of_mannequin(field: SdfGrid) -> Self {
+        let landmarks = Landmarks {
+            skull: mannequin::SKULL_CENTRE,
+            brow: mannequin::BROW,
+            chin: mannequin::CHIN,
+            ear: mannequin::EAR,
+            nape: mannequin::NAPE,
+        };
+        Self { field, landmarks }
+    }
 }
 
 impl Scalp for GridScalp {
