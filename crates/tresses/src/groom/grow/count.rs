@@ -62,7 +62,11 @@ pub(crate) fn multi_density(styled: &StyledGuides, growth: &Growth, p: Vec3, uv:
     growth.density_map.as_ref().map_or_else(|| fading(styled, p), |map| map.sample(uv))
 }
 
-/// Full on the scalp, thinning out over the last centimetre to the hairline.
+/// Thinning out over the last centimetre to the hairline, and fullest where nothing lies above the
+/// roots: at the parting and behind the forehead.
 fn fading(styled: &StyledGuides, p: Vec3) -> f32 {
-    0.2 + 0.8 * smoothstep(0.0, 0.011, styled.hairline.inside(p))
+    let edge = styled.hairline.inside(p);
+    let beside = styled.parting.as_ref().map_or(1.0, |parting| parting.nearest(p).distance(p));
+    let open = (1.0 - smoothstep(0.004, 0.012, beside)).max(1.0 - smoothstep(0.012, 0.03, edge));
+    (0.15 + 0.85 * smoothstep(0.0, 0.011, edge)) * (0.6 + 0.4 * open)
 }

@@ -115,7 +115,7 @@ impl Growth {
             tip_width: 0.25,
             clumps: Clumps { spacing: 0.0055, strength: 0.8, start: 0.05, lock: 0.35, tip_spread: 0.45 },
             unrest: Unrest {
-                frizz: 0.0005,
+                frizz: 0.0003,
                 strays: 0.25,
                 stray: 0.004,
                 flyaways: 0.035,

@@ -178,7 +178,7 @@ impl<'a> Shaper<'a> {
         let turn = Quat::from_axis_angle(rng.bell3().normalize_or(Vec3::Y), rng.range(0.0, 2.5));
         let begin = rng.range(0.0, 0.6);
         let (a, b) = (rng.bell3(), rng.bell3());
-        let waves = length / rng.range(0.02, 0.045);
+        let waves = length / rng.range(0.03, 0.08);
         let phase = rng.range(0.0, 6.3);
         let last = (line.len() - 1) as f32;
         for (k, p) in line.iter_mut().enumerate().skip(1) {

@@ -103,7 +103,7 @@ pub struct Long {
 
 impl Default for Long {
     fn default() -> Self {
-        Self { guides: 166, seed: 1, length: 0.32, parting: 0.022, wave: 0.006 }
+        Self { guides: 166, seed: 1, length: 0.32, parting: 0.022, wave: 0.008 }
     }
 }
 
@@ -236,19 +236,19 @@ impl Style {
             hairline_raise: 0.0,
             hairline_irregularity: 0.002,
             parting: Some(0.022),
-            parting_half_width: 0.001,
+            parting_half_width: 0.0006,
             length: LowTop::new(0.24, 0.32),
             shortest: 0.12,
             hem: Some(0.1),
             hem_softness: 0.012,
             lift: LowTop::new(0.35, 0.85),
             volume: LowTop::new(0.005, 0.019),
-            back: 0.5,
+            back: 0.25,
             forward: 0.0,
             gravity: 0.9,
             bend: 0.016,
             wave: 0.006,
-            wavelength: 0.1,
+            wavelength: 0.115,
             tip_in: 0.0,
             tousle: 0.06,
             fringe: false,
@@ -277,7 +277,7 @@ impl Style {
                 wavelength: 0.12,
                 tip_in: 0.8,
                 tousle: 0.03,
-                back: 0.35,
+                back: 0.2,
                 fringe,
                 stiffness: LowTop::new(1.5, 1.5),
                 ..base

@@ -44,8 +44,13 @@ impl Field<'_> {
             let open = 1.0 - smoothstep(0.0, 0.03, from.distance(self.whorl));
             away = (away + Vec3::X * side * 2.0 * near * (1.0 - open)).normalize_or_zero();
         }
+        // Towards the crown hair of both sides sweeps back and covers the parting's end.
+        let crown = match self.parting {
+            Some(_) => 1.0 - smoothstep(0.0, 0.055, from.distance(self.whorl)),
+            None => 0.0,
+        };
         let front = self.frontness(p);
-        away + Vec3::NEG_Z * recipe.back * lerp(0.35, 1.0, front)
+        away + Vec3::NEG_Z * (recipe.back * lerp(0.35, 1.0, front) + 0.9 * crown)
             + (Vec3::Z + Vec3::X * 0.35) * recipe.forward * top
     }
 
@@ -58,7 +63,10 @@ impl Field<'_> {
             Some(parting) => parting.side(root),
             None => 1f32.copysign(root.x),
         };
-        let lift = recipe.lift.at(layer) * (1.0 + 0.2 * rng.bell().clamp(-1.5, 1.5));
+        // Hair lies flatter at the parting.
+        let beside =
+            self.parting.map_or(1.0, |parting| smoothstep(0.0, 0.03, parting.nearest(root).distance(root)));
+        let lift = recipe.lift.at(layer) * lerp(0.6, 1.0, beside) * (1.0 + 0.2 * rng.bell().clamp(-1.5, 1.5));
         let volume = recipe.volume.at(layer) * (1.0 + 0.12 * rng.bell());
         let swing =
             recipe.tousle * noise(root * 45.0, recipe.seed ^ 91) * 1.6 + recipe.tousle * 0.5 * rng.bell();
@@ -72,7 +80,7 @@ impl Field<'_> {
         let mut t = (combed * lift.cos() + n0 * lift.sin()).normalize();
         let mut p = root;
         let mut path = vec![p];
-        let longest = recipe.length.at(layer) * (1.0 + 0.04 * rng.bell());
+        let longest = recipe.length.at(layer) * (1.0 + 0.03 * rng.bell().clamp(-2.0, 2.0));
         let hem = recipe.hem.map(|below| {
             let uneven = noise(root * 60.0, recipe.seed ^ 23) * 0.6 + rng.bell() * 0.3;
             self.marks.chin.y - below + recipe.hem_softness * uneven
@@ -146,14 +154,15 @@ impl Field<'_> {
         if recipe.wave <= 0.0 {
             return;
         }
-        let shared = noise(root * 18.0, recipe.seed ^ 57);
-        let phase = std::f32::consts::TAU * (0.9 * shared + 0.05 * rng.bell());
+        let shared = noise(root * 9.0, recipe.seed ^ 57);
+        let phase = std::f32::consts::TAU * (0.7 * shared + 0.03 * rng.bell());
         let length =
-            recipe.wavelength * (1.0 + 0.2 * noise(root * 25.0, recipe.seed ^ 58) + 0.05 * rng.bell());
+            recipe.wavelength * (1.0 + 0.12 * noise(root * 12.0, recipe.seed ^ 58) + 0.03 * rng.bell());
+        let straight = path.to_vec();
         let mut side = Vec3::ZERO;
         for i in 1..path.len() {
             let along = i as f32 * STEP;
-            let tangent = (path[i] - path[i - 1]).normalize_or(Vec3::NEG_Y);
+            let tangent = (straight[i] - straight[i - 1]).normalize_or(Vec3::NEG_Y);
             if i == 1 {
                 side = tangent.any_orthonormal_vector();
                 let out = self.scalp.normal(root);
@@ -164,7 +173,7 @@ impl Field<'_> {
             let grow = smoothstep(0.04, 0.2f32.min(path.len() as f32 * STEP), along);
             let angle = std::f32::consts::TAU * along / length + phase;
             let offset = (side * angle.sin() + out * 0.6 * angle.cos()) * recipe.wave * grow;
-            let moved = self.face.clear(path[i] + offset, root.x.signum());
+            let moved = self.face.clear(straight[i] + offset, root.x.signum());
             let d = self.scalp.distance(moved);
             path[i] = if d < 0.002 { moved + self.scalp.normal(moved) * (0.002 - d) } else { moved };
         }
