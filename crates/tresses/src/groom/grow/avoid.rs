@@ -5,7 +5,10 @@ use crate::groom::styles::{Face, Scalp};
 use glam::Vec3;
 
 /// Rounds of pushing out and restoring lengths.
-const ROUNDS: usize = 3;
+const ROUNDS: usize = 2;
+
+/// A push that stretches no segment worth mentioning, metres.
+const TOLERABLE: f32 = 4e-4;
 
 /// A distance field never changes faster than the way; blended and sampled ones are trusted less.
 const TRUST: f32 = 0.7;
@@ -30,7 +33,7 @@ impl<'a> Keeper<'a> {
             *length = w[0].distance(w[1]);
         }
         for round in 0..=ROUNDS {
-            if !self.push(line, full, &lengths) || round == ROUNDS {
+            if self.push(line, full, &lengths) < TOLERABLE || round == ROUNDS {
                 break;
             }
             for i in 1..line.len() {
@@ -40,9 +43,9 @@ impl<'a> Keeper<'a> {
         }
     }
 
-    /// Whether anything had to be moved.
-    fn push(&self, line: &mut [Vec3], full: f32, lengths: &[f32; 64]) -> bool {
-        let mut moved = false;
+    /// Moves vertices out; the longest way that one had to go, metres.
+    fn push(&self, line: &mut [Vec3], full: f32, lengths: &[f32; 64]) -> f32 {
+        let mut moved = 0.0f32;
         let mut along = 0.0;
         let mut free = 0.0f32;
         for i in 1..line.len() {
@@ -71,7 +74,7 @@ impl<'a> Keeper<'a> {
                 .face
                 .map_or(1.0, |face| ((p - face.centre).length() - face.radii.max_element()).max(0.0));
             if p != line[i] {
-                moved = true;
+                moved = moved.max(p.distance(line[i]));
                 line[i] = p;
                 free = 0.0;
             } else {

@@ -68,5 +68,5 @@ fn fading(styled: &StyledGuides, p: Vec3) -> f32 {
     let edge = styled.hairline.inside(p);
     let beside = styled.parting.as_ref().map_or(1.0, |parting| parting.nearest(p).distance(p));
     let open = (1.0 - smoothstep(0.004, 0.012, beside)).max(1.0 - smoothstep(0.012, 0.03, edge));
-    (0.15 + 0.85 * smoothstep(0.0, 0.011, edge)) * (0.6 + 0.4 * open)
+    (0.15 + 0.85 * smoothstep(0.0, 0.011, edge)) * (0.5 + 0.5 * open)
 }

@@ -23,7 +23,7 @@ pub struct Clumps {
     pub spacing: f32,
     /// How far strands run together at the tip, 0 to 1.
     pub strength: f32,
-    /// Fraction of the length at which they begin to.
+    /// Fraction of the length at which they begin to; below 0 where they grow together.
     pub start: f32,
     /// How far strands are drawn to their heaviest guide at the tip, 0 to 1: the locks.
     pub lock: f32,
@@ -120,7 +120,7 @@ impl Growth {
                 stray: 0.004,
                 flyaways: 0.035,
                 flyaway: 0.016,
-                shorter: 0.14,
+                shorter: 0.11,
             },
             clearance: 0.001,
             seed: style.recipe().seed,
@@ -135,11 +135,12 @@ impl Growth {
             Style::Curly(_) => Self {
                 vertices: 64,
                 clump_share: 0.2,
-                clumps: Clumps { spacing: 0.01, strength: 0.82, start: 0.03, lock: 0.1, tip_spread: 0.8 },
+                clumps: Clumps { spacing: 0.011, strength: 0.95, start: -0.4, lock: 0.1, tip_spread: 0.8 },
                 unrest: Unrest { frizz: 0.0008, flyaways: 0.05, flyaway: 0.014, shorter: 0.2, ..base.unrest },
                 ..base
             },
             Style::Short(_) => Self {
+                strand_count: Some(30_000),
                 vertices: 16,
                 clump_share: 0.25,
                 clumps: Clumps { spacing: 0.0065, strength: 0.6, start: 0.1, lock: 0.2, tip_spread: 0.6 },
@@ -180,7 +181,7 @@ impl Growth {
         fraction("tip width", self.tip_width)?;
         fraction("width variation", self.width_variation)?;
         fraction("clump strength", self.clumps.strength)?;
-        fraction("clump start", self.clumps.start)?;
+
         fraction("lock strength", self.clumps.lock)?;
         fraction("clump tip spread", self.clumps.tip_spread)?;
         fraction("share of strays", self.unrest.strays)?;

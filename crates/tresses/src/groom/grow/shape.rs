@@ -21,6 +21,8 @@ pub(crate) struct Shaper<'a> {
     clump: Vec<u32>,
     /// The uncut curve of each clump's centre.
     centres: Vec<Vec3>,
+    /// Two directions across it at each of its points.
+    across: Vec<[Vec3; 2]>,
 }
 
 impl<'a> Shaper<'a> {
@@ -39,6 +41,7 @@ impl<'a> Shaper<'a> {
             keeper: Keeper::new(scalp, styled.face, growth.clearance),
             clump: vec![0; seeds.len()],
             centres: Vec::new(),
+            across: Vec::new(),
         };
         // A scalp has about 0.065 square metres. The first strands are as evenly spread as all.
         let wanted = (0.065 / growth.clumps.spacing.max(5e-4).powi(2)) as usize;
@@ -64,6 +67,7 @@ impl<'a> Shaper<'a> {
         for (seed, line) in seeds.iter().zip(centres.chunks_exact_mut(CENTRE_POINTS)) {
             shaper.base(&Seed { fraction: 1.0, ..*seed }, line);
         }
+        shaper.across = centres.chunks_exact(CENTRE_POINTS).flat_map(frames).collect();
         shaper.centres = centres;
         shaper
     }
@@ -116,7 +120,7 @@ impl<'a> Shaper<'a> {
         let flyaway = stray < self.growth.unrest.flyaways;
         self.gather(clump, seed, if flyaway { 0.3 } else { 1.0 }, rng, line);
         if self.styled.curl.radius > 0.0 {
-            self.wind(clump, flyaway, rng, line);
+            self.wind(clump, seed, flyaway, rng, line);
         }
         self.unrest(stray, rng, line);
         self.keeper.keep(line, rng);
@@ -137,29 +141,34 @@ impl<'a> Shaper<'a> {
             let x = t * (CENTRE_POINTS - 1) as f32;
             let i = (x as usize).min(CENTRE_POINTS - 2);
             let middle = centre[i].lerp(centre[i + 1], x - i as f32);
-            let profile = smoothstep(clumps.start, 1.0, t).sqrt();
+            let profile = smoothstep(clumps.start, 0.85, t);
             *p = p.lerp(middle, strength * profile);
         }
     }
 
-    /// Winds the strand around its own path.
-    fn wind(&self, clump: u32, flyaway: bool, rng: &mut Rng, line: &mut [Vec3]) {
+    /// Winds the strand around its path. The strands of a clump turn together: they share the way
+    /// along the clump's centre and the directions across it.
+    fn wind(&self, clump: u32, seed: &Seed, flyaway: bool, rng: &mut Rng, line: &mut [Vec3]) {
+        let at = clump as usize * CENTRE_POINTS;
+        let Some(centre) = self.centres.get(at..at + CENTRE_POINTS) else { return };
+        let across = &self.across[at..at + CENTRE_POINTS];
         let curl = self.styled.curl;
         let mut shared = Rng::new(self.growth.seed ^ 0xcafe, clump);
-        let radius = curl.radius * shared.range(0.75, 1.25) * (1.0 + 0.12 * rng.bell());
+        let radius = curl.radius * shared.range(0.75, 1.25) * (1.0 + 0.1 * rng.bell());
         let pitch = curl.pitch * shared.range(0.8, 1.25);
         let hand = if shared.unit() < 0.5 { 1.0 } else { -1.0 };
-        let spread = if flyaway { 1.0 } else { 0.22 };
+        let spread = if flyaway { 1.0 } else { 0.2 };
         let phase = shared.range(0.0, std::f32::consts::TAU) + spread * rng.bell();
-        let along = frames(line);
-        let mut arc = 0.0;
-        let mut before = line[0];
-        for (p, [u, v]) in line.iter_mut().zip(along).skip(1) {
-            arc += p.distance(before);
-            before = *p;
-            let grown = radius * smoothstep(0.0, 0.035, arc);
+        let length: f32 = centre.windows(2).map(|w| w[0].distance(w[1])).sum();
+        let last = (line.len() - 1) as f32;
+        for (k, p) in line.iter_mut().enumerate().skip(1) {
+            let t = k as f32 / last * seed.fraction;
+            let x = t * (CENTRE_POINTS - 1) as f32;
+            let i = (x as usize).min(CENTRE_POINTS - 2);
+            let [u, v] = [0, 1].map(|a| across[i][a].lerp(across[i + 1][a], x - i as f32));
+            let arc = t * length;
             let angle = hand * std::f32::consts::TAU * arc / pitch.max(1e-3) + phase;
-            *p += (u * angle.cos() + v * angle.sin()) * grown;
+            *p += (u * angle.cos() + v * angle.sin()) * radius * smoothstep(0.0, 0.035, arc);
         }
     }
 

@@ -26,6 +26,11 @@ impl Face {
         (1.0 - ((p - self.centre) / self.radii).length()).max(0.0)
     }
 
+    /// A distance that surely can be gone from `p` without coming inside, metres.
+    pub fn room(&self, p: Vec3) -> f32 {
+        ((((p - self.centre) / self.radii).length() - 1.0) * self.radii.min_element()).max(0.0)
+    }
+
     /// The nearest way out that does not lead up or down: to the side, and a little back.
     pub fn aside(&self, p: Vec3, side: f32) -> Vec3 {
         let way = if p.x.abs() > 0.004 { p.x.signum() } else { side };

@@ -15,15 +15,16 @@ pub struct Parting {
 
 impl Parting {
     /// A parting at the distance `x` (metres, positive to the head's left) from the middle, from the
-    /// forehead's hairline at `front` back to the crown, where it turns towards the middle.
-    pub fn new(scalp: &dyn Scalp, x: f32, half_width: f32, seed: u32) -> Self {
+    /// forehead's hairline back to the crown, where it turns towards the middle. It strays from its
+    /// way by up to `wander` metres.
+    pub fn new(scalp: &dyn Scalp, x: f32, half_width: f32, wander: f32, seed: u32) -> Self {
         let line = (0..=48)
             .map(|i| {
                 let t = i as f32 / 48.0;
-                // From 20 degrees above the horizon at the front to 30 degrees behind the top.
-                let angle = (22.0 + 98.0 * t).to_radians();
-                let wander = 0.0012 * noise(Vec3::new(t * 9.0, 0.5, 0.5), seed);
-                let aside = x * (1.0 - 0.35 * t * t) + wander;
+                // From 22 degrees above the horizon at the front to a little behind the top.
+                let angle = (22.0 + 80.0 * t).to_radians();
+                let astray = wander * noise(Vec3::new(t * 9.0, 0.5, 0.5), seed);
+                let aside = x * (1.0 - 0.35 * t * t) + astray;
                 let dir = Vec3::new(aside / 0.085, angle.sin(), angle.cos());
                 scalp.point(dir)
             })
@@ -65,7 +66,7 @@ mod tests {
     #[test]
     fn a_parting_lies_on_the_scalp_and_has_two_sides() {
         let head = GridScalp::mannequin(96);
-        let parting = Parting::new(&head, 0.02, 0.0015, 1);
+        let parting = Parting::new(&head, 0.02, 0.0015, 0.001, 1);
         for p in &parting.line {
             assert!(head.distance(*p).abs() < 1e-3);
         }

@@ -28,9 +28,14 @@ pub trait Scalp {
 
     /// The outward direction at `p`: the gradient of the distance.
     fn normal(&self, p: Vec3) -> Vec3 {
-        let h = 1e-3;
-        let d = |axis: Vec3| self.distance(p + axis * h) - self.distance(p - axis * h);
-        Vec3::new(d(Vec3::X), d(Vec3::Y), d(Vec3::Z)).normalize_or(Vec3::Y)
+        // Four looks at the corners of a tetrahedron tell the whole gradient.
+        let corners = [
+            Vec3::new(1.0, -1.0, -1.0),
+            Vec3::new(-1.0, -1.0, 1.0),
+            Vec3::new(-1.0, 1.0, -1.0),
+            Vec3::new(1.0, 1.0, 1.0),
+        ];
+        corners.iter().map(|c| *c * self.distance(p + *c * 8e-4)).sum::<Vec3>().normalize_or(Vec3::Y)
     }
 
     /// The point of the skin that lies in the direction `dir` from the middle of the skull.

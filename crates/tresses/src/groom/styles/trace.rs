@@ -46,12 +46,21 @@ impl Field<'_> {
         }
         // Towards the crown hair of both sides sweeps back and covers the parting's end.
         let crown = match self.parting {
-            Some(_) => 1.0 - smoothstep(0.0, 0.055, from.distance(self.whorl)),
-            None => 0.0,
+            Some(_) => {
+                (1.0 - smoothstep(0.01, 0.06, from.distance(self.whorl)))
+                    * (1.0 - smoothstep(0.02, 0.06, p.distance(from)))
+            }
+            None => {
+                // Around a whorl hair turns.
+                let near = 1.0 - smoothstep(0.0, 0.05, p.distance(from));
+                away = (away + (from - self.marks.skull).normalize_or(Vec3::Y).cross(away) * 1.3 * near)
+                    .normalize_or_zero();
+                0.0
+            }
         };
         let front = self.frontness(p);
-        away + Vec3::NEG_Z * (recipe.back * lerp(0.35, 1.0, front) + 0.9 * crown)
-            + (Vec3::Z + Vec3::X * 0.35) * recipe.forward * top
+        away + Vec3::NEG_Z * (recipe.back * lerp(0.35, 1.0, front) + 1.6 * crown)
+            + (Vec3::Z + Vec3::X * 0.12) * recipe.forward * top * smoothstep(-0.01, 0.05, p.z - self.whorl.z)
     }
 
     /// The path from `root`: points at equal steps, root first.
@@ -65,9 +74,16 @@ impl Field<'_> {
         };
         // Hair lies flatter at the parting.
         let beside =
-            self.parting.map_or(1.0, |parting| smoothstep(0.0, 0.03, parting.nearest(root).distance(root)));
-        let lift = recipe.lift.at(layer) * lerp(0.6, 1.0, beside) * (1.0 + 0.2 * rng.bell().clamp(-1.5, 1.5));
-        let volume = recipe.volume.at(layer) * (1.0 + 0.12 * rng.bell());
+            self.parting.map_or(1.0, |parting| smoothstep(0.0, 0.04, parting.nearest(root).distance(root)));
+        // Around a whorl it stands up, or the crown would be a hollow.
+        let stand = match self.parting {
+            Some(_) => 0.0,
+            None => 1.0 - smoothstep(0.005, 0.06, root.distance(self.whorl)),
+        };
+        let lift = lerp(recipe.lift.at(layer), 1.45, stand)
+            * lerp(0.6, 1.0, beside)
+            * (1.0 + 0.2 * rng.bell().clamp(-1.5, 1.5));
+        let volume = recipe.volume.at(layer) * lerp(0.6, 1.0, beside) * (1.0 + 0.12 * rng.bell());
         let swing =
             recipe.tousle * noise(root * 45.0, recipe.seed ^ 91) * 1.6 + recipe.tousle * 0.5 * rng.bell();
         let fringe = recipe.fringe && self.is_fringe(root);
@@ -96,6 +112,8 @@ impl Field<'_> {
                     * if p.y > self.marks.brow.y + 0.04 { 1.0 } else { 0.0 };
             }
             comb = glam::Quat::from_axis_angle(n, swing * (1.0 - along / 0.12).max(0.0)) * comb;
+            // It leads along the head, never off it.
+            comb -= n * comb.dot(n);
             // The comb holds over the braincase; below and away from it hair falls.
             let held = smoothstep(self.marks.ear.y - 0.03, self.marks.ear.y + 0.05, p.y)
                 * (1.0 - smoothstep(volume + 0.01, volume + 0.05, d));
@@ -120,7 +138,7 @@ impl Field<'_> {
             if depth > 0.0 && !fringe {
                 target += self.face.aside(p, side) * (depth * 8.0).min(2.0);
             }
-            let turn = 1.0 - (-STEP / recipe.bend).exp();
+            let turn = 1.0 - (-STEP / (recipe.bend * (1.0 + stand))).exp();
             t = t.lerp(target.normalize_or(t), turn).normalize_or(t);
             p += t * STEP;
             if !fringe {
