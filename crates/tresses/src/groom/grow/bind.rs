@@ -114,11 +114,7 @@ impl<'a> Scaffold<'a> {
 
     /// Whether the parting runs between `a` and `b`.
     fn crosses(&self, a: Vec3, b: Vec3) -> bool {
-        self.styled.parting.as_ref().is_some_and(|parting| {
-            let middle = 0.5 * (a + b);
-            parting.side(a) != parting.side(b)
-                && parting.nearest(middle).distance(middle) < 0.55 * a.distance(b)
-        })
+        self.styled.parting.as_ref().is_some_and(|parting| parting.separates(a, b))
     }
 
     /// The guides of a strand rooted at `root`: the corners of its triangle, or of the nearest.

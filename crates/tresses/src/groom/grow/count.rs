@@ -29,7 +29,8 @@ pub(crate) fn totals(
         (0..styled.guides.len())
             .map(|g| {
                 let root = scaffold.root(g);
-                let density = clump_density(styled, growth, root, scalp_uv(root - skull));
+                let density =
+                    clump_density(growth, styled.hairline.inside(root), 1.0, scalp_uv(root - skull));
                 (density * growth.clump_count as f32) as usize
             })
             .sum()
@@ -40,7 +41,8 @@ pub(crate) fn totals(
             .iter()
             .map(|t| {
                 let root: Vec3 = t.iter().map(|&g| scaffold.root(g as usize)).sum::<Vec3>() / 3.0;
-                let density = multi_density(styled, growth, root, scalp_uv(root - skull));
+                let density =
+                    multi_density(growth, styled.hairline.inside(root), 1.0, scalp_uv(root - skull));
                 (density * growth.multi_count as f32) as usize
             })
             .sum()
@@ -52,21 +54,27 @@ pub(crate) fn totals(
     }
 }
 
-/// Density of clump-based strands at a scalp point.
-pub(crate) fn clump_density(styled: &StyledGuides, growth: &Growth, p: Vec3, uv: Vec2) -> f32 {
-    growth.clump_map.as_ref().map_or_else(|| fading(styled, p), |map| map.sample(uv))
+/// Density of clump-based strands at a scalp point `edge` metres inside the hairline.
+pub(crate) fn clump_density(growth: &Growth, edge: f32, open: f32, uv: Vec2) -> f32 {
+    growth.clump_map.as_ref().map_or_else(|| fading(edge, open), |map| map.sample(uv))
 }
 
-/// Density of multi-strands at a scalp point.
-pub(crate) fn multi_density(styled: &StyledGuides, growth: &Growth, p: Vec3, uv: Vec2) -> f32 {
-    growth.density_map.as_ref().map_or_else(|| fading(styled, p), |map| map.sample(uv))
+/// Density of multi-strands at such a point.
+pub(crate) fn multi_density(growth: &Growth, edge: f32, open: f32, uv: Vec2) -> f32 {
+    growth.density_map.as_ref().map_or_else(|| fading(edge, open), |map| map.sample(uv))
 }
 
-/// Thinning out over the last centimetre to the hairline, and fullest where nothing lies above the
-/// roots: at the parting and behind the forehead.
-fn fading(styled: &StyledGuides, p: Vec3) -> f32 {
-    let edge = styled.hairline.inside(p);
-    let beside = styled.parting.as_ref().map_or(1.0, |parting| parting.nearest(p).distance(p));
-    let open = (1.0 - smoothstep(0.004, 0.012, beside)).max(1.0 - smoothstep(0.012, 0.03, edge));
-    (0.15 + 0.85 * smoothstep(0.0, 0.011, edge)) * (0.5 + 0.5 * open)
+/// How far a scalp point lies open, 0 to 1: beside the parting and around the whorl no hair lies
+/// above the roots.
+pub(crate) fn open(styled: &StyledGuides, p: Vec3, beside: f32) -> f32 {
+    match &styled.parting {
+        Some(_) => 1.0 - smoothstep(0.003, 0.01, beside),
+        None => 1.0 - smoothstep(0.01, 0.035, p.distance(styled.whorl)),
+    }
+}
+
+/// Thinning out over the last centimetre to the hairline, fullest where the scalp lies open.
+fn fading(edge: f32, open: f32) -> f32 {
+    let forehead = 1.0 - smoothstep(0.012, 0.03, edge);
+    (0.15 + 0.85 * smoothstep(0.0, 0.011, edge)) * (0.4 + (0.6 * open).max(0.3 * forehead))
 }

@@ -2,7 +2,7 @@
 
 use super::Growth;
 use super::bind::{Bound, Scaffold};
-use super::count::{clump_density, multi_density};
+use super::count::{clump_density, multi_density, open};
 use crate::groom::styles::random::{Rng, smoothstep};
 use crate::groom::styles::{Scalp, StyledGuides, scalp_uv, spread_direction};
 use crate::{Error, Result};
@@ -14,6 +14,9 @@ pub(crate) struct Seed {
     pub(crate) root: Vec3,
     pub(crate) uv: Vec2,
     pub(crate) bound: Bound,
+    /// The side of the parting, and the distance from it, metres.
+    pub(crate) side: f32,
+    pub(crate) beside: f32,
     /// Whether it follows one guide.
     pub(crate) clump: bool,
     /// Fraction of the guides' length at which it ends.
@@ -56,18 +59,20 @@ pub(crate) fn seeds(
             continue;
         }
         let edge = styled.hairline.inside(root);
-        let beside = styled.parting.as_ref().map_or(1.0, |parting| {
-            parting.nearest(root).distance(root) - parting.half_width * rng.range(0.6, 1.4)
+        if edge < 0.0 {
+            continue;
+        }
+        let (side, beside) = styled.parting.as_ref().map_or((1.0, 1.0), |parting| {
+            let q = parting.nearest(root);
+            (if root.x >= q.x { 1.0 } else { -1.0 }, q.distance(root))
         });
-        if edge < 0.0 || beside < 0.0 {
+        if beside < styled.recipe.parting_half_width * rng.range(0.6, 1.4) {
             continue;
         }
         let uv = scalp_uv(root - skull);
-        let density = if clump {
-            clump_density(styled, growth, root, uv)
-        } else {
-            multi_density(styled, growth, root, uv)
-        };
+        let open = open(styled, root, beside);
+        let density =
+            if clump { clump_density(growth, edge, open, uv) } else { multi_density(growth, edge, open, uv) };
         if rng.unit() >= density {
             continue;
         }
@@ -78,6 +83,8 @@ pub(crate) fn seeds(
             root,
             uv,
             bound,
+            side,
+            beside,
             clump,
             fraction: fraction(growth, edge, &mut rng),
             thickness: growth

@@ -54,9 +54,8 @@ impl<'a> Shaper<'a> {
         for (i, seed) in seeds.iter().enumerate() {
             let cost = |k: usize, d: f32| {
                 // Hair does not cross the parting to its clump.
-                let side =
-                    styled.parting.as_ref().is_some_and(|p| p.side(seeds[k].root) != p.side(seed.root));
-                d * sizes[k] + if side && d < 0.02 { 1.0 } else { 0.0 }
+                let across = seed.beside < 0.02 && seeds[k].side != seed.side;
+                d * sizes[k] + if across { 1.0 } else { 0.0 }
             };
             // The nearest by mere distance decides for centres themselves: each is its own.
             let own = if i < count { Some(i) } else { cells.nearest(flat(seed), 0.39, cost) };

@@ -47,6 +47,8 @@ pub struct StyledGuides {
     pub hairline: Hairline,
     /// The parting, if there is one.
     pub parting: Option<Parting>,
+    /// Where the hair of the crown parts, on the scalp, metres.
+    pub whorl: Vec3,
     /// The space that hair leaves free, or `None` where a fringe falls into it.
     pub face: Option<Face>,
     /// The numbers that the guides were made from.
@@ -82,8 +84,17 @@ pub fn guides_of(recipe: &Recipe, scalp: &dyn Scalp) -> StyledGuides {
         strands.root_uvs.push(scalp_uv(root - marks.skull));
         stiffness.push(recipe.stiffness.at(field.layer(root)));
     }
-    let face = (!recipe.fringe).then_some(field.face);
-    StyledGuides { guides: strands, stiffness, curl: recipe.curl, hairline, parting, face, recipe: *recipe }
+    let (face, whorl) = ((!recipe.fringe).then_some(field.face), field.whorl);
+    StyledGuides {
+        guides: strands,
+        stiffness,
+        curl: recipe.curl,
+        hairline,
+        parting,
+        whorl,
+        face,
+        recipe: *recipe,
+    }
 }
 
 /// `count` points at equal distances along `path`, its ends included.

@@ -32,10 +32,20 @@ impl Parting {
         Self { line, half_width }
     }
 
-    /// The point of the parting that is nearest to `p`.
+    /// The point of the parting that is nearest to `p`. The line has no sharp bends, so that the
+    /// nearest of every sixth point tells where to look.
     pub fn nearest(&self, p: Vec3) -> Vec3 {
+        const STRIDE: usize = 6;
+        let mut coarse = (f32::INFINITY, 0);
+        for (i, q) in self.line.iter().enumerate().step_by(STRIDE) {
+            let d = q.distance_squared(p);
+            if d < coarse.0 {
+                coarse = (d, i);
+            }
+        }
+        let last = (coarse.1 + STRIDE + 1).min(self.line.len());
         let mut best = (f32::INFINITY, p);
-        for w in self.line.windows(2) {
+        for w in self.line[coarse.1.saturating_sub(STRIDE)..last].windows(2) {
             let edge = w[1] - w[0];
             let t = ((p - w[0]).dot(edge) / edge.length_squared().max(1e-12)).clamp(0.0, 1.0);
             let q = w[0] + edge * t;
@@ -45,6 +55,13 @@ impl Parting {
             }
         }
         best.1
+    }
+
+    /// Whether the parting runs between the scalp points `a` and `b`.
+    pub fn separates(&self, a: Vec3, b: Vec3) -> bool {
+        let (middle, reach) = (0.5 * (a + b), 0.55 * a.distance(b));
+        let q = self.nearest(middle);
+        q.distance_squared(middle) < reach * reach && self.side(a) != self.side(b)
     }
 
     /// The side of `p`: -1 or 1, by the sign of its x beyond the parting.
@@ -72,6 +89,13 @@ mod tests {
         }
         let p = parting.line[20];
         assert!(parting.nearest(p).distance(p) < 1e-5);
+        for i in 0..200 {
+            let p = head.point(crate::groom::styles::spread_direction(i, glam::Vec2::ZERO));
+            let brute = parting.line.iter().map(|q| q.distance(p)).fold(f32::INFINITY, f32::min);
+            assert!(parting.nearest(p).distance(p) < brute + 1e-6);
+        }
+        assert!(parting.separates(p + Vec3::X * 0.01, p - Vec3::X * 0.01));
+        assert!(!parting.separates(p + Vec3::X * 0.01, p + Vec3::X * 0.03));
         assert_eq!(parting.side(p + Vec3::X * 0.01), 1.0);
         assert_eq!(parting.side(p - Vec3::X * 0.01), -1.0);
     }

@@ -312,7 +312,7 @@ impl Style {
                 length: LowTop::new(sides, top),
                 shortest: sides.min(top) * 0.8,
                 hem: None,
-                lift: LowTop::new(0.35, 1.0),
+                lift: LowTop::new(0.35, 0.8),
                 volume: LowTop::new(0.004, 0.022),
                 back: 0.0,
                 forward: 0.7,

@@ -80,12 +80,17 @@ impl Field<'_> {
             Some(_) => 0.0,
             None => 1.0 - smoothstep(0.005, 0.06, root.distance(self.whorl)),
         };
-        let lift = lerp(recipe.lift.at(layer), 1.45, stand)
+        let lift = lerp(recipe.lift.at(layer), 1.15, stand)
             * lerp(0.6, 1.0, beside)
             * (1.0 + 0.2 * rng.bell().clamp(-1.5, 1.5));
         let volume = recipe.volume.at(layer) * lerp(0.6, 1.0, beside) * (1.0 + 0.12 * rng.bell());
-        let swing =
-            recipe.tousle * noise(root * 45.0, recipe.seed ^ 91) * 1.6 + recipe.tousle * 0.5 * rng.bell();
+        let wild = match self.parting {
+            Some(_) => 0.0,
+            None => 2.5 * (1.0 - smoothstep(0.01, 0.04, root.distance(self.whorl))),
+        };
+        let swing = recipe.tousle * wild * rng.bell()
+            + recipe.tousle * noise(root * 45.0, recipe.seed ^ 91) * 1.6
+            + recipe.tousle * 0.5 * rng.bell();
         let fringe = recipe.fringe && self.is_fringe(root);
 
         let n0 = self.scalp.normal(root);
