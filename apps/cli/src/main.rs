@@ -1,2 +1,86 @@
-//! The `tresses` command.
-fn main() {}
+//! The `tresses` command: grooms in, pictures of moving hair out.
+
+mod args;
+mod bench;
+mod camera;
+mod demo;
+mod interrupt;
+mod motion;
+mod picture;
+mod progress;
+mod render;
+mod scene;
+
+use clap::Parser;
+use std::process::ExitCode;
+
+/// Real-time hair: grooms in, moving shaded hair out.
+#[derive(Parser)]
+#[command(version, arg_required_else_help = true, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(clap::Subcommand)]
+enum Command {
+    /// Draw a groom or a built-in style: a picture, numbered frames, or an animation
+    Render(render::Args),
+    /// Show the built-in character with moving hair: out/demo.png and out/demo.webp
+    Demo(demo::Args),
+    /// Measure every stage on this machine's GPU
+    Bench(bench::Args),
+}
+
+fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return refuse(&error),
+    };
+    interrupt::listen();
+    let result = match cli.command {
+        Command::Render(args) => render::run(&args),
+        Command::Demo(args) => demo::run(&args),
+        Command::Bench(args) => bench::run(&args),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("tresses: {}", one_line(&format!("{error:#}")));
+            ExitCode::from(if error.is::<interrupt::Interrupted>() { interrupt::EXIT_CODE as u8 } else { 1 })
+        }
+    }
+}
+
+/// Help and version are no mistakes; all else is one sentence.
+fn refuse(error: &clap::Error) -> ExitCode {
+    use clap::error::ErrorKind;
+    match error.kind() {
+        ErrorKind::DisplayHelp
+        | ErrorKind::DisplayVersion
+        | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            // A closed pipe is the reader's choice.
+            let _ = error.print();
+            ExitCode::SUCCESS
+        }
+        _ => {
+            let text = error.render().to_string();
+            let sentence = text.split("\n\n").next().unwrap_or_default();
+            eprintln!("tresses: {}", one_line(sentence.trim_start_matches("error: ")));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Prints a line; a closed pipe is the reader's choice.
+macro_rules! say {
+    ($($part:tt)*) => {{
+        use std::io::Write;
+        let _ = writeln!(std::io::stdout(), $($part)*);
+    }};
+}
+use say;

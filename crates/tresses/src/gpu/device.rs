@@ -58,7 +58,10 @@ impl Gpu {
     /// # Errors
     /// [`Error::Adapter`] when there is none, with what to do about it.
     pub async fn open() -> Result<Self> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+        // OpenGL lacks what the compute stages need, and probing it is slow and noisy.
+        descriptor.backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
+        let instance = wgpu::Instance::new(descriptor);
         let adapter = match std::env::var("WGPU_ADAPTER_NAME") {
             Ok(name) => instance
                 .enumerate_adapters(wgpu::Backends::all())

@@ -1,3 +1,5 @@
 //! Small mathematics that several stages share.
 
+pub mod hash;
 pub mod pose;
+pub mod rotation;

@@ -1,6 +1,18 @@
 //! Triangle meshes: heads and bodies that hair grows on and collides with.
 
+pub mod bvh;
+mod edit;
+mod parts;
+pub mod sdf;
+#[cfg(test)]
+mod shapes;
+mod triangle;
+
 use glam::Vec3;
+
+pub use bvh::{Bvh, Closest};
+pub use parts::Part;
+pub use sdf::SdfOptions;
 
 /// A triangle mesh, metres, in the same space as the groom.
 #[derive(Clone, Debug, Default, PartialEq)]

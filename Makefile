@@ -1,0 +1,41 @@
+# Two commands do everything, set-up included: `make demo` and `make test`.
+# All of them build with one profile, so that dependencies are compiled once.
+
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DEFAULT_GOAL := help
+
+# Rustup's own folder, for shells that were opened before it was installed.
+export PATH := $(PATH):$(HOME)/.cargo/bin
+CARGO ?= cargo
+
+# The real grooms that some tests and rows of `make bench` read; both say so when they are absent.
+TRESSES_ASSETS ?= $(abspath $(wildcard ../shared/assets))
+ifneq ($(TRESSES_ASSETS),)
+export TRESSES_ASSETS
+endif
+
+.PHONY: help setup demo test bench clean
+
+help: ## Show this list
+	@grep -E '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/  make \1\t\2/' | expand -t 14
+
+setup: ## Install what is missing: toolchain, C compiler, a Vulkan driver
+	@scripts/setup
+
+demo: setup ## Show the built-in character with moving hair: out/demo.png and out/demo.webp
+	$(CARGO) run --quiet --package tresses-cli -- demo
+
+test: setup ## Format, lints, docs, WebAssembly check, then every test
+	$(CARGO) fmt --all --check
+	$(CARGO) clippy --workspace --all-targets --quiet -- -D warnings
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --quiet
+	$(CARGO) check --package tresses --target wasm32-unknown-unknown --quiet
+	TRESSES_REQUIRE_GPU=1 $(CARGO) test --workspace
+
+bench: setup ## Measure every stage on this machine's GPU
+	$(CARGO) run --quiet --package tresses-cli -- bench
+
+clean: ## Remove what was built and out/
+	$(CARGO) clean
+	rm -rf out

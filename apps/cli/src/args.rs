@@ -1,0 +1,192 @@
+//! What the options of several subcommands mean, and the sentences for values that make no sense.
+
+use std::{path::PathBuf, str::FromStr};
+
+/// The widest or highest picture, pixels.
+const MAX_SIDE: u32 = 16_384;
+
+/// The most pixels of one picture: 8K.
+const MAX_PIXELS: u64 = 7680 * 4320;
+
+/// Which hair on which head.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct Source {
+    /// Groom files (.tfx, .hair, .obj), joined into one groom; without any, a built-in style
+    #[arg(value_name = "GROOM")]
+    pub grooms: Vec<PathBuf>,
+    /// The head that the groom grows on and collides with (.obj, .gltf, .glb)
+    #[arg(long, value_name = "MESH")]
+    pub head: Option<PathBuf>,
+    /// A built-in hairstyle: long, bob, curly or short
+    #[arg(long, value_name = "NAME", conflicts_with = "grooms")]
+    pub style: Option<String>,
+    /// Hair colour: blond, brown, red, or a linear albedo given as sRGB, as in 5a3b28
+    #[arg(long, value_name = "NAME|RRGGBB", default_value = "brown")]
+    pub color: Color,
+    /// How many strands are drawn, at most
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4_000_000))]
+    pub strands: Option<u32>,
+    /// How many strands of a groom are simulated, the others following them: a number or `all`
+    #[arg(long, value_name = "N|all")]
+    pub guides: Option<Guides>,
+}
+
+/// A hair colour.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Color {
+    /// A preset by its name.
+    Preset(String),
+    /// sRGB, 0 to 255.
+    Srgb([u8; 3]),
+}
+
+/// The names of the colour presets.
+pub const COLORS: [&str; 3] = ["blond", "brown", "red"];
+
+impl Default for Color {
+    fn default() -> Self {
+        Self::Preset("brown".into())
+    }
+}
+
+impl FromStr for Color {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if COLORS.contains(&text) {
+            return Ok(Self::Preset(text.into()));
+        }
+        let digits = text.strip_prefix('#').unwrap_or(text);
+        match u32::from_str_radix(digits, 16) {
+            Ok(rgb) if digits.len() == 6 && digits.bytes().all(|b| b.is_ascii_hexdigit()) => {
+                let [_, r, g, b] = rgb.to_be_bytes();
+                Ok(Self::Srgb([r, g, b]))
+            }
+            _ => Err(format!("choose {} or six hexadecimal digits RRGGBB", COLORS.join(", "))),
+        }
+    }
+}
+
+impl Color {
+    /// Linear sRGB, where the colour was given as such.
+    pub fn linear(&self) -> Option<[f32; 3]> {
+        let Self::Srgb(srgb) = self else { return None };
+        Some(srgb.map(|value| {
+            let v = f32::from(value) / 255.0;
+            if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+        }))
+    }
+}
+
+/// How many strands of a groom are guides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Guides {
+    /// Every strand is simulated.
+    All,
+    /// That many, well spread.
+    Count(u32),
+}
+
+impl FromStr for Guides {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.parse() {
+            Ok(count) if count > 0 => Ok(Self::Count(count)),
+            _ if text == "all" => Ok(Self::All),
+            _ => Err("give a number from 1 on, or `all`".into()),
+        }
+    }
+}
+
+/// The size of a picture in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+}
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (width, height) = text
+            .split_once(['x', 'X', '×'])
+            .and_then(|(w, h)| Some((w.parse::<u32>().ok()?, h.parse::<u32>().ok()?)))
+            .ok_or("give width x height in pixels, as in 1280x720")?;
+        if !(16..=MAX_SIDE).contains(&width) || !(16..=MAX_SIDE).contains(&height) {
+            return Err(format!("each side must be 16 to {MAX_SIDE} pixels long"));
+        }
+        if u64::from(width) * u64::from(height) > MAX_PIXELS {
+            return Err(format!("a picture has at most {MAX_PIXELS} pixels (7680x4320)"));
+        }
+        Ok(Self { width, height })
+    }
+}
+
+impl Size {
+    /// Width over height.
+    pub fn aspect(self) -> f32 {
+        self.width as f32 / self.height as f32
+    }
+}
+
+/// Samples per pixel: a power of two up to 16.
+pub fn samples(text: &str) -> Result<u32, String> {
+    match text.parse() {
+        Ok(n @ (1 | 2 | 4 | 8 | 16)) => Ok(n),
+        _ => Err("choose 1, 2, 4, 8 or 16".into()),
+    }
+}
+
+/// Frames per second.
+pub fn fps(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(fps) if (1.0..=1000.0).contains(&fps) => Ok(fps),
+        _ => Err("give a number from 1 to 1000".into()),
+    }
+}
+
+/// How near the camera is: a name or a factor.
+pub fn zoom(text: &str) -> Result<f32, String> {
+    match text {
+        "close" => Ok(2.2),
+        "normal" => Ok(1.0),
+        "far" => Ok(0.35),
+        _ => match text.parse() {
+            Ok(zoom) if (0.01..=20.0).contains(&zoom) => Ok(zoom),
+            _ => Err("choose close, normal, far or a factor from 0.01 to 20".into()),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_mean_what_they_say() {
+        assert_eq!("1280x720".parse(), Ok(Size { width: 1280, height: 720 }));
+        assert_eq!("FF8000".parse(), Ok(Color::Srgb([255, 128, 0])));
+        assert_eq!("#ff8000".parse(), Ok(Color::Srgb([255, 128, 0])));
+        assert_eq!("all".parse(), Ok(Guides::All));
+        assert_eq!("12".parse(), Ok(Guides::Count(12)));
+        assert_eq!(zoom("normal"), Ok(1.0));
+        let linear = "ff8000".parse::<Color>().unwrap().linear().unwrap();
+        assert!(linear[0] == 1.0 && (linear[1] - 0.2158).abs() < 1e-3 && linear[2] == 0.0);
+    }
+
+    #[test]
+    fn nonsense_is_refused() {
+        for size in ["", "12", "0x0", "8x8", "axb", "20000x100", "16000x16000", "-1x100", "100x100x100"] {
+            assert!(size.parse::<Size>().is_err(), "{size}");
+        }
+        for color in ["", "green", "12345", "+12345", "1234567"] {
+            assert!(color.parse::<Color>().is_err(), "{color}");
+        }
+        assert!("0".parse::<Guides>().is_err() && "none".parse::<Guides>().is_err());
+        assert!(samples("3").is_err() && fps("0").is_err() && fps("NaN").is_err() && zoom("0").is_err());
+    }
+}

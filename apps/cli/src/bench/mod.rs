@@ -1,0 +1,67 @@
+//! `tresses bench`: milliseconds per stage from GPU timestamps, on the scenes that others have measured.
+//!
+//! Every frame is submitted and waited for alone, so that a stage's time is its own. Medians are
+//! given because a software driver shares its cores with everything else; the 95th percentile says
+//! how far to trust them.
+
+mod report;
+mod statistics;
+mod workload;
+
+use crate::{interrupt, progress, say};
+use anyhow::Result;
+pub use report::Adapter;
+use report::Report;
+use std::path::PathBuf;
+
+/// The options of `tresses bench`.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// Groom files to simulate entirely, next to the built-in scenes [default: Sintel's in $TRESSES_ASSETS]
+    #[arg(value_name = "GROOM")]
+    pub grooms: Vec<PathBuf>,
+    /// The head of that groom
+    #[arg(long, value_name = "MESH", requires = "grooms")]
+    pub head: Option<PathBuf>,
+    /// Measured frames per scene [default: 30, with --quick 8]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub frames: Option<u32>,
+    /// Fewer frames and a shorter line of strand counts
+    #[arg(long)]
+    pub quick: bool,
+    /// Print JSON instead of tables
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl Args {
+    fn frames(&self) -> u32 {
+        self.frames.unwrap_or(if self.quick { 8 } else { 30 })
+    }
+}
+
+/// Runs `tresses bench`.
+pub fn run(args: &Args) -> Result<()> {
+    let mut report = Report::default();
+    let mut groups = workload::seed();
+    groups.extend(workload::peer(args));
+    let frames = args.frames();
+    let scenes: usize = groups.iter().map(|group| group.runs.len()).sum();
+    let counts = workload::strand_counts(args.quick);
+    let bar = progress::frames("measuring", (scenes as u64 + counts.len() as u64) * u64::from(frames));
+    for group in &groups {
+        report.groups.push(workload::measure(group, frames, &bar)?);
+        report.adapter = report.groups[0].adapter.clone();
+    }
+    for strands in counts {
+        interrupt::check()?;
+        report.line.push(workload::point(strands, frames, &bar)?);
+    }
+    bar.finish_and_clear();
+    if args.json {
+        say!("{}", serde_json::to_string_pretty(&report)?);
+    } else {
+        say!("{}", report.text().trim_end());
+    }
+    Ok(())
+}

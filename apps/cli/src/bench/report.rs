@@ -1,0 +1,273 @@
+//! What was measured, as tables for people and as JSON for machines.
+
+use super::statistics::{Summary, line};
+use serde::Serialize;
+use std::fmt::Write;
+
+/// Everything `tresses bench` found.
+#[derive(Debug, Default, Serialize)]
+pub struct Report {
+    /// Name, driver and abilities.
+    pub adapter: Adapter,
+    /// The scenes.
+    pub groups: Vec<Group>,
+    /// Cost against the number of strands.
+    pub line: Vec<Point>,
+}
+
+/// On what it was measured.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Adapter {
+    /// As the driver calls it.
+    pub name: String,
+    /// Vulkan, Metal, Dx12 or Gl.
+    pub backend: String,
+    /// Name and version.
+    pub driver: String,
+    /// Whether it runs on the CPU.
+    pub software: bool,
+    /// Whether it can time its passes.
+    pub timestamps: bool,
+    /// The most samples per pixel.
+    pub max_samples: u32,
+}
+
+/// One scene in one or several states.
+#[derive(Debug, Default, Serialize)]
+pub struct Group {
+    /// What it is.
+    pub name: String,
+    /// What others have measured on it.
+    pub others: String,
+    #[serde(skip)]
+    pub adapter: Adapter,
+    /// Pixels.
+    pub size: [u32; 2],
+    /// Per pixel of the target.
+    pub samples: u32,
+    /// Simulated.
+    pub guides: u32,
+    /// Drawn.
+    pub strands: u32,
+    /// Of each drawn strand.
+    pub vertices_per_strand: u32,
+    /// Of the hair.
+    pub triangles: u64,
+    /// GPU memory of the groom.
+    pub bytes: u64,
+    /// That divided by the drawn vertices.
+    pub bytes_per_vertex: f64,
+    /// At rest, in motion.
+    pub runs: Vec<Run>,
+}
+
+/// One scene in one state.
+#[derive(Debug, Default, Serialize)]
+pub struct Run {
+    /// At rest, or in motion.
+    pub state: String,
+    /// In order; from GPU timestamps.
+    pub stages: Vec<Stage>,
+    /// The sum of the stages in each frame.
+    pub gpu: Summary,
+    /// From recording to the GPU's last answer.
+    pub frame: Summary,
+}
+
+/// One stage's time.
+#[derive(Debug, Serialize)]
+pub struct Stage {
+    /// The pass or passes of that name.
+    pub name: String,
+    #[serde(flatten)]
+    pub time: Summary,
+}
+
+/// One point of the line of strand counts.
+#[derive(Debug, Serialize)]
+pub struct Point {
+    /// Drawn.
+    pub strands: u32,
+    /// Milliseconds, the sum of the stages.
+    pub gpu: Summary,
+    /// Milliseconds, whole frame.
+    pub frame: Summary,
+}
+
+impl Report {
+    /// As tables.
+    pub fn text(&self) -> String {
+        let a = &self.adapter;
+        let kind = if a.software { ", on the CPU" } else { "" };
+        let mut text = format!("{} ({}, {}{kind})\n", a.name, a.backend, a.driver);
+        if !a.timestamps {
+            text += "This adapter cannot time its passes: whole frames only.\n";
+        }
+        text += "Milliseconds: median and 95th percentile.\n";
+        for group in &self.groups {
+            group.write(&mut text);
+        }
+        if !self.line.is_empty() {
+            self.write_line(&mut text);
+        }
+        text
+    }
+
+    fn write_line(&self, text: &mut String) {
+        let points: Vec<_> = self.line.iter().map(|p| (f64::from(p.strands), p.frame.median)).collect();
+        let (fixed, slope) = line(&points);
+        let mut rows = vec![["strands", "frame", "p95", "GPU", "p95", "line"].map(String::from).to_vec()];
+        for point in &self.line {
+            let mut row = vec![count(point.strands.into())];
+            row.extend([point.frame.median, point.frame.p95, point.gpu.median, point.gpu.p95].map(ms));
+            row.push(ms(fixed + slope * f64::from(point.strands)));
+            rows.push(row);
+        }
+        let _ = write!(
+            text,
+            "\nCost against the number of strands (style long in motion, 1280 × 720, 1 sample): \
+             {} ms + {} ms per 1,000 strands\n{}",
+            ms(fixed),
+            ms(slope * 1000.0),
+            table(&rows)
+        );
+    }
+}
+
+impl Group {
+    fn write(&self, text: &mut String) {
+        let [width, height] = self.size;
+        let _ = writeln!(
+            text,
+            "\n{}: {width} × {height}, {}\n{} guides, {} strands × {} vertices, {} triangles, \
+             {:.1} MB on the GPU, {:.1} bytes per drawn vertex",
+            self.name,
+            if self.samples == 1 { "1 sample".into() } else { format!("{}×MSAA", self.samples) },
+            count(self.guides.into()),
+            count(self.strands.into()),
+            self.vertices_per_strand,
+            count(self.triangles),
+            self.bytes as f64 * 1e-6,
+            self.bytes_per_vertex,
+        );
+        if !self.others.is_empty() {
+            let _ = writeln!(text, "{}", self.others);
+        }
+        let Some(first) = self.runs.first() else { return };
+        let mut rows = vec![vec![String::new()]];
+        for run in &self.runs {
+            rows[0].extend([run.state.clone(), "p95".into()]);
+        }
+        let mut row = |name: &str, time: &dyn Fn(&Run) -> Summary| {
+            let mut row = vec![name.to_owned()];
+            for run in &self.runs {
+                let time = time(run);
+                row.extend([ms(time.median), ms(time.p95)]);
+            }
+            rows.push(row);
+        };
+        for stage in &first.stages {
+            row(&stage.name, &|run| {
+                run.stages.iter().find(|s| s.name == stage.name).map_or(Summary::default(), |s| s.time)
+            });
+        }
+        if !first.stages.is_empty() {
+            row("all stages", &|run| run.gpu);
+        }
+        row("whole frame", &|run| run.frame);
+        *text += &table(&rows);
+    }
+}
+
+/// Milliseconds with three significant digits or so.
+fn ms(value: f64) -> String {
+    let digits = if value < 1.0 {
+        3
+    } else if value < 10.0 {
+        2
+    } else {
+        1
+    };
+    format!("{value:.digits$}")
+}
+
+/// With a comma between thousands.
+fn count(value: u64) -> String {
+    let digits = value.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// Columns of equal width: the first to the left, the others to the right.
+fn table(rows: &[Vec<String>]) -> String {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |c: usize| rows.iter().filter_map(|row| row.get(c)).map(|v| v.chars().count()).max();
+    let widths: Vec<_> = (0..columns).map(|c| width(c).unwrap_or(0)).collect();
+    let mut text = String::new();
+    for row in rows {
+        let mut cells = String::new();
+        for (c, cell) in row.iter().enumerate() {
+            let w = widths[c];
+            let _ = if c == 0 { write!(cells, "  {cell:<w$}") } else { write!(cells, "  {cell:>w$}") };
+        }
+        text += cells.trim_end();
+        text.push('\n');
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn report() -> Report {
+        let time = |median| Summary { median, p95: median * 1.5 };
+        let run = |state: &str, scale| Run {
+            state: state.into(),
+            stages: vec![
+                Stage { name: "simulate".into(), time: time(0.25 * scale) },
+                Stage { name: "draw".into(), time: time(50.0 * scale) },
+            ],
+            gpu: time(50.25 * scale),
+            frame: time(60.0 * scale),
+        };
+        Report {
+            groups: vec![Group {
+                name: "a scene".into(),
+                samples: 4,
+                size: [1920, 1200],
+                triangles: 990_016,
+                runs: vec![run("at rest", 1.0), run("in motion", 2.0)],
+                ..Group::default()
+            }],
+            line: vec![
+                Point { strands: 1000, gpu: time(1.0), frame: time(3.0) },
+                Point { strands: 100_000, gpu: time(100.0), frame: time(102.0) },
+            ],
+            ..Report::default()
+        }
+    }
+
+    #[test]
+    fn tables_are_aligned() {
+        let text = report().text();
+        assert!(text.contains("990,016 triangles") && text.contains("1920 × 1200, 4×MSAA"));
+        let line = |name: &str| text.lines().find(|l| l.trim_start().starts_with(name)).unwrap();
+        assert_eq!(line("simulate").len(), line("whole frame").len());
+        assert!(line("simulate").contains("0.250") && line("draw").contains("100.0"));
+        assert!(text.contains("2.00 ms + 1.00 ms per 1,000 strands"), "{text}");
+    }
+
+    #[test]
+    fn json_holds_the_numbers() {
+        let value = serde_json::to_value(report()).unwrap();
+        assert_eq!(value["groups"][0]["runs"][1]["stages"][1]["median"], 100.0);
+        assert_eq!(value["line"][0]["strands"], 1000);
+    }
+}

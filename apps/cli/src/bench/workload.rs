@@ -1,0 +1,187 @@
+//! What is measured: the seed's two scenes, a peer's, and a line of strand counts.
+
+use super::{
+    Args,
+    report::{Group, Point, Run, Stage},
+    statistics::Summary,
+};
+use crate::{
+    args::{Color, Guides, Size, Source},
+    camera::{Camera, View},
+    interrupt,
+    motion::Motion,
+    scene::Scene,
+};
+use anyhow::{Context, Result};
+use indicatif::ProgressBar;
+use std::{path::PathBuf, time::Instant};
+
+/// Frames before the first that counts: shaders are compiled, caches and clocks are warm.
+const WARM_UP: u32 = 2;
+
+/// Frames per second of the motion that is measured.
+const FPS: f64 = 60.0;
+
+/// One scene to measure.
+pub struct Workload {
+    name: &'static str,
+    others: &'static str,
+    source: Source,
+    /// Draw as many strands as make about this many triangles.
+    triangles: Option<u64>,
+    size: Size,
+    samples: Option<u32>,
+    /// The names of states and of their motions.
+    pub runs: Vec<(&'static str, &'static str)>,
+}
+
+fn style(strands: Option<u32>) -> Source {
+    Source { style: Some("long".into()), strands, ..Source::default() }
+}
+
+/// The seed's two scenes.
+pub fn seed() -> Vec<Workload> {
+    let runs = vec![("at rest", "still"), ("in motion", "turn")];
+    vec![
+        Workload {
+            name: "The seed's first scene",
+            others: "GeForce 8800 GTX, 2008, 8×MSAA: 15.6 ms at rest, 24.4 ms in motion",
+            source: style(None),
+            triangles: Some(990_000),
+            size: Size { width: 1920, height: 1200 },
+            samples: Some(8),
+            runs: runs.clone(),
+        },
+        Workload {
+            name: "The seed's second scene, 1280 × 1024 with 2 × 2 times the pixels",
+            others: "GeForce 8800 GTX, 2008, 8×MSAA: 41.7 ms at rest, 57.1 ms in motion",
+            source: style(None),
+            triangles: Some(2_100_000),
+            size: Size { width: 2560, height: 2048 },
+            samples: Some(8),
+            runs,
+        },
+    ]
+}
+
+/// A groom with every strand simulated, at the size and samples of a WebGPU peer.
+pub fn peer(args: &Args) -> Option<Workload> {
+    let (grooms, head) = if args.grooms.is_empty() {
+        let folder = PathBuf::from(std::env::var_os("TRESSES_ASSETS")?).join("sintel");
+        let groom = folder.join("SintelHairOriginal-sintel_hair.16points.tfx");
+        if !groom.exists() {
+            return None;
+        }
+        (vec![groom], Some(folder.join("sintel.obj")))
+    } else {
+        (args.grooms.clone(), args.head.clone())
+    };
+    let others = if args.grooms.is_empty() {
+        "A WebGPU peer, two CPU cores, software Vulkan: simulate 109 ms, draw 117 ms, whole frame 1113 ms"
+    } else {
+        ""
+    };
+    Some(Workload {
+        name: "Every strand of a groom simulated",
+        others,
+        source: Source {
+            grooms,
+            head,
+            color: Color::default(),
+            guides: Some(Guides::All),
+            ..Source::default()
+        },
+        triangles: None,
+        size: Size { width: 1280, height: 720 },
+        samples: Some(1),
+        runs: vec![("at rest", "still"), ("in motion", "turn")],
+    })
+}
+
+/// The counts of the line.
+pub fn strand_counts(quick: bool) -> Vec<u32> {
+    if quick { vec![1_000, 10_000, 100_000] } else { vec![1_000, 3_000, 10_000, 30_000, 100_000] }
+}
+
+/// Measures `workload` in each of its states.
+pub fn measure(workload: &Workload, frames: u32, bar: &ProgressBar) -> Result<Group> {
+    let mut source = workload.source.clone();
+    if let Some(triangles) = workload.triangles {
+        source.strands = Some(Scene::strands_for(triangles));
+    }
+    let mut scene = Scene::open_at_most(&source, workload.size, workload.samples)
+        .with_context(|| workload.name.to_owned())?;
+    let runs = workload
+        .runs
+        .iter()
+        .map(|(state, motion)| run(&mut scene, state, motion, workload.size, frames, bar))
+        .collect::<Result<_>>()?;
+    let facts = scene.facts();
+    Ok(Group {
+        name: workload.name.into(),
+        others: workload.others.into(),
+        adapter: scene.adapter_facts(),
+        size: [workload.size.width, workload.size.height],
+        samples: scene.samples(),
+        guides: facts.guides,
+        strands: facts.strands,
+        vertices_per_strand: facts.vertices_per_strand,
+        triangles: facts.triangles,
+        bytes: facts.bytes,
+        bytes_per_vertex: facts.bytes as f64
+            / (f64::from(facts.strands) * f64::from(facts.vertices_per_strand)).max(1.0),
+        runs,
+    })
+}
+
+/// Measures the long style with `strands` strands.
+pub fn point(strands: u32, frames: u32, bar: &ProgressBar) -> Result<Point> {
+    let size = Size { width: 1280, height: 720 };
+    let mut scene = Scene::open_at_most(&style(Some(strands)), size, Some(1))?;
+    let run = run(&mut scene, "in motion", "turn", size, frames, bar)?;
+    Ok(Point { strands: scene.facts().strands, gpu: run.gpu, frame: run.frame })
+}
+
+fn run(
+    scene: &mut Scene,
+    state: &str,
+    motion: &str,
+    size: Size,
+    frames: u32,
+    bar: &ProgressBar,
+) -> Result<Run> {
+    let motion = Motion::named(motion).context("a built-in motion")?;
+    let camera = Camera::portrait(View::ThreeQuarter, scene.subject(), size.aspect(), 1.0);
+    let pivot = scene.pivot();
+    scene.reset(&motion.pose(0.0, pivot))?;
+    let mut stages: Vec<(&'static str, Vec<f64>)> = Vec::new();
+    let (mut sums, mut walls) = (Vec::new(), Vec::new());
+    for frame in 0..WARM_UP + frames {
+        interrupt::check()?;
+        let pose = motion.pose(f64::from(frame + 1) / FPS, pivot);
+        let start = Instant::now();
+        let times = scene.measured_frame(&pose, (1.0 / FPS) as f32, &camera)?;
+        let wall = start.elapsed().as_secs_f64() * 1e3;
+        if frame < WARM_UP {
+            continue;
+        }
+        bar.inc(1);
+        walls.push(wall);
+        sums.push(times.iter().map(|(_, ms)| ms).sum());
+        for (name, ms) in times {
+            match stages.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, values)) => values.push(ms),
+                None => stages.push((name, vec![ms])),
+            }
+        }
+    }
+    Ok(Run {
+        state: state.into(),
+        stages: stages
+            .into_iter()
+            .map(|(name, values)| Stage { name: name.into(), time: Summary::of(values) })
+            .collect(),
+        gpu: Summary::of(sums),
+        frame: Summary::of(walls),
+    })
+}

@@ -1,0 +1,159 @@
+//! Portrait cameras: where to stand so that the head and its hair fill the picture.
+
+use tresses::glam::{self, Mat4, Vec3};
+
+/// The vertical field of view of every camera, radians: a portrait lens.
+pub const VERTICAL_FOV: f32 = 30.0 / 180.0 * std::f32::consts::PI;
+
+/// How much of the picture's height or width the subject fills.
+const FILL: f32 = 0.84;
+
+/// The height that must be in the picture below the top of the hair or head, metres: a head with its chin.
+const HEAD_HEIGHT: f32 = 0.27;
+
+/// From where the head is seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum View {
+    /// From before the face.
+    Front,
+    /// Half from the side of the head's left.
+    #[default]
+    ThreeQuarter,
+    /// From the head's left.
+    Side,
+    /// From behind.
+    Back,
+}
+
+impl View {
+    /// The turn to the head's left and the height above the horizon, degrees.
+    fn angles(self) -> (f32, f32) {
+        match self {
+            Self::Front => (0.0, 4.0),
+            Self::ThreeQuarter => (32.0, 4.0),
+            Self::Side => (90.0, 4.0),
+            Self::Back => (180.0, 6.0),
+        }
+    }
+}
+
+/// A box, smallest and largest corner, metres.
+pub type Bounds = (Vec3, Vec3);
+
+/// What a portrait shows of the hair's and the head's boxes: all hair, the head to its chin, not the shoulders.
+pub fn subject(hair: Bounds, head: Option<Bounds>) -> Bounds {
+    let top = head.map_or(hair.1.y, |head| head.1.y.max(hair.1.y));
+    let mut lo = hair.0;
+    let mut hi = hair.1;
+    hi.y = top;
+    if let Some(head) = head {
+        lo.y = lo.y.min((top - HEAD_HEIGHT).max(head.0.y));
+        // A bust's shoulders are wider than the picture needs to be; its face is not.
+        lo.z = lo.z.min(head.0.z.max(hair.0.z - 0.05));
+        hi.z = hi.z.max(head.1.z.min(hair.1.z + 0.05));
+    }
+    (lo, hi)
+}
+
+/// A pinhole camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Where it is, metres.
+    pub eye: Vec3,
+    /// What it looks at, metres.
+    pub target: Vec3,
+}
+
+impl Camera {
+    /// Frames `subject` from `view` in a picture `aspect` times as wide as high; `zoom` 2 shows half as much.
+    pub fn portrait(view: View, subject: Bounds, aspect: f32, zoom: f32) -> Self {
+        let (azimuth, elevation) = view.angles();
+        let (azimuth, elevation) = (azimuth.to_radians(), elevation.to_radians());
+        let back =
+            Vec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos());
+        let right = Vec3::new(azimuth.cos(), 0.0, -azimuth.sin());
+        let up = back.cross(right);
+        let target = 0.5 * (subject.0 + subject.1);
+        let half = 0.5 * (subject.1 - subject.0);
+        let tan = (0.5 * VERTICAL_FOV).tan() * FILL;
+        // An elliptic cylinder rather than the box: no hairstyle reaches the corners of its box.
+        let distance = (0..32)
+            .flat_map(|i| {
+                let angle = i as f32 / 16.0 * std::f32::consts::PI;
+                [-1.0, 1.0].map(|y| half * Vec3::new(angle.cos(), y, angle.sin()))
+            })
+            .map(|p| p.dot(back) + (p.dot(up).abs() / tan).max(p.dot(right).abs() / (tan * aspect)))
+            .fold(0.05, f32::max);
+        Self { eye: target + back * (distance / zoom), target }
+    }
+
+    /// From the world to the camera, which looks along −Z.
+    pub fn view(&self) -> Mat4 {
+        glam::camera::rh::view::look_at_mat4(self.eye, self.target, Vec3::Y)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HAIR: Bounds = (Vec3::new(-0.11, 1.40, -0.13), Vec3::new(0.10, 1.67, 0.13));
+
+    fn project(camera: &Camera, p: Vec3, aspect: f32) -> (f32, f32) {
+        let clip = glam::camera::rh::proj::directx::perspective(VERTICAL_FOV, aspect, 0.01, 100.0)
+            * camera.view()
+            * p.extend(1.0);
+        assert!(clip.w > 0.0);
+        (clip.x / clip.w, clip.y / clip.w)
+    }
+
+    #[test]
+    fn the_subject_is_inside_and_fills_the_picture() {
+        for view in [View::Front, View::ThreeQuarter, View::Side, View::Back] {
+            for aspect in [0.5, 1.0, 1.6] {
+                let camera = Camera::portrait(view, HAIR, aspect, 1.0);
+                let mut reach: f32 = 0.0;
+                for i in 0..8 {
+                    let pick = |bit: usize, lo: f32, hi: f32| if i >> bit & 1 == 0 { lo } else { hi };
+                    // The cylinder's extremes: axis ends of the box's top and bottom.
+                    let p = Vec3::new(
+                        pick(0, HAIR.0.x, HAIR.1.x) * 0.7,
+                        pick(1, HAIR.0.y, HAIR.1.y),
+                        pick(2, HAIR.0.z, HAIR.1.z) * 0.7,
+                    );
+                    let (x, y) = project(&camera, p, aspect);
+                    assert!(x.abs() < 0.95 && y.abs() < 0.95, "{view:?} {aspect}: {x} {y}");
+                    reach = reach.max(x.abs()).max(y.abs());
+                }
+                assert!(reach > 0.6, "{view:?} {aspect}: {reach}");
+                let (x, y) = project(&camera, camera.target, aspect);
+                assert!(x.abs() < 1e-5 && y.abs() < 1e-5);
+            }
+        }
+    }
+
+    #[test]
+    fn views_stand_where_they_say() {
+        let eye = |view| {
+            let camera = Camera::portrait(view, HAIR, 1.6, 1.0);
+            camera.eye - camera.target
+        };
+        assert!(eye(View::Front).z > 0.3 && eye(View::Front).x.abs() < 1e-6);
+        assert!(eye(View::ThreeQuarter).x > 0.2 && eye(View::ThreeQuarter).z > 0.3);
+        assert!(eye(View::Side).x > 0.3 && eye(View::Back).z < -0.3);
+        assert!(
+            Camera::portrait(View::Front, HAIR, 1.6, 2.0).eye.z
+                < Camera::portrait(View::Front, HAIR, 1.6, 1.0).eye.z
+        );
+    }
+
+    #[test]
+    fn short_hair_shows_the_chin_and_no_shoulders() {
+        let hair = (Vec3::new(-0.09, 1.60, -0.10), Vec3::new(0.09, 1.70, 0.08));
+        let bust = (Vec3::new(-0.25, 1.20, -0.15), Vec3::new(0.25, 1.69, 0.12));
+        let (lo, hi) = subject(hair, Some(bust));
+        assert!((hi.y - lo.y - HEAD_HEIGHT).abs() < 1e-5);
+        assert!(hi.x < 0.1 && hi.z >= 0.12);
+        assert_eq!(subject(hair, None), hair);
+    }
+}

@@ -1,0 +1,65 @@
+//! `tresses demo`: the built-in character, as a picture and as a loop.
+
+use crate::{
+    args::{Size, Source},
+    camera::{Camera, View},
+    interrupt,
+    motion::Motion,
+    picture::Output,
+    progress,
+    render::{Times, animate},
+    say,
+    scene::Scene,
+};
+use anyhow::{Context, Result};
+use std::{path::PathBuf, time::Instant};
+
+/// The size of the picture.
+const PICTURE: Size = Size { width: 1920, height: 1200 };
+
+/// The size and speed of the loop: small enough that a software driver draws it in two minutes.
+const LOOP: Size = Size { width: 800, height: 500 };
+const LOOP_FPS: f64 = 20.0;
+
+/// The options of `tresses demo`.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// The folder that receives demo.png and demo.webp
+    #[arg(long, value_name = "FOLDER", default_value = "out")]
+    pub out: PathBuf,
+    /// A built-in hairstyle: long, bob, curly or short
+    #[arg(long, value_name = "NAME", default_value = "long")]
+    pub style: String,
+}
+
+/// Runs `tresses demo`.
+pub fn run(args: &Args) -> Result<()> {
+    let source = Source { style: Some(args.style.clone()), ..Source::default() };
+    let motion = Motion::named("turn").context("the built-in motions hold a turn")?;
+
+    let spinner = progress::spinner("growing and draping the hair, drawing a picture");
+    let mut scene = Scene::open(&source, PICTURE, None)?;
+    eprintln!("Drawing on {}.", scene.adapter());
+    let camera = Camera::portrait(View::ThreeQuarter, scene.subject(), PICTURE.aspect(), 1.0);
+    let mut output = Output::create(&args.out.join("demo.png"), (PICTURE.width, PICTURE.height), 1, 1.0)?;
+    let start = Instant::now();
+    scene.reset(&motion.pose(0.0, scene.pivot()))?;
+    output.add(scene.picture(&camera)?)?;
+    let seconds = start.elapsed().as_secs_f64();
+    let picture = output.finish()?;
+    spinner.finish_and_clear();
+    interrupt::check()?;
+
+    let frames = (motion.duration() * LOOP_FPS).round() as u32;
+    let share = f64::from(LOOP.width * LOOP.height) / f64::from(PICTURE.width * PICTURE.height);
+    eprintln!("Drawing a loop of {frames} frames; about {:.0} s.", f64::from(frames) * seconds * share + 5.0);
+    scene.resize(LOOP)?;
+    let path = args.out.join("demo.webp");
+    let mut output = Output::create(&path, (LOOP.width, LOOP.height), frames, LOOP_FPS)?;
+    let times = Times { frames, fps: LOOP_FPS, lead: -motion.duration() };
+    let camera = Camera::portrait(View::ThreeQuarter, scene.subject(), LOOP.aspect(), 0.85);
+    animate(&mut scene, &camera, &motion, times, &mut output)?;
+    say!("{picture}");
+    say!("{}", output.finish()?);
+    Ok(())
+}

@@ -1,0 +1,319 @@
+//! Where pictures go: one file, a folder of numbered frames, or an animation file. The path decides.
+//!
+//! Nothing half-written is ever seen under its final name: every file is written next to its place
+//! under a temporary name and moved there when it is complete.
+
+mod animation;
+mod file;
+
+use animation::{Apng, Gif, WebP};
+use anyhow::{Context, Result, bail, ensure};
+use std::path::{Path, PathBuf};
+
+/// Pixels from top left, row by row, sRGB.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Four bytes per pixel: red, green, blue, alpha.
+    pub rgba: Vec<u8>,
+}
+
+impl Picture {
+    /// As the bytes of a PNG file without alpha.
+    pub fn png(&self) -> Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, self.width, self.height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(&self.rgb())?;
+        writer.finish()?;
+        Ok(bytes)
+    }
+
+    fn rgb(&self) -> Vec<u8> {
+        self.rgba.as_chunks::<4>().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect()
+    }
+
+    /// Writes it as a PNG file.
+    pub fn write(&self, path: &Path) -> Result<()> {
+        file::write(path, &self.png()?)
+    }
+}
+
+/// What a path stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// One `.png`.
+    Still,
+    /// A folder of numbered frames.
+    Folder,
+    /// `.webp`: small, in true colour, shown by every browser.
+    WebP,
+    /// `.gif`: 256 colours per frame.
+    Gif,
+    /// `.apng`: lossless and large.
+    Apng,
+}
+
+impl Kind {
+    /// The kind `path` asks for: by its extension; without one, a folder.
+    pub fn of(path: &Path) -> Result<Self> {
+        let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+        Ok(match extension.as_deref() {
+            _ if path.is_dir() || path.as_os_str().to_string_lossy().ends_with(['/', '\\']) => Self::Folder,
+            None => Self::Folder,
+            Some("png") => Self::Still,
+            Some("webp") => Self::WebP,
+            Some("gif") => Self::Gif,
+            Some("apng") => Self::Apng,
+            Some(other) => bail!(
+                "{}: pictures cannot be written as .{other}; choose .png, .webp, .gif, .apng, or a folder",
+                path.display()
+            ),
+        })
+    }
+
+    /// Whether it is one file with many frames.
+    pub fn is_animation(self) -> bool {
+        matches!(self, Self::WebP | Self::Gif | Self::Apng)
+    }
+
+    /// The most pixels along one side that the format can hold.
+    pub fn max_side(self) -> u32 {
+        match self {
+            Self::WebP => 16_383,
+            Self::Gif => 65_535,
+            Self::Still | Self::Folder | Self::Apng => u32::MAX,
+        }
+    }
+}
+
+/// Turns frames into one file.
+trait Animation {
+    fn add(&mut self, picture: &Picture) -> Result<()>;
+    fn finish(self: Box<Self>) -> Result<Vec<u8>>;
+}
+
+/// Takes the frames of one output in order.
+pub struct Output {
+    path: PathBuf,
+    sink: Sink,
+}
+
+enum Sink {
+    /// The last picture counts.
+    Still(Option<Picture>),
+    Folder {
+        next: u32,
+    },
+    Animation(Box<dyn Animation>),
+}
+
+impl Output {
+    /// Prepares to write `frames` frames of `width` × `height` pixels at `fps` frames per second.
+    /// Folders are made here, so that a path that cannot be written fails before the work, not after.
+    pub fn create(path: &Path, size: (u32, u32), frames: u32, fps: f64) -> Result<Self> {
+        let kind = Kind::of(path)?;
+        let (width, height) = size;
+        ensure!(
+            width.max(height) <= kind.max_side(),
+            "{}: this format holds at most {} pixels along a side",
+            path.display(),
+            kind.max_side()
+        );
+        let folder = match kind {
+            Kind::Folder => path,
+            _ => path.parent().unwrap_or(Path::new("")),
+        };
+        if !folder.as_os_str().is_empty() {
+            std::fs::create_dir_all(folder)
+                .with_context(|| format!("{}: the folder cannot be made", folder.display()))?;
+        }
+        file::probe(folder)?;
+        let sink = match kind {
+            Kind::Still => Sink::Still(None),
+            Kind::Folder => Sink::Folder { next: 0 },
+            Kind::WebP => Sink::Animation(Box::new(WebP::new(width, height, fps)?)),
+            Kind::Gif => Sink::Animation(Box::new(Gif::new(width, height, fps)?)),
+            Kind::Apng => Sink::Animation(Box::new(Apng::new(width, height, frames, fps)?)),
+        };
+        Ok(Self { path: path.to_owned(), sink })
+    }
+
+    /// Whether only the last frame will be kept.
+    pub fn keeps_only_last(&self) -> bool {
+        matches!(self.sink, Sink::Still(_))
+    }
+
+    /// The next frame.
+    pub fn add(&mut self, picture: Picture) -> Result<()> {
+        match &mut self.sink {
+            Sink::Still(last) => *last = Some(picture),
+            Sink::Folder { next } => {
+                picture.write(&self.path.join(format!("frame_{next:04}.png")))?;
+                *next += 1;
+            }
+            Sink::Animation(animation) => {
+                animation.add(&picture).with_context(|| self.path.display().to_string())?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Completes the output: what was written, in words.
+    pub fn finish(self) -> Result<String> {
+        let shown = self.path.display();
+        match self.sink {
+            Sink::Still(Some(picture)) => {
+                picture.write(&self.path)?;
+                Ok(format!("{shown} ({} × {})", picture.width, picture.height))
+            }
+            Sink::Still(None) => bail!("{shown}: there is no picture to write"),
+            Sink::Folder { next } => {
+                let last = next.saturating_sub(1);
+                Ok(format!(
+                    "{} to frame_{last:04}.png ({next} frames)",
+                    self.path.join("frame_0000.png").display()
+                ))
+            }
+            Sink::Animation(animation) => {
+                let bytes = animation.finish().with_context(|| shown.to_string())?;
+                file::write(&self.path, &bytes)?;
+                Ok(format!("{shown} ({:.1} MB)", bytes.len() as f64 * 1e-6))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gradient(shift: u8) -> Picture {
+        let (width, height) = (48, 32);
+        let rgba = (0..height)
+            .flat_map(|y| (0..width).flat_map(move |x| [(x * 5) as u8 ^ shift, (y * 7) as u8, 90, 255]))
+            .collect();
+        Picture { width, height, rgba }
+    }
+
+    /// The mean difference of a channel, 0 to 255.
+    fn difference(a: &[u8], b: &[u8]) -> f64 {
+        assert_eq!(a.len(), b.len());
+        a.iter().zip(b).map(|(a, b)| f64::from(a.abs_diff(*b))).sum::<f64>() / a.len() as f64
+    }
+
+    fn write(name: &str, frames: &[Picture]) -> (tempfile::TempDir, PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("new").join(name);
+        let mut output = Output::create(&path, (48, 32), frames.len() as u32, 25.0).unwrap();
+        for frame in frames {
+            output.add(frame.clone()).unwrap();
+        }
+        output.finish().unwrap();
+        (folder, path)
+    }
+
+    fn read_png(path: &Path) -> (png::OutputInfo, Vec<u8>) {
+        let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
+        let mut reader = png::Decoder::new(file).read_info().unwrap();
+        let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut bytes).unwrap();
+        (info, bytes)
+    }
+
+    #[test]
+    fn the_path_decides() {
+        for (path, kind) in [
+            ("a.png", Kind::Still),
+            ("a.PNG", Kind::Still),
+            ("out/frames", Kind::Folder),
+            ("out/v1.2/", Kind::Folder),
+            ("a.webp", Kind::WebP),
+            ("a.gif", Kind::Gif),
+            ("a.apng", Kind::Apng),
+        ] {
+            assert_eq!(Kind::of(Path::new(path)).unwrap(), kind, "{path}");
+        }
+        assert!(Kind::of(Path::new("a.mp4")).unwrap_err().to_string().contains(".webp"));
+    }
+
+    #[test]
+    fn a_still_is_the_last_frame_and_lossless() {
+        let (_folder, path) = write("a.png", &[gradient(0), gradient(64)]);
+        let (info, bytes) = read_png(&path);
+        assert_eq!((info.width, info.height), (48, 32));
+        assert_eq!(bytes, gradient(64).rgb());
+        assert_ne!(bytes, gradient(0).rgb());
+    }
+
+    #[test]
+    fn a_folder_holds_numbered_frames() {
+        let (_folder, path) = write("frames", &[gradient(0), gradient(64)]);
+        assert_eq!(std::fs::read_dir(&path).unwrap().count(), 2);
+        assert_eq!(read_png(&path.join("frame_0001.png")).1, gradient(64).rgb());
+    }
+
+    #[test]
+    fn webp_decodes() {
+        let (_folder, path) = write("a.webp", &[gradient(0), gradient(64), gradient(128)]);
+        let bytes = std::fs::read(path).unwrap();
+        let decoder = webp_animation::Decoder::new(&bytes).unwrap();
+        let frames: Vec<_> = decoder.into_iter().collect();
+        assert_eq!(frames.iter().map(webp_animation::Frame::timestamp).collect::<Vec<_>>(), [40, 80, 120]);
+        let close = difference(frames[1].data(), &gradient(64).rgba);
+        let far = difference(frames[1].data(), &gradient(0).rgba);
+        assert!(close < 6.0 && far > 2.0 * close, "{close} {far}");
+    }
+
+    #[test]
+    fn gif_decodes() {
+        let (_folder, path) = write("a.gif", &[gradient(0), gradient(64)]);
+        let mut options = gif::DecodeOptions::new();
+        options.set_color_output(gif::ColorOutput::RGBA);
+        let mut decoder = options.read_info(std::fs::File::open(path).unwrap()).unwrap();
+        let first = decoder.read_next_frame().unwrap().unwrap();
+        assert_eq!(first.delay, 4);
+        let close = difference(&first.buffer, &gradient(0).rgba);
+        assert!(close < 6.0 && difference(&first.buffer, &gradient(64).rgba) > 2.0 * close, "{close}");
+        assert!(decoder.read_next_frame().unwrap().is_some() && decoder.read_next_frame().unwrap().is_none());
+    }
+
+    #[test]
+    fn apng_decodes() {
+        let (_folder, path) = write("a.apng", &[gradient(0), gradient(64)]);
+        let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
+        let mut reader = png::Decoder::new(file).read_info().unwrap();
+        assert_eq!(reader.info().animation_control().unwrap().num_frames, 2);
+        let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+        for shift in [0, 64] {
+            reader.next_frame(&mut bytes).unwrap();
+            assert_eq!(bytes, gradient(shift).rgb());
+        }
+    }
+
+    #[test]
+    fn an_interrupted_output_leaves_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a.png", "a.webp", "a.gif", "a.apng"] {
+            let mut output = Output::create(&folder.path().join(name), (48, 32), 2, 25.0).unwrap();
+            output.add(gradient(0)).unwrap();
+            drop(output);
+        }
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn a_place_that_cannot_be_written_fails_before_the_work() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        std::fs::write(&file, "x").unwrap();
+        assert!(Output::create(&file.join("a.png"), (48, 32), 1, 25.0).is_err());
+        assert!(Output::create(&folder.path().join("a.webp"), (20_000, 32), 1, 25.0).is_err());
+    }
+}

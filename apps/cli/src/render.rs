@@ -1,0 +1,132 @@
+//! `tresses render`: a picture, numbered frames, or an animation of a groom or a built-in style.
+
+use crate::{
+    args::{self, Size, Source},
+    camera::{Camera, View},
+    interrupt,
+    motion::Motion,
+    picture::{Kind, Output},
+    progress, say,
+    scene::Scene,
+};
+use anyhow::{Result, ensure};
+use std::path::PathBuf;
+
+/// The longest animation, frames.
+const MAX_FRAMES: u32 = 100_000;
+
+/// The options of `tresses render`.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    #[command(flatten)]
+    pub source: Source,
+    /// How the head moves: still, nod, turn, shake, or a keyframe file (.json)
+    #[arg(long, value_name = "NAME", default_value = "still")]
+    pub motion: String,
+    /// Frames to simulate; a .png shows the last one [default: 1 for a .png, else one run of the motion]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_FRAMES)))]
+    pub frames: Option<u32>,
+    /// Frames per second
+    #[arg(long, value_name = "F", default_value = "24", value_parser = args::fps)]
+    pub fps: f64,
+    /// Width and height, pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720")]
+    pub size: Size,
+    /// Samples per pixel: 1, 2, 4, 8 or 16, as the adapter offers [default: 4]
+    #[arg(long, value_name = "N", value_parser = args::samples)]
+    pub samples: Option<u32>,
+    /// From where
+    #[arg(long, value_name = "NAME", value_enum, default_value_t)]
+    pub camera: View,
+    /// How near: close, normal, far, or a factor
+    #[arg(long, value_name = "FACTOR", default_value = "normal", value_parser = args::zoom)]
+    pub zoom: f32,
+    /// Where to: one .png, a folder of numbered frames, or an animation (.webp, .gif, .apng)
+    #[arg(long, value_name = "PATH", default_value = "out/render.png")]
+    pub out: PathBuf,
+}
+
+/// Runs `tresses render`.
+pub fn run(args: &Args) -> Result<()> {
+    let kind = Kind::of(&args.out)?;
+    let motion = Motion::open(&args.motion)?;
+    let frames = match args.frames {
+        Some(frames) => frames,
+        None if kind == Kind::Still => 1,
+        None => {
+            let frames = (motion.duration() * args.fps).round().max(1.0);
+            ensure!(
+                frames <= f64::from(MAX_FRAMES),
+                "the motion lasts {frames} frames, but at most {MAX_FRAMES} are drawn; give --frames"
+            );
+            frames as u32
+        }
+    };
+    // What can be refused is refused before anything is opened or made.
+    let start = progress::spinner("preparing");
+    let mut scene = Scene::open(&args.source, args.size, args.samples)?;
+    start.finish_and_clear();
+    let camera = Camera::portrait(args.camera, scene.subject(), args.size.aspect(), args.zoom);
+    let written = record(&mut scene, &camera, &motion, frames, args)?;
+    say!("{written}");
+    Ok(())
+}
+
+fn record(scene: &mut Scene, camera: &Camera, motion: &Motion, frames: u32, args: &Args) -> Result<String> {
+    let size = (args.size.width, args.size.height);
+    let mut output = Output::create(&args.out, size, frames, args.fps)?;
+    // A whole run of a repeating motion is a loop: the hair must start as it ends.
+    let period = motion.duration();
+    let is_loop = Kind::of(&args.out)?.is_animation()
+        && motion.repeats()
+        && (f64::from(frames) / args.fps - period).abs() < 0.5 / args.fps;
+    let lead = if is_loop { -period } else { 0.0 };
+    animate(scene, camera, motion, Times { frames, fps: args.fps, lead }, &mut output)?;
+    output.finish()
+}
+
+/// When frames are taken.
+#[derive(Clone, Copy, Debug)]
+pub struct Times {
+    /// How many frames.
+    pub frames: u32,
+    /// Frames per second.
+    pub fps: f64,
+    /// When the hair starts to move, seconds before (below zero) the first frame.
+    pub lead: f64,
+}
+
+/// Moves the head, and hands every frame to `output`.
+pub fn animate(
+    scene: &mut Scene,
+    camera: &Camera,
+    motion: &Motion,
+    times: Times,
+    output: &mut Output,
+) -> Result<()> {
+    let pivot = scene.pivot();
+    let step = 1.0 / times.fps;
+    let mut time = times.lead;
+    scene.reset(&motion.pose(time, pivot))?;
+    let lead_frames = (-times.lead * times.fps).round().max(0.0) as u64;
+    let bar = progress::frames("drawing", lead_frames + u64::from(times.frames));
+    for _ in 0..lead_frames {
+        interrupt::check()?;
+        time += step;
+        scene.advance(&motion.pose(time, pivot), step as f32)?;
+        bar.inc(1);
+    }
+    for frame in 0..times.frames {
+        interrupt::check()?;
+        if frame > 0 {
+            scene.advance(&motion.pose(f64::from(frame) * step, pivot), step as f32)?;
+        }
+        if !output.keeps_only_last() || frame + 1 == times.frames {
+            output.add(scene.picture(camera)?)?;
+        }
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    interrupt::check()?;
+    Ok(())
+}

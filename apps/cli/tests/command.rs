@@ -1,0 +1,148 @@
+//! The command as a user meets it: one sentence and exit code 1 for what makes no sense, nothing written.
+
+use std::{
+    path::Path,
+    process::{Command, Output},
+};
+
+fn tresses(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_tresses"))
+        .args(arguments)
+        .current_dir(folder)
+        .env("RUST_BACKTRACE", "0")
+        .output()
+        .expect("the binary runs")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).expect("messages are UTF-8")
+}
+
+#[track_caller]
+fn refuses(arguments: &[&str], clause: &str) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let output = tresses(folder.path(), arguments);
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(1), "{arguments:?}: {message}");
+    assert!(message.starts_with("tresses: ") && message.contains(clause), "{arguments:?}: {message}");
+    assert_eq!(message.lines().count(), 1, "{arguments:?}: {message}");
+    assert!(output.stdout.is_empty());
+    let written = std::fs::read_dir(folder.path()).expect("the folder is there").count();
+    assert_eq!(written, 0, "{arguments:?} wrote something");
+}
+
+#[test]
+fn absurd_options_are_refused() {
+    refuses(&["render", "--size", "0x0"], "16 to 16384 pixels");
+    refuses(&["render", "--size", "big"], "as in 1280x720");
+    refuses(&["render", "--size", "16000x16000"], "at most");
+    refuses(&["render", "--frames", "0"], "--frames");
+    refuses(&["render", "--frames", "-3"], "-3");
+    refuses(&["render", "--fps", "0"], "from 1 to 1000");
+    refuses(&["render", "--samples", "3"], "1, 2, 4, 8 or 16");
+    refuses(&["render", "--strands", "0"], "--strands");
+    refuses(&["render", "--guides", "some"], "`all`");
+    refuses(&["render", "--zoom", "nearer"], "close, normal, far");
+    refuses(&["render", "--out", "hair.mp4"], ".webp");
+    refuses(&["bench", "--frames", "0"], "--frames");
+}
+
+#[test]
+fn unknown_names_list_the_choices() {
+    refuses(&["render", "--camera", "top"], "front, three-quarter, side, back");
+    refuses(&["render", "--motion", "dance"], "still, nod, turn, shake");
+    refuses(&["render", "--color", "green"], "blond, brown, red");
+    refuses(&["render", "--style", "beehive"], "long, bob, curly, short");
+    refuses(&["demo", "--style", "beehive"], "long, bob, curly, short");
+    refuses(&["fly"], "fly");
+    refuses(&["render", "--fly"], "--fly");
+}
+
+#[test]
+fn missing_files_are_named() {
+    refuses(&["render", "nowhere.tfx"], "nowhere.tfx");
+    refuses(&["render", "--motion", "nowhere.json"], "nowhere.json");
+    refuses(&["render", "--head", "nowhere.obj"], "GROOM");
+}
+
+#[test]
+fn help_and_version_are_no_mistakes() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for arguments in [&["--help"][..], &["render", "--help"], &["--version"], &[]] {
+        let output = tresses(folder.path(), arguments);
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}");
+    }
+    let help = String::from_utf8(tresses(folder.path(), &["--help"]).stdout).expect("help is UTF-8");
+    for command in ["render", "demo", "bench"] {
+        assert!(help.contains(command), "{help}");
+    }
+}
+
+/// Whether pictures can be made here; panics instead where the environment asks for a GPU.
+fn has_gpu(output: &Output) -> bool {
+    let message = stderr(output);
+    if output.status.success() || !message.contains("no GPU adapter") {
+        return true;
+    }
+    assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none(), "{message}");
+    println!("skipped: {message}");
+    false
+}
+
+#[test]
+fn the_path_decides_what_is_written() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let small = ["render", "--style", "short", "--size", "64x40", "--samples", "1", "--strands", "500"];
+    let render =
+        |out: &str, more: &[&str]| tresses(folder.path(), &[&small[..], &["--out", out], more].concat());
+    let output = render("new/one.png", &[]);
+    if !has_gpu(&output) {
+        return;
+    }
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("new/one.png"));
+    let png = std::fs::read(folder.path().join("new/one.png")).expect("the picture is there");
+    assert_eq!(&png[16..24], &[0, 0, 0, 64, 0, 0, 0, 40]);
+
+    let output = render("frames", &["--motion", "turn", "--frames", "3"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let frame = |i: u32| std::fs::read(folder.path().join(format!("frames/frame_{i:04}.png"))).ok();
+    assert!(frame(0).is_some() && frame(2).is_some() && frame(3).is_none());
+    assert_ne!(frame(0), frame(2), "the head turns");
+
+    let output = render("loop.webp", &["--motion", "nod", "--frames", "4"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let webp = std::fs::read(folder.path().join("loop.webp")).expect("the animation is there");
+    assert_eq!((&webp[..4], &webp[8..12]), (&b"RIFF"[..], &b"WEBP"[..]));
+}
+
+#[test]
+#[cfg(unix)]
+fn ctrl_c_leaves_no_broken_file() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let small = ["render", "--style", "short", "--size", "64x40", "--samples", "1", "--strands", "500"];
+    let long = ["--motion", "turn", "--frames", "100000", "--out", "out/loop.webp"];
+    let mut child = Command::new(env!("CARGO_BIN_EXE_tresses"))
+        .args(small.iter().chain(&long))
+        .current_dir(folder.path())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("the binary runs");
+    // The folder is made when drawing begins.
+    let out = folder.path().join("out");
+    while !out.exists() {
+        if child.try_wait().expect("the child can be asked").is_some() {
+            let output = child.wait_with_output().expect("the child has ended");
+            assert!(!has_gpu(&output), "it ended before it drew: {}", stderr(&output));
+            return;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    std::thread::sleep(std::time::Duration::from_millis(200));
+    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(killed.expect("kill is there").success());
+    let output = child.wait_with_output().expect("the child ends");
+    assert_eq!(output.status.code(), Some(130));
+    assert_eq!(stderr(&output).trim(), "tresses: interrupted");
+    assert_eq!(std::fs::read_dir(out).expect("the folder is there").count(), 0);
+}

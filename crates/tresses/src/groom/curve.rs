@@ -1,0 +1,121 @@
+//! Polylines as curves: resampling.
+
+use glam::Vec3;
+
+/// The length of a polyline, metres.
+pub fn length(points: &[Vec3]) -> f32 {
+    points.windows(2).map(|w| w[0].distance(w[1])).sum()
+}
+
+/// The point at each of the rising `distances` along the polyline `points`.
+fn walk(points: &[Vec3], distances: impl Iterator<Item = f32>) -> Vec<Vec3> {
+    let mut segment = 0;
+    let mut passed = 0.0;
+    let mut here = points[0].distance(points[1.min(points.len() - 1)]);
+    distances
+        .map(|distance| {
+            while segment + 2 < points.len() && passed + here < distance {
+                passed += here;
+                segment += 1;
+                here = points[segment].distance(points[segment + 1]);
+            }
+            let next = points[(segment + 1).min(points.len() - 1)];
+            let t = if here > 0.0 { ((distance - passed) / here).clamp(0.0, 1.0) } else { 0.0 };
+            points[segment].lerp(next, t)
+        })
+        .collect()
+}
+
+/// `count` points (at least 2) at equal steps of arc length along the smooth curve through
+/// `points`, with both ends exact.
+pub fn resample(points: &[Vec3], count: usize) -> Vec<Vec3> {
+    // Fine enough that the polyline is the curve to a fraction of a percent of a segment.
+    let fine = if points.len() > 2 && points.len() < 4 * count {
+        subdivide(points, (4 * count).div_ceil(points.len() - 1) * (points.len() - 1) + 1)
+    } else {
+        points.to_vec()
+    };
+    let total = length(&fine);
+    let mut resampled = walk(&fine, (0..count).map(|i| total * i as f32 / (count - 1) as f32));
+    resampled[count - 1] = points[points.len() - 1];
+    resampled
+}
+
+/// `count` points (at least 2) at equal parameter steps of the Catmull-Rom spline through
+/// `points` (at least 2). Where `count - 1` is a multiple of the number of segments, every one of
+/// `points` is among them.
+pub fn subdivide(points: &[Vec3], count: usize) -> Vec<Vec3> {
+    let last = points.len() - 1;
+    let at = |i: isize| match i {
+        -1 => 2.0 * points[0] - points[1],
+        i if i as usize > last => 2.0 * points[last] - points[last - 1],
+        i => points[i as usize],
+    };
+    (0..count)
+        .map(|j| {
+            let (whole, part) = ((j * last) / (count - 1), (j * last) % (count - 1));
+            if part == 0 {
+                return points[whole];
+            }
+            let t = part as f32 / (count - 1) as f32;
+            let k = whole as isize;
+            let (p0, p1, p2, p3) = (at(k - 1), at(k), at(k + 1), at(k + 2));
+            // Centripetal knots: no loops or overshoots where segments differ in length.
+            let knot = |a: Vec3, b: Vec3| a.distance(b).sqrt().max(1e-6);
+            let (d0, d1, d2) = (knot(p0, p1), knot(p1, p2), knot(p2, p3));
+            let m1 = (p2 - p1) + d1 * ((p1 - p0) / d0 - (p2 - p0) / (d0 + d1));
+            let m2 = (p2 - p1) + d1 * ((p3 - p2) / d2 - (p3 - p1) / (d1 + d2));
+            let (t2, t3) = (t * t, t * t * t);
+            (2.0 * t3 - 3.0 * t2 + 1.0) * p1
+                + (t3 - 2.0 * t2 + t) * m1
+                + (3.0 * t2 - 2.0 * t3) * p2
+                + (t3 - t2) * m2
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn helix(count: usize) -> Vec<Vec3> {
+        (0..count)
+            .map(|i| {
+                let t = i as f32 / (count - 1) as f32 * 6.0;
+                Vec3::new(t.cos(), -0.5 * t, t.sin()) * 0.02
+            })
+            .collect()
+    }
+
+    #[test]
+    fn subdivision_keeps_the_vertices() {
+        let points = helix(16);
+        let fine = subdivide(&points, 31);
+        for (i, p) in points.iter().enumerate() {
+            assert_eq!(fine[2 * i], *p);
+        }
+        // And lies on the helix in between, better than chords do.
+        let truth = helix(31);
+        let error =
+            |curve: &[Vec3]| curve.iter().zip(&truth).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+        assert!(error(&fine) < 5e-4, "{}", error(&fine));
+    }
+
+    #[test]
+    fn resampling_is_even_and_keeps_the_ends() {
+        let mut points = helix(40);
+        points.drain(5..12);
+        let even = resample(&points, 32);
+        assert_eq!((even[0], even[31]), (points[0], points[39 - 7]));
+        let steps: Vec<_> = even.windows(2).map(|w| w[0].distance(w[1])).collect();
+        let mean = steps.iter().sum::<f32>() / 31.0;
+        assert!(steps.iter().all(|s| (s / mean - 1.0).abs() < 0.03), "{steps:?}");
+    }
+
+    #[test]
+    fn degenerate_polylines_are_harmless() {
+        for points in [vec![Vec3::X, Vec3::X], vec![Vec3::X, Vec3::X, Vec3::X], vec![Vec3::X, Vec3::Y]] {
+            assert!(resample(&points, 8).iter().chain(&subdivide(&points, 9)).all(|p| p.is_finite()));
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! Host side of `spline.wesl`.
+
+use crate::{
+    Pose,
+    constants::GUIDE_WORKGROUP,
+    gpu::{Binding, Kernel},
+    strands::GuideBuffers,
+};
+use bytemuck::{Pod, Zeroable};
+use glam::{Quat, Vec3};
+
+/// The uniform of the kernel; made by [`TessellateParams::new`].
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct TessellateParams {
+    /// Carries the state before the last step to the head's pose now.
+    pub previous_rotation: Quat,
+    /// Carries the state after the last step to the head's pose now.
+    pub current_rotation: Quat,
+    /// The head's rotation now.
+    pub head_rotation: Quat,
+    /// See `previous_rotation`, metres.
+    pub previous_translation: Vec3,
+    /// 0 draws the previous state, 1 the current one.
+    pub blend: f32,
+    /// See `current_rotation`, metres.
+    pub current_translation: Vec3,
+    /// Number of guides.
+    pub guide_count: u32,
+    /// Vertices per guide, at least 2.
+    pub vertex_count: u32,
+    /// Samples per guide, at least 2.
+    pub sample_count: u32,
+    /// Unused.
+    pub _pad_a: u32,
+    /// Unused.
+    pub _pad_b: u32,
+}
+
+impl TessellateParams {
+    /// For a head that was at `previous` and `current` after the last two steps and is at `now`.
+    pub fn new(guides: &GuideBuffers, previous: &Pose, current: &Pose, now: &Pose, blend: f32) -> Self {
+        let (from_previous, from_current) = (now.after(&previous.inverse()), now.after(&current.inverse()));
+        Self {
+            previous_rotation: from_previous.rotation,
+            current_rotation: from_current.rotation,
+            head_rotation: now.rotation,
+            previous_translation: from_previous.translation,
+            blend,
+            current_translation: from_current.translation,
+            guide_count: guides.count,
+            vertex_count: guides.vertex_count,
+            sample_count: guides.sample_count,
+            _pad_a: 0,
+            _pad_b: 0,
+        }
+    }
+}
+
+/// The pipeline of the stage.
+#[derive(Debug)]
+pub struct Tessellate {
+    kernel: Kernel,
+}
+
+impl Tessellate {
+    /// Builds the pipeline.
+    pub fn new(device: &wgpu::Device) -> Self {
+        let entries =
+            [Binding::Uniform, Binding::Storage, Binding::Storage, Binding::Storage, Binding::StorageMut];
+        Self { kernel: Kernel::new(device, "tessellate::spline", &entries) }
+    }
+
+    /// Binds the stage to the guides of one groom and a uniform buffer of [`TessellateParams`].
+    pub fn bind(
+        &self,
+        device: &wgpu::Device,
+        params: &wgpu::Buffer,
+        guides: &GuideBuffers,
+    ) -> wgpu::BindGroup {
+        self.kernel.bind(
+            device,
+            &[
+                params.as_entire_binding(),
+                guides.previous.as_entire_binding(),
+                guides.current.as_entire_binding(),
+                guides.rest.as_entire_binding(),
+                guides.samples.as_entire_binding(),
+            ],
+        )
+    }
+
+    /// Records the dispatch: one thread per guide.
+    pub fn record(&self, pass: &mut wgpu::ComputePass<'_>, group: &wgpu::BindGroup, guides: &GuideBuffers) {
+        self.kernel.record(pass, group, &[], guides.count.div_ceil(GUIDE_WORKGROUP));
+    }
+}
+
+/// The samples of a guide at rest: the same spline over `vertices` (at least two), without the
+/// rotations. Twin of the kernel's positions.
+pub fn rest_samples(vertices: &[Vec3], sample_count: u32) -> Vec<Vec3> {
+    let last = vertices.len() - 1;
+    let at = |i: isize| match i {
+        -1 => 2.0 * vertices[0] - vertices[1],
+        i if i as usize > last => 2.0 * vertices[last] - vertices[last - 1],
+        i => vertices[i as usize],
+    };
+    let span = last as f32 / (sample_count - 1) as f32;
+    (0..sample_count)
+        .map(|sample| {
+            let x = sample as f32 * span;
+            let k = (x as usize).min(last - 1);
+            let u = (x - k as f32).min(1.0);
+            let s = 1.0 - u;
+            let k = k as isize;
+            (s * s * s * at(k - 1)
+                + (4.0 - 3.0 * u * u * (1.0 + s)) * at(k)
+                + (4.0 - 3.0 * s * s * (1.0 + u)) * at(k + 1)
+                + u * u * u * at(k + 2))
+                / 6.0
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_spline_starts_at_the_root_and_ends_at_the_tip() {
+        let vertices: Vec<_> =
+            (0..9).map(|i| Vec3::new((i as f32).sin(), -0.1 * i as f32, (i as f32).cos())).collect();
+        let samples = rest_samples(&vertices, 33);
+        assert!(samples[0].distance(vertices[0]) < 1e-6);
+        assert!(samples[32].distance(vertices[8]) < 1e-6);
+        // Every fourth sample is a knot: (P[i-1] + 4 P[i] + P[i+1]) / 6.
+        let knot = (vertices[3] + 4.0 * vertices[4] + vertices[5]) / 6.0;
+        assert!(samples[16].distance(knot) < 1e-6);
+    }
+
+    #[test]
+    fn a_straight_guide_stays_straight_and_evenly_spaced() {
+        let vertices: Vec<_> = (0..5).map(|i| Vec3::Y * i as f32).collect();
+        for (i, sample) in rest_samples(&vertices, 17).into_iter().enumerate() {
+            assert!(sample.distance(Vec3::Y * i as f32 * 0.25) < 1e-5);
+        }
+    }
+}

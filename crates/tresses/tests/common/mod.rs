@@ -1,0 +1,46 @@
+//! What GPU tests share.
+#![allow(dead_code)]
+
+use tresses::{
+    glam::Vec3,
+    gpu::Gpu,
+    groom::{Groom, Strands},
+};
+
+/// Opens an adapter; without one, skips (`None`) or, when `TRESSES_REQUIRE_GPU=1`, panics.
+pub fn gpu() -> Option<Gpu> {
+    match pollster::block_on(Gpu::open()) {
+        Ok(gpu) => Some(gpu),
+        Err(error) if std::env::var_os("TRESSES_REQUIRE_GPU").is_some_and(|v| v == "1") => panic!("{error}"),
+        Err(error) => {
+            println!("skipped: {error}");
+            None
+        }
+    }
+}
+
+/// Strands on a sphere of 9 cm around the origin that stand off, bend and hang `length` metres.
+pub fn hanging(count: usize, vertices: usize, length: f32) -> Strands {
+    let mut strands = Strands::default();
+    for i in 0..count {
+        let y = 1.0 - i as f32 / count as f32;
+        let angle = i as f32 * 2.399_963;
+        let out = Vec3::new((1.0 - y * y).sqrt() * angle.cos(), y, (1.0 - y * y).sqrt() * angle.sin());
+        let curve: Vec<_> = (0..vertices)
+            .map(|j| {
+                let s = j as f32 / (vertices - 1) as f32;
+                out * (0.09 + 0.3 * length * s.sqrt()) - Vec3::Y * length * s * s
+            })
+            .collect();
+        strands.push(&curve);
+    }
+    strands
+}
+
+/// The guides' rest positions as the GPU stores them: vertex-major `vec4`s.
+pub fn vertex_major(groom: &Groom) -> Vec<[f32; 4]> {
+    let n = groom.guides.vertex_count as usize;
+    let g = groom.guides.len();
+    let at = |i: usize| groom.guides.positions[(i % g) * n + i / g];
+    (0..n * g).map(|i| at(i).extend(0.0).to_array()).collect()
+}
