@@ -1,10 +1,10 @@
 //! The CPU side: what a groom is before the GPU sees it.
 
-pub mod grow;
 pub mod bind;
 pub mod bound;
 pub mod curve;
 pub mod export;
+pub mod grow;
 pub mod guides;
 pub mod import;
 pub mod lint;

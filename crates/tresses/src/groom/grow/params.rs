@@ -1,6 +1,7 @@
 //! The parameters of growth.
 
 use super::ScalpMap;
+use crate::groom::bound::covering_radius;
 use crate::groom::styles::Style;
 use crate::{Error, Result};
 
@@ -156,9 +157,9 @@ impl Growth {
         self
     }
 
-    /// The diameter of `count` strands, metres.
+    /// The usual diameter of `count` strands, metres.
     pub fn diameter_for(&self, count: usize) -> f32 {
-        self.diameter.unwrap_or_else(|| 80e-6 * (1e5 / (count as f32).clamp(2e3, 1e5)).powf(0.57))
+        self.diameter.unwrap_or_else(|| 2.0 * covering_radius(count))
     }
 
     /// # Errors

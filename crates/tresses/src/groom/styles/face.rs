@@ -16,8 +16,8 @@ impl Face {
     /// The space that belongs to a head's landmarks, from above the brows to the chin.
     pub fn new(scalp: &dyn Scalp) -> Self {
         let Landmarks { brow, chin, .. } = scalp.landmarks();
-        let height = 0.5 * (brow.y + 0.03 - chin.y) + 0.02;
-        let centre = Vec3::new(0.0, 0.5 * (brow.y + 0.03 + chin.y), brow.z + 0.01);
+        let height = 0.5 * (brow.y - chin.y) + 0.03;
+        let centre = Vec3::new(0.0, 0.5 * (brow.y + chin.y) - 0.01, brow.z + 0.01);
         Self { centre, radii: Vec3::new(0.055, height, 0.06) }
     }
 

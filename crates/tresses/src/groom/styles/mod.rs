@@ -80,7 +80,9 @@ pub fn guides_of(recipe: &Recipe, scalp: &dyn Scalp) -> StyledGuides {
     let mut stiffness = Vec::new();
     let roots = roots::guide_roots(scalp, &hairline, parting.as_ref(), recipe.guides as usize, recipe.seed);
     for (i, root) in roots.into_iter().enumerate() {
-        strands.push(&resample(&field.trace(root, i as u32), GUIDE_VERTICES));
+        // Twice, as chords cut corners: what was even along the path is not quite along its chords.
+        let chords = resample(&field.trace(root, i as u32), GUIDE_VERTICES);
+        strands.push(&resample(&chords, GUIDE_VERTICES));
         strands.root_uvs.push(scalp_uv(root - marks.skull));
         stiffness.push(recipe.stiffness.at(field.layer(root)));
     }
@@ -117,3 +119,6 @@ pub(crate) fn resample(path: &[Vec3], count: usize) -> Vec<Vec3> {
     points.push(last);
     points
 }
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -195,7 +195,7 @@ impl Field<'_> {
             let out = side.cross(tangent);
             let grow = smoothstep(0.04, 0.2f32.min(path.len() as f32 * STEP), along);
             let angle = std::f32::consts::TAU * along / length + phase;
-            let offset = (side * angle.sin() + out * 0.6 * angle.cos()) * recipe.wave * grow;
+            let offset = (side * angle.sin() + out * 0.35 * angle.cos()) * recipe.wave * grow;
             let moved = self.face.clear(straight[i] + offset, root.x.signum());
             let d = self.scalp.distance(moved);
             path[i] = if d < 0.002 { moved + self.scalp.normal(moved) * (0.002 - d) } else { moved };
