@@ -68,7 +68,8 @@ pub(crate) fn multi_density(growth: &Growth, edge: f32, open: f32, uv: Vec2) -> 
 /// above the roots.
 pub(crate) fn open(styled: &StyledGuides, p: Vec3, beside: f32) -> f32 {
     match &styled.parting {
-        Some(_) => 1.0 - smoothstep(0.003, 0.01, beside),
+        Some(_) => (1.0 - smoothstep(0.003, 0.01, beside))
+            .max(1.0 - smoothstep(0.006, 0.018, p.distance(styled.whorl))),
         None => 1.0 - smoothstep(0.01, 0.035, p.distance(styled.whorl)),
     }
 }

@@ -63,10 +63,10 @@ impl<'a> Shaper<'a> {
         }
         shaper.centres = vec![Vec3::ZERO; count * CENTRE_POINTS];
         let mut centres = std::mem::take(&mut shaper.centres);
-        for (seed, line) in seeds.iter().zip(centres.chunks_exact_mut(CENTRE_POINTS)) {
+        for (seed, line) in seeds.iter().zip(centres.as_chunks_mut::<CENTRE_POINTS>().0) {
             shaper.base(&Seed { fraction: 1.0, ..*seed }, line);
         }
-        shaper.across = centres.chunks_exact(CENTRE_POINTS).flat_map(frames).collect();
+        shaper.across = centres.as_chunks::<CENTRE_POINTS>().0.iter().flat_map(|line| frames(line)).collect();
         shaper.centres = centres;
         shaper
     }

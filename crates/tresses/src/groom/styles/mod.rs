@@ -64,9 +64,7 @@ pub fn guides(style: &Style, scalp: &dyn Scalp) -> StyledGuides {
 pub fn guides_of(recipe: &Recipe, scalp: &dyn Scalp) -> StyledGuides {
     let marks = scalp.landmarks();
     let hairline = Hairline::new(scalp, recipe.hairline_raise, recipe.hairline_irregularity, recipe.seed);
-    let parting = recipe
-        .parting
-        .map(|x| Parting::new(scalp, x, recipe.parting_half_width, recipe.parting_wander, recipe.seed));
+    let parting = recipe.parting.map(|x| Parting::new(scalp, x, recipe));
     let whorl = scalp.point(Vec3::new(-0.12, 0.85, -0.5));
     let field = trace::Field {
         recipe,

@@ -1,6 +1,7 @@
 //! The line from which hair falls to both sides.
 
 use super::random::noise;
+use super::recipe::Recipe;
 use super::scalp::Scalp;
 use glam::Vec3;
 
@@ -15,21 +16,22 @@ pub struct Parting {
 
 impl Parting {
     /// A parting at the distance `x` (metres, positive to the head's left) from the middle, from the
-    /// forehead's hairline back to the crown, where it turns towards the middle. It strays from its
-    /// way by up to `wander` metres.
-    pub fn new(scalp: &dyn Scalp, x: f32, half_width: f32, wander: f32, seed: u32) -> Self {
+    /// forehead's hairline back to the crown, where it turns towards the middle. How wide it
+    /// is and how far it strays from its way is in `recipe`.
+    pub fn new(scalp: &dyn Scalp, x: f32, recipe: &Recipe) -> Self {
+        // Degrees above the horizon; a fringe is combed from further back.
+        let front = if recipe.fringe { 66.0 } else { 22.0 };
         let line = (0..=48)
             .map(|i| {
                 let t = i as f32 / 48.0;
-                // From 22 degrees above the horizon at the front to a little behind the top.
-                let angle = (22.0 + 80.0 * t).to_radians();
-                let astray = wander * noise(Vec3::new(t * 9.0, 0.5, 0.5), seed);
+                let angle = (front + (102.0 - front) * t).to_radians();
+                let astray = recipe.parting_wander * noise(Vec3::new(t * 9.0, 0.5, 0.5), recipe.seed);
                 let aside = x * (1.0 - 0.35 * t * t) + astray;
                 let dir = Vec3::new(aside / 0.085, angle.sin(), angle.cos());
                 scalp.point(dir)
             })
             .collect();
-        Self { line, half_width }
+        Self { line, half_width: recipe.parting_half_width }
     }
 
     /// The point of the parting that is nearest to `p`. The line has no sharp bends, so that the
@@ -77,13 +79,13 @@ impl Parting {
 
 #[cfg(test)]
 mod tests {
-    use super::super::GridScalp;
+    use super::super::{GridScalp, Style};
     use super::*;
 
     #[test]
     fn a_parting_lies_on_the_scalp_and_has_two_sides() {
         let head = GridScalp::mannequin(96);
-        let parting = Parting::new(&head, 0.02, 0.0015, 0.001, 1);
+        let parting = Parting::new(&head, 0.02, &Style::default().recipe());
         for p in &parting.line {
             assert!(head.distance(*p).abs() < 1e-3);
         }

@@ -45,11 +45,8 @@ pub(crate) fn guide_roots(
         let edge = inside.min(beside);
         samples.push((apart(p), if edge < 0.006 { 3.0 } else { 1.0 }));
     }
-    let mut roots: Vec<Vec4> = Vec::with_capacity(count);
-    for k in 0..count.min(samples.len()) {
-        // The samples are an even sequence, so any run of them is a good start.
-        roots.push(samples[k].0);
-    }
+    // The samples are an even sequence, so any run of them is a good start.
+    let mut roots: Vec<Vec4> = samples.iter().take(count).map(|sample| sample.0).collect();
     let mut sums = vec![(Vec4::ZERO, 0.0f32); roots.len()];
     for _ in 0..ROUNDS {
         sums.fill((Vec4::ZERO, 0.0));

@@ -33,8 +33,12 @@ impl Field<'_> {
     }
 
     /// Where the comb pulls at `p` hair of the given side, not yet along the skin.
-    fn comb(&self, p: Vec3, side: f32) -> Vec3 {
+    fn comb(&self, p: Vec3, side: f32, fringe: bool) -> Vec3 {
         let recipe = self.recipe;
+        if fringe {
+            let over = smoothstep(self.marks.brow.y + 0.03, self.marks.brow.y + 0.05, p.y);
+            return Vec3::new(p.x * 4.0, -0.3, 1.0) * over;
+        }
         let top = smoothstep(self.marks.skull.y + 0.02, self.marks.skull.y + 0.07, p.y);
         let from = self.parting.map_or(self.whorl, |parting| parting.nearest(p));
         let mut away = (p - from).normalize_or_zero();
@@ -84,19 +88,20 @@ impl Field<'_> {
             * lerp(0.6, 1.0, beside)
             * (1.0 + 0.2 * rng.bell().clamp(-1.5, 1.5));
         let volume = recipe.volume.at(layer) * lerp(0.6, 1.0, beside) * (1.0 + 0.12 * rng.bell());
+        // Where hair parts in all directions some of it crosses over, and covers the spot.
         let wild = match self.parting {
-            Some(_) => 0.0,
-            None => 2.5 * (1.0 - smoothstep(0.01, 0.04, root.distance(self.whorl))),
+            Some(_) => 0.45 * (1.0 - smoothstep(0.004, 0.022, root.distance(self.whorl))),
+            None => 0.75 * (1.0 - smoothstep(0.01, 0.04, root.distance(self.whorl))),
         };
-        let swing = recipe.tousle * wild * rng.bell()
+        let swing = wild * rng.bell()
             + recipe.tousle * noise(root * 45.0, recipe.seed ^ 91) * 1.6
             + recipe.tousle * 0.5 * rng.bell();
         let fringe = recipe.fringe && self.is_fringe(root);
 
         let n0 = self.scalp.normal(root);
         let flat = |v: Vec3, n: Vec3| v - n * v.dot(n);
-        let combed =
-            flat(self.comb(root, side), n0).normalize_or(flat(Vec3::NEG_Y, n0).normalize_or(Vec3::NEG_Y));
+        let combed = flat(self.comb(root, side, fringe), n0)
+            .normalize_or(flat(Vec3::NEG_Y, n0).normalize_or(Vec3::NEG_Y));
         let combed = glam::Quat::from_axis_angle(n0, swing) * combed;
         let mut t = (combed * lift.cos() + n0 * lift.sin()).normalize();
         let mut p = root;
@@ -111,11 +116,7 @@ impl Field<'_> {
             let d = self.scalp.distance(p);
             let n = self.scalp.normal(p);
             let up = smoothstep(-0.35, 0.5, n.y) * smoothstep(self.marks.chin.y, self.marks.ear.y, p.y);
-            let mut comb = self.comb(p, side);
-            if fringe {
-                comb = Vec3::new(side * 0.25, -0.3, 1.0)
-                    * if p.y > self.marks.brow.y + 0.04 { 1.0 } else { 0.0 };
-            }
+            let mut comb = self.comb(p, side, fringe);
             comb = glam::Quat::from_axis_angle(n, swing * (1.0 - along / 0.12).max(0.0)) * comb;
             // It leads along the head, never off it.
             comb -= n * comb.dot(n);
@@ -128,7 +129,10 @@ impl Field<'_> {
             let close = 1.0 - smoothstep(volume, volume + 0.03, d);
             target -= n * target.dot(n) * close;
             target = target.normalize_or(t);
-            let wanted = volume * smoothstep(0.0, 0.035, along).max(0.1);
+            // Over the ears hair lies closer than above, or it would stand off like a hat's brim.
+            let full =
+                volume * lerp(0.4, 1.0, smoothstep(self.marks.ear.y - 0.01, self.marks.skull.y + 0.03, p.y));
+            let wanted = full * smoothstep(0.0, 0.035, along).max(0.1);
             let error = (wanted - d) / 0.012;
             target += n * if error > 0.0 { error.min(1.0) * 0.8 } else { error.max(-1.0) * 0.45 * up };
             if let Some(hem) = hem
