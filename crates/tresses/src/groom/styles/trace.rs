@@ -114,7 +114,7 @@ impl Field<'_> {
         let mut along = 0.0;
         while along < longest {
             let d = self.scalp.distance(p);
-            let n = self.scalp.normal(p);
+            let n = self.broad_normal(p);
             let up = smoothstep(-0.35, 0.5, n.y) * smoothstep(self.marks.chin.y, self.marks.ear.y, p.y);
             let mut comb = self.comb(p, side, fringe);
             comb = glam::Quat::from_axis_angle(n, swing * (1.0 - along / 0.12).max(0.0)) * comb;
@@ -130,8 +130,7 @@ impl Field<'_> {
             target -= n * target.dot(n) * close;
             target = target.normalize_or(t);
             // Over the ears hair lies closer than above, or it would stand off like a hat's brim.
-            let full =
-                volume * lerp(0.4, 1.0, smoothstep(self.marks.ear.y - 0.01, self.marks.skull.y + 0.03, p.y));
+            let full = volume * lerp(0.35, 1.0, smoothstep(self.marks.ear.y, self.marks.skull.y + 0.04, p.y));
             let wanted = full * smoothstep(0.0, 0.035, along).max(0.1);
             let error = (wanted - d) / 0.012;
             target += n * if error > 0.0 { error.min(1.0) * 0.8 } else { error.max(-1.0) * 0.45 * up };
@@ -168,6 +167,14 @@ impl Field<'_> {
         }
         self.wave(&mut path, root, &mut rng);
         path
+    }
+
+    /// The outward direction at `p` without the small forms of the head: hair passes over an ear and
+    /// does not follow it.
+    fn broad_normal(&self, p: Vec3) -> Vec3 {
+        let h = 0.014;
+        let d = |axis: Vec3| self.scalp.distance(p + axis * h) - self.scalp.distance(p - axis * h);
+        Vec3::new(d(Vec3::X), d(Vec3::Y), d(Vec3::Z)).normalize_or(Vec3::Y)
     }
 
     /// Whether hair from `root` belongs to the fringe: over the forehead, in front of the crown.
