@@ -81,7 +81,7 @@ pub fn grow(styled: &StyledGuides, growth: &Growth, scalp: &dyn Scalp) -> Result
     let totals = count::totals(&scaffold, styled, growth, scalp);
     let seeds = seed::seeds(&scaffold, styled, growth, scalp, totals)?;
     let n = seeds.len();
-    let spacing = growth.diameter_for(n);
+    let diameter = growth.diameter_for(n);
     let shaper = shape::Shaper::new(&scaffold, styled, growth, scalp, &seeds);
 
     let vertices = growth.vertices as usize;
@@ -106,7 +106,7 @@ pub fn grow(styled: &StyledGuides, growth: &Growth, scalp: &dyn Scalp) -> Result
             guides: seed.bound.guides,
             weights: seed.bound.weights,
             scale: [seed.fraction; 3],
-            radius: 0.5 * spacing * width.max(0.2),
+            radius: 0.5 * diameter * width.max(0.2),
             seed: id,
             root_uv: seed.uv,
         });

@@ -5,6 +5,9 @@ use crate::groom::bound::covering_radius;
 use crate::groom::styles::Style;
 use crate::{Error, Result};
 
+/// More strands than any adapter holds today, and few enough to be grown in memory.
+const MOST_STRANDS: u32 = 4_000_000;
+
 /// Which kinds of strands are grown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Kind {
@@ -176,6 +179,10 @@ impl Growth {
         if !(2..=64).contains(&self.vertices) {
             let value = self.vertices.to_string();
             return Err(Error::Parameter { name: "vertices of each strand", value, range: "from 2 to 64" });
+        }
+        if let Some(count) = self.strand_count.filter(|count| *count > MOST_STRANDS) {
+            let value = count.to_string();
+            return Err(Error::Parameter { name: "number of strands", value, range: "at most 4,000,000" });
         }
         fraction("clump share", self.clump_share)?;
         fraction("taper start", self.taper_start)?;

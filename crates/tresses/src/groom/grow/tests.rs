@@ -191,6 +191,7 @@ fn parameters_are_checked() {
     let styled = guides(&Style::default(), head());
     let bad = [
         Growth { vertices: 1, ..Growth::default() },
+        Growth { strand_count: Some(u32::MAX), ..Growth::default() },
         Growth { vertices: 65, ..Growth::default() },
         Growth { clump_share: 1.5, ..Growth::default() },
         Growth { clearance: f32::NAN, ..Growth::default() },
