@@ -178,3 +178,6 @@ fn starts_with_word(bytes: &[u8]) -> bool {
 pub(crate) fn load(path: &Path) -> Result<Vec<u8>> {
     std::fs::read(path).map_err(|source| Error::Io { path: path.to_path_buf(), source })
 }
+
+#[cfg(test)]
+mod tests;
