@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use anyhow::Context;
+use anyhow::{anyhow, bail};
 use tresses::groom::{
     export::{self, Format},
     import,
@@ -16,13 +16,13 @@ use crate::orient_args::OrientArgs;
 
 /// Convert grooms to .hair, .tfx or .obj, in metres, Y up, face towards +Z.
 #[derive(clap::Args)]
+#[command(override_usage = "tresses convert [OPTIONS] <IN>... <OUT>")]
 pub struct Args {
-    /// Groom files (.tfx, .hair, .obj); several are joined.
-    #[arg(required = true, value_name = "IN")]
-    inputs: Vec<PathBuf>,
-    /// The file to write; its extension decides the format.
-    #[arg(value_name = "OUT")]
-    output: PathBuf,
+    /// Groom files (.tfx, .hair, .obj), several are joined; the last one is the file to write, whose
+    /// extension (.hair, .tfx, .obj) decides the format.
+    // One list, since two would forbid options between them.
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
     /// The mesh that the groom grows on, to orient it by.
     #[arg(long, value_name = "MESH")]
     head: Vec<PathBuf>,
@@ -35,7 +35,10 @@ pub struct Args {
 
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
-    let format = Format::of(&args.output)?;
+    let Some((output, inputs)) = args.files.split_last().filter(|(_, inputs)| !inputs.is_empty()) else {
+        bail!("convert needs at least one file to read and one to write");
+    };
+    let format = Format::of(output)?;
     let mut options = args.orient.options();
     if args.as_is {
         options.orient =
@@ -44,18 +47,18 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         options.unrepaired = true;
     }
     let (strands, report) = if args.head.is_empty() || args.as_is {
-        import::read(&args.inputs, &options)?
+        import::read(inputs, &options)?
     } else {
-        let (strands, _, report) = import::read_with_head(&args.inputs, &args.head, &options)?;
+        let (strands, _, report) = import::read_with_head(inputs, &args.head, &options)?;
         (strands, report)
     };
     let encoded = export::encode(&strands, format, !args.as_is)?;
-    write_whole(&args.output, &encoded.bytes)
-        .with_context(|| format!("{}: cannot be written", args.output.display()))?;
+    write_whole(output, &encoded.bytes)
+        .map_err(|e| anyhow!("{}: cannot be written ({e})", output.display()))?;
     let done = report.repaired;
     println!(
         "{}: {} strands, {} vertices ({} strands dropped, {} vertices merged, {} strands resampled)",
-        args.output.display(),
+        output.display(),
         strands.len(),
         strands.positions.len(),
         done.dropped_strands,

@@ -28,7 +28,7 @@ fn main() -> std::process::ExitCode {
     match result {
         Ok(()) => std::process::ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("tresses: {error:#}");
+            eprintln!("tresses: {error}");
             std::process::ExitCode::FAILURE
         }
     }

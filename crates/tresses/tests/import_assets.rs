@@ -223,3 +223,21 @@ fn every_head_stands_upright_alone() {
         assert!((p.unit.0 / unit - 1.0).abs() < 0.1, "{file}: {p:?}");
     }
 }
+
+#[test]
+fn human_heads_turned_any_way_stand_up_again() {
+    let Some(assets) = assets() else { return };
+    for file in ["head_ict_facekit/generic_neutral_mesh.obj", "head_makehuman/base.obj", "sintel/sintel.obj"]
+    {
+        let whole = import::mesh::read(&assets.join(file)).unwrap();
+        for up in Axis::ALL {
+            for front in Axis::ALL.into_iter().filter(|f| f.vector().dot(up.vector()) == 0.0) {
+                let turn = orient::Placement { up, front, ..Default::default() }.axes().transpose();
+                let mut head = import::mesh::RawMesh { declared: false, ..whole.clone() };
+                head.mesh.positions.iter_mut().for_each(|p| *p = turn * *p);
+                let found = orient::head(&head, &orient::Choice::default());
+                assert_eq!((found.up, found.front), (up, front), "{file}: {found:?}");
+            }
+        }
+    }
+}

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 
-use super::{Axis, Sphere};
+use super::{Axis, Sphere, likeness};
 use crate::groom::{Strands, TriMesh, mesh::bvh::Bvh};
 
 /// A candidate: the file's axes that point up and forward.
@@ -93,6 +93,11 @@ impl HairFacts {
     }
 }
 
+/// Up to this mean difference, in skull radii, a mesh is like a human head: people's have at most 0.1.
+const ALIKE: f32 = 0.12;
+/// How much a head's shape counts.
+const LIKENESS: f32 = 6.0;
+
 /// What a head's surface says.
 #[derive(Clone, Debug)]
 pub(super) struct MeshFacts {
@@ -102,6 +107,9 @@ pub(super) struct MeshFacts {
     detail: Vec3,
     /// From the centre to the middle of the surface's edges, mostly the cut through the neck: down.
     cut: Vec3,
+    /// The difference to a head in every frame, in the order of [`Frame::all`]; empty where the mesh is
+    /// like a head in none.
+    differences: Vec<(Frame, f32)>,
 }
 
 impl MeshFacts {
@@ -129,16 +137,24 @@ impl MeshFacts {
             area += twice;
         }
         let detail = if area > 0.0 { (vertices - surface / area) / size } else { Vec3::ZERO };
-        Self { asymmetry, detail, cut: cut(mesh).map_or(Vec3::ZERO, |c| (c - middle) / size) }
+        let step = (mesh.positions.len() / 6000).max(1);
+        let sample: Vec<Vec3> = mesh.positions.iter().copied().step_by(step).collect();
+        let mut differences: Vec<_> = Frame::all().map(|f| (f, likeness::difference(&sample, f))).collect();
+        if !differences.iter().any(|d| d.1 < ALIKE) {
+            differences.clear();
+        }
+        Self { asymmetry, detail, cut: cut(mesh).map_or(Vec3::ZERO, |c| (c - middle) / size), differences }
     }
 
     /// How well a frame agrees.
     pub fn score(&self, frame: Frame) -> f32 {
         let (up, front) = (frame.up.vector(), frame.front.vector());
         let side = up.cross(front).abs();
+        let difference = self.differences.iter().find(|d| d.0 == frame).map_or(0.0, |d| d.1);
         1.5 * self.detail.dot(front) + 0.5 * self.detail.dot(up)
             - self.asymmetry.dot(side)
             - 0.2 * self.cut.dot(up)
+            - LIKENESS * difference
     }
 }
 

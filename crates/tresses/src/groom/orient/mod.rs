@@ -1,13 +1,14 @@
 //! Units, up axis, facing and mirroring: what the user says, and a guess with reasons for the rest.
 //!
 //! A groom alone is oriented by its roots: they lie on a sphere of known size, on top and behind,
-//! and hair falls. A head alone is oriented by its symmetry, by where its vertices are dense, and by
-//! its profile from crown to chin. A groom and a head are first related to each other, by the
+//! and hair falls. A head alone is oriented by its profile, its symmetry and by where its
+//! vertices are dense. A groom and a head are first related to each other, by the
 //! distance of the roots to the mesh over all plausible units, turns and reflections, and then
 //! oriented together. A groom that was made for another head is fitted onto this one, and says so.
 
 mod choice;
 mod evidence;
+mod likeness;
 mod pair;
 mod placement;
 mod seat;
@@ -139,9 +140,9 @@ pub fn head(head: &RawMesh, choice: &Choice) -> Placement {
     let mut placement = Placement { mirrored: choice.mirror.unwrap_or(false), ..Default::default() };
     let facts = MeshFacts::of(&head.mesh, &Bvh::new(&head.mesh));
     // Habit counts for more: a mesh says less than hair.
-    let (frame, lead, next) = best_frame(&choice, |f| facts.score(f) + 4.0 * f.habit());
+    let (frame, lead, next) = best_frame(&choice, |f| facts.score(f) + 2.0 * f.habit());
     (placement.up, placement.front) = (frame.up, frame.front);
-    let why = "the mesh's symmetry, and where its vertices are dense";
+    let why = "a head's profile and symmetry, and where the vertices are dense";
     explain_axes(&mut placement, &choice, head.declared, why);
     explain_doubt(&mut placement, lead, next);
     unit_of_head(&mut placement, &head.mesh, None, &choice, head.declared);

@@ -59,7 +59,7 @@ pub fn pair(
         let own = seat(strands, own, &raw.mesh, &head);
         return (own, head);
     };
-    let why = "the mesh's symmetry and detail; roots lie on top and behind, hair falls";
+    let why = "a head's profile and symmetry; roots lie on top and behind, hair falls";
     explain_axes(&mut upright, &choice_head, raw.declared, why);
     // A unit given for one of the two files gives the other's.
     let given = choice_head.unit.or(choice.unit.map(|u| Unit(u.0 / relation.unit.0)));
