@@ -19,7 +19,8 @@ pub struct OrientArgs {
     front: Option<Axis>,
     /// Whether to exchange the groom's left and right [default: guessed, with a head]
     #[arg(
-        long, value_name = "BOOL", num_args = 0..=1, default_missing_value = "true",
+        long, value_name = "BOOL", num_args = 0..=1, require_equals = true,
+        default_missing_value = "true",
         help_heading = "Unit and axes"
     )]
     mirror: Option<bool>,

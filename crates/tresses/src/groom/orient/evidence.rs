@@ -66,7 +66,7 @@ impl HairFacts {
         let spread = (roots.iter().map(|p| p.distance_squared(middle)).sum::<f32>() / n).sqrt();
         let sphere = Sphere::fit(&roots).filter(|s| s.radius < 10.0 * spread);
         let sphere = sphere.unwrap_or(Sphere { center: middle, radius: spread });
-        if roots.is_empty() || sphere.radius.is_nan() || sphere.radius <= 0.0 {
+        if roots.is_empty() || !sphere.radius.is_finite() || sphere.radius <= 0.0 {
             return None;
         }
         let mean = roots.iter().map(|p| (*p - sphere.center) / sphere.radius).sum::<Vec3>() / n;

@@ -209,3 +209,6 @@ fn unit_of_head(
     };
     explain_unit(placement, known, &seen);
 }
+
+#[cfg(test)]
+mod tests;

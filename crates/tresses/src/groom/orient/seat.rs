@@ -40,6 +40,9 @@ pub fn seat(strands: &Strands, own: Placement, mesh: &TriMesh, head: &Placement)
         }
         shift = to - from * scale;
     }
+    if !shift.is_finite() {
+        return Placement { doubts: vec!["the groom cannot be fitted onto this mesh".into()], ..own };
+    }
     let mut placed = Placement { unit: Unit(scale), translation: shift, ..own };
     placed.reasons.push(format!(
         "in no unit and turn do the roots lie on this mesh, so the groom is fitted onto it: {:.5} m per unit, moved by {:.3} m, roots then at a median of {:.1} mm",

@@ -14,6 +14,8 @@ pub(super) const HEAD_HEIGHT: f32 = 0.22;
 /// it exactly that; and whether it is a known one.
 pub(super) fn unit(measured: f32, real: f32) -> (Unit, bool) {
     let scale = real / measured;
+    // Broken files hold numbers that no head has; any unit will do, but it must be one.
+    let scale = if scale.is_finite() { scale.clamp(1e-9, 1e9) } else { 1.0 };
     let near = |metres: f32| (metres / scale).max(scale / metres);
     let metric = &Unit::KNOWN[..4];
     // Heads differ by less than these factors; inches and feet lie too close to others to be guessed.
