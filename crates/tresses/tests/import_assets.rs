@@ -1,8 +1,14 @@
 //! Grooms and heads of other people, read whole. Needs the folder that `TRESSES_ASSETS` names.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use tresses::groom::import::{self, ImportOptions};
+use tresses::{
+    glam,
+    groom::{
+        import::{self, ImportOptions},
+        orient::{self, Axis},
+    },
+};
 
 fn assets() -> Option<PathBuf> {
     let folder = std::env::var_os("TRESSES_ASSETS").map(PathBuf::from).filter(|f| f.is_dir());
@@ -84,5 +90,154 @@ fn heads_are_read_whole() {
         assert_eq!(mesh.triangles.len(), triangles, "{file}");
         assert_eq!(mesh.normals.len(), mesh.positions.len());
         assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-3));
+    }
+}
+
+/// Groom (index into [`GROOMS`]), its head, and what must come out: unit, up, front, mirrored.
+const ON_THEIR_HEADS: &[(usize, &str, f32, Axis, Axis, bool)] = &[
+    (1, "sintel/sintel.obj", 1.0, Axis::Y, Axis::Z, false),
+    (2, "sintel_lite21/sintel.obj", 0.01, Axis::Y, Axis::Z, false),
+    (3, "tressfx2_head/head_max4.obj", 0.00295, Axis::Y, Axis::Z, false),
+    (4, "tressfx2_head/head_max4.obj", 0.00295, Axis::Y, Axis::NegZ, true),
+    (5, "tressfx4_ratboy/Ratboy_body.tfxmesh", 1.0, Axis::Y, Axis::Z, false),
+];
+
+fn paths(assets: &Path, groom: usize) -> Vec<PathBuf> {
+    GROOMS[groom].0.iter().map(|f| assets.join(f)).collect()
+}
+
+#[test]
+fn every_groom_lands_upright_on_its_own_head() {
+    let Some(assets) = assets() else { return };
+    for (groom, head, unit, up, front, mirrored) in ON_THEIR_HEADS {
+        let files = paths(&assets, *groom);
+        let (strands, mesh, report) =
+            import::read_with_head(&files, &[assets.join(head)], &ImportOptions::default()).unwrap();
+        let p = &report.placement;
+        assert_eq!((p.up, p.front, p.mirrored), (*up, *front, *mirrored), "{head}: {p:?}");
+        assert!((p.unit.0 / unit - 1.0).abs() < 0.03, "{head}: {p:?}");
+        let distance = report.lint.root_distance.unwrap();
+        assert!(distance.median < 0.003 && distance.p95 < 0.02, "{head}: {distance:?}");
+        // Roots on top of the mesh, hair behind the face.
+        let (lo, hi) = mesh.bounds().unwrap();
+        let highest = strands.iter().map(|s| s[0].y).fold(f32::MIN, f32::max);
+        assert!((hi.y - highest).abs() < 0.02, "{head}: {highest} under {hi}");
+        let mean = strands.iter().map(|s| s[0]).sum::<glam::Vec3>() / strands.len() as f32;
+        assert!(mean.z < 0.5 * (lo.z + hi.z), "{head}: {mean} in {lo} {hi}");
+        println!("{head}: {:?}", p.reasons);
+    }
+}
+
+#[test]
+fn every_human_groom_finds_its_axes_alone() {
+    let Some(assets) = assets() else { return };
+    // The reference picture of straight.hair maps (x, y, z) to (−x, z, y) at about 4.2 mm.
+    for (groom, unit, up, front) in [
+        (0, 0.0042, Axis::Z, Axis::Y),
+        (1, 1.0, Axis::Y, Axis::Z),
+        (2, 0.01, Axis::Y, Axis::Z),
+        (3, 0.003, Axis::Y, Axis::Z),
+        (4, 0.003, Axis::Y, Axis::NegZ),
+        (5, 1.0, Axis::Y, Axis::Z),
+    ] {
+        let (_, report) = import::read(&paths(&assets, groom), &ImportOptions::default()).unwrap();
+        let p = &report.placement;
+        assert_eq!((p.up, p.front), (up, front), "{p:?}");
+        assert!((p.unit.0 / unit - 1.0).abs() < 0.15, "{p:?}");
+    }
+}
+
+#[test]
+fn a_groom_for_another_head_is_fitted_onto_this_one() {
+    let Some(assets) = assets() else { return };
+    for (groom, head) in [
+        (0, "head_ict_facekit/generic_neutral_mesh.obj"),
+        (0, "head_makehuman/head_crop.obj"),
+        (1, "head_ict_facekit/generic_neutral_mesh.obj"),
+        (2, "sintel/sintel.obj"),
+        (3, "head_ict_facekit/generic_neutral_mesh.obj"),
+    ] {
+        let head = [assets.join(head)];
+        let (_, _, report) =
+            import::read_with_head(&paths(&assets, groom), &head, &ImportOptions::default()).unwrap();
+        let distance = report.lint.root_distance.unwrap();
+        assert!(distance.median < 0.005, "{groom} on {head:?}: {distance:?}");
+        assert!(report.placement.doubts.iter().any(|d| d.contains("another head")));
+    }
+}
+
+#[test]
+fn groom_and_head_turned_and_scaled_together_come_back() {
+    let Some(assets) = assets() else { return };
+    let options = ImportOptions { unrepaired: true, ..Default::default() };
+    let (strands, mesh, _) =
+        import::read_with_head(&paths(&assets, 2), &[assets.join("sintel_lite21/sintel.obj")], &options)
+            .unwrap();
+    for up in Axis::ALL {
+        for front in Axis::ALL.into_iter().filter(|f| f.vector().dot(up.vector()) == 0.0) {
+            let turn = orient::Placement { up, front, ..Default::default() }.axes().transpose() * 100.0;
+            let mut groom = strands.clone();
+            let mut head = import::mesh::RawMesh { mesh: mesh.clone(), declared: false };
+            groom.positions.iter_mut().for_each(|p| *p = turn * *p);
+            head.mesh.positions.iter_mut().for_each(|p| *p = turn * *p);
+            let (own, of_head) = orient::pair(&groom, false, &head, &options);
+            assert_eq!((own.up, own.front, own.mirrored), (up, front, false), "{own:?}");
+            assert_eq!((of_head.up, of_head.front, of_head.unit), (up, front, orient::Unit(0.01)));
+        }
+    }
+}
+
+#[test]
+fn given_axes_and_units_are_obeyed() {
+    let Some(assets) = assets() else { return };
+    let mut options = ImportOptions::default();
+    options.orient.up = Some(Axis::Z);
+    options.orient.front = Some(Axis::NegY);
+    options.orient.unit = Some("cm".parse().unwrap());
+    let (_, report) = import::read(&paths(&assets, 0), &options).unwrap();
+    let p = report.placement;
+    assert_eq!((p.up, p.front, p.unit.0), (Axis::Z, Axis::NegY, 0.01));
+    // With a head, a unit of the groom is that of the head too, where they share one.
+    let mut options = ImportOptions::default();
+    options.orient.unit = Some("0.0037".parse().unwrap());
+    let head = [assets.join("tressfx2_head/head_max4.obj")];
+    let (_, _, report) = import::read_with_head(&paths(&assets, 4), &head, &options).unwrap();
+    assert_eq!(report.placement.unit.0, 0.0037);
+    assert_eq!(report.head_placement.unwrap().unit.0, 0.0037);
+}
+
+#[test]
+fn every_head_stands_upright_alone() {
+    let Some(assets) = assets() else { return };
+    for (file, unit) in [
+        ("head_ict_facekit/generic_neutral_mesh.obj", 0.01),
+        ("head_makehuman/head_crop.obj", 0.1),
+        ("head_makehuman/base.obj", 0.1),
+        ("sintel/sintel.obj", 1.0),
+        ("sintel_lite21/sintel.obj", 0.01),
+        ("tressfx2_head/head_max4.obj", 0.0028),
+        ("tressfx4_ratboy/Ratboy_body.tfxmesh", 1.0),
+    ] {
+        let (_, p) = import::read_head(&[assets.join(file)], &ImportOptions::default()).unwrap();
+        assert_eq!((p.up, p.front), (Axis::Y, Axis::Z), "{file}: {p:?}");
+        assert!((p.unit.0 / unit - 1.0).abs() < 0.1, "{file}: {p:?}");
+    }
+}
+
+#[test]
+fn human_heads_turned_any_way_stand_up_again() {
+    let Some(assets) = assets() else { return };
+    for file in ["head_ict_facekit/generic_neutral_mesh.obj", "head_makehuman/base.obj", "sintel/sintel.obj"]
+    {
+        let whole = import::mesh::read(&assets.join(file)).unwrap();
+        for up in Axis::ALL {
+            for front in Axis::ALL.into_iter().filter(|f| f.vector().dot(up.vector()) == 0.0) {
+                let turn = orient::Placement { up, front, ..Default::default() }.axes().transpose();
+                let mut head = import::mesh::RawMesh { declared: false, ..whole.clone() };
+                head.mesh.positions.iter_mut().for_each(|p| *p = turn * *p);
+                let found = orient::head(&head, &orient::Choice::default());
+                assert_eq!((found.up, found.front), (up, front), "{file}: {found:?}");
+            }
+        }
     }
 }

@@ -40,8 +40,8 @@ pub(super) fn read(source: &Source) -> Result<Raw> {
         at += 2 * strands;
         let mut sum = 0u64;
         out.offsets.push(0);
-        for s in segments.chunks_exact(2) {
-            sum += u64::from(u16::from_le_bytes([s[0], s[1]])) + 1;
+        for s in segments.as_chunks().0 {
+            sum += u64::from(u16::from_le_bytes(*s)) + 1;
             out.offsets.push(sum as u32);
         }
         if sum != points {

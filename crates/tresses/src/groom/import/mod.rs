@@ -107,6 +107,7 @@ pub fn read_head<H: AsRef<Path>>(
     heads: &[H],
     options: &ImportOptions,
 ) -> Result<(TriMesh, orient::Placement)> {
+    options.orient_head.check()?;
     let mut head = mesh::read_all(heads)?;
     let placement = orient::head(&head, &options.orient_head);
     placement.apply_to_mesh(&mut head.mesh);
@@ -118,6 +119,8 @@ fn read_all<P: AsRef<Path>, H: AsRef<Path>>(
     heads: &[H],
     options: &ImportOptions,
 ) -> Result<(Strands, Option<TriMesh>, ImportReport)> {
+    options.orient.check()?;
+    options.orient_head.check()?;
     let (raw, files) = join::read(paths, options.lenient)?;
     let mut strands = raw.strands;
     let mut head = if heads.is_empty() { None } else { Some(mesh::read_all(heads)?) };
@@ -178,3 +181,6 @@ fn starts_with_word(bytes: &[u8]) -> bool {
 pub(crate) fn load(path: &Path) -> Result<Vec<u8>> {
     std::fs::read(path).map_err(|source| Error::Io { path: path.to_path_buf(), source })
 }
+
+#[cfg(test)]
+mod tests;

@@ -63,8 +63,8 @@ impl<'a> Source<'a> {
         let mut all = Vec::with_capacity(count as usize);
         for (i, group) in bytes.chunks_exact(4 * N).enumerate() {
             let mut values = [0.0; N];
-            for (k, (value, b)) in values.iter_mut().zip(group.chunks_exact(4)).enumerate() {
-                *value = f32::from_le_bytes([b[0], b[1], b[2], b[3]]);
+            for (k, (value, b)) in values.iter_mut().zip(group.as_chunks().0).enumerate() {
+                *value = f32::from_le_bytes(*b);
                 if !value.is_finite() && !self.lenient {
                     let at = At::Byte(offset + 4 * (N * i + k) as u64);
                     return Err(self.problem(at, format!("{value} among the {what}, which must be finite")));

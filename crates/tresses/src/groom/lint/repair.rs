@@ -40,6 +40,8 @@ pub fn repair(strands: &mut Strands) -> Repaired {
             resample(&kept.iter().map(|k| strands.positions[at(k)]).collect::<Vec<_>>(), length, limit)
                 .into_iter()
                 .map(|(k, t)| (at(&kept[k]), at(&kept[k + 1]), t))
+                // Interpolating up to the end would round; the tip stays exactly where it is.
+                .map(|(a, b, t)| if t < 1.0 { (a, b, t) } else { (b, b, 0.0) })
                 .collect()
         } else {
             kept.iter().map(|k| (at(k), at(k), 0.0)).collect()
@@ -163,6 +165,6 @@ mod tests {
             assert!((p.y - step * i as f32).abs() < 1e-4, "{i}: {p}");
             assert!((strands.colors[i].x - p.y * 1000.0).abs() < 0.1);
         }
-        assert_eq!(strands.positions[63].y, 0.999);
+        assert_eq!(strands.positions[63], line(1000, 0.001)[999]);
     }
 }

@@ -130,3 +130,17 @@ pub struct Choice {
     /// Whether the file is a mirror image, left for right.
     pub mirror: Option<bool>,
 }
+
+impl Choice {
+    /// That up and front can both be so.
+    pub fn check(&self) -> Result<()> {
+        match (self.up, self.front) {
+            (Some(up), Some(front)) if up.vector().dot(front.vector()) != 0.0 => Err(Error::Parameter {
+                name: "the front axis",
+                value: front.name().into(),
+                range: "at a right angle to the up axis",
+            }),
+            _ => Ok(()),
+        }
+    }
+}

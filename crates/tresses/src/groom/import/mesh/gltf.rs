@@ -14,11 +14,22 @@ use crate::{
 
 /// Reads all triangles of the default scene, with the nodes' transforms applied; skins and morphs rest.
 pub(super) fn read(source: &Source) -> Result<TriMesh> {
-    let file = ::gltf::Gltf::from_slice(source.bytes)
-        .map_err(|e| source.problem(At::File, format!("not a readable glTF file ({})", one_line(&e))))?;
+    let unreadable =
+        |e: ::gltf::Error| source.problem(At::File, format!("not a readable glTF file ({})", one_line(&e)));
+    let file = ::gltf::Gltf::from_slice_without_validation(source.bytes).map_err(unreadable)?;
+    let root = file.document.into_json();
+    // The crate's own validation looks an accessor of positions up before it checks its index.
+    let accessors = root.accessors.len();
+    let primitives = root.meshes.iter().flat_map(|m| &m.primitives);
+    let bad = primitives.flat_map(|p| p.attributes.values()).find(|i| i.value() >= accessors);
+    if let Some(bad) = bad {
+        let problem = format!("accessor {} does not exist, there are {accessors}", bad.value());
+        return Err(source.problem(At::File, problem));
+    }
+    let document = ::gltf::Document::from_json(root).map_err(unreadable)?;
     let mut blob = file.blob;
     let mut buffers = Vec::new();
-    for buffer in file.document.buffers() {
+    for buffer in document.buffers() {
         let data = match buffer.source() {
             ::gltf::buffer::Source::Uri(uri) if !uri.contains(':') => {
                 let folder = source.path.parent().unwrap_or(Path::new(""));
@@ -39,10 +50,10 @@ pub(super) fn read(source: &Source) -> Result<TriMesh> {
     }
     let mut reader =
         Reader { source, buffers: &buffers, mesh: TriMesh::default(), colored: false, bare: false };
-    let scene = file.document.default_scene().or_else(|| file.document.scenes().next());
+    let scene = document.default_scene().or_else(|| document.scenes().next());
     match scene {
         Some(scene) => scene.nodes().try_for_each(|n| reader.node(&n, Mat4::IDENTITY, 0))?,
-        None => file.document.meshes().try_for_each(|m| reader.mesh(&m, Mat4::IDENTITY))?,
+        None => document.meshes().try_for_each(|m| reader.mesh(&m, Mat4::IDENTITY))?,
     }
     let mut mesh = reader.mesh;
     if !reader.colored {
@@ -151,7 +162,7 @@ impl Reader<'_> {
                     push([indices[0], w[0], w[1]]);
                 }
             }
-            _ => indices.chunks_exact(3).for_each(|t| push([t[0], t[1], t[2]])),
+            _ => indices.as_chunks().0.iter().for_each(|t| push(*t)),
         }
         Ok(())
     }

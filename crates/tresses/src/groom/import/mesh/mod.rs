@@ -88,3 +88,6 @@ fn append(all: &mut TriMesh, part: TriMesh) {
         all.colors.resize(all.positions.len(), PLAIN);
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -43,20 +43,16 @@ impl BufRead for Lines<'_> {
 
 /// Reads the whole file; materials are looked for next to it and may be missing.
 pub(super) fn read(source: &Source) -> Result<TriMesh> {
-    let options = tobj::LoadOptions {
-        single_index: true,
-        triangulate: true,
-        ignore_points: true,
-        ignore_lines: true,
-        ..Default::default()
-    };
+    let options =
+        tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
     let line = Cell::new(0);
     let folder = source.path.parent().unwrap_or(Path::new(""));
     let materials = |name: &Path| match std::fs::read(folder.join(name)) {
         Ok(bytes) => tobj::load_mtl_buf(&mut bytes.as_slice()),
         Err(_) => Err(tobj::LoadError::OpenFileFailed),
     };
-    let mut lines = Lines { rest: source.bytes, line: &line };
+    let bytes = without_lines(source.bytes);
+    let mut lines = Lines { rest: &bytes, line: &line };
     let (models, materials) = tobj::load_obj_buf(&mut lines, &options, materials)
         .map_err(|e| source.problem(At::Line(line.get().max(1)), format!("not a readable OBJ mesh ({e})")))?;
     let materials = materials.unwrap_or_default();
@@ -78,7 +74,7 @@ pub(super) fn read(source: &Source) -> Result<TriMesh> {
             let at = 3 * i as usize;
             list.get(at..at + 3).map(Vec3::from_slice)
         };
-        for triangle in mesh.indices.chunks_exact(3) {
+        for triangle in mesh.indices.as_chunks::<3>().0 {
             let mut corners = [0; 3];
             for (corner, i) in corners.iter_mut().zip(triangle) {
                 let position = three(&mesh.positions, *i).unwrap_or(Vec3::NAN) + Vec3::ZERO;
@@ -107,8 +103,22 @@ pub(super) fn read(source: &Source) -> Result<TriMesh> {
             }
         }
     }
-    if out.normals.iter().any(|n| *n == Vec3::ZERO) {
+    if out.normals.contains(&Vec3::ZERO) {
         out.normals.clear();
     }
     Ok(out)
+}
+
+/// The file with its line elements commented out: `tobj` takes one of three vertices for a face.
+fn without_lines(bytes: &[u8]) -> Vec<u8> {
+    let mut out = bytes.to_vec();
+    for line in out.split_mut(|b| *b == b'\n') {
+        let start = line.iter().position(|b| !b.is_ascii_whitespace()).unwrap_or(line.len());
+        if let [first @ b'l', next, ..] = &mut line[start..]
+            && next.is_ascii_whitespace()
+        {
+            *first = b'#';
+        }
+    }
+    out
 }

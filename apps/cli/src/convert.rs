@@ -1,0 +1,92 @@
+//! `tresses convert`: grooms from one format into another.
+
+use std::{
+    io::Write,
+    path::{Path, PathBuf},
+};
+
+use anyhow::{anyhow, bail};
+use tresses::groom::{
+    export::{self, Format},
+    import,
+    orient::{Axis, Choice, Unit},
+};
+
+use crate::orient_args::OrientArgs;
+
+/// Convert grooms to .hair, .tfx or .obj, in metres, Y up, face towards +Z.
+#[derive(clap::Args)]
+#[command(override_usage = "tresses convert [OPTIONS] <IN>... <OUT>")]
+pub struct Args {
+    /// Groom files (.tfx, .hair, .obj), several are joined; the last one is the file to write, whose
+    /// extension (.hair, .tfx, .obj) decides the format.
+    // One list, since two would forbid options between them.
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// The mesh that the groom grows on, to orient it by.
+    #[arg(long, value_name = "MESH")]
+    head: Vec<PathBuf>,
+    /// Keep unit and axes of the input.
+    #[arg(long)]
+    as_is: bool,
+    #[command(flatten)]
+    orient: OrientArgs,
+}
+
+/// Runs the command.
+pub fn run(args: Args) -> anyhow::Result<()> {
+    let Some((output, inputs)) = args.files.split_last().filter(|(_, inputs)| !inputs.is_empty()) else {
+        bail!("convert needs at least one file to read and one to write");
+    };
+    let format = Format::of(output)?;
+    let mut options = args.orient.options();
+    if args.as_is {
+        options.orient =
+            Choice { unit: Some(Unit(1.0)), up: Some(Axis::Y), front: Some(Axis::Z), mirror: Some(false) };
+        // Lengths in an unknown unit cannot be called too short.
+        options.unrepaired = true;
+    }
+    let (strands, report) = if args.head.is_empty() || args.as_is {
+        import::read(inputs, &options)?
+    } else {
+        let (strands, _, report) = import::read_with_head(inputs, &args.head, &options)?;
+        (strands, report)
+    };
+    let encoded = export::encode(&strands, format, !args.as_is)?;
+    write_whole(output, &encoded.bytes)
+        .map_err(|e| anyhow!("{}: cannot be written ({e})", output.display()))?;
+    let done = report.repaired;
+    println!(
+        "{}: {} strands, {} vertices ({} strands dropped, {} vertices merged, {} strands resampled)",
+        output.display(),
+        strands.len(),
+        strands.positions.len(),
+        done.dropped_strands,
+        done.merged_vertices,
+        done.resampled_strands
+    );
+    if !args.as_is {
+        report.placement.reasons.iter().for_each(|r| println!("  {r}"));
+    }
+    report.placement.doubts.iter().filter(|_| !args.as_is).for_each(|d| println!("  in doubt: {d}"));
+    encoded.notes.iter().for_each(|n| println!("  {n}"));
+    Ok(())
+}
+
+/// Writes a file whole or not at all: beside its place first, then moved there.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".tresses-");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // As any other new file, under the user's mask; temporary files are private otherwise.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.tempfile_in(folder)?;
+    file.write_all(bytes)?;
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|e| e.error)?;
+    Ok(())
+}

@@ -1,0 +1,153 @@
+//! `tresses info`: what a groom is, and what is odd about it.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::bail;
+use serde_json::{Value, json};
+use tresses::groom::{
+    import::{self, ImportReport},
+    lint::{Report, Severity, Spread},
+    orient::Placement,
+};
+
+use crate::orient_args::OrientArgs;
+
+/// Report what a groom holds, how it is oriented, and what is odd about it.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Groom files (.tfx, .hair, .obj); several are one groom.
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// The mesh that the groom grows on (.obj, .gltf, .glb, .tfxmesh); several are one head.
+    #[arg(long, value_name = "MESH")]
+    head: Vec<PathBuf>,
+    /// Print JSON instead of text.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    orient: OrientArgs,
+}
+
+/// Runs the command.
+pub fn run(args: Args) -> anyhow::Result<()> {
+    let strict = args.orient.options();
+    // A number that is not finite is a finding here, and afterwards the error it is elsewhere.
+    let mut options = strict.clone();
+    options.lenient = true;
+    options.unrepaired = true;
+    let report = if args.head.is_empty() {
+        import::read(&args.files, &options)?.1
+    } else {
+        import::read_with_head(&args.files, &args.head, &options)?.2
+    };
+    if args.json {
+        println!("{}", serde_json::to_string_pretty(&as_json(&report))?);
+    } else {
+        print!("{}", as_text(&report));
+    }
+    if report.lint.findings.iter().any(|f| f.severity == Severity::Error) {
+        import::read(&args.files, &strict)?;
+        bail!("{}: the groom cannot be used", args.files[0].display());
+    }
+    Ok(())
+}
+
+fn as_json(report: &ImportReport) -> Value {
+    let spread = |s: &Spread| json!({"min": s.min, "median": s.median, "p95": s.p95, "max": s.max});
+    let placement = |p: &Placement| {
+        json!({
+            "metres_per_unit": p.unit.0, "up": p.up.name(), "front": p.front.name(),
+            "mirrored": p.mirrored, "translation": p.translation.to_array(),
+            "reasons": p.reasons, "doubts": p.doubts,
+        })
+    };
+    let lint = &report.lint;
+    json!({
+        "files": report.files.iter().map(|f| json!({
+            "path": f.path.display().to_string(), "format": f.format,
+            "strands": f.strands, "vertices": f.vertices, "notes": f.notes,
+        })).collect::<Vec<_>>(),
+        "strands": lint.strands,
+        "vertices": lint.vertices,
+        "vertices_per_strand": spread(&lint.per_strand),
+        "length_m": spread(&lint.lengths),
+        "radius_m": lint.radii.as_ref().map(spread),
+        "bounds_m": lint.bounds.map(|(lo, hi)| [lo.to_array(), hi.to_array()]),
+        "root_distance_m": lint.root_distance.as_ref().map(spread),
+        "groom_placement": placement(&report.placement),
+        "head_placement": report.head_placement.as_ref().map(placement),
+        "findings": lint.findings.iter().map(|f| json!({
+            "kind": f.kind.name(), "severity": f.severity.name(), "count": f.count,
+            "first_strand": f.first_strand, "detail": f.detail, "action": f.action,
+        })).collect::<Vec<_>>(),
+    })
+}
+
+fn as_text(report: &ImportReport) -> String {
+    let mut out = String::new();
+    for file in &report.files {
+        line(
+            &mut out,
+            &name(&file.path),
+            format!("{}, {} strands, {} vertices", file.format, file.strands, file.vertices),
+        );
+        file.notes.iter().for_each(|n| line(&mut out, "", n.clone()));
+    }
+    measures(&mut out, &report.lint);
+    if let Some(head) = &report.head_placement {
+        orientation(&mut out, "head", head);
+    }
+    orientation(&mut out, "groom", &report.placement);
+    let findings = &report.lint.findings;
+    out += &match findings.len() {
+        0 => "\nNothing odd was found.\n".to_string(),
+        1 => "\n1 finding\n".to_string(),
+        n => format!("\n{n} findings\n"),
+    };
+    for f in findings {
+        let first = f.first_strand.map(|s| format!(" (first in strand {s})")).unwrap_or_default();
+        out += &format!("  {:7}  {}: {} {}{first}\n", f.severity.name(), f.kind.name(), f.count, f.detail);
+        out += &format!("           → {}\n", f.action);
+    }
+    out
+}
+
+fn measures(out: &mut String, lint: &Report) {
+    let three = |s: &Spread, scale: f32, digits: usize| {
+        let [a, b, c] = [s.min, s.median, s.max].map(|v| format!("{:.digits$}", v * scale));
+        format!("{a} / {b} / {c}")
+    };
+    line(out, "strands", lint.strands.to_string());
+    line(out, "vertices", lint.vertices.to_string());
+    line(out, "per strand", format!("{} (min / median / max)", three(&lint.per_strand, 1.0, 0)));
+    line(out, "length", format!("{} cm", three(&lint.lengths, 100.0, 2)));
+    if let Some(radii) = &lint.radii {
+        line(out, "radius", format!("{} mm", three(radii, 1000.0, 4)));
+    }
+    if let Some((lo, hi)) = lint.bounds {
+        line(out, "bounds", format!("{lo:.3} to {hi:.3} m"));
+    }
+    if let Some(d) = &lint.root_distance {
+        let values = [d.median, d.p95, d.max].map(|v| format!("{:.2}", v * 1e3)).join(" / ");
+        line(out, "root to scalp", format!("{values} mm (median / 95 % / max)"));
+    }
+}
+
+fn orientation(out: &mut String, what: &str, p: &Placement) {
+    let mirrored = if p.mirrored { ", mirrored" } else { "" };
+    line(
+        out,
+        what,
+        format!("{} m per unit, up {}, face {}{mirrored}", p.unit.0, p.up.name(), p.front.name()),
+    );
+    p.reasons.iter().for_each(|r| line(out, "", r.clone()));
+    p.doubts.iter().for_each(|d| line(out, "", format!("in doubt: {d}")));
+}
+
+fn line(out: &mut String, label: &str, value: String) {
+    *out += &format!("{label:14} {value}\n");
+}
+
+fn name(path: &Path) -> String {
+    path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned())
+}

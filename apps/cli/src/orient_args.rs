@@ -1,0 +1,52 @@
+//! The options that say what is known of a file's unit and axes; other commands flatten them in.
+
+use tresses::groom::{
+    import::ImportOptions,
+    orient::{Axis, Choice, Unit},
+};
+
+/// Unit and axes of the files.
+#[derive(clap::Args, Clone, Debug, Default)]
+pub struct OrientArgs {
+    /// The groom's unit: m, cm, mm, dm, in, ft or metres per unit [default: guessed]
+    #[arg(long, value_name = "UNIT", help_heading = "Unit and axes")]
+    unit: Option<Unit>,
+    /// The groom's axis that points up, such as y, z or -z [default: guessed]
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, help_heading = "Unit and axes")]
+    up: Option<Axis>,
+    /// The groom's axis that the face looks along [default: guessed]
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, help_heading = "Unit and axes")]
+    front: Option<Axis>,
+    /// Whether to exchange the groom's left and right [default: guessed, with a head]
+    #[arg(
+        long, value_name = "BOOL", num_args = 0..=1, require_equals = true,
+        default_missing_value = "true",
+        help_heading = "Unit and axes"
+    )]
+    mirror: Option<bool>,
+    /// The head's unit [default: guessed]
+    #[arg(long, value_name = "UNIT", help_heading = "Unit and axes")]
+    head_unit: Option<Unit>,
+    /// The head's axis that points up [default: guessed]
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, help_heading = "Unit and axes")]
+    head_up: Option<Axis>,
+    /// The head's axis that the face looks along [default: guessed]
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, help_heading = "Unit and axes")]
+    head_front: Option<Axis>,
+}
+
+impl OrientArgs {
+    /// As the library takes them.
+    pub fn options(&self) -> ImportOptions {
+        ImportOptions {
+            orient: Choice { unit: self.unit, up: self.up, front: self.front, mirror: self.mirror },
+            orient_head: Choice {
+                unit: self.head_unit,
+                up: self.head_up,
+                front: self.head_front,
+                mirror: None,
+            },
+            ..Default::default()
+        }
+    }
+}

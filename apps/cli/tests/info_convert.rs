@@ -1,0 +1,92 @@
+//! `tresses info` and `tresses convert` from outside.
+
+use std::{
+    path::Path,
+    process::{Command, Output},
+};
+
+const OBJ: &str = "v 0 1.7 0
+v 0 1.75 -0.1
+v 0 1.7 -0.2
+v 0.05 1.69 0
+v 0.05 1.69 0
+v 0.1 1.6 -0.1
+l 1 2 3
+l 4 5 6
+";
+
+fn tresses(folder: &Path, args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_tresses")).current_dir(folder).args(args).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+#[test]
+fn a_groom_goes_through_every_format_and_comes_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    std::fs::write(here.join("in.obj"), OBJ).unwrap();
+    let given = ["--unit", "m", "--up", "y", "--front", "z"];
+    let steps: &[&[&str]] = &[
+        &["convert", "in.obj", "a.hair"],
+        &["convert", "a.hair", "b.tfx"],
+        &["convert", "b.tfx", "c.obj"],
+        &["convert", "c.obj", "d.obj"],
+    ];
+    for (i, step) in steps.iter().enumerate() {
+        let args: Vec<&str> = step.iter().chain(if i == 0 { &given[..] } else { &[] }).copied().collect();
+        let out = tresses(here, &args);
+        assert!(out.status.success(), "{}", text(&out.stderr));
+    }
+    assert_eq!(std::fs::read(here.join("c.obj")).unwrap(), std::fs::read(here.join("d.obj")).unwrap());
+    let last = std::fs::read_to_string(here.join("d.obj")).unwrap();
+    assert_eq!(last.lines().filter(|l| l.starts_with('v')).count(), 5, "the duplicate is merged: {last}");
+    assert!(last.contains("v 0.05 1.69 0\n"), "{last}");
+    // Nothing else is left behind.
+    assert_eq!(std::fs::read_dir(here).unwrap().count(), 5);
+}
+
+#[test]
+fn info_lists_findings_and_what_is_done() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("in.obj"), OBJ).unwrap();
+    let out = tresses(folder.path(), &["info", "in.obj"]);
+    assert!(out.status.success(), "{}", text(&out.stderr));
+    let report = text(&out.stdout);
+    assert!(report.contains("duplicate vertices: 1") && report.contains("→"), "{report}");
+    let out = tresses(folder.path(), &["info", "in.obj", "--json", "--unit", "cm"]);
+    let json: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert_eq!((json["strands"].as_u64(), json["vertices"].as_u64()), (Some(2), Some(6)));
+    assert_eq!(json["groom_placement"]["metres_per_unit"].as_f64().unwrap() as f32, 0.01);
+    assert_eq!(json["findings"][0]["count"].as_u64(), Some(1));
+}
+
+#[test]
+fn bad_input_is_one_sentence_exit_code_1_and_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    std::fs::write(here.join("cut.hair"), &b"HAIR\x01\0\0\0\x02\0\0\0\x02\0\0\0"[..]).unwrap();
+    std::fs::write(here.join("nan.obj"), OBJ.replace("1.75", "nan")).unwrap();
+    std::fs::write(here.join("flat.obj"), "v 0 0 0\nv 0 0 0\nl 1 2\n").unwrap();
+    std::fs::write(here.join("good.obj"), OBJ).unwrap();
+    let files = std::fs::read_dir(here).unwrap().count();
+    for (args, says) in [
+        (&["convert", "cut.hair", "out.obj"][..], "cut.hair at byte 16:"),
+        (&["convert", "nan.obj", "out.hair"], "nan.obj at line 2:"),
+        (&["convert", "flat.obj", "out.hair"], "flat.obj: "),
+        (&["convert", "absent.obj", "out.hair"], "absent.obj: "),
+        (&["convert", "good.obj", "out.xyz"], "out.xyz: "),
+        (&["convert", "good.obj", "no/such/folder/out.obj"], "out.obj: "),
+        (&["info", "nan.obj"], "nan.obj at line 2:"),
+        (&["info", "cut.hair"], "cut.hair at byte 16:"),
+        (&["info", "good.obj", "--head", "good.obj"], "good.obj: "),
+    ] {
+        let out = tresses(here, args);
+        let error = text(&out.stderr);
+        assert_eq!(out.status.code(), Some(1), "{args:?}: {error}");
+        assert!(error.contains(says) && error.trim_end().lines().count() == 1, "{args:?}: {error}");
+    }
+    assert_eq!(std::fs::read_dir(here).unwrap().count(), files, "nothing is written");
+}
