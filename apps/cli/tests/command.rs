@@ -5,11 +5,14 @@ use std::{
     process::{Command, Output},
 };
 
+/// Nothing but the command's own words: no backtraces, no Mesa layer that misses a session.
+const QUIET: [(&str, &str); 2] = [("RUST_BACKTRACE", "0"), ("NODEVICE_SELECT", "1")];
+
 fn tresses(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_tresses"))
         .args(arguments)
         .current_dir(folder)
-        .env("RUST_BACKTRACE", "0")
+        .envs(QUIET)
         .output()
         .expect("the binary runs")
 }
@@ -125,6 +128,7 @@ fn ctrl_c_leaves_no_broken_file() {
     let mut child = Command::new(env!("CARGO_BIN_EXE_tresses"))
         .args(small.iter().chain(&long))
         .current_dir(folder.path())
+        .envs(QUIET)
         .stderr(std::process::Stdio::piped())
         .spawn()
         .expect("the binary runs");
