@@ -38,8 +38,8 @@ impl Scene {
         let gpu = pollster::block_on(Gpu::open())?;
         Ok(Self { size, samples: samples.unwrap_or(4), gpu, pose: Pose::IDENTITY })
     }
-    pub fn open_at_most(source: &Source, size: Size, samples: Option<u32>) -> Result<Self> {
-        Self::open(source, size, samples)
+    pub fn open_at_most(source: &Source, size: Size, samples: u32, _ssaa: u32) -> Result<Self> {
+        Self::open(source, size, Some(samples))
     }
     pub fn strands_for(triangles: u64) -> u32 {
         (triangles / 62) as u32

@@ -45,6 +45,8 @@ pub struct Group {
     pub size: [u32; 2],
     /// Per pixel of the target.
     pub samples: u32,
+    /// Pixels of the target per pixel of the picture, along each axis.
+    pub ssaa: u32,
     /// Simulated.
     pub guides: u32,
     /// Drawn.
@@ -139,10 +141,11 @@ impl Group {
         let [width, height] = self.size;
         let _ = writeln!(
             text,
-            "\n{}: {width} × {height}, {}\n{} guides, {} strands × {} vertices, {} triangles, \
+            "\n{}: {width} × {height}, {}{}\n{} guides, {} strands × {} vertices, {} triangles, \
              {:.1} MB on the GPU, {:.1} bytes per drawn vertex",
             self.name,
             if self.samples == 1 { "1 sample".into() } else { format!("{}×MSAA", self.samples) },
+            if self.ssaa > 1 { format!(", {0}×{0} SSAA", self.ssaa) } else { String::new() },
             count(self.guides.into()),
             count(self.strands.into()),
             self.vertices_per_strand,

@@ -30,7 +30,8 @@ pub struct Workload {
     /// Draw as many strands as make about this many triangles.
     triangles: Option<u64>,
     size: Size,
-    samples: Option<u32>,
+    samples: u32,
+    ssaa: u32,
     /// The names of states and of their motions.
     pub runs: Vec<(&'static str, &'static str)>,
 }
@@ -49,16 +50,18 @@ pub fn seed() -> Vec<Workload> {
             source: style(None),
             triangles: Some(990_000),
             size: Size { width: 1920, height: 1200 },
-            samples: Some(8),
+            samples: 8,
+            ssaa: 1,
             runs: runs.clone(),
         },
         Workload {
-            name: "The seed's second scene, 1280 × 1024 with 2 × 2 times the pixels",
+            name: "The seed's second scene",
             others: "GeForce 8800 GTX, 2008, 8×MSAA: 41.7 ms at rest, 57.1 ms in motion",
             source: style(None),
             triangles: Some(2_100_000),
-            size: Size { width: 2560, height: 2048 },
-            samples: Some(8),
+            size: Size { width: 1280, height: 1024 },
+            samples: 8,
+            ssaa: 2,
             runs,
         },
     ]
@@ -93,7 +96,8 @@ pub fn peer(args: &Args) -> Option<Workload> {
         },
         triangles: None,
         size: Size { width: 1280, height: 720 },
-        samples: Some(1),
+        samples: 1,
+        ssaa: 1,
         runs: vec![("at rest", "still"), ("in motion", "turn")],
     })
 }
@@ -109,7 +113,7 @@ pub fn measure(workload: &Workload, frames: u32, bar: &ProgressBar) -> Result<Gr
     if let Some(triangles) = workload.triangles {
         source.strands = Some(Scene::strands_for(triangles));
     }
-    let mut scene = Scene::open_at_most(&source, workload.size, workload.samples)
+    let mut scene = Scene::open_at_most(&source, workload.size, workload.samples, workload.ssaa)
         .with_context(|| workload.name.to_owned())?;
     let runs = workload
         .runs
@@ -123,6 +127,7 @@ pub fn measure(workload: &Workload, frames: u32, bar: &ProgressBar) -> Result<Gr
         adapter: scene.adapter_facts(),
         size: [workload.size.width, workload.size.height],
         samples: scene.samples(),
+        ssaa: workload.ssaa,
         guides: facts.guides,
         strands: facts.strands,
         vertices_per_strand: facts.vertices_per_strand,
@@ -137,7 +142,7 @@ pub fn measure(workload: &Workload, frames: u32, bar: &ProgressBar) -> Result<Gr
 /// Measures the long style with `strands` strands.
 pub fn point(strands: u32, frames: u32, bar: &ProgressBar) -> Result<Point> {
     let size = Size { width: 1280, height: 720 };
-    let mut scene = Scene::open_at_most(&style(Some(strands)), size, Some(1))?;
+    let mut scene = Scene::open_at_most(&style(Some(strands)), size, 1, 1)?;
     let run = run(&mut scene, "in motion", "turn", size, frames, bar)?;
     Ok(Point { strands: scene.facts().strands, gpu: run.gpu, frame: run.frame })
 }
