@@ -10,6 +10,14 @@ pub mod tessellate;
 
 pub mod interpolate;
 
+pub mod light;
+
+pub mod draw;
+
+pub mod present;
+
+pub mod stage;
+
 pub mod constants;
 pub mod error;
 pub mod gpu;

@@ -3,8 +3,13 @@
 pub mod bind;
 pub mod bound;
 pub mod curve;
+pub mod export;
 pub mod guides;
+pub mod import;
+pub mod lint;
+pub mod mannequin;
 pub mod mesh;
+pub mod orient;
 pub mod sdf;
 pub mod strands;
 

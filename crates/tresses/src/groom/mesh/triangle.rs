@@ -1,5 +1,7 @@
 //! One triangle: its nearest point and its solid angle.
 
+use std::f32::consts::TAU;
+
 use glam::Vec3;
 
 /// The point of triangle `[a, b, c]` nearest to `p` and its barycentric coordinates (sum 1, none
@@ -52,14 +54,56 @@ fn on_segment(p: Vec3, a: Vec3, b: Vec3, weights: impl Fn(f32, f32) -> Vec3) -> 
     (a + along * t, weights(1.0 - t, t))
 }
 
-/// The signed solid angle (steradian) under which `p` sees triangle `[a, b, c]`: positive from behind
-/// the triangle, where its corners run clockwise. Van Oosterom & Strackee 1983.
-pub fn solid_angle(p: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
-    let (a, b, c) = (a - p, b - p, c - p);
-    let (la, lb, lc) = (a.length(), b.length(), c.length());
-    let volume = a.dot(b.cross(c));
-    let sum = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-    2.0 * volume.atan2(sum)
+/// A sum of signed solid angles (steradian) of triangles: positive from behind a triangle, where its
+/// corners run clockwise. Van Oosterom & Strackee 1983.
+///
+/// Their formula gives half the angle as that of a complex number. Multiplying these and counting
+/// whole turns adds the angles with one arctangent for all triangles.
+#[derive(Clone, Copy, Debug)]
+pub struct SolidAngle {
+    re: f32,
+    im: f32,
+    turns: i32,
+}
+
+impl SolidAngle {
+    pub const ZERO: Self = Self { re: 1.0, im: 0.0, turns: 0 };
+
+    /// Adds the angle under which `p` sees triangle `[a, b, c]`: 0 from a corner or an edge.
+    pub fn add(&mut self, p: Vec3, [a, b, c]: [Vec3; 3]) {
+        let (a, b, c) = (a - p, b - p, c - p);
+        let (la, lb, lc) = (a.length(), b.length(), c.length());
+        let im = a.dot(b.cross(c));
+        let re = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+        // The size means nothing; scaled, a product of many neither vanishes nor overflows.
+        let size = re.abs() + im.abs();
+        if size < f32::MIN_POSITIVE || im == 0.0 {
+            return;
+        }
+        let (re, im) = (re / size, im / size);
+        let product = (self.re * re - self.im * im, self.re * im + self.im * re);
+        // Two angles of up to half a turn to the same side that end on the other went past the half turn.
+        if self.im >= 0.0 && im > 0.0 && product.1 < 0.0 {
+            self.turns += 1;
+        } else if self.im < 0.0 && im < 0.0 && product.1 >= 0.0 {
+            self.turns -= 1;
+        }
+        let size = product.0.abs() + product.1.abs();
+        (self.re, self.im) = (product.0 / size, product.1 / size);
+    }
+
+    /// The sum.
+    pub fn total(self) -> f32 {
+        2.0 * self.im.atan2(self.re) + 2.0 * TAU * self.turns as f32
+    }
+}
+
+/// The angle of a single triangle.
+#[cfg(test)]
+pub fn solid_angle(p: Vec3, triangle: [Vec3; 3]) -> f32 {
+    let mut angle = SolidAngle::ZERO;
+    angle.add(p, triangle);
+    angle.total()
 }
 
 #[cfg(test)]
@@ -98,5 +142,22 @@ mod tests {
         assert!((solid_angle(Vec3::ZERO, t) - std::f32::consts::FRAC_PI_2).abs() < 1e-6);
         assert!((solid_angle(Vec3::ZERO, [t[0], t[2], t[1]]) + std::f32::consts::FRAC_PI_2).abs() < 1e-6);
         assert_eq!(solid_angle(Vec3::X, t), 0.0);
+    }
+
+    #[test]
+    fn many_angles_in_one_sum_are_their_sum() {
+        let corner = |i: u32| Vec3::new((i * 7 % 11) as f32, (i * 5 % 13) as f32, (i * 3 % 7) as f32) - 4.0;
+        for sign in [1.0, -1.0] {
+            let (mut sum, mut apart) = (SolidAngle::ZERO, 0.0f64);
+            for i in 0..200 {
+                let mut t = [corner(i), corner(i + 17), corner(i + 31)];
+                if solid_angle(Vec3::splat(0.3), t) * sign < 0.0 {
+                    t.swap(0, 1);
+                }
+                sum.add(Vec3::splat(0.3), t);
+                apart += f64::from(solid_angle(Vec3::splat(0.3), t));
+            }
+            assert!(apart.abs() > 50.0 && (f64::from(sum.total()) - apart).abs() < 1e-2, "{apart} {sum:?}");
+        }
     }
 }

@@ -27,13 +27,21 @@ impl Bvh {
     /// The point of the mesh nearest to `p` if it is nearer than `radius` metres: the smaller the
     /// radius, the faster.
     pub fn closest_point_within(&self, p: Vec3, radius: f32) -> Option<Closest> {
-        self.nearest(p, radius * radius, None).map(|(_, closest)| closest)
+        self.nearest(p, radius * radius, None, 0.0).map(|(_, closest)| closest)
     }
 
     /// Like [`closest_point_within`](Self::closest_point_within) with the squared radius, starting from
-    /// the triangle at `hint` in the order of the leaves, and also returning that place for the result.
-    pub(crate) fn nearest(&self, p: Vec3, radius: f32, hint: Option<u32>) -> Option<(u32, Closest)> {
-        let mut best = Best { p, squared: radius, found: None };
+    /// the triangle at `hint` in the order of the leaves, and also returning that place for the result,
+    /// whose distance may be too large by the part `error` of itself.
+    pub(crate) fn nearest(
+        &self,
+        p: Vec3,
+        radius: f32,
+        hint: Option<u32>,
+        error: f32,
+    ) -> Option<(u32, Closest)> {
+        let mut best =
+            Best { p, squared: radius, bound: radius, shrink: (1.0 - error) * (1.0 - error), found: None };
         if let Some(slot) = hint {
             best.offer(slot, self.corners[slot as usize]);
         }
@@ -43,7 +51,7 @@ impl Bvh {
         let mut lower = self.nodes.first()?.distance_squared(p);
         loop {
             // Written so that a `p` that is not a number visits nothing.
-            if lower < best.squared {
+            if lower < best.bound {
                 let node = &self.nodes[at as usize];
                 if node.count == 0 {
                     let (left, right) = (at + 1, node.first);
@@ -52,7 +60,7 @@ impl Bvh {
                     let far;
                     ((at, lower), far) =
                         if l <= r { ((left, l), (right, r)) } else { ((right, r), (left, l)) };
-                    if far.1 < best.squared {
+                    if far.1 < best.bound {
                         stack[top] = far;
                         top += 1;
                     }
@@ -77,6 +85,9 @@ impl Bvh {
 struct Best {
     p: Vec3,
     squared: f32,
+    /// Boxes at least this far (squared) are not looked into.
+    bound: f32,
+    shrink: f32,
     found: Option<(u32, Vec3, Vec3)>,
 }
 
@@ -86,6 +97,7 @@ impl Best {
         let squared = point.distance_squared(self.p);
         if squared < self.squared {
             self.squared = squared;
+            self.bound = squared * self.shrink;
             self.found = Some((slot, point, barycentric));
         }
     }

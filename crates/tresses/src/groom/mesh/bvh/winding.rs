@@ -6,15 +6,15 @@ use std::f32::consts::TAU;
 use glam::Vec3;
 
 use super::{Bvh, DEPTH, Node};
-use crate::groom::mesh::triangle;
+use crate::groom::mesh::triangle::SolidAngle;
 
 /// What is seen of a node's triangles from far away.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment {
     /// Centroid, weighted by area.
     center: Vec3,
-    /// The squared distance from the centre beyond which the dipole is good enough.
-    near: f32,
+    /// The square of the distance from the centre to the farthest corner of the box.
+    radius: f32,
     /// Sum of the triangles' area vectors.
     area: Vec3,
 }
@@ -31,7 +31,13 @@ impl Bvh {
     /// 1 to 0, being 0.5 on the hole's flat lid: `> 0.5` is the solid with its holes filled. A sheet has
     /// less than 0.5 on either side. 0 without triangles.
     pub fn winding_number(&self, p: Vec3) -> f32 {
-        let mut angle = 0.0;
+        self.winding_with(p, FAR)
+    }
+
+    /// The winding number where nodes `far` radii away are seen as dipoles.
+    pub(crate) fn winding_with(&self, p: Vec3, far: f32) -> f32 {
+        let limit = far * far;
+        let (mut dipoles, mut near) = (0.0, SolidAngle::ZERO);
         let mut stack = [0u32; DEPTH + 1];
         let mut top = usize::from(!self.is_empty());
         while top > 0 {
@@ -40,18 +46,18 @@ impl Bvh {
             let (node, moment) = (&self.nodes[at as usize], &self.moments[at as usize]);
             let to = moment.center - p;
             let squared = to.length_squared();
-            if squared > moment.near {
-                angle += to.dot(moment.area) / (squared * squared.sqrt());
+            if squared > limit * moment.radius {
+                dipoles += to.dot(moment.area) / (squared * squared.sqrt());
             } else if node.count == 0 {
                 stack[top] = at + 1;
                 stack[top + 1] = node.first;
                 top += 2;
             } else {
                 let leaf = node.first as usize..(node.first + node.count) as usize;
-                angle += self.corners[leaf].iter().map(|c| triangle::solid_angle(p, *c)).sum::<f32>();
+                self.corners[leaf].iter().for_each(|c| near.add(p, *c));
             }
         }
-        angle / (2.0 * TAU)
+        (dipoles + near.total()) / (2.0 * TAU)
     }
 }
 
@@ -76,7 +82,7 @@ pub fn moments(nodes: &[Node], corners: &[[Vec3; 3]]) -> Vec<Moment> {
     let moment = |(node, (area, centroid, size)): (&Node, (Vec3, Vec3, f32))| {
         let center = if size > 0.0 { centroid / size } else { 0.5 * (node.lo + node.hi) };
         let radius = (node.hi - center).max(center - node.lo).length();
-        Moment { center, area, near: FAR * FAR * radius * radius }
+        Moment { center, area, radius: radius * radius }
     };
     nodes.iter().zip(sums).map(moment).collect()
 }

@@ -41,7 +41,7 @@ pub struct SdfOptions {
     /// out: tubes of lashes, brows, threads.
     pub thinnest: f32,
     /// Whether air that does not reach the border of the grid (closed mouths, nostrils behind sealed
-    /// lips) becomes solid.
+    /// lips) becomes solid. A gap as wide as the grid shows keeps a cavity open.
     pub fill_cavities: bool,
 }
 
@@ -66,7 +66,7 @@ pub fn build(mesh: &TriMesh, options: &SdfOptions) -> Result<SdfGrid> {
     let solid = signs::solid(&grid, &field, options.fill_cavities);
     if !solid.contains(&true) {
         return Err(Error::Groom(
-            "the mesh encloses nothing: it is a flat sheet, too thin for the resolution, or its triangles face both ways"
+            "the mesh encloses nothing that its distance field could show: it is flat or too thin, or its triangles face both ways"
                 .into(),
         ));
     }
@@ -125,8 +125,20 @@ struct Winding<'a> {
     sign: f32,
 }
 
+/// How near to a node, in its radii, the first estimate stops looking into it, and how far off that
+/// estimate may be (see the tests of the tree).
+const ROUGH: f32 = 1.5;
+const ROUGH_ERROR: f32 = 0.1;
+
 impl Winding<'_> {
+    /// The winding number at `p`, within [`ROUGH_ERROR`], and more precise where it decides.
     fn at(&self, p: Vec3) -> f32 {
+        let rough = self.sign * self.bvh.winding_with(p, ROUGH);
+        let clear = (rough - 0.5).abs() > 1.5 * ROUGH_ERROR;
+        if clear { rough } else { self.precise(p) }
+    }
+
+    fn precise(&self, p: Vec3) -> f32 {
         self.sign * self.bvh.winding_number(p)
     }
 }
@@ -140,7 +152,7 @@ fn unsigned(grid: &SdfGrid, skin: &Bvh) -> Vec<f32> {
     for row in 0..rows {
         let mut hint = row_hint;
         for x in 0..nx {
-            let found = skin.nearest(grid.node(row * nx + x), f32::INFINITY, hint);
+            let found = skin.nearest(grid.node(row * nx + x), f32::INFINITY, hint, 0.0);
             hint = found.map(|(slot, _)| slot);
             if x == 0 {
                 row_hint = hint;

@@ -8,11 +8,8 @@
 
 use glam::{IVec3, Vec3};
 
-use super::Winding;
+use super::{ROUGH_ERROR, Winding};
 use crate::groom::SdfGrid;
-
-/// The error of the winding numbers that the balls leave room for.
-const SLACK: f32 = 0.04;
 
 /// Solid pieces of fewer nodes are noise.
 const SPECK: usize = 8;
@@ -51,7 +48,7 @@ fn by_winding(grid: &SdfGrid, field: &Winding<'_>) -> Vec<bool> {
             let t = reach(if is_solid { 1.0 - w } else { w });
             // Balls of less than a cell settle nothing.
             let Some((slot, nearest)) =
-                (t > 0.0).then(|| field.bvh.nearest(p, f32::INFINITY, hint)).flatten()
+                (t > 0.0).then(|| field.bvh.nearest(p, f32::INFINITY, hint, 0.05)).flatten()
             else {
                 continue;
             };
@@ -68,7 +65,7 @@ fn by_winding(grid: &SdfGrid, field: &Winding<'_>) -> Vec<bool> {
 /// The part of the distance to the nearest triangle within which the side cannot change, where the
 /// winding number is `u` away from its ideal.
 fn reach(u: f32) -> f32 {
-    let k = 0.5 / (u.max(0.0) + SLACK);
+    let k = 0.5 / (u.max(0.0) + ROUGH_ERROR);
     if k <= 1.0 { 0.0 } else { (2.0 * k + 1.0 - (8.0 * k + 1.0).sqrt()) / (2.0 * k) }
 }
 

@@ -2,16 +2,24 @@
 
 use glam::Vec3;
 
+use std::collections::HashMap;
+
 use super::{TriMesh, Winding, signs};
 use crate::groom::SdfGrid;
+use crate::groom::mesh::parts;
 
 /// How far in front of and behind a triangle it is asked what is there, in cells: far enough for
 /// rounding errors, near enough not to meet the next sheet.
 const OFFSET: f32 = 0.02;
 
+/// Behind a wide sheet in the air the winding number comes up to 0.5; what is to count as solid must
+/// exceed that by more than the number's error.
+const SHEET: f32 = 0.05;
+
 /// The triangles of `mesh` with air on one side and solid on the other, both of which the grid shows.
 pub fn boundary(mesh: &TriMesh, grid: &SdfGrid, field: &Winding<'_>, solid: &[bool]) -> TriMesh {
-    let is_boundary = |t: &&[u32; 3]| {
+    let coincident = coincident(mesh);
+    let is_boundary = |(t, coincident): &(&[u32; 3], bool)| {
         let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
         let normal = (b - a).cross(c - a).normalize_or_zero();
         if normal == Vec3::ZERO {
@@ -19,14 +27,36 @@ pub fn boundary(mesh: &TriMesh, grid: &SdfGrid, field: &Winding<'_>, solid: &[bo
         }
         let center = (a + b + c) / 3.0;
         let parts = |p: Vec3| {
-            signs::around(grid, solid, p) == (true, true)
-                && (field.at(p + normal * (OFFSET * grid.cell)) > 0.5)
-                    != (field.at(p - normal * (OFFSET * grid.cell)) > 0.5)
+            if signs::around(grid, solid, p) != (true, true) {
+                return false;
+            }
+            let ahead = p + normal * (OFFSET * grid.cell);
+            let mut front = field.at(ahead);
+            // Through a single triangle the winding number jumps by one.
+            let mut back = front + field.sign;
+            if *coincident || (back - 0.5).abs() < 3.0 * SHEET {
+                front = field.precise(ahead);
+                back = field.precise(p - normal * (OFFSET * grid.cell));
+            }
+            front.min(back) <= 0.5 && front.max(back) > 0.5 + SHEET
         };
         // A triangle of many cells can dive into another part; it stays if it surfaces anywhere.
         let large = [a, b, c].iter().any(|p| p.distance(center) > 2.0 * grid.cell);
         parts(center) || (large && [a, b, c].iter().any(|p| parts(center.lerp(*p, 0.75))))
     };
-    let triangles = mesh.triangles.iter().filter(is_boundary).copied().collect();
+    let triangles = mesh.triangles.iter().zip(coincident).filter(is_boundary).map(|(t, _)| *t).collect();
     TriMesh { positions: mesh.positions.clone(), triangles, ..Default::default() }
+}
+
+/// For every triangle whether another has its corners, in any order: a sheet modelled from both sides.
+fn coincident(mesh: &TriMesh) -> Vec<bool> {
+    let places = parts::places(&mesh.positions);
+    let key = |t: &[u32; 3]| {
+        let mut key = t.map(|v| places[v as usize]);
+        key.sort_unstable();
+        key
+    };
+    let mut counts: HashMap<[u32; 3], u32> = HashMap::new();
+    mesh.triangles.iter().for_each(|t| *counts.entry(key(t)).or_default() += 1);
+    mesh.triangles.iter().map(|t| counts[&key(t)] > 1).collect()
 }

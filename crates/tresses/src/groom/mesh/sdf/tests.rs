@@ -237,15 +237,76 @@ fn slices(grid: &SdfGrid, path: &std::path::Path) {
 
 #[test]
 fn real_heads_are_solid() {
-    for (name, scale, resolution) in [
-        ("sintel/sintel-collider.obj", 1.0, 64),
-        ("sintel/sintel.obj", 1.0, 64),
-        ("sintel/sintel.obj", 1.0, 96),
-        ("tressfx2_head/head_max4.obj", 0.0027, 96),
-        ("head_ict_facekit/generic_neutral_mesh.obj", 0.01, 96),
+    // Two points inside and two outside: brow and neck, in front of the nose and over the shoulder.
+    for (name, scale, resolution, inside, outside) in [
+        (
+            "sintel/sintel.obj",
+            1.0,
+            64,
+            [[0.0, 1.57, 0.0], [0.0, 1.3, 0.0]],
+            [[0.0, 1.52, 0.14], [0.12, 1.45, 0.0]],
+        ),
+        (
+            "tressfx2_head/head_max4.obj",
+            0.0027,
+            96,
+            [[0.0, 0.25, 0.0], [0.0, 0.0, -0.02]],
+            [[0.0, 0.2, 0.14], [0.15, 0.2, 0.0]],
+        ),
+        (
+            "head_ict_facekit/generic_neutral_mesh.obj",
+            0.01,
+            96,
+            [[0.0, 0.08, 0.0], [0.0, -0.1, 0.0]],
+            [[0.0, 0.0, 0.15], [0.11, -0.08, 0.0]],
+        ),
     ] {
-        if head(name, scale, resolution).is_none() {
-            return;
+        let Some((_, grid)) = head(name, scale, resolution) else { return };
+        for (points, sign) in [(inside, -1.0), (outside, 1.0)] {
+            for p in points {
+                let d = grid.sample(Vec3::from(p));
+                assert!(d * sign > 0.01, "{name} {p:?}: {d}");
+            }
         }
+        assert!(steepest(&grid) < 1.5);
     }
+}
+
+/// Differences of our field and the reference of another tool, in metres: the median and the 99th
+/// percentile within 3 cm of the surface.
+fn against(reference: &SdfGrid, step: Vec3, ours: &SdfGrid) -> (f32, f32) {
+    let mut off: Vec<f32> = (0..reference.distances.len() as u32)
+        .filter(|&i| reference.distances[i as usize].abs() < 0.03)
+        .map(|i| {
+            let cell = UVec3::new(i % 64, i / 64 % 64, i / 4096).as_vec3() + 0.5;
+            (reference.distances[i as usize] - ours.sample(reference.origin + cell * step)).abs()
+        })
+        .collect();
+    off.sort_by(f32::total_cmp);
+    (off[off.len() / 2], off[off.len() * 99 / 100])
+}
+
+#[test]
+fn the_field_of_a_collider_is_that_of_another_tool() {
+    let Some((_, ours)) = head("sintel/sintel-collider.obj", 1.0, 64) else { return };
+    let path = PathBuf::from(std::env::var_os("TRESSES_ASSETS").unwrap()).join("sintel/sintel-sdf.bin");
+    let bytes = std::fs::read(path).unwrap();
+    let (head, distances) = bytes.split_at(32);
+    assert_eq!(head[..4], 64u32.to_le_bytes());
+    let floats =
+        |bytes: &[u8]| bytes.as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect::<Vec<_>>();
+    let bounds = floats(&head[8..]);
+    let (lo, hi) = (Vec3::from_slice(&bounds), Vec3::from_slice(&bounds[3..]));
+    let reference = SdfGrid { size: UVec3::splat(64), origin: lo, cell: 0.0, distances: floats(distances) };
+    // Its nodes are the centres of 64 cells.
+    let step = (hi - lo) / 64.0;
+    let (median, tail) = against(&reference, step, &ours);
+    println!("against the reference: median {} mm, 99 % {} mm", median * 1e3, tail * 1e3);
+    assert!(median < 1e-4 && tail < 1e-3);
+    // The comparer can fail: by a shift, and by another order of the axes.
+    let shifted = SdfGrid { origin: ours.origin + Vec3::X * 0.005, ..ours.clone() };
+    assert!(against(&reference, step, &shifted).0 > 1e-3);
+    let at = |i: usize| (i % 64) * 64 + (i / 64 % 64) + i / 4096 * 4096;
+    let turned = (0..64 * 64 * 64).map(|i| reference.distances[at(i)]).collect();
+    assert!(against(&SdfGrid { distances: turned, ..reference }, step, &ours).0 > 1e-3);
 }

@@ -1,0 +1,42 @@
+//! What is behind everything: a soft gradient, a flat colour, or nothing.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+/// The background; composed in `present`, where the picture is still linear.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Background {
+    /// Linear radiance behind the head.
+    pub center: Vec3,
+    /// 1 for a transparent picture (premultiplied alpha), else 0.
+    pub transparent: u32,
+    /// Linear radiance towards the picture's corners.
+    pub edge: Vec3,
+    /// Where the edge's radiance is reached, in picture heights from the centre.
+    pub falloff: f32,
+}
+
+impl Default for Background {
+    /// A quiet blue-grey, lighter behind the head.
+    fn default() -> Self {
+        Self {
+            center: Vec3::new(0.115, 0.125, 0.14),
+            transparent: 0,
+            edge: Vec3::new(0.028, 0.031, 0.037),
+            falloff: 1.0,
+        }
+    }
+}
+
+impl Background {
+    /// One colour (linear radiance) everywhere.
+    pub fn flat(color: Vec3) -> Self {
+        Self { center: color, transparent: 0, edge: color, falloff: 1.0 }
+    }
+
+    /// Nothing: the picture has an alpha channel.
+    pub fn transparent() -> Self {
+        Self { transparent: 1, ..Self::flat(Vec3::ZERO) }
+    }
+}

@@ -1,0 +1,130 @@
+//! One groom, ready to be drawn: index buffers, the shaded values, bind groups.
+
+use super::DrawStage;
+use crate::{
+    Result,
+    light::material::HairUniform,
+    strands::{StrandBuffers, buffers::storage},
+};
+
+/// The most vertices that a 16-bit index reaches.
+const REACH: u32 = 1 << 16;
+
+/// A list of indices for as many strands as 16 bits reach, drawn again and again with another
+/// base vertex. One list costs nothing to keep in a cache; indices for a whole groom would be
+/// twice the memory of its vertices, and instances of one strand leave GPUs idle.
+#[derive(Debug)]
+struct Chunks {
+    indices: wgpu::Buffer,
+    strands_per_chunk: u32,
+    indices_per_strand: u32,
+    vertices_per_strand: u32,
+}
+
+impl Chunks {
+    fn new(device: &wgpu::Device, count: u32, strand: &[u16], vertices_per_strand: u32) -> Self {
+        let strands_per_chunk = (REACH / vertices_per_strand).min(count).max(1);
+        let list: Vec<u16> = (0..strands_per_chunk)
+            .flat_map(|i| strand.iter().map(move |index| (i * vertices_per_strand) as u16 + index))
+            .collect();
+        use wgpu::util::DeviceExt;
+        // Copies into buffers come in fours of bytes.
+        let mut bytes = bytemuck::cast_slice::<_, u8>(&list).to_vec();
+        bytes.resize(bytes.len().next_multiple_of(4).max(4), 0);
+        let indices = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("strand indices"),
+            contents: &bytes,
+            usage: wgpu::BufferUsages::INDEX,
+        });
+        Self { indices, strands_per_chunk, indices_per_strand: strand.len() as u32, vertices_per_strand }
+    }
+
+    fn record(&self, pass: &mut wgpu::RenderPass<'_>, count: u32) {
+        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
+        for first in (0..count).step_by(self.strands_per_chunk as usize) {
+            let strands = self.strands_per_chunk.min(count - first);
+            let base = (first * self.vertices_per_strand) as i32;
+            pass.draw_indexed(0..strands * self.indices_per_strand, base, 0..1);
+        }
+    }
+}
+
+/// A groom as the drawing stages need it. It reads the [`StrandBuffers`] it was made for.
+#[derive(Debug)]
+pub struct HairSet {
+    /// Number of strands.
+    pub count: u32,
+    /// Vertices per strand.
+    pub vertex_count: u32,
+    strips: Chunks,
+    lines: Chunks,
+    pub(crate) uniform: wgpu::Buffer,
+    shaded: wgpu::Buffer,
+    pub(crate) group: wgpu::BindGroup,
+    pub(crate) shade_group: wgpu::BindGroup,
+}
+
+impl HairSet {
+    /// Prepares `strands` to be drawn by `stage`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`].
+    pub fn new(device: &wgpu::Device, stage: &DrawStage, strands: &StrandBuffers) -> Result<Self> {
+        let (count, vertex_count) = (strands.count, strands.vertex_count);
+        let vertices = u64::from(count) * u64::from(vertex_count);
+        if vertices * 2 > i32::MAX as u64 {
+            return Err(crate::Error::Limit {
+                what: "strand vertices",
+                need: vertices * 32,
+                have: i32::MAX as u64 * 16,
+            });
+        }
+        let shaded = storage::<[u32; 2]>(device, "shaded strands", vertices)?;
+        let uniform = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("hair"),
+            size: size_of::<HairUniform>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let strip: Vec<u16> = (0..vertex_count.saturating_sub(1) as u16)
+            .flat_map(|i| [0, 1, 2, 2, 1, 3].map(|corner| 2 * i + corner))
+            .collect();
+        // The maps' texels are coarse: about eight lines per strand are enough.
+        let last = vertex_count.saturating_sub(1);
+        let stride = (last / 8).max(1);
+        let line: Vec<u16> = (0..last)
+            .step_by(stride as usize)
+            .flat_map(|i| [i as u16, (i + stride).min(last) as u16])
+            .collect();
+        Ok(Self {
+            count,
+            vertex_count,
+            strips: Chunks::new(device, count, &strip, 2 * vertex_count.max(1)),
+            lines: Chunks::new(device, count, &line, vertex_count.max(1)),
+            group: stage.bind_hair(device, &uniform, strands, &shaded),
+            shade_group: stage.bind_shade(device, &uniform, strands, &shaded),
+            uniform,
+            shaded,
+        })
+    }
+
+    /// Bytes of GPU memory, without the strands' own buffers.
+    pub fn bytes(&self) -> u64 {
+        self.shaded.size() + self.uniform.size() + self.strips.indices.size() + self.lines.indices.size()
+    }
+
+    /// Triangles of the strips.
+    pub fn triangles(&self) -> u64 {
+        u64::from(self.count) * 2 * u64::from(self.vertex_count.saturating_sub(1))
+    }
+
+    pub(crate) fn record_strips(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_bind_group(1, &self.group, &[]);
+        self.strips.record(pass, self.count);
+    }
+
+    pub(crate) fn record_lines(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_bind_group(1, &self.group, &[]);
+        self.lines.record(pass, self.count);
+    }
+}

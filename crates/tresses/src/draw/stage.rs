@@ -1,0 +1,300 @@
+//! The pipelines of everything from the lights to the picture, and the order to record them in.
+
+use super::{
+    Body, HairSet, Scene, Targets,
+    body::BodyUniform,
+    targets::{DEPTH_FORMAT, HDR_FORMAT},
+    view::ViewUniform,
+};
+use crate::{
+    gpu::{
+        Binding, Timings,
+        bindings::{group, layout},
+    },
+    light::{Shade, ShadingRate, ShadowMaps, lights::LightsUniform},
+    present::Present,
+    shaders,
+    strands::StrandBuffers,
+};
+
+/// How a [`DrawStage`] is built.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DrawOptions {
+    /// Samples per pixel: 1, 4, 8 or 16, as the adapter offers.
+    pub samples: u32,
+    /// Texels along each edge of a shadow map.
+    pub shadow_resolution: u32,
+    /// Format of what `present` writes to.
+    pub output: wgpu::TextureFormat,
+}
+
+impl Default for DrawOptions {
+    fn default() -> Self {
+        Self { samples: 4, shadow_resolution: 1024, output: super::targets::PICTURE_FORMAT }
+    }
+}
+
+/// Pipelines and per-frame uniforms. Per frame: [`prepare`](Self::prepare), then record
+/// [`shadow`](Self::shadow), [`shade`](Self::shade), [`draw`](Self::draw) and
+/// [`present`](Self::present).
+#[derive(Debug)]
+pub struct DrawStage {
+    shadow_maps: ShadowMaps,
+    shade: Shade,
+    present: Present,
+    view: wgpu::Buffer,
+    lights: wgpu::Buffer,
+    frame_group: wgpu::BindGroup,
+    hair_layout: wgpu::BindGroupLayout,
+    body_layout: wgpu::BindGroupLayout,
+    body: wgpu::RenderPipeline,
+    hair_per_vertex: wgpu::RenderPipeline,
+    hair_per_pixel: wgpu::RenderPipeline,
+}
+
+impl DrawStage {
+    /// Builds all pipelines.
+    pub fn new(device: &wgpu::Device, options: &DrawOptions) -> Self {
+        use wgpu::ShaderStages as Stages;
+        let both = Stages::VERTEX_FRAGMENT;
+        let uniform = |label, size: usize| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: size as u64,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        };
+        let view = uniform("view", size_of::<ViewUniform>());
+        let lights = uniform("lights", size_of::<LightsUniform>());
+        use Binding::{Comparison, DepthArray, Storage, Uniform};
+        let frame_layout = layout(device, "frame", both, &[Uniform, Uniform, DepthArray, Comparison]);
+        let hair_layout = layout(device, "hair", both, &[Uniform, Storage, Storage, Storage]);
+        let body_layout = layout(device, "body", both, &[Uniform]);
+        let shadow_maps = ShadowMaps::new(device, options.shadow_resolution, &hair_layout, &body_layout);
+        let comparison = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("shadow comparison"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            compare: Some(wgpu::CompareFunction::LessEqual),
+            ..Default::default()
+        });
+        let frame_group = group(
+            device,
+            "frame",
+            &frame_layout,
+            &[
+                view.as_entire_binding(),
+                lights.as_entire_binding(),
+                wgpu::BindingResource::TextureView(&shadow_maps.view),
+                wgpu::BindingResource::Sampler(&comparison),
+            ],
+        );
+        let pipeline = |module: &'static str, vertex: &str, fragment: &str, geometry, buffers: &[_]| {
+            let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(module),
+                source: wgpu::ShaderSource::Wgsl(shaders::source(module).into()),
+            });
+            device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(vertex),
+                layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                    label: Some(vertex),
+                    bind_group_layouts: &[Some(&frame_layout), Some(geometry)],
+                    immediate_size: 0,
+                })),
+                vertex: wgpu::VertexState {
+                    module: &shader,
+                    entry_point: Some(vertex),
+                    compilation_options: Default::default(),
+                    buffers,
+                },
+                // Meshes in the wild are open and turned either way; strips face the camera.
+                primitive: wgpu::PrimitiveState::default(),
+                depth_stencil: Some(wgpu::DepthStencilState {
+                    format: DEPTH_FORMAT,
+                    depth_write_enabled: Some(true),
+                    depth_compare: Some(wgpu::CompareFunction::Greater),
+                    stencil: Default::default(),
+                    bias: Default::default(),
+                }),
+                multisample: wgpu::MultisampleState { count: options.samples, ..Default::default() },
+                fragment: Some(wgpu::FragmentState {
+                    module: &shader,
+                    entry_point: Some(fragment),
+                    compilation_options: Default::default(),
+                    targets: &[Some(HDR_FORMAT.into())],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+        };
+        let [shaded, raw] = if options.samples == 1 {
+            ["hair_shaded_single", "hair_raw_single"]
+        } else {
+            ["hair_shaded_multi", "hair_raw_multi"]
+        };
+        Self {
+            shade: Shade::new(device),
+            present: Present::new(device, options.samples, options.output),
+            body: pipeline("draw::body", "body_vertex", "body_fragment", &body_layout, &[Some(Body::LAYOUT)]),
+            hair_per_vertex: pipeline("draw::hair", "hair_shaded", shaded, &hair_layout, &[]),
+            hair_per_pixel: pipeline("draw::hair", "hair_raw", raw, &hair_layout, &[]),
+            shadow_maps,
+            view,
+            lights,
+            frame_group,
+            hair_layout,
+            body_layout,
+        }
+    }
+
+    pub(crate) fn bind_hair(
+        &self,
+        device: &wgpu::Device,
+        uniform: &wgpu::Buffer,
+        strands: &StrandBuffers,
+        shaded: &wgpu::Buffer,
+    ) -> wgpu::BindGroup {
+        group(
+            device,
+            "hair",
+            &self.hair_layout,
+            &[
+                uniform.as_entire_binding(),
+                strands.vertices.as_entire_binding(),
+                strands.strands.as_entire_binding(),
+                shaded.as_entire_binding(),
+            ],
+        )
+    }
+
+    pub(crate) fn bind_shade(
+        &self,
+        device: &wgpu::Device,
+        uniform: &wgpu::Buffer,
+        strands: &StrandBuffers,
+        shaded: &wgpu::Buffer,
+    ) -> wgpu::BindGroup {
+        let frame = [&self.view, &self.lights];
+        self.shade.bind(device, frame, &self.shadow_maps.view, strands, uniform, shaded)
+    }
+
+    pub(crate) fn bind_body(&self, device: &wgpu::Device, uniform: &wgpu::Buffer) -> wgpu::BindGroup {
+        group(device, "body", &self.body_layout, &[uniform.as_entire_binding()])
+    }
+
+    /// Writes the frame's values; before the commands recorded with them are submitted.
+    pub fn prepare(
+        &self,
+        queue: &wgpu::Queue,
+        scene: &Scene,
+        targets: &Targets,
+        hair: Option<&HairSet>,
+        body: Option<&Body>,
+    ) {
+        let write = |buffer, bytes: &[u8]| queue.write_buffer(buffer, 0, bytes);
+        let view = scene.view.uniform(targets.samples, targets.ssaa);
+        let lights = scene.lights.uniform(&scene.shadows, &scene.focus, self.shadow_maps.resolution);
+        write(&self.view, bytemuck::bytes_of(&view));
+        write(&self.lights, bytemuck::bytes_of(&lights));
+        self.shadow_maps.prepare(queue, &lights);
+        self.present.prepare(queue, scene, targets);
+        if let Some(hair) = hair {
+            let uniform = scene.hair.uniform(scene.shading, hair.count, hair.vertex_count);
+            write(&hair.uniform, bytemuck::bytes_of(&uniform));
+        }
+        if let Some(body) = body {
+            let uniform: BodyUniform = scene.body.uniform(&scene.pose);
+            write(&body.uniform, bytemuck::bytes_of(&uniform));
+        }
+    }
+
+    /// Records the shadow maps.
+    pub fn shadow(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        timings: Option<&mut Timings>,
+        hair: Option<&HairSet>,
+        body: Option<&Body>,
+    ) {
+        self.shadow_maps.record(encoder, timings, hair, body);
+    }
+
+    /// Records the shading of strand vertices.
+    pub fn shade(&self, encoder: &mut wgpu::CommandEncoder, timings: Option<&mut Timings>, hair: &HairSet) {
+        self.shade.record(encoder, timings, hair);
+    }
+
+    /// Records body and hair into `targets`, a pass each, so that each has its own time.
+    pub fn draw(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        mut timings: Option<&mut Timings>,
+        scene: &Scene,
+        targets: &Targets,
+        hair: Option<&HairSet>,
+        body: Option<&Body>,
+    ) {
+        let pass = |encoder: &mut wgpu::CommandEncoder,
+                    timings: &mut Option<&mut Timings>,
+                    name: &'static str,
+                    clear: bool,
+                    record: &dyn Fn(&mut wgpu::RenderPass<'_>)| {
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some(name),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &targets.hdr,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations {
+                        load: match clear {
+                            true => wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                            false => wgpu::LoadOp::Load,
+                        },
+                        store: wgpu::StoreOp::Store,
+                    },
+                })],
+                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                    view: &targets.depth,
+                    depth_ops: Some(wgpu::Operations {
+                        load: if clear { wgpu::LoadOp::Clear(0.0) } else { wgpu::LoadOp::Load },
+                        store: wgpu::StoreOp::Store,
+                    }),
+                    stencil_ops: None,
+                }),
+                timestamp_writes: timings.as_deref_mut().and_then(|timings| timings.render(name)),
+                ..Default::default()
+            });
+            pass.set_bind_group(0, &self.frame_group, &[]);
+            record(&mut pass);
+        };
+        pass(encoder, &mut timings, "body", true, &|pass| {
+            if let Some(body) = body {
+                pass.set_pipeline(&self.body);
+                body.record(pass);
+            }
+        });
+        if let Some(hair) = hair {
+            pass(encoder, &mut timings, "hair", false, &|pass| {
+                pass.set_pipeline(match scene.shading {
+                    ShadingRate::PerVertex => &self.hair_per_vertex,
+                    ShadingRate::PerPixel => &self.hair_per_pixel,
+                });
+                hair.record_strips(pass);
+            });
+        }
+    }
+
+    /// Records the finished picture of `targets` into `output`, which is [`Targets::picture`] or
+    /// any view of the same size and of the format the stage was built for.
+    pub fn present(
+        &self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        timings: Option<&mut Timings>,
+        targets: &Targets,
+        output: &wgpu::TextureView,
+    ) {
+        self.present.record(device, encoder, timings, targets, output);
+    }
+}

@@ -1,0 +1,91 @@
+//! The textures that a picture is drawn into.
+
+use crate::{Error, Result, gpu::readback};
+
+/// The linear target.
+pub const HDR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+/// Its depth.
+pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+/// The finished picture of [`Targets`].
+pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
+/// The textures of one picture size.
+#[derive(Debug)]
+pub struct Targets {
+    /// Width and height of the picture, pixels.
+    pub size: [u32; 2],
+    /// Samples per pixel of the linear target.
+    pub samples: u32,
+    /// Pixels of the linear target per pixel of the picture, along each axis.
+    pub ssaa: u32,
+    pub(crate) hdr: wgpu::TextureView,
+    pub(crate) depth: wgpu::TextureView,
+    picture: wgpu::Texture,
+    pub(crate) picture_view: wgpu::TextureView,
+    bytes: u64,
+}
+
+impl Targets {
+    /// Textures for a picture of `width` × `height` pixels with `samples` (1, 4, 8 or 16; as many
+    /// as the stage was built for) and supersampling by `ssaa` (1 or 2) along each axis.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] when the size is 0 or more than the device allows.
+    pub fn new(device: &wgpu::Device, width: u32, height: u32, samples: u32, ssaa: u32) -> Result<Self> {
+        let ssaa = ssaa.clamp(1, 4);
+        let most = device.limits().max_texture_dimension_2d;
+        if width == 0 || height == 0 || width.max(height) > most / ssaa {
+            return Err(Error::Parameter {
+                name: "size",
+                value: format!("{width}x{height} (times {ssaa} for supersampling)"),
+                range: "at least 1x1 and at most the largest texture of the adapter",
+            });
+        }
+        let texture = |label, width, height, sample_count, format, usage| {
+            device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: usage | wgpu::TextureUsages::RENDER_ATTACHMENT,
+                view_formats: &[],
+            })
+        };
+        let (wide, high) = (width * ssaa, height * ssaa);
+        let hdr = texture("hdr", wide, high, samples, HDR_FORMAT, wgpu::TextureUsages::TEXTURE_BINDING);
+        let depth = texture("depth", wide, high, samples, DEPTH_FORMAT, wgpu::TextureUsages::empty());
+        let picture = texture("picture", width, height, 1, PICTURE_FORMAT, wgpu::TextureUsages::COPY_SRC);
+        let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
+        Ok(Self {
+            size: [width, height],
+            samples,
+            ssaa,
+            hdr: view(&hdr),
+            depth: view(&depth),
+            picture_view: view(&picture),
+            picture,
+            bytes: u64::from(wide) * u64::from(high) * u64::from(samples) * 12
+                + u64::from(width) * u64::from(height) * 4,
+        })
+    }
+
+    /// The finished picture as a view to present into.
+    pub fn picture(&self) -> &wgpu::TextureView {
+        &self.picture_view
+    }
+
+    /// The finished picture: sRGB, RGBA, rows from the top. Blocks.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] when the device is lost.
+    pub fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<u8>> {
+        readback::texture(device, queue, &self.picture)
+    }
+
+    /// Bytes of GPU memory.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+}

@@ -1,0 +1,90 @@
+//! Triangle meshes from OBJ, glTF/GLB and TressFX's text `.tfxmesh`.
+
+#[cfg(feature = "gltf")]
+mod gltf;
+mod normals;
+mod obj;
+mod tfxmesh;
+
+pub use normals::smooth_normals;
+
+use std::path::Path;
+
+pub(crate) use super::{Source, load};
+use crate::{
+    error::{At, Error, Result},
+    groom::TriMesh,
+};
+
+/// A mesh as its file has it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RawMesh {
+    /// In the file's own unit and axes.
+    pub mesh: TriMesh,
+    /// Whether the format itself prescribes metres, Y up, face +Z.
+    pub declared: bool,
+}
+
+/// The body's colour where only some parts of a mesh have one: a neutral skin, linear.
+const PLAIN: glam::Vec3 = glam::Vec3::new(0.45, 0.32, 0.265);
+
+/// Reads one mesh, in the file's own unit and axes; [`crate::groom::orient::head`] orients it. Normals
+/// that the file lacks are computed, angle-weighted; colours are the materials' base colours.
+pub fn read(path: &Path) -> Result<RawMesh> {
+    parse(path, &load(path)?)
+}
+
+/// Reads several meshes that share one unit and one set of axes into one.
+pub fn read_all<P: AsRef<Path>>(paths: &[P]) -> Result<RawMesh> {
+    let mut all: Option<RawMesh> = None;
+    for path in paths {
+        let part = read(path.as_ref())?;
+        all = Some(match all {
+            None => part,
+            Some(mut all) => {
+                append(&mut all.mesh, part.mesh);
+                all.declared &= part.declared;
+                all
+            }
+        });
+    }
+    all.ok_or_else(|| Error::Groom("no head mesh is given".into()))
+}
+
+/// A mesh from its bytes; `path` decides the format and where materials and buffers are looked for.
+pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<RawMesh> {
+    let source = Source { path, bytes, lenient: false };
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let mut raw = match extension.as_str() {
+        _ if bytes.is_empty() => return Err(source.problem(At::Byte(0), "the file is empty")),
+        "obj" => RawMesh { mesh: obj::read(&source)?, declared: false },
+        "tfxmesh" => RawMesh { mesh: tfxmesh::read(&source)?, declared: false },
+        #[cfg(feature = "gltf")]
+        "gltf" | "glb" => RawMesh { mesh: gltf::read(&source)?, declared: true },
+        _ => return Err(source.problem(At::File, "a head is an .obj, .gltf, .glb or .tfxmesh file")),
+    };
+    if raw.mesh.triangles.is_empty() {
+        return Err(source.problem(At::File, "the file holds no triangles"));
+    }
+    if raw.mesh.positions.iter().any(|p| !p.is_finite()) {
+        return Err(source.problem(At::File, "a vertex position is not finite"));
+    }
+    if raw.mesh.normals.len() != raw.mesh.positions.len() {
+        raw.mesh.normals = smooth_normals(&raw.mesh.positions, &raw.mesh.triangles);
+    }
+    Ok(raw)
+}
+
+fn append(all: &mut TriMesh, part: TriMesh) {
+    let base = all.positions.len() as u32;
+    if !all.colors.is_empty() || !part.colors.is_empty() {
+        all.colors.resize(all.positions.len(), PLAIN);
+        all.colors.extend(part.colors);
+    }
+    all.positions.extend(part.positions);
+    all.normals.extend(part.normals);
+    all.triangles.extend(part.triangles.iter().map(|t| t.map(|i| i + base)));
+    if !all.colors.is_empty() {
+        all.colors.resize(all.positions.len(), PLAIN);
+    }
+}

@@ -1,0 +1,15 @@
+//! The neck, leaning forward from the shoulders, with a hint of the sternomastoid.
+
+use super::forms::*;
+use glam::{Vec3, vec3};
+
+/// The neck's distance; `p.x` is not negative.
+pub fn neck(p: Vec3) -> f32 {
+    // Two strokes, one behind the other, make a section a little deeper than wide.
+    let front = stroke(p, (vec3(0.0, 60.0, -6.0), 38.0), (vec3(0.0, -120.0, -46.0), 42.0));
+    let back = stroke(p, (vec3(0.0, 70.0, -32.0), 40.0), (vec3(0.0, -120.0, -66.0), 44.0));
+    let body = join(front, back, 30.0);
+    let mastoid = stroke(p, (vec3(42.0, 60.0, -26.0), 8.0), (vec3(9.0, -98.0, 2.0), 4.5));
+    let throat = stroke(p, (vec3(0.0, 15.0, 29.0), 10.0), (vec3(0.0, -90.0, -8.0), 10.0));
+    join(join(body, mastoid, 16.0), throat, 22.0)
+}

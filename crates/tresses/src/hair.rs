@@ -1,0 +1,214 @@
+//! The three lifetimes: pipelines live as long as the device ([`HairRenderer`]), buffers as long
+//! as a groom is shown ([`Hair`]), parameters for a frame ([`crate::frame::Frame`]).
+
+use crate::{
+    Error, Pose, Result,
+    draw::{DrawOptions, DrawStage, HairSet},
+    groom::{Groom, SdfGrid},
+    interpolate::{Interpolate, InterpolateParams},
+    simulate::{
+        Clock, ColliderSet, GuideTraits, RestOptions, RestShape, Simulate, Simulation, SimulationParams, rest,
+    },
+    strands::{GuideBuffers, StrandBuffers},
+    tessellate::{Tessellate, TessellateParams, rest_samples},
+};
+
+/// Every pipeline; made once per device.
+#[derive(Debug)]
+pub struct HairRenderer {
+    /// Guides move.
+    pub simulate: Simulate,
+    /// Guides become curves.
+    pub tessellate: Tessellate,
+    /// Guides become strands.
+    pub interpolate: Interpolate,
+    /// Lights to picture.
+    pub draw: DrawStage,
+    field_sampler: wgpu::Sampler,
+}
+
+impl HairRenderer {
+    /// Builds the pipelines.
+    pub fn new(device: &wgpu::Device, options: &DrawOptions) -> Self {
+        Self {
+            simulate: Simulate::new(device),
+            tessellate: Tessellate::new(device),
+            interpolate: Interpolate::new(device),
+            draw: DrawStage::new(device, options),
+            field_sampler: device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("head field"),
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                ..Default::default()
+            }),
+        }
+    }
+}
+
+/// How a groom is brought to the GPU.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HairOptions {
+    /// The physics for which the rest shape is computed.
+    pub simulation: SimulationParams,
+    /// Whether the groom's pose is the shape under gravity or without it.
+    pub rest: RestShape,
+    /// Distance that guides and strands keep from the head, metres, where they have it at rest.
+    pub clearance: f32,
+    /// The most capsules that the hair collides with.
+    pub capsules: u32,
+}
+
+impl Default for HairOptions {
+    fn default() -> Self {
+        Self {
+            simulation: SimulationParams::default(),
+            rest: RestShape::SagFree,
+            clearance: 1.5e-3,
+            capsules: 16,
+        }
+    }
+}
+
+/// One groom on the GPU, and its state of motion.
+#[derive(Debug)]
+pub struct Hair {
+    /// What is simulated.
+    pub guides: GuideBuffers,
+    /// What is drawn.
+    pub strands: StrandBuffers,
+    /// Index buffers, shaded values and bind groups of the drawing stages.
+    pub set: HairSet,
+    pub(crate) simulation: Simulation,
+    pub(crate) clock: Clock,
+    clearance: f32,
+    tessellate_params: wgpu::Buffer,
+    tessellate_group: wgpu::BindGroup,
+    interpolate_params: wgpu::Buffer,
+    interpolate_group: wgpu::BindGroup,
+}
+
+impl Hair {
+    /// Brings `groom` to the GPU, at rest, the head at the origin. It collides with the head's
+    /// distance field `head` (groom space) and with capsules.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] when the adapter cannot hold it, [`Error::Groom`] and [`Error::Parameter`]
+    /// when the groom or the options make no sense.
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        renderer: &HairRenderer,
+        groom: &Groom,
+        options: &HairOptions,
+        head: Option<&SdfGrid>,
+    ) -> Result<Self> {
+        if groom.guides.is_empty() || groom.strands.is_empty() {
+            return Err(Error::Groom("the groom has no strands".into()));
+        }
+        let vertex_count = groom.guides.vertex_count;
+        let sample_count = vertex_count.max(groom.strands.vertex_count);
+        let guides = GuideBuffers::new(device, count(groom.guides.len())?, vertex_count, sample_count)?;
+        let strands = StrandBuffers::new(device, count(groom.strands.len())?, groom.strands.vertex_count)?;
+
+        let traits: Vec<_> = (0..groom.guides.len())
+            .map(|i| GuideTraits {
+                stiffness: groom.guides.stiffness[i],
+                strands: groom.guides.strands[i],
+                tip_pinned: groom.guides.tip_pinned[i],
+            })
+            .collect();
+        rest::guides(
+            &groom.guides.positions,
+            vertex_count,
+            &traits,
+            &options.simulation,
+            &RestOptions { shape: options.rest, clearance: options.clearance },
+            head,
+        )?
+        .upload(queue, &guides)?;
+        let sample_rest: Vec<[f32; 4]> = (0..groom.guides.len())
+            .flat_map(|i| rest_samples(groom.guides.guide(i), sample_count))
+            .map(|p| p.extend(0.0).to_array())
+            .collect();
+        queue.write_buffer(&guides.sample_rest, 0, bytemuck::cast_slice(&sample_rest));
+        queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&groom.strands.strands));
+        queue.write_buffer(&strands.bindings, 0, bytemuck::cast_slice(&groom.strands.bindings));
+        queue.write_buffer(&strands.rest, 0, bytemuck::cast_slice(&groom.strands.rest));
+
+        let colliders = ColliderSet::new(device, queue, head, options.capsules)?;
+        let simulation = Simulation::new(device, &renderer.simulate, &guides, colliders);
+        let uniform = |label, size: usize| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: size as u64,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        };
+        let tessellate_params = uniform("tessellate", size_of::<TessellateParams>());
+        let interpolate_params = uniform("interpolate", size_of::<InterpolateParams>());
+        let field = (&simulation.colliders().field.view, &renderer.field_sampler);
+        Ok(Self {
+            set: HairSet::new(device, &renderer.draw, &strands)?,
+            tessellate_group: renderer.tessellate.bind(device, &tessellate_params, &guides),
+            interpolate_group: renderer.interpolate.bind(
+                device,
+                &interpolate_params,
+                &guides,
+                &strands,
+                field,
+            ),
+            clock: Clock::new(Pose::IDENTITY),
+            clearance: if head.is_some() { options.clearance } else { 0.0 },
+            guides,
+            strands,
+            simulation,
+            tessellate_params,
+            interpolate_params,
+        })
+    }
+
+    /// Puts the hair to rest on a head at `pose`, before the next frame.
+    pub fn reset(&mut self, pose: Pose) {
+        self.clock.reset(pose);
+    }
+
+    /// Bytes of GPU memory, without render targets and shadow maps.
+    pub fn bytes(&self) -> u64 {
+        self.guides.bytes() + self.strands.bytes() + self.set.bytes() + self.simulation.bytes()
+    }
+
+    /// Writes the uniforms of [`tessellate`](Self::record_tessellate) and
+    /// [`interpolate`](Self::record_interpolate): the head is at `head`, its field at `field`.
+    pub(crate) fn prepare(&self, queue: &wgpu::Queue, head: &Pose, field: &Pose) {
+        let (previous, current, blend) = self.clock.states();
+        let params = TessellateParams::new(&self.guides, &previous, &current, head, blend);
+        queue.write_buffer(&self.tessellate_params, 0, bytemuck::bytes_of(&params));
+        let collider = &self.simulation.colliders().field;
+        let params = InterpolateParams {
+            field_rotation: field.rotation,
+            field_translation: field.translation,
+            clearance: self.clearance,
+            field_bias: collider.bias,
+            strand_count: self.strands.count,
+            field_scale: collider.scale,
+            vertex_count: self.strands.vertex_count,
+            sample_count: self.guides.sample_count,
+            ..Default::default()
+        };
+        queue.write_buffer(&self.interpolate_params, 0, bytemuck::bytes_of(&params));
+    }
+
+    pub(crate) fn record_tessellate(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Tessellate) {
+        stage.record(pass, &self.tessellate_group, &self.guides);
+    }
+
+    pub(crate) fn record_interpolate(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Interpolate) {
+        stage.record(pass, &self.interpolate_group, &self.strands);
+    }
+}
+
+/// A number of strands or guides as the GPU counts them.
+fn count(n: usize) -> Result<u32> {
+    u32::try_from(n).map_err(|_| Error::Groom(format!("{n} strands are more than 32 bits can count")))
+}

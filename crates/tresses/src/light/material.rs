@@ -1,0 +1,231 @@
+//! What hair looks like: colours, highlights, how much light gets through.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+/// Where hair is shaded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ShadingRate {
+    /// For each pixel: noise finer than the strands' vertices.
+    PerPixel,
+    /// For each strand vertex, in a compute kernel: the price does not depend on the picture's
+    /// size or its samples.
+    #[default]
+    PerVertex,
+}
+
+/// The look of hair.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HairMaterial {
+    /// Albedo at the root, linear.
+    pub root_color: Vec3,
+    /// Albedo at the tip, linear.
+    pub tip_color: Vec3,
+    /// Use the strands' own colours, where they have them, instead of the two above.
+    pub file_colors: bool,
+    /// Spread of the lightness over the strands: 0.3 is ±30 %.
+    pub lightness_spread: f32,
+    /// Spread of the warmth over the strands: 0.1 is ±10 % red against blue.
+    pub warmth_spread: f32,
+    /// Factor of all light at the very root, where hair stands densest; 1 for none.
+    pub root_darkness: f32,
+    /// Strength of the diffuse light; 1 is that of a matt fibre of the albedo.
+    pub diffuse: f32,
+    /// Strength of the first, uncoloured highlight.
+    pub primary: f32,
+    /// Sharpness of the first highlight (the exponent).
+    pub primary_exponent: f32,
+    /// Shift of the first highlight towards the tip, as the tangent of an angle.
+    pub primary_shift: f32,
+    /// Strength of the second, coloured highlight.
+    pub secondary: f32,
+    /// Sharpness of the second highlight (the exponent).
+    pub secondary_exponent: f32,
+    /// Shift of the second highlight, towards the root when negative.
+    pub secondary_shift: f32,
+    /// Colour of the second highlight and of the light that shines through, linear.
+    pub secondary_color: Vec3,
+    /// Strength of the light that shines through from behind.
+    pub transmission: f32,
+    /// Sharpness of the light that shines through (the exponent).
+    pub transmission_exponent: f32,
+    /// Spread of both shifts over the strands.
+    pub shift_spread: f32,
+    /// Noise of the shifts along a strand and per pixel.
+    pub shift_noise: f32,
+    /// How much light is lost per metre of hair it passes, 1/m: the product of density and
+    /// absorption in the shadow.
+    pub absorption: f32,
+    /// How much more the colours that the hair itself has less of are lost on that way.
+    pub saturation: f32,
+    /// The least width that is drawn, pixels; thinner hair is drawn this wide and as much sparser.
+    pub min_width: f32,
+}
+
+/// An sRGB colour from the usual six hexadecimal digits, made linear.
+pub fn srgb(rgb: u32) -> Vec3 {
+    let channel = |shift: u32| {
+        let v = (rgb >> shift & 0xff) as f32 / 255.0;
+        if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+    };
+    Vec3::new(channel(16), channel(8), channel(0))
+}
+
+impl HairMaterial {
+    /// The names [`named`](Self::named) knows.
+    pub const NAMES: [&str; 4] = ["blond", "brown", "red", "black"];
+
+    /// A preset by name.
+    pub fn named(name: &str) -> Option<Self> {
+        match name {
+            "blond" => Some(Self::blond()),
+            "brown" => Some(Self::brown()),
+            "red" => Some(Self::red()),
+            "black" => Some(Self::black()),
+            _ => None,
+        }
+    }
+
+    /// Light blond.
+    pub fn blond() -> Self {
+        Self {
+            lightness_spread: 0.2,
+            primary: 0.6,
+            secondary: 1.0,
+            transmission: 1.0,
+            absorption: 90.0,
+            ..Self::colored(Vec3::new(0.42, 0.27, 0.13))
+        }
+    }
+
+    /// Brown.
+    pub fn brown() -> Self {
+        Self::colored(Vec3::new(0.085, 0.046, 0.026))
+    }
+
+    /// Copper red.
+    pub fn red() -> Self {
+        Self {
+            primary: 0.8,
+            secondary: 1.0,
+            transmission: 0.9,
+            absorption: 140.0,
+            ..Self::colored(Vec3::new(0.22, 0.062, 0.014))
+        }
+    }
+
+    /// Black, with clear highlights.
+    pub fn black() -> Self {
+        Self {
+            primary: 1.1,
+            secondary: 0.5,
+            transmission: 0.1,
+            absorption: 260.0,
+            ..Self::colored(Vec3::new(0.012, 0.010, 0.009))
+        }
+    }
+
+    /// Hair of any albedo (linear): the rest follows from how light the colour is.
+    pub fn colored(albedo: Vec3) -> Self {
+        let peak = albedo.max_element().max(1e-4);
+        let lightness = peak.sqrt().min(1.0);
+        Self {
+            root_color: albedo * 0.8,
+            tip_color: (albedo * 1.25).min(Vec3::ONE),
+            file_colors: true,
+            lightness_spread: 0.35,
+            warmth_spread: 0.08,
+            root_darkness: 0.55,
+            diffuse: 1.0,
+            primary: 1.0,
+            primary_exponent: 40.0,
+            primary_shift: 0.10,
+            secondary: 0.9,
+            secondary_exponent: 10.0,
+            secondary_shift: -0.14,
+            secondary_color: (albedo / peak).powf(0.8) * (0.25 + 0.75 * lightness),
+            transmission: 0.5 + 0.5 * lightness,
+            transmission_exponent: 30.0,
+            shift_spread: 0.12,
+            shift_noise: 0.05,
+            absorption: 230.0 - 140.0 * lightness,
+            saturation: 0.8,
+            min_width: 1.0,
+        }
+    }
+
+    pub(crate) fn uniform(&self, shading: ShadingRate, count: u32, vertex_count: u32) -> HairUniform {
+        HairUniform {
+            root_color: self.root_color,
+            lightness_spread: self.lightness_spread,
+            tip_color: self.tip_color,
+            warmth_spread: self.warmth_spread,
+            secondary_color: self.secondary_color,
+            root_darkness: self.root_darkness,
+            diffuse: self.diffuse,
+            primary: self.primary,
+            primary_exponent: self.primary_exponent.max(1.0),
+            primary_shift: self.primary_shift,
+            secondary: self.secondary,
+            secondary_exponent: self.secondary_exponent.max(1.0),
+            secondary_shift: self.secondary_shift,
+            transmission: self.transmission,
+            transmission_exponent: self.transmission_exponent.max(1.0),
+            shift_spread: self.shift_spread,
+            shift_noise: self.shift_noise,
+            absorption: self.absorption.max(0.0),
+            saturation: self.saturation,
+            min_width: self.min_width.max(0.0),
+            file_colors: u32::from(self.file_colors),
+            count,
+            vertex_count,
+            per_vertex: u32::from(shading == ShadingRate::PerVertex),
+            _pad: 0,
+            _pad_2: 0,
+        }
+    }
+}
+
+impl Default for HairMaterial {
+    fn default() -> Self {
+        Self::brown()
+    }
+}
+
+/// What the shaders know of a [`HairMaterial`] and of the groom it is on.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[allow(missing_docs)] // The fields of `HairMaterial` under the same names.
+pub struct HairUniform {
+    pub root_color: Vec3,
+    pub lightness_spread: f32,
+    pub tip_color: Vec3,
+    pub warmth_spread: f32,
+    pub secondary_color: Vec3,
+    pub root_darkness: f32,
+    pub diffuse: f32,
+    pub primary: f32,
+    pub primary_exponent: f32,
+    pub primary_shift: f32,
+    pub secondary: f32,
+    pub secondary_exponent: f32,
+    pub secondary_shift: f32,
+    pub transmission: f32,
+    pub transmission_exponent: f32,
+    pub shift_spread: f32,
+    pub shift_noise: f32,
+    pub absorption: f32,
+    pub saturation: f32,
+    pub min_width: f32,
+    pub file_colors: u32,
+    /// Number of strands.
+    pub count: u32,
+    /// Vertices per strand.
+    pub vertex_count: u32,
+    /// Whether `light::shade` writes radiance (1) or transmittances (0).
+    pub per_vertex: u32,
+    /// Unused.
+    pub _pad: u32,
+    /// Unused.
+    pub _pad_2: u32,
+}

@@ -1,0 +1,34 @@
+//! Light on hair: how much of it arrives, and what comes back.
+//!
+//! ```text
+//! strand vertices ─┬─► shadow maps (key, rim, above) ─► transmittance ─► shading ─► shaded
+//! body ────────────┘   depth, one layer per light       per vertex       per vertex
+//!                                                                        or per pixel
+//! ```
+//!
+//! **Shadow** ([`ShadowMaps`]): one orthographic depth map per light, hair drawn as lines. What is
+//! stored is the surface nearest the light; hair behind it passes `exp(-absorption * way)` of the
+//! light, averaged over a disk (Halen's absorption-weighted filter). A solid obstacle needs no map
+//! of its own: nothing passes centimetres of it. The third map looks down from the zenith and,
+//! with the two others, tells how open the sky is.
+//!
+//! **Shade** ([`Shade`]): one thread per strand vertex evaluates the three transmittances and,
+//! unless pixels are to be shaded, the whole radiance. Both are interpolated along the strand,
+//! which hides the texels of the maps. Eight bytes per vertex.
+//!
+//! **Shading** (`shading.wesl`): Kajiya and Kay's fibre with two highlights whose tangents are
+//! shifted per strand, a lobe of light that shines through from behind, and the sky. Functions of
+//! tangent, light, eye and strand only, so that a kernel and a fragment shader share them.
+//!
+//! Not taken: deep opacity maps (a chapter of their own; the seam is `hair_transmittance`), dual
+//! scattering (needs a count of fibres, not a way through them).
+
+pub mod lights;
+pub mod material;
+pub mod shade;
+pub mod shadow;
+
+pub use lights::{Directional, Lights, Shadows, Sky, Sphere};
+pub use material::{HairMaterial, ShadingRate};
+pub use shade::Shade;
+pub use shadow::ShadowMaps;

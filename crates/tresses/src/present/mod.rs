@@ -1,0 +1,158 @@
+//! From linear radiance to the picture: background, tone mapping, resolve, sRGB.
+//!
+//! Every sample is composed with the background and tone mapped on its own; their mean is the
+//! pixel. Averaging first would let a single bright sample decide a pixel, which sparkles and
+//! undoes the antialiasing of a highlight's edge. With supersampling the mean is over the samples
+//! of a square of pixels.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec2;
+
+use crate::{
+    draw::{Background, Scene, Targets},
+    gpu::{
+        Binding, Timings,
+        bindings::{group, layout},
+    },
+    shaders,
+};
+
+/// From linear radiance to the picture's 0..1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToneMap {
+    /// Factor before everything else.
+    pub exposure: f32,
+    /// Below this the picture is linear; above it is compressed so that it never reaches 1.
+    pub shoulder: f32,
+    /// How fast colours brighter than the shoulder fade to white.
+    pub desaturation: f32,
+}
+
+impl Default for ToneMap {
+    fn default() -> Self {
+        Self { exposure: 1.0, shoulder: 0.7, desaturation: 0.15 }
+    }
+}
+
+/// What the shaders know of the presentation.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct PresentUniform {
+    /// What is behind everything.
+    pub background: Background,
+    /// Width and height of the picture, pixels.
+    pub size: Vec2,
+    /// [`ToneMap::exposure`].
+    pub exposure: f32,
+    /// [`ToneMap::shoulder`].
+    pub shoulder: f32,
+    /// [`ToneMap::desaturation`].
+    pub desaturation: f32,
+    /// Target pixels per picture pixel, along each axis.
+    pub ssaa: u32,
+    /// Samples per target pixel.
+    pub samples: u32,
+    /// 1 when the shader applies the sRGB curve, 0 when the output's format does.
+    pub encode: u32,
+}
+
+/// The pipeline of the last pass.
+#[derive(Debug)]
+pub struct Present {
+    pipeline: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
+    uniform: wgpu::Buffer,
+    encode: bool,
+}
+
+impl Present {
+    /// For targets of `samples` and an output of `format`.
+    pub fn new(device: &wgpu::Device, samples: u32, format: wgpu::TextureFormat) -> Self {
+        let (module, hdr) = match samples {
+            1 => ("present::single", Binding::Texture2d),
+            _ => ("present::resolve", Binding::TextureMultisampled),
+        };
+        let name = module.rsplit("::").next().unwrap_or(module);
+        let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(module),
+            source: wgpu::ShaderSource::Wgsl(shaders::source(module).into()),
+        });
+        let layout = layout(device, module, wgpu::ShaderStages::FRAGMENT, &[Binding::Uniform, hdr]);
+        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(module),
+            layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some(module),
+                bind_group_layouts: &[Some(&layout)],
+                immediate_size: 0,
+            })),
+            vertex: wgpu::VertexState {
+                module: &shader,
+                entry_point: Some(&format!("{name}_vertex")),
+                compilation_options: Default::default(),
+                buffers: &[],
+            },
+            primitive: Default::default(),
+            depth_stencil: None,
+            multisample: Default::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &shader,
+                entry_point: Some(&format!("{name}_fragment")),
+                compilation_options: Default::default(),
+                targets: &[Some(format.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+        let uniform = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("present"),
+            size: size_of::<PresentUniform>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        Self { pipeline, layout, uniform, encode: !format.is_srgb() }
+    }
+
+    pub(crate) fn prepare(&self, queue: &wgpu::Queue, scene: &Scene, targets: &Targets) {
+        let uniform = PresentUniform {
+            background: scene.background,
+            size: Vec2::new(targets.size[0] as f32, targets.size[1] as f32),
+            exposure: scene.tone.exposure,
+            shoulder: scene.tone.shoulder.clamp(0.0, 0.99),
+            desaturation: scene.tone.desaturation,
+            ssaa: targets.ssaa,
+            samples: targets.samples,
+            encode: u32::from(self.encode),
+        };
+        queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+    }
+
+    /// Records the pass.
+    pub fn record(
+        &self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        timings: Option<&mut Timings>,
+        targets: &Targets,
+        output: &wgpu::TextureView,
+    ) {
+        let resources = [self.uniform.as_entire_binding(), wgpu::BindingResource::TextureView(&targets.hdr)];
+        let group = group(device, "present", &self.layout, &resources);
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("present"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: output,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            timestamp_writes: timings.and_then(|timings| timings.render("present")),
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+}
