@@ -9,7 +9,7 @@ use crate::{
     progress,
     render::{Times, animate},
     say,
-    scene::Scene,
+    scene::{Quality, Scene},
 };
 use anyhow::{Context, Result};
 use std::{path::PathBuf, time::Instant};
@@ -38,8 +38,8 @@ pub fn run(args: &Args) -> Result<()> {
     let motion = Motion::named("turn").context("the built-in motions hold a turn")?;
 
     let spinner = progress::spinner("growing and draping the hair, drawing a picture");
-    let mut scene = Scene::open(&source, PICTURE, None)?;
-    eprintln!("Drawing on {}.", scene.adapter());
+    let mut scene = Scene::open(&source, Quality::new(PICTURE, None))?;
+    eprintln!("Drawing on {}.", scene.adapter().name);
     let camera = Camera::portrait(View::ThreeQuarter, scene.subject(), PICTURE.aspect(), 1.0);
     let mut output = Output::create(&args.out.join("demo.png"), (PICTURE.width, PICTURE.height), 1, 1.0)?;
     let start = Instant::now();

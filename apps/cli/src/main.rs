@@ -5,6 +5,7 @@ mod bench;
 mod camera;
 mod demo;
 mod interrupt;
+mod load;
 mod motion;
 mod picture;
 mod progress;

@@ -42,7 +42,7 @@ fn absurd_options_are_refused() {
     refuses(&["render", "--frames", "0"], "--frames");
     refuses(&["render", "--frames", "-3"], "-3");
     refuses(&["render", "--fps", "0"], "from 1 to 1000");
-    refuses(&["render", "--samples", "3"], "1, 2, 4, 8 or 16");
+    refuses(&["render", "--samples", "3"], "1, 4, 8 or 16");
     refuses(&["render", "--strands", "0"], "--strands");
     refuses(&["render", "--guides", "some"], "`all`");
     refuses(&["render", "--zoom", "nearer"], "close, normal, far");

@@ -6,15 +6,15 @@ use super::{
     statistics::Summary,
 };
 use crate::{
-    args::{Color, Guides, Size, Source},
+    args::{Guides, Size, Source},
     camera::{Camera, View},
     interrupt,
     motion::Motion,
-    scene::Scene,
+    scene::{Quality, Scene},
 };
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
-use std::{path::PathBuf, time::Instant};
+use std::path::PathBuf;
 
 /// Frames before the first that counts: shaders are compiled, caches and clocks are warm.
 const WARM_UP: u32 = 2;
@@ -34,6 +34,10 @@ pub struct Workload {
     ssaa: u32,
     /// The names of states and of their motions.
     pub runs: Vec<(&'static str, &'static str)>,
+}
+
+fn quality(size: Size, samples: u32, ssaa: u32) -> Quality {
+    Quality { size, samples: Some(samples), at_most: true, ssaa }
 }
 
 fn style(strands: Option<u32>) -> Source {
@@ -75,7 +79,7 @@ pub fn peer(args: &Args) -> Option<Workload> {
         if !groom.exists() {
             return None;
         }
-        (vec![groom], Some(folder.join("sintel.obj")))
+        (vec![groom], vec![folder.join("sintel.obj")])
     } else {
         (args.grooms.clone(), args.head.clone())
     };
@@ -90,7 +94,6 @@ pub fn peer(args: &Args) -> Option<Workload> {
         source: Source {
             grooms,
             head,
-            color: Color::default(),
             guides: Some(Guides::All),
             ..Source::default()
         },
@@ -113,7 +116,7 @@ pub fn measure(workload: &Workload, frames: u32, bar: &ProgressBar) -> Result<Gr
     if let Some(triangles) = workload.triangles {
         source.strands = Some(Scene::strands_for(triangles));
     }
-    let mut scene = Scene::open_at_most(&source, workload.size, workload.samples, workload.ssaa)
+    let mut scene = Scene::open(&source, quality(workload.size, workload.samples, workload.ssaa))
         .with_context(|| workload.name.to_owned())?;
     let runs = workload
         .runs
@@ -124,7 +127,7 @@ pub fn measure(workload: &Workload, frames: u32, bar: &ProgressBar) -> Result<Gr
     Ok(Group {
         name: workload.name.into(),
         others: workload.others.into(),
-        adapter: scene.adapter_facts(),
+        adapter: scene.adapter(),
         size: [workload.size.width, workload.size.height],
         samples: scene.samples(),
         ssaa: workload.ssaa,
@@ -142,7 +145,7 @@ pub fn measure(workload: &Workload, frames: u32, bar: &ProgressBar) -> Result<Gr
 /// Measures the long style with `strands` strands.
 pub fn point(strands: u32, frames: u32, bar: &ProgressBar) -> Result<Point> {
     let size = Size { width: 1280, height: 720 };
-    let mut scene = Scene::open_at_most(&style(Some(strands)), size, 1, 1)?;
+    let mut scene = Scene::open(&style(Some(strands)), quality(size, 1, 1))?;
     let run = run(&mut scene, "in motion", "turn", size, frames, bar)?;
     Ok(Point { strands: scene.facts().strands, gpu: run.gpu, frame: run.frame })
 }
@@ -164,9 +167,7 @@ fn run(
     for frame in 0..WARM_UP + frames {
         interrupt::check()?;
         let pose = motion.pose(f64::from(frame + 1) / FPS, pivot);
-        let start = Instant::now();
-        let times = scene.measured_frame(&pose, (1.0 / FPS) as f32, &camera)?;
-        let wall = start.elapsed().as_secs_f64() * 1e3;
+        let (wall, times) = scene.measured_frame(&pose, (1.0 / FPS) as f32, &camera)?;
         if frame < WARM_UP {
             continue;
         }
