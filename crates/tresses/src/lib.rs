@@ -6,6 +6,8 @@ pub mod groom;
 
 pub mod strands;
 
+pub mod simulate;
+
 pub mod tessellate;
 
 pub mod interpolate;
@@ -16,6 +18,8 @@ pub mod draw;
 
 pub mod present;
 
+pub mod frame;
+pub mod hair;
 pub mod stage;
 
 pub mod constants;
@@ -26,5 +30,6 @@ pub mod shaders;
 
 pub use error::{Error, Result};
 pub use glam;
+pub use hair::{Hair, HairOptions, HairRenderer};
 pub use math::pose::Pose;
 pub use wgpu;

@@ -10,6 +10,7 @@ pub mod lint;
 pub mod mannequin;
 pub mod mesh;
 pub mod orient;
+pub mod resample;
 pub mod sdf;
 pub mod strands;
 

@@ -1,0 +1,241 @@
+//! The kernel against its twin.
+
+use super::{
+    Capsule, ColliderPoses, ColliderSet, GuideTraits, RestOptions, RestShape, Simulate, Simulation,
+    SimulationParams, Step,
+    collider::{CapsuleMotion, FieldVolume},
+    params::Mode,
+    reference::{Obstacles, Strand},
+    rest,
+};
+use crate::{
+    Pose,
+    gpu::{Gpu, Timings, readback},
+    groom::SdfGrid,
+    strands::GuideBuffers,
+};
+use glam::{Quat, Vec3};
+
+fn gpu() -> Option<Gpu> {
+    match pollster::block_on(Gpu::open()) {
+        Ok(gpu) => Some(gpu),
+        Err(error) => {
+            assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none_or(|v| v != "1"), "{error}");
+            println!("skipped: {error}");
+            None
+        }
+    }
+}
+
+fn random(seed: &mut u32) -> f32 {
+    *seed = seed.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+    let word = ((*seed >> ((*seed >> 28) + 4)) ^ *seed).wrapping_mul(277_803_737);
+    ((word >> 22) ^ word) as f32 / u32::MAX as f32
+}
+
+/// Hair on a sphere of 9 cm, some of it wavy, plus a few inputs that deserve a name.
+fn groom(count: usize, n: usize) -> (Vec<Vec3>, Vec<GuideTraits>) {
+    let mut seed = 7;
+    let mut positions = Vec::new();
+    let mut traits = Vec::new();
+    for g in 0..count {
+        let a = g as f32 * 2.399_963;
+        let z = 0.1 + 0.9 * random(&mut seed);
+        let r = (1.0 - z * z).sqrt();
+        let normal = Vec3::new(r * a.cos(), z, r * a.sin());
+        let length = 0.05 + 0.25 * random(&mut seed);
+        let wave = 0.004 * random(&mut seed);
+        let mut at = normal * 0.09;
+        let mut dir = normal;
+        for i in 0..n {
+            positions.push(at + normal.any_orthonormal_vector() * wave * (i as f32).sin());
+            dir = (dir + Vec3::NEG_Y * 0.2).normalize();
+            at += dir * length / (n - 1) as f32;
+        }
+        traits.push(GuideTraits { stiffness: 0.5 + random(&mut seed), ..Default::default() });
+    }
+    traits[0].tip_pinned = true;
+    traits[1].stiffness = 0.0;
+    // A hair that stands straight up, one of 2 mm, one with a segment of no length.
+    for i in 0..n {
+        positions[2 * n + i] = Vec3::Y * (0.09 + 0.15 * i as f32 / (n - 1) as f32);
+        positions[3 * n + i] = Vec3::Y * (0.09 + 0.002 * i as f32 / (n - 1) as f32);
+    }
+    positions[4 * n + n / 2] = positions[4 * n + n / 2 - 1];
+    (positions, traits)
+}
+
+fn sphere() -> SdfGrid {
+    SdfGrid::from_fn(Vec3::splat(-0.15), Vec3::splat(0.15), 48, |p| p.length() - 0.09)
+}
+
+fn pose(t: f32) -> Pose {
+    Pose {
+        rotation: Quat::from_rotation_y(0.9 * (4.0 * t).sin()) * Quat::from_rotation_x(0.3 * (5.0 * t).sin()),
+        translation: Vec3::new(0.05 * (3.0 * t).sin(), 1.6, 0.0),
+    }
+}
+
+fn capsule(t: f32) -> Capsule {
+    let pose = Pose { rotation: Quat::IDENTITY, translation: pose(0.0).translation };
+    Capsule {
+        a: pose.point(Vec3::new(-0.2, -0.2 + 0.02 * t, 0.02)),
+        b: pose.point(Vec3::new(0.2, -0.2, 0.0)),
+        radius: 0.06,
+    }
+}
+
+struct Scene {
+    guides: GuideBuffers,
+    simulate: Simulate,
+    simulation: Simulation,
+}
+
+impl Scene {
+    fn new(gpu: &Gpu, rest: &rest::RestGuides, field: Option<&SdfGrid>) -> Self {
+        let start = std::time::Instant::now();
+        let guides = GuideBuffers::new(&gpu.device, rest.info.len() as u32, rest.vertex_count, 2).unwrap();
+        rest.upload(&gpu.queue, &guides).unwrap();
+        let simulate = Simulate::new(&gpu.device);
+        let colliders = ColliderSet::new(&gpu.device, &gpu.queue, field, 4).unwrap();
+        let simulation = Simulation::new(&gpu.device, &simulate, &guides, colliders);
+        simulate.pipeline(&gpu.device, rest.vertex_count);
+        println!("set-up {:?}", start.elapsed());
+        Self { guides, simulate, simulation }
+    }
+
+    fn run(
+        &mut self,
+        gpu: &Gpu,
+        params: &SimulationParams,
+        steps: &[Step],
+        poses: &ColliderPoses,
+        timings: Option<&mut Timings>,
+    ) {
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let mut timings = timings;
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: None,
+                timestamp_writes: timings.as_deref_mut().and_then(|t| t.compute("simulate")),
+            });
+            self.simulation
+                .record(&self.simulate, &gpu.device, &gpu.queue, &mut pass, params, steps, poses)
+                .unwrap();
+        }
+        if let Some(t) = timings {
+            t.resolve(&mut encoder);
+        }
+        gpu.queue.submit([encoder.finish()]);
+    }
+
+    fn positions(&self, gpu: &Gpu) -> Vec<[f32; 4]> {
+        readback::buffer(&gpu.device, &gpu.queue, &self.guides.current).unwrap()
+    }
+}
+
+fn at(t: f32, dt: f32) -> Step {
+    Step { mode: Mode::Step, begin: pose(t), end: pose(t + dt), from: 0.0, to: 1.0 }
+}
+
+fn carry_to_start() -> Step {
+    Step { mode: Mode::Reset, begin: pose(0.0), end: pose(0.0), from: 0.0, to: 1.0 }
+}
+
+/// The largest distance between the kernel and the twin after `frames` steps, and the bits.
+fn compare(gpu: &Gpu, n: usize, frames: usize, disturb: f32) -> (f32, Vec<[f32; 4]>) {
+    let params = SimulationParams::default();
+    let (positions, traits) = groom(24, n);
+    let grid = sphere();
+    let options = RestOptions { shape: RestShape::SagFree, ..Default::default() };
+    let rest = rest::guides(&positions, n as u32, &traits, &params, &options, Some(&grid)).unwrap();
+    let mut scene = Scene::new(gpu, &rest, Some(&grid));
+    let volume = FieldVolume::new(&grid);
+    let count = rest.info.len();
+    let mut strands: Vec<_> = (0..count)
+        .map(|g| {
+            let pick = |i: usize| i * count + g;
+            Strand::at_rest(
+                rest.info[g],
+                (0..n).map(|i| rest.rest[pick(i)]).collect(),
+                (0..n).map(|i| rest.shape[pick(i)]).collect(),
+            )
+        })
+        .collect();
+    let mut last = capsule(0.0);
+    for frame in 0..=frames {
+        let t = (frame.max(1) - 1) as f32 * params.step;
+        let step = if frame == 0 { carry_to_start() } else { at(t, params.step) };
+        let now = capsule(t);
+        let poses = ColliderPoses { field: None, capsules: vec![now] };
+        let mut u = scene.simulation.uniforms(&params, &step, &poses);
+        scene.run(gpu, &params, &[step], &poses, None);
+        u.gravity.x += disturb;
+        let capsules = [CapsuleMotion::new(&last, &now)];
+        last = now;
+        for strand in &mut strands {
+            strand.step(&u, &Obstacles { field: Some(&volume), capsules: &capsules });
+        }
+    }
+    let found = scene.positions(gpu);
+    let mut worst = 0f32;
+    for (g, strand) in strands.iter().enumerate() {
+        let mut off = 0f32;
+        for i in 0..n {
+            let p = Vec3::from_slice(&found[i * count + g]);
+            assert!(p.is_finite(), "guide {g} vertex {i}");
+            off = off.max(p.distance(strand.current[i]));
+        }
+        if off > 1e-5 {
+            println!("guide {g}: {off} m");
+        }
+        worst = worst.max(off);
+    }
+    (worst, found)
+}
+
+#[test]
+fn kernel_and_twin_agree() {
+    let Some(gpu) = gpu() else { return };
+    for n in [5, 16, 32] {
+        let (worst, _) = compare(&gpu, n, 4, 0.0);
+        println!("{n} vertices: kernel and twin differ by {worst} m after 4 steps");
+        assert!(worst < 2e-5);
+    }
+    let (worst, _) = compare(&gpu, 16, 4, 0.5);
+    assert!(worst > 2e-5, "the comparison sees a slight side wind: {worst}");
+}
+
+#[test]
+fn same_bits_twice() {
+    let Some(gpu) = gpu() else { return };
+    assert_eq!(compare(&gpu, 16, 20, 0.0).1, compare(&gpu, 16, 20, 0.0).1);
+}
+
+#[test]
+#[ignore = "prints milliseconds"]
+fn speed() {
+    let Some(gpu) = gpu() else { return };
+    let params = SimulationParams::default();
+    for (count, n) in [(166, 32), (11_400, 16)] {
+        for with_field in [false, true] {
+            let (positions, traits) = groom(count, n);
+            let grid = sphere();
+            let field = with_field.then_some(&grid);
+            let rest =
+                rest::guides(&positions, n as u32, &traits, &params, &RestOptions::default(), field).unwrap();
+            let mut scene = Scene::new(&gpu, &rest, field);
+            let mut timings = Timings::new(&gpu.device, &gpu.queue);
+            scene.run(&gpu, &params, &[carry_to_start()], &ColliderPoses::default(), None);
+            let mut ms: Vec<f64> = (0..20)
+                .map(|i| {
+                    let step = at(i as f32 * params.step, params.step);
+                    scene.run(&gpu, &params, &[step], &ColliderPoses::default(), Some(&mut timings));
+                    timings.read(&gpu.device, &gpu.queue).unwrap()[0].1
+                })
+                .collect();
+            ms.sort_by(f64::total_cmp);
+            println!("{count} x {n}, field {with_field}: min {:.2} ms, median {:.2} ms", ms[0], ms[10]);
+        }
+    }
+}

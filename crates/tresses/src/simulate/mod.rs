@@ -1,0 +1,233 @@
+//! The motion of the guides.
+
+mod clock;
+pub mod collider;
+pub mod params;
+pub mod rest;
+mod step;
+
+#[cfg(test)]
+mod gpu_tests;
+#[cfg(test)]
+mod physics;
+#[cfg(test)]
+mod reference;
+
+use crate::{
+    Error, Pose, Result,
+    gpu::bindings::{group, layout},
+    strands::GuideBuffers,
+};
+use params::{Mode, StepUniforms};
+use std::sync::OnceLock;
+
+pub use clock::Clock;
+pub use collider::{Capsule, ColliderPoses, ColliderSet, SdfCollider};
+pub use params::{Along, SimulationParams};
+pub use rest::{GuideTraits, RestGuides, RestOptions, RestShape};
+
+/// The most fixed steps of one frame.
+pub const MAX_STEPS: u32 = 8;
+/// Bytes from one step's uniforms to the next's: a multiple of every adapter's alignment.
+const STRIDE: u64 = 512;
+
+/// The pipelines: one per size class of guides, each made when it is first needed.
+#[derive(Debug)]
+pub struct Simulate {
+    layout: wgpu::BindGroupLayout,
+    sampler: wgpu::Sampler,
+    pipelines: [OnceLock<wgpu::ComputePipeline>; step::CAPACITIES.len()],
+}
+
+impl Simulate {
+    /// Makes what all grooms share.
+    pub fn new(device: &wgpu::Device) -> Self {
+        Self {
+            layout: layout(device, "simulate::step", wgpu::ShaderStages::COMPUTE, &step::BINDINGS),
+            sampler: device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("collider field"),
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                ..Default::default()
+            }),
+            pipelines: Default::default(),
+        }
+    }
+
+    /// The pipeline for guides of `vertex_count` vertices.
+    pub fn pipeline(&self, device: &wgpu::Device, vertex_count: u32) -> &wgpu::ComputePipeline {
+        let class = step::capacity(vertex_count);
+        self.pipelines[class].get_or_init(|| {
+            let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some("simulate::step"),
+                source: wgpu::ShaderSource::Wgsl(step::source(step::CAPACITIES[class]).into()),
+            });
+            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some("simulate::step"),
+                layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                    label: Some("simulate::step"),
+                    bind_group_layouts: &[Some(&self.layout)],
+                    immediate_size: 0,
+                })),
+                module: &shader,
+                entry_point: Some("step"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            })
+        })
+    }
+}
+
+/// What one groom's simulation keeps on the GPU besides its guides.
+#[derive(Debug)]
+pub struct Simulation {
+    uniforms: wgpu::Buffer,
+    group: wgpu::BindGroup,
+    colliders: ColliderSet,
+    capsules: Vec<Capsule>,
+    guide_count: u32,
+    vertex_count: u32,
+}
+
+/// One fixed step of a frame: where the head is when it begins and when it ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// What it does.
+    pub mode: Mode,
+    /// Pose of the head at the begin.
+    pub begin: Pose,
+    /// Pose of the head at the end.
+    pub end: Pose,
+    /// Where in the frame's motion it begins, 0..=1.
+    pub from: f32,
+    /// Where in the frame's motion it ends, 0..=1.
+    pub to: f32,
+}
+
+impl Simulation {
+    /// The simulation of `guides`, which collide with `colliders`.
+    pub fn new(
+        device: &wgpu::Device,
+        simulate: &Simulate,
+        guides: &GuideBuffers,
+        colliders: ColliderSet,
+    ) -> Self {
+        let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("simulation steps"),
+            size: STRIDE * u64::from(MAX_STEPS),
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let step = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+            buffer: &uniforms,
+            offset: 0,
+            size: wgpu::BufferSize::new(size_of::<StepUniforms>() as u64),
+        });
+        let group = group(
+            device,
+            "simulate::step",
+            &simulate.layout,
+            &[
+                step,
+                guides.info.as_entire_binding(),
+                guides.rest.as_entire_binding(),
+                guides.shape.as_entire_binding(),
+                guides.previous.as_entire_binding(),
+                guides.current.as_entire_binding(),
+                guides.velocity.as_entire_binding(),
+                colliders.capsules.as_entire_binding(),
+                wgpu::BindingResource::TextureView(&colliders.field.view),
+                wgpu::BindingResource::Sampler(&simulate.sampler),
+            ],
+        );
+        Self {
+            uniforms,
+            group,
+            colliders,
+            capsules: Vec::new(),
+            guide_count: guides.count,
+            vertex_count: guides.vertex_count,
+        }
+    }
+
+    /// The colliders.
+    pub(crate) fn colliders(&self) -> &ColliderSet {
+        &self.colliders
+    }
+
+    /// Bytes of GPU memory, without the guides.
+    pub fn bytes(&self) -> u64 {
+        self.uniforms.size() + self.colliders.bytes()
+    }
+
+    /// Records the `steps` of a frame into `pass`, at most [`MAX_STEPS`]; with none, nothing.
+    /// `poses` is where the colliders are at the end of the frame; they move there from where they
+    /// were at the end of the last frame that had steps.
+    ///
+    /// # Errors
+    /// What [`SimulationParams::check`] says, and [`Error::Parameter`] for more capsules than the
+    /// [`ColliderSet`] has room for.
+    #[allow(clippy::too_many_arguments)]
+    pub fn record(
+        &mut self,
+        simulate: &Simulate,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        pass: &mut wgpu::ComputePass<'_>,
+        params: &SimulationParams,
+        steps: &[Step],
+        poses: &ColliderPoses,
+    ) -> Result<()> {
+        params.check()?;
+        if poses.capsules.len() > self.colliders.capacity() as usize {
+            return Err(Error::Parameter {
+                name: "number of capsules",
+                value: poses.capsules.len().to_string(),
+                range: "no more than the collider set has room for",
+            });
+        }
+        let steps = &steps[steps.len().saturating_sub(MAX_STEPS as usize)..];
+        if steps.is_empty() || self.guide_count == 0 {
+            return Ok(());
+        }
+        let motions: Vec<_> = poses
+            .capsules
+            .iter()
+            .enumerate()
+            .map(|(i, end)| collider::CapsuleMotion::new(self.capsules.get(i).unwrap_or(end), end))
+            .collect();
+        queue.write_buffer(&self.colliders.capsules, 0, bytemuck::cast_slice(&motions));
+        self.capsules.clone_from(&poses.capsules);
+        let mut bytes = vec![0u8; STRIDE as usize * steps.len()];
+        for (step, slot) in steps.iter().zip(bytes.chunks_exact_mut(STRIDE as usize)) {
+            let uniforms = self.uniforms(params, step, poses);
+            slot[..size_of::<StepUniforms>()].copy_from_slice(bytemuck::bytes_of(&uniforms));
+        }
+        queue.write_buffer(&self.uniforms, 0, &bytes);
+        pass.set_pipeline(simulate.pipeline(device, self.vertex_count));
+        let groups = self.guide_count.div_ceil(crate::constants::GUIDE_WORKGROUP);
+        for i in 0..steps.len() as u32 {
+            pass.set_bind_group(0, &self.group, &[i * STRIDE as u32]);
+            pass.dispatch_workgroups(groups.min(65_535), groups.div_ceil(65_535), 1);
+        }
+        Ok(())
+    }
+
+    fn uniforms(&self, params: &SimulationParams, step: &Step, poses: &ColliderPoses) -> StepUniforms {
+        let mut u =
+            StepUniforms::new(params, self.guide_count, self.vertex_count, step.mode, &step.begin, &step.end);
+        let field = |head: &Pose| poses.field.map_or(*head, |own| head.after(&own));
+        let (begin, end) = (field(&step.begin), field(&step.end));
+        u.field_begin = begin.rotation.into();
+        u.field_end = end.rotation.into();
+        u.field_begin_at = begin.translation;
+        u.field_end_at = end.translation;
+        u.has_field = self.colliders.has_field.into();
+        u.field_bias = self.colliders.field.bias;
+        u.field_scale = self.colliders.field.scale;
+        u.capsule_count = poses.capsules.len() as u32;
+        u.capsules_from = step.from;
+        u.capsules_to = step.to;
+        u
+    }
+}

@@ -1,0 +1,267 @@
+//! What a user sets, in SI units, and what one fixed step of the GPU reads.
+
+use crate::{Error, Pose, Result};
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+/// A quantity that changes from root to tip: `root` at the root, `tip` from `falloff` metres of
+/// hair on, linear between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Along {
+    /// Value at the root.
+    pub root: f32,
+    /// Value from `falloff` on.
+    pub tip: f32,
+    /// Arc length over which the one becomes the other, metres.
+    pub falloff: f32,
+}
+
+impl Along {
+    /// The value at arc length `s` (metres).
+    pub fn at(&self, s: f32) -> f32 {
+        self.root + (self.tip - self.root) * (s / self.falloff.max(1e-6)).clamp(0.0, 1.0)
+    }
+}
+
+/// The physics of a groom. The defaults are those of real hair, except that a guide stands for a
+/// lock of hairs, which is somewhat stiffer per mass than its hairs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SimulationParams {
+    /// Acceleration of free fall, m/s².
+    pub gravity: Vec3,
+    /// Mass of a hair per length, kg/m.
+    pub line_density: f32,
+    /// Bending stiffness EI, N·m²; a hair of 80 µm has 8e-9. Multiplied by [`crate::strands::Guide::stiffness`].
+    pub bending: Along,
+    /// Pull towards the rest pose as the head carries it: acceleration per distance, 1/s².
+    /// Multiplied by [`crate::strands::Guide::stiffness`].
+    pub goal: Along,
+    /// Viscosity of bending: the time in which a bend alone would relax, s. 0 for none.
+    pub bending_damping: f32,
+    /// Rate at which a hair takes on the velocity of the air, 1/s.
+    pub drag: f32,
+    /// Velocity of the air, m/s.
+    pub wind: Vec3,
+    /// Coulomb's coefficient between hair and colliders.
+    pub friction: f32,
+    /// How much a strand that hangs by its root is stretched by gravity: the elasticity along the
+    /// hair follows from it. Real hair has about 1e-6, which single precision cannot hold.
+    pub stretch: f32,
+    /// Length of one fixed step, s.
+    pub step: f32,
+    /// Implicit solves per fixed step.
+    pub substeps: u32,
+}
+
+impl Default for SimulationParams {
+    fn default() -> Self {
+        Self {
+            gravity: Vec3::new(0.0, -9.81, 0.0),
+            line_density: 6.6e-6,
+            bending: Along { root: 3.2e-8, tip: 8e-9, falloff: 0.1 },
+            goal: Along { root: 120.0, tip: 0.0, falloff: 0.12 },
+            bending_damping: 0.002,
+            drag: 1.5,
+            wind: Vec3::ZERO,
+            friction: 0.4,
+            stretch: 5e-4,
+            step: 1.0 / 60.0,
+            substeps: 4,
+        }
+    }
+}
+
+/// Bending is not made stiffer than this (1/s², per vertex): such hair is rigid, and single
+/// precision would turn the rounding of its positions into noise.
+pub const MAX_BENDING_RATE: f32 = 1e9;
+/// The most substeps of one step.
+pub const MAX_SUBSTEPS: u32 = 32;
+
+impl SimulationParams {
+    /// Checks that every value is finite and in its range.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] names the first that is not.
+    pub fn check(&self) -> Result<()> {
+        let test = |name, value: f32, lo: f32, hi: f32, range| {
+            if value >= lo && value <= hi {
+                Ok(())
+            } else {
+                Err(Error::Parameter { name, value: value.to_string(), range })
+            }
+        };
+        let acceleration = self.gravity.abs().max_element() + self.gravity.length();
+        test("gravity", acceleration, 0.0, 1e4, "finite and below 5,000 m/s²")?;
+        test(
+            "wind",
+            self.wind.abs().max_element() + self.wind.length(),
+            0.0,
+            1e3,
+            "finite and below 500 m/s",
+        )?;
+        test("line density", self.line_density, 1e-9, 1.0, "from 1e-9 to 1 kg/m")?;
+        for (name, along, most) in
+            [("bending stiffness", self.bending, 1.0), ("goal stiffness", self.goal, 1e7)]
+        {
+            for value in [along.root, along.tip] {
+                test(
+                    name,
+                    value,
+                    0.0,
+                    most,
+                    "not negative, and at most 1 N·m² (bending) or 1e7 1/s² (goal)",
+                )?;
+            }
+            test(name, along.falloff, 0.0, 1e3, "a falloff from 0 to 1,000 m")?;
+        }
+        test("bending damping", self.bending_damping, 0.0, 10.0, "from 0 to 10 s")?;
+        test("drag", self.drag, 0.0, 1e4, "from 0 to 1e4 1/s")?;
+        test("friction", self.friction, 0.0, 100.0, "from 0 to 100")?;
+        test("stretch", self.stretch, 1e-5, 0.1, "from 1e-5 to 0.1")?;
+        test("step", self.step, 1e-4, 0.1, "from 0.0001 to 0.1 s")?;
+        test("substeps", self.substeps as f32, 1.0, MAX_SUBSTEPS as f32, "from 1 to 32")
+    }
+
+    /// Bending rate (1/s², per unit of vertex weight) at arc length `s` of a guide with
+    /// stiffness factor `factor` and mean edge length `edge`.
+    pub fn bending_rate(&self, s: f32, factor: f32, edge: f32) -> f32 {
+        bending_rate(self.bending, self.line_density, s, factor, edge)
+    }
+
+    /// Stretching rate (1/s², per unit of vertex weight) of a guide `length` long (metres).
+    pub fn stretch_rate(&self, length: f32, edge: f32) -> f32 {
+        stretch_rate(self.gravity, self.stretch, length, edge)
+    }
+}
+
+fn bending_rate(bending: Along, line_density: f32, s: f32, factor: f32, edge: f32) -> f32 {
+    let square = edge * edge;
+    (factor * bending.at(s) / (line_density * square * square)).min(MAX_BENDING_RATE)
+}
+
+fn stretch_rate(gravity: Vec3, stretch: f32, length: f32, edge: f32) -> f32 {
+    gravity.length().max(1.0) * length / (stretch * edge * edge)
+}
+
+/// What a step does.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mode {
+    /// Simulates.
+    #[default]
+    Step = 0,
+    /// Carries every strand rigidly with the head, velocities too.
+    Carry = 1,
+    /// Puts every strand into its rest pose, without velocity relative to the world.
+    Reset = 2,
+}
+
+/// Uniforms of one fixed step.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct StepUniforms {
+    /// Rotation of the head at the begin of the step, quaternion.
+    pub head_begin: [f32; 4],
+    /// Rotation of the head at the end of the step.
+    pub head_end: [f32; 4],
+    /// Rotation of the distance field's frame at the begin of the step.
+    pub field_begin: [f32; 4],
+    /// Rotation of the distance field's frame at the end of the step.
+    pub field_end: [f32; 4],
+    /// Translation of the head at the begin, metres.
+    pub head_begin_at: Vec3,
+    /// Length of a substep, s.
+    pub h: f32,
+    /// Translation of the head at the end, metres.
+    pub head_end_at: Vec3,
+    /// Solves per step.
+    pub substeps: u32,
+    /// Translation of the field at the begin, metres.
+    pub field_begin_at: Vec3,
+    /// 1 when there is a distance field.
+    pub has_field: u32,
+    /// Translation of the field at the end, metres.
+    pub field_end_at: Vec3,
+    /// Number of capsules.
+    pub capsule_count: u32,
+    /// Texture coordinate of the field's frame origin.
+    pub field_bias: Vec3,
+    /// Where in the motion of the capsules the step begins, 0..=1.
+    pub capsules_from: f32,
+    /// Texture coordinate per metre.
+    pub field_scale: Vec3,
+    /// Where in the motion of the capsules the step ends, 0..=1.
+    pub capsules_to: f32,
+    /// m/s².
+    pub gravity: Vec3,
+    /// 1/s.
+    pub drag: f32,
+    /// m/s.
+    pub wind: Vec3,
+    /// Coulomb's coefficient.
+    pub friction: f32,
+    /// EI per line density at the root, m⁴/s².
+    pub bending_root: f32,
+    /// The same from the falloff on.
+    pub bending_tip: f32,
+    /// 1/m.
+    pub bending_falloff: f32,
+    /// s.
+    pub bending_damping: f32,
+    /// 1/s².
+    pub goal_root: f32,
+    /// 1/s².
+    pub goal_tip: f32,
+    /// 1/m.
+    pub goal_falloff: f32,
+    /// Square of the speed of sound along a hair of 1 m, m²/s² per m.
+    pub stretch: f32,
+    /// Number of guides.
+    pub guide_count: u32,
+    /// Vertices per guide.
+    pub vertex_count: u32,
+    /// [`Mode`].
+    pub mode: u32,
+    /// Unused.
+    pub _pad: u32,
+}
+
+impl StepUniforms {
+    /// The uniforms of a step of `guide_count` guides with `vertex_count` vertices during which the
+    /// head moves from `begin` to `end`; without colliders.
+    pub fn new(
+        params: &SimulationParams,
+        guide_count: u32,
+        vertex_count: u32,
+        mode: Mode,
+        begin: &Pose,
+        end: &Pose,
+    ) -> Self {
+        Self {
+            head_begin: begin.rotation.into(),
+            head_end: end.rotation.into(),
+            field_begin: [0.0, 0.0, 0.0, 1.0],
+            field_end: [0.0, 0.0, 0.0, 1.0],
+            head_begin_at: begin.translation,
+            h: params.step / params.substeps.max(1) as f32,
+            head_end_at: end.translation,
+            substeps: params.substeps.clamp(1, MAX_SUBSTEPS),
+            gravity: params.gravity,
+            drag: params.drag,
+            wind: params.wind,
+            friction: params.friction,
+            bending_root: params.bending.root / params.line_density,
+            bending_tip: params.bending.tip / params.line_density,
+            bending_falloff: 1.0 / params.bending.falloff.max(1e-6),
+            bending_damping: params.bending_damping,
+            goal_root: params.goal.root,
+            goal_tip: params.goal.tip,
+            goal_falloff: 1.0 / params.goal.falloff.max(1e-6),
+            stretch: params.gravity.length().max(1.0) / params.stretch,
+            guide_count,
+            vertex_count,
+            mode: mode as u32,
+            ..Self::zeroed()
+        }
+    }
+}

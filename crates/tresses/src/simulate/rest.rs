@@ -1,0 +1,245 @@
+//! From guide polylines to what the step needs: rest positions, contact clearances and the rest
+//! shape, with or without compensation of gravity.
+//!
+//! A groom is authored as it should look under gravity. Taken as the shape without gravity, it
+//! sags in the first second. [`RestShape::SagFree`] walks from tip to root: the edge below a
+//! vertex must carry the weight of all that hangs from it. The part along the edge goes into the
+//! edge's rest length, the part across it into the bend at its upper end, whose rest value is
+//! moved until the bending spring gives exactly that force. The pose then is an equilibrium of the
+//! discrete equations that the step solves, not only of the continuous ones.
+//!
+//! An equilibrium need not be stable. A floppy strand that is authored to stick out would need a
+//! rest shape wound up like a watch spring, and would topple. The compensation of one bend is
+//! therefore limited to [`MOST_COMPENSATION`] of the edge; what is missing shows as true sag, less
+//! what the goal spring holds. Contact forces at rest are not compensated: a pose that was
+//! supported by the head hovers over it.
+
+use super::params::SimulationParams;
+use crate::{
+    Error, Result,
+    groom::SdfGrid,
+    strands::{Guide, GuideBuffers, GuideRest, GuideShape, guide::TIP_PINNED},
+};
+use glam::Vec3;
+
+/// The largest compensation of one bend, as a fraction of the edge (a chord of about 40 degrees).
+pub const MOST_COMPENSATION: f32 = 0.7;
+
+/// What the authored pose means.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RestShape {
+    /// The shape of the hair without gravity: it will sag. For draping.
+    Natural,
+    /// The shape of the hair under gravity with the head upright: it stays.
+    #[default]
+    SagFree,
+}
+
+/// What is known of one guide besides its vertices.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GuideTraits {
+    /// Multiplier of the stiffness parameters.
+    pub stiffness: f32,
+    /// How many drawn strands it stands for.
+    pub strands: f32,
+    /// Whether the tip follows the head as the root does.
+    pub tip_pinned: bool,
+}
+
+impl Default for GuideTraits {
+    fn default() -> Self {
+        Self { stiffness: 1.0, strands: 1.0, tip_pinned: false }
+    }
+}
+
+/// How guides rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RestOptions {
+    /// What the authored pose means.
+    pub shape: RestShape,
+    /// Distance that hair keeps from the colliders, metres, where it has it at rest.
+    pub clearance: f32,
+}
+
+impl Default for RestOptions {
+    fn default() -> Self {
+        Self { shape: RestShape::SagFree, clearance: 1e-3 }
+    }
+}
+
+/// Guides at rest, ready for [`GuideBuffers`]; vertex-major where per vertex.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RestGuides {
+    /// Vertices per guide.
+    pub vertex_count: u32,
+    /// One per guide.
+    pub info: Vec<Guide>,
+    /// `vertex * info.len() + guide`.
+    pub rest: Vec<GuideRest>,
+    /// The same index.
+    pub shape: Vec<GuideShape>,
+}
+
+impl RestGuides {
+    /// Writes the buffers: rest, shape, info, and the rest pose as the present state.
+    ///
+    /// # Errors
+    /// [`Error::Groom`] when `buffers` were made for other counts.
+    pub fn upload(&self, queue: &wgpu::Queue, buffers: &GuideBuffers) -> Result<()> {
+        let counts = (buffers.count as usize, buffers.vertex_count);
+        if counts != (self.info.len(), self.vertex_count) {
+            return Err(Error::Groom(format!(
+                "buffers for {} guides with {} vertices cannot take {} guides with {}",
+                counts.0,
+                counts.1,
+                self.info.len(),
+                self.vertex_count
+            )));
+        }
+        let positions: Vec<[f32; 4]> = self.rest.iter().map(|r| r.position.extend(0.0).into()).collect();
+        queue.write_buffer(&buffers.info, 0, bytemuck::cast_slice(&self.info));
+        queue.write_buffer(&buffers.rest, 0, bytemuck::cast_slice(&self.rest));
+        queue.write_buffer(&buffers.shape, 0, bytemuck::cast_slice(&self.shape));
+        queue.write_buffer(&buffers.previous, 0, bytemuck::cast_slice(&positions));
+        queue.write_buffer(&buffers.current, 0, bytemuck::cast_slice(&positions));
+        queue.write_buffer(&buffers.velocity, 0, bytemuck::cast_slice(&vec![[0f32; 4]; positions.len()]));
+        Ok(())
+    }
+}
+
+/// Guides from `positions` (groom space, metres; guide `g` has `g * n..(g + 1) * n`, root first,
+/// equal arc lengths, see [`crate::groom::resample`]). `traits` has one entry per guide, or none
+/// for the default. `field` gives the clearance that each vertex has at rest.
+///
+/// # Errors
+/// [`Error::Groom`] when counts do not fit or a position is not finite, and what
+/// [`SimulationParams::check`] says.
+pub fn guides(
+    positions: &[Vec3],
+    n: u32,
+    traits: &[GuideTraits],
+    params: &SimulationParams,
+    options: &RestOptions,
+    field: Option<&SdfGrid>,
+) -> Result<RestGuides> {
+    params.check()?;
+    if !(2..=crate::constants::MAX_GUIDE_VERTICES).contains(&n) {
+        return Err(Error::Parameter {
+            name: "vertices per guide",
+            value: n.to_string(),
+            range: "from 2 to 64",
+        });
+    }
+    let n = n as usize;
+    let count = positions.len() / n;
+    if count * n != positions.len() || !(traits.is_empty() || traits.len() == count) {
+        return Err(Error::Groom(format!(
+            "{} positions and {} traits do not make guides of {n} vertices",
+            positions.len(),
+            traits.len()
+        )));
+    }
+    if let Some(at) = positions.iter().position(|p| !(p.is_finite() && p.abs().max_element() < 1e3)) {
+        return Err(Error::Groom(format!(
+            "vertex {} of guide {} is at {}, which is not within a kilometre of the head",
+            at % n,
+            at / n,
+            positions[at]
+        )));
+    }
+    let mut out = RestGuides {
+        vertex_count: n as u32,
+        info: Vec::with_capacity(count),
+        rest: vec![GuideRest::default(); positions.len()],
+        shape: vec![GuideShape::default(); positions.len()],
+    };
+    for (g, guide) in positions.chunks_exact(n).enumerate() {
+        let traits = traits.get(g).copied().unwrap_or_default();
+        let info = Guide {
+            length: guide.windows(2).map(|w| w[0].distance(w[1])).sum(),
+            stiffness: if traits.stiffness.is_finite() { traits.stiffness.clamp(0.0, 1e3) } else { 1.0 },
+            strands: traits.strands,
+            flags: if traits.tip_pinned { TIP_PINNED } else { 0 },
+        };
+        for (i, (shape, position)) in shape(guide, &info, params, options.shape).iter().zip(guide).enumerate()
+        {
+            // Rounding to half floats and to texels must not make a contact of the rest pose.
+            let has = field.map_or(f32::MAX, |field| field.sample(*position) - 2e-4);
+            out.rest[i * count + g] = GuideRest { position: *position, contact: options.clearance.min(has) };
+            out.shape[i * count + g] = *shape;
+        }
+        out.info.push(info);
+    }
+    Ok(out)
+}
+
+/// The rest shape of one guide.
+pub(crate) fn shape(p: &[Vec3], info: &Guide, params: &SimulationParams, mode: RestShape) -> Vec<GuideShape> {
+    let n = p.len();
+    let edge_of = |i: usize| p[i + 1] - p[i];
+    let mut out: Vec<_> = (0..n)
+        .map(|i| GuideShape {
+            curvature: if i > 0 && i + 1 < n { edge_of(i) - edge_of(i - 1) } else { Vec3::ZERO },
+            length: if i + 1 < n { edge_of(i).length() } else { 0.0 },
+        })
+        .collect();
+    if mode == RestShape::Natural || n < 3 {
+        return out;
+    }
+    let edge = (info.length / (n - 1) as f32).max(1e-6);
+    let stretch = params.stretch_rate(info.length, edge);
+    let weight = |i: usize| if i + 1 == n { 0.5 } else { 1.0 };
+    // A pinned tip takes half the weight: of the many equilibria, the symmetric one.
+    let pinned = info.flags & TIP_PINNED != 0;
+    let mut load = if pinned { -params.gravity * (n - 3) as f32 * 0.5 } else { Vec3::ZERO };
+    let mut moment = Vec3::ZERO;
+    for i in (1..n - 1).rev() {
+        if !(pinned && i + 2 == n) {
+            load += params.gravity * weight(i + 1);
+        }
+        let e = edge_of(i);
+        let dir = e.normalize_or_zero();
+        let force = load + moment;
+        let tension = force.dot(dir);
+        let mut rate = params.bending_rate(i as f32 * edge, info.stiffness, edge);
+        if i == 1 {
+            rate *= 2.0;
+        }
+        let s = ((force - dir * tension) / rate.max(1e-9)).clamp_length_max(MOST_COMPENSATION * e.length());
+        // What a bend gives to the edge before it, as in the step.
+        let before = edge_of(i - 1);
+        let target = e - s;
+        let inverse = 1.0 / before.length_squared().max(1e-18);
+        moment = rate * (s * before.dot(target) - target * before.dot(s)) * inverse;
+        out[i].curvature -= s;
+        out[i].length -= (tension / stretch).clamp(-0.05 * e.length(), 0.05 * e.length());
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrong_input_is_refused_in_a_sentence() {
+        let params = SimulationParams::default();
+        let go = |positions: &[Vec3], n| {
+            guides(positions, n, &[], &params, &RestOptions::default(), None).map_err(|e| e.to_string())
+        };
+        assert!(go(&[Vec3::ZERO; 5], 2).unwrap_err().contains("5 positions"));
+        assert!(go(&[Vec3::ZERO; 130], 65).unwrap_err().contains("from 2 to 64"));
+        assert!(go(&[Vec3::ZERO, Vec3::NAN], 2).unwrap_err().contains("vertex 1 of guide 0"));
+        assert!(go(&[], 8).is_ok());
+    }
+
+    #[test]
+    fn a_vertex_in_the_skin_keeps_what_it_has() {
+        let grid = SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), 33, |p| p.length() - 0.1);
+        let positions = [Vec3::Y * 0.095, Vec3::Y * 0.15];
+        let options = RestOptions::default();
+        let out = guides(&positions, 2, &[], &SimulationParams::default(), &options, Some(&grid)).unwrap();
+        assert!((out.rest[0].contact + 0.0052).abs() < 5e-4);
+        assert_eq!(out.rest[1].contact, options.clearance);
+    }
+}
