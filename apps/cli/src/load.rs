@@ -1,16 +1,21 @@
 //! From options to a character: a groom with its head, from files or built in.
 
-use crate::args::{Guides, Source};
+use crate::{
+    args::{Guides, Source},
+    camera::Bounds,
+};
 use anyhow::{Context, Result, ensure};
 use std::str::FromStr;
 use tresses::{
     glam::Vec3,
     groom::{
-        BindOptions, Groom, GuideCount, SdfGrid, Strands, TriMesh, bind, import,
-        mannequin,
+        self, BindOptions, BoundStrands, Groom, GuideCount, Influence, SdfGrid, Strands, TriMesh, bind,
+        grow::{self, GrownStrands, Growth},
+        import, mannequin,
         mesh::sdf::{self, SdfOptions},
-        styles::Style,
+        styles::{self, GridScalp, Style, StyledGuides},
     },
+    strands::Strand,
 };
 
 /// How far the joint that a head nods and turns about lies below and behind the crown, metres.
@@ -52,10 +57,9 @@ fn imported(source: &Source) -> Result<Character> {
         (strands, Some(head), report)
     };
     let field = match &head {
-        Some(head) => Some(
-            sdf::build(head, &SdfOptions::default())
-                .with_context(|| source.head.first().map(|path| path.display().to_string()).unwrap_or_default())?,
-        ),
+        Some(head) => Some(sdf::build(head, &SdfOptions::default()).with_context(|| {
+            source.head.first().map(|path| path.display().to_string()).unwrap_or_default()
+        })?),
         None => None,
     };
     let strands = match source.strands {
@@ -80,7 +84,59 @@ fn built_in(source: &Source) -> Result<Character> {
         source.guides.is_none(),
         "--guides is for groom files; the built-in styles bring their own guides"
     );
-    todo!()
+    let scalp = GridScalp::mannequin(FIELD_RESOLUTION);
+    let styled = styles::guides(&style, &scalp);
+    let mut growth = Growth::for_style(&style);
+    if let Some(count) = source.strands {
+        growth = growth.with_strands(count);
+    }
+    let grown = grow::grow(&styled, &growth, &scalp)?;
+    Ok(Character {
+        groom: bound(&styled, &grown),
+        head: Some(mannequin::mesh(mannequin::RESOLUTION)),
+        field: Some(scalp.field),
+        neck: mannequin::NECK_JOINT,
+        notes: Vec::new(),
+    })
+}
+
+/// Grown strands on their guides.
+fn bound(styled: &StyledGuides, grown: &GrownStrands) -> Groom {
+    let mut guides = groom::Guides::new(styles::GUIDE_VERTICES as u32);
+    for (guide, stiffness) in styled.guides.iter().zip(&styled.stiffness) {
+        guides.push(guide, *stiffness, false);
+    }
+    let mut strands = BoundStrands::new(grown.vertex_count as u32);
+    let mut load = vec![0.0; guides.len()];
+    for (i, strand) in grown.strands.iter().enumerate() {
+        let influences: [Influence; 3] = std::array::from_fn(|k| Influence {
+            guide: strand.guides[k],
+            weight: strand.weights[k],
+            scale: strand.scale[k],
+        });
+        for influence in &influences {
+            load[influence.guide as usize] += influence.weight;
+        }
+        let radii = &grown.radii[i * grown.vertex_count..(i + 1) * grown.vertex_count];
+        let header = Strand { radius: strand.radius, seed: strand.seed, ..Default::default() };
+        strands.push(header, grown.strand(i), radii, &influences);
+    }
+    guides.strands = load;
+    Groom { guides, strands }
+}
+
+/// How many strands of the default style make about `triangles` triangles.
+pub fn strands_for(triangles: u64) -> u32 {
+    let segments = u64::from(Growth::default().vertices.max(2) - 1);
+    u32::try_from(triangles / (2 * segments)).unwrap_or(u32::MAX)
+}
+
+/// The box around the strands at rest, metres.
+pub fn bounds(groom: &Groom) -> Option<Bounds> {
+    (0..groom.strands.len())
+        .flat_map(|i| groom.strands.rest_positions(i))
+        .map(|p| (p, p))
+        .reduce(|(lo, hi), (p, _)| (lo.min(p), hi.max(p)))
 }
 
 /// About `count` strands, evenly picked.

@@ -80,7 +80,7 @@ impl Scene {
     }
 
     fn new(character: &Character, color: Option<&Color>, quality: Quality) -> Result<Self> {
-        let hair_bounds = character.groom.bounds().context("the groom is empty")?;
+        let hair_bounds = load::bounds(&character.groom).context("the groom is empty")?;
         let head_bounds = character.head.as_ref().and_then(|head| head.bounds());
         let gpu = pollster::block_on(Gpu::open())?;
         let (device, queue) = (&gpu.device, &gpu.queue);
@@ -94,8 +94,7 @@ impl Scene {
         let samples = samples.min(most);
         let renderer = HairRenderer::new(device, &DrawOptions { samples, ..Default::default() });
         let options = HairOptions::default();
-        let hair =
-            Hair::new(device, queue, &renderer, &character.groom, &options, character.field.as_ref())?;
+        let hair = Hair::new(device, queue, &renderer, &character.groom, &options, character.field.as_ref())?;
         let body = character.head.as_ref().map(|head| Body::new(device, &renderer.draw, head));
         let Size { width, height } = quality.size;
         let targets = Targets::new(device, width, height, samples, quality.ssaa)?;
@@ -223,8 +222,7 @@ impl Scene {
         seconds: f32,
     ) -> Result<()> {
         self.scene.pose = *pose;
-        let frame =
-            Frame { dt: seconds, head: *pose, colliders: &self.colliders, simulation: &self.physics };
+        let frame = Frame { dt: seconds, head: *pose, colliders: &self.colliders, simulation: &self.physics };
         let Gpu { device, queue, .. } = &self.gpu;
         Ok(frame::advance(&self.renderer, device, queue, encoder, timings, &mut self.hair, &frame)?)
     }

@@ -8,7 +8,7 @@ use super::{
 use crate::{
     args::{Guides, Size, Source},
     camera::{Camera, View},
-    interrupt,
+    interrupt, load,
     motion::Motion,
     scene::{Quality, Scene},
 };
@@ -91,12 +91,7 @@ pub fn peer(args: &Args) -> Option<Workload> {
     Some(Workload {
         name: "Every strand of a groom simulated",
         others,
-        source: Source {
-            grooms,
-            head,
-            guides: Some(Guides::All),
-            ..Source::default()
-        },
+        source: Source { grooms, head, guides: Some(Guides::All), ..Source::default() },
         triangles: None,
         size: Size { width: 1280, height: 720 },
         samples: 1,
@@ -114,7 +109,7 @@ pub fn strand_counts(quick: bool) -> Vec<u32> {
 pub fn measure(workload: &Workload, frames: u32, bar: &ProgressBar) -> Result<Group> {
     let mut source = workload.source.clone();
     if let Some(triangles) = workload.triangles {
-        source.strands = Some(Scene::strands_for(triangles));
+        source.strands = Some(load::strands_for(triangles));
     }
     let mut scene = Scene::open(&source, quality(workload.size, workload.samples, workload.ssaa))
         .with_context(|| workload.name.to_owned())?;

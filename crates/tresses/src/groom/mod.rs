@@ -4,6 +4,7 @@ pub mod bind;
 pub mod bound;
 pub mod curve;
 pub mod export;
+pub mod grow;
 pub mod guides;
 pub mod import;
 pub mod lint;
@@ -13,6 +14,7 @@ pub mod orient;
 pub mod resample;
 pub mod sdf;
 pub mod strands;
+pub mod styles;
 
 pub use bind::{BindOptions, GuideCount, bind};
 pub use bound::{BoundStrands, Groom, Influence};

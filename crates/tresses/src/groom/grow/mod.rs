@@ -1,0 +1,118 @@
+//! Drawn strands grown from guides.
+//!
+//! Guides are few; a head of hair is tens of thousands of strands. Each grown strand follows
+//! either one guide (a *clump*: the guide's curve, moved aside by less and less towards the tip)
+//! or the three guides at the corners of its scalp triangle (*multi-strand*: their barycentric
+//! blend at equal fractions of their lengths, so that no strand is cut to the shortest). The result
+//! is a rest curve and a binding; motion is added each frame on the GPU.
+//!
+//! Structure comes at three scales. *Locks*: strands are drawn to their heaviest guide towards
+//! the tip. *Clumps*: some strands are centres, and each other strand runs towards the nearest
+//! centre, more so towards the tip. *Single strands*: lengths, a fine unrest, and flyaways.
+//!
+//! ```text
+//! roots ─► binding ─► blend or clump ─► lock ─► clump centre ─► spiral ─► unrest ─► clear of the head
+//! ```
+
+mod avoid;
+mod bind;
+mod cells;
+mod count;
+mod map;
+mod params;
+mod seed;
+mod shape;
+mod triangles;
+
+pub use map::ScalpMap;
+pub use params::{Clumps, Growth, Kind, Unrest};
+
+use super::styles::random::{Rng, hash};
+use super::styles::{Scalp, StyledGuides};
+use crate::Result;
+use glam::{Vec2, Vec3};
+
+/// One grown strand, apart from its vertices.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GrownStrand {
+    /// The guides it hangs on, the heaviest first. A clump strand names its one guide three times.
+    pub guides: [u32; 3],
+    /// Their weights, the largest first; the sum is 1.
+    pub weights: [f32; 3],
+    /// For each guide the fraction of it at which the strand's tip hangs.
+    pub scale: [f32; 3],
+    /// Largest radius along the strand, metres.
+    pub radius: f32,
+    /// From which every later random choice follows.
+    pub seed: u32,
+    /// Scalp coordinates of the root.
+    pub root_uv: Vec2,
+}
+
+/// Grown strands at rest.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GrownStrands {
+    /// Vertices of each strand.
+    pub vertex_count: usize,
+    /// The strands.
+    pub strands: Vec<GrownStrand>,
+    /// Rest positions, groom space, metres: `vertex_count` of each strand in turn, root first.
+    pub positions: Vec<Vec3>,
+    /// Radius of each vertex as a fraction of the strand's, indexed as `positions`.
+    pub radii: Vec<f32>,
+}
+
+impl GrownStrands {
+    /// The vertices of strand `i`, root first.
+    pub fn strand(&self, i: usize) -> &[Vec3] {
+        &self.positions[i * self.vertex_count..(i + 1) * self.vertex_count]
+    }
+}
+
+/// Grows strands on `scalp` from guides as [`styles::guides`](super::styles::guides) makes them, or
+/// from the same guides after draping.
+///
+/// # Errors
+/// [`Error::Parameter`](crate::Error::Parameter) for growth parameters out of range, and where maps
+/// leave no place for the strands that are asked for.
+pub fn grow(styled: &StyledGuides, growth: &Growth, scalp: &dyn Scalp) -> Result<GrownStrands> {
+    growth.check()?;
+    let scaffold = bind::Scaffold::new(styled, scalp);
+    let totals = count::totals(&scaffold, styled, growth, scalp);
+    let seeds = seed::seeds(&scaffold, styled, growth, scalp, totals)?;
+    let n = seeds.len();
+    let spacing = growth.diameter_for(n);
+    let shaper = shape::Shaper::new(&scaffold, styled, growth, scalp, &seeds);
+
+    let vertices = growth.vertices as usize;
+    let mut out = GrownStrands {
+        vertex_count: vertices,
+        strands: Vec::with_capacity(n),
+        positions: vec![Vec3::ZERO; n * vertices],
+        radii: Vec::with_capacity(n * vertices),
+    };
+    for (i, (seed, line)) in seeds.iter().zip(out.positions.chunks_exact_mut(vertices)).enumerate() {
+        let id = hash(growth.seed ^ hash(i as u32 ^ 0x5eed));
+        let mut rng = Rng::new(id, 1);
+        let fineness = shaper.fill(i, seed, &mut rng, line);
+        let width = seed.thickness * fineness * (1.0 + growth.width_variation * rng.bell().clamp(-2.0, 2.0));
+        let taper = (growth.taper_start + 0.1 * rng.bell()).clamp(0.1, 0.95);
+        out.radii.extend((0..vertices).map(|k| {
+            let s = k as f32 / (vertices - 1) as f32;
+            let tip = ((s - taper) / (1.0 - taper)).clamp(0.0, 1.0);
+            1.0 - (1.0 - growth.tip_width) * tip * tip
+        }));
+        out.strands.push(GrownStrand {
+            guides: seed.bound.guides,
+            weights: seed.bound.weights,
+            scale: [seed.fraction; 3],
+            radius: 0.5 * spacing * width.max(0.2),
+            seed: id,
+            root_uv: seed.uv,
+        });
+    }
+    Ok(out)
+}
+
+#[cfg(test)]
+mod tests;

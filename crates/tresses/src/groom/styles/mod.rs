@@ -1,0 +1,106 @@
+//! Built-in hairstyles: fields over the scalp, and the guides that follow them.
+//!
+//! A [`Style`] becomes a [`Recipe`] of numbers; [`guides`] makes strands of it. Roots are spread
+//! evenly inside a [`Hairline`]. From each root a path leaves the scalp at an angle, is combed away
+//! from the [`Parting`] and back, keeps clear of the head by a distance that grows with the height
+//! of its root (hair from the top lies over hair from the sides), falls where the head no longer
+//! carries it, and ends at a length or at a common hem. Waves are added along the path.
+//!
+//! The shapes are meant to rest: close to where gravity and the head would leave them, so that
+//! draping changes little. Spirals are not part of the guides, as three spirals of different phase
+//! have no sensible mean; [`StyledGuides::curl`] says how [`grow`](crate::groom::grow) winds the
+//! drawn strands around them.
+
+mod face;
+mod hairline;
+mod parting;
+pub(crate) mod random;
+mod recipe;
+mod roots;
+mod scalp;
+mod trace;
+
+pub use face::Face;
+pub use hairline::Hairline;
+pub use parting::Parting;
+pub use recipe::{Bob, Curl, Curly, Long, LowTop, Recipe, Short, Style};
+pub use scalp::{GridScalp, Landmarks, Scalp, scalp_direction, scalp_uv};
+pub(crate) use scalp::{spread_direction, stereographic};
+
+use super::Strands;
+use glam::Vec3;
+
+/// Vertices of each guide.
+pub const GUIDE_VERTICES: usize = 32;
+
+/// Guides of a hairstyle with what is known of them and of the scalp.
+#[derive(Clone, Debug)]
+pub struct StyledGuides {
+    /// The guides, root first, [`GUIDE_VERTICES`] each at equal distances along it, with scalp
+    /// coordinates. A draped version may take their place.
+    pub guides: Strands,
+    /// Multiplier of the simulation's stiffness, one per guide.
+    pub stiffness: Vec<f32>,
+    /// Spirals of the drawn strands.
+    pub curl: Curl,
+    /// Where hair grows.
+    pub hairline: Hairline,
+    /// The parting, if there is one.
+    pub parting: Option<Parting>,
+    /// The space that hair leaves free, or `None` where a fringe falls into it.
+    pub face: Option<Face>,
+    /// The numbers that the guides were made from.
+    pub recipe: Recipe,
+}
+
+/// The guides of `style` on `scalp`.
+pub fn guides(style: &Style, scalp: &dyn Scalp) -> StyledGuides {
+    guides_of(&style.recipe(), scalp)
+}
+
+/// The guides of any recipe on `scalp`.
+pub fn guides_of(recipe: &Recipe, scalp: &dyn Scalp) -> StyledGuides {
+    let marks = scalp.landmarks();
+    let hairline = Hairline::new(scalp, recipe.hairline_raise, recipe.hairline_irregularity, recipe.seed);
+    let parting = recipe.parting.map(|x| Parting::new(scalp, x, recipe.parting_half_width, recipe.seed));
+    let whorl = scalp.point(Vec3::new(-0.12, 0.85, -0.5));
+    let field = trace::Field {
+        recipe,
+        scalp,
+        marks,
+        parting: parting.as_ref(),
+        face: Face::new(scalp),
+        whorl: parting.as_ref().map_or(whorl, Parting::end),
+    };
+    let mut strands = Strands::default();
+    let mut stiffness = Vec::new();
+    let roots = roots::guide_roots(scalp, &hairline, parting.as_ref(), recipe.guides as usize, recipe.seed);
+    for (i, root) in roots.into_iter().enumerate() {
+        strands.push(&resample(&field.trace(root, i as u32), GUIDE_VERTICES));
+        strands.root_uvs.push(scalp_uv(root - marks.skull));
+        stiffness.push(recipe.stiffness.at(field.layer(root)));
+    }
+    let face = (!recipe.fringe).then_some(field.face);
+    StyledGuides { guides: strands, stiffness, curl: recipe.curl, hairline, parting, face, recipe: *recipe }
+}
+
+/// `count` points at equal distances along `path`, its ends included.
+pub(crate) fn resample(path: &[Vec3], count: usize) -> Vec<Vec3> {
+    let total: f32 = path.windows(2).map(|w| w[0].distance(w[1])).sum();
+    let Some((&first, &last)) = path.first().zip(path.last()) else { return Vec::new() };
+    let mut points = vec![first];
+    let (mut i, mut before) = (0, 0.0);
+    for k in 1..count.max(2) - 1 {
+        let wanted = total * k as f32 / (count - 1) as f32;
+        while i + 2 < path.len() && before + path[i].distance(path[i + 1]) < wanted {
+            before += path[i].distance(path[i + 1]);
+            i += 1;
+        }
+        let edge = path[i].distance(path[(i + 1).min(path.len() - 1)]).max(1e-9);
+        points.push(
+            path[i].lerp(path[(i + 1).min(path.len() - 1)], ((wanted - before) / edge).clamp(0.0, 1.0)),
+        );
+    }
+    points.push(last);
+    points
+}
