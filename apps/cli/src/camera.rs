@@ -1,6 +1,6 @@
 //! Portrait cameras: where to stand so that the head and its hair fill the picture.
 
-use tresses::glam::{self, Mat4, Vec3};
+use tresses::glam::Vec3;
 
 /// The vertical field of view of every camera, radians: a portrait lens.
 pub const VERTICAL_FOV: f32 = 30.0 / 180.0 * std::f32::consts::PI;
@@ -86,23 +86,19 @@ impl Camera {
             .fold(0.05, f32::max);
         Self { eye: target + back * (distance / zoom), target }
     }
-
-    /// From the world to the camera, which looks along −Z.
-    pub fn view(&self) -> Mat4 {
-        glam::camera::rh::view::look_at_mat4(self.eye, self.target, Vec3::Y)
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tresses::draw::View as Projection;
 
     const HAIR: Bounds = (Vec3::new(-0.11, 1.40, -0.13), Vec3::new(0.10, 1.67, 0.13));
 
     fn project(camera: &Camera, p: Vec3, aspect: f32) -> (f32, f32) {
-        let clip = glam::camera::rh::proj::directx::perspective(VERTICAL_FOV, aspect, 0.01, 100.0)
-            * camera.view()
-            * p.extend(1.0);
+        let size = [(1000.0 * aspect) as u32, 1000];
+        let view = Projection::look_at(camera.eye, camera.target, VERTICAL_FOV, size);
+        let clip = view.projection * view.view * p.extend(1.0);
         assert!(clip.w > 0.0);
         (clip.x / clip.w, clip.y / clip.w)
     }
