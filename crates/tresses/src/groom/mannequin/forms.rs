@@ -73,3 +73,9 @@ pub fn curve(knots: &[f32], start: f32, spacing: f32, y: f32) -> (f32, f32) {
     let slope = (g * g * (b - a) + (1.0 + 2.0 * f * g) * (c - b) + f * f * (d - c)) / (2.0 * spacing);
     (value, slope)
 }
+
+/// `x` without a kink where it is zero: forms that stand astride the mirror plane meet smoothly. Off the
+/// plane it is short by up to `k`.
+pub fn astride(x: f32, k: f32) -> f32 {
+    x.hypot(k) - k
+}

