@@ -196,6 +196,11 @@ impl Scene {
         seconds: f32,
         camera: &Camera,
     ) -> Result<(f64, Vec<(&'static str, f64)>)> {
+        if self.gpu.tier.software {
+            let start = Instant::now();
+            let stages = self.stage_by_stage(pose, seconds, camera)?;
+            return Ok((start.elapsed().as_secs_f64() * 1e3, stages));
+        }
         let start = Instant::now();
         let mut timings = self.timings.take();
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
@@ -212,6 +217,60 @@ impl Scene {
         };
         self.timings = timings;
         Ok((wall, stages))
+    }
+
+    /// The stages of a frame, each submitted and waited for alone, and its milliseconds by the clock.
+    ///
+    /// Mesa's software driver writes the timestamps of drawing when pixels are filled, those of
+    /// compute when it is called, so that differences between them mean nothing.
+    fn stage_by_stage(
+        &mut self,
+        pose: &Pose,
+        seconds: f32,
+        camera: &Camera,
+    ) -> Result<Vec<(&'static str, f64)>> {
+        self.scene.pose = *pose;
+        self.scene.view = View::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, self.targets.size);
+        let Self { gpu: Gpu { device, queue, .. }, renderer, hair, body, targets, scene, .. } = self;
+        let frame = Frame { dt: seconds, head: *pose, colliders: &self.colliders, simulation: &self.physics };
+        let body = body.as_ref();
+        let mut rows = Vec::new();
+        let mut stage = |name, record: &mut dyn FnMut(&mut wgpu::CommandEncoder) -> Result<()>| {
+            let start = Instant::now();
+            let mut encoder = device.create_command_encoder(&Default::default());
+            record(&mut encoder)?;
+            queue.submit([encoder.finish()]);
+            device.poll(wgpu::PollType::wait_indefinitely()).context("the GPU was lost")?;
+            rows.push((name, start.elapsed().as_secs_f64() * 1e3));
+            anyhow::Ok(())
+        };
+        stage("simulate", &mut |encoder| {
+            Ok(frame::simulate(renderer, device, queue, encoder, &mut None, hair, &frame)?)
+        })?;
+        stage("tessellate, interpolate", &mut |encoder| {
+            frame::follow(renderer, queue, encoder, &mut None, hair, &frame);
+            Ok(())
+        })?;
+        let drawing = &renderer.draw;
+        let set = Some(&hair.set);
+        stage("shadow", &mut |encoder| {
+            drawing.prepare(queue, scene, targets, set, body);
+            drawing.shadow(encoder, None, set, body);
+            Ok(())
+        })?;
+        stage("shade", &mut |encoder| {
+            drawing.shade(encoder, None, &hair.set);
+            Ok(())
+        })?;
+        stage("draw body, hair", &mut |encoder| {
+            drawing.draw(encoder, None, scene, targets, set, body);
+            Ok(())
+        })?;
+        stage("present", &mut |encoder| {
+            drawing.present(device, encoder, None, targets, targets.picture());
+            Ok(())
+        })?;
+        Ok(rows)
     }
 
     fn record_advance(

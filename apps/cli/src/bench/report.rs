@@ -68,6 +68,8 @@ pub struct Group {
 pub struct Run {
     /// At rest, or in motion.
     pub state: String,
+    /// How many were measured.
+    pub frames: u32,
     /// In order; from GPU timestamps.
     pub stages: Vec<Stage>,
     /// The sum of the stages in each frame.
@@ -102,10 +104,20 @@ impl Report {
         let a = &self.adapter;
         let kind = if a.software { ", on the CPU" } else { "" };
         let mut text = format!("{} ({}, {}{kind})\n", a.name, a.backend, a.driver);
-        if !a.timestamps {
-            text += "This adapter cannot time its passes: whole frames only.\n";
-        }
-        text += "Milliseconds: median and 95th percentile.\n";
+        text += match a {
+            Adapter { software: true, .. } => {
+                "Each stage submitted alone and timed by the clock: this driver's timestamps do not compare.\n"
+            }
+            Adapter { timestamps: false, .. } => "This adapter cannot time its passes: whole frames only.\n",
+            _ => "Stages by GPU timestamps, whole frames by the clock.\n",
+        };
+        let frames = self.groups.iter().flat_map(|group| &group.runs).map(|run| run.frames);
+        let fewest = frames.clone().min().unwrap_or(0);
+        let _ = writeln!(
+            text,
+            "Milliseconds, median and 95th percentile of {fewest} to {} frames.",
+            frames.max().unwrap_or(0)
+        );
         for group in &self.groups {
             group.write(&mut text);
         }
@@ -233,6 +245,7 @@ mod tests {
         let time = |median| Summary { median, p95: median * 1.5 };
         let run = |state: &str, scale| Run {
             state: state.into(),
+            frames: 9,
             stages: vec![
                 Stage { name: "simulate".into(), time: time(0.25 * scale) },
                 Stage { name: "draw".into(), time: time(50.0 * scale) },

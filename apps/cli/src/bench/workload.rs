@@ -14,10 +14,15 @@ use crate::{
 };
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
-use std::path::PathBuf;
+use std::{path::PathBuf, time::Instant};
 
 /// Frames before the first that counts: shaders are compiled, caches and clocks are warm.
 const WARM_UP: u32 = 2;
+
+/// After this many seconds and at least [`LEAST`] frames no more are measured: a software driver's
+/// frames take seconds.
+const LONG: f64 = 10.0;
+const LEAST: usize = 5;
 
 /// Frames per second of the motion that is measured.
 const FPS: f64 = 60.0;
@@ -159,8 +164,13 @@ fn run(
     scene.reset(&motion.pose(0.0, pivot))?;
     let mut stages: Vec<(&'static str, Vec<f64>)> = Vec::new();
     let (mut sums, mut walls) = (Vec::new(), Vec::new());
+    let start = Instant::now();
     for frame in 0..WARM_UP + frames {
         interrupt::check()?;
+        if walls.len() >= LEAST && start.elapsed().as_secs_f64() > LONG {
+            bar.inc(u64::from(WARM_UP + frames - frame));
+            break;
+        }
         let pose = motion.pose(f64::from(frame + 1) / FPS, pivot);
         let (wall, times) = scene.measured_frame(&pose, (1.0 / FPS) as f32, &camera)?;
         if frame < WARM_UP {
@@ -178,6 +188,7 @@ fn run(
     }
     Ok(Run {
         state: state.into(),
+        frames: walls.len() as u32,
         stages: stages
             .into_iter()
             .map(|(name, values)| Stage { name: name.into(), time: Summary::of(values) })
