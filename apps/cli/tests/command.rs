@@ -55,8 +55,8 @@ fn unknown_names_list_the_choices() {
     refuses(&["render", "--camera", "top"], "front, three-quarter, side, back");
     refuses(&["render", "--motion", "dance"], "still, nod, turn, shake");
     refuses(&["render", "--color", "green"], "blond, brown, red");
-    refuses(&["render", "--style", "beehive"], "long, bob, curly, short");
-    refuses(&["demo", "--style", "beehive"], "long, bob, curly, short");
+    refuses(&["render", "--style", "beehive"], "long, bob, curly or short");
+    refuses(&["demo", "--style", "beehive"], "long, bob, curly or short");
     refuses(&["fly"], "fly");
     refuses(&["render", "--fly"], "--fly");
 }
