@@ -6,7 +6,7 @@ use tresses::glam::Vec3;
 pub const VERTICAL_FOV: f32 = 30.0 / 180.0 * std::f32::consts::PI;
 
 /// How much of the picture's height or width the subject fills.
-const FILL: f32 = 0.84;
+const FILL: f32 = 0.92;
 
 /// The height that must be in the picture below the top of the hair or head, metres: a head with its chin.
 const HEAD_HEIGHT: f32 = 0.27;
@@ -76,11 +76,12 @@ impl Camera {
         let target = 0.5 * (subject.0 + subject.1);
         let half = 0.5 * (subject.1 - subject.0);
         let tan = (0.5 * VERTICAL_FOV).tan() * FILL;
-        // An elliptic cylinder rather than the box: no hairstyle reaches the corners of its box.
+        // A slim cylinder rather than the box: no hairstyle reaches the corners of its box, and
+        // what is nearest to the camera is seldom at the very top or bottom.
         let distance = (0..32)
             .flat_map(|i| {
                 let angle = i as f32 / 16.0 * std::f32::consts::PI;
-                [-1.0, 1.0].map(|y| half * Vec3::new(angle.cos(), y, angle.sin()))
+                [-1.0, 1.0].map(|y| half * Vec3::new(0.7 * angle.cos(), y, 0.7 * angle.sin()))
             })
             .map(|p| p.dot(back) + (p.dot(up).abs() / tan).max(p.dot(right).abs() / (tan * aspect)))
             .fold(0.05, f32::max);

@@ -57,7 +57,7 @@ pub fn run(args: &Args) -> Result<()> {
     let path = args.out.join("demo.webp");
     let mut output = Output::create(&path, (LOOP.width, LOOP.height), frames, LOOP_FPS)?;
     let times = Times { frames, fps: LOOP_FPS, lead: -motion.duration() };
-    let camera = Camera::portrait(View::ThreeQuarter, scene.subject(), LOOP.aspect(), 0.85);
+    let camera = Camera::portrait(View::ThreeQuarter, scene.subject(), LOOP.aspect(), 0.95);
     animate(&mut scene, &camera, &motion, times, &mut output)?;
     say!("{picture}");
     say!("{}", output.finish()?);
