@@ -112,12 +112,9 @@ impl Report {
             _ => "Stages by GPU timestamps, whole frames by the clock.\n",
         };
         let frames = self.groups.iter().flat_map(|group| &group.runs).map(|run| run.frames);
-        let fewest = frames.clone().min().unwrap_or(0);
-        let _ = writeln!(
-            text,
-            "Milliseconds, median and 95th percentile of {fewest} to {} frames.",
-            frames.max().unwrap_or(0)
-        );
+        let (fewest, most) = (frames.clone().min().unwrap_or(0), frames.max().unwrap_or(0));
+        let frames = if fewest == most { format!("{most}") } else { format!("{fewest} to {most}") };
+        let _ = writeln!(text, "Milliseconds, median and 95th percentile of {frames} frames.");
         for group in &self.groups {
             group.write(&mut text);
         }
