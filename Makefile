@@ -15,6 +15,11 @@ ifneq ($(TRESSES_ASSETS),)
 export TRESSES_ASSETS
 endif
 
+# Without a session, Mesa's device-selection layer prints a complaint for every program; it has nothing to select.
+ifeq ($(XDG_RUNTIME_DIR),)
+export NODEVICE_SELECT ?= 1
+endif
+
 .PHONY: help setup demo test bench clean
 
 help: ## Show this list

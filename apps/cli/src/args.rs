@@ -1,6 +1,11 @@
 //! What the options of several subcommands mean, and the sentences for values that make no sense.
 
 use std::{path::PathBuf, str::FromStr};
+use tresses::{
+    glam::Vec3,
+    groom::orient::{Axis, Choice, Unit},
+    light::{HairMaterial, material::srgb},
+};
 
 /// The widest or highest picture, pixels.
 const MAX_SIDE: u32 = 16_384;
@@ -14,21 +19,62 @@ pub struct Source {
     /// Groom files (.tfx, .hair, .obj), joined into one groom; without any, a built-in style
     #[arg(value_name = "GROOM")]
     pub grooms: Vec<PathBuf>,
-    /// The head that the groom grows on and collides with (.obj, .gltf, .glb)
-    #[arg(long, value_name = "MESH")]
-    pub head: Option<PathBuf>,
+    /// The head that the groom grows on and collides with (.obj, .gltf, .glb); may be given again, for eyes and clothes
+    #[arg(long, value_name = "MESH", requires = "grooms")]
+    pub head: Vec<PathBuf>,
     /// A built-in hairstyle: long, bob, curly or short
     #[arg(long, value_name = "NAME", conflicts_with = "grooms")]
     pub style: Option<String>,
-    /// Hair colour: blond, brown, red, or a linear albedo given as sRGB, as in 5a3b28
-    #[arg(long, value_name = "NAME|RRGGBB", default_value = "brown")]
-    pub color: Color,
+    /// Hair colour: blond, brown, red, black or an sRGB colour such as 5a3b28 [default: the file's, or brown]
+    #[arg(long, value_name = "NAME|RRGGBB")]
+    pub color: Option<Color>,
     /// How many strands are drawn, at most
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4_000_000))]
     pub strands: Option<u32>,
     /// How many strands of a groom are simulated, the others following them: a number or `all`
     #[arg(long, value_name = "N|all")]
     pub guides: Option<Guides>,
+    #[command(flatten)]
+    pub orientation: Orientation,
+}
+
+/// What the user knows of the files' unit and axes.
+#[derive(Clone, Copy, Debug, Default, clap::Args)]
+#[command(next_help_heading = "Orientation of the files, guessed where not given")]
+pub struct Orientation {
+    /// The groom's unit: m, cm, mm, dm, in, ft, or metres per unit
+    #[arg(long, value_name = "UNIT", requires = "grooms")]
+    pub unit: Option<Unit>,
+    /// The groom's axis that points up: x, y, z, -x, -y or -z
+    #[arg(long, value_name = "AXIS", requires = "grooms", allow_hyphen_values = true)]
+    pub up: Option<Axis>,
+    /// The groom's axis that the face looks along
+    #[arg(long, value_name = "AXIS", requires = "grooms", allow_hyphen_values = true)]
+    pub front: Option<Axis>,
+    /// Whether the groom is a mirror image
+    #[arg(long, value_name = "BOOL", requires = "grooms")]
+    pub mirror: Option<bool>,
+    /// The head's unit
+    #[arg(long, value_name = "UNIT", requires = "head")]
+    pub head_unit: Option<Unit>,
+    /// The head's axis that points up
+    #[arg(long, value_name = "AXIS", requires = "head", allow_hyphen_values = true)]
+    pub head_up: Option<Axis>,
+    /// The head's axis that the face looks along
+    #[arg(long, value_name = "AXIS", requires = "head", allow_hyphen_values = true)]
+    pub head_front: Option<Axis>,
+}
+
+impl Orientation {
+    /// Of the groom.
+    pub fn groom(&self) -> Choice {
+        Choice { unit: self.unit, up: self.up, front: self.front, mirror: self.mirror }
+    }
+
+    /// Of the head.
+    pub fn head(&self) -> Choice {
+        Choice { unit: self.head_unit, up: self.head_up, front: self.head_front, mirror: None }
+    }
 }
 
 /// A hair colour.
@@ -40,20 +86,11 @@ pub enum Color {
     Srgb([u8; 3]),
 }
 
-/// The names of the colour presets.
-pub const COLORS: [&str; 3] = ["blond", "brown", "red"];
-
-impl Default for Color {
-    fn default() -> Self {
-        Self::Preset("brown".into())
-    }
-}
-
 impl FromStr for Color {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        if COLORS.contains(&text) {
+        if HairMaterial::NAMES.contains(&text) {
             return Ok(Self::Preset(text.into()));
         }
         let digits = text.strip_prefix('#').unwrap_or(text);
@@ -62,19 +99,15 @@ impl FromStr for Color {
                 let [_, r, g, b] = rgb.to_be_bytes();
                 Ok(Self::Srgb([r, g, b]))
             }
-            _ => Err(format!("choose {} or six hexadecimal digits RRGGBB", COLORS.join(", "))),
+            _ => Err(format!("choose {} or six hexadecimal digits RRGGBB", HairMaterial::NAMES.join(", "))),
         }
     }
 }
 
 impl Color {
-    /// Linear sRGB, where the colour was given as such.
-    pub fn linear(&self) -> Option<[f32; 3]> {
-        let Self::Srgb(srgb) = self else { return None };
-        Some(srgb.map(|value| {
-            let v = f32::from(value) / 255.0;
-            if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
-        }))
+    /// Linear sRGB.
+    pub fn linear([r, g, b]: [u8; 3]) -> Vec3 {
+        srgb(u32::from_be_bytes([0, r, g, b]))
     }
 }
 
@@ -133,11 +166,11 @@ impl Size {
     }
 }
 
-/// Samples per pixel: a power of two up to 16.
+/// Samples per pixel.
 pub fn samples(text: &str) -> Result<u32, String> {
     match text.parse() {
-        Ok(n @ (1 | 2 | 4 | 8 | 16)) => Ok(n),
-        _ => Err("choose 1, 2, 4, 8 or 16".into()),
+        Ok(n @ (1 | 4 | 8 | 16)) => Ok(n),
+        _ => Err("choose 1, 4, 8 or 16".into()),
     }
 }
 
@@ -174,8 +207,8 @@ mod tests {
         assert_eq!("all".parse(), Ok(Guides::All));
         assert_eq!("12".parse(), Ok(Guides::Count(12)));
         assert_eq!(zoom("normal"), Ok(1.0));
-        let linear = "ff8000".parse::<Color>().unwrap().linear().unwrap();
-        assert!(linear[0] == 1.0 && (linear[1] - 0.2158).abs() < 1e-3 && linear[2] == 0.0);
+        let linear = Color::linear([255, 128, 0]);
+        assert!(linear.x == 1.0 && (linear.y - 0.2158).abs() < 1e-3 && linear.z == 0.0);
     }
 
     #[test]

@@ -1,12 +1,12 @@
 //! Portrait cameras: where to stand so that the head and its hair fill the picture.
 
-use tresses::glam::{self, Mat4, Vec3};
+use tresses::glam::Vec3;
 
 /// The vertical field of view of every camera, radians: a portrait lens.
 pub const VERTICAL_FOV: f32 = 30.0 / 180.0 * std::f32::consts::PI;
 
 /// How much of the picture's height or width the subject fills.
-const FILL: f32 = 0.84;
+const FILL: f32 = 0.92;
 
 /// The height that must be in the picture below the top of the hair or head, metres: a head with its chin.
 const HEAD_HEIGHT: f32 = 0.27;
@@ -76,33 +76,30 @@ impl Camera {
         let target = 0.5 * (subject.0 + subject.1);
         let half = 0.5 * (subject.1 - subject.0);
         let tan = (0.5 * VERTICAL_FOV).tan() * FILL;
-        // An elliptic cylinder rather than the box: no hairstyle reaches the corners of its box.
+        // A slim cylinder rather than the box: no hairstyle reaches the corners of its box, and
+        // what is nearest to the camera is seldom at the very top or bottom.
         let distance = (0..32)
             .flat_map(|i| {
                 let angle = i as f32 / 16.0 * std::f32::consts::PI;
-                [-1.0, 1.0].map(|y| half * Vec3::new(angle.cos(), y, angle.sin()))
+                [-1.0, 1.0].map(|y| half * Vec3::new(0.7 * angle.cos(), y, 0.7 * angle.sin()))
             })
             .map(|p| p.dot(back) + (p.dot(up).abs() / tan).max(p.dot(right).abs() / (tan * aspect)))
             .fold(0.05, f32::max);
         Self { eye: target + back * (distance / zoom), target }
-    }
-
-    /// From the world to the camera, which looks along −Z.
-    pub fn view(&self) -> Mat4 {
-        glam::camera::rh::view::look_at_mat4(self.eye, self.target, Vec3::Y)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tresses::draw::View as Projection;
 
     const HAIR: Bounds = (Vec3::new(-0.11, 1.40, -0.13), Vec3::new(0.10, 1.67, 0.13));
 
     fn project(camera: &Camera, p: Vec3, aspect: f32) -> (f32, f32) {
-        let clip = glam::camera::rh::proj::directx::perspective(VERTICAL_FOV, aspect, 0.01, 100.0)
-            * camera.view()
-            * p.extend(1.0);
+        let size = [(1000.0 * aspect) as u32, 1000];
+        let view = Projection::look_at(camera.eye, camera.target, VERTICAL_FOV, size);
+        let clip = view.projection * view.view * p.extend(1.0);
         assert!(clip.w > 0.0);
         (clip.x / clip.w, clip.y / clip.w)
     }

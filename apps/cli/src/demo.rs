@@ -9,7 +9,7 @@ use crate::{
     progress,
     render::{Times, animate},
     say,
-    scene::Scene,
+    scene::{Quality, Scene},
 };
 use anyhow::{Context, Result};
 use std::{path::PathBuf, time::Instant};
@@ -38,8 +38,8 @@ pub fn run(args: &Args) -> Result<()> {
     let motion = Motion::named("turn").context("the built-in motions hold a turn")?;
 
     let spinner = progress::spinner("growing and draping the hair, drawing a picture");
-    let mut scene = Scene::open(&source, PICTURE, None)?;
-    eprintln!("Drawing on {}.", scene.adapter());
+    let mut scene = Scene::open(&source, Quality::new(PICTURE, None))?;
+    eprintln!("Drawing on {}.", scene.adapter().name);
     let camera = Camera::portrait(View::ThreeQuarter, scene.subject(), PICTURE.aspect(), 1.0);
     let mut output = Output::create(&args.out.join("demo.png"), (PICTURE.width, PICTURE.height), 1, 1.0)?;
     let start = Instant::now();
@@ -57,7 +57,7 @@ pub fn run(args: &Args) -> Result<()> {
     let path = args.out.join("demo.webp");
     let mut output = Output::create(&path, (LOOP.width, LOOP.height), frames, LOOP_FPS)?;
     let times = Times { frames, fps: LOOP_FPS, lead: -motion.duration() };
-    let camera = Camera::portrait(View::ThreeQuarter, scene.subject(), LOOP.aspect(), 0.85);
+    let camera = Camera::portrait(View::ThreeQuarter, scene.subject(), LOOP.aspect(), 0.95);
     animate(&mut scene, &camera, &motion, times, &mut output)?;
     say!("{picture}");
     say!("{}", output.finish()?);

@@ -3,9 +3,13 @@
 mod args;
 mod bench;
 mod camera;
+mod convert;
 mod demo;
+mod info;
 mod interrupt;
+mod load;
 mod motion;
+mod orient_args;
 mod picture;
 mod progress;
 mod render;
@@ -28,6 +32,10 @@ enum Command {
     Render(render::Args),
     /// Show the built-in character with moving hair: out/demo.png and out/demo.webp
     Demo(demo::Args),
+    /// Report what is in a groom and what is wrong with it
+    Info(info::Args),
+    /// Write a groom in another format
+    Convert(convert::Args),
     /// Measure every stage on this machine's GPU
     Bench(bench::Args),
 }
@@ -41,6 +49,8 @@ fn main() -> ExitCode {
     let result = match cli.command {
         Command::Render(args) => render::run(&args),
         Command::Demo(args) => demo::run(&args),
+        Command::Info(args) => info::run(args),
+        Command::Convert(args) => convert::run(args),
         Command::Bench(args) => bench::run(&args),
     };
     match result {

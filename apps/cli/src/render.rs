@@ -7,7 +7,7 @@ use crate::{
     motion::Motion,
     picture::{Kind, Output},
     progress, say,
-    scene::Scene,
+    scene::{Quality, Scene},
 };
 use anyhow::{Result, ensure};
 use std::path::PathBuf;
@@ -32,7 +32,7 @@ pub struct Args {
     /// Width and height, pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720")]
     pub size: Size,
-    /// Samples per pixel: 1, 2, 4, 8 or 16, as the adapter offers [default: 4]
+    /// Samples per pixel: 1, 4, 8 or 16 [default: 8, or as many as the adapter offers]
     #[arg(long, value_name = "N", value_parser = args::samples)]
     pub samples: Option<u32>,
     /// From where
@@ -64,7 +64,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     // What can be refused is refused before anything is opened or made.
     let start = progress::spinner("preparing");
-    let mut scene = Scene::open(&args.source, args.size, args.samples)?;
+    let mut scene = Scene::open(&args.source, Quality::new(args.size, args.samples))?;
     start.finish_and_clear();
     let camera = Camera::portrait(args.camera, scene.subject(), args.size.aspect(), args.zoom);
     let written = record(&mut scene, &camera, &motion, frames, args)?;

@@ -1,13 +1,43 @@
-//! A groom on its head, ready to be moved and drawn: the only file that talks to the library's frame.
+//! A character on the GPU, ready to be moved and drawn: the only file that talks to the frame.
 
 use crate::{
-    args::{Size, Source},
+    args::{Color, Size, Source},
     bench::Adapter,
-    camera::{Bounds, Camera},
+    camera::{self, Bounds, Camera},
+    load::{self, Character},
     picture::Picture,
 };
-use anyhow::Result;
-use tresses::{Pose, glam::Vec3, gpu::Gpu};
+use anyhow::{Context, Result, ensure};
+use std::time::Instant;
+use tresses::{
+    Hair, HairOptions, HairRenderer, Pose,
+    draw::{self, Body, DrawOptions, Targets, View},
+    frame::{self, Frame},
+    glam::Vec3,
+    gpu::{Gpu, Timings},
+    light::{HairMaterial, Sphere},
+    simulate::{ColliderPoses, SimulationParams},
+};
+
+/// The size of a picture and how finely it is sampled.
+#[derive(Clone, Copy, Debug)]
+pub struct Quality {
+    /// Pixels.
+    pub size: Size,
+    /// Samples per pixel; `None` for what suits the adapter.
+    pub samples: Option<u32>,
+    /// Whether fewer samples will do where the adapter offers no more.
+    pub at_most: bool,
+    /// Pixels drawn per pixel shown, along each axis.
+    pub ssaa: u32,
+}
+
+impl Quality {
+    /// One pixel drawn per pixel shown, exactly as many samples as given.
+    pub fn new(size: Size, samples: Option<u32>) -> Self {
+        Self { size, samples, at_most: false, ssaa: 1 }
+    }
+}
 
 /// Sizes of what is drawn.
 #[derive(Clone, Copy, Debug, Default)]
@@ -24,68 +54,273 @@ pub struct Facts {
     pub bytes: u64,
 }
 
-/// A groom on its head.
+/// A character on the GPU.
 pub struct Scene {
     gpu: Gpu,
-    size: Size,
-    samples: u32,
-    pose: Pose,
+    renderer: HairRenderer,
+    hair: Hair,
+    body: Option<Body>,
+    targets: Targets,
+    timings: Option<Timings>,
+    scene: draw::Scene,
+    physics: SimulationParams,
+    colliders: ColliderPoses,
+    subject: Bounds,
+    neck: Vec3,
 }
 
 impl Scene {
-    pub fn open(source: &Source, size: Size, samples: Option<u32>) -> Result<Self> {
-        let _ = source;
+    /// Reads or grows the character, opens the GPU and brings it there.
+    pub fn open(source: &Source, quality: Quality) -> Result<Self> {
+        let character = load::load(source)?;
+        for note in &character.notes {
+            eprintln!("note: {note}");
+        }
+        Self::new(&character, source.color.as_ref(), quality)
+    }
+
+    fn new(character: &Character, color: Option<&Color>, quality: Quality) -> Result<Self> {
+        let hair_bounds = load::bounds(&character.groom).context("the groom is empty")?;
+        let head_bounds = character.head.as_ref().and_then(|head| head.bounds());
         let gpu = pollster::block_on(Gpu::open())?;
-        Ok(Self { size, samples: samples.unwrap_or(4), gpu, pose: Pose::IDENTITY })
+        let (device, queue) = (&gpu.device, &gpu.queue);
+        let most = gpu.tier.max_samples;
+        let samples = quality.samples.unwrap_or(most.min(8));
+        ensure!(
+            samples <= most || quality.at_most,
+            "--samples is {samples}, but {} offers at most {most} per pixel",
+            gpu.info.name
+        );
+        let samples = samples.min(most);
+        let renderer = HairRenderer::new(device, &DrawOptions { samples, ..Default::default() });
+        let options = HairOptions::default();
+        let hair = Hair::new(device, queue, &renderer, &character.groom, &options, character.field.as_ref())?;
+        let body = character.head.as_ref().map(|head| Body::new(device, &renderer.draw, head));
+        let Size { width, height } = quality.size;
+        let targets = Targets::new(device, width, height, samples, quality.ssaa)?;
+        let timings = gpu.tier.timestamps.then(|| Timings::new(device, queue));
+        let subject = camera::subject(hair_bounds, head_bounds);
+        let mut focus = Sphere::around(subject.0, subject.1);
+        // Hair that swings must not leave the shadow maps.
+        focus.radius *= 1.15;
+        let scene = draw::Scene { focus, hair: material(color), ..Default::default() };
+        Ok(Self {
+            renderer,
+            hair,
+            body,
+            targets,
+            timings,
+            scene,
+            physics: options.simulation,
+            colliders: ColliderPoses::default(),
+            subject,
+            neck: character.neck,
+            gpu,
+        })
     }
-    pub fn open_at_most(source: &Source, size: Size, samples: Option<u32>) -> Result<Self> {
-        Self::open(source, size, samples)
-    }
-    pub fn strands_for(triangles: u64) -> u32 {
-        (triangles / 62) as u32
-    }
+
+    /// What a portrait must show, metres.
     pub fn subject(&self) -> Bounds {
-        (Vec3::new(-0.1, 1.4, -0.1), Vec3::new(0.1, 1.7, 0.1))
+        self.subject
     }
+
+    /// The joint that the head turns about, metres.
     pub fn pivot(&self) -> Vec3 {
-        Vec3::ZERO
+        self.neck
     }
+
+    /// Samples per pixel.
     pub fn samples(&self) -> u32 {
-        self.samples
+        self.targets.samples
     }
-    pub fn adapter(&self) -> String {
-        self.gpu.info.name.clone()
+
+    /// On what the pictures are made.
+    pub fn adapter(&self) -> Adapter {
+        let info = &self.gpu.info;
+        Adapter {
+            name: info.name.clone(),
+            backend: format!("{:?}", info.backend),
+            driver: [info.driver.as_str(), info.driver_info.as_str()].join(" ").trim().to_owned(),
+            software: self.gpu.tier.software,
+            timestamps: self.gpu.tier.timestamps,
+            max_samples: self.gpu.tier.max_samples,
+        }
     }
-    pub fn adapter_facts(&self) -> Adapter {
-        Adapter::default()
-    }
+
+    /// Sizes of what is drawn.
     pub fn facts(&self) -> Facts {
-        Facts::default()
+        Facts {
+            guides: self.hair.guides.count,
+            strands: self.hair.strands.count,
+            vertices_per_strand: self.hair.strands.vertex_count,
+            triangles: self.hair.set.triangles(),
+            bytes: self.hair.bytes(),
+        }
     }
+
+    /// Pictures of another size from here on.
     pub fn resize(&mut self, size: Size) -> Result<()> {
-        self.size = size;
+        let (samples, ssaa) = (self.targets.samples, self.targets.ssaa);
+        self.targets = Targets::new(&self.gpu.device, size.width, size.height, samples, ssaa)?;
         Ok(())
     }
+
+    /// The hair at rest on a head at `pose`.
     pub fn reset(&mut self, pose: &Pose) -> Result<()> {
-        self.pose = *pose;
-        Ok(())
+        self.hair.reset();
+        self.advance(pose, 0.0)
     }
-    pub fn advance(&mut self, pose: &Pose, _seconds: f32) -> Result<()> {
-        self.pose = *pose;
-        Ok(())
+
+    /// The head moves to `pose` in `seconds`, and the hair with it.
+    pub fn advance(&mut self, pose: &Pose, seconds: f32) -> Result<()> {
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        self.record_advance(&mut encoder, &mut None, pose, seconds)?;
+        self.submit(encoder)
     }
-    pub fn measured_frame(&mut self, _: &Pose, _: f32, _: &Camera) -> Result<Vec<(&'static str, f64)>> {
-        Ok(vec![])
-    }
+
+    /// The picture as it is now. Blocks.
     pub fn picture(&mut self, camera: &Camera) -> Result<Picture> {
-        let _ = camera.view();
-        let Size { width, height } = self.size;
-        let shift = (self.pose.rotation.y * 200.0) as i32;
-        let rgba = (0..height as i32)
-            .flat_map(|y| {
-                (0..width as i32).flat_map(move |x| [(x + shift) as u8, y as u8, (x - y) as u8, 255])
-            })
-            .collect();
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        self.record_draw(&mut encoder, &mut None, camera);
+        self.gpu.queue.submit([encoder.finish()]);
+        let rgba = self.targets.read(&self.gpu.device, &self.gpu.queue)?;
+        let [width, height] = self.targets.size;
         Ok(Picture { width, height, rgba })
     }
+
+    /// A whole frame, waited for: its milliseconds from recording to completion, and those of its
+    /// stages where the adapter can tell.
+    pub fn measured_frame(
+        &mut self,
+        pose: &Pose,
+        seconds: f32,
+        camera: &Camera,
+    ) -> Result<(f64, Vec<(&'static str, f64)>)> {
+        if self.gpu.tier.software {
+            let start = Instant::now();
+            let stages = self.stage_by_stage(pose, seconds, camera)?;
+            return Ok((start.elapsed().as_secs_f64() * 1e3, stages));
+        }
+        let start = Instant::now();
+        let mut timings = self.timings.take();
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        self.record_advance(&mut encoder, &mut timings.as_mut(), pose, seconds)?;
+        self.record_draw(&mut encoder, &mut timings.as_mut(), camera);
+        if let Some(timings) = &timings {
+            timings.resolve(&mut encoder);
+        }
+        self.submit(encoder)?;
+        let wall = start.elapsed().as_secs_f64() * 1e3;
+        let stages = match &mut timings {
+            Some(timings) => timings.read(&self.gpu.device, &self.gpu.queue)?,
+            None => Vec::new(),
+        };
+        self.timings = timings;
+        Ok((wall, stages))
+    }
+
+    /// The stages of a frame, each submitted and waited for alone, and its milliseconds by the clock.
+    ///
+    /// Mesa's software driver writes the timestamps of drawing when pixels are filled, those of
+    /// compute when it is called, so that differences between them mean nothing.
+    fn stage_by_stage(
+        &mut self,
+        pose: &Pose,
+        seconds: f32,
+        camera: &Camera,
+    ) -> Result<Vec<(&'static str, f64)>> {
+        self.scene.pose = *pose;
+        self.scene.view = View::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, self.targets.size);
+        let Self { gpu: Gpu { device, queue, .. }, renderer, hair, body, targets, scene, .. } = self;
+        let frame = Frame { dt: seconds, head: *pose, colliders: &self.colliders, simulation: &self.physics };
+        let body = body.as_ref();
+        let mut rows = Vec::new();
+        let mut stage = |name, record: &mut dyn FnMut(&mut wgpu::CommandEncoder) -> Result<()>| {
+            let start = Instant::now();
+            let mut encoder = device.create_command_encoder(&Default::default());
+            record(&mut encoder)?;
+            queue.submit([encoder.finish()]);
+            device.poll(wgpu::PollType::wait_indefinitely()).context("the GPU was lost")?;
+            rows.push((name, start.elapsed().as_secs_f64() * 1e3));
+            anyhow::Ok(())
+        };
+        stage("simulate", &mut |encoder| {
+            Ok(frame::simulate(renderer, device, queue, encoder, &mut None, hair, &frame)?)
+        })?;
+        stage("tessellate, interpolate", &mut |encoder| {
+            frame::follow(renderer, queue, encoder, &mut None, hair, &frame);
+            Ok(())
+        })?;
+        let drawing = &renderer.draw;
+        let set = Some(&hair.set);
+        stage("shadow", &mut |encoder| {
+            drawing.prepare(queue, scene, targets, set, body);
+            drawing.shadow(encoder, None, set, body);
+            Ok(())
+        })?;
+        stage("shade", &mut |encoder| {
+            drawing.shade(encoder, None, &hair.set);
+            Ok(())
+        })?;
+        stage("draw body, hair", &mut |encoder| {
+            drawing.draw(encoder, None, scene, targets, set, body);
+            Ok(())
+        })?;
+        stage("present", &mut |encoder| {
+            drawing.present(device, encoder, None, targets, targets.picture());
+            Ok(())
+        })?;
+        Ok(rows)
+    }
+
+    fn record_advance(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        timings: &mut Option<&mut Timings>,
+        pose: &Pose,
+        seconds: f32,
+    ) -> Result<()> {
+        self.scene.pose = *pose;
+        let frame = Frame { dt: seconds, head: *pose, colliders: &self.colliders, simulation: &self.physics };
+        let Gpu { device, queue, .. } = &self.gpu;
+        Ok(frame::advance(&self.renderer, device, queue, encoder, timings, &mut self.hair, &frame)?)
+    }
+
+    fn record_draw(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        timings: &mut Option<&mut Timings>,
+        camera: &Camera,
+    ) {
+        self.scene.view = View::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, self.targets.size);
+        let Gpu { device, queue, .. } = &self.gpu;
+        frame::draw(
+            &self.renderer,
+            device,
+            queue,
+            encoder,
+            timings,
+            &self.hair,
+            self.body.as_ref(),
+            &self.scene,
+            &self.targets,
+            self.targets.picture(),
+        );
+    }
+
+    fn submit(&self, encoder: wgpu::CommandEncoder) -> Result<()> {
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.device.poll(wgpu::PollType::wait_indefinitely()).context("the GPU was lost")?;
+        Ok(())
+    }
+}
+
+/// The look of the hair: the file's colours where it has some and none is asked for.
+fn material(color: Option<&Color>) -> HairMaterial {
+    let material = match color {
+        None => return HairMaterial::default(),
+        Some(Color::Preset(name)) => HairMaterial::named(name).unwrap_or_default(),
+        Some(Color::Srgb(srgb)) => HairMaterial::colored(Color::linear(*srgb)),
+    };
+    HairMaterial { file_colors: false, ..material }
 }

@@ -21,12 +21,29 @@ pub struct Frame<'a> {
     pub simulation: &'a SimulationParams,
 }
 
-/// Moves the hair by a frame: simulates as many fixed steps as have become due, then makes the
-/// strand vertices for the head's pose now. Record once per submission.
+/// Moves the hair by a frame: [`simulate`], then [`follow`]. Record once per submission.
 ///
 /// # Errors
 /// [`crate::Error::Parameter`] when a parameter of the physics is out of its range.
 pub fn advance(
+    renderer: &HairRenderer,
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    encoder: &mut wgpu::CommandEncoder,
+    timings: &mut Option<&mut Timings>,
+    hair: &mut Hair,
+    frame: &Frame<'_>,
+) -> Result<()> {
+    simulate(renderer, device, queue, encoder, timings, hair, frame)?;
+    follow(renderer, queue, encoder, timings, hair, frame);
+    Ok(())
+}
+
+/// Guides move: as many fixed steps as have become due.
+///
+/// # Errors
+/// As [`advance`].
+pub fn simulate(
     renderer: &HairRenderer,
     device: &wgpu::Device,
     queue: &wgpu::Queue,
@@ -47,12 +64,22 @@ pub fn advance(
             &steps,
             frame.colliders,
         )
-    })?;
+    })
+}
+
+/// The drawn strands follow the guides: their vertices for the head's pose now.
+pub fn follow(
+    renderer: &HairRenderer,
+    queue: &wgpu::Queue,
+    encoder: &mut wgpu::CommandEncoder,
+    timings: &mut Option<&mut Timings>,
+    hair: &Hair,
+    frame: &Frame<'_>,
+) {
     let field = frame.colliders.field.map_or(frame.head, |own| frame.head.after(&own));
     hair.prepare(queue, &frame.head, &field);
     stage(encoder, timings, Stage::Tessellate, |pass| hair.record_tessellate(pass, &renderer.tessellate));
     stage(encoder, timings, Stage::Interpolate, |pass| hair.record_interpolate(pass, &renderer.interpolate));
-    Ok(())
 }
 
 /// Draws hair and body as they are now: shadow maps, shading, the HDR picture, the finished one

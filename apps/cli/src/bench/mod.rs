@@ -22,7 +22,7 @@ pub struct Args {
     pub grooms: Vec<PathBuf>,
     /// The head of that groom
     #[arg(long, value_name = "MESH", requires = "grooms")]
-    pub head: Option<PathBuf>,
+    pub head: Vec<PathBuf>,
     /// Measured frames per scene [default: 30, with --quick 8]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: Option<u32>,

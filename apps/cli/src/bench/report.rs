@@ -45,6 +45,8 @@ pub struct Group {
     pub size: [u32; 2],
     /// Per pixel of the target.
     pub samples: u32,
+    /// Pixels of the target per pixel of the picture, along each axis.
+    pub ssaa: u32,
     /// Simulated.
     pub guides: u32,
     /// Drawn.
@@ -66,6 +68,8 @@ pub struct Group {
 pub struct Run {
     /// At rest, or in motion.
     pub state: String,
+    /// How many were measured.
+    pub frames: u32,
     /// In order; from GPU timestamps.
     pub stages: Vec<Stage>,
     /// The sum of the stages in each frame.
@@ -100,10 +104,17 @@ impl Report {
         let a = &self.adapter;
         let kind = if a.software { ", on the CPU" } else { "" };
         let mut text = format!("{} ({}, {}{kind})\n", a.name, a.backend, a.driver);
-        if !a.timestamps {
-            text += "This adapter cannot time its passes: whole frames only.\n";
-        }
-        text += "Milliseconds: median and 95th percentile.\n";
+        text += match a {
+            Adapter { software: true, .. } => {
+                "Each stage submitted alone and timed by the clock: this driver's timestamps do not compare.\n"
+            }
+            Adapter { timestamps: false, .. } => "This adapter cannot time its passes: whole frames only.\n",
+            _ => "Stages by GPU timestamps, whole frames by the clock.\n",
+        };
+        let frames = self.groups.iter().flat_map(|group| &group.runs).map(|run| run.frames);
+        let (fewest, most) = (frames.clone().min().unwrap_or(0), frames.max().unwrap_or(0));
+        let frames = if fewest == most { format!("{most}") } else { format!("{fewest} to {most}") };
+        let _ = writeln!(text, "Milliseconds, median and 95th percentile of {frames} frames.");
         for group in &self.groups {
             group.write(&mut text);
         }
@@ -139,10 +150,11 @@ impl Group {
         let [width, height] = self.size;
         let _ = writeln!(
             text,
-            "\n{}: {width} × {height}, {}\n{} guides, {} strands × {} vertices, {} triangles, \
+            "\n{}: {width} × {height}, {}{}\n{} guides, {} strands × {} vertices, {} triangles, \
              {:.1} MB on the GPU, {:.1} bytes per drawn vertex",
             self.name,
             if self.samples == 1 { "1 sample".into() } else { format!("{}×MSAA", self.samples) },
+            if self.ssaa > 1 { format!(", {0}×{0} SSAA", self.ssaa) } else { String::new() },
             count(self.guides.into()),
             count(self.strands.into()),
             self.vertices_per_strand,
@@ -230,6 +242,7 @@ mod tests {
         let time = |median| Summary { median, p95: median * 1.5 };
         let run = |state: &str, scale| Run {
             state: state.into(),
+            frames: 9,
             stages: vec![
                 Stage { name: "simulate".into(), time: time(0.25 * scale) },
                 Stage { name: "draw".into(), time: time(50.0 * scale) },

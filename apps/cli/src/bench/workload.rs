@@ -6,11 +6,11 @@ use super::{
     statistics::Summary,
 };
 use crate::{
-    args::{Color, Guides, Size, Source},
+    args::{Guides, Size, Source},
     camera::{Camera, View},
-    interrupt,
+    interrupt, load,
     motion::Motion,
-    scene::Scene,
+    scene::{Quality, Scene},
 };
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
@@ -18,6 +18,11 @@ use std::{path::PathBuf, time::Instant};
 
 /// Frames before the first that counts: shaders are compiled, caches and clocks are warm.
 const WARM_UP: u32 = 2;
+
+/// After this many seconds and at least [`LEAST`] frames no more are measured: a software driver's
+/// frames take seconds.
+const LONG: f64 = 10.0;
+const LEAST: usize = 5;
 
 /// Frames per second of the motion that is measured.
 const FPS: f64 = 60.0;
@@ -30,9 +35,14 @@ pub struct Workload {
     /// Draw as many strands as make about this many triangles.
     triangles: Option<u64>,
     size: Size,
-    samples: Option<u32>,
+    samples: u32,
+    ssaa: u32,
     /// The names of states and of their motions.
     pub runs: Vec<(&'static str, &'static str)>,
+}
+
+fn quality(size: Size, samples: u32, ssaa: u32) -> Quality {
+    Quality { size, samples: Some(samples), at_most: true, ssaa }
 }
 
 fn style(strands: Option<u32>) -> Source {
@@ -49,16 +59,18 @@ pub fn seed() -> Vec<Workload> {
             source: style(None),
             triangles: Some(990_000),
             size: Size { width: 1920, height: 1200 },
-            samples: Some(8),
+            samples: 8,
+            ssaa: 1,
             runs: runs.clone(),
         },
         Workload {
-            name: "The seed's second scene, 1280 × 1024 with 2 × 2 times the pixels",
+            name: "The seed's second scene",
             others: "GeForce 8800 GTX, 2008, 8×MSAA: 41.7 ms at rest, 57.1 ms in motion",
             source: style(None),
             triangles: Some(2_100_000),
-            size: Size { width: 2560, height: 2048 },
-            samples: Some(8),
+            size: Size { width: 1280, height: 1024 },
+            samples: 8,
+            ssaa: 2,
             runs,
         },
     ]
@@ -72,7 +84,7 @@ pub fn peer(args: &Args) -> Option<Workload> {
         if !groom.exists() {
             return None;
         }
-        (vec![groom], Some(folder.join("sintel.obj")))
+        (vec![groom], vec![folder.join("sintel.obj")])
     } else {
         (args.grooms.clone(), args.head.clone())
     };
@@ -84,16 +96,11 @@ pub fn peer(args: &Args) -> Option<Workload> {
     Some(Workload {
         name: "Every strand of a groom simulated",
         others,
-        source: Source {
-            grooms,
-            head,
-            color: Color::default(),
-            guides: Some(Guides::All),
-            ..Source::default()
-        },
+        source: Source { grooms, head, guides: Some(Guides::All), ..Source::default() },
         triangles: None,
         size: Size { width: 1280, height: 720 },
-        samples: Some(1),
+        samples: 1,
+        ssaa: 1,
         runs: vec![("at rest", "still"), ("in motion", "turn")],
     })
 }
@@ -107,9 +114,9 @@ pub fn strand_counts(quick: bool) -> Vec<u32> {
 pub fn measure(workload: &Workload, frames: u32, bar: &ProgressBar) -> Result<Group> {
     let mut source = workload.source.clone();
     if let Some(triangles) = workload.triangles {
-        source.strands = Some(Scene::strands_for(triangles));
+        source.strands = Some(load::strands_for(triangles));
     }
-    let mut scene = Scene::open_at_most(&source, workload.size, workload.samples)
+    let mut scene = Scene::open(&source, quality(workload.size, workload.samples, workload.ssaa))
         .with_context(|| workload.name.to_owned())?;
     let runs = workload
         .runs
@@ -120,9 +127,10 @@ pub fn measure(workload: &Workload, frames: u32, bar: &ProgressBar) -> Result<Gr
     Ok(Group {
         name: workload.name.into(),
         others: workload.others.into(),
-        adapter: scene.adapter_facts(),
+        adapter: scene.adapter(),
         size: [workload.size.width, workload.size.height],
         samples: scene.samples(),
+        ssaa: workload.ssaa,
         guides: facts.guides,
         strands: facts.strands,
         vertices_per_strand: facts.vertices_per_strand,
@@ -137,7 +145,7 @@ pub fn measure(workload: &Workload, frames: u32, bar: &ProgressBar) -> Result<Gr
 /// Measures the long style with `strands` strands.
 pub fn point(strands: u32, frames: u32, bar: &ProgressBar) -> Result<Point> {
     let size = Size { width: 1280, height: 720 };
-    let mut scene = Scene::open_at_most(&style(Some(strands)), size, Some(1))?;
+    let mut scene = Scene::open(&style(Some(strands)), quality(size, 1, 1))?;
     let run = run(&mut scene, "in motion", "turn", size, frames, bar)?;
     Ok(Point { strands: scene.facts().strands, gpu: run.gpu, frame: run.frame })
 }
@@ -156,12 +164,15 @@ fn run(
     scene.reset(&motion.pose(0.0, pivot))?;
     let mut stages: Vec<(&'static str, Vec<f64>)> = Vec::new();
     let (mut sums, mut walls) = (Vec::new(), Vec::new());
+    let start = Instant::now();
     for frame in 0..WARM_UP + frames {
         interrupt::check()?;
+        if walls.len() >= LEAST && start.elapsed().as_secs_f64() > LONG {
+            bar.inc(u64::from(WARM_UP + frames - frame));
+            break;
+        }
         let pose = motion.pose(f64::from(frame + 1) / FPS, pivot);
-        let start = Instant::now();
-        let times = scene.measured_frame(&pose, (1.0 / FPS) as f32, &camera)?;
-        let wall = start.elapsed().as_secs_f64() * 1e3;
+        let (wall, times) = scene.measured_frame(&pose, (1.0 / FPS) as f32, &camera)?;
         if frame < WARM_UP {
             continue;
         }
@@ -177,6 +188,7 @@ fn run(
     }
     Ok(Run {
         state: state.into(),
+        frames: walls.len() as u32,
         stages: stages
             .into_iter()
             .map(|(name, values)| Stage { name: name.into(), time: Summary::of(values) })

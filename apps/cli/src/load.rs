@@ -1,0 +1,193 @@
+//! From options to a character: a groom with its head, from files or built in.
+
+use crate::{
+    args::{Guides, Source},
+    camera::Bounds,
+};
+use anyhow::{Context, Result, ensure};
+use std::str::FromStr;
+use tresses::{
+    glam::Vec3,
+    groom::{
+        self, BindOptions, BoundStrands, Groom, GuideCount, Influence, SdfGrid, Strands, TriMesh, bind,
+        grow::{self, GrownStrands, Growth},
+        import, mannequin,
+        mesh::sdf::{self, SdfOptions},
+        styles::{self, GridScalp, Style, StyledGuides},
+    },
+    strands::Strand,
+};
+
+/// How far the joint that a head nods and turns about lies below and behind the crown, metres.
+const NECK_BELOW_CROWN: Vec3 = Vec3::new(0.0, -0.165, -0.012);
+
+/// Nodes along the longest side of the mannequin's distance field.
+const FIELD_RESOLUTION: u32 = 96;
+
+/// A groom on a head, in metres, not yet on the GPU.
+pub struct Character {
+    /// Guides and strands.
+    pub groom: Groom,
+    /// What is drawn with the hair.
+    pub head: Option<TriMesh>,
+    /// What the hair collides with.
+    pub field: Option<SdfGrid>,
+    /// The neck joint, metres.
+    pub neck: Vec3,
+    /// What the user should know, a sentence each.
+    pub notes: Vec<String>,
+}
+
+/// Reads or grows the character that `source` names.
+pub fn load(source: &Source) -> Result<Character> {
+    if source.grooms.is_empty() { built_in(source) } else { imported(source) }
+}
+
+fn imported(source: &Source) -> Result<Character> {
+    let options = import::ImportOptions {
+        orient: source.orientation.groom(),
+        orient_head: source.orientation.head(),
+        ..Default::default()
+    };
+    let (strands, head, report) = if source.head.is_empty() {
+        let (strands, report) = import::read(&source.grooms, &options)?;
+        (strands, None, report)
+    } else {
+        let (strands, head, report) = import::read_with_head(&source.grooms, &source.head, &options)?;
+        (strands, Some(head), report)
+    };
+    let field = match &head {
+        Some(head) => Some(sdf::build(head, &SdfOptions::default()).with_context(|| {
+            source.head.first().map(|path| path.display().to_string()).unwrap_or_default()
+        })?),
+        None => None,
+    };
+    let strands = match source.strands {
+        Some(count) => thinned(&strands, count as usize),
+        None => strands,
+    };
+    let guides = match source.guides {
+        Some(Guides::All) => GuideCount::All,
+        Some(Guides::Count(count)) => GuideCount::Count(count),
+        None => BindOptions::default().guides,
+    };
+    let neck = neck(&strands, head.as_ref());
+    let groom = bind(&strands, &BindOptions { guides, ..Default::default() })?;
+    let mut notes = report.placement.doubts;
+    notes.extend(report.head_placement.into_iter().flat_map(|placement| placement.doubts));
+    Ok(Character { groom, head, field, neck, notes })
+}
+
+fn built_in(source: &Source) -> Result<Character> {
+    let style = Style::from_str(source.style.as_deref().unwrap_or("long"))?;
+    ensure!(
+        source.guides.is_none(),
+        "--guides is for groom files; the built-in styles bring their own guides"
+    );
+    let scalp = GridScalp::mannequin(FIELD_RESOLUTION);
+    let styled = styles::guides(&style, &scalp);
+    let mut growth = Growth::for_style(&style);
+    if let Some(count) = source.strands {
+        growth = growth.with_strands(count);
+    }
+    let grown = grow::grow(&styled, &growth, &scalp)?;
+    Ok(Character {
+        groom: bound(&styled, &grown),
+        head: Some(mannequin::mesh(mannequin::RESOLUTION)),
+        field: Some(scalp.field),
+        neck: mannequin::NECK_JOINT,
+        notes: Vec::new(),
+    })
+}
+
+/// Grown strands on their guides.
+fn bound(styled: &StyledGuides, grown: &GrownStrands) -> Groom {
+    let mut guides = groom::Guides::new(styles::GUIDE_VERTICES as u32);
+    for (guide, stiffness) in styled.guides.iter().zip(&styled.stiffness) {
+        guides.push(guide, *stiffness, false);
+    }
+    let mut strands = BoundStrands::new(grown.vertex_count as u32);
+    let mut load = vec![0.0; guides.len()];
+    for (i, strand) in grown.strands.iter().enumerate() {
+        let influences: [Influence; 3] = std::array::from_fn(|k| Influence {
+            guide: strand.guides[k],
+            weight: strand.weights[k],
+            scale: strand.scale[k],
+        });
+        for influence in &influences {
+            load[influence.guide as usize] += influence.weight;
+        }
+        let radii = &grown.radii[i * grown.vertex_count..(i + 1) * grown.vertex_count];
+        let header = Strand { radius: strand.radius, seed: strand.seed, ..Default::default() };
+        strands.push(header, grown.strand(i), radii, &influences);
+    }
+    guides.strands = load;
+    Groom { guides, strands }
+}
+
+/// How many strands of the default style make about `triangles` triangles.
+pub fn strands_for(triangles: u64) -> u32 {
+    let segments = u64::from(Growth::default().vertices.max(2) - 1);
+    u32::try_from(triangles / (2 * segments)).unwrap_or(u32::MAX)
+}
+
+/// The box around the strands at rest, metres.
+pub fn bounds(groom: &Groom) -> Option<Bounds> {
+    (0..groom.strands.len())
+        .flat_map(|i| groom.strands.rest_positions(i))
+        .map(|p| (p, p))
+        .reduce(|(lo, hi), (p, _)| (lo.min(p), hi.max(p)))
+}
+
+/// About `count` strands, evenly picked.
+fn thinned(strands: &Strands, count: usize) -> Strands {
+    let all = strands.len();
+    if count >= all {
+        return strands.clone();
+    }
+    let mut few = Strands { offsets: vec![0], ..Strands::default() };
+    for k in 0..count {
+        let i = k * all / count;
+        let range = strands.range(i);
+        few.positions.extend_from_slice(&strands.positions[range.clone()]);
+        few.offsets.push(few.positions.len() as u32);
+        // Attributes are there for all or for none.
+        few.radii.extend(strands.radii.get(range.clone()).into_iter().flatten());
+        few.colors.extend(strands.colors.get(range).into_iter().flatten());
+        few.root_uvs.extend(strands.root_uvs.get(i));
+        few.tip_pinned.extend(strands.tip_pinned.get(i));
+    }
+    few
+}
+
+/// Where the head turns: below the highest root, between the sides of the head.
+fn neck(strands: &Strands, head: Option<&TriMesh>) -> Vec3 {
+    let roots = || strands.iter().filter_map(|strand| strand.first().copied());
+    let Some((lo, hi)) = roots().map(|p| (p, p)).reduce(|(lo, hi), (p, _)| (lo.min(p), hi.max(p))) else {
+        return Vec3::ZERO;
+    };
+    let middle = 0.5 * (lo + hi);
+    let x = head.and_then(TriMesh::bounds).map_or(middle.x, |(lo, hi)| 0.5 * (lo.x + hi.x));
+    Vec3::new(x, hi.y, middle.z) + NECK_BELOW_CROWN
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinning_keeps_strands_whole() {
+        let mut strands = Strands::default();
+        for i in 0..10 {
+            let x = Vec3::X * i as f32;
+            strands.push(&[x, x + Vec3::Y, x + Vec3::Y * 2.0]);
+            strands.root_uvs.push(tresses::glam::Vec2::splat(i as f32));
+        }
+        strands.radii = vec![1.0; 30];
+        let few = thinned(&strands, 5);
+        assert_eq!((few.len(), few.positions.len(), few.radii.len(), few.root_uvs.len()), (5, 15, 15, 5));
+        assert_eq!(few.strand(2), strands.strand(4));
+        assert!(few.colors.is_empty());
+        assert_eq!(thinned(&strands, 20), strands);
+    }
+}
