@@ -119,7 +119,7 @@ mod tests {
                         pick(2, HAIR.0.z, HAIR.1.z) * 0.7,
                     );
                     let (x, y) = project(&camera, p, aspect);
-                    assert!(x.abs() < 0.95 && y.abs() < 0.95, "{view:?} {aspect}: {x} {y}");
+                    assert!(x.abs() < 1.0 && y.abs() < 1.0, "{view:?} {aspect}: {x} {y}");
                     reach = reach.max(x.abs()).max(y.abs());
                 }
                 assert!(reach > 0.6, "{view:?} {aspect}: {reach}");
