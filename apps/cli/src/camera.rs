@@ -6,7 +6,7 @@ use tresses::glam::Vec3;
 pub const VERTICAL_FOV: f32 = 30.0 / 180.0 * std::f32::consts::PI;
 
 /// How much of the picture's height or width the subject fills.
-const FILL: f32 = 0.92;
+const FILL: f32 = 0.9;
 
 /// The height that must be in the picture below the top of the hair or head, metres: a head with its chin.
 const HEAD_HEIGHT: f32 = 0.27;
