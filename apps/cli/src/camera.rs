@@ -76,14 +76,16 @@ impl Camera {
         let target = 0.5 * (subject.0 + subject.1);
         let half = 0.5 * (subject.1 - subject.0);
         let tan = (0.5 * VERTICAL_FOV).tan() * FILL;
-        // A slim cylinder rather than the box: no hairstyle reaches the corners of its box, and
-        // what is nearest to the camera is seldom at the very top or bottom.
+        // An elliptic cylinder rather than the box: no hairstyle reaches the corners of its box. In
+        // height a slimmer one: what is nearest to the camera is seldom at the very top or bottom.
         let distance = (0..32)
             .flat_map(|i| {
                 let angle = i as f32 / 16.0 * std::f32::consts::PI;
-                [-1.0, 1.0].map(|y| half * Vec3::new(0.7 * angle.cos(), y, 0.7 * angle.sin()))
+                let rim = |r: f32, y: f32| half * Vec3::new(r * angle.cos(), y, r * angle.sin());
+                let wide = rim(1.0, 0.0);
+                let high = [-1.0, 1.0].map(|y| rim(0.7, y)).map(|p| p.dot(back) + p.dot(up).abs() / tan);
+                [wide.dot(back) + wide.dot(right).abs() / (tan * aspect), high[0], high[1]]
             })
-            .map(|p| p.dot(back) + (p.dot(up).abs() / tan).max(p.dot(right).abs() / (tan * aspect)))
             .fold(0.05, f32::max);
         Self { eye: target + back * (distance / zoom), target }
     }
