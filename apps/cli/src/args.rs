@@ -1,9 +1,9 @@
 //! What the options of several subcommands mean, and the sentences for values that make no sense.
 
+use crate::orient_args::OrientArgs;
 use std::{path::PathBuf, str::FromStr};
 use tresses::{
     glam::Vec3,
-    groom::orient::{Axis, Choice, Unit},
     light::{HairMaterial, material::srgb},
 };
 
@@ -35,46 +35,7 @@ pub struct Source {
     #[arg(long, value_name = "N|all")]
     pub guides: Option<Guides>,
     #[command(flatten)]
-    pub orientation: Orientation,
-}
-
-/// What the user knows of the files' unit and axes.
-#[derive(Clone, Copy, Debug, Default, clap::Args)]
-#[command(next_help_heading = "Orientation of the files, guessed where not given")]
-pub struct Orientation {
-    /// The groom's unit: m, cm, mm, dm, in, ft, or metres per unit
-    #[arg(long, value_name = "UNIT", requires = "grooms")]
-    pub unit: Option<Unit>,
-    /// The groom's axis that points up: x, y, z, -x, -y or -z
-    #[arg(long, value_name = "AXIS", requires = "grooms", allow_hyphen_values = true)]
-    pub up: Option<Axis>,
-    /// The groom's axis that the face looks along
-    #[arg(long, value_name = "AXIS", requires = "grooms", allow_hyphen_values = true)]
-    pub front: Option<Axis>,
-    /// Whether the groom is a mirror image
-    #[arg(long, value_name = "BOOL", requires = "grooms")]
-    pub mirror: Option<bool>,
-    /// The head's unit
-    #[arg(long, value_name = "UNIT", requires = "head")]
-    pub head_unit: Option<Unit>,
-    /// The head's axis that points up
-    #[arg(long, value_name = "AXIS", requires = "head", allow_hyphen_values = true)]
-    pub head_up: Option<Axis>,
-    /// The head's axis that the face looks along
-    #[arg(long, value_name = "AXIS", requires = "head", allow_hyphen_values = true)]
-    pub head_front: Option<Axis>,
-}
-
-impl Orientation {
-    /// Of the groom.
-    pub fn groom(&self) -> Choice {
-        Choice { unit: self.unit, up: self.up, front: self.front, mirror: self.mirror }
-    }
-
-    /// Of the head.
-    pub fn head(&self) -> Choice {
-        Choice { unit: self.head_unit, up: self.head_up, front: self.head_front, mirror: None }
-    }
+    pub orientation: OrientArgs,
 }
 
 /// A hair colour.

@@ -44,11 +44,7 @@ pub fn load(source: &Source) -> Result<Character> {
 }
 
 fn imported(source: &Source) -> Result<Character> {
-    let options = import::ImportOptions {
-        orient: source.orientation.groom(),
-        orient_head: source.orientation.head(),
-        ..Default::default()
-    };
+    let options = source.orientation.options();
     let (strands, head, report) = if source.head.is_empty() {
         let (strands, report) = import::read(&source.grooms, &options)?;
         (strands, None, report)
