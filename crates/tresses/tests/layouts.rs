@@ -85,6 +85,59 @@ fn simulate() {
 }
 
 #[test]
+fn tessellate() {
+    use tresses::{strands::GuideSample, tessellate::TessellateParams};
+    assert_eq!(wgsl_layout("GuideSample"), rust_layout!(GuideSample { position, _pad, rotation }));
+    assert_eq!(
+        wgsl_layout("TessellateParams"),
+        rust_layout!(TessellateParams {
+            previous_rotation,
+            current_rotation,
+            head_rotation,
+            previous_translation,
+            blend,
+            current_translation,
+            guide_count,
+            vertex_count,
+            sample_count,
+            _pad_a,
+            _pad_b,
+        })
+    );
+}
+
+#[test]
+fn interpolate() {
+    use tresses::{
+        interpolate::InterpolateParams,
+        strands::{PackedRest, Strand, StrandBinding, StrandVertex},
+    };
+    assert_eq!(
+        wgsl_layout("StrandBinding"),
+        rust_layout!(StrandBinding { origin, extent, guides, weight_b, scale, weight_c })
+    );
+    assert_eq!(wgsl_layout("PackedRest"), rust_layout!(PackedRest { xy, z_radius }));
+    assert_eq!(wgsl_layout("StrandVertex"), rust_layout!(StrandVertex { position, tangent }));
+    assert_eq!(wgsl_layout("Strand"), rust_layout!(Strand { radius, seed, root_color, tip_color }));
+    assert_eq!(
+        wgsl_layout("InterpolateParams"),
+        rust_layout!(InterpolateParams {
+            field_rotation,
+            field_translation,
+            clearance,
+            field_bias,
+            strand_count,
+            field_scale,
+            vertex_count,
+            sample_count,
+            _pad_a,
+            _pad_b,
+            _pad_c,
+        })
+    );
+}
+
+#[test]
 fn a_swapped_member_is_seen() {
     struct GuideRest {
         contact: f32,

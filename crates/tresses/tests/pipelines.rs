@@ -1,5 +1,9 @@
 //! Every pipeline is built on wgpu's noop backend: shaders and bindings are valid. No GPU needed.
 
+mod common;
+
+use tresses::glam;
+
 #[test]
 fn simulate() {
     let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
@@ -10,4 +14,44 @@ fn simulate() {
     let guides = tresses::strands::GuideBuffers::new(&device, 4, 16, 2).unwrap();
     let colliders = tresses::simulate::ColliderSet::new(&device, &queue, None, 2).unwrap();
     tresses::simulate::Simulation::new(&device, &simulate, &guides, colliders);
+}
+
+/// The whole library within the default limits of WebGPU and without any optional feature.
+#[test]
+fn a_frame_is_recorded_on_baseline_webgpu() {
+    use tresses::{
+        Hair, HairOptions, HairRenderer, Pose,
+        draw::{Body, Scene, Targets},
+        frame::{self, Frame},
+        groom::{BindOptions, SdfGrid, TriMesh, bind},
+        simulate::{ColliderPoses, SimulationParams},
+    };
+    let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
+    assert_eq!(device.limits().max_storage_buffers_per_shader_stage, 8);
+    let renderer = HairRenderer::new(&device, &Default::default());
+    let groom = bind(&common::hanging(50, 16, 0.1), &BindOptions::default()).unwrap();
+    let field = SdfGrid::from_fn(glam::Vec3::splat(-0.2), glam::Vec3::splat(0.2), 16, |p| p.length() - 0.09);
+    let options = HairOptions::default();
+    let mut hair = Hair::new(&device, &queue, &renderer, &groom, &options, Some(&field)).unwrap();
+    let triangle = TriMesh {
+        positions: vec![glam::Vec3::ZERO, glam::Vec3::X, glam::Vec3::Y],
+        normals: vec![glam::Vec3::Z; 3],
+        colors: Vec::new(),
+        triangles: vec![[0, 1, 2]],
+    };
+    let body = Body::new(&device, &renderer.draw, &triangle);
+    let targets = Targets::new(&device, 64, 64, 4, 1).unwrap();
+    let input = Frame {
+        dt: 1.0 / 60.0,
+        head: Pose::IDENTITY,
+        colliders: &ColliderPoses::default(),
+        simulation: &SimulationParams::default(),
+    };
+    let mut encoder = device.create_command_encoder(&Default::default());
+    frame::advance(&renderer, &device, &queue, &mut encoder, &mut None, &mut hair, &input).unwrap();
+    let (scene, output) = (Scene::default(), targets.picture());
+    let body = Some(&body);
+    frame::draw(&renderer, &device, &queue, &mut encoder, &mut None, &hair, body, &scene, &targets, output);
+    queue.submit([encoder.finish()]);
+    assert!(hair.bytes() > 50 * 31 * 16);
 }
