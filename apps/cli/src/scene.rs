@@ -12,7 +12,7 @@ use std::time::Instant;
 use tresses::{
     Hair, HairOptions, HairRenderer, Pose,
     draw::{self, Body, DrawOptions, Targets, View},
-    frame::{self, Frame},
+    frame::{Frame, Recorder},
     glam::Vec3,
     gpu::{Gpu, Timings},
     light::{HairMaterial, Sphere},
@@ -174,14 +174,14 @@ impl Scene {
     /// The head moves to `pose` in `seconds`, and the hair with it.
     pub fn advance(&mut self, pose: &Pose, seconds: f32) -> Result<()> {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.record_advance(&mut encoder, &mut None, pose, seconds)?;
+        self.record_advance(&mut encoder, None, pose, seconds)?;
         self.submit(encoder)
     }
 
     /// The picture as it is now. Blocks.
     pub fn picture(&mut self, camera: &Camera) -> Result<Picture> {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.record_draw(&mut encoder, &mut None, camera);
+        self.record_draw(&mut encoder, None, camera);
         self.gpu.queue.submit([encoder.finish()]);
         let rgba = self.targets.read(&self.gpu.device, &self.gpu.queue)?;
         let [width, height] = self.targets.size;
@@ -204,8 +204,8 @@ impl Scene {
         let start = Instant::now();
         let mut timings = self.timings.take();
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.record_advance(&mut encoder, &mut timings.as_mut(), pose, seconds)?;
-        self.record_draw(&mut encoder, &mut timings.as_mut(), camera);
+        self.record_advance(&mut encoder, timings.as_mut(), pose, seconds)?;
+        self.record_draw(&mut encoder, timings.as_mut(), camera);
         if let Some(timings) = &timings {
             timings.resolve(&mut encoder);
         }
@@ -245,10 +245,10 @@ impl Scene {
             anyhow::Ok(())
         };
         stage("simulate", &mut |encoder| {
-            Ok(frame::simulate(renderer, device, queue, encoder, &mut None, hair, &frame)?)
+            Ok(Recorder { renderer, device, queue, encoder, timings: None }.simulate(hair, &frame)?)
         })?;
         stage("tessellate, interpolate", &mut |encoder| {
-            frame::follow(renderer, queue, encoder, &mut None, hair, &frame);
+            Recorder { renderer, device, queue, encoder, timings: None }.follow(hair, &frame);
             Ok(())
         })?;
         let drawing = &renderer.draw;
@@ -276,36 +276,28 @@ impl Scene {
     fn record_advance(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        timings: &mut Option<&mut Timings>,
+        timings: Option<&mut Timings>,
         pose: &Pose,
         seconds: f32,
     ) -> Result<()> {
         self.scene.pose = *pose;
         let frame = Frame { dt: seconds, head: *pose, colliders: &self.colliders, simulation: &self.physics };
         let Gpu { device, queue, .. } = &self.gpu;
-        Ok(frame::advance(&self.renderer, device, queue, encoder, timings, &mut self.hair, &frame)?)
+        let mut recorder = Recorder { renderer: &self.renderer, device, queue, encoder, timings };
+        Ok(recorder.advance(&mut self.hair, &frame)?)
     }
 
     fn record_draw(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        timings: &mut Option<&mut Timings>,
+        timings: Option<&mut Timings>,
         camera: &Camera,
     ) {
         self.scene.view = View::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, self.targets.size);
         let Gpu { device, queue, .. } = &self.gpu;
-        frame::draw(
-            &self.renderer,
-            device,
-            queue,
-            encoder,
-            timings,
-            &self.hair,
-            self.body.as_ref(),
-            &self.scene,
-            &self.targets,
-            self.targets.picture(),
-        );
+        let mut recorder = Recorder { renderer: &self.renderer, device, queue, encoder, timings };
+        let (body, targets) = (self.body.as_ref(), &self.targets);
+        recorder.draw(&self.hair, body, &self.scene, targets, targets.picture());
     }
 
     fn submit(&self, encoder: wgpu::CommandEncoder) -> Result<()> {

@@ -5,7 +5,7 @@
 use tresses::{
     Hair, HairOptions, HairRenderer, Pose,
     draw::{Body, DrawOptions, Scene, Targets, View},
-    frame::{self, Frame},
+    frame::{Frame, Recorder},
     glam::{Quat, Vec3},
     gpu::Gpu,
     groom::{self, BindOptions, import, mesh::sdf},
@@ -35,21 +35,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let (colliders, simulation) = (&ColliderPoses::default(), &SimulationParams::default());
         let moment = Frame { dt: 1.0 / 60.0, head: scene.pose, colliders, simulation };
         let mut encoder = device.create_command_encoder(&Default::default());
-        frame::advance(&renderer, &device, &queue, &mut encoder, &mut None, &mut hair, &moment)?;
-        let (body, output) = (Some(&body), targets.picture());
+        let mut recorder = Recorder {
+            renderer: &renderer,
+            device: &device,
+            queue: &queue,
+            encoder: &mut encoder,
+            timings: None,
+        };
+        recorder.advance(&mut hair, &moment)?;
         if i == 29 {
-            frame::draw(
-                &renderer,
-                &device,
-                &queue,
-                &mut encoder,
-                &mut None,
-                &hair,
-                body,
-                &scene,
-                &targets,
-                output,
-            );
+            recorder.draw(&hair, Some(&body), &scene, &targets, targets.picture());
         }
         queue.submit([encoder.finish()]);
     }

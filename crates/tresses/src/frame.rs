@@ -21,102 +21,80 @@ pub struct Frame<'a> {
     pub simulation: &'a SimulationParams,
 }
 
-/// Moves the hair by a frame: [`simulate`], then [`follow`]. Record once per submission.
-///
-/// # Errors
-/// [`crate::Error::Parameter`] when a parameter of the physics is out of its range.
-pub fn advance(
-    renderer: &HairRenderer,
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    encoder: &mut wgpu::CommandEncoder,
-    timings: &mut Option<&mut Timings>,
-    hair: &mut Hair,
-    frame: &Frame<'_>,
-) -> Result<()> {
-    simulate(renderer, device, queue, encoder, timings, hair, frame)?;
-    follow(renderer, queue, encoder, timings, hair, frame);
-    Ok(())
+/// What a frame is recorded with. Record each groom once per submission: a frame's uniforms are
+/// written through the queue and are those of the last frame recorded.
+#[derive(Debug)]
+pub struct Recorder<'a> {
+    /// The pipelines.
+    pub renderer: &'a HairRenderer,
+    /// The device of the pipelines and of everything that is recorded.
+    pub device: &'a wgpu::Device,
+    /// Its queue.
+    pub queue: &'a wgpu::Queue,
+    /// Takes the commands.
+    pub encoder: &'a mut wgpu::CommandEncoder,
+    /// Takes the stages' times, where the device has timestamps.
+    pub timings: Option<&'a mut Timings>,
 }
 
-/// Guides move: as many fixed steps as have become due.
-///
-/// # Errors
-/// As [`advance`].
-pub fn simulate(
-    renderer: &HairRenderer,
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    encoder: &mut wgpu::CommandEncoder,
-    timings: &mut Option<&mut Timings>,
-    hair: &mut Hair,
-    frame: &Frame<'_>,
-) -> Result<()> {
-    frame.simulation.check()?;
-    let steps = hair.tick(frame.dt, frame.simulation.step, &frame.head);
-    stage(encoder, timings, Stage::Simulate, |pass| {
-        hair.simulation.record(
-            &renderer.simulate,
-            device,
-            queue,
-            pass,
-            frame.simulation,
-            &steps,
-            frame.colliders,
-        )
-    })
-}
-
-/// The drawn strands follow the guides: their vertices for the head's pose now.
-pub fn follow(
-    renderer: &HairRenderer,
-    queue: &wgpu::Queue,
-    encoder: &mut wgpu::CommandEncoder,
-    timings: &mut Option<&mut Timings>,
-    hair: &Hair,
-    frame: &Frame<'_>,
-) {
-    let field = frame.colliders.field.map_or(frame.head, |own| frame.head.after(&own));
-    hair.prepare(queue, &frame.head, &field);
-    stage(encoder, timings, Stage::Tessellate, |pass| hair.record_tessellate(pass, &renderer.tessellate));
-    stage(encoder, timings, Stage::Interpolate, |pass| hair.record_interpolate(pass, &renderer.interpolate));
-}
-
-/// Draws hair and body as they are now: shadow maps, shading, the HDR picture, the finished one
-/// into `output` (of the size of `targets`, in the format that the renderer was made for).
-#[allow(clippy::too_many_arguments)]
-pub fn draw(
-    renderer: &HairRenderer,
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    encoder: &mut wgpu::CommandEncoder,
-    timings: &mut Option<&mut Timings>,
-    hair: &Hair,
-    body: Option<&Body>,
-    scene: &Scene,
-    targets: &Targets,
-    output: &wgpu::TextureView,
-) {
-    let (stage, hair) = (&renderer.draw, Some(&hair.set));
-    stage.prepare(queue, scene, targets, hair, body);
-    stage.shadow(encoder, timings.as_deref_mut(), hair, body);
-    if let Some(hair) = hair {
-        stage.shade(encoder, timings.as_deref_mut(), hair);
+impl Recorder<'_> {
+    /// Moves the hair by a frame: [`simulate`](Self::simulate), then [`follow`](Self::follow).
+    ///
+    /// # Errors
+    /// [`crate::Error::Parameter`] when a parameter of the physics is out of its range.
+    pub fn advance(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
+        self.simulate(hair, frame)?;
+        self.follow(hair, frame);
+        Ok(())
     }
-    stage.draw(encoder, timings.as_deref_mut(), scene, targets, hair, body);
-    stage.present(device, encoder, timings.as_deref_mut(), targets, output);
-}
 
-/// A compute pass under the name of a stage.
-fn stage<R>(
-    encoder: &mut wgpu::CommandEncoder,
-    timings: &mut Option<&mut Timings>,
-    stage: Stage,
-    record: impl FnOnce(&mut wgpu::ComputePass<'_>) -> R,
-) -> R {
-    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-        label: Some(stage.name()),
-        timestamp_writes: timings.as_deref_mut().and_then(|timings| timings.compute(stage.name())),
-    });
-    record(&mut pass)
+    /// Guides move: as many fixed steps as have become due.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    pub fn simulate(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
+        frame.simulation.check()?;
+        let steps = hair.tick(frame.dt, frame.simulation.step, &frame.head);
+        let (renderer, device, queue) = (self.renderer, self.device, self.queue);
+        self.stage(Stage::Simulate, |pass| {
+            let (stage, physics) = (&renderer.simulate, frame.simulation);
+            hair.simulation.record(stage, device, queue, pass, physics, &steps, frame.colliders)
+        })
+    }
+
+    /// The drawn strands follow the guides: their vertices for the head's pose now.
+    pub fn follow(&mut self, hair: &Hair, frame: &Frame<'_>) {
+        let field = frame.colliders.field.map_or(frame.head, |own| frame.head.after(&own));
+        hair.prepare(self.queue, &frame.head, &field);
+        let renderer = self.renderer;
+        self.stage(Stage::Tessellate, |pass| hair.record_tessellate(pass, &renderer.tessellate));
+        self.stage(Stage::Interpolate, |pass| hair.record_interpolate(pass, &renderer.interpolate));
+    }
+
+    /// Draws hair and body as they are now: shadow maps, shading, the HDR picture, the finished one
+    /// into `output` (of the size of `targets`, in the format that the renderer was made for).
+    pub fn draw(
+        &mut self,
+        hair: &Hair,
+        body: Option<&Body>,
+        scene: &Scene,
+        targets: &Targets,
+        output: &wgpu::TextureView,
+    ) {
+        let (stage, set) = (&self.renderer.draw, &hair.set);
+        stage.prepare(self.queue, scene, targets, Some(set), body);
+        stage.shadow(self.encoder, self.timings.as_deref_mut(), Some(set), body);
+        stage.shade(self.encoder, self.timings.as_deref_mut(), set);
+        stage.draw(self.encoder, self.timings.as_deref_mut(), scene, targets, Some(set), body);
+        stage.present(self.device, self.encoder, self.timings.as_deref_mut(), targets, output);
+    }
+
+    /// A compute pass under the name of a stage.
+    fn stage<R>(&mut self, stage: Stage, record: impl FnOnce(&mut wgpu::ComputePass<'_>) -> R) -> R {
+        let mut pass = self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(stage.name()),
+            timestamp_writes: self.timings.as_deref_mut().and_then(|timings| timings.compute(stage.name())),
+        });
+        record(&mut pass)
+    }
 }

@@ -5,7 +5,7 @@ mod common;
 
 use tresses::{
     Hair, HairOptions, HairRenderer, Pose,
-    frame::{self, Frame},
+    frame::{Frame, Recorder},
     glam::{Quat, Vec3},
     gpu::{Gpu, readback},
     groom::{BindOptions, Groom, SdfGrid, bind},
@@ -54,7 +54,10 @@ impl Stage {
             colliders: &ColliderPoses::default(),
             simulation: &SimulationParams::default(),
         };
-        frame::advance(&self.renderer, device, queue, &mut encoder, &mut None, hair, &input).unwrap();
+        let renderer = &self.renderer;
+        Recorder { renderer, device, queue, encoder: &mut encoder, timings: None }
+            .advance(hair, &input)
+            .unwrap();
         queue.submit([encoder.finish()]);
     }
 

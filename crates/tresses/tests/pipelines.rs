@@ -22,7 +22,7 @@ fn a_frame_is_recorded_on_baseline_webgpu() {
     use tresses::{
         Hair, HairOptions, HairRenderer, Pose,
         draw::{Body, Scene, Targets},
-        frame::{self, Frame},
+        frame::{Frame, Recorder},
         groom::{BindOptions, SdfGrid, TriMesh, bind},
         simulate::{ColliderPoses, SimulationParams},
     };
@@ -48,10 +48,15 @@ fn a_frame_is_recorded_on_baseline_webgpu() {
         simulation: &SimulationParams::default(),
     };
     let mut encoder = device.create_command_encoder(&Default::default());
-    frame::advance(&renderer, &device, &queue, &mut encoder, &mut None, &mut hair, &input).unwrap();
-    let (scene, output) = (Scene::default(), targets.picture());
-    let body = Some(&body);
-    frame::draw(&renderer, &device, &queue, &mut encoder, &mut None, &hair, body, &scene, &targets, output);
+    let mut recorder = Recorder {
+        renderer: &renderer,
+        device: &device,
+        queue: &queue,
+        encoder: &mut encoder,
+        timings: None,
+    };
+    recorder.advance(&mut hair, &input).unwrap();
+    recorder.draw(&hair, Some(&body), &Scene::default(), &targets, targets.picture());
     queue.submit([encoder.finish()]);
     assert!(hair.bytes() > 50 * 31 * 16);
 }
