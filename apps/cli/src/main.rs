@@ -56,10 +56,22 @@ fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("tresses: {}", one_line(&format!("{error:#}")));
+            eprintln!("tresses: {}", one_line(&sentence(&error)));
             ExitCode::from(if error.is::<interrupt::Interrupted>() { interrupt::EXIT_CODE as u8 } else { 1 })
         }
     }
+}
+
+/// The causes in one sentence; one whose text the sentence already has adds nothing.
+fn sentence(error: &anyhow::Error) -> String {
+    error.chain().fold(String::new(), |sentence, cause| {
+        let cause = cause.to_string();
+        match sentence.as_str() {
+            "" => cause,
+            known if known.contains(&cause) => sentence,
+            known => format!("{known}: {cause}"),
+        }
+    })
 }
 
 /// Help and version are no mistakes; all else is one sentence.
