@@ -15,7 +15,7 @@ use tresses::{
     frame::{Frame, Recorder},
     glam::Vec3,
     gpu::{Gpu, Timings},
-    light::{HairMaterial, Sphere},
+    light::{HairMaterial, Lights, Sphere},
     simulate::{ColliderPoses, SimulationParams},
 };
 
@@ -230,7 +230,7 @@ impl Scene {
         camera: &Camera,
     ) -> Result<Vec<(&'static str, f64)>> {
         self.scene.pose = *pose;
-        self.scene.view = View::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, self.targets.size);
+        self.look_from(camera);
         let Self { gpu: Gpu { device, queue, .. }, renderer, hair, body, targets, scene, .. } = self;
         let frame = Frame { dt: seconds, head: *pose, colliders: &self.colliders, simulation: &self.physics };
         let body = body.as_ref();
@@ -273,6 +273,13 @@ impl Scene {
         Ok(rows)
     }
 
+    /// Camera and lights: these go with it, as a photographer's do.
+    fn look_from(&mut self, camera: &Camera) {
+        self.scene.view = View::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, self.targets.size);
+        let back = camera.eye - camera.target;
+        self.scene.lights = Lights::around(back.x.atan2(back.z));
+    }
+
     fn record_advance(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -293,7 +300,7 @@ impl Scene {
         timings: Option<&mut Timings>,
         camera: &Camera,
     ) {
-        self.scene.view = View::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, self.targets.size);
+        self.look_from(camera);
         let Gpu { device, queue, .. } = &self.gpu;
         let mut recorder = Recorder { renderer: &self.renderer, device, queue, encoder, timings };
         let (body, targets) = (self.body.as_ref(), &self.targets);

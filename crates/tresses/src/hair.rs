@@ -6,11 +6,12 @@ use crate::{
     draw::{DrawOptions, DrawStage, HairSet},
     groom::{Groom, SdfGrid},
     interpolate::{Interpolate, InterpolateParams},
+    math::hash::pcg,
     simulate::{
         Clock, ColliderSet, GuideTraits, Mode, RestOptions, RestShape, Simulate, Simulation,
         SimulationParams, Step, rest,
     },
-    strands::{GuideBuffers, StrandBuffers},
+    strands::{GuideBuffers, Strand, StrandBuffers},
     tessellate::{Tessellate, TessellateParams, rest_samples},
 };
 
@@ -134,7 +135,7 @@ impl Hair {
             .map(|p| p.extend(0.0).to_array())
             .collect();
         queue.write_buffer(&guides.sample_rest, 0, bytemuck::cast_slice(&sample_rest));
-        queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&groom.strands.strands));
+        queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&with_locks(groom)));
         queue.write_buffer(&strands.bindings, 0, bytemuck::cast_slice(&groom.strands.bindings));
         queue.write_buffer(&strands.rest, 0, bytemuck::cast_slice(&groom.strands.rest));
 
@@ -228,4 +229,15 @@ impl Hair {
 /// A number of strands or guides as the GPU counts them.
 fn count(n: usize) -> Result<u32> {
     u32::try_from(n).map_err(|_| Error::Groom(format!("{n} strands are more than 32 bits can count")))
+}
+
+/// The strands with the upper half of their seeds shared by all that hang on the same first guide.
+fn with_locks(groom: &Groom) -> Vec<Strand> {
+    let strands = groom.strands.strands.iter().zip(&groom.strands.bindings);
+    strands
+        .map(|(strand, binding)| Strand {
+            seed: (pcg(binding.guides[0]) & 0xffff_0000) | (strand.seed & 0xffff),
+            ..*strand
+        })
+        .collect()
 }

@@ -21,9 +21,9 @@ pub struct BodyMaterial {
 }
 
 impl Default for BodyMaterial {
-    /// A pale, warm mannequin.
+    /// A matt mannequin of a greyish beige, quieter than any hair.
     fn default() -> Self {
-        Self { color: Vec3::new(0.45, 0.32, 0.265), gloss: 0.6, gloss_exponent: 18.0, wrap: 0.15 }
+        Self { color: Vec3::new(0.31, 0.27, 0.24), gloss: 0.25, gloss_exponent: 14.0, wrap: 0.2 }
     }
 }
 

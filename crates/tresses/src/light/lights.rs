@@ -35,15 +35,25 @@ pub struct Lights {
 }
 
 impl Default for Lights {
-    /// A warm key light from the upper left front, a cooler rim light from behind, a quiet sky.
+    /// For a camera in front of the face: [`Lights::around`] 0.
     fn default() -> Self {
+        Self::around(0.0)
+    }
+}
+
+impl Lights {
+    /// A photographer's lights, which move with the camera: a warm key light from its upper left,
+    /// a cooler rim light from behind on its right, a quiet sky. `azimuth` is the camera's turn
+    /// about the head, radians, from before the face (+Z) towards the head's left (+X).
+    pub fn around(azimuth: f32) -> Self {
+        let turn = glam::Quat::from_rotation_y(azimuth);
         Self {
             key: Directional {
-                direction: Vec3::new(-0.42, 0.62, 0.66).normalize(),
+                direction: turn * Vec3::new(-0.42, 0.62, 0.66).normalize(),
                 irradiance: Vec3::new(5.6, 5.3, 4.85),
             },
             rim: Directional {
-                direction: Vec3::new(0.45, 0.5, -0.74).normalize(),
+                direction: turn * Vec3::new(0.45, 0.5, -0.74).normalize(),
                 irradiance: Vec3::new(3.1, 3.25, 3.5),
             },
             sky: Sky {
@@ -196,6 +206,22 @@ mod tests {
             assert!((center - Vec3::new(0.0, 0.0, 0.5)).length() < 3e-3, "{center}");
             let near = matrix.project_point3(focus.center + unit * 0.25);
             assert!(near.z.abs() < 2e-3, "{near}");
+        }
+    }
+
+    #[test]
+    fn lights_stay_where_the_camera_sees_them() {
+        let front = Lights::default();
+        for azimuth in [0.6_f32, 1.57, 3.14] {
+            let (right, back) =
+                (Vec3::new(azimuth.cos(), 0.0, -azimuth.sin()), Vec3::new(azimuth.sin(), 0.0, azimuth.cos()));
+            let lights = Lights::around(azimuth);
+            for (seen, first) in [(lights.key, front.key), (lights.rim, front.rim)] {
+                let (seen, first) = (seen.direction, first.direction);
+                assert!((seen.length() - 1.0).abs() < 1e-5);
+                let at = Vec3::new(seen.dot(right), seen.y, seen.dot(back));
+                assert!((at - first).length() < 1e-5, "{at} {first}");
+            }
         }
     }
 

@@ -94,7 +94,7 @@ impl HairMaterial {
             primary: 1.0,
             secondary: 1.4,
             transmission: 1.9,
-            absorption: 45.0,
+            absorption: 65.0,
             secondary_color: Vec3::new(0.80, 0.62, 0.36),
             ..Self::colored(Vec3::new(0.36, 0.235, 0.12))
         }

@@ -10,6 +10,7 @@ pub struct Strand {
     /// The largest radius along the strand, metres; the vertices store fractions of it.
     pub radius: f32,
     /// A hash, uniform over all values, from which every random property of the strand follows.
+    /// Strands of one guide share the upper half on the GPU: what varies from lock to lock.
     pub seed: u32,
     /// Colour at the root from the groom file, see [`pack_color`]; 0 for none.
     pub root_color: u32,
