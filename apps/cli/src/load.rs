@@ -8,21 +8,19 @@ use anyhow::{Context, Result, ensure};
 use std::str::FromStr;
 use tresses::{
     glam::Vec3,
+    gpu::Gpu,
     groom::{
-        self, BindOptions, BoundStrands, Groom, GuideCount, Influence, SdfGrid, Strands, TriMesh, bind,
-        grow::{self, GrownStrands, Growth},
-        import, mannequin,
+        BindOptions, Groom, GuideCount, SdfGrid, Strands, TriMesh, bind,
+        grow::Growth,
+        import,
         mesh::sdf::{self, SdfOptions},
-        styles::{self, GridScalp, Style, StyledGuides},
+        styles::{self, Style},
     },
-    strands::Strand,
+    simulate::Simulate,
 };
 
 /// How far the joint that a head nods and turns about lies below and behind the crown, metres.
 const NECK_BELOW_CROWN: Vec3 = Vec3::new(0.0, -0.165, -0.012);
-
-/// Nodes along the longest side of the mannequin's distance field.
-const FIELD_RESOLUTION: u32 = 96;
 
 /// A groom on a head, in metres, not yet on the GPU.
 pub struct Character {
@@ -38,9 +36,9 @@ pub struct Character {
     pub notes: Vec<String>,
 }
 
-/// Reads or grows the character that `source` names.
-pub fn load(source: &Source) -> Result<Character> {
-    if source.grooms.is_empty() { built_in(source) } else { imported(source) }
+/// Reads or grows the character that `source` names; what is grown is draped on `gpu`.
+pub fn load(source: &Source, gpu: &Gpu, simulate: &Simulate) -> Result<Character> {
+    if source.grooms.is_empty() { built_in(source, gpu, simulate) } else { imported(source) }
 }
 
 fn imported(source: &Source) -> Result<Character> {
@@ -74,51 +72,20 @@ fn imported(source: &Source) -> Result<Character> {
     Ok(Character { groom, head, field, neck, notes })
 }
 
-fn built_in(source: &Source) -> Result<Character> {
+fn built_in(source: &Source, gpu: &Gpu, simulate: &Simulate) -> Result<Character> {
     let style = Style::from_str(source.style.as_deref().unwrap_or("long"))?;
     ensure!(
         source.guides.is_none(),
         "--guides is for groom files; the built-in styles bring their own guides"
     );
-    let scalp = GridScalp::mannequin(FIELD_RESOLUTION);
-    let styled = styles::guides(&style, &scalp);
-    let mut growth = Growth::for_style(&style);
-    if let Some(count) = source.strands {
-        growth = growth.with_strands(count);
-    }
-    let grown = grow::grow(&styled, &growth, &scalp)?;
+    let built = styles::character(&gpu.device, &gpu.queue, simulate, &style, source.strands)?;
     Ok(Character {
-        groom: bound(&styled, &grown),
-        head: Some(mannequin::mesh(mannequin::RESOLUTION)),
-        field: Some(scalp.field),
-        neck: mannequin::NECK_JOINT,
+        groom: built.groom,
+        head: Some(built.mesh),
+        field: Some(built.field),
+        neck: built.neck,
         notes: Vec::new(),
     })
-}
-
-/// Grown strands on their guides.
-fn bound(styled: &StyledGuides, grown: &GrownStrands) -> Groom {
-    let mut guides = groom::Guides::new(styles::GUIDE_VERTICES as u32);
-    for (guide, stiffness) in styled.guides.iter().zip(&styled.stiffness) {
-        guides.push(guide, *stiffness, false);
-    }
-    let mut strands = BoundStrands::new(grown.vertex_count as u32);
-    let mut load = vec![0.0; guides.len()];
-    for (i, strand) in grown.strands.iter().enumerate() {
-        let influences: [Influence; 3] = std::array::from_fn(|k| Influence {
-            guide: strand.guides[k],
-            weight: strand.weights[k],
-            scale: strand.scale[k],
-        });
-        for influence in &influences {
-            load[influence.guide as usize] += influence.weight;
-        }
-        let radii = &grown.radii[i * grown.vertex_count..(i + 1) * grown.vertex_count];
-        let header = Strand { radius: strand.radius, seed: strand.seed, ..Default::default() };
-        strands.push(header, grown.strand(i), radii, &influences);
-    }
-    guides.strands = load;
-    Groom { guides, strands }
 }
 
 /// How many strands of the default style make about `triangles` triangles.

@@ -70,20 +70,10 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Reads or grows the character, opens the GPU and brings it there.
+    /// Opens the GPU, reads or grows the character and brings it there.
     pub fn open(source: &Source, quality: Quality) -> Result<Self> {
-        let character = load::load(source)?;
-        for note in &character.notes {
-            eprintln!("note: {note}");
-        }
-        Self::new(&character, source.color.as_ref(), quality)
-    }
-
-    fn new(character: &Character, color: Option<&Color>, quality: Quality) -> Result<Self> {
-        let hair_bounds = load::bounds(&character.groom).context("the groom is empty")?;
-        let head_bounds = character.head.as_ref().and_then(|head| head.bounds());
         let gpu = pollster::block_on(Gpu::open())?;
-        let (device, queue) = (&gpu.device, &gpu.queue);
+        let device = &gpu.device;
         let most = gpu.tier.max_samples;
         let samples = quality.samples.unwrap_or(most.min(8));
         ensure!(
@@ -93,6 +83,23 @@ impl Scene {
         );
         let samples = samples.min(most);
         let renderer = HairRenderer::new(device, &DrawOptions { samples, ..Default::default() });
+        let character = load::load(source, &gpu, &renderer.simulate)?;
+        for note in &character.notes {
+            eprintln!("note: {note}");
+        }
+        Self::new(&character, source.color.as_ref(), gpu, renderer, (quality, samples))
+    }
+
+    fn new(
+        character: &Character,
+        color: Option<&Color>,
+        gpu: Gpu,
+        renderer: HairRenderer,
+        (quality, samples): (Quality, u32),
+    ) -> Result<Self> {
+        let hair_bounds = load::bounds(&character.groom).context("the groom is empty")?;
+        let head_bounds = character.head.as_ref().and_then(|head| head.bounds());
+        let (device, queue) = (&gpu.device, &gpu.queue);
         let options = HairOptions::default();
         let hair = Hair::new(device, queue, &renderer, &character.groom, &options, character.field.as_ref())?;
         let body = character.head.as_ref().map(|head| Body::new(device, &renderer.draw, head));

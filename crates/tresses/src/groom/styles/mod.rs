@@ -6,11 +6,13 @@
 //! of its root (hair from the top lies over hair from the sides), falls where the head no longer
 //! carries it, and ends at a length or at a common hem. Waves are added along the path.
 //!
-//! The shapes are meant to rest: close to where gravity and the head would leave them, so that
-//! draping changes little. Spirals are not part of the guides, as three spirals of different phase
+//! The shapes are close to where gravity and the head would leave them; [`settle`] lets the
+//! simulation finish them, with as much hold as the style needs to keep its volume and its wave
+//! ([`Hold`]), and [`character`] makes the whole mannequin with its hair. Spirals are not part of the guides, as three spirals of different phase
 //! have no sensible mean; [`StyledGuides::curl`] says how [`grow`](crate::groom::grow) winds the
 //! drawn strands around them.
 
+mod character;
 mod face;
 mod hairline;
 mod parting;
@@ -20,10 +22,11 @@ mod roots;
 mod scalp;
 mod trace;
 
+pub use character::{Character, bound, character, settle};
 pub use face::Face;
 pub use hairline::Hairline;
 pub use parting::Parting;
-pub use recipe::{Bob, Curl, Curly, Long, LowTop, Recipe, Short, Style};
+pub use recipe::{Bob, Curl, Curly, Hold, Long, LowTop, Recipe, Short, Style};
 pub use scalp::{GridScalp, Landmarks, Scalp, scalp_direction, scalp_uv};
 pub(crate) use scalp::{spread_direction, stereographic};
 

@@ -32,6 +32,18 @@ pub struct Curl {
     pub pitch: f32,
 }
 
+/// What holds a style while it is draped, as a hairdresser's spray does; without it every style
+/// would hang from the head as wet hair. Both are multiplied by the guide's stiffness.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hold {
+    /// Multiplier of the bending stiffness.
+    pub bending: f32,
+    /// Pull towards the combed shape at the roots, acceleration per distance, 1/s².
+    pub root: f32,
+    /// The same from 20 cm of hair on.
+    pub tip: f32,
+}
+
 /// Everything that makes a hairstyle, as numbers. [`Long`], [`Bob`], [`Curly`] and [`Short`] are
 /// short ways to one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,6 +96,8 @@ pub struct Recipe {
     pub fringe: bool,
     /// Stiffness of the guides against the simulation's parameter.
     pub stiffness: LowTop,
+    /// What holds the style while it falls into place.
+    pub hold: Hold,
     /// Spirals of the drawn strands around the guides.
     pub curl: Curl,
 }
@@ -105,7 +119,7 @@ pub struct Long {
 
 impl Default for Long {
     fn default() -> Self {
-        Self { guides: 166, seed: 1, length: 0.32, parting: 0.022, wave: 0.008 }
+        Self { guides: 166, seed: 1, length: 0.32, parting: 0.022, wave: 0.014 }
     }
 }
 
@@ -256,6 +270,7 @@ impl Style {
             tousle: 0.06,
             fringe: false,
             stiffness: LowTop::new(1.0, 1.0),
+            hold: Hold { bending: 6.0, root: 1200.0, tip: 60.0 },
             curl: Curl::default(),
         };
         match *self {

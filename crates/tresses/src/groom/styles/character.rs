@@ -1,0 +1,140 @@
+//! A whole built-in character: the mannequin with a hairstyle that has fallen into place.
+
+use super::{GUIDE_VERTICES, GridScalp, Hold, Style, StyledGuides, guides, resample};
+use crate::{
+    Result,
+    groom::{
+        BoundStrands, Groom, Guides, Influence, SdfGrid, TriMesh,
+        grow::{self, GrownStrands, Growth},
+        mannequin,
+    },
+    simulate::{Along, DrapeOptions, GuideTraits, Simulate, SimulationParams, drape},
+    strands::Strand,
+};
+use glam::Vec3;
+
+/// Nodes along the longest side of the mannequin's distance field.
+const FIELD_RESOLUTION: u32 = 96;
+
+/// Distance that settled guides keep from the skin at least, metres.
+const CLEARANCE: f32 = 1e-3;
+
+/// A groom on a head, in metres, not yet on the GPU.
+#[derive(Clone, Debug)]
+pub struct Character {
+    /// Guides and strands.
+    pub groom: Groom,
+    /// What is drawn with the hair.
+    pub mesh: TriMesh,
+    /// What the hair collides with.
+    pub field: SdfGrid,
+    /// The joint about which the head turns, metres.
+    pub neck: Vec3,
+}
+
+/// Dresses the mannequin: traces the guides of `style`, lets them fall under gravity on the head
+/// (on the device, with the step that later moves them), and grows the strands from what settled.
+/// `strands` is the exact number of strands, `None` for the style's own. Blocks.
+///
+/// # Errors
+/// [`Error::Parameter`](crate::Error::Parameter) for a style or a number of strands that cannot be
+/// grown, [`Error::Gpu`](crate::Error::Gpu) when the device is lost.
+pub fn character(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    simulate: &Simulate,
+    style: &Style,
+    strands: Option<u32>,
+) -> Result<Character> {
+    let scalp = GridScalp::mannequin(FIELD_RESOLUTION);
+    let mut styled = guides(style, &scalp);
+    settle(device, queue, simulate, &mut styled, &scalp.field)?;
+    let mut growth = Growth::for_style(style);
+    if let Some(count) = strands {
+        growth = growth.with_strands(count);
+    }
+    let grown = grow::grow(&styled, &growth, &scalp)?;
+    Ok(Character {
+        groom: bound(&styled, &grown),
+        mesh: mannequin::mesh(mannequin::RESOLUTION),
+        field: scalp.field,
+        neck: mannequin::NECK_JOINT,
+    })
+}
+
+/// Lets `styled` fall into place on a head with the distance field `field`, as far as its recipe's
+/// [`Hold`] lets it. Blocks.
+///
+/// # Errors
+/// What [`drape`] says.
+pub fn settle(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    simulate: &Simulate,
+    styled: &mut StyledGuides,
+    field: &SdfGrid,
+) -> Result<()> {
+    let traits: Vec<_> = styled
+        .stiffness
+        .iter()
+        .map(|&stiffness| GuideTraits { stiffness, ..GuideTraits::default() })
+        .collect();
+    let settled = drape(
+        device,
+        queue,
+        simulate,
+        &styled.guides.positions,
+        GUIDE_VERTICES as u32,
+        &traits,
+        &draping(&styled.recipe.hold),
+        Some(field),
+        &DrapeOptions::default(),
+    )?;
+    // Contacts give way by a millimetre where hair is pressed to the head, and edges are stretched
+    // a little: vertices leave the skin and steps are made equal again.
+    let lines = settled.as_chunks::<GUIDE_VERTICES>().0;
+    for (guide, line) in styled.guides.positions.as_chunks_mut::<GUIDE_VERTICES>().0.iter_mut().zip(lines) {
+        guide.copy_from_slice(&resample(line, GUIDE_VERTICES));
+        for p in guide.iter_mut().skip(2) {
+            let depth = CLEARANCE - field.sample(*p);
+            *p += field.normal(*p) * depth.max(0.0);
+        }
+    }
+    Ok(())
+}
+
+/// The physics of hair with something in it that holds.
+fn draping(hold: &Hold) -> SimulationParams {
+    let base = SimulationParams::default();
+    let bending = Along {
+        root: base.bending.root * hold.bending,
+        tip: base.bending.tip * hold.bending,
+        ..base.bending
+    };
+    SimulationParams { bending, goal: Along { root: hold.root, tip: hold.tip, falloff: 0.2 }, ..base }
+}
+
+/// Grown strands on their guides, packed.
+pub fn bound(styled: &StyledGuides, grown: &GrownStrands) -> Groom {
+    let mut guides = Guides::new(GUIDE_VERTICES as u32);
+    for (guide, stiffness) in styled.guides.iter().zip(&styled.stiffness) {
+        guides.push(guide, *stiffness, false);
+    }
+    let mut strands = BoundStrands::new(grown.vertex_count as u32);
+    let mut load = vec![0.0; guides.len()];
+    for (i, strand) in grown.strands.iter().enumerate() {
+        let influences: [Influence; 3] = std::array::from_fn(|k| Influence {
+            guide: strand.guides[k],
+            weight: strand.weights[k],
+            scale: strand.scale[k],
+        });
+        for influence in &influences {
+            load[influence.guide as usize] += influence.weight;
+        }
+        let radii = &grown.radii[i * grown.vertex_count..(i + 1) * grown.vertex_count];
+        let header = Strand { radius: strand.radius, seed: strand.seed, ..Default::default() };
+        strands.push(header, grown.strand(i), radii, &influences);
+    }
+    guides.strands = load;
+    Groom { guides, strands }
+}

@@ -1,0 +1,74 @@
+//! The built-in characters: hair that has fallen into place on the mannequin.
+
+mod common;
+
+use tresses::{
+    glam::Vec3,
+    gpu::Gpu,
+    groom::{
+        SdfGrid,
+        styles::{self, GUIDE_VERTICES, GridScalp, Style, StyledGuides},
+    },
+    simulate::Simulate,
+};
+
+/// Guides before and after they fell.
+fn settled(gpu: &Gpu, simulate: &Simulate, style: &Style, scalp: &GridScalp) -> (StyledGuides, StyledGuides) {
+    let before = styles::guides(style, scalp);
+    let mut after = before.clone();
+    styles::settle(&gpu.device, &gpu.queue, simulate, &mut after, &scalp.field).unwrap();
+    (before, after)
+}
+
+/// How deep the deepest of `points` lies in the head, metres.
+fn deepest(points: &[Vec3], field: &SdfGrid) -> f32 {
+    points.iter().map(|p| -field.sample(*p)).fold(f32::NEG_INFINITY, f32::max)
+}
+
+/// The largest relative difference between the lengths of two lists of strands.
+fn length_change(a: &[Vec3], b: &[Vec3]) -> f32 {
+    let length = |line: &[Vec3]| line.windows(2).map(|w| w[0].distance(w[1])).sum::<f32>();
+    a.chunks(GUIDE_VERTICES)
+        .zip(b.chunks(GUIDE_VERTICES))
+        .map(|(a, b)| (length(b) / length(a) - 1.0).abs())
+        .fold(0.0, f32::max)
+}
+
+#[test]
+fn hair_falls_outside_of_the_head_and_keeps_its_length() {
+    let Some(gpu) = common::gpu() else { return };
+    let simulate = Simulate::new(&gpu.device);
+    let scalp = GridScalp::mannequin(96);
+    for style in Style::NAMES.map(|name| name.parse::<Style>().unwrap()) {
+        let (before, after) = settled(&gpu, &simulate, &style, &scalp);
+        let name = style.name();
+        let (a, b) = (&before.guides.positions, &after.guides.positions);
+        assert!(deepest(b, &scalp.field) < 1e-3, "{name}: {}", deepest(b, &scalp.field));
+        assert!(length_change(a, b) < 0.02, "{name}: {}", length_change(a, b));
+        // It did fall, and did not collapse.
+        let moved = |i: usize| a[i].distance(b[i]);
+        let tips = before.guides.len() as f32;
+        let mean = (1..=before.guides.len()).map(|g| moved(g * GUIDE_VERTICES - 1)).sum::<f32>() / tips;
+        assert!((2e-4..0.04).contains(&mean), "{name}: {mean}");
+        if name == "long" {
+            assert_eq!(after.guides.len(), 166);
+        }
+        // The comparers see a vertex in the head, and a strand that is too long.
+        let mut wrong = b.clone();
+        wrong[5] = scalp.landmarks.skull;
+        assert!(deepest(&wrong, &scalp.field) > 0.05);
+        assert!(length_change(a, &wrong) > 0.02);
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bits() {
+    let Some(gpu) = common::gpu() else { return };
+    let simulate = Simulate::new(&gpu.device);
+    let style = Style::default();
+    let make = |style| styles::character(&gpu.device, &gpu.queue, &simulate, style, Some(500)).unwrap();
+    let (once, twice) = (make(&style), make(&style));
+    assert_eq!(once.groom, twice.groom);
+    assert_eq!((once.groom.guides.len(), once.groom.strands.len()), (166, 500));
+    assert_ne!(once.groom.guides.positions, make(&style.with_seed(2)).groom.guides.positions);
+}
