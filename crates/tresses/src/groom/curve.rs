@@ -26,6 +26,16 @@ fn walk(points: &[Vec3], distances: impl Iterator<Item = f32>) -> Vec<Vec3> {
         .collect()
 }
 
+/// `count` points (at least 2) at equal steps of arc length along the polyline `points`, with both
+/// ends exact.
+pub fn resample_chords(points: &[Vec3], count: usize) -> Vec<Vec3> {
+    let Some(last) = points.last() else { return Vec::new() };
+    let total = length(points);
+    let mut resampled = walk(points, (0..count).map(|i| total * i as f32 / (count - 1) as f32));
+    resampled[count - 1] = *last;
+    resampled
+}
+
 /// `count` points (at least 2) at equal steps of arc length along the smooth curve through
 /// `points`, with both ends exact.
 pub fn resample(points: &[Vec3], count: usize) -> Vec<Vec3> {
@@ -35,10 +45,7 @@ pub fn resample(points: &[Vec3], count: usize) -> Vec<Vec3> {
     } else {
         points.to_vec()
     };
-    let total = length(&fine);
-    let mut resampled = walk(&fine, (0..count).map(|i| total * i as f32 / (count - 1) as f32));
-    resampled[count - 1] = points[points.len() - 1];
-    resampled
+    resample_chords(&fine, count)
 }
 
 /// `count` points (at least 2) at equal parameter steps of the Catmull-Rom spline through
@@ -110,6 +117,17 @@ mod tests {
         let steps: Vec<_> = even.windows(2).map(|w| w[0].distance(w[1])).collect();
         let mean = steps.iter().sum::<f32>() / 31.0;
         assert!(steps.iter().all(|s| (s / mean - 1.0).abs() < 0.03), "{steps:?}");
+    }
+
+    #[test]
+    fn chords_are_walked_at_equal_steps() {
+        let source: Vec<_> = (0..37).map(|i| Vec3::new((i * i) as f32 * 1e-3, 0.1, 0.3)).collect();
+        let out = resample_chords(&source, 16);
+        assert_eq!((out[0], out[15]), (source[0], source[36]));
+        let step = source[36].distance(source[0]) / 15.0;
+        assert!(out.windows(2).all(|w| (w[0].distance(w[1]) - step).abs() < 1e-5));
+        assert!(resample_chords(&[], 8).is_empty());
+        assert_eq!(resample_chords(&[Vec3::X], 3), [Vec3::X; 3]);
     }
 
     #[test]

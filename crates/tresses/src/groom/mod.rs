@@ -11,7 +11,6 @@ pub mod lint;
 pub mod mannequin;
 pub mod mesh;
 pub mod orient;
-pub mod resample;
 pub mod sdf;
 pub mod strands;
 pub mod styles;

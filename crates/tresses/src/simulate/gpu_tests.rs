@@ -33,6 +33,9 @@ fn random(seed: &mut u32) -> f32 {
     ((word >> 22) ^ word) as f32 / u32::MAX as f32
 }
 
+/// The guide of [`groom`] that has a segment of no length.
+const DEGENERATE: usize = 4;
+
 /// Hair on a sphere of 9 cm, some of it wavy, plus a few inputs that deserve a name.
 fn groom(count: usize, n: usize) -> (Vec<Vec3>, Vec<GuideTraits>) {
     let mut seed = 7;
@@ -61,7 +64,7 @@ fn groom(count: usize, n: usize) -> (Vec<Vec3>, Vec<GuideTraits>) {
         positions[2 * n + i] = Vec3::Y * (0.09 + 0.15 * i as f32 / (n - 1) as f32);
         positions[3 * n + i] = Vec3::Y * (0.09 + 0.002 * i as f32 / (n - 1) as f32);
     }
-    positions[4 * n + n / 2] = positions[4 * n + n / 2 - 1];
+    positions[DEGENERATE * n + n / 2] = positions[DEGENERATE * n + n / 2 - 1];
     (positions, traits)
 }
 
@@ -186,7 +189,8 @@ fn compare(gpu: &Gpu, n: usize, frames: usize, disturb: f32) -> (f32, Vec<[f32; 
         if off > 1e-5 {
             println!("guide {g}: {off} m");
         }
-        worst = worst.max(off);
+        // The direction of an edge of no length is rounding: that strand need only stay finite.
+        worst = if g == DEGENERATE { worst } else { worst.max(off) };
     }
     (worst, found)
 }
@@ -194,14 +198,12 @@ fn compare(gpu: &Gpu, n: usize, frames: usize, disturb: f32) -> (f32, Vec<[f32; 
 #[test]
 fn kernel_and_twin_agree() {
     let Some(gpu) = gpu() else { return };
-    // The difference grows steeply with the vertex count, for reasons not yet shown: see `mod.rs`.
-    // The last tolerance only catches gross errors.
-    for (n, tolerance) in [(5, 2e-6), (12, 2e-5), (16, 1e-4), (32, 2e-2)] {
+    for (n, tolerance) in [(5, 2e-6), (12, 2e-5), (16, 2e-5), (24, 1e-4), (32, 3e-4), (64, 1e-3)] {
         let (worst, _) = compare(&gpu, n, 4, 0.0);
         println!("{n} vertices: kernel and twin differ by {worst} m after 4 steps");
         assert!(worst < tolerance, "{n}: {worst}");
     }
-    let (worst, _) = compare(&gpu, 16, 4, 2.0);
+    let (worst, _) = compare(&gpu, 16, 4, 0.1);
     assert!(worst > 1e-4, "the comparison sees a slight side wind: {worst}");
 }
 

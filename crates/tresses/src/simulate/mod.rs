@@ -27,11 +27,13 @@
 //! a 2 Hz shake) for fewer operations, and elimination is serial along the strand, so 63 of 64
 //! threads would wait at barriers. A thousand guides fill a GPU as well as a thousand groups.
 //!
-//! **Known limits.** Beyond 16 vertices, kernel and twin part by millimetres within a few steps of a
-//! turning head, though both rest exactly. Rounding of stiff systems is suspected, not shown: soft
-//! guides differ too. Elimination from tip to root would save
-//! a pass, but its rounding is far worse. Twist has no stiffness of its own: it is rigid.
-//! Untried: unknowns per edge instead of per vertex, which should round less.
+//! **Rounding.** Along an edge a strand is thousands of times stiffer than across. The blocks are
+//! therefore factored (see [`crate::math::ldl`]), not inverted. Kernel and scalar twin part by 0.01 mm
+//! (16 vertices) to 0.1 mm (32) in four steps of a turning head. Only a strand with a segment of no
+//! length parts by millimetres: the direction of that segment is rounding.
+//!
+//! **Known limits.** Elimination from tip to root would save a pass, but its rounding is far worse.
+//! Twist has no stiffness of its own: it is rigid.
 
 pub mod clock;
 pub mod collider;

@@ -4,6 +4,10 @@ use super::{
     collider::{CapsuleMotion, FieldVolume},
     params::{BRAKE, Mode, StepUniforms, bending_rate},
 };
+use crate::math::{
+    ldl::Factors,
+    rotation::{self, minimal_rotation},
+};
 use crate::strands::{Guide, GuideRest, GuideShape, guide::TIP_PINNED};
 use glam::{Mat3, Quat, Vec3};
 
@@ -15,6 +19,8 @@ const PUSH_OUT: f32 = 0.5;
 const STICK: f32 = 1e-6;
 /// No edge is longer than this times its rest length after a step.
 const MAX_STRAIN: f32 = 1.008;
+/// Edges shorter than this part of the mean edge are not divided by.
+const LEAST_EDGE: f32 = 0.05;
 /// A strand of which a vertex is faster than this, m/s, is put back to rest.
 const MAX_SPEED: f32 = 300.0;
 
@@ -37,21 +43,7 @@ pub(crate) struct Obstacles<'a> {
 }
 
 fn nlerp(a: [f32; 4], b: [f32; 4], t: f32) -> Quat {
-    let (a, b) = (Quat::from_array(a), Quat::from_array(b));
-    let b = if a.dot(b) < 0.0 { -b } else { b };
-    (a * (1.0 - t) + b * t).normalize()
-}
-
-/// The smallest rotation from the direction of `a` to that of `b`.
-fn minimal_rotation(a: Vec3, b: Vec3) -> Quat {
-    let scale = (a.length_squared() * b.length_squared()).sqrt();
-    let w = scale + a.dot(b);
-    // Opposite directions have no smallest rotation: the frame is kept.
-    if w < 1e-3 * scale || scale < 1e-20 {
-        return Quat::IDENTITY;
-    }
-    let c = a.cross(b);
-    Quat::from_xyzw(c.x, c.y, c.z, w).normalize()
+    rotation::nlerp(Quat::from_array(a), Quat::from_array(b), t)
 }
 
 fn outer(a: Vec3, b: Vec3) -> Mat3 {
@@ -76,10 +68,10 @@ fn contact(d: f32, n: Vec3, clearance: f32, slip: Vec3, h: f32, friction: f32, m
 }
 
 /// How far the bend at vertex `j` is from its target `t`, damping included, and how the target
-/// follows the edge before.
-fn bend(p: &[Vec3], v: &[Vec3], j: usize, t: Vec3, damping: f32) -> (Vec3, Mat3) {
+/// follows the edge before, which counts as no shorter than the root of `least`.
+fn bend(p: &[Vec3], v: &[Vec3], j: usize, t: Vec3, least: f32, damping: f32) -> (Vec3, Mat3) {
     let e = p[j] - p[j - 1];
-    let inverse = 1.0 / e.length_squared().max(1e-18);
+    let inverse = 1.0 / e.length_squared().max(least);
     let a = Mat3::from_diagonal(Vec3::splat(e.dot(t) * inverse)) - outer(e * inverse, t);
     (p[j + 1] - p[j] - t + (v[j + 1] - v[j] - a * (v[j] - v[j - 1])) * damping, a)
 }
@@ -119,6 +111,7 @@ impl Strand {
         let edge = self.guide.length / (n.max(2) - 1) as f32;
         let inverse_edge = 1.0 / edge.max(1e-6);
         let square = inverse_edge * inverse_edge;
+        let least = LEAST_EDGE * LEAST_EDGE * edge * edge;
         let stretch = u.stretch * self.guide.length * square;
         let tip_pinned = self.guide.flags & TIP_PINNED != 0;
         let h = u.h;
@@ -175,7 +168,7 @@ impl Strand {
                 let unit = e_next / e_next.length().max(1e-9);
                 let sum = 1.0 / (1.0 + carried[j].dot(unit)).max(0.1);
                 twist[j] = torque.dot(unit) * sum;
-                let (s, _) = bend(&p, &v, j, target[j], u.bending_damping);
+                let (s, _) = bend(&p, &v, j, target[j], least, u.bending_damping);
                 torque = (carried[j] + unit) * twist[j] - target[j].cross(s) * rate(j);
             }
             // Root to tip: assemble and eliminate.
@@ -203,10 +196,10 @@ impl Strand {
                 let k = outer(unit, unit) * (stretch - slack) + Mat3::from_diagonal(Vec3::splat(slack));
                 // The bend between the two edges: s = e_next - t, where t follows e.
                 let e = p[j] - p[j - 1];
-                let inverse = 1.0 / e.length_squared().max(1e-18);
+                let inverse = 1.0 / e.length_squared().max(least);
                 let t_j = target[j];
                 let kb = rate(j);
-                let (s, a) = bend(&p, &v, j, t_j, u.bending_damping);
+                let (s, a) = bend(&p, &v, j, t_j, least, u.bending_damping);
                 let km = kb * (1.0 + u.bending_damping / h);
                 let at = a.transpose();
                 let ata = at * a;
@@ -215,7 +208,7 @@ impl Strand {
                 let brake = Mat3::from_diagonal(Vec3::splat(BRAKE * km * sine));
                 // The torque from below, which turns the frames above.
                 let from_e = (carried[j] + unit).cross(e) * (twist[j] * inverse);
-                let from_next = carried[j].cross(unit) * (-twist[j] / length);
+                let from_next = carried[j].cross(unit) * (-twist[j] / length.max(least.sqrt()));
                 d0 += ata * km + brake;
                 u0 -= (at + ata) * km + brake;
                 let c0 = at * km;
@@ -227,8 +220,8 @@ impl Strand {
                 let mut g2 = f * weight - unit * tension - s * kb - from_next;
                 // Eliminate the row before.
                 if j > 2 {
-                    let inv = d0.inverse();
-                    let (x, z, r) = (inv * u0, inv * c0, inv * g0);
+                    let inv = Factors::new(d0);
+                    let (x, z, r) = (inv.solve_columns(u0), inv.solve_columns(c0), inv.solve(g0));
                     rows[j - 1] = (x, z, r);
                     let (u0t, c0t) = (u0.transpose(), c0.transpose());
                     d1 -= u0t * x;
@@ -245,14 +238,14 @@ impl Strand {
             }
             // Rows n - 2 and n - 1 remain.
             if n > 3 {
-                let inv = d0.inverse();
-                let (x, r) = (inv * u0, inv * g0);
+                let inv = Factors::new(d0);
+                let (x, r) = (inv.solve_columns(u0), inv.solve(g0));
                 rows[n - 2] = (x, Mat3::ZERO, r);
                 d1 -= u0.transpose() * x;
                 g1 -= u0.transpose() * r;
             }
             let mut after = Vec3::ZERO;
-            let mut next = if tip_pinned { Vec3::ZERO } else { d1.inverse() * g1 };
+            let mut next = if tip_pinned { Vec3::ZERO } else { Factors::new(d1).solve(g1) };
             for i in (2..n).rev() {
                 if i < n - 1 {
                     let (x, z, r) = rows[i];

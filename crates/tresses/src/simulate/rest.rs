@@ -108,7 +108,7 @@ impl RestGuides {
 }
 
 /// Guides from `positions` (groom space, metres; guide `g` has `g * n..(g + 1) * n`, root first,
-/// equal arc lengths, see [`crate::groom::resample`]). `traits` has one entry per guide, or none
+/// equal arc lengths, see [`crate::groom::curve::resample`]). `traits` has one entry per guide, or none
 /// for the default. `field` gives the clearance that each vertex has at rest.
 ///
 /// # Errors

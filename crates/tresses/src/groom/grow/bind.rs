@@ -2,7 +2,10 @@
 
 use super::cells::Cells;
 use super::triangles::{delaunay, weights};
-use crate::groom::styles::{Scalp, StyledGuides, resample, stereographic};
+use crate::groom::{
+    curve::resample_chords,
+    styles::{Scalp, StyledGuides, stereographic},
+};
 use glam::{Vec2, Vec3};
 
 /// Samples of each smoothed guide.
@@ -44,7 +47,7 @@ impl<'a> Scaffold<'a> {
         let mut across = Vec::new();
         let mut flat = Vec::new();
         for guide in styled.guides.iter() {
-            let smooth = resample(&smooth(guide), SAMPLES);
+            let smooth = resample_chords(&smooth(guide), SAMPLES);
             across.extend(frames(&smooth));
             points.extend_from_slice(&smooth);
             flat.push(stereographic(guide.first().copied().unwrap_or_default() - skull));

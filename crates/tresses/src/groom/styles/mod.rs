@@ -30,7 +30,7 @@ pub use recipe::{Bob, Curl, Curly, Hold, Long, LowTop, Recipe, Short, Style};
 pub use scalp::{GridScalp, Landmarks, Scalp, scalp_direction, scalp_uv};
 pub(crate) use scalp::{spread_direction, stereographic};
 
-use super::Strands;
+use super::{Strands, curve::resample_chords};
 use glam::Vec3;
 
 /// Vertices of each guide.
@@ -82,8 +82,8 @@ pub fn guides_of(recipe: &Recipe, scalp: &dyn Scalp) -> StyledGuides {
     let roots = roots::guide_roots(scalp, &hairline, parting.as_ref(), recipe.guides as usize, recipe.seed);
     for (i, root) in roots.into_iter().enumerate() {
         // Twice, as chords cut corners: what was even along the path is not quite along its chords.
-        let chords = resample(&field.trace(root, i as u32), GUIDE_VERTICES);
-        strands.push(&resample(&chords, GUIDE_VERTICES));
+        let chords = resample_chords(&field.trace(root, i as u32), GUIDE_VERTICES);
+        strands.push(&resample_chords(&chords, GUIDE_VERTICES));
         strands.root_uvs.push(scalp_uv(root - marks.skull));
         stiffness.push(recipe.stiffness.at(field.layer(root)));
     }
@@ -98,27 +98,6 @@ pub fn guides_of(recipe: &Recipe, scalp: &dyn Scalp) -> StyledGuides {
         face,
         recipe: *recipe,
     }
-}
-
-/// `count` points at equal distances along `path`, its ends included.
-pub(crate) fn resample(path: &[Vec3], count: usize) -> Vec<Vec3> {
-    let total: f32 = path.windows(2).map(|w| w[0].distance(w[1])).sum();
-    let Some((&first, &last)) = path.first().zip(path.last()) else { return Vec::new() };
-    let mut points = vec![first];
-    let (mut i, mut before) = (0, 0.0);
-    for k in 1..count.max(2) - 1 {
-        let wanted = total * k as f32 / (count - 1) as f32;
-        while i + 2 < path.len() && before + path[i].distance(path[i + 1]) < wanted {
-            before += path[i].distance(path[i + 1]);
-            i += 1;
-        }
-        let edge = path[i].distance(path[(i + 1).min(path.len() - 1)]).max(1e-9);
-        points.push(
-            path[i].lerp(path[(i + 1).min(path.len() - 1)], ((wanted - before) / edge).clamp(0.0, 1.0)),
-        );
-    }
-    points.push(last);
-    points
 }
 
 #[cfg(test)]
