@@ -1,6 +1,7 @@
 //! A whole built-in character: the mannequin with a hairstyle that has fallen into place.
 
-use super::{GUIDE_VERTICES, GridScalp, Hold, Style, StyledGuides, guides, resample};
+use super::{GUIDE_VERTICES, GridScalp, Hold, Style, StyledGuides, guides};
+use crate::groom::curve::resample_chords;
 use crate::{
     Result,
     groom::{
@@ -94,7 +95,7 @@ pub fn settle(
     // a little: vertices leave the skin and steps are made equal again.
     let lines = settled.as_chunks::<GUIDE_VERTICES>().0;
     for (guide, line) in styled.guides.positions.as_chunks_mut::<GUIDE_VERTICES>().0.iter_mut().zip(lines) {
-        guide.copy_from_slice(&resample(line, GUIDE_VERTICES));
+        guide.copy_from_slice(&resample_chords(line, GUIDE_VERTICES));
         for p in guide.iter_mut().skip(2) {
             let depth = CLEARANCE - field.sample(*p);
             *p += field.normal(*p) * depth.max(0.0);
