@@ -51,7 +51,7 @@ fn eye(p: Vec3, d: f32) -> f32 {
     let upper = step(-2.0, 1.6, seam) * step(9.0, 2.0, seam);
     let crease = p.y - (110.5 + 5.0 * along + 0.9 * t);
     let crease = (1.0 - (crease / 3.0).powi(2)).max(0.0).powi(2);
-    d + near * along * along.sqrt() * (0.7 * groove - 0.6 * upper + 0.6 * crease)
+    d + near * along * along.sqrt() * (0.9 * groove - 0.6 * upper + 0.6 * crease)
 }
 
 fn nose(p: Vec3, d: f32) -> f32 {
@@ -72,12 +72,12 @@ fn nose(p: Vec3, d: f32) -> f32 {
 /// Two tubes that taper to the corners of the mouth; where they meet is the parting line.
 fn lips(p: Vec3, d: f32) -> f32 {
     let philtrum = hill(p, vec3(0.0, 57.0, 99.0), vec3(5.5, 9.0, 14.0));
-    let corner = hill(p, vec3(22.5, 44.0, 88.0), vec3(8.0, 8.0, 12.0));
-    let d = d + 0.9 * philtrum + 0.6 * corner;
+    let corner = hill(p, vec3(24.5, 44.5, 86.0), vec3(8.0, 8.0, 12.0));
+    let d = d + 0.9 * philtrum + 0.4 * corner;
     if (p - vec3(0.0, 44.0, 84.0)).length() - 32.0 > d + 6.0 {
         return d;
     }
-    let taper = (1.0 - (p.x / 21.5).powi(2)).max(-1.0);
+    let taper = (1.0 - (p.x / 23.5).powi(2)).max(-1.0);
     let rise = taper.max(0.0);
     let bow = (1.0 - (p.x / 6.0).powi(2)).max(0.0).powi(2);
     let back = 0.018 * p.x * p.x;
