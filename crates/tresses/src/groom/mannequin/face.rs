@@ -80,13 +80,13 @@ fn lips(p: Vec3, d: f32) -> f32 {
     let taper = (1.0 - (p.x / 23.5).powi(2)).max(-1.0);
     let rise = taper.max(0.0);
     let bow = (1.0 - (p.x / 6.0).powi(2)).max(0.0).powi(2);
-    let back = 0.018 * p.x * p.x;
+    let back = 0.0165 * p.x * p.x;
     let smile = 0.0025 * p.x * p.x;
     // The tubes run backwards towards the corners; the distance across them is that much shorter.
     let run = (1.0 + (0.036 * p.x).powi(2)).sqrt().recip();
     let tube =
         |y: f32, z: f32, r: f32| (Vec2::new(p.y - y - smile, (p.z - z + back) * run).length() - r) * 0.97;
-    let upper = tube(44.0 + 3.8 * rise - 1.2 * bow, 94.0 + 0.8 * bow, 0.2 + 4.2 * taper - 0.5 * bow);
-    let lower = tube(43.6 - 4.4 * rise * rise.sqrt(), 92.6, 5.0 * taper);
+    let upper = tube(44.0 + 3.8 * rise - 1.2 * bow, 94.0 + 0.8 * bow, 0.5 + 4.0 * taper - 0.5 * bow);
+    let lower = tube(43.6 - 4.4 * rise * rise.sqrt(), 92.6, 0.3 + 4.8 * taper);
     join(d, join(upper, lower, 1.8), 4.5)
 }
