@@ -39,11 +39,11 @@ pub const CROWN: Vec3 = vec3(0.0, 0.2236, -0.010);
 /// The middle of the brow, metres.
 pub const BROW: Vec3 = vec3(0.0, 0.130, 0.093);
 /// The left eye, on the closed lid, metres.
-pub const EYE: Vec3 = vec3(0.0315, 0.110, 0.0825);
+pub const EYE: Vec3 = vec3(0.0315, 0.110, 0.0812);
 /// The tip of the nose, metres.
-pub const NOSE_TIP: Vec3 = vec3(0.0, 0.0715, 0.1138);
+pub const NOSE_TIP: Vec3 = vec3(0.0, 0.0755, 0.1115);
 /// Where the lips meet, metres.
-pub const MOUTH: Vec3 = vec3(0.0, 0.040, 0.0984);
+pub const MOUTH: Vec3 = vec3(0.0, 0.044, 0.0975);
 /// The lowest point of the chin, metres.
 pub const CHIN: Vec3 = vec3(0.0, 0.0024, 0.080);
 /// The left ear, in front of its bowl, metres.
@@ -51,7 +51,7 @@ pub const EAR: Vec3 = vec3(0.0743, 0.085, 0.003);
 /// Where the rim of the left ear meets the head above, metres.
 pub const EAR_TOP: Vec3 = vec3(0.0761, 0.116, -0.005);
 /// The nape of the neck, where the hair ends, metres.
-pub const NAPE: Vec3 = vec3(0.0, 0.045, -0.0782);
+pub const NAPE: Vec3 = vec3(0.0, 0.045, -0.0776);
 
 /// The signed distance from `p` to the bust's surface, metres, negative inside. Near the surface it is true
 /// within a few percent, in the creases where two forms meet up to 40 % short; far away it is at

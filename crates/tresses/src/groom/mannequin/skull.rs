@@ -5,7 +5,7 @@ use glam::{Vec3, vec3};
 
 /// Half the width of the face at every 10 mm of height, from 20 mm below the chin upwards.
 const HALF_WIDTH: [f32; 19] = [
-    14.0, 20.0, 27.0, 34.5, 41.5, 47.5, 52.5, 56.5, 59.5, 62.0, 64.0, 65.5, 66.5, 67.0, 67.0, 66.0, 63.0,
+    12.0, 17.5, 24.0, 31.0, 38.0, 44.0, 49.5, 54.0, 57.5, 60.5, 63.0, 64.8, 66.0, 67.0, 67.0, 66.0, 63.0,
     58.0, 50.0,
 ];
 /// How far the face's plane lies in front of the ears, at the same heights.
