@@ -104,6 +104,8 @@ fn strips_cover_their_area() {
         for (width, tolerance) in
             [(0.1, 0.2), (0.3, 0.09), (0.7, 0.06), (1.0, 0.03), (2.5, 0.02), (5.0, 0.02)]
         {
+            // A single sample is smoothed along strands, and their ends fray into what is beside them.
+            let tolerance = tolerance + if samples * ssaa == 1 { 0.02 } else { 0.0 };
             let (expected, drawn) = coverage(&gpu, width, samples, ssaa);
             let error = drawn / expected - 1.0;
             println!(

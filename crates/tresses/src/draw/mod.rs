@@ -15,7 +15,8 @@
 //! everywhere along its way, and covers only the share `width / drawn width` of the samples. Which
 //! samples is a property of the strand: strands that overlap then add up as independent things do,
 //! and there is no noise along a strand. With a single sample per pixel the share becomes a
-//! probability that the strand is there at all: it ends where it has become too thin for its hash.
+//! probability that the strand is there at all: it ends where it has become too thin for its hash,
+//! only half of its taper counted, so that not too many end early.
 //!
 //! Not taken: alpha blending (needs sorting), alpha to coverage (the same samples for every
 //! strand, so that overlapping thin hairs hide behind each other). Untried: analytic coverage in a

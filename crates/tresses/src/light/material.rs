@@ -119,8 +119,8 @@ impl HairMaterial {
     /// Black, with clear highlights.
     pub fn black() -> Self {
         Self {
-            primary: 0.75,
-            secondary: 0.35,
+            primary: 1.1,
+            secondary: 0.5,
             transmission: 0.2,
             absorption: 140.0,
             ..Self::colored(Vec3::new(0.012, 0.010, 0.009))

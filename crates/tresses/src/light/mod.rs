@@ -19,7 +19,7 @@
 //! which hides the texels of the maps. Eight bytes per vertex.
 //!
 //! **Shading** (`shading.wesl`): Kajiya and Kay's fibre with two highlights whose tangents are
-//! shifted per strand, a lobe of light that shines through from behind, and the sky. Functions of
+//! shifted per lock and per strand, sharp glints in the first, a lobe of light that shines through from behind, and the sky. Functions of
 //! tangent, light, eye and strand only, so that a kernel and a fragment shader share them.
 //!
 //! Not taken: deep opacity maps (a chapter of their own; the seam is `hair_transmittance`), dual

@@ -3,7 +3,8 @@
 //! Every sample is composed with the background and tone mapped on its own; their mean is the
 //! pixel. Averaging first would let a single bright sample decide a pixel, which sparkles and
 //! undoes the antialiasing of a highlight's edge. With supersampling the mean is over the samples
-//! of a square of pixels.
+//! of a square of pixels. A single sample per pixel is blended with its neighbours along the
+//! strand or edge that it belongs to, which the structure tensor of its neighbourhood finds.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec2;
