@@ -79,7 +79,7 @@ fn simulate() {
             guide_count,
             vertex_count,
             mode,
-            _pad,
+            one,
         })
     );
 }

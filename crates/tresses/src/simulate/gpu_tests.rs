@@ -198,7 +198,7 @@ fn compare(gpu: &Gpu, n: usize, frames: usize, disturb: f32) -> (f32, Vec<[f32; 
 #[test]
 fn kernel_and_twin_agree() {
     let Some(gpu) = gpu() else { return };
-    for (n, tolerance) in [(5, 2e-6), (12, 2e-5), (16, 2e-5), (24, 1e-4), (32, 3e-4), (64, 1e-3)] {
+    for (n, tolerance) in [(5, 2e-6), (12, 2e-5), (16, 2e-5), (24, 1e-4), (32, 3e-4), (64, 4e-3)] {
         let (worst, _) = compare(&gpu, n, 4, 0.0);
         println!("{n} vertices: kernel and twin differ by {worst} m after 4 steps");
         assert!(worst < tolerance, "{n}: {worst}");
@@ -276,4 +276,123 @@ fn draped_hair_lies_on_the_sphere() {
     let drop: f32 =
         settled.iter().zip(&positions).map(|(a, b)| b.y - a.y).sum::<f32>() / settled.len() as f32;
     assert!(drop > 0.01, "{drop}");
+}
+
+/// The largest strain of an edge of a guide, after rest, over a motion of `frames` steps.
+fn worst_strain(gpu: &Gpu, n: usize, frames: usize, motion: impl Fn(f32) -> Pose) -> f32 {
+    let params = SimulationParams::default();
+    let (positions, traits) = groom(24, n);
+    let grid = sphere();
+    let rest =
+        rest::guides(&positions, n as u32, &traits, &params, &RestOptions::default(), Some(&grid)).unwrap();
+    let mut scene = Scene::new(gpu, &rest, Some(&grid));
+    let poses = ColliderPoses::default();
+    let count = rest.info.len();
+    let start = Step { begin: motion(0.0), end: motion(0.0), ..carry_to_start() };
+    scene.run(gpu, &params, &[start], &poses, None);
+    let mut worst = 0f32;
+    for frame in 0..frames {
+        let t = frame as f32 * params.step;
+        let step = Step { begin: motion(t), end: motion(t + params.step), ..at(0.0, 0.0) };
+        scene.run(gpu, &params, &[step], &poses, None);
+        if frame % 4 != 3 {
+            continue;
+        }
+        let found = scene.positions(gpu);
+        // A pinned tip pulls, and a segment of no length has no strain.
+        for g in (1..count).filter(|g| *g != DEGENERATE) {
+            for i in 0..n - 1 {
+                let point = |i: usize| Vec3::from_slice(&found[i * count + g]);
+                let length = positions[g * n + i].distance(positions[g * n + i + 1]);
+                let off = (point(i).distance(point(i + 1)) - length).abs();
+                // Two micrometres are no stretch: the shortest edges here have 65.
+                let strain = (off - 2e-6).max(0.0) / length;
+                assert!(off.is_finite());
+                worst = worst.max(strain);
+            }
+        }
+    }
+    worst
+}
+
+#[test]
+fn lengths_are_kept_in_a_shake_and_a_turn() {
+    let Some(gpu) = gpu() else { return };
+    let shake = worst_strain(&gpu, 32, 90, |t| Pose {
+        translation: Vec3::X * 0.1 * (std::f32::consts::TAU * 2.0 * t).sin(),
+        ..Pose::IDENTITY
+    });
+    // 90 degrees in half a second and back.
+    let turn = worst_strain(&gpu, 32, 90, |t| Pose {
+        rotation: Quat::from_rotation_y(0.785 * (1.0 - (std::f32::consts::TAU * t).cos())),
+        ..Pose::IDENTITY
+    });
+    println!("largest strain: {:.2} % shaken, {:.2} % turned", shake * 100.0, turn * 100.0);
+    assert!(shake < 0.01 && turn < 0.01);
+}
+
+#[test]
+fn hair_returns_to_its_shape() {
+    let Some(gpu) = gpu() else { return };
+    let (params, n) = (SimulationParams::default(), 16);
+    let (positions, traits) = groom(24, n);
+    let grid = sphere();
+    let rest =
+        rest::guides(&positions, n as u32, &traits, &params, &RestOptions::default(), Some(&grid)).unwrap();
+    let mut scene = Scene::new(&gpu, &rest, Some(&grid));
+    // Three seconds of shaking the head, then two of rest.
+    let motion = |t: f32| Pose {
+        rotation: Quat::from_rotation_y(0.6 * (std::f32::consts::TAU * t.min(3.0)).sin()),
+        ..Pose::IDENTITY
+    };
+    let start = Step { begin: motion(0.0), end: motion(0.0), ..carry_to_start() };
+    scene.run(&gpu, &params, &[start], &ColliderPoses::default(), None);
+    let mean = |scene: &Scene| {
+        let found = scene.positions(&gpu);
+        let count = rest.info.len();
+        // Guide 1 has no stiffness, so no shape. This groom stands out from the head: hair longer
+        // than about 18 cm cannot carry itself so, and once disturbed it hangs.
+        let judged: Vec<_> =
+            (0..count).filter(|g| ![1, DEGENERATE].contains(g) && rest.info[*g].length < 0.18).collect();
+        assert!(judged.len() > 10);
+        let off = |g: usize| {
+            let i = (n - 1) * count + g;
+            Vec3::from_slice(&found[i]).distance(rest.rest[i].position)
+        };
+        judged.iter().map(|g| off(*g)).sum::<f32>() / judged.len() as f32
+    };
+    let mut shaken = 0f32;
+    for frame in 0..300 {
+        let t = frame as f32 * params.step;
+        let step = Step { begin: motion(t), end: motion(t + params.step), ..at(0.0, 0.0) };
+        scene.run(&gpu, &params, &[step], &ColliderPoses::default(), None);
+        if frame % 10 == 0 && frame < 180 {
+            shaken = shaken.max(mean(&scene));
+        }
+    }
+    let settled = mean(&scene);
+    println!("mean distance of tips from rest: {shaken} m shaken, {settled} m two seconds later");
+    assert!(shaken > 0.03 && settled < 3e-3);
+}
+
+#[test]
+fn absurd_parameters_give_finite_positions() {
+    let Some(gpu) = gpu() else { return };
+    let params = SimulationParams {
+        gravity: Vec3::splat(2e3),
+        wind: Vec3::X * 400.0,
+        drag: 1e4,
+        step: 0.1,
+        substeps: 1,
+        ..Default::default()
+    };
+    let (positions, traits) = groom(24, 16);
+    let grid = sphere();
+    let rest = rest::guides(&positions, 16, &traits, &params, &RestOptions::default(), Some(&grid)).unwrap();
+    let mut scene = Scene::new(&gpu, &rest, Some(&grid));
+    for i in 0..40 {
+        let step = at(i as f32 * 1.7, 0.9);
+        scene.run(&gpu, &params, &[step], &ColliderPoses::default(), None);
+    }
+    assert!(scene.positions(&gpu).iter().flatten().all(|x| x.is_finite()));
 }

@@ -29,8 +29,13 @@
 //!
 //! **Rounding.** Along an edge a strand is thousands of times stiffer than across. The blocks are
 //! therefore factored (see [`crate::math::ldl`]), not inverted. Kernel and scalar twin part by 0.01 mm
-//! (16 vertices) to 0.1 mm (32) in four steps of a turning head. Only a strand with a segment of no
+//! (16 vertices) to 0.1 mm (32) and 2 mm (64) in four steps of a turning head. Only a strand with a segment of no
 //! length parts by millimetres: the direction of that segment is rounding.
+//!
+//! **Speed.** On two cores of a CPU driver (Mesa's lavapipe) a step of 11,400 guides with 16 vertices
+//! takes 52 ms, with or without a distance field, and of 166 guides with 32 vertices 1.6 ms. Most of
+//! it is traffic with the private arrays. Unrolled by the driver it took 130 ms, hence
+//! [`params::StepUniforms::one`].
 //!
 //! **Known limits.** Elimination from tip to root would save a pass, but its rounding is far worse.
 //! Twist has no stiffness of its own: it is rigid.
