@@ -85,8 +85,11 @@ pub fn guides_of(recipe: &Recipe, scalp: &dyn Scalp) -> StyledGuides {
         let chords = resample(&field.trace(root, i as u32), GUIDE_VERTICES);
         let mut line = resample(&chords, GUIDE_VERTICES);
         for p in line.iter_mut().skip(1) {
-            let depth = 5e-4 - scalp.distance(*p);
-            *p += scalp.normal(*p) * depth.max(0.0);
+            // In creases, as behind the ears, the first way out is not all of it.
+            for _ in 0..4 {
+                let depth = 5e-4 - scalp.distance(*p);
+                *p += scalp.normal(*p) * depth.max(0.0);
+            }
         }
         strands.push(&line);
         strands.root_uvs.push(scalp_uv(root - marks.skull));

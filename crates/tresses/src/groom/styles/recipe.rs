@@ -119,7 +119,7 @@ pub struct Long {
 
 impl Default for Long {
     fn default() -> Self {
-        Self { guides: 166, seed: 1, length: 0.32, parting: 0.022, wave: 0.012 }
+        Self { guides: 166, seed: 1, length: 0.32, parting: 0.022, wave: 0.0125 }
     }
 }
 

@@ -188,8 +188,8 @@ impl Field<'_> {
         if recipe.wave <= 0.0 {
             return;
         }
-        let shared = noise(root * 12.0, recipe.seed ^ 57);
-        let phase = std::f32::consts::TAU * (0.9 * shared + 0.03 * rng.bell());
+        let shared = noise(root * 9.0, recipe.seed ^ 57);
+        let phase = std::f32::consts::TAU * (0.75 * shared + 0.03 * rng.bell());
         let length =
             recipe.wavelength * (1.0 + 0.12 * noise(root * 12.0, recipe.seed ^ 58) + 0.03 * rng.bell());
         let straight = path.to_vec();
