@@ -2,6 +2,12 @@
 
 use wgpu::naga;
 
+use tresses::{
+    draw::{Background, body::BodyUniform, view::ViewUniform},
+    light::{lights::LightsUniform, material::HairUniform},
+    present::PresentUniform,
+};
+
 /// Byte layout of a struct: (name, offset) of each member, and the whole size.
 type Layout = (Vec<(String, u32)>, u32);
 
@@ -144,4 +150,107 @@ fn a_swapped_member_is_seen() {
         position: [f32; 3],
     }
     assert_ne!(wgsl_layout("GuideRest"), rust_layout!(GuideRest { contact, position }));
+}
+
+#[test]
+fn view() {
+    let rust = rust_layout!(ViewUniform { view_projection, eye, pixel, size, samples, ssaa });
+    assert_eq!(wgsl_layout("ViewUniform"), rust);
+}
+
+#[test]
+fn lights() {
+    let rust = rust_layout!(LightsUniform {
+        shadow,
+        key_direction,
+        range,
+        key_irradiance,
+        width,
+        rim_direction,
+        hair_radius,
+        rim_irradiance,
+        body_radius,
+        zenith,
+        bias,
+        horizon,
+        resolution,
+        ground,
+        body_absorption,
+    });
+    assert_eq!(wgsl_layout("LightsUniform"), rust);
+}
+
+#[test]
+fn hair() {
+    let rust = rust_layout!(HairUniform {
+        root_color,
+        lightness_spread,
+        tip_color,
+        warmth_spread,
+        secondary_color,
+        root_darkness,
+        diffuse,
+        primary,
+        primary_exponent,
+        primary_shift,
+        secondary,
+        secondary_exponent,
+        secondary_shift,
+        transmission,
+        transmission_exponent,
+        shift_spread,
+        shift_noise,
+        absorption,
+        saturation,
+        min_width,
+        file_colors,
+        count,
+        vertex_count,
+        per_vertex,
+        splat_stride,
+        splat_segments,
+    });
+    assert_eq!(wgsl_layout("HairUniform"), rust);
+}
+
+#[test]
+fn body() {
+    let rust = rust_layout!(BodyUniform { pose, color, gloss, wrap, gloss_exponent, _pad });
+    assert_eq!(wgsl_layout("BodyUniform"), rust);
+}
+
+#[test]
+fn background() {
+    let rust = rust_layout!(Background { center, transparent, edge, falloff });
+    assert_eq!(wgsl_layout("Background"), rust);
+}
+
+#[test]
+fn present() {
+    let rust = rust_layout!(PresentUniform {
+        background,
+        size,
+        exposure,
+        shoulder,
+        desaturation,
+        ssaa,
+        samples,
+        encode,
+    });
+    assert_eq!(wgsl_layout("PresentUniform"), rust);
+}
+
+#[test]
+#[should_panic(expected = "left == right")]
+fn a_wrong_order_is_seen() {
+    #[allow(dead_code)]
+    #[repr(C)]
+    struct Wrong {
+        center: [f32; 3],
+        transparent: u32,
+        falloff: f32,
+        edge: [f32; 3],
+    }
+    let rust = rust_layout!(Wrong { center, transparent, falloff, edge });
+    assert_eq!(wgsl_layout("Background"), rust);
 }

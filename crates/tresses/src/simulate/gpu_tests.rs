@@ -214,37 +214,6 @@ fn same_bits_twice() {
 }
 
 #[test]
-#[ignore = "prints milliseconds"]
-fn speed() {
-    let Some(gpu) = gpu() else { return };
-    let params = SimulationParams::default();
-    for (count, n) in [(166, 32), (11_400, 16)] {
-        for with_field in [false, true] {
-            let (positions, traits) = groom(count, n);
-            let grid = sphere();
-            let field = with_field.then_some(&grid);
-            let rest =
-                rest::guides(&positions, n as u32, &traits, &params, &RestOptions::default(), field).unwrap();
-            let mut scene = Scene::new(&gpu, &rest, field);
-            let mut timings = Timings::new(&gpu.device, &gpu.queue);
-            let start = std::time::Instant::now();
-            scene.run(&gpu, &params, &[carry_to_start()], &ColliderPoses::default(), None);
-            scene.positions(&gpu);
-            println!("first run {:?}", start.elapsed());
-            let mut ms: Vec<f64> = (0..20)
-                .map(|i| {
-                    let step = at(i as f32 * params.step, params.step);
-                    scene.run(&gpu, &params, &[step], &ColliderPoses::default(), Some(&mut timings));
-                    timings.read(&gpu.device, &gpu.queue).unwrap()[0].1
-                })
-                .collect();
-            ms.sort_by(f64::total_cmp);
-            println!("{count} x {n}, field {with_field}: min {:.2} ms, median {:.2} ms", ms[0], ms[10]);
-        }
-    }
-}
-
-#[test]
 fn draped_hair_lies_on_the_sphere() {
     let Some(gpu) = gpu() else { return };
     let params = SimulationParams::default();

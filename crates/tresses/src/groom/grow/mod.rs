@@ -27,9 +27,10 @@ mod triangles;
 pub use map::ScalpMap;
 pub use params::{Clumps, Growth, Kind, Unrest};
 
-use super::styles::random::{Rng, hash};
+use super::styles::random::Rng;
 use super::styles::{Scalp, StyledGuides};
 use crate::Result;
+use crate::math::hash::pcg;
 use glam::{Vec2, Vec3};
 
 /// One grown strand, apart from its vertices.
@@ -92,7 +93,7 @@ pub fn grow(styled: &StyledGuides, growth: &Growth, scalp: &dyn Scalp) -> Result
         radii: Vec::with_capacity(n * vertices),
     };
     for (i, (seed, line)) in seeds.iter().zip(out.positions.chunks_exact_mut(vertices)).enumerate() {
-        let id = hash(growth.seed ^ hash(i as u32 ^ 0x5eed));
+        let id = pcg(growth.seed ^ pcg(i as u32 ^ 0x5eed));
         let mut rng = Rng::new(id, 1);
         let fineness = shaper.fill(i, seed, &mut rng, line);
         let width = seed.thickness * fineness * (1.0 + growth.width_variation * rng.bell().clamp(-2.0, 2.0));

@@ -139,8 +139,8 @@ impl Growth {
             Style::Curly(_) => Self {
                 vertices: 64,
                 clump_share: 0.2,
-                clumps: Clumps { spacing: 0.011, strength: 0.95, start: -0.4, lock: 0.1, tip_spread: 0.8 },
-                unrest: Unrest { frizz: 0.0008, flyaways: 0.05, flyaway: 0.014, shorter: 0.2, ..base.unrest },
+                clumps: Clumps { spacing: 0.013, strength: 0.97, start: -0.4, lock: 0.1, tip_spread: 0.8 },
+                unrest: Unrest { frizz: 0.0005, flyaways: 0.05, flyaway: 0.014, shorter: 0.2, ..base.unrest },
                 ..base
             },
             Style::Short(_) => Self {

@@ -25,6 +25,9 @@ pub(crate) struct Seed {
     pub(crate) thickness: f32,
 }
 
+/// Distance from the whorl below which strands follow one guide, metres.
+const ALONE: f32 = 0.035;
+
 /// Tries for each strand before it is said that there is no place for it.
 const PATIENCE: u64 = 400;
 
@@ -76,7 +79,11 @@ pub(crate) fn seeds(
         if rng.unit() >= density {
             continue;
         }
-        let bound = if clump { scaffold.single(root) } else { scaffold.blend(root) };
+        // At a whorl hair parts in all directions. The mean of three guides is a stub that covers little,
+        // and single guides leave gaps between them: half of each closes both.
+        let crown = styled.parting.is_none() && root.distance(styled.whorl) < ALONE * rng.range(0.5, 1.0);
+        let single = clump || (crown && rng.unit() < 0.5);
+        let bound = if single { scaffold.single(root) } else { scaffold.blend(root) };
         let Some(bound) = bound else { continue };
         left[usize::from(!clump)] -= 1;
         seeds.push(Seed {
@@ -85,7 +92,7 @@ pub(crate) fn seeds(
             bound,
             side,
             beside,
-            clump,
+            clump: single,
             fraction: fraction(growth, edge, &mut rng),
             thickness: growth
                 .thickness_map

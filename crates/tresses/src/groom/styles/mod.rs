@@ -83,7 +83,15 @@ pub fn guides_of(recipe: &Recipe, scalp: &dyn Scalp) -> StyledGuides {
     for (i, root) in roots.into_iter().enumerate() {
         // Twice, as chords cut corners: what was even along the path is not quite along its chords.
         let chords = resample_chords(&field.trace(root, i as u32), GUIDE_VERTICES);
-        strands.push(&resample_chords(&chords, GUIDE_VERTICES));
+        let mut line = resample_chords(&chords, GUIDE_VERTICES);
+        for p in line.iter_mut().skip(1) {
+            // In creases, as behind the ears, the first way out is not all of it.
+            for _ in 0..4 {
+                let depth = 5e-4 - scalp.distance(*p);
+                *p += scalp.normal(*p) * depth.max(0.0);
+            }
+        }
+        strands.push(&line);
         strands.root_uvs.push(scalp_uv(root - marks.skull));
         stiffness.push(recipe.stiffness.at(field.layer(root)));
     }

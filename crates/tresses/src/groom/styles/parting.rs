@@ -34,20 +34,10 @@ impl Parting {
         Self { line, half_width: recipe.parting_half_width }
     }
 
-    /// The point of the parting that is nearest to `p`. The line has no sharp bends, so that the
-    /// nearest of every sixth point tells where to look.
+    /// The point of the parting that is nearest to `p`.
     pub fn nearest(&self, p: Vec3) -> Vec3 {
-        const STRIDE: usize = 6;
-        let mut coarse = (f32::INFINITY, 0);
-        for (i, q) in self.line.iter().enumerate().step_by(STRIDE) {
-            let d = q.distance_squared(p);
-            if d < coarse.0 {
-                coarse = (d, i);
-            }
-        }
-        let last = (coarse.1 + STRIDE + 1).min(self.line.len());
         let mut best = (f32::INFINITY, p);
-        for w in self.line[coarse.1.saturating_sub(STRIDE)..last].windows(2) {
+        for w in self.line.windows(2) {
             let edge = w[1] - w[0];
             let t = ((p - w[0]).dot(edge) / edge.length_squared().max(1e-12)).clamp(0.0, 1.0);
             let q = w[0] + edge * t;

@@ -1,14 +1,7 @@
 //! Reproducible randomness: hashes, a small generator, and smooth noise.
 
+use crate::math::hash::pcg;
 use glam::Vec3;
-
-/// A well-mixed hash of `v`.
-pub(crate) fn hash(v: u32) -> u32 {
-    let mut x = v.wrapping_add(0x9e37_79b9);
-    x = (x ^ (x >> 16)).wrapping_mul(0x21f0_aaad);
-    x = (x ^ (x >> 15)).wrapping_mul(0x735a_2d97);
-    x ^ (x >> 15)
-}
 
 /// A generator whose whole state is one number, so that every strand can have its own.
 #[derive(Clone, Copy, Debug)]
@@ -17,13 +10,13 @@ pub(crate) struct Rng(u32);
 impl Rng {
     /// A stream for `index` under `seed`.
     pub(crate) fn new(seed: u32, index: u32) -> Self {
-        Self(hash(seed ^ hash(index)))
+        Self(pcg(seed ^ pcg(index)))
     }
 
     /// The next 32 random bits.
     pub(crate) fn bits(&mut self) -> u32 {
         self.0 = self.0.wrapping_add(0x6d2b_79f5);
-        hash(self.0)
+        pcg(self.0)
     }
 
     /// Uniform in 0..1.
@@ -54,7 +47,7 @@ pub(crate) fn noise(p: Vec3, seed: u32) -> f32 {
     let w = f * f * (Vec3::splat(3.0) - 2.0 * f);
     let cell = base.as_ivec3();
     let corner = |x: i32, y: i32, z: i32| {
-        let h = hash((cell.x + x) as u32 ^ hash((cell.y + y) as u32 ^ hash((cell.z + z) as u32 ^ seed)));
+        let h = pcg((cell.x + x) as u32 ^ pcg((cell.y + y) as u32 ^ pcg((cell.z + z) as u32 ^ seed)));
         (h >> 8) as f32 / 8_388_608.0 - 1.0
     };
     let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;

@@ -119,7 +119,7 @@ pub struct Long {
 
 impl Default for Long {
     fn default() -> Self {
-        Self { guides: 166, seed: 1, length: 0.32, parting: 0.022, wave: 0.014 }
+        Self { guides: 166, seed: 1, length: 0.32, parting: 0.022, wave: 0.0125 }
     }
 }
 
@@ -159,7 +159,7 @@ pub struct Curly {
 
 impl Default for Curly {
     fn default() -> Self {
-        Self { guides: 240, seed: 1, length: 0.2, diameter: 0.015 }
+        Self { guides: 240, seed: 1, length: 0.2, diameter: 0.018 }
     }
 }
 
@@ -317,7 +317,7 @@ impl Style {
                 wavelength: 0.07,
                 tousle: 0.3,
                 stiffness: LowTop::new(1.5, 1.5),
-                curl: Curl { radius: diameter * 0.5, pitch: 0.026 },
+                curl: Curl { radius: diameter * 0.5, pitch: 0.034 },
                 ..base
             },
             Self::Short(Short { guides, seed, top, sides }) => Recipe {

@@ -57,13 +57,13 @@ impl Field<'_> {
             None => {
                 // Around a whorl hair turns.
                 let near = 1.0 - smoothstep(0.0, 0.05, p.distance(from));
-                away = (away + (from - self.marks.skull).normalize_or(Vec3::Y).cross(away) * 1.3 * near)
+                away = (away + (from - self.marks.skull).normalize_or(Vec3::Y).cross(away) * 2.6 * near)
                     .normalize_or_zero();
                 0.0
             }
         };
         let front = self.frontness(p);
-        away + Vec3::NEG_Z * (recipe.back * lerp(0.35, 1.0, front) + 1.6 * crown)
+        away + Vec3::NEG_Z * (recipe.back * lerp(0.35, 1.0, front) + 3.5 * crown)
             + (Vec3::Z + Vec3::X * 0.12) * recipe.forward * top * smoothstep(-0.01, 0.05, p.z - self.whorl.z)
     }
 
@@ -84,14 +84,14 @@ impl Field<'_> {
             Some(_) => 0.0,
             None => 1.0 - smoothstep(0.005, 0.06, root.distance(self.whorl)),
         };
-        let lift = lerp(recipe.lift.at(layer), 1.15, stand)
+        let lift = lerp(recipe.lift.at(layer), 0.75, stand)
             * lerp(0.6, 1.0, beside)
             * (1.0 + 0.2 * rng.bell().clamp(-1.5, 1.5));
         let volume = recipe.volume.at(layer) * lerp(0.6, 1.0, beside) * (1.0 + 0.12 * rng.bell());
         // Where hair parts in all directions some of it crosses over, and covers the spot.
         let wild = match self.parting {
-            Some(_) => 0.45 * (1.0 - smoothstep(0.004, 0.022, root.distance(self.whorl))),
-            None => 0.75 * (1.0 - smoothstep(0.01, 0.04, root.distance(self.whorl))),
+            Some(_) => 0.8 * (1.0 - smoothstep(0.006, 0.03, root.distance(self.whorl))),
+            None => 1.0 * (1.0 - smoothstep(0.01, 0.035, root.distance(self.whorl))),
         };
         let swing = wild * rng.bell()
             + recipe.tousle * noise(root * 45.0, recipe.seed ^ 91) * 1.6
@@ -189,7 +189,7 @@ impl Field<'_> {
             return;
         }
         let shared = noise(root * 9.0, recipe.seed ^ 57);
-        let phase = std::f32::consts::TAU * (0.7 * shared + 0.03 * rng.bell());
+        let phase = std::f32::consts::TAU * (0.75 * shared + 0.03 * rng.bell());
         let length =
             recipe.wavelength * (1.0 + 0.12 * noise(root * 12.0, recipe.seed ^ 58) + 0.03 * rng.bell());
         let straight = path.to_vec();
