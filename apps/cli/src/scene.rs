@@ -269,8 +269,14 @@ impl Scene {
             drawing.shade(encoder, None, &hair.set);
             Ok(())
         })?;
-        stage("draw body, hair", &mut |encoder| {
-            drawing.draw(encoder, None, scene, targets, set, body);
+        stage("draw hair", &mut |encoder| {
+            drawing.draw_hair(encoder, None, scene, targets, set);
+            Ok(())
+        })?;
+        stage("draw body", &mut |encoder| {
+            if let Some(body) = body {
+                drawing.draw_body(encoder, None, targets, body);
+            }
             Ok(())
         })?;
         stage("present", &mut |encoder| {

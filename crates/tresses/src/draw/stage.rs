@@ -225,7 +225,8 @@ impl DrawStage {
         self.shade.record(encoder, timings, hair);
     }
 
-    /// Records body and hair into `targets`, a pass each, so that each has its own time.
+    /// Records hair and body into `targets`, a pass each, so that each has its own time. Hair
+    /// first: the body's shading costs more per pixel, and most of the scalp is hidden.
     pub fn draw(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -235,55 +236,73 @@ impl DrawStage {
         hair: Option<&HairSet>,
         body: Option<&Body>,
     ) {
-        let pass = |encoder: &mut wgpu::CommandEncoder,
-                    timings: &mut Option<&mut Timings>,
-                    name: &'static str,
-                    clear: bool,
-                    record: &dyn Fn(&mut wgpu::RenderPass<'_>)| {
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some(name),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: &targets.hdr,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations {
-                        load: match clear {
-                            true => wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                            false => wgpu::LoadOp::Load,
-                        },
-                        store: wgpu::StoreOp::Store,
-                    },
-                })],
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: &targets.depth,
-                    depth_ops: Some(wgpu::Operations {
-                        load: if clear { wgpu::LoadOp::Clear(0.0) } else { wgpu::LoadOp::Load },
-                        store: wgpu::StoreOp::Store,
-                    }),
-                    stencil_ops: None,
-                }),
-                timestamp_writes: timings.as_deref_mut().and_then(|timings| timings.render(name)),
-                ..Default::default()
-            });
-            pass.set_bind_group(0, &self.frame_group, &[]);
-            record(&mut pass);
-        };
-        // Hair first: the body's shading costs more per pixel, and most of the scalp is hidden.
-        pass(encoder, &mut timings, "hair", true, &|pass| {
-            if let Some(hair) = hair {
-                pass.set_pipeline(match scene.shading {
-                    ShadingRate::PerVertex => &self.hair_per_vertex,
-                    ShadingRate::PerPixel => &self.hair_per_pixel,
-                });
-                hair.record_strips(pass);
-            }
-        });
+        self.draw_hair(encoder, timings.as_deref_mut(), scene, targets, hair);
         if let Some(body) = body {
-            pass(encoder, &mut timings, "body", false, &|pass| {
-                pass.set_pipeline(&self.body);
-                body.record(pass);
-            });
+            self.draw_body(encoder, timings, targets, body);
         }
+    }
+
+    /// Clears `targets` and records the hair.
+    pub fn draw_hair(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        timings: Option<&mut Timings>,
+        scene: &Scene,
+        targets: &Targets,
+        hair: Option<&HairSet>,
+    ) {
+        let mut pass = self.pass(encoder, timings, "hair", true, targets);
+        if let Some(hair) = hair {
+            pass.set_pipeline(match scene.shading {
+                ShadingRate::PerVertex => &self.hair_per_vertex,
+                ShadingRate::PerPixel => &self.hair_per_pixel,
+            });
+            hair.record_strips(&mut pass);
+        }
+    }
+
+    /// Records the body into `targets`, where the hair already is.
+    pub fn draw_body(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        timings: Option<&mut Timings>,
+        targets: &Targets,
+        body: &Body,
+    ) {
+        let mut pass = self.pass(encoder, timings, "body", false, targets);
+        pass.set_pipeline(&self.body);
+        body.record(&mut pass);
+    }
+
+    /// A pass into the HDR target with the frame's group bound.
+    fn pass<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        timings: Option<&mut Timings>,
+        name: &'static str,
+        clear: bool,
+        targets: &Targets,
+    ) -> wgpu::RenderPass<'e> {
+        let color = if clear { wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT) } else { wgpu::LoadOp::Load };
+        let depth = if clear { wgpu::LoadOp::Clear(0.0) } else { wgpu::LoadOp::Load };
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(name),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &targets.hdr,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: color, store: wgpu::StoreOp::Store },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &targets.depth,
+                depth_ops: Some(wgpu::Operations { load: depth, store: wgpu::StoreOp::Store }),
+                stencil_ops: None,
+            }),
+            timestamp_writes: timings.and_then(|timings| timings.render(name)),
+            ..Default::default()
+        });
+        pass.set_bind_group(0, &self.frame_group, &[]);
+        pass
     }
 
     /// Records the finished picture of `targets` into `output`, which is [`Targets::picture`] or
