@@ -19,7 +19,7 @@ impl WebP {
             kmax: 17,
             encoding_config: Some(EncodingConfig {
                 encoding_type: EncodingType::Lossy(LossyEncodingConfig::default()),
-                quality: 82.0,
+                quality: 90.0,
                 method: 3,
             }),
             ..Default::default()
