@@ -67,7 +67,7 @@ pub fn character(
 /// [`Hold`] lets it. Blocks.
 ///
 /// # Errors
-/// What [`drape`] says.
+/// What [`drape()`] says.
 pub fn settle(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
