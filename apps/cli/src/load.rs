@@ -1,9 +1,6 @@
 //! From options to a character: a groom with its head, from files or built in.
 
-use crate::{
-    args::{Guides, Source},
-    camera::Bounds,
-};
+use crate::args::{Guides, Source};
 use anyhow::{Context, Result, ensure};
 use std::str::FromStr;
 use tresses::{
@@ -92,14 +89,6 @@ fn built_in(source: &Source, gpu: &Gpu, simulate: &Simulate) -> Result<Character
 pub fn strands_for(triangles: u64) -> u32 {
     let segments = u64::from(Growth::default().vertices.max(2) - 1);
     u32::try_from(triangles / (2 * segments)).unwrap_or(u32::MAX)
-}
-
-/// The box around the strands at rest, metres.
-pub fn bounds(groom: &Groom) -> Option<Bounds> {
-    (0..groom.strands.len())
-        .flat_map(|i| groom.strands.rest_positions(i))
-        .map(|p| (p, p))
-        .reduce(|(lo, hi), (p, _)| (lo.min(p), hi.max(p)))
 }
 
 /// About `count` strands, evenly picked.

@@ -97,7 +97,7 @@ impl Scene {
         renderer: HairRenderer,
         (quality, samples): (Quality, u32),
     ) -> Result<Self> {
-        let hair_bounds = load::bounds(&character.groom).context("the groom is empty")?;
+        let hair_bounds = character.groom.bounds().context("the groom is empty")?;
         let head_bounds = character.head.as_ref().and_then(|head| head.bounds());
         let (device, queue) = (&gpu.device, &gpu.queue);
         let options = HairOptions::default();

@@ -4,6 +4,7 @@
 use crate::{
     Error, Pose, Result,
     draw::{DrawOptions, DrawStage, HairSet},
+    gpu::bindings,
     groom::{Groom, SdfGrid},
     interpolate::{Interpolate, InterpolateParams},
     math::hash::pcg,
@@ -26,7 +27,6 @@ pub struct HairRenderer {
     pub interpolate: Interpolate,
     /// Lights to picture.
     pub draw: DrawStage,
-    field_sampler: wgpu::Sampler,
 }
 
 impl HairRenderer {
@@ -37,12 +37,6 @@ impl HairRenderer {
             tessellate: Tessellate::new(device),
             interpolate: Interpolate::new(device),
             draw: DrawStage::new(device, options),
-            field_sampler: device.create_sampler(&wgpu::SamplerDescriptor {
-                label: Some("head field"),
-                mag_filter: wgpu::FilterMode::Linear,
-                min_filter: wgpu::FilterMode::Linear,
-                ..Default::default()
-            }),
         }
     }
 }
@@ -141,17 +135,10 @@ impl Hair {
 
         let colliders = ColliderSet::new(device, queue, head, options.capsules)?;
         let simulation = Simulation::new(device, &renderer.simulate, &guides, colliders);
-        let uniform = |label, size: usize| {
-            device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size: size as u64,
-                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            })
-        };
+        let uniform = |label, size| bindings::uniform(device, label, size);
         let tessellate_params = uniform("tessellate", size_of::<TessellateParams>());
         let interpolate_params = uniform("interpolate", size_of::<InterpolateParams>());
-        let field = (&simulation.colliders().field.view, &renderer.field_sampler);
+        let field = (&simulation.colliders().field.view, renderer.simulate.field_sampler());
         Ok(Self {
             set: HairSet::new(device, &renderer.draw, &strands)?,
             tessellate_group: renderer.tessellate.bind(device, &tessellate_params, &guides),

@@ -92,12 +92,7 @@ impl Body {
                 usage,
             })
         };
-        let uniform = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("body"),
-            size: size_of::<BodyUniform>() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let uniform = crate::gpu::bindings::uniform(device, "body", size_of::<BodyUniform>());
         Self {
             vertices: buffer("body vertices", bytemuck::cast_slice(&vertices), wgpu::BufferUsages::VERTEX),
             triangles: buffer(

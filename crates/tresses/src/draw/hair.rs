@@ -83,12 +83,7 @@ impl HairSet {
             });
         }
         let shaded = storage::<[u32; 2]>(device, "shaded strands", vertices)?;
-        let uniform = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("hair"),
-            size: size_of::<HairUniform>() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let uniform = crate::gpu::bindings::uniform(device, "hair", size_of::<HairUniform>());
         let strip: Vec<u16> = (0..vertex_count.saturating_sub(1) as u16)
             .flat_map(|i| [0, 1, 2, 2, 1, 3].map(|corner| 2 * i + corner))
             .collect();

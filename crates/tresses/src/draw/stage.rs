@@ -9,7 +9,7 @@ use super::{
 use crate::{
     gpu::{
         Binding, Timings,
-        bindings::{group, layout},
+        bindings::{self, group, layout},
     },
     light::{Shade, ShadingRate, ShadowMaps, lights::LightsUniform},
     present::Present,
@@ -57,14 +57,7 @@ impl DrawStage {
     pub fn new(device: &wgpu::Device, options: &DrawOptions) -> Self {
         use wgpu::ShaderStages as Stages;
         let both = Stages::VERTEX_FRAGMENT;
-        let uniform = |label, size: usize| {
-            device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size: size as u64,
-                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            })
-        };
+        let uniform = |label, size| bindings::uniform(device, label, size);
         let view = uniform("view", size_of::<ViewUniform>());
         let lights = uniform("lights", size_of::<LightsUniform>());
         use Binding::{Comparison, DepthArray, Storage, Uniform};

@@ -84,12 +84,10 @@ pub struct Groom {
 impl Groom {
     /// The smallest and largest corner of the drawn strands at rest, groom space, metres.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
-        (!self.strands.is_empty()).then(|| {
-            self.strands.bindings.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), b| {
-                // The box of a binding is a cube at least as large as the strand.
-                (lo.min(b.origin), hi.max(b.origin + Vec3::splat(b.extent)))
-            })
-        })
+        (0..self.strands.len())
+            .flat_map(|i| self.strands.rest_positions(i))
+            .map(|p| (p, p))
+            .reduce(|(lo, hi), (p, _)| (lo.min(p), hi.max(p)))
     }
 
     /// Segments of all drawn strands, two triangles each.

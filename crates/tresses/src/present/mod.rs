@@ -104,12 +104,7 @@ impl Present {
             multiview_mask: None,
             cache: None,
         });
-        let uniform = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("present"),
-            size: size_of::<PresentUniform>() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let uniform = crate::gpu::bindings::uniform(device, "present", size_of::<PresentUniform>());
         Self { pipeline, layout, uniform, encode: !format.is_srgb() }
     }
 

@@ -96,6 +96,11 @@ impl Simulate {
         }
     }
 
+    /// Filters a collider's distance field.
+    pub(crate) fn field_sampler(&self) -> &wgpu::Sampler {
+        &self.sampler
+    }
+
     /// The pipeline for guides of `vertex_count` vertices.
     pub fn pipeline(&self, device: &wgpu::Device, vertex_count: u32) -> &wgpu::ComputePipeline {
         let class = step::capacity(vertex_count);

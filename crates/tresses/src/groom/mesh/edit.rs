@@ -163,4 +163,19 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn a_corner_of_a_cube_points_along_its_diagonal() {
+        // Three faces at the origin's corner, one of them cut in two: area or count would tilt it.
+        let p = |x, y, z| Vec3::new(x, y, z);
+        let positions =
+            vec![p(0., 0., 0.), p(1., 0., 0.), p(0., 1., 0.), p(0., 0., 1.), p(0., 1., 1.), p(0., 0., 0.)];
+        let triangles = [[0, 1, 3], [5, 2, 1], [0, 3, 4], [0, 4, 2]];
+        let mut mesh = TriMesh { positions, triangles: triangles.to_vec(), ..Default::default() };
+        mesh.compute_normals();
+        let normals = mesh.normals;
+        let expected = p(-1., -1., -1.).normalize();
+        assert!((normals[0].abs() - expected.abs()).length() < 1e-6, "{}", normals[0]);
+        assert_eq!(normals[0], normals[5], "the same place, the same normal");
+    }
 }

@@ -2,11 +2,8 @@
 
 #[cfg(feature = "gltf")]
 mod gltf;
-mod normals;
 mod obj;
 mod tfxmesh;
-
-pub use normals::smooth_normals;
 
 use std::path::Path;
 
@@ -70,7 +67,7 @@ pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<RawMesh> {
         return Err(source.problem(At::File, "a vertex position is not finite"));
     }
     if raw.mesh.normals.len() != raw.mesh.positions.len() {
-        raw.mesh.normals = smooth_normals(&raw.mesh.positions, &raw.mesh.triangles);
+        raw.mesh.compute_normals();
     }
     Ok(raw)
 }
