@@ -6,6 +6,8 @@ pub mod groom;
 
 pub mod strands;
 
+pub mod wind;
+
 pub mod simulate;
 
 pub mod tessellate;

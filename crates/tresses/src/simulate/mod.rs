@@ -42,6 +42,7 @@
 
 pub mod clock;
 pub mod collider;
+pub mod drag;
 pub mod drape;
 pub mod params;
 pub mod rest;
