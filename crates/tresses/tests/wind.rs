@@ -25,28 +25,23 @@ struct Tunnel {
     fresh: bool,
 }
 
-/// The velocity on the faces, and what the air can pass.
+/// The velocity on the lower faces of cells, and what the air can pass.
 struct Flow {
     cells: usize,
-    faces: Vec<f32>,
-    give: Vec<f32>,
+    faces: Vec<Vec3>,
+    give: Vec<Vec3>,
 }
 
 impl Flow {
-    fn index(&self, axis: usize, i: [usize; 3]) -> usize {
-        let m = self.cells + 2;
-        axis * m * m * m + i[0] + 1 + m * (i[1] + 1 + m * (i[2] + 1))
-    }
-
+    /// The cells inside the grid: the last ones count as outside.
     fn cells(&self) -> impl Iterator<Item = [usize; 3]> + use<> {
-        let n = self.cells;
+        let n = self.cells - 1;
         (0..n * n * n).map(move |c| [c % n, c / n % n, c / (n * n)])
     }
 
-    fn side(&self, values: &[f32], axis: usize, i: [usize; 3], upper: bool) -> f32 {
-        let mut i = i;
+    fn side(&self, values: &[Vec3], axis: usize, mut i: [usize; 3], upper: bool) -> f32 {
         i[axis] += usize::from(upper);
-        values[self.index(axis, i)]
+        values[i[0] + self.cells * (i[1] + self.cells * i[2])][axis]
     }
 
     fn at(&self, i: [usize; 3]) -> Vec3 {
@@ -87,6 +82,34 @@ fn stage() -> Option<(&'static Gpu, &'static Fluid)> {
         })
         .as_ref()
         .map(|(gpu, fluid)| (gpu, fluid))
+}
+
+/// The texels of a cube in rgba16float.
+fn texels(gpu: &Gpu, texture: &wgpu::Texture) -> Vec<Vec3> {
+    let n = texture.width();
+    let row = n * 8;
+    let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: u64::from(padded * n * n),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
+        mapped_at_creation: false,
+    });
+    let layout =
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: Some(n) };
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    encoder.copy_texture_to_buffer(
+        texture.as_image_copy(),
+        wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
+        texture.size(),
+    );
+    gpu.queue.submit([encoder.finish()]);
+    let bytes: Vec<half::f16> = readback::buffer(&gpu.device, &gpu.queue, &buffer).unwrap();
+    bytes
+        .chunks(padded as usize / 2)
+        .flat_map(|line| line[..row as usize / 2].chunks(4))
+        .map(|v| Vec3::new(v[0].to_f32(), v[1].to_f32(), v[2].to_f32()))
+        .collect()
 }
 
 /// A texture of `n`³ values `(velocity, km/m³)` of a cube of edge `size` around the origin.
@@ -159,7 +182,7 @@ impl Tunnel {
     }
 
     fn flow(&self) -> Flow {
-        let read = |buffer| readback::buffer(&self.gpu.device, &self.gpu.queue, buffer).unwrap();
+        let read = |texture| texels(self.gpu, texture);
         Flow { cells: self.air.cells as usize, faces: read(&self.air.faces), give: read(&self.air.give) }
     }
 
@@ -200,4 +223,32 @@ fn explore() {
             }
         }
     }
+}
+
+fn cpu() -> f64 {
+    let s = std::fs::read_to_string("/proc/self/stat").unwrap();
+    let f: Vec<&str> = s.rsplit(')').next().unwrap().split_whitespace().collect();
+    (f[11].parse::<f64>().unwrap() + f[12].parse::<f64>().unwrap()) * 10.0
+}
+
+#[test]
+fn cost() {
+    let wind = Wind { turbulence: 0.2, ..Wind::new(Vec3::X * 10.0) };
+    let Some(mut t) =
+        Tunnel::new(wind, 0.1, Some(&|p: Vec3| [0.0, 0.0, 0.0, if p.length() < 0.2 { 5000.0 } else { 0.0 }]))
+    else {
+        return;
+    };
+    t.blow(0.1);
+    t.flow();
+    let a = cpu();
+    let w = std::time::Instant::now();
+    t.blow(1.0);
+    t.flow();
+    println!(
+        "{:?} cpu {:.2} ms per step, wall {:.2}",
+        std::env::var("REP"),
+        (cpu() - a) / 60.0,
+        w.elapsed().as_secs_f64() * 1e3 / 60.0
+    );
 }

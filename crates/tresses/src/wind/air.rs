@@ -2,22 +2,19 @@
 
 use super::{
     gusts::Gusts,
-    params::{Wind, WindUniforms},
+    params::{Half, Wind, WindUniforms},
     stage::Fluid,
 };
 use crate::{
-    Pose, Result,
+    Error, Pose, Result,
     gpu::bindings::uniform,
     simulate::{MAX_STEPS, Mode, SdfCollider, SimulationParams, Step, drag},
-    strands::buffers::storage,
 };
 use bytemuck::Zeroable;
 use glam::{DVec3, I64Vec3, Vec3};
 
 /// Bytes from one step's uniforms to the next's: a multiple of every adapter's alignment.
 const STRIDE: u64 = 1280;
-/// The same for the halves of a sweep.
-const HALF_STRIDE: u64 = 256;
 /// Hairs in a cell lie in all directions: the mean of the cubed sine of their angle to the air.
 const ACROSS: f32 = 3.0 * std::f32::consts::PI / 16.0;
 
@@ -44,9 +41,11 @@ pub(super) struct Groups {
     pub obstacles: wgpu::BindGroup,
     pub predict: wgpu::BindGroup,
     pub correct: wgpu::BindGroup,
-    pub divergence: wgpu::BindGroup,
-    pub relax: wgpu::BindGroup,
-    pub project: wgpu::BindGroup,
+    pub gather: wgpu::BindGroup,
+    /// By whether it is the first sweep ever, whether it is an odd one, and the half.
+    pub relax: [[[wgpu::BindGroup; 2]; 2]; 2],
+    /// By the half.
+    pub project: [wgpu::BindGroup; 2],
 }
 
 /// The air around one groom, on the GPU.
@@ -60,18 +59,18 @@ pub struct Air {
     pub texture: wgpu::Texture,
     /// All of it.
     pub view: wgpu::TextureView,
-    /// Velocity on the faces after the last step, m/s: one axis after the other, each with
-    /// (`cells` + 2)³ values. The lower faces of cell (x, y, z) stand at (x + 1, y + 1, z + 1).
-    pub faces: wgpu::Buffer,
-    /// How much a pressure difference acts on each of the faces, 0 to 1.
-    pub give: wgpu::Buffer,
-    /// What would flow out of each cell without pressure, m/s.
-    pub source: wgpu::Buffer,
+    /// Velocity on the three lower faces of each cell, m/s (xyz), rgba16float. The last cells along
+    /// an axis have no upper face and count as outside.
+    pub faces: wgpu::Texture,
+    /// How much a pressure difference acts on each of these faces, 0 to 1 (xyz), rgba16float.
+    pub give: wgpu::Texture,
+    /// Carries the air without MacCormack's correction, for comparison.
+    pub plain: bool,
     pub(super) groups: Groups,
     center: Vec3,
     field: (Vec3, Vec3),
     uniforms: wgpu::Buffer,
-    buffer_bytes: u64,
+    bytes: u64,
     /// The wind that `gusts` was made for.
     wind: Option<Wind>,
     gusts: Gusts,
@@ -80,7 +79,7 @@ pub struct Air {
     /// How far the wind has blown, metres.
     way: DVec3,
     started: bool,
-    sweeps: Vec<u32>,
+    sweeps: Vec<(usize, bool)>,
     places: Vec<AirPlace>,
 }
 
@@ -100,97 +99,136 @@ impl Air {
         field: &SdfCollider,
         hair: &wgpu::TextureView,
     ) -> Result<Self> {
-        let count = u64::from(cells + 2).pow(3);
-        let faces = |what| storage::<[f32; 3]>(device, what, count);
-        let scalars = |what| storage::<f32>(device, what, count);
-        let vectors = |what| storage::<[f32; 4]>(device, what, count);
-        let (now, carried, before, give) =
-            (faces("air")?, faces("air carried")?, faces("air before pressure")?, faces("air give")?);
-        let (source, pressure, last) =
-            (scalars("air source")?, scalars("air pressure")?, scalars("air last pressure")?);
-        let (middle, solid, hairs) = (vectors("air centres")?, vectors("air solid")?, vectors("air hair")?);
+        let most = device.limits().max_texture_dimension_3d;
+        if cells + 2 > most {
+            return Err(Error::Limit { what: "the air", need: (cells + 2).into(), have: most.into() });
+        }
+        use wgpu::TextureFormat::{Rgba16Float, Rgba32Float};
+        let mut bytes = 0;
+        let mut texture = |label, format: wgpu::TextureFormat, [x, y, z]: [u32; 3]| {
+            bytes += u64::from(x * y * z) * u64::from(format.block_copy_size(None).unwrap_or(0));
+            let texture = device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width: x, height: y, depth_or_array_layers: z },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D3,
+                format,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING
+                    | wgpu::TextureUsages::STORAGE_BINDING
+                    | wgpu::TextureUsages::COPY_SRC,
+                view_formats: &[],
+            });
+            let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+            (texture, view)
+        };
+        let all = [cells; 3];
+        let blocks = [cells / 4, cells, cells];
+        let rimmed = [cells / 4 + 1, cells + 1, cells + 1];
+        let half = [cells / 8 + 2, cells + 2, cells + 2];
+        let (center_texture, center_view) = texture("air", Rgba16Float, all);
+        let (faces, now) = texture("air on faces", Rgba16Float, all);
+        let (give, give_view) = texture("air give", Rgba16Float, all);
+        let mut view = |label, format, size| texture(label, format, size).1;
+        let carried = view("air carried", Rgba16Float, all);
+        let before = view("air before pressure", Rgba32Float, all);
+        let solid = view("air solid", Rgba16Float, all);
+        let hairs = view("air hair", Rgba16Float, all);
+        let gives = ["air give x", "air give y", "air give z"].map(|label| view(label, Rgba16Float, rimmed));
+        let source = view("air source", Rgba32Float, blocks);
+        // By sweep (even, odd), then by half.
+        let pressures =
+            [(); 2].map(|()| ["air pressure a", "air pressure b"].map(|l| view(l, Rgba32Float, half)));
         let uniforms = uniform(device, "air steps", STRIDE as usize * MAX_STEPS as usize);
-        let halves = uniform(device, "air halves", 2 * HALF_STRIDE as usize);
-        queue.write_buffer(&halves, HALF_STRIDE, &1u32.to_le_bytes());
-        let texture = device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("air"),
-            size: wgpu::Extent3d { width: cells, height: cells, depth_or_array_layers: cells },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D3,
-            format: wgpu::TextureFormat::Rgba16Float,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING
-                | wgpu::TextureUsages::STORAGE_BINDING
-                | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
-        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let dynamic = |buffer, size: usize| {
+        let half_of = |color: u32, keep_own: f32, keep_other: f32| {
+            let buffer = uniform(device, "air half", size_of::<Half>());
+            let value = Half { color, keep_own, keep_other, _pad: 0 };
+            queue.write_buffer(&buffer, 0, bytemuck::bytes_of(&value));
+            buffer
+        };
+        let known = [half_of(0, 1.0, 1.0), half_of(1, 1.0, 1.0)];
+        let unknown = [half_of(0, 0.0, 0.0), half_of(1, 0.0, 1.0)];
+        let step = || {
             wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                buffer,
+                buffer: &uniforms,
                 offset: 0,
-                size: wgpu::BufferSize::new(size as u64),
+                size: wgpu::BufferSize::new(size_of::<WindUniforms>() as u64),
             })
         };
-        let step = || dynamic(&uniforms, size_of::<WindUniforms>());
-        let all = wgpu::Buffer::as_entire_binding;
-        let texel = wgpu::BindingResource::TextureView;
-        let groups = Groups {
-            obstacles: fluid.obstacles.bind(
+        let t = wgpu::BindingResource::TextureView;
+        let sampler = || wgpu::BindingResource::Sampler(&fluid.sampler);
+        let relax = |halves: &[wgpu::Buffer; 2], odd: usize, color: usize| {
+            // The first half reads the other one as the last sweep left it, the second as the first
+            // half's threads see it: just made.
+            let other = if color == 0 { &pressures[odd][1] } else { &pressures[1 - odd][0] };
+            fluid.relax.bind(
                 device,
                 &[
                     step(),
-                    texel(&field.view),
-                    texel(hair),
-                    wgpu::BindingResource::Sampler(&fluid.sampler),
-                    all(&solid),
-                    all(&hairs),
+                    halves[color].as_entire_binding(),
+                    t(&gives[0]),
+                    t(&gives[1]),
+                    t(&gives[2]),
+                    t(&pressures[odd][color]),
+                    t(other),
+                    t(&source),
+                    t(&pressures[1 - odd][color]),
                 ],
-            ),
-            predict: fluid.predict.bind(device, &[step(), all(&now), all(&middle), all(&carried)]),
+            )
+        };
+        let sweep = |halves, odd| [relax(halves, odd, 0), relax(halves, odd, 1)];
+        let project = |color: usize| {
+            fluid.project.bind(
+                device,
+                &[
+                    step(),
+                    known[color].as_entire_binding(),
+                    t(&gives[0]),
+                    t(&gives[1]),
+                    t(&gives[2]),
+                    t(&pressures[0][color]),
+                    t(&pressures[0][1 - color]),
+                    t(&before),
+                    t(&now),
+                    t(&center_view),
+                ],
+            )
+        };
+        let groups = Groups {
+            obstacles: fluid
+                .obstacles
+                .bind(device, &[step(), t(&field.view), t(hair), sampler(), t(&solid), t(&hairs)]),
+            predict: fluid.predict.bind(device, &[step(), t(&now), t(&center_view), sampler(), t(&carried)]),
             correct: fluid.correct.bind(
                 device,
                 &[
                     step(),
-                    all(&now),
-                    all(&middle),
-                    all(&carried),
-                    all(&solid),
-                    all(&hairs),
-                    all(&before),
-                    all(&give),
+                    t(&now),
+                    t(&center_view),
+                    sampler(),
+                    t(&carried),
+                    t(&solid),
+                    t(&hairs),
+                    t(&before),
+                    t(&give_view),
                 ],
             ),
-            divergence: fluid
-                .divergence
-                .bind(device, &[step(), all(&before), all(&last), all(&source), all(&pressure)]),
-            relax: fluid
-                .relax
-                .bind(device, &[step(), dynamic(&halves, 16), all(&give), all(&source), all(&pressure)]),
-            project: fluid.project.bind(
+            gather: fluid.gather.bind(
                 device,
-                &[
-                    step(),
-                    all(&before),
-                    all(&give),
-                    all(&pressure),
-                    all(&last),
-                    all(&now),
-                    all(&middle),
-                    texel(&view),
-                ],
+                &[step(), t(&before), t(&give_view), t(&gives[0]), t(&gives[1]), t(&gives[2]), t(&source)],
             ),
+            relax: [[sweep(&known, 0), sweep(&known, 1)], [sweep(&unknown, 0), sweep(&unknown, 1)]],
+            project: [project(0), project(1)],
         };
-        let buffers = [&now, &carried, &before, &give, &source, &pressure, &last, &middle, &solid, &hairs];
         Ok(Self {
             cells,
             cell: size / cells as f32,
-            buffer_bytes: buffers.iter().map(|b| b.size()).sum::<u64>() + uniforms.size() + halves.size(),
-            texture,
-            view,
-            faces: now,
+            texture: center_texture,
+            view: center_view,
+            faces,
             give,
-            source,
+            plain: false,
+            bytes: bytes + uniforms.size(),
             groups,
             center,
             field: (field.bias, field.scale),
@@ -207,7 +245,7 @@ impl Air {
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        self.buffer_bytes + u64::from(self.cells).pow(3) * 8
+        self.bytes
     }
 
     /// The air starts anew at the next step.
@@ -250,11 +288,8 @@ impl Air {
         index as u32 * STRIDE as u32
     }
 
-    pub(super) fn parity(&self, half: u32) -> u32 {
-        half * HALF_STRIDE as u32
-    }
-
-    pub(super) fn sweeps(&self, index: usize) -> u32 {
+    /// How many sweeps the pressure takes in step `index`, and whether it starts from nothing.
+    pub(super) fn sweeps(&self, index: usize) -> (usize, bool) {
         self.sweeps[index]
     }
 
@@ -281,7 +316,7 @@ impl Air {
         let at = corner.as_dvec3() * cell;
         self.places.push(AirPlace { corner: at.as_vec3(), scale: 1.0 / (self.cells as f32 * self.cell) });
         let speed = wind.velocity.length();
-        self.sweeps.push(sweeps(self.cells) * if reset { 4 } else { 1 });
+        self.sweeps.push((sweeps(self.cells) * if reset { 4 } else { 1 }, reset));
         let deviation = f64::from(wind.turbulence * speed);
         let local = |pose: &Pose| (pose.translation.as_dvec3() - at).as_vec3();
         let own = |head: &Pose| field.map_or(*head, |own| head.after(&own));
@@ -312,6 +347,7 @@ impl Air {
             reynolds: physics.diameter / drag::AIR_VISCOSITY,
             relaxation: OVER_RELAXATION,
             one: 1,
+            plain: u32::from(self.plain),
             ..Zeroable::zeroed()
         };
         let gusts = self.gusts.at(at, self.way, deviation, self.cell);
@@ -324,10 +360,11 @@ impl Air {
 /// Over-relaxation of the pressure's sweeps.
 const OVER_RELAXATION: f32 = 1.7;
 
-/// Sweeps of a step: information must cross the grid.
-fn sweeps(cells: u32) -> u32 {
-    (cells * 12).div_ceil(32).max(6)
+/// Sweeps of a step, an even number: what a sweep writes the next one reads.
+fn sweeps(cells: u32) -> usize {
+    2 * (cells as usize * SWEEPS).div_ceil(64).max(2)
 }
+const SWEEPS: usize = 8;
 
 /// The sides through which wind of mean velocity `mean` enters: those that it meets at more than
 /// 6 degrees; the others are open.

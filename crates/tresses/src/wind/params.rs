@@ -18,7 +18,7 @@ pub struct Wind {
     pub gust_length: f32,
     /// Chooses the gusts; the same seed gives the same ones.
     pub seed: u32,
-    /// Cells of the fluid's grid along each axis, 8 to 96; 0 for air that is the same everywhere.
+    /// Cells of the fluid's grid along each axis, a multiple of 8 up to 96; 0 for air that is the same everywhere.
     /// Without the fluid nothing shields a hair from the wind, so that only
     /// [`crate::simulate::SimulationParams::drag`] acts, not the quadratic drag of single hairs.
     pub cells: u32,
@@ -70,11 +70,11 @@ impl Wind {
         test("turbulence", self.turbulence, 0.0, 1.0, "from 0 to 1")?;
         test("gust length", self.gust_length, 0.01, 1e3, "from 0.01 to 1,000 m")?;
         test("room around the hair", self.room, 1.2, 20.0, "from 1.2 to 20")?;
-        if self.cells != 0 && !(MIN_CELLS..=MAX_CELLS).contains(&self.cells) {
+        if self.cells != 0 && (!(MIN_CELLS..=MAX_CELLS).contains(&self.cells) || self.cells % 8 != 0) {
             return Err(Error::Parameter {
                 name: "cells of the air",
                 value: self.cells.to_string(),
-                range: "0 or from 8 to 96",
+                range: "0 or a multiple of 8 up to 96",
             });
         }
         Ok(())
@@ -137,14 +137,28 @@ pub struct WindUniforms {
     pub relaxation: f32,
     /// Always one. Loops that count by it are not unrolled.
     pub one: u32,
-    /// Unused.
-    pub _pad_a: u32,
+    /// 1 for plain semi-Lagrangian advection, for comparison.
+    pub plain: u32,
     /// Unused.
     pub _pad_b: u32,
     /// Unused.
     pub _pad_c: u32,
     /// The gusts.
     pub gusts: [GustMode; MAX_GUSTS],
+}
+
+/// Uniforms of one half of a sweep.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Half {
+    /// Which half of the blocks.
+    pub color: u32,
+    /// 1 when the pressures of this half are known, 0 when they start from 0.
+    pub keep_own: f32,
+    /// The same of the other half.
+    pub keep_other: f32,
+    /// Unused.
+    pub _pad: u32,
 }
 
 #[cfg(test)]
@@ -161,8 +175,8 @@ mod tests {
             (Wind { turbulence: -0.1, ..Default::default() }, "turbulence"),
             (Wind { gust_length: 0.0, ..Default::default() }, "gust length"),
             (Wind { room: f32::INFINITY, ..Default::default() }, "room"),
-            (Wind { cells: 7, ..Default::default() }, "cells"),
-            (Wind { cells: 97, ..Default::default() }, "cells"),
+            (Wind { cells: 12, ..Default::default() }, "cells"),
+            (Wind { cells: 104, ..Default::default() }, "cells"),
         ] {
             assert!(wind.check().unwrap_err().to_string().contains(name));
         }

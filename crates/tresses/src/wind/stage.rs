@@ -9,7 +9,7 @@ pub struct Fluid {
     pub(super) obstacles: Kernel,
     pub(super) predict: Kernel,
     pub(super) correct: Kernel,
-    pub(super) divergence: Kernel,
+    pub(super) gather: Kernel,
     pub(super) relax: Kernel,
     pub(super) project: Kernel,
     pub(super) sampler: wgpu::Sampler,
@@ -18,27 +18,26 @@ pub struct Fluid {
 impl Fluid {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
-        use Binding::{Sampler, Storage, StorageMut, Texture3d, UniformDynamic, Write3d};
+        use Binding::{Sampler, Texels3d, Texture3d, Uniform, UniformDynamic, Write3d, WriteFull3d};
         let kernel = |module, entries: &[Binding]| Kernel::new(device, module, entries);
+        let air = [UniformDynamic, Texture3d, Texture3d, Sampler];
+        let blocks = [UniformDynamic, Uniform, Texels3d, Texels3d, Texels3d, Texels3d, Texels3d];
         Self {
             obstacles: kernel(
                 "wind::obstacles",
-                &[UniformDynamic, Texture3d, Texture3d, Sampler, StorageMut, StorageMut],
+                &[UniformDynamic, Texture3d, Texture3d, Sampler, Write3d, Write3d],
             ),
-            predict: kernel("wind::predict", &[UniformDynamic, Storage, Storage, StorageMut]),
+            predict: kernel("wind::predict", &[&air[..], &[Write3d]].concat()),
             correct: kernel(
                 "wind::correct",
-                &[UniformDynamic, Storage, Storage, Storage, Storage, Storage, StorageMut, StorageMut],
+                &[&air[..], &[Texture3d, Texture3d, Texture3d, WriteFull3d, Write3d]].concat(),
             ),
-            divergence: kernel(
-                "wind::divergence",
-                &[UniformDynamic, Storage, Storage, StorageMut, StorageMut],
+            gather: kernel(
+                "wind::gather",
+                &[UniformDynamic, Texels3d, Texels3d, Write3d, Write3d, Write3d, WriteFull3d],
             ),
-            relax: kernel("wind::relax", &[UniformDynamic, UniformDynamic, Storage, Storage, StorageMut]),
-            project: kernel(
-                "wind::project",
-                &[UniformDynamic, Storage, Storage, Storage, StorageMut, StorageMut, StorageMut, Write3d],
-            ),
+            relax: kernel("wind::relax", &[&blocks[..], &[Texels3d, WriteFull3d]].concat()),
+            project: kernel("wind::project", &[&blocks[..], &[Texels3d, Write3d, Write3d]].concat()),
             sampler: device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some("wind"),
                 mag_filter: wgpu::FilterMode::Linear,
@@ -51,17 +50,22 @@ impl Fluid {
     /// Records step `index` of those that [`Air::prepare`] wrote.
     pub fn record(&self, pass: &mut wgpu::ComputePass<'_>, air: &Air, index: usize) {
         let step = air.offset(index);
-        let groups = air.cells.div_ceil(8);
-        let all = [groups, air.cells.div_ceil(4), air.cells.div_ceil(2)];
-        self.obstacles.record_grid(pass, &air.groups.obstacles, &[step], all);
-        self.predict.record_grid(pass, &air.groups.predict, &[step], all);
-        self.correct.record_grid(pass, &air.groups.correct, &[step], all);
-        self.divergence.record_grid(pass, &air.groups.divergence, &[step], all);
-        let half = [air.cells.div_ceil(16), all[1], all[2]];
-        for sweep in 0..2 * air.sweeps(index) {
-            let parity = air.parity(sweep % 2);
-            self.relax.record_grid(pass, &air.groups.relax, &[step, parity], half);
+        let (groups, n) = (&air.groups, air.cells);
+        let cells = [n / 8, n / 4, n / 2];
+        self.obstacles.record_grid(pass, &groups.obstacles, &[step], cells);
+        self.predict.record_grid(pass, &groups.predict, &[step], cells);
+        self.correct.record_grid(pass, &groups.correct, &[step], cells);
+        self.gather.record_grid(pass, &groups.gather, &[step], [n.div_ceil(32), n / 4, n / 2]);
+        let half = [n.div_ceil(32), n / 8, n / 2];
+        let (sweeps, fresh) = air.sweeps(index);
+        for sweep in 0..sweeps {
+            let first = fresh && sweep == 0;
+            for color in &groups.relax[usize::from(first)][sweep % 2] {
+                self.relax.record_grid(pass, color, &[step], half);
+            }
         }
-        self.project.record_grid(pass, &air.groups.project, &[step], all);
+        for color in &groups.project {
+            self.project.record_grid(pass, color, &[step], half);
+        }
     }
 }
