@@ -4,10 +4,11 @@ mod common;
 
 use tresses::{
     Pose,
-    glam::{IVec3, Quat, Vec3},
+    collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
+    glam::Vec3,
     gpu::{Gpu, readback},
     groom::SdfGrid,
-    simulate::{Mode, SdfCollider, SimulationParams, Step},
+    simulate::{Mode, SimulationParams, Step},
     wind::{Air, Fluid, HairGrid, Wind},
 };
 
@@ -18,7 +19,7 @@ struct Tunnel {
     gpu: &'static Gpu,
     fluid: &'static Fluid,
     air: Air,
-    field: Option<Pose>,
+    colliders: ColliderSet,
     hair: Option<HairGrid>,
     physics: SimulationParams,
     head: Pose,
@@ -142,18 +143,19 @@ impl Tunnel {
     fn new(wind: Wind, radius: f32, hair: Option<&dyn Fn(Vec3) -> [f32; 4]>) -> Option<Self> {
         let (gpu, fluid) = stage()?;
         let grid = SdfGrid::from_fn(Vec3::splat(-0.25), Vec3::splat(0.25), 50, |p| p.length() - radius);
-        let field = SdfCollider::new(&gpu.device, &gpu.queue, &grid).unwrap();
+        let what = ColliderDescriptor { head: (radius > 0.0).then_some(&grid), ..Default::default() };
+        let colliders = ColliderSet::new(&gpu.device, &gpu.queue, &what).unwrap();
         let (view, place) = match hair {
             Some(value) => volume(gpu, 32, 0.6, value),
             None => volume(gpu, 1, 1.0, |_| [0.0; 4]),
         };
         let air =
-            Air::new(&gpu.device, &gpu.queue, fluid, wind.cells, (Vec3::ZERO, 1.0), &field, &view).unwrap();
+            Air::new(&gpu.device, &gpu.queue, fluid, wind.cells, (Vec3::ZERO, 1.0), &view).unwrap();
         Some(Self {
             gpu,
             fluid,
             air,
-            field: (radius > 0.0).then_some(Pose::IDENTITY),
+            colliders,
             hair: hair.map(|_| place),
             physics: SimulationParams { wind, step: STEP, ..Default::default() },
             head: Pose::IDENTITY,
@@ -169,9 +171,14 @@ impl Tunnel {
         self.fresh = false;
         self.head = head;
         let Gpu { device, queue, .. } = self.gpu;
-        self.air.prepare(queue, &self.physics, &[step], self.field, self.hair);
+        let steps = [step];
+        let moments = Moments { steps: &steps, substeps: 4, step: STEP, head, alpha: 1.0 };
+        self.colliders.advance(queue, &ColliderPoses::default(), &moments).unwrap();
+        self.air.prepare(queue, &self.physics, &steps, self.hair);
         let mut encoder = device.create_command_encoder(&Default::default());
-        self.fluid.record(&mut encoder.begin_compute_pass(&Default::default()), &self.air, 0);
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        self.fluid.record(&mut pass, &self.air, &self.colliders, 0);
+        drop(pass);
         queue.submit([encoder.finish()]);
     }
 

@@ -8,7 +8,7 @@ use super::{
 use crate::{
     Error, Pose, Result,
     gpu::bindings::uniform,
-    simulate::{MAX_STEPS, Mode, SdfCollider, SimulationParams, Step, drag},
+    simulate::{MAX_STEPS, Mode, SimulationParams, Step, drag},
 };
 use bytemuck::Zeroable;
 use glam::{DVec3, I64Vec3, Vec3};
@@ -68,7 +68,6 @@ pub struct Air {
     pub plain: bool,
     pub(super) groups: Groups,
     center: Vec3,
-    field: (Vec3, Vec3),
     uniforms: wgpu::Buffer,
     bytes: u64,
     /// The wind that `gusts` was made for.
@@ -85,7 +84,7 @@ pub struct Air {
 
 impl Air {
     /// Air at rest in a cube of edge `size` (metres) with `cells` cells along each axis around
-    /// `center`, a point of the head (groom space). `field` is the head's distance field; `hair`
+    /// `center`, a point of the head (groom space). `hair` has
     /// the hair's length per volume (w, km/m³) and mean velocity (xyz, m/s).
     ///
     /// # Errors
@@ -96,7 +95,6 @@ impl Air {
         fluid: &Fluid,
         cells: u32,
         (center, size): (Vec3, f32),
-        field: &SdfCollider,
         hair: &wgpu::TextureView,
     ) -> Result<Self> {
         let most = device.limits().max_texture_dimension_3d;
@@ -197,7 +195,7 @@ impl Air {
         let groups = Groups {
             obstacles: fluid
                 .obstacles
-                .bind(device, &[step(), t(&field.view), t(hair), sampler(), t(&solid), t(&hairs)]),
+                .bind(device, &[step(), t(hair), sampler(), t(&solid), t(&hairs)]),
             predict: fluid.predict.bind(device, &[step(), t(&now), t(&center_view), sampler(), t(&carried)]),
             correct: fluid.correct.bind(
                 device,
@@ -231,7 +229,6 @@ impl Air {
             bytes: bytes + uniforms.size(),
             groups,
             center,
-            field: (field.bias, field.scale),
             uniforms,
             wind: None,
             gusts: Gusts::default(),
@@ -253,14 +250,12 @@ impl Air {
         self.started = false;
     }
 
-    /// Writes the uniforms of a frame's `steps`. `field` is the pose of the distance field relative
-    /// to the head, where there is one; `hair` the hair's grid, without which no hair is in the way.
+    /// Writes the uniforms of a frame's `steps`. `hair` is the hair's grid, without which no hair is in the way.
     pub fn prepare(
         &mut self,
         queue: &wgpu::Queue,
         physics: &SimulationParams,
         steps: &[Step],
-        field: Option<Pose>,
         hair: Option<HairGrid>,
     ) {
         let wind = &physics.wind;
@@ -272,8 +267,8 @@ impl Air {
         let mut bytes = vec![0u8; STRIDE as usize * steps.len()];
         self.places.clear();
         self.sweeps.clear();
-        for (step, slot) in steps.iter().zip(bytes.as_chunks_mut::<{ STRIDE as usize }>().0) {
-            let uniforms = self.step(physics, step, field, hair);
+        for (i, slot) in bytes.as_chunks_mut::<{ STRIDE as usize }>().0.iter_mut().enumerate() {
+            let uniforms = self.step(physics, &steps[i], i, hair);
             slot[..size_of::<WindUniforms>()].copy_from_slice(bytemuck::bytes_of(&uniforms));
         }
         queue.write_buffer(&self.uniforms, 0, &bytes);
@@ -298,7 +293,7 @@ impl Air {
         &mut self,
         physics: &SimulationParams,
         step: &Step,
-        field: Option<Pose>,
+        index: usize,
         hair: Option<HairGrid>,
     ) -> WindUniforms {
         let wind = &physics.wind;
@@ -319,8 +314,6 @@ impl Air {
         self.sweeps.push((sweeps(self.cells) * if reset { 4 } else { 1 }, reset));
         let deviation = f64::from(wind.turbulence * speed);
         let local = |pose: &Pose| (pose.translation.as_dvec3() - at).as_vec3();
-        let own = |head: &Pose| field.map_or(*head, |own| head.after(&own));
-        let (end, begin) = (own(&step.end), own(&step.begin));
         let mut u = WindUniforms {
             mean: wind.velocity,
             cells: self.cells,
@@ -329,23 +322,17 @@ impl Air {
                 .clamp(glam::IVec3::splat(-4 * self.cells as i32), glam::IVec3::splat(4 * self.cells as i32)),
             reach: dt / self.cell,
             head: step.begin.rotation.into(),
-            field: end.rotation.into(),
-            field_before: begin.rotation.into(),
             head_at: local(&step.begin),
             cell: self.cell,
-            field_at: local(&end),
-            has_field: u32::from(field.is_some()),
-            field_before_at: local(&begin),
-            per_second: if step.mode == Mode::Step { 1.0 / dt } else { 0.0 },
-            field_bias: self.field.0,
+            corner: at.as_vec3(),
+            moment: (index as u32 + 1) * physics.substeps,
             reset: u32::from(reset),
-            field_scale: self.field.1,
             inflow: inflow(wind.velocity),
             hair_bias: hair.map_or(Vec3::splat(-1.0), |hair| hair.bias),
             hair_scale: hair.map_or(0.0, |hair| hair.scale),
             drag: dt * 0.5 * physics.diameter * ACROSS * 1e3,
             reynolds: physics.diameter / drag::AIR_VISCOSITY,
-            relaxation: OVER_RELAXATION,
+            relaxation: std::env::var("OMEGA").map_or(OVER_RELAXATION, |v| v.parse().unwrap()),
             one: 1,
             plain: u32::from(self.plain),
             ..Zeroable::zeroed()
@@ -362,6 +349,7 @@ const OVER_RELAXATION: f32 = 1.7;
 
 /// Sweeps of a step, an even number: what a sweep writes the next one reads.
 fn sweeps(cells: u32) -> usize {
+    if let Ok(n) = std::env::var("SWEEPS") { return n.parse().unwrap(); }
     2 * (cells as usize * SWEEPS).div_ceil(64).max(2)
 }
 const SWEEPS: usize = 8;

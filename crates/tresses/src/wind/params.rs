@@ -98,34 +98,22 @@ pub struct WindUniforms {
     pub reach: f32,
     /// Rotation of the head at the begin of the step, quaternion: the hair's grid turns with it.
     pub head: [f32; 4],
-    /// Rotation of the distance field's frame at the end of the step.
-    pub field: [f32; 4],
-    /// The same at the begin.
-    pub field_before: [f32; 4],
     /// The head's origin at the begin of the step, metres.
     pub head_at: Vec3,
     /// Edge of a cell, metres.
     pub cell: f32,
-    /// Origin of the distance field's frame at the end of the step, metres.
-    pub field_at: Vec3,
-    /// 1 when there is a distance field.
-    pub has_field: u32,
-    /// The same at the begin.
-    pub field_before_at: Vec3,
-    /// One over the length of the step, 1/s.
-    pub per_second: f32,
-    /// Texture coordinate of the field's frame origin.
-    pub field_bias: Vec3,
-    /// 1 when the air starts anew, undisturbed.
-    pub reset: u32,
-    /// Texture coordinates of the field per metre.
-    pub field_scale: Vec3,
-    /// Bit `2 axis` (`+ 1`): the air enters through the lower (upper) side of that axis.
-    pub inflow: u32,
+    /// The grid's corner, world space, metres.
+    pub corner: Vec3,
+    /// The moment of the colliders (see [`crate::collide`]).
+    pub moment: u32,
     /// Texture coordinate of the head's origin in the hair's grid.
     pub hair_bias: Vec3,
     /// Texture coordinates of the hair's grid per metre.
     pub hair_scale: f32,
+    /// 1 when the air starts anew, undisturbed.
+    pub reset: u32,
+    /// Bit `2 axis` (`+ 1`): the air enters through the lower (upper) side of that axis.
+    pub inflow: u32,
     /// How many of `gusts` there are.
     pub gust_count: u32,
     /// Drag of the hair in a cell: step times half a hair's diameter times the share of hairs that
@@ -139,10 +127,6 @@ pub struct WindUniforms {
     pub one: u32,
     /// 1 for plain semi-Lagrangian advection, for comparison.
     pub plain: u32,
-    /// Unused.
-    pub _pad_b: u32,
-    /// Unused.
-    pub _pad_c: u32,
     /// The gusts.
     pub gusts: [GustMode; MAX_GUSTS],
 }

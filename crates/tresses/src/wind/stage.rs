@@ -1,7 +1,10 @@
 //! The pipelines of the fluid and the order in which one step runs them.
 
 use super::air::Air;
-use crate::gpu::{Binding, Kernel};
+use crate::{
+    collide::{self, ColliderSet},
+    gpu::{Binding, Kernel},
+};
 
 /// The pipelines; made once per device.
 #[derive(Debug)]
@@ -23,9 +26,11 @@ impl Fluid {
         let air = [UniformDynamic, Texture3d, Texture3d, Sampler];
         let blocks = [UniformDynamic, Uniform, Texels3d, Texels3d, Texels3d, Texels3d, Texels3d];
         Self {
-            obstacles: kernel(
+            obstacles: Kernel::beside(
+                device,
                 "wind::obstacles",
-                &[UniformDynamic, Texture3d, Texture3d, Sampler, Write3d, Write3d],
+                &[UniformDynamic, Texture3d, Sampler, Write3d, Write3d],
+                &[&collide::layout(device)],
             ),
             predict: kernel("wind::predict", &[&air[..], &[Write3d]].concat()),
             correct: kernel(
@@ -47,11 +52,13 @@ impl Fluid {
         }
     }
 
-    /// Records step `index` of those that [`Air::prepare`] wrote.
-    pub fn record(&self, pass: &mut wgpu::ComputePass<'_>, air: &Air, index: usize) {
+    /// Records step `index` of those that [`Air::prepare`] wrote, among `colliders`, which have been
+    /// [advanced](ColliderSet::advance) by the same steps.
+    pub fn record(&self, pass: &mut wgpu::ComputePass<'_>, air: &Air, colliders: &ColliderSet, index: usize) {
         let step = air.offset(index);
         let (groups, n) = (&air.groups, air.cells);
         let cells = [n / 8, n / 4, n / 2];
+        pass.set_bind_group(1, colliders.group(), &[]);
         self.obstacles.record_grid(pass, &groups.obstacles, &[step], cells);
         self.predict.record_grid(pass, &groups.predict, &[step], cells);
         self.correct.record_grid(pass, &groups.correct, &[step], cells);
