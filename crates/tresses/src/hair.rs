@@ -4,21 +4,25 @@
 use crate::{
     Error, Pose, Result,
     draw::{DrawOptions, DrawStage, HairSet},
+    frame::Frame,
     gpu::bindings,
     groom::{Groom, SdfGrid},
     interpolate::{Interpolate, InterpolateParams},
     math::hash::pcg,
     simulate::{
-        Clock, ColliderSet, GuideTraits, Mode, RestOptions, RestShape, Simulate, Simulation,
+        Clock, ColliderSet, Forces, GuideTraits, Mode, RestOptions, RestShape, Simulate, Simulation,
         SimulationParams, Step, rest,
     },
     strands::{GuideBuffers, Strand, StrandBuffers},
     tessellate::{Tessellate, TessellateParams, rest_samples},
+    volume::{HairHairMode, Volume, VolumeOptions, VolumeStage},
 };
 
 /// Every pipeline; made once per device.
 #[derive(Debug)]
 pub struct HairRenderer {
+    /// Guides fill a grid.
+    pub volume: VolumeStage,
     /// Guides move.
     pub simulate: Simulate,
     /// Guides become curves.
@@ -33,6 +37,7 @@ impl HairRenderer {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device, options: &DrawOptions) -> Self {
         Self {
+            volume: VolumeStage::new(device),
             simulate: Simulate::new(device),
             tessellate: Tessellate::new(device),
             interpolate: Interpolate::new(device),
@@ -52,6 +57,8 @@ pub struct HairOptions {
     pub clearance: f32,
     /// The most capsules that the hair collides with.
     pub capsules: u32,
+    /// The grid in which hair meets hair.
+    pub volume: VolumeOptions,
 }
 
 impl Default for HairOptions {
@@ -61,6 +68,7 @@ impl Default for HairOptions {
             rest: RestShape::SagFree,
             clearance: 1.5e-3,
             capsules: 16,
+            volume: VolumeOptions::default(),
         }
     }
 }
@@ -74,6 +82,11 @@ pub struct Hair {
     pub strands: StrandBuffers,
     /// Index buffers, shaded values and bind groups of the drawing stages.
     pub set: HairSet,
+    /// Density and velocity of the hair around the head.
+    pub volume: Volume,
+    forces: Forces,
+    /// Whether the grids act on the guides in this frame.
+    forced: bool,
     pub(crate) simulation: Simulation,
     pub(crate) clock: Clock,
     /// Poses of the head before and after the last step, and the blend between them.
@@ -115,15 +128,15 @@ impl Hair {
                 tip_pinned: groom.guides.tip_pinned[i],
             })
             .collect();
-        rest::guides(
+        let rest = rest::guides(
             &groom.guides.positions,
             vertex_count,
             &traits,
             &options.simulation,
             &RestOptions { shape: options.rest, clearance: options.clearance },
             head,
-        )?
-        .upload(queue, &guides)?;
+        )?;
+        rest.upload(queue, &guides)?;
         let sample_rest: Vec<[f32; 4]> = (0..groom.guides.len())
             .flat_map(|i| rest_samples(groom.guides.guide(i), sample_count))
             .map(|p| p.extend(0.0).to_array())
@@ -135,6 +148,7 @@ impl Hair {
 
         let colliders = ColliderSet::new(device, queue, head, options.capsules)?;
         let simulation = Simulation::new(device, &renderer.simulate, &guides, colliders);
+        let volume = Volume::new(device, &renderer.volume, &guides, &rest, &options.volume)?;
         let uniform = |label, size| bindings::uniform(device, label, size);
         let tessellate_params = uniform("tessellate", size_of::<TessellateParams>());
         let interpolate_params = uniform("interpolate", size_of::<InterpolateParams>());
@@ -149,6 +163,9 @@ impl Hair {
                 &strands,
                 field,
             ),
+            forces: Forces::new(device, &renderer.simulate, &guides, &volume),
+            volume,
+            forced: false,
             clock: Clock::default(),
             states: (Pose::IDENTITY, Pose::IDENTITY, 1.0),
             clearance: if head.is_some() { options.clearance } else { 0.0 },
@@ -163,6 +180,23 @@ impl Hair {
     /// Puts the hair to rest at the next frame, wherever the head is then.
     pub fn reset(&mut self) {
         self.clock.reset();
+    }
+
+    /// Begins a frame: writes what its fixed steps read and returns how many are due.
+    pub(crate) fn begin(&mut self, queue: &wgpu::Queue, frame: &Frame<'_>) -> Result<u32> {
+        let physics = frame.simulation;
+        physics.check()?;
+        let steps = self.tick(frame.dt, physics.step, &frame.head);
+        self.forced = physics.hair_hair.mode != HairHairMode::Off;
+        if self.forced {
+            self.volume.prepare(queue, &physics.hair_hair, &steps, physics.step);
+        }
+        self.simulation.prepare(queue, physics, &steps, frame.colliders, self.forced)
+    }
+
+    /// Whether this frame needs the grid of the hair.
+    pub(crate) fn uses_volume(&self) -> bool {
+        self.forced
     }
 
     /// The fixed steps that are due `dt` seconds after the last frame, the head now at `head`.
@@ -180,7 +214,11 @@ impl Hair {
 
     /// Bytes of GPU memory, without render targets and shadow maps.
     pub fn bytes(&self) -> u64 {
-        self.guides.bytes() + self.strands.bytes() + self.set.bytes() + self.simulation.bytes()
+        self.guides.bytes()
+            + self.strands.bytes()
+            + self.set.bytes()
+            + self.simulation.bytes()
+            + self.volume.bytes()
     }
 
     /// Writes the uniforms of [`tessellate`](Self::record_tessellate) and
@@ -202,6 +240,20 @@ impl Hair {
             ..Default::default()
         };
         queue.write_buffer(&self.interpolate_params, 0, bytemuck::bytes_of(&params));
+    }
+
+    /// Step `i` of the guides: what the grids do to them, then the step itself.
+    pub(crate) fn record_simulate(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        device: &wgpu::Device,
+        stage: &Simulate,
+        i: u32,
+    ) {
+        if self.forced {
+            self.forces.record(stage, pass, i);
+        }
+        self.simulation.record_step(stage, device, pass, i);
     }
 
     pub(crate) fn record_tessellate(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Tessellate) {

@@ -43,6 +43,7 @@
 pub mod clock;
 pub mod collider;
 pub mod drape;
+mod forces;
 pub mod params;
 pub mod rest;
 mod step;
@@ -65,6 +66,7 @@ use std::sync::OnceLock;
 pub use clock::{Clock, Ticks};
 pub use collider::{Capsule, ColliderPoses, ColliderSet, SdfCollider};
 pub use drape::{DrapeOptions, drape};
+pub use forces::Forces;
 pub use params::{Along, Mode, SimulationParams};
 pub use rest::{GuideTraits, RestGuides, RestOptions, RestShape};
 
@@ -79,6 +81,7 @@ pub struct Simulate {
     layout: wgpu::BindGroupLayout,
     sampler: wgpu::Sampler,
     pipelines: [OnceLock<wgpu::ComputePipeline>; step::CAPACITIES.len()],
+    pub(crate) forces: forces::ForcesKernel,
 }
 
 impl Simulate {
@@ -93,6 +96,7 @@ impl Simulate {
                 ..Default::default()
             }),
             pipelines: Default::default(),
+            forces: forces::ForcesKernel::new(device),
         }
     }
 
@@ -185,6 +189,7 @@ impl Simulation {
                 colliders.capsules.as_entire_binding(),
                 wgpu::BindingResource::TextureView(&colliders.field.view),
                 wgpu::BindingResource::Sampler(&simulate.sampler),
+                guides.forces.as_entire_binding(),
             ],
         );
         Self {
@@ -225,6 +230,27 @@ impl Simulation {
         steps: &[Step],
         poses: &ColliderPoses,
     ) -> Result<()> {
+        let count = self.prepare(queue, params, steps, poses, false)?;
+        for i in 0..count {
+            self.record_step(simulate, device, pass, i);
+        }
+        Ok(())
+    }
+
+    /// Writes the uniforms of a frame's `steps`, at most [`MAX_STEPS`], and returns how many there
+    /// are. `poses` as in [`record`](Self::record). With `forced`, [`GuideBuffers::forces`] act in
+    /// them: [`Forces::record`] belongs before each.
+    ///
+    /// # Errors
+    /// As [`record`](Self::record).
+    pub fn prepare(
+        &mut self,
+        queue: &wgpu::Queue,
+        params: &SimulationParams,
+        steps: &[Step],
+        poses: &ColliderPoses,
+        forced: bool,
+    ) -> Result<u32> {
         params.check()?;
         if poses.capsules.len() > self.colliders.capacity() as usize {
             return Err(Error::Parameter {
@@ -235,7 +261,7 @@ impl Simulation {
         }
         let steps = &steps[steps.len().saturating_sub(MAX_STEPS as usize)..];
         if steps.is_empty() || self.guide_count == 0 {
-            return Ok(());
+            return Ok(0);
         }
         let motions: Vec<_> = poses
             .capsules
@@ -247,17 +273,26 @@ impl Simulation {
         self.capsules.clone_from(&poses.capsules);
         let mut bytes = vec![0u8; STRIDE as usize * steps.len()];
         for (step, slot) in steps.iter().zip(bytes.as_chunks_mut::<{ STRIDE as usize }>().0) {
-            let uniforms = self.uniforms(params, step, poses);
+            let mut uniforms = self.uniforms(params, step, poses);
+            uniforms.forced = forced.into();
             slot[..size_of::<StepUniforms>()].copy_from_slice(bytemuck::bytes_of(&uniforms));
         }
         queue.write_buffer(&self.uniforms, 0, &bytes);
+        Ok(steps.len() as u32)
+    }
+
+    /// Records step `i` of those that [`prepare`](Self::prepare) wrote.
+    pub fn record_step(
+        &self,
+        simulate: &Simulate,
+        device: &wgpu::Device,
+        pass: &mut wgpu::ComputePass<'_>,
+        i: u32,
+    ) {
         pass.set_pipeline(simulate.pipeline(device, self.vertex_count));
         let groups = self.guide_count.div_ceil(crate::constants::GUIDE_WORKGROUP);
-        for i in 0..steps.len() as u32 {
-            pass.set_bind_group(0, &self.group, &[i * STRIDE as u32]);
-            pass.dispatch_workgroups(groups.min(65_535), groups.div_ceil(65_535), 1);
-        }
-        Ok(())
+        pass.set_bind_group(0, &self.group, &[i * STRIDE as u32]);
+        pass.dispatch_workgroups(groups.min(65_535), groups.div_ceil(65_535), 1);
     }
 
     fn uniforms(&self, params: &SimulationParams, step: &Step, poses: &ColliderPoses) -> StepUniforms {

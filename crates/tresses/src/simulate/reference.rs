@@ -8,7 +8,7 @@ use crate::math::{
     ldl::Factors,
     rotation::{self, minimal_rotation},
 };
-use crate::strands::{Guide, GuideRest, GuideShape, guide::TIP_PINNED};
+use crate::strands::{Guide, GuideForce, GuideRest, GuideShape, guide::TIP_PINNED};
 use glam::{Mat3, Quat, Vec3};
 
 /// Contact stiffness: a vertex gives way by 1/30 of what would pass through in a substep.
@@ -33,6 +33,7 @@ pub(crate) struct Strand {
     pub previous: Vec<Vec3>,
     pub current: Vec<Vec3>,
     pub velocity: Vec<Vec3>,
+    pub forces: Vec<GuideForce>,
 }
 
 /// What strands collide with.
@@ -86,6 +87,7 @@ impl Strand {
             shape,
             previous: current.clone(),
             velocity: vec![Vec3::ZERO; current.len()],
+            forces: vec![GuideForce::default(); current.len()],
             current,
         }
     }
@@ -186,6 +188,13 @@ impl Strand {
                 let mut m = Mat3::from_diagonal(Vec3::splat(1.0 / (h * h) + u.drag / h + kg));
                 let mut f = u.gravity + (u.wind - v[i]) * u.drag + (goal - y) * kg;
                 self.contacts(u, obstacles, i, t, origin, y - v[i] * h, y, &mut m, &mut f);
+                if u.forced == 1 {
+                    let force = self.forces[i].unpack();
+                    let tangent = force.tangent;
+                    m += Mat3::from_diagonal(Vec3::splat(force.rate / h))
+                        + outer(tangent, tangent) * (force.along / h);
+                    f += force.acceleration - v[i] * force.rate - tangent * (force.along * tangent.dot(v[i]));
+                }
                 let weight = if tip { 0.5 } else { 1.0 };
                 // The edge as a spring.
                 let e_next = y - p[j];

@@ -3,7 +3,7 @@
 use crate::{gpu::Binding, shaders};
 
 /// Bindings of the kernel, in order.
-pub(crate) const BINDINGS: [Binding; 10] = [
+pub(crate) const BINDINGS: [Binding; 11] = [
     Binding::UniformDynamic,
     Binding::Storage,
     Binding::Storage,
@@ -14,6 +14,7 @@ pub(crate) const BINDINGS: [Binding; 10] = [
     Binding::Storage,
     Binding::Texture3d,
     Binding::Sampler,
+    Binding::Storage,
 ];
 
 /// The vertex counts that the kernel is specialised for.
