@@ -37,6 +37,11 @@
 mod grid;
 pub mod params;
 
+#[cfg(test)]
+mod gpu_tests;
+#[cfg(test)]
+mod reference;
+
 use crate::{
     Error, Pose, Result,
     constants::VOLUME_WORKGROUP,
