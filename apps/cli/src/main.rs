@@ -5,6 +5,7 @@ mod bench;
 mod camera;
 mod convert;
 mod demo;
+mod hair_hair_args;
 mod info;
 mod interrupt;
 mod load;
@@ -14,6 +15,7 @@ mod picture;
 mod progress;
 mod render;
 mod scene;
+mod wind_args;
 
 use clap::Parser;
 use std::process::ExitCode;

@@ -127,6 +127,11 @@ impl Scene {
         })
     }
 
+    /// The physics from here on.
+    pub fn physics_mut(&mut self) -> &mut SimulationParams {
+        &mut self.physics
+    }
+
     /// What a portrait must show, metres.
     pub fn subject(&self) -> Bounds {
         self.subject

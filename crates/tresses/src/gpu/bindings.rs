@@ -121,3 +121,13 @@ pub fn uniform(device: &wgpu::Device, label: &str, size: usize) -> wgpu::Buffer 
         mapped_at_creation: false,
     })
 }
+
+/// A sampler that filters linearly and clamps: how every grid is read.
+pub fn linear(device: &wgpu::Device) -> wgpu::Sampler {
+    device.create_sampler(&wgpu::SamplerDescriptor {
+        label: Some("linear"),
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        ..Default::default()
+    })
+}

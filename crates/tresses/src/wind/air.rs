@@ -11,10 +11,10 @@ use crate::{
     simulate::{MAX_STEPS, Mode, SimulationParams, Step, drag},
 };
 use bytemuck::Zeroable;
-use glam::{DVec3, I64Vec3, Vec3};
+use glam::{DVec3, I64Vec3, IVec3, Vec3};
 
 /// Bytes from one step's uniforms to the next's: a multiple of every adapter's alignment.
-const STRIDE: u64 = 1280;
+pub(super) const STRIDE: u64 = 1280;
 /// Hairs in a cell lie in all directions: the mean of the cubed sine of their angle to the air.
 const ACROSS: f32 = 3.0 * std::f32::consts::PI / 16.0;
 
@@ -78,8 +78,8 @@ pub struct Air {
     /// How far the wind has blown, metres.
     way: DVec3,
     started: bool,
-    sweeps: Vec<(usize, bool)>,
-    places: Vec<AirPlace>,
+    /// What each step of the frame does.
+    runs: Vec<Run>,
 }
 
 impl Air {
@@ -137,7 +137,7 @@ impl Air {
         // By sweep (even, odd), then by half.
         let pressures =
             [(); 2].map(|()| ["air pressure a", "air pressure b"].map(|l| view(l, Rgba32Float, half)));
-        let uniforms = uniform(device, "air steps", STRIDE as usize * MAX_STEPS as usize);
+        let uniforms = uniform(device, "air steps", STRIDE as usize * (MAX_STEPS * MAX_SPLIT) as usize);
         let half_of = |color: u32, keep_own: f32, keep_other: f32| {
             let buffer = uniform(device, "air half", size_of::<Half>());
             let value = Half { color, keep_own, keep_other, _pad: 0 };
@@ -235,8 +235,7 @@ impl Air {
             corner: I64Vec3::ZERO,
             way: DVec3::ZERO,
             started: false,
-            sweeps: Vec::new(),
-            places: Vec::new(),
+            runs: Vec::new(),
         })
     }
 
@@ -264,28 +263,68 @@ impl Air {
             self.gusts = Gusts::new(wind, self.cell);
         }
         self.wind = Some(*wind);
-        let mut bytes = vec![0u8; STRIDE as usize * steps.len()];
-        self.places.clear();
-        self.sweeps.clear();
-        for (i, slot) in bytes.as_chunks_mut::<{ STRIDE as usize }>().0.iter_mut().enumerate() {
-            let uniforms = self.step(physics, &steps[i], i, hair);
-            slot[..size_of::<WindUniforms>()].copy_from_slice(bytemuck::bytes_of(&uniforms));
+        self.runs.clear();
+        let steps = &steps[steps.len().saturating_sub(MAX_STEPS as usize)..];
+        let mut bytes = Vec::with_capacity(steps.len() * STRIDE as usize);
+        for (i, step) in steps.iter().enumerate() {
+            let first = (bytes.len() / STRIDE as usize) as u32;
+            let parts = self.parts(physics);
+            let mut uniforms = self.step(physics, step, i, hair);
+            self.runs.push(Run { first, parts, fresh: uniforms.reset == 1, place: self.at() });
+            for _ in 0..parts {
+                self.blow(physics, &mut uniforms, parts);
+                bytes.extend_from_slice(bytemuck::bytes_of(&uniforms));
+                bytes.resize(bytes.len().next_multiple_of(STRIDE as usize), 0);
+                (uniforms.reset, uniforms.shift) = (0, IVec3::ZERO);
+            }
         }
         queue.write_buffer(&self.uniforms, 0, &bytes);
     }
 
     /// Where the air lies after step `index` of the last frame that had steps.
-    pub fn place(&self, index: usize) -> AirPlace {
-        self.places.get(index).copied().unwrap_or_default()
+    pub fn place(&self, index: u32) -> AirPlace {
+        self.runs.get(index as usize).map(|run| run.place).unwrap_or_default()
     }
 
-    pub(super) fn offset(&self, index: usize) -> u32 {
-        index as u32 * STRIDE as u32
+    /// What step `index` does.
+    pub(super) fn run(&self, index: u32) -> Run {
+        self.runs[index as usize]
     }
 
-    /// How many sweeps the pressure takes in step `index`, and whether it starts from nothing.
-    pub(super) fn sweeps(&self, index: usize) -> (usize, bool) {
-        self.sweeps[index]
+    /// Sweeps of the pressure, an even number: what a sweep writes the next one reads. Information
+    /// must come across the grid.
+    pub(super) fn sweeps(&self, fresh: bool) -> usize {
+        let sweeps = 2 * (self.cells as usize * SWEEPS).div_ceil(64).max(2);
+        if fresh { 4 * sweeps } else { sweeps }
+    }
+
+    fn at(&self) -> AirPlace {
+        let corner = (self.corner.as_dvec3() * f64::from(self.cell)).as_vec3();
+        AirPlace { corner, scale: 1.0 / (self.cells as f32 * self.cell) }
+    }
+
+    /// In how many parts a step is computed: air that passes more than a few cells at once would
+    /// leap over the head.
+    fn parts(&self, physics: &SimulationParams) -> u32 {
+        let wind = &physics.wind;
+        let speed = wind.velocity.length() * (1.0 + wind.turbulence);
+        ((speed * physics.step / self.cell / MAX_REACH).ceil() as u32).clamp(1, MAX_SPLIT)
+    }
+
+    /// The wind blows on for a part of a step.
+    fn blow(&mut self, physics: &SimulationParams, u: &mut WindUniforms, parts: u32) {
+        let wind = &physics.wind;
+        let dt = physics.step / parts as f32;
+        if u.reset == 0 {
+            self.way += wind.velocity.as_dvec3() * f64::from(dt);
+        }
+        u.reach = dt / self.cell;
+        u.drag = dt * 0.5 * physics.diameter * ACROSS * 1e3;
+        let at = self.corner.as_dvec3() * f64::from(self.cell);
+        let deviation = f64::from(wind.turbulence * wind.velocity.length());
+        let gusts = self.gusts.at(at, self.way, deviation, self.cell);
+        u.gust_count = gusts.len() as u32;
+        u.gusts[..gusts.len()].copy_from_slice(&gusts);
     }
 
     /// The uniforms of one step; the grid moves to where the head is at its end.
@@ -306,21 +345,17 @@ impl Air {
         let moved = if reset || step.mode == Mode::Carry { I64Vec3::ZERO } else { corner - self.corner };
         self.started = true;
         self.corner = corner;
-        let dt = physics.step;
-        self.way = if reset { DVec3::ZERO } else { self.way + wind.velocity.as_dvec3() * f64::from(dt) };
+        if reset {
+            self.way = DVec3::ZERO;
+        }
         let at = corner.as_dvec3() * cell;
-        self.places.push(AirPlace { corner: at.as_vec3(), scale: 1.0 / (self.cells as f32 * self.cell) });
-        let speed = wind.velocity.length();
-        self.sweeps.push((sweeps(self.cells) * if reset { 4 } else { 1 }, reset));
-        let deviation = f64::from(wind.turbulence * speed);
         let local = |pose: &Pose| (pose.translation.as_dvec3() - at).as_vec3();
-        let mut u = WindUniforms {
+        WindUniforms {
             mean: wind.velocity,
             cells: self.cells,
             shift: moved
                 .as_ivec3()
-                .clamp(glam::IVec3::splat(-4 * self.cells as i32), glam::IVec3::splat(4 * self.cells as i32)),
-            reach: dt / self.cell,
+                .clamp(IVec3::splat(-4 * self.cells as i32), IVec3::splat(4 * self.cells as i32)),
             head: step.begin.rotation.into(),
             head_at: local(&step.begin),
             cell: self.cell,
@@ -330,29 +365,37 @@ impl Air {
             inflow: inflow(wind.velocity),
             hair_bias: hair.map_or(Vec3::splat(-1.0), |hair| hair.bias),
             hair_scale: hair.map_or(0.0, |hair| hair.scale),
-            drag: dt * 0.5 * physics.diameter * ACROSS * 1e3,
             reynolds: physics.diameter / drag::AIR_VISCOSITY,
-            relaxation: std::env::var("OMEGA").map_or(OVER_RELAXATION, |v| v.parse().unwrap()),
+            relaxation: OVER_RELAXATION,
             one: 1,
             plain: u32::from(self.plain),
             ..Zeroable::zeroed()
-        };
-        let gusts = self.gusts.at(at, self.way, deviation, self.cell);
-        u.gust_count = gusts.len() as u32;
-        u.gusts[..gusts.len()].copy_from_slice(&gusts);
-        u
+        }
     }
 }
 
 /// Over-relaxation of the pressure's sweeps.
-const OVER_RELAXATION: f32 = 1.7;
+const OVER_RELAXATION: f32 = 1.5;
 
-/// Sweeps of a step, an even number: what a sweep writes the next one reads.
-fn sweeps(cells: u32) -> usize {
-    if let Ok(n) = std::env::var("SWEEPS") { return n.parse().unwrap(); }
-    2 * (cells as usize * SWEEPS).div_ceil(64).max(2)
-}
+/// Sweeps of a step with 32 cells along an axis.
 const SWEEPS: usize = 8;
+/// Cells that the air may pass at once.
+const MAX_REACH: f32 = 6.0;
+/// In how many parts a step is computed at most.
+const MAX_SPLIT: u32 = 4;
+
+/// What one step of a frame does.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Run {
+    /// The slot of its first uniforms.
+    pub first: u32,
+    /// In how many parts it is computed, each with its uniforms.
+    pub parts: u32,
+    /// Whether the air starts anew.
+    pub fresh: bool,
+    /// Where the air is.
+    place: AirPlace,
+}
 
 /// The sides through which wind of mean velocity `mean` enters: those that it meets at more than
 /// 6 degrees; the others are open.

@@ -1,9 +1,9 @@
 //! The pipelines of the fluid and the order in which one step runs them.
 
-use super::air::Air;
+use super::air::{Air, STRIDE};
 use crate::{
     collide::{self, ColliderSet},
-    gpu::{Binding, Kernel},
+    gpu::{Binding, Kernel, bindings},
 };
 
 /// The pipelines; made once per device.
@@ -43,36 +43,35 @@ impl Fluid {
             ),
             relax: kernel("wind::relax", &[&blocks[..], &[Texels3d, WriteFull3d]].concat()),
             project: kernel("wind::project", &[&blocks[..], &[Texels3d, Write3d, Write3d]].concat()),
-            sampler: device.create_sampler(&wgpu::SamplerDescriptor {
-                label: Some("wind"),
-                mag_filter: wgpu::FilterMode::Linear,
-                min_filter: wgpu::FilterMode::Linear,
-                ..Default::default()
-            }),
+            sampler: bindings::linear(device),
         }
     }
 
     /// Records step `index` of those that [`Air::prepare`] wrote, among `colliders`, which have been
     /// [advanced](ColliderSet::advance) by the same steps.
-    pub fn record(&self, pass: &mut wgpu::ComputePass<'_>, air: &Air, colliders: &ColliderSet, index: usize) {
-        let step = air.offset(index);
-        let (groups, n) = (&air.groups, air.cells);
+    pub fn record(&self, pass: &mut wgpu::ComputePass<'_>, air: &Air, colliders: &ColliderSet, index: u32) {
+        let (run, groups, n) = (air.run(index), &air.groups, air.cells);
         let cells = [n / 8, n / 4, n / 2];
-        pass.set_bind_group(1, colliders.group(), &[]);
-        self.obstacles.record_grid(pass, &groups.obstacles, &[step], cells);
-        self.predict.record_grid(pass, &groups.predict, &[step], cells);
-        self.correct.record_grid(pass, &groups.correct, &[step], cells);
-        self.gather.record_grid(pass, &groups.gather, &[step], [n.div_ceil(32), n / 4, n / 2]);
         let half = [n.div_ceil(32), n / 8, n / 2];
-        let (sweeps, fresh) = air.sweeps(index);
-        for sweep in 0..sweeps {
-            let first = fresh && sweep == 0;
-            for color in &groups.relax[usize::from(first)][sweep % 2] {
-                self.relax.record_grid(pass, color, &[step], half);
+        pass.set_bind_group(1, colliders.group(), &[]);
+        for part in 0..run.parts {
+            let step = (run.first + part) * STRIDE as u32;
+            if part == 0 {
+                self.obstacles.record_grid(pass, &groups.obstacles, &[step], cells);
             }
-        }
-        for color in &groups.project {
-            self.project.record_grid(pass, color, &[step], half);
+            self.predict.record_grid(pass, &groups.predict, &[step], cells);
+            self.correct.record_grid(pass, &groups.correct, &[step], cells);
+            self.gather.record_grid(pass, &groups.gather, &[step], [n.div_ceil(32), n / 4, n / 2]);
+            let fresh = run.fresh && part == 0;
+            for sweep in 0..air.sweeps(fresh) {
+                let unknown = usize::from(fresh && sweep == 0);
+                for color in &groups.relax[unknown][sweep % 2] {
+                    self.relax.record_grid(pass, color, &[step], half);
+                }
+            }
+            for color in &groups.project {
+                self.project.record_grid(pass, color, &[step], half);
+            }
         }
     }
 }
