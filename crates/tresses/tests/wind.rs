@@ -297,7 +297,7 @@ fn undisturbed_wind_stays_as_it_is_and_a_moving_head_does_not_drag_the_grid_thro
 
 /// Weak gusts pass the grid as a frozen field: how far the air inside is from them, over their size.
 fn carried_gusts(plain: bool) -> Option<f32> {
-    let wind = Wind { turbulence: 0.01, gust_length: 0.5, ..Wind::new(Vec3::new(4.0, 0.7, 0.4)) };
+    let wind = Wind { turbulence: 0.06, gust_length: 0.25, ..Wind::new(Vec3::new(4.0, 0.7, 0.4)) };
     let mut tunnel = Tunnel::new(wind, 0.0, None)?;
     tunnel.air.plain = plain;
     tunnel.blow(1.0);
@@ -306,7 +306,7 @@ fn carried_gusts(plain: bool) -> Option<f32> {
     // A step that resets does not count.
     let way = wind.velocity.as_dvec3() * f64::from(STEP) * 59.0;
     let corner = tunnel.air.place(0).corner.as_dvec3();
-    let modes = Gusts::new(&wind, cell).at(corner, way, f64::from(0.01 * wind.velocity.length()), cell);
+    let modes = Gusts::new(&wind, cell).at(corner, way, f64::from(wind.turbulence * wind.velocity.length()), cell);
     let exact = |i: [usize; 3]| {
         let x = Vec3::new(i[0] as f32, i[1] as f32, i[2] as f32) + 0.5;
         modes.iter().map(|m| m.amplitude * (m.wave.dot(x) + m.phase).cos()).sum::<Vec3>()
