@@ -3,6 +3,7 @@
 
 use crate::{
     Error, Pose, Result,
+    avoid::{self, Avoid, AvoidOptions, Avoidance},
     draw::{DrawOptions, DrawStage, HairSet},
     gpu::bindings,
     groom::{Groom, SdfGrid},
@@ -25,6 +26,8 @@ pub struct HairRenderer {
     pub tessellate: Tessellate,
     /// Guides become strands.
     pub interpolate: Interpolate,
+    /// Strands leave obstacles.
+    pub avoid: Avoid,
     /// Lights to picture.
     pub draw: DrawStage,
 }
@@ -36,6 +39,7 @@ impl HairRenderer {
             simulate: Simulate::new(device),
             tessellate: Tessellate::new(device),
             interpolate: Interpolate::new(device),
+            avoid: Avoid::new(device),
             draw: DrawStage::new(device, options),
         }
     }
@@ -52,6 +56,8 @@ pub struct HairOptions {
     pub clearance: f32,
     /// The most capsules that the hair collides with.
     pub capsules: u32,
+    /// How drawn strands avoid obstacles; can be changed later ([`Hair::avoidance`]).
+    pub avoid: AvoidOptions,
 }
 
 impl Default for HairOptions {
@@ -61,6 +67,7 @@ impl Default for HairOptions {
             rest: RestShape::SagFree,
             clearance: 1.5e-3,
             capsules: 16,
+            avoid: AvoidOptions::default(),
         }
     }
 }
@@ -74,11 +81,14 @@ pub struct Hair {
     pub strands: StrandBuffers,
     /// Index buffers, shaded values and bind groups of the drawing stages.
     pub set: HairSet,
+    /// How drawn strands avoid obstacles, and what is remembered of it from frame to frame.
+    pub avoidance: Avoidance,
     pub(crate) simulation: Simulation,
     pub(crate) clock: Clock,
     /// Poses of the head before and after the last step, and the blend between them.
     states: (Pose, Pose, f32),
-    clearance: f32,
+    /// Whether the last frame put the hair somewhere else.
+    moved_away: bool,
     tessellate_params: wgpu::Buffer,
     tessellate_group: wgpu::BindGroup,
     interpolate_params: wgpu::Buffer,
@@ -131,7 +141,13 @@ impl Hair {
         queue.write_buffer(&guides.sample_rest, 0, bytemuck::cast_slice(&sample_rest));
         queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&with_locks(groom)));
         queue.write_buffer(&strands.bindings, 0, bytemuck::cast_slice(&groom.strands.bindings));
-        queue.write_buffer(&strands.rest, 0, bytemuck::cast_slice(&groom.strands.rest));
+        match head {
+            Some(head) => {
+                let rest = avoid::sunk(&groom.strands, head, options.clearance);
+                queue.write_buffer(&strands.rest, 0, bytemuck::cast_slice(&rest));
+            }
+            None => queue.write_buffer(&strands.rest, 0, bytemuck::cast_slice(&groom.strands.rest)),
+        }
 
         let colliders = ColliderSet::new(device, queue, head, options.capsules)?;
         let simulation = Simulation::new(device, &renderer.simulate, &guides, colliders);
@@ -142,16 +158,20 @@ impl Hair {
         Ok(Self {
             set: HairSet::new(device, &renderer.draw, &strands)?,
             tessellate_group: renderer.tessellate.bind(device, &tessellate_params, &guides),
-            interpolate_group: renderer.interpolate.bind(
+            interpolate_group: renderer.interpolate.bind(device, &interpolate_params, &guides, &strands),
+            avoidance: Avoidance::new(
                 device,
-                &interpolate_params,
+                queue,
+                &renderer.avoid,
+                options.avoid,
+                options.clearance,
                 &guides,
                 &strands,
                 field,
-            ),
+            )?,
             clock: Clock::default(),
             states: (Pose::IDENTITY, Pose::IDENTITY, 1.0),
-            clearance: if head.is_some() { options.clearance } else { 0.0 },
+            moved_away: false,
             guides,
             strands,
             simulation,
@@ -169,6 +189,7 @@ impl Hair {
     pub(crate) fn tick(&mut self, dt: f32, step: f32, head: &Pose) -> Vec<Step> {
         let ticks = self.clock.tick(dt, step, head);
         self.states.2 = ticks.alpha;
+        self.moved_away = ticks.steps.iter().any(|step| step.mode != Mode::Step);
         for step in &ticks.steps {
             self.states = match step.mode {
                 Mode::Step => (step.begin, step.end, ticks.alpha),
@@ -180,28 +201,26 @@ impl Hair {
 
     /// Bytes of GPU memory, without render targets and shadow maps.
     pub fn bytes(&self) -> u64 {
-        self.guides.bytes() + self.strands.bytes() + self.set.bytes() + self.simulation.bytes()
+        let buffers = self.guides.bytes() + self.strands.bytes() + self.set.bytes();
+        buffers + self.avoidance.bytes() + self.simulation.bytes()
     }
 
-    /// Writes the uniforms of [`tessellate`](Self::record_tessellate) and
-    /// [`interpolate`](Self::record_interpolate): the head is at `head`, its field at `field`.
-    pub(crate) fn prepare(&self, queue: &wgpu::Queue, head: &Pose, field: &Pose) {
+    /// Writes the uniforms of the stages that follow the guides: the head is at `head`, its field at
+    /// `field`, `dt` seconds after the last frame.
+    pub(crate) fn prepare(&self, queue: &wgpu::Queue, head: &Pose, field: &Pose, dt: f32) {
         let (previous, current, blend) = self.states;
         let params = TessellateParams::new(&self.guides, &previous, &current, head, blend);
         queue.write_buffer(&self.tessellate_params, 0, bytemuck::bytes_of(&params));
-        let collider = &self.simulation.colliders().field;
         let params = InterpolateParams {
-            field_rotation: field.rotation,
-            field_translation: field.translation,
-            clearance: self.clearance,
-            field_bias: collider.bias,
             strand_count: self.strands.count,
-            field_scale: collider.scale,
             vertex_count: self.strands.vertex_count,
             sample_count: self.guides.sample_count,
             ..Default::default()
         };
         queue.write_buffer(&self.interpolate_params, 0, bytemuck::bytes_of(&params));
+        let counts = (&self.guides, &self.strands);
+        let collider = &self.simulation.colliders().field;
+        self.avoidance.prepare(queue, counts, collider, field, (dt, self.moved_away));
     }
 
     pub(crate) fn record_tessellate(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Tessellate) {
@@ -210,6 +229,10 @@ impl Hair {
 
     pub(crate) fn record_interpolate(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Interpolate) {
         stage.record(pass, &self.interpolate_group, &self.strands);
+    }
+
+    pub(crate) fn record_avoid(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Avoid) {
+        self.avoidance.record(pass, stage, &self.strands);
     }
 }
 

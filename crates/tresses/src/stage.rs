@@ -9,6 +9,8 @@ pub enum Stage {
     Tessellate,
     /// Guides become drawn strands.
     Interpolate,
+    /// Strands that entered an obstacle leave it.
+    Avoid,
     /// Shadow maps, and shading per strand vertex.
     Light,
     /// Background, body and hair into the HDR target.
@@ -19,8 +21,15 @@ pub enum Stage {
 
 impl Stage {
     /// All stages in the order of the frame.
-    pub const ALL: [Self; 6] =
-        [Self::Simulate, Self::Tessellate, Self::Interpolate, Self::Light, Self::Draw, Self::Present];
+    pub const ALL: [Self; 7] = [
+        Self::Simulate,
+        Self::Tessellate,
+        Self::Interpolate,
+        Self::Avoid,
+        Self::Light,
+        Self::Draw,
+        Self::Present,
+    ];
 
     /// The folder below `src`, the timing row, the heading in ARCHITECTURE.md.
     pub const fn name(self) -> &'static str {
@@ -28,6 +37,7 @@ impl Stage {
             Self::Simulate => "simulate",
             Self::Tessellate => "tessellate",
             Self::Interpolate => "interpolate",
+            Self::Avoid => "avoid",
             Self::Light => "light",
             Self::Draw => "draw",
             Self::Present => "present",
@@ -39,6 +49,7 @@ impl Stage {
         match self {
             Self::Simulate | Self::Tessellate => "guide",
             Self::Interpolate => "strand",
+            Self::Avoid => "strand vertex, strand",
             Self::Light => "strand vertex",
             Self::Draw => "strip vertex and pixel",
             Self::Present => "pixel",

@@ -122,23 +122,37 @@ fn interpolate() {
         wgsl_layout("StrandBinding"),
         rust_layout!(StrandBinding { origin, extent, guides, weight_b, scale, weight_c })
     );
-    assert_eq!(wgsl_layout("PackedRest"), rust_layout!(PackedRest { xy, z_radius }));
+    assert_eq!(wgsl_layout("PackedRest"), rust_layout!(PackedRest { xy, z_radius_sunk }));
     assert_eq!(wgsl_layout("StrandVertex"), rust_layout!(StrandVertex { position, tangent }));
     assert_eq!(wgsl_layout("Strand"), rust_layout!(Strand { radius, seed, root_color, tip_color }));
     assert_eq!(
         wgsl_layout("InterpolateParams"),
-        rust_layout!(InterpolateParams {
+        rust_layout!(InterpolateParams { strand_count, vertex_count, sample_count, _pad })
+    );
+}
+
+#[test]
+fn avoid() {
+    use tresses::avoid::{AvoidParams, StrandState};
+    assert_eq!(wgsl_layout("StrandState"), rust_layout!(StrandState { hit, amount, at }));
+    assert_eq!(
+        wgsl_layout("AvoidParams"),
+        rust_layout!(AvoidParams {
             field_rotation,
             field_translation,
             clearance,
             field_bias,
-            strand_count,
+            tolerance,
             field_scale,
+            zone,
+            strand_count,
             vertex_count,
             sample_count,
-            _pad_a,
-            _pad_b,
-            _pad_c,
+            tightness,
+            keep,
+            rise,
+            fall,
+            shift,
         })
     );
 }

@@ -1,0 +1,160 @@
+//! Chapter to come.
+
+mod kernels;
+mod options;
+
+pub use kernels::{Avoid, AvoidGroups};
+pub use options::{AvoidMode, AvoidOptions};
+
+use crate::{
+    Pose, Result,
+    gpu::bindings,
+    groom::{BoundStrands, SdfGrid},
+    simulate::SdfCollider,
+    strands::{GuideBuffers, PackedRest, StrandBuffers, buffers::storage},
+};
+use bytemuck::{Pod, Zeroable};
+use glam::{Quat, Vec3};
+
+/// The uniform of the kernels.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct AvoidParams {
+    /// Rotation of the distance field's frame now.
+    pub field_rotation: Quat,
+    /// Translation of the distance field's frame now, metres.
+    pub field_translation: Vec3,
+    /// How far strands keep from the obstacle, metres.
+    pub clearance: f32,
+    /// Texture coordinate of the origin of the field's frame.
+    pub field_bias: Vec3,
+    /// [`AvoidOptions::tolerance`].
+    pub tolerance: f32,
+    /// Texture coordinates per metre.
+    pub field_scale: Vec3,
+    /// [`AvoidOptions::zone`].
+    pub zone: f32,
+    /// Number of strands.
+    pub strand_count: u32,
+    /// Vertices per strand, at least 2.
+    pub vertex_count: u32,
+    /// Samples per guide, at least 2.
+    pub sample_count: u32,
+    /// [`AvoidOptions::tightness`].
+    pub tightness: f32,
+    /// 0 to forget what was, else 1.
+    pub keep: f32,
+    /// By how much a change-over that is needed grows, 0..=1.
+    pub rise: f32,
+    /// By how much one that is not needed shrinks.
+    pub fall: f32,
+    /// How far it moves along the strand at most, metres.
+    pub shift: f32,
+}
+
+/// What is remembered of one strand.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct StrandState {
+    /// The first vertex that penetrates; [`NO_HIT`] between frames and where none does.
+    pub hit: u32,
+    /// How far the strand has changed over, 0..=1.
+    pub amount: f32,
+    /// From where on it is the clump's, metres from its root.
+    pub at: f32,
+}
+
+/// [`StrandState::hit`] of a strand that penetrates nothing.
+pub const NO_HIT: u32 = u32::MAX;
+
+/// One groom's share of the stage.
+#[derive(Debug)]
+pub struct Avoidance {
+    /// How strands avoid obstacles. [`AvoidOptions::check`] says what is allowed.
+    pub options: AvoidOptions,
+    clearance: f32,
+    params: wgpu::Buffer,
+    states: wgpu::Buffer,
+    groups: AvoidGroups,
+}
+
+impl Avoidance {
+    /// For strands that keep `clearance` metres from the head's `field`.
+    ///
+    /// # Errors
+    /// What [`AvoidOptions::check`] says, and [`crate::Error::Limit`].
+    #[allow(clippy::too_many_arguments)]
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        stage: &Avoid,
+        options: AvoidOptions,
+        clearance: f32,
+        guides: &GuideBuffers,
+        strands: &StrandBuffers,
+        field: (&wgpu::TextureView, &wgpu::Sampler),
+    ) -> Result<Self> {
+        options.check()?;
+        let params = bindings::uniform(device, "avoid", size_of::<AvoidParams>());
+        let states = storage::<StrandState>(device, "avoidance", strands.count.into())?;
+        let none = StrandState { hit: NO_HIT, amount: 0.0, at: 0.0 };
+        queue.write_buffer(&states, 0, bytemuck::cast_slice(&vec![none; strands.count as usize]));
+        let groups = stage.bind(device, &params, &states, guides, strands, field);
+        Ok(Self { options, clearance, params, states, groups })
+    }
+
+    /// Writes the uniform of a frame of `dt` seconds, the field at `pose`; `forget` starts anew.
+    pub(crate) fn prepare(
+        &self,
+        queue: &wgpu::Queue,
+        counts: (&GuideBuffers, &StrandBuffers),
+        field: &SdfCollider,
+        pose: &Pose,
+        (dt, forget): (f32, bool),
+    ) {
+        let [rise, fall, shift] = if forget { [1.0, 1.0, f32::MAX] } else { self.options.per_frame(dt) };
+        let params = AvoidParams {
+            field_rotation: pose.rotation,
+            field_translation: pose.translation,
+            clearance: self.clearance,
+            field_bias: field.bias,
+            tolerance: self.options.tolerance,
+            field_scale: field.scale,
+            zone: self.options.zone,
+            strand_count: counts.1.count,
+            vertex_count: counts.1.vertex_count,
+            sample_count: counts.0.sample_count,
+            tightness: self.options.tightness,
+            keep: if forget { 0.0 } else { 1.0 },
+            rise,
+            fall,
+            shift,
+        };
+        queue.write_buffer(&self.params, 0, bytemuck::bytes_of(&params));
+    }
+
+    /// Records the stage.
+    pub(crate) fn record(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Avoid, strands: &StrandBuffers) {
+        stage.record(pass, &self.groups, strands, self.options.mode);
+    }
+
+    /// [`StrandState`], one per strand.
+    pub fn states(&self) -> &wgpu::Buffer {
+        &self.states
+    }
+
+    /// Bytes of GPU memory.
+    pub fn bytes(&self) -> u64 {
+        self.params.size() + self.states.size()
+    }
+}
+
+/// The rest vertices of `strands`, each with what it rests nearer to the `head` than `clearance`.
+pub fn sunk(strands: &BoundStrands, head: &SdfGrid, clearance: f32) -> Vec<PackedRest> {
+    let n = strands.vertex_count.max(1) as usize;
+    let vertex = |(i, rest): (usize, &PackedRest)| {
+        let (p, _) = rest.unpack(&strands.bindings[i / n]);
+        rest.sink(clearance - head.sample(p))
+    };
+    strands.rest.iter().enumerate().map(vertex).collect()
+}
