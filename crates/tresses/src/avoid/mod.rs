@@ -138,6 +138,11 @@ impl Avoidance {
         stage.record(pass, &self.groups, strands, self.options.mode);
     }
 
+    /// Records only the search: [`StrandState::hit`] is then the first hit of each strand.
+    pub fn record_search(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Avoid, strands: &StrandBuffers) {
+        stage.record_first_hit(pass, &self.groups, strands);
+    }
+
     /// [`StrandState`], one per strand.
     pub fn states(&self) -> &wgpu::Buffer {
         &self.states

@@ -43,9 +43,9 @@ impl Default for AvoidOptions {
             tolerance: 3e-4,
             zone: 0.05,
             tightness: 0.3,
-            fade_in: 0.1,
-            fade_out: 0.3,
-            speed: 0.5,
+            fade_in: 0.2,
+            fade_out: 0.4,
+            speed: 0.25,
         }
     }
 }
