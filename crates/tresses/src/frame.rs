@@ -2,9 +2,10 @@
 
 use crate::{
     Hair, HairRenderer, Pose, Result,
+    collide::ColliderPoses,
     draw::{Body, Scene, Targets},
     gpu::Timings,
-    simulate::{ColliderPoses, SimulationParams},
+    simulate::SimulationParams,
     stage::Stage,
 };
 
@@ -41,7 +42,8 @@ impl Recorder<'_> {
     /// Moves the hair by a frame: [`simulate`](Self::simulate), then [`follow`](Self::follow).
     ///
     /// # Errors
-    /// [`crate::Error::Parameter`] when a parameter of the physics is out of its range.
+    /// [`crate::Error::Parameter`] when a parameter of the physics is out of its range,
+    /// [`crate::Error::Colliders`] when there are not as many poses as colliders.
     pub fn advance(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
         self.simulate(hair, frame)?;
         self.follow(hair, frame);
@@ -54,11 +56,11 @@ impl Recorder<'_> {
     /// As [`advance`](Self::advance).
     pub fn simulate(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
         frame.simulation.check()?;
-        let steps = hair.tick(frame.dt, frame.simulation.step, &frame.head);
         let (renderer, device, queue) = (self.renderer, self.device, self.queue);
+        let steps = hair.tick(queue, frame.dt, frame.simulation, &frame.head, frame.colliders)?;
         self.stage(Stage::Simulate, |pass| {
             let (stage, physics) = (&renderer.simulate, frame.simulation);
-            hair.simulation.record(stage, device, queue, pass, physics, &steps, frame.colliders)
+            hair.simulation.record(stage, device, queue, pass, physics, &steps, &hair.colliders)
         })
     }
 
@@ -72,8 +74,7 @@ impl Recorder<'_> {
 
     /// The guides' smooth curves for the head's pose now.
     pub fn tessellate(&mut self, hair: &Hair, frame: &Frame<'_>) {
-        let field = frame.colliders.field.map_or(frame.head, |own| frame.head.after(&own));
-        hair.prepare(self.queue, &frame.head, &field, frame.dt);
+        hair.prepare(self.queue, &frame.head, frame.dt);
         let renderer = self.renderer;
         self.stage(Stage::Tessellate, |pass| hair.record_tessellate(pass, &renderer.tessellate));
     }

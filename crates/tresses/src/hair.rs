@@ -4,14 +4,14 @@
 use crate::{
     Error, Pose, Result,
     avoid::{self, Avoid, AvoidOptions, Avoidance},
+    collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     draw::{DrawOptions, DrawStage, HairSet},
     gpu::bindings,
     groom::{Groom, SdfGrid},
     interpolate::{Interpolate, InterpolateParams},
     math::hash::pcg,
     simulate::{
-        Clock, ColliderSet, GuideTraits, Mode, RestOptions, RestShape, Simulate, Simulation,
-        SimulationParams, Step, rest,
+        Clock, GuideTraits, Mode, RestOptions, RestShape, Simulate, Simulation, SimulationParams, Step, rest,
     },
     strands::{GuideBuffers, Strand, StrandBuffers},
     tessellate::{Tessellate, TessellateParams, rest_samples},
@@ -54,8 +54,6 @@ pub struct HairOptions {
     pub rest: RestShape,
     /// Distance that guides and strands keep from the head, metres, where they have it at rest.
     pub clearance: f32,
-    /// The most capsules that the hair collides with.
-    pub capsules: u32,
     /// How drawn strands avoid obstacles; can be changed later ([`Hair::avoidance`]).
     pub avoid: AvoidOptions,
 }
@@ -66,7 +64,6 @@ impl Default for HairOptions {
             simulation: SimulationParams::default(),
             rest: RestShape::SagFree,
             clearance: 1.5e-3,
-            capsules: 16,
             avoid: AvoidOptions::default(),
         }
     }
@@ -83,6 +80,8 @@ pub struct Hair {
     pub set: HairSet,
     /// How drawn strands avoid obstacles, and what is remembered of it from frame to frame.
     pub avoidance: Avoidance,
+    /// What it collides with.
+    pub colliders: ColliderSet,
     pub(crate) simulation: Simulation,
     pub(crate) clock: Clock,
     /// Poses of the head before and after the last step, and the blend between them.
@@ -97,11 +96,10 @@ pub struct Hair {
 
 impl Hair {
     /// Brings `groom` to the GPU, at rest, the head at the origin. It collides with the head's
-    /// distance field `head` (groom space) and with capsules.
+    /// distance field `head` (groom space) alone.
     ///
     /// # Errors
-    /// [`Error::Limit`] when the adapter cannot hold it, [`Error::Groom`] and [`Error::Parameter`]
-    /// when the groom or the options make no sense.
+    /// As [`with_colliders`](Self::with_colliders).
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -110,6 +108,24 @@ impl Hair {
         options: &HairOptions,
         head: Option<&SdfGrid>,
     ) -> Result<Self> {
+        let colliders = ColliderDescriptor { head, ..Default::default() };
+        Self::with_colliders(device, queue, renderer, groom, options, &colliders)
+    }
+
+    /// Brings `groom` to the GPU, at rest, the head at the origin, among `colliders`.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] when the adapter cannot hold it, [`Error::Groom`] and [`Error::Parameter`]
+    /// when the groom or the options make no sense, and what [`ColliderSet::new`] says.
+    pub fn with_colliders(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        renderer: &HairRenderer,
+        groom: &Groom,
+        options: &HairOptions,
+        colliders: &ColliderDescriptor<'_>,
+    ) -> Result<Self> {
+        let head = colliders.head;
         if groom.guides.is_empty() || groom.strands.is_empty() {
             return Err(Error::Groom("the groom has no strands".into()));
         }
@@ -149,12 +165,11 @@ impl Hair {
             None => queue.write_buffer(&strands.rest, 0, bytemuck::cast_slice(&groom.strands.rest)),
         }
 
-        let colliders = ColliderSet::new(device, queue, head, options.capsules)?;
-        let simulation = Simulation::new(device, &renderer.simulate, &guides, colliders);
+        let colliders = ColliderSet::new(device, queue, colliders)?;
+        let simulation = Simulation::new(device, &renderer.simulate, &guides);
         let uniform = |label, size| bindings::uniform(device, label, size);
         let tessellate_params = uniform("tessellate", size_of::<TessellateParams>());
         let interpolate_params = uniform("interpolate", size_of::<InterpolateParams>());
-        let field = (&simulation.colliders().field.view, renderer.simulate.field_sampler());
         Ok(Self {
             set: HairSet::new(device, &renderer.draw, &strands)?,
             tessellate_group: renderer.tessellate.bind(device, &tessellate_params, &guides),
@@ -167,13 +182,13 @@ impl Hair {
                 options.clearance,
                 &guides,
                 &strands,
-                field,
             )?,
             clock: Clock::default(),
             states: (Pose::IDENTITY, Pose::IDENTITY, 1.0),
             moved_away: false,
             guides,
             strands,
+            colliders,
             simulation,
             tessellate_params,
             interpolate_params,
@@ -185,9 +200,28 @@ impl Hair {
         self.clock.reset();
     }
 
-    /// The fixed steps that are due `dt` seconds after the last frame, the head now at `head`.
-    pub(crate) fn tick(&mut self, dt: f32, step: f32, head: &Pose) -> Vec<Step> {
-        let ticks = self.clock.tick(dt, step, head);
+    /// The fixed steps that are due `dt` seconds after the last frame, the head now at `head` and the
+    /// colliders at `poses`, which are moved.
+    ///
+    /// # Errors
+    /// What [`ColliderSet::advance`] says.
+    pub(crate) fn tick(
+        &mut self,
+        queue: &wgpu::Queue,
+        dt: f32,
+        params: &SimulationParams,
+        head: &Pose,
+        poses: &ColliderPoses,
+    ) -> Result<Vec<Step>> {
+        let ticks = self.clock.tick(dt, params.step, head);
+        let moments = Moments {
+            steps: &ticks.steps,
+            substeps: params.substeps,
+            step: params.step,
+            head: *head,
+            alpha: ticks.alpha,
+        };
+        self.colliders.advance(queue, poses, &moments)?;
         self.states.2 = ticks.alpha;
         self.moved_away = ticks.steps.iter().any(|step| step.mode != Mode::Step);
         for step in &ticks.steps {
@@ -196,18 +230,18 @@ impl Hair {
                 Mode::Carry | Mode::Reset => (step.end, step.end, ticks.alpha),
             };
         }
-        ticks.steps
+        Ok(ticks.steps)
     }
 
     /// Bytes of GPU memory, without render targets and shadow maps.
     pub fn bytes(&self) -> u64 {
         let buffers = self.guides.bytes() + self.strands.bytes() + self.set.bytes();
-        buffers + self.avoidance.bytes() + self.simulation.bytes()
+        buffers + self.avoidance.bytes() + self.simulation.bytes() + self.colliders.bytes()
     }
 
-    /// Writes the uniforms of the stages that follow the guides: the head is at `head`, its field at
-    /// `field`, `dt` seconds after the last frame.
-    pub(crate) fn prepare(&self, queue: &wgpu::Queue, head: &Pose, field: &Pose, dt: f32) {
+    /// Writes the uniforms of the stages that follow the guides: the head is at `head`, `dt` seconds
+    /// after the last frame.
+    pub(crate) fn prepare(&self, queue: &wgpu::Queue, head: &Pose, dt: f32) {
         let (previous, current, blend) = self.states;
         let params = TessellateParams::new(&self.guides, &previous, &current, head, blend);
         queue.write_buffer(&self.tessellate_params, 0, bytemuck::bytes_of(&params));
@@ -219,8 +253,7 @@ impl Hair {
         };
         queue.write_buffer(&self.interpolate_params, 0, bytemuck::bytes_of(&params));
         let counts = (&self.guides, &self.strands);
-        let collider = &self.simulation.colliders().field;
-        self.avoidance.prepare(queue, counts, collider, field, (dt, self.moved_away));
+        self.avoidance.prepare(queue, counts, dt, self.moved_away);
     }
 
     pub(crate) fn record_tessellate(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Tessellate) {
@@ -232,7 +265,7 @@ impl Hair {
     }
 
     pub(crate) fn record_avoid(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Avoid) {
-        self.avoidance.record(pass, stage, &self.strands);
+        self.avoidance.record(pass, stage, &self.colliders, &self.strands);
     }
 }
 

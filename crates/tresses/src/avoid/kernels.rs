@@ -2,6 +2,7 @@
 
 use super::AvoidMode;
 use crate::{
+    collide::{self, ColliderSet},
     constants::STRAND_WORKGROUP,
     gpu::{Binding, Kernel},
     strands::{GuideBuffers, StrandBuffers},
@@ -26,9 +27,10 @@ pub struct AvoidGroups {
 impl Avoid {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
+        let colliders = collide::layout(device);
         let kernel = |module, storage: &[Binding]| {
-            let entries = [&[Binding::Uniform, Binding::Texture3d, Binding::Sampler], storage].concat();
-            Kernel::new(device, module, &entries)
+            let entries = [&[Binding::Uniform], storage].concat();
+            Kernel::beside(device, module, &entries, &[&colliders])
         };
         let (read, write) = (Binding::Storage, Binding::StorageMut);
         Self {
@@ -38,9 +40,8 @@ impl Avoid {
         }
     }
 
-    /// Binds the stage to one groom, a uniform buffer of [`super::AvoidParams`], a
-    /// [`super::StrandState`] per strand, and the head's field: a 3-D texture with the gradient in xyz
-    /// and the distance in metres in w, and a sampler that filters.
+    /// Binds the stage to one groom, a uniform buffer of [`super::AvoidParams`] and a
+    /// [`super::StrandState`] per strand.
     pub fn bind(
         &self,
         device: &wgpu::Device,
@@ -48,16 +49,10 @@ impl Avoid {
         states: &wgpu::Buffer,
         guides: &GuideBuffers,
         strands: &StrandBuffers,
-        field: (&wgpu::TextureView, &wgpu::Sampler),
     ) -> AvoidGroups {
         let bind = |kernel: &Kernel, buffers: &[&wgpu::Buffer]| {
-            let mut resources = vec![
-                params.as_entire_binding(),
-                wgpu::BindingResource::TextureView(field.0),
-                wgpu::BindingResource::Sampler(field.1),
-            ];
-            resources.extend(buffers.iter().map(|buffer| buffer.as_entire_binding()));
-            kernel.bind(device, &resources)
+            let buffers = [&[params], buffers].concat();
+            kernel.bind(device, &buffers.iter().map(|b| b.as_entire_binding()).collect::<Vec<_>>())
         };
         let StrandBuffers { bindings, rest, vertices, .. } = strands;
         AvoidGroups {
@@ -75,8 +70,10 @@ impl Avoid {
         &self,
         pass: &mut wgpu::ComputePass<'_>,
         groups: &AvoidGroups,
+        colliders: &ColliderSet,
         strands: &StrandBuffers,
     ) {
+        pass.set_bind_group(1, colliders.group(), &[]);
         let vertices = u64::from(strands.count) * u64::from(strands.vertex_count);
         let workgroups = vertices.div_ceil(STRAND_WORKGROUP.into()) as u32;
         self.first_hit.record(pass, &groups.first_hit, &[], workgroups);
@@ -87,6 +84,7 @@ impl Avoid {
         &self,
         pass: &mut wgpu::ComputePass<'_>,
         groups: &AvoidGroups,
+        colliders: &ColliderSet,
         strands: &StrandBuffers,
         mode: AvoidMode,
     ) {
@@ -95,7 +93,7 @@ impl Avoid {
             AvoidMode::PenetratingOnly => (&self.push_out, &groups.push_out),
             AvoidMode::ChangeOver => (&self.change_over, &groups.change_over),
         };
-        self.record_first_hit(pass, groups, strands);
+        self.record_first_hit(pass, groups, colliders, strands);
         kernel.record(pass, group, &[], strands.count.div_ceil(STRAND_WORKGROUP));
     }
 }

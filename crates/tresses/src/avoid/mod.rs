@@ -7,41 +7,34 @@ pub use kernels::{Avoid, AvoidGroups};
 pub use options::{AvoidMode, AvoidOptions};
 
 use crate::{
-    Pose, Result,
+    Result,
+    collide::ColliderSet,
     gpu::bindings,
     groom::{BoundStrands, SdfGrid},
-    simulate::SdfCollider,
     strands::{GuideBuffers, PackedRest, StrandBuffers, buffers::storage},
 };
 use bytemuck::{Pod, Zeroable};
-use glam::{Quat, Vec3};
 
 /// The uniform of the kernels.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct AvoidParams {
-    /// Rotation of the distance field's frame now.
-    pub field_rotation: Quat,
-    /// Translation of the distance field's frame now, metres.
-    pub field_translation: Vec3,
-    /// How far strands keep from the obstacle, metres.
+    /// How far strands keep from obstacles, metres.
     pub clearance: f32,
-    /// Texture coordinate of the origin of the field's frame.
-    pub field_bias: Vec3,
     /// [`AvoidOptions::tolerance`].
     pub tolerance: f32,
-    /// Texture coordinates per metre.
-    pub field_scale: Vec3,
     /// [`AvoidOptions::zone`].
     pub zone: f32,
+    /// [`AvoidOptions::tightness`].
+    pub tightness: f32,
     /// Number of strands.
     pub strand_count: u32,
     /// Vertices per strand, at least 2.
     pub vertex_count: u32,
     /// Samples per guide, at least 2.
     pub sample_count: u32,
-    /// [`AvoidOptions::tightness`].
-    pub tightness: f32,
+    /// Unused.
+    pub _pad: u32,
     /// 0 to forget what was, else 1.
     pub keep: f32,
     /// By how much a change-over that is needed grows, 0..=1.
@@ -79,11 +72,10 @@ pub struct Avoidance {
 }
 
 impl Avoidance {
-    /// For strands that keep `clearance` metres from the head's `field`.
+    /// For strands that keep `clearance` metres from obstacles.
     ///
     /// # Errors
     /// What [`AvoidOptions::check`] says, and [`crate::Error::Limit`].
-    #[allow(clippy::too_many_arguments)]
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -92,39 +84,34 @@ impl Avoidance {
         clearance: f32,
         guides: &GuideBuffers,
         strands: &StrandBuffers,
-        field: (&wgpu::TextureView, &wgpu::Sampler),
     ) -> Result<Self> {
         options.check()?;
         let params = bindings::uniform(device, "avoid", size_of::<AvoidParams>());
         let states = storage::<StrandState>(device, "avoidance", strands.count.into())?;
         let none = StrandState { hit: NO_HIT, amount: 0.0, at: 0.0 };
         queue.write_buffer(&states, 0, bytemuck::cast_slice(&vec![none; strands.count as usize]));
-        let groups = stage.bind(device, &params, &states, guides, strands, field);
+        let groups = stage.bind(device, &params, &states, guides, strands);
         Ok(Self { options, clearance, params, states, groups })
     }
 
-    /// Writes the uniform of a frame of `dt` seconds, the field at `pose`; `forget` starts anew.
+    /// Writes the uniform of a frame of `dt` seconds; `forget` starts anew.
     pub(crate) fn prepare(
         &self,
         queue: &wgpu::Queue,
-        counts: (&GuideBuffers, &StrandBuffers),
-        field: &SdfCollider,
-        pose: &Pose,
-        (dt, forget): (f32, bool),
+        (guides, strands): (&GuideBuffers, &StrandBuffers),
+        dt: f32,
+        forget: bool,
     ) {
         let [rise, fall, shift] = if forget { [1.0, 1.0, f32::MAX] } else { self.options.per_frame(dt) };
         let params = AvoidParams {
-            field_rotation: pose.rotation,
-            field_translation: pose.translation,
             clearance: self.clearance,
-            field_bias: field.bias,
             tolerance: self.options.tolerance,
-            field_scale: field.scale,
             zone: self.options.zone,
-            strand_count: counts.1.count,
-            vertex_count: counts.1.vertex_count,
-            sample_count: counts.0.sample_count,
             tightness: self.options.tightness,
+            strand_count: strands.count,
+            vertex_count: strands.vertex_count,
+            sample_count: guides.sample_count,
+            _pad: 0,
             keep: if forget { 0.0 } else { 1.0 },
             rise,
             fall,
@@ -134,13 +121,27 @@ impl Avoidance {
     }
 
     /// Records the stage.
-    pub(crate) fn record(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Avoid, strands: &StrandBuffers) {
-        stage.record(pass, &self.groups, strands, self.options.mode);
+    pub(crate) fn record(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        stage: &Avoid,
+        colliders: &ColliderSet,
+        strands: &StrandBuffers,
+    ) {
+        if !colliders.is_empty() {
+            stage.record(pass, &self.groups, colliders, strands, self.options.mode);
+        }
     }
 
     /// Records only the search: [`StrandState::hit`] is then the first hit of each strand.
-    pub fn record_search(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Avoid, strands: &StrandBuffers) {
-        stage.record_first_hit(pass, &self.groups, strands);
+    pub fn record_search(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        stage: &Avoid,
+        colliders: &ColliderSet,
+        strands: &StrandBuffers,
+    ) {
+        stage.record_first_hit(pass, &self.groups, colliders, strands);
     }
 
     /// [`StrandState`], one per strand.

@@ -4,11 +4,12 @@
 use tresses::{
     Hair, HairOptions, HairRenderer, Pose,
     avoid::{AvoidMode, AvoidOptions, StrandState},
+    collide::ColliderPoses,
     frame::{Frame, Recorder},
     glam::{Quat, Vec3},
     gpu::{Gpu, readback},
     groom::{Groom, SdfGrid},
-    simulate::{ColliderPoses, SimulationParams},
+    simulate::SimulationParams,
     strands::StrandVertex,
 };
 
@@ -84,6 +85,7 @@ pub fn search(gpu: &Gpu, renderer: &HairRenderer, hair: &Hair) -> Vec<StrandStat
     hair.avoidance.record_search(
         &mut encoder.begin_compute_pass(&Default::default()),
         &renderer.avoid,
+        &hair.colliders,
         &hair.strands,
     );
     gpu.queue.submit([encoder.finish()]);
