@@ -151,7 +151,7 @@ fn interpolate() {
 #[test]
 fn avoid() {
     use tresses::avoid::{AvoidParams, StrandState};
-    assert_eq!(wgsl_layout("StrandState"), rust_layout!(StrandState { hit, amount, at }));
+    assert_eq!(wgsl_layout("StrandState"), rust_layout!(StrandState { hit, amount, at, hit_before }));
     assert_eq!(
         wgsl_layout("AvoidParams"),
         rust_layout!(AvoidParams {

@@ -37,9 +37,9 @@ pub struct AvoidParams {
     pub _pad: u32,
     /// 0 to forget what was, else 1.
     pub keep: f32,
-    /// By how much a change-over that is needed grows, 0..=1.
+    /// By how much a change-over that is needed grows, 0..=2, where 2 is at once.
     pub rise: f32,
-    /// By how much one that is not needed shrinks.
+    /// By how much one that is not needed shrinks, likewise.
     pub fall: f32,
     /// How far it moves along the strand at most, metres.
     pub shift: f32,
@@ -55,6 +55,8 @@ pub struct StrandState {
     pub amount: f32,
     /// From where on it is the clump's, metres from its root.
     pub at: f32,
+    /// Whether it hit in the last frame.
+    pub hit_before: u32,
 }
 
 /// [`StrandState::hit`] of a strand that penetrates nothing.
@@ -88,7 +90,7 @@ impl Avoidance {
         options.check()?;
         let params = bindings::uniform(device, "avoid", size_of::<AvoidParams>());
         let states = storage::<StrandState>(device, "avoidance", strands.count.into())?;
-        let none = StrandState { hit: NO_HIT, amount: 0.0, at: 0.0 };
+        let none = StrandState { hit: NO_HIT, amount: 0.0, at: 0.0, hit_before: 0 };
         queue.write_buffer(&states, 0, bytemuck::cast_slice(&vec![none; strands.count as usize]));
         let groups = stage.bind(device, &params, &states, guides, strands);
         Ok(Self { options, clearance, params, states, groups })
@@ -102,7 +104,7 @@ impl Avoidance {
         dt: f32,
         forget: bool,
     ) {
-        let [rise, fall, shift] = if forget { [1.0, 1.0, f32::MAX] } else { self.options.per_frame(dt) };
+        let [rise, fall, shift] = if forget { [2.0, 2.0, f32::MAX] } else { self.options.per_frame(dt) };
         let params = AvoidParams {
             clearance: self.clearance,
             tolerance: self.options.tolerance,

@@ -43,8 +43,8 @@ impl Default for AvoidOptions {
             tolerance: 3e-4,
             zone: 0.05,
             tightness: 0.3,
-            fade_in: 0.2,
-            fade_out: 0.4,
+            fade_in: 0.3,
+            fade_out: 0.6,
             speed: 0.25,
         }
     }
@@ -71,11 +71,11 @@ impl AvoidOptions {
         within("speed of avoidance", self.speed, f32::INFINITY, "0 or more")
     }
 
-    /// Amounts per frame of `dt` seconds: how much a change-over rises and falls, and how far it
-    /// moves along the strand, metres.
+    /// Amounts per frame of `dt` seconds: how much a change-over rises and falls (the mean of two
+    /// frames counts, so 2 is all at once), and how far it moves along the strand, metres.
     pub(super) fn per_frame(&self, dt: f32) -> [f32; 3] {
         let dt = if dt.is_finite() { dt.max(0.0) } else { 0.0 };
-        let fade = |time: f32| if time > 0.0 { (dt / time).min(1.0) } else { 1.0 };
+        let fade = |time: f32| if time > 0.0 { (dt / time).min(2.0) } else { 2.0 };
         let shift = if self.speed.is_finite() { self.speed * dt } else { f32::MAX };
         [fade(self.fade_in), fade(self.fade_out), shift]
     }
@@ -103,9 +103,9 @@ mod tests {
     fn a_frame_moves_by_its_time_and_nothing_else() {
         let options = AvoidOptions { fade_in: 0.1, fade_out: 0.0, speed: 0.5, ..Default::default() };
         let [rise, fall, shift] = options.per_frame(0.02);
-        assert!((rise - 0.2).abs() < 1e-6 && fall == 1.0 && (shift - 0.01).abs() < 1e-6);
+        assert!((rise - 0.2).abs() < 1e-6 && fall == 2.0 && (shift - 0.01).abs() < 1e-6);
         assert_eq!(options.per_frame(f32::NAN)[0], 0.0);
         assert_eq!(options.per_frame(-1.0)[2], 0.0);
-        assert_eq!(options.per_frame(9.0)[0], 1.0);
+        assert_eq!(options.per_frame(9.0)[0], 2.0);
     }
 }

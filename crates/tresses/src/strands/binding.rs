@@ -39,7 +39,7 @@ pub struct PackedRest {
 }
 
 /// One step of [`PackedRest::sunk`], metres.
-pub const SUNK_STEP: f32 = 1.0 / 16e3;
+pub const SUNK_STEP: f32 = 1.0 / 8e3;
 
 impl PackedRest {
     /// Packs `position` within the box of `binding`; at most `extent / 131070` metres off per axis.
@@ -61,7 +61,7 @@ impl PackedRest {
     }
 
     /// The same vertex, resting `sunk` metres nearer to the obstacles than strands keep from them;
-    /// rounded up to a [`SUNK_STEP`]. From 254 steps (16 mm) on it may be as deep as it likes.
+    /// rounded up to a [`SUNK_STEP`]. From 254 steps (32 mm) on it may be as deep as it likes.
     #[must_use]
     pub fn sink(self, sunk: f32) -> Self {
         let steps = (sunk / SUNK_STEP).ceil().clamp(0.0, 255.0) as u32;
@@ -92,7 +92,7 @@ mod tests {
             assert!(back.distance(p) < 5e-6 && (radius - 0.7).abs() < 0.002, "{back} {radius}");
             // Never less than asked, and by no more than a step.
             let kept = packed.sunk();
-            assert!(kept >= sunk && (sunk > 0.016 || kept <= sunk.max(0.0) + SUNK_STEP), "{sunk} {kept}");
+            assert!(kept >= sunk && (sunk > 0.032 || kept <= sunk.max(0.0) + SUNK_STEP), "{sunk} {kept}");
         }
         assert_eq!(PackedRest::pack(p, 0.7, &binding).sunk(), 0.0);
     }
