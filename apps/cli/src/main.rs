@@ -1,6 +1,7 @@
 //! The `tresses` command: grooms in, pictures of moving hair out.
 
 mod args;
+mod avoid_args;
 mod bench;
 mod camera;
 mod convert;

@@ -2,6 +2,7 @@
 
 use crate::{
     args::{Color, Size, Source},
+    avoid_args::Avoid,
     bench::Adapter,
     camera::{self, Bounds, Camera},
     load::{self, Character},
@@ -178,6 +179,11 @@ impl Scene {
         Ok(())
     }
 
+    /// What drawn strands do where they would enter the head, from here on.
+    pub fn set_avoid(&mut self, avoid: Avoid) {
+        self.hair.avoidance.options.mode = avoid.into();
+    }
+
     /// The hair at rest on a head at `pose`.
     pub fn reset(&mut self, pose: &Pose) -> Result<()> {
         self.hair.reset();
@@ -260,8 +266,16 @@ impl Scene {
         stage("simulate", &mut |encoder| {
             Ok(Recorder { renderer, device, queue, encoder, timings: None }.simulate(hair, &frame)?)
         })?;
-        stage("tessellate, interpolate", &mut |encoder| {
-            Recorder { renderer, device, queue, encoder, timings: None }.follow(hair, &frame);
+        stage("tessellate", &mut |encoder| {
+            Recorder { renderer, device, queue, encoder, timings: None }.tessellate(hair, &frame);
+            Ok(())
+        })?;
+        stage("interpolate", &mut |encoder| {
+            Recorder { renderer, device, queue, encoder, timings: None }.interpolate(hair);
+            Ok(())
+        })?;
+        stage("avoid", &mut |encoder| {
+            Recorder { renderer, device, queue, encoder, timings: None }.avoid(hair);
             Ok(())
         })?;
         let drawing = &renderer.draw;

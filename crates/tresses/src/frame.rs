@@ -65,12 +65,32 @@ impl Recorder<'_> {
         Ok(())
     }
 
-    /// The drawn strands follow the guides: their vertices for the head's pose now.
+    /// The drawn strands follow the guides: [`tessellate`](Self::tessellate),
+    /// [`interpolate`](Self::interpolate), [`avoid`](Self::avoid).
     pub fn follow(&mut self, hair: &Hair, frame: &Frame<'_>) {
-        hair.prepare(self.queue, &frame.head);
+        self.tessellate(hair, frame);
+        self.interpolate(hair);
+        self.avoid(hair);
+    }
+
+    /// The guides' smooth curves for the head's pose now.
+    pub fn tessellate(&mut self, hair: &Hair, frame: &Frame<'_>) {
+        hair.prepare(self.queue, &frame.head, frame.dt);
         let renderer = self.renderer;
         self.stage(Stage::Tessellate, |pass| hair.record_tessellate(pass, &renderer.tessellate));
+    }
+
+    /// The strands' vertices between those curves, some of them in obstacles.
+    pub fn interpolate(&mut self, hair: &Hair) {
+        let renderer = self.renderer;
         self.stage(Stage::Interpolate, |pass| hair.record_interpolate(pass, &renderer.interpolate));
+    }
+
+    /// Strands that entered an obstacle leave it. Once after each [`interpolate`](Self::interpolate):
+    /// what it remembers moves on by the frame's time.
+    pub fn avoid(&mut self, hair: &Hair) {
+        let renderer = self.renderer;
+        self.stage(Stage::Avoid, |pass| hair.record_avoid(pass, &renderer.avoid));
     }
 
     /// Draws hair and body as they are now: shadow maps, shading, the HDR picture, the finished one

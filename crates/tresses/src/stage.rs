@@ -11,6 +11,8 @@ pub enum Stage {
     Tessellate,
     /// Guides become drawn strands.
     Interpolate,
+    /// Strands that entered an obstacle leave it.
+    Avoid,
     /// Shadow maps, and shading per strand vertex.
     Light,
     /// Background, body and hair into the HDR target.
@@ -21,11 +23,12 @@ pub enum Stage {
 
 impl Stage {
     /// All stages in the order of the frame.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Volume,
         Self::Simulate,
         Self::Tessellate,
         Self::Interpolate,
+        Self::Avoid,
         Self::Light,
         Self::Draw,
         Self::Present,
@@ -38,6 +41,7 @@ impl Stage {
             Self::Simulate => "simulate",
             Self::Tessellate => "tessellate",
             Self::Interpolate => "interpolate",
+            Self::Avoid => "avoid",
             Self::Light => "light",
             Self::Draw => "draw",
             Self::Present => "present",
@@ -50,6 +54,7 @@ impl Stage {
             Self::Volume => "guide vertex and cell",
             Self::Simulate | Self::Tessellate => "guide",
             Self::Interpolate => "strand",
+            Self::Avoid => "strand vertex, strand",
             Self::Light => "strand vertex",
             Self::Draw => "strip vertex and pixel",
             Self::Present => "pixel",
