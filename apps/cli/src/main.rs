@@ -4,6 +4,7 @@ mod args;
 mod bench;
 mod camera;
 mod convert;
+mod debug;
 mod demo;
 mod info;
 mod interrupt;

@@ -3,7 +3,7 @@
 use crate::{
     args::{self, Size, Source},
     camera::{Camera, View},
-    interrupt,
+    debug, interrupt,
     motion::Motion,
     picture::{Kind, Output},
     progress, say,
@@ -41,6 +41,8 @@ pub struct Args {
     /// How near: close, normal, far, or a factor
     #[arg(long, value_name = "FACTOR", default_value = "normal", value_parser = args::zoom)]
     pub zoom: f32,
+    #[command(flatten)]
+    pub debug: debug::DebugArgs,
     /// Where to: one .png, a folder of numbered frames, or an animation (.webp, .gif, .apng)
     #[arg(long, value_name = "PATH", default_value = "out/render.png")]
     pub out: PathBuf,
@@ -65,6 +67,7 @@ pub fn run(args: &Args) -> Result<()> {
     // What can be refused is refused before anything is opened or made.
     let start = progress::spinner("preparing");
     let mut scene = Scene::open(&args.source, Quality::new(args.size, args.samples))?;
+    scene.show(&args.debug);
     start.finish_and_clear();
     let camera = Camera::portrait(args.camera, scene.subject(), args.size.aspect(), args.zoom);
     let written = record(&mut scene, &camera, &motion, frames, args)?;

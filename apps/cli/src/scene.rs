@@ -4,6 +4,7 @@ use crate::{
     args::{Color, Size, Source},
     bench::Adapter,
     camera::{self, Bounds, Camera},
+    debug::{self, Debug},
     load::{self, Character},
     picture::Picture,
 };
@@ -67,6 +68,7 @@ pub struct Scene {
     colliders: ColliderPoses,
     subject: Bounds,
     neck: Vec3,
+    debug: Option<Debug>,
 }
 
 impl Scene {
@@ -122,8 +124,14 @@ impl Scene {
             colliders: ColliderPoses::default(),
             subject,
             neck: character.neck,
+            debug: None,
             gpu,
         })
+    }
+
+    /// From here on pictures show what `args` ask for.
+    pub fn show(&mut self, args: &debug::DebugArgs) {
+        self.debug = Debug::new(&self.gpu, &self.renderer.draw, args);
     }
 
     /// What a portrait must show, metres.
@@ -190,9 +198,16 @@ impl Scene {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         self.record_draw(&mut encoder, None, camera);
         self.gpu.queue.submit([encoder.finish()]);
+        if let Some(debug) = &mut self.debug {
+            debug.draw(&self.gpu, &self.scene, &self.targets, &self.hair, self.body.as_ref())?;
+        }
         let rgba = self.targets.read(&self.gpu.device, &self.gpu.queue)?;
         let [width, height] = self.targets.size;
-        Ok(Picture { width, height, rgba })
+        let mut picture = Picture { width, height, rgba };
+        if let Some(debug) = &self.debug {
+            debug.label(&mut picture);
+        }
+        Ok(picture)
     }
 
     /// A whole frame, waited for: its milliseconds from recording to completion, and those of its
@@ -317,6 +332,14 @@ impl Scene {
         let Gpu { device, queue, .. } = &self.gpu;
         let mut recorder = Recorder { renderer: &self.renderer, device, queue, encoder, timings };
         let (body, targets) = (self.body.as_ref(), &self.targets);
+        if self.debug.as_ref().is_some_and(Debug::hides_hair) {
+            let (stage, scene) = (&self.renderer.draw, &self.scene);
+            stage.prepare(queue, scene, targets, None, body);
+            stage.shadow(recorder.encoder, None, None, body);
+            stage.draw(recorder.encoder, None, scene, targets, None, body);
+            stage.present(device, recorder.encoder, None, targets, targets.picture());
+            return;
+        }
         recorder.draw(&self.hair, body, &self.scene, targets, targets.picture());
     }
 
