@@ -62,7 +62,8 @@ pub struct Scene {
     hair: Hair,
     body: Option<Body>,
     targets: Targets,
-    timings: Option<Timings>,
+    /// From timestamps where there are some that mean something, else by the clock.
+    timings: Timings,
     scene: draw::Scene,
     physics: SimulationParams,
     colliders: ColliderPoses,
@@ -107,7 +108,10 @@ impl Scene {
         let body = character.head.as_ref().map(|head| Body::new(device, &renderer.draw, head));
         let Size { width, height } = quality.size;
         let targets = Targets::new(device, width, height, samples, quality.ssaa)?;
-        let timings = gpu.tier.timestamps.then(|| Timings::new(device, queue));
+        let timings = match gpu.tier.timestamps && !gpu.tier.software {
+            true => Timings::new(device, queue),
+            false => Timings::by_the_clock(),
+        };
         let subject = camera::subject(hair_bounds, head_bounds);
         let mut focus = Sphere::around(subject.0, subject.1);
         // Hair that swings must not leave the shadow maps.
@@ -224,21 +228,28 @@ impl Scene {
             return Ok((start.elapsed().as_secs_f64() * 1e3, stages));
         }
         let start = Instant::now();
-        let mut timings = self.timings.take();
+        let mut timings = std::mem::replace(&mut self.timings, Timings::by_the_clock());
+        let mut timed = self.gpu.tier.timestamps.then_some(&mut timings);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.record_advance(&mut encoder, timings.as_mut(), pose, seconds)?;
-        self.record_draw(&mut encoder, timings.as_mut(), camera);
-        if let Some(timings) = &timings {
-            timings.resolve(&mut encoder);
-        }
+        self.record_advance(&mut encoder, timed.as_deref_mut(), pose, seconds)?;
+        self.record_draw(&mut encoder, timed.as_deref_mut(), camera);
+        timings.resolve(&mut encoder);
         self.submit(encoder)?;
         let wall = start.elapsed().as_secs_f64() * 1e3;
-        let stages = match &mut timings {
-            Some(timings) => timings.read(&self.gpu.device, &self.gpu.queue)?,
-            None => Vec::new(),
-        };
         self.timings = timings;
-        Ok((wall, stages))
+        Ok((wall, self.timings.read(&self.gpu.device, &self.gpu.queue)?))
+    }
+
+    /// The milliseconds of the stages that move the hair by a frame: by timestamps, or each stage
+    /// submitted and waited for alone where there are none that compare.
+    pub fn measured_advance(&mut self, pose: &Pose, seconds: f32) -> Result<Vec<(&'static str, f64)>> {
+        let mut timings = std::mem::replace(&mut self.timings, Timings::by_the_clock());
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        self.record_advance(&mut encoder, Some(&mut timings), pose, seconds)?;
+        timings.resolve(&mut encoder);
+        self.submit(encoder)?;
+        self.timings = timings;
+        Ok(self.timings.read(&self.gpu.device, &self.gpu.queue)?)
     }
 
     /// The stages of a frame, each submitted and waited for alone, and its milliseconds by the clock.
@@ -253,10 +264,9 @@ impl Scene {
     ) -> Result<Vec<(&'static str, f64)>> {
         self.scene.pose = *pose;
         self.look_from(camera);
+        let mut rows = self.measured_advance(pose, seconds)?;
         let Self { gpu: Gpu { device, queue, .. }, renderer, hair, body, targets, scene, .. } = self;
-        let frame = Frame { dt: seconds, head: *pose, colliders: &self.colliders, simulation: &self.physics };
         let body = body.as_ref();
-        let mut rows = Vec::new();
         let mut stage = |name, record: &mut dyn FnMut(&mut wgpu::CommandEncoder) -> Result<()>| {
             let start = Instant::now();
             let mut encoder = device.create_command_encoder(&Default::default());
@@ -266,13 +276,6 @@ impl Scene {
             rows.push((name, start.elapsed().as_secs_f64() * 1e3));
             anyhow::Ok(())
         };
-        stage("simulate", &mut |encoder| {
-            Ok(Recorder { renderer, device, queue, encoder, timings: None }.simulate(hair, &frame)?)
-        })?;
-        stage("tessellate, interpolate", &mut |encoder| {
-            Recorder { renderer, device, queue, encoder, timings: None }.follow(hair, &frame);
-            Ok(())
-        })?;
         let drawing = &renderer.draw;
         let set = Some(&hair.set);
         stage("shadow", &mut |encoder| {
