@@ -2,9 +2,10 @@
 
 use crate::{
     Hair, HairRenderer, Pose, Result,
+    collide::ColliderPoses,
     draw::{Body, Scene, Targets},
     gpu::Timings,
-    simulate::{ColliderPoses, SimulationParams},
+    simulate::SimulationParams,
     stage::Stage,
 };
 use std::time::Instant;
@@ -42,7 +43,8 @@ impl Recorder<'_> {
     /// Moves the hair by a frame: [`simulate`](Self::simulate), then [`follow`](Self::follow).
     ///
     /// # Errors
-    /// [`crate::Error::Parameter`] when a parameter of the physics is out of its range.
+    /// [`crate::Error::Parameter`] when a parameter of the physics is out of its range,
+    /// [`crate::Error::Colliders`] when there are not as many poses as colliders.
     pub fn advance(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
         self.simulate(hair, frame)?;
         self.follow(hair, frame);
@@ -55,18 +57,17 @@ impl Recorder<'_> {
     /// As [`advance`](Self::advance).
     pub fn simulate(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
         frame.simulation.check()?;
-        let steps = hair.tick(frame.dt, frame.simulation.step, &frame.head);
         let (renderer, device, queue) = (self.renderer, self.device, self.queue);
+        let steps = hair.tick(queue, frame.dt, frame.simulation, &frame.head, frame.colliders)?;
         self.stage(Stage::Simulate, |pass| {
             let (stage, physics) = (&renderer.simulate, frame.simulation);
-            hair.simulation.record(stage, device, queue, pass, physics, &steps, frame.colliders)
+            hair.simulation.record(stage, device, queue, pass, physics, &steps, &hair.colliders)
         })
     }
 
     /// The drawn strands follow the guides: their vertices for the head's pose now.
     pub fn follow(&mut self, hair: &Hair, frame: &Frame<'_>) {
-        let field = frame.colliders.field.map_or(frame.head, |own| frame.head.after(&own));
-        hair.prepare(self.queue, &frame.head, &field);
+        hair.prepare(self.queue, &frame.head);
         let renderer = self.renderer;
         self.stage(Stage::Tessellate, |pass| hair.record_tessellate(pass, &renderer.tessellate));
         self.stage(Stage::Interpolate, |pass| hair.record_interpolate(pass, &renderer.interpolate));

@@ -3,14 +3,14 @@
 
 use crate::{
     Error, Pose, Result,
+    collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     draw::{DrawOptions, DrawStage, HairSet},
     gpu::bindings,
     groom::{Groom, SdfGrid},
     interpolate::{Interpolate, InterpolateParams},
     math::hash::pcg,
     simulate::{
-        Clock, ColliderSet, GuideTraits, Mode, RestOptions, RestShape, Simulate, Simulation,
-        SimulationParams, Step, rest,
+        Clock, GuideTraits, Mode, RestOptions, RestShape, Simulate, Simulation, SimulationParams, Step, rest,
     },
     strands::{GuideBuffers, Strand, StrandBuffers},
     tessellate::{Tessellate, TessellateParams, rest_samples},
@@ -50,18 +50,11 @@ pub struct HairOptions {
     pub rest: RestShape,
     /// Distance that guides and strands keep from the head, metres, where they have it at rest.
     pub clearance: f32,
-    /// The most capsules that the hair collides with.
-    pub capsules: u32,
 }
 
 impl Default for HairOptions {
     fn default() -> Self {
-        Self {
-            simulation: SimulationParams::default(),
-            rest: RestShape::SagFree,
-            clearance: 1.5e-3,
-            capsules: 16,
-        }
+        Self { simulation: SimulationParams::default(), rest: RestShape::SagFree, clearance: 1.5e-3 }
     }
 }
 
@@ -74,6 +67,8 @@ pub struct Hair {
     pub strands: StrandBuffers,
     /// Index buffers, shaded values and bind groups of the drawing stages.
     pub set: HairSet,
+    /// What it collides with.
+    pub colliders: ColliderSet,
     pub(crate) simulation: Simulation,
     pub(crate) clock: Clock,
     /// Poses of the head before and after the last step, and the blend between them.
@@ -87,11 +82,10 @@ pub struct Hair {
 
 impl Hair {
     /// Brings `groom` to the GPU, at rest, the head at the origin. It collides with the head's
-    /// distance field `head` (groom space) and with capsules.
+    /// distance field `head` (groom space) alone.
     ///
     /// # Errors
-    /// [`Error::Limit`] when the adapter cannot hold it, [`Error::Groom`] and [`Error::Parameter`]
-    /// when the groom or the options make no sense.
+    /// As [`with_colliders`](Self::with_colliders).
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -100,6 +94,24 @@ impl Hair {
         options: &HairOptions,
         head: Option<&SdfGrid>,
     ) -> Result<Self> {
+        let colliders = ColliderDescriptor { head, ..Default::default() };
+        Self::with_colliders(device, queue, renderer, groom, options, &colliders)
+    }
+
+    /// Brings `groom` to the GPU, at rest, the head at the origin, among `colliders`.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] when the adapter cannot hold it, [`Error::Groom`] and [`Error::Parameter`]
+    /// when the groom or the options make no sense, and what [`ColliderSet::new`] says.
+    pub fn with_colliders(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        renderer: &HairRenderer,
+        groom: &Groom,
+        options: &HairOptions,
+        colliders: &ColliderDescriptor<'_>,
+    ) -> Result<Self> {
+        let head = colliders.head;
         if groom.guides.is_empty() || groom.strands.is_empty() {
             return Err(Error::Groom("the groom has no strands".into()));
         }
@@ -133,27 +145,21 @@ impl Hair {
         queue.write_buffer(&strands.bindings, 0, bytemuck::cast_slice(&groom.strands.bindings));
         queue.write_buffer(&strands.rest, 0, bytemuck::cast_slice(&groom.strands.rest));
 
-        let colliders = ColliderSet::new(device, queue, head, options.capsules)?;
-        let simulation = Simulation::new(device, &renderer.simulate, &guides, colliders);
+        let colliders = ColliderSet::new(device, queue, colliders)?;
+        let simulation = Simulation::new(device, &renderer.simulate, &guides);
         let uniform = |label, size| bindings::uniform(device, label, size);
         let tessellate_params = uniform("tessellate", size_of::<TessellateParams>());
         let interpolate_params = uniform("interpolate", size_of::<InterpolateParams>());
-        let field = (&simulation.colliders().field.view, renderer.simulate.field_sampler());
         Ok(Self {
             set: HairSet::new(device, &renderer.draw, &strands)?,
             tessellate_group: renderer.tessellate.bind(device, &tessellate_params, &guides),
-            interpolate_group: renderer.interpolate.bind(
-                device,
-                &interpolate_params,
-                &guides,
-                &strands,
-                field,
-            ),
+            interpolate_group: renderer.interpolate.bind(device, &interpolate_params, &guides, &strands),
             clock: Clock::default(),
             states: (Pose::IDENTITY, Pose::IDENTITY, 1.0),
             clearance: if head.is_some() { options.clearance } else { 0.0 },
             guides,
             strands,
+            colliders,
             simulation,
             tessellate_params,
             interpolate_params,
@@ -165,9 +171,28 @@ impl Hair {
         self.clock.reset();
     }
 
-    /// The fixed steps that are due `dt` seconds after the last frame, the head now at `head`.
-    pub(crate) fn tick(&mut self, dt: f32, step: f32, head: &Pose) -> Vec<Step> {
-        let ticks = self.clock.tick(dt, step, head);
+    /// The fixed steps that are due `dt` seconds after the last frame, the head now at `head` and the
+    /// colliders at `poses`, which are moved.
+    ///
+    /// # Errors
+    /// What [`ColliderSet::advance`] says.
+    pub(crate) fn tick(
+        &mut self,
+        queue: &wgpu::Queue,
+        dt: f32,
+        params: &SimulationParams,
+        head: &Pose,
+        poses: &ColliderPoses,
+    ) -> Result<Vec<Step>> {
+        let ticks = self.clock.tick(dt, params.step, head);
+        let moments = Moments {
+            steps: &ticks.steps,
+            substeps: params.substeps,
+            step: params.step,
+            head: *head,
+            alpha: ticks.alpha,
+        };
+        self.colliders.advance(queue, poses, &moments)?;
         self.states.2 = ticks.alpha;
         for step in &ticks.steps {
             self.states = match step.mode {
@@ -175,31 +200,29 @@ impl Hair {
                 Mode::Carry | Mode::Reset => (step.end, step.end, ticks.alpha),
             };
         }
-        ticks.steps
+        Ok(ticks.steps)
     }
 
     /// Bytes of GPU memory, without render targets and shadow maps.
     pub fn bytes(&self) -> u64 {
-        self.guides.bytes() + self.strands.bytes() + self.set.bytes() + self.simulation.bytes()
+        self.guides.bytes()
+            + self.strands.bytes()
+            + self.set.bytes()
+            + self.simulation.bytes()
+            + self.colliders.bytes()
     }
 
     /// Writes the uniforms of [`tessellate`](Self::record_tessellate) and
-    /// [`interpolate`](Self::record_interpolate): the head is at `head`, its field at `field`.
-    pub(crate) fn prepare(&self, queue: &wgpu::Queue, head: &Pose, field: &Pose) {
+    /// [`interpolate`](Self::record_interpolate): the head is at `head`.
+    pub(crate) fn prepare(&self, queue: &wgpu::Queue, head: &Pose) {
         let (previous, current, blend) = self.states;
         let params = TessellateParams::new(&self.guides, &previous, &current, head, blend);
         queue.write_buffer(&self.tessellate_params, 0, bytemuck::bytes_of(&params));
-        let collider = &self.simulation.colliders().field;
         let params = InterpolateParams {
-            field_rotation: field.rotation,
-            field_translation: field.translation,
             clearance: self.clearance,
-            field_bias: collider.bias,
             strand_count: self.strands.count,
-            field_scale: collider.scale,
             vertex_count: self.strands.vertex_count,
             sample_count: self.guides.sample_count,
-            ..Default::default()
         };
         queue.write_buffer(&self.interpolate_params, 0, bytemuck::bytes_of(&params));
     }
@@ -209,7 +232,7 @@ impl Hair {
     }
 
     pub(crate) fn record_interpolate(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Interpolate) {
-        stage.record(pass, &self.interpolate_group, &self.strands);
+        stage.record(pass, &self.interpolate_group, &self.colliders, &self.strands);
     }
 }
 
