@@ -2,7 +2,6 @@
 
 use crate::{
     args::{Color, Size, Source},
-    bench::Adapter,
     camera::{self, Bounds, Camera},
     debug::{self, Debug},
     load::{self, Character},
@@ -17,6 +16,7 @@ use tresses::{
     frame::{Frame, Recorder},
     glam::Vec3,
     gpu::{Gpu, Timings},
+    groom::SdfGrid,
     light::{HairMaterial, Lights, Sphere},
     simulate::SimulationParams,
 };
@@ -70,6 +70,7 @@ pub struct Scene {
     colliders: ColliderPoses,
     subject: Bounds,
     neck: Vec3,
+    field: Option<SdfGrid>,
     debug: Option<Debug>,
 }
 
@@ -129,6 +130,7 @@ impl Scene {
             colliders: ColliderPoses::default(),
             subject,
             neck: character.neck,
+            field: character.field.clone(),
             debug: None,
             gpu,
         })
@@ -136,7 +138,7 @@ impl Scene {
 
     /// From here on pictures show what `args` ask for.
     pub fn show(&mut self, args: &debug::DebugArgs) {
-        self.debug = Debug::new(&self.gpu, &self.renderer.draw, args);
+        self.debug = Debug::new(&self.gpu, &self.renderer.draw, args, self.field.as_ref());
     }
 
     /// What a portrait must show, metres.
@@ -152,19 +154,6 @@ impl Scene {
     /// Samples per pixel.
     pub fn samples(&self) -> u32 {
         self.targets.samples
-    }
-
-    /// On what the pictures are made.
-    pub fn adapter(&self) -> Adapter {
-        let info = &self.gpu.info;
-        Adapter {
-            name: info.name.clone(),
-            backend: format!("{:?}", info.backend),
-            driver: [info.driver.as_str(), info.driver_info.as_str()].join(" ").trim().to_owned(),
-            software: self.gpu.tier.software,
-            timestamps: self.gpu.tier.timestamps,
-            max_samples: self.gpu.tier.max_samples,
-        }
     }
 
     /// Sizes of what is drawn.

@@ -19,7 +19,8 @@
 //! - **Arrows**: the vectors at the points of a lattice; their lengths are ways in a given time.
 //! - **Streams**: lines along the field as it is at this moment, from given seeds.
 //! - **Guides**: the tessellated guides, coloured by a quantity of the simulation.
-//! - **Lines**: anything else, for example the outlines of boxes and capsules (`outline.rs`).
+//! - **Lines**: anything else, for example the outlines of boxes and colliders, and the contours of
+//!   distance fields (`outline.rs`).
 //!
 //! Everything that is a line ends in one buffer of [`LinePoint`]s and one pipeline, `lines`:
 //! camera-facing strips of a width in pixels, with soft edges and a dark rim. An arrow is a line
