@@ -6,6 +6,7 @@ mod camera;
 mod convert;
 mod debug;
 mod demo;
+mod hair_hair_args;
 mod info;
 mod interrupt;
 mod load;

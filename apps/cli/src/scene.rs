@@ -137,8 +137,15 @@ impl Scene {
     }
 
     /// From here on pictures show what `args` ask for.
-    pub fn show(&mut self, args: &debug::DebugArgs) {
+    pub fn show(&mut self, args: &debug::DebugArgs) -> Result<()> {
+        args.check(&self.physics)?;
         self.debug = Debug::new(&self.gpu, &self.renderer.draw, args, self.field.as_ref());
+        Ok(())
+    }
+
+    /// The physics from here on.
+    pub fn physics_mut(&mut self) -> &mut SimulationParams {
+        &mut self.physics
     }
 
     /// What a portrait must show, metres.
@@ -154,6 +161,11 @@ impl Scene {
     /// Samples per pixel.
     pub fn samples(&self) -> u32 {
         self.targets.samples
+    }
+
+    /// On what the pictures are made.
+    pub fn adapter_name(&self) -> &str {
+        &self.gpu.info.name
     }
 
     /// Sizes of what is drawn.

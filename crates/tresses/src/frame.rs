@@ -56,13 +56,14 @@ impl Recorder<'_> {
     /// # Errors
     /// As [`advance`](Self::advance).
     pub fn simulate(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
-        frame.simulation.check()?;
-        let (renderer, device, queue) = (self.renderer, self.device, self.queue);
-        let steps = hair.tick(queue, frame.dt, frame.simulation, &frame.head, frame.colliders)?;
-        self.stage(Stage::Simulate, |pass| {
-            let (stage, physics) = (&renderer.simulate, frame.simulation);
-            hair.simulation.record(stage, device, queue, pass, physics, &steps, &hair.colliders)
-        })
+        let (renderer, device) = (self.renderer, self.device);
+        for step in 0..hair.begin(self.queue, frame)? {
+            if hair.uses_volume() {
+                self.stage(Stage::Volume, |pass| hair.volume.record(&renderer.volume, pass, step));
+            }
+            self.stage(Stage::Simulate, |pass| hair.record_simulate(pass, device, &renderer.simulate, step));
+        }
+        Ok(())
     }
 
     /// The drawn strands follow the guides: their vertices for the head's pose now.

@@ -5,20 +5,25 @@ use crate::{
     Error, Pose, Result,
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     draw::{DrawOptions, DrawStage, HairSet},
+    frame::Frame,
     gpu::bindings,
     groom::{Groom, SdfGrid},
     interpolate::{Interpolate, InterpolateParams},
     math::hash::pcg,
     simulate::{
-        Clock, GuideTraits, Mode, RestOptions, RestShape, Simulate, Simulation, SimulationParams, Step, rest,
+        Clock, Forces, GuideTraits, Mode, RestOptions, RestShape, Simulate, Simulation, SimulationParams,
+        Step, rest,
     },
     strands::{GuideBuffers, Strand, StrandBuffers},
     tessellate::{Tessellate, TessellateParams, rest_samples},
+    volume::{HairHairMode, Volume, VolumeOptions, VolumeStage},
 };
 
 /// Every pipeline; made once per device.
 #[derive(Debug)]
 pub struct HairRenderer {
+    /// Guides fill a grid.
+    pub volume: VolumeStage,
     /// Guides move.
     pub simulate: Simulate,
     /// Guides become curves.
@@ -33,6 +38,7 @@ impl HairRenderer {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device, options: &DrawOptions) -> Self {
         Self {
+            volume: VolumeStage::new(device),
             simulate: Simulate::new(device),
             tessellate: Tessellate::new(device),
             interpolate: Interpolate::new(device),
@@ -50,11 +56,18 @@ pub struct HairOptions {
     pub rest: RestShape,
     /// Distance that guides and strands keep from the head, metres, where they have it at rest.
     pub clearance: f32,
+    /// The grid in which hair meets hair.
+    pub volume: VolumeOptions,
 }
 
 impl Default for HairOptions {
     fn default() -> Self {
-        Self { simulation: SimulationParams::default(), rest: RestShape::SagFree, clearance: 1.5e-3 }
+        Self {
+            simulation: SimulationParams::default(),
+            rest: RestShape::SagFree,
+            clearance: 1.5e-3,
+            volume: VolumeOptions::default(),
+        }
     }
 }
 
@@ -69,6 +82,11 @@ pub struct Hair {
     pub set: HairSet,
     /// What it collides with.
     pub colliders: ColliderSet,
+    /// Density and velocity of the hair around the head.
+    pub volume: Volume,
+    forces: Forces,
+    /// Whether the grids act on the guides in this frame.
+    forced: bool,
     pub(crate) simulation: Simulation,
     pub(crate) clock: Clock,
     /// Poses of the head before and after the last step, and the blend between them.
@@ -127,15 +145,15 @@ impl Hair {
                 tip_pinned: groom.guides.tip_pinned[i],
             })
             .collect();
-        rest::guides(
+        let rest = rest::guides(
             &groom.guides.positions,
             vertex_count,
             &traits,
             &options.simulation,
             &RestOptions { shape: options.rest, clearance: options.clearance },
             head,
-        )?
-        .upload(queue, &guides)?;
+        )?;
+        rest.upload(queue, &guides)?;
         let sample_rest: Vec<[f32; 4]> = (0..groom.guides.len())
             .flat_map(|i| rest_samples(groom.guides.guide(i), sample_count))
             .map(|p| p.extend(0.0).to_array())
@@ -147,6 +165,7 @@ impl Hair {
 
         let colliders = ColliderSet::new(device, queue, colliders)?;
         let simulation = Simulation::new(device, &renderer.simulate, &guides);
+        let volume = Volume::new(device, &renderer.volume, &guides, &rest, &options.volume)?;
         let uniform = |label, size| bindings::uniform(device, label, size);
         let tessellate_params = uniform("tessellate", size_of::<TessellateParams>());
         let interpolate_params = uniform("interpolate", size_of::<InterpolateParams>());
@@ -154,6 +173,9 @@ impl Hair {
             set: HairSet::new(device, &renderer.draw, &strands)?,
             tessellate_group: renderer.tessellate.bind(device, &tessellate_params, &guides),
             interpolate_group: renderer.interpolate.bind(device, &interpolate_params, &guides, &strands),
+            forces: Forces::new(device, &renderer.simulate, &guides, &volume),
+            volume,
+            forced: false,
             clock: Clock::default(),
             states: (Pose::IDENTITY, Pose::IDENTITY, 1.0),
             clearance: if head.is_some() { options.clearance } else { 0.0 },
@@ -171,12 +193,29 @@ impl Hair {
         self.clock.reset();
     }
 
+    /// Begins a frame: writes what its fixed steps read and returns how many are due.
+    pub(crate) fn begin(&mut self, queue: &wgpu::Queue, frame: &Frame<'_>) -> Result<u32> {
+        let physics = frame.simulation;
+        physics.check()?;
+        let steps = self.tick(queue, frame.dt, physics, &frame.head, frame.colliders)?;
+        self.forced = physics.hair_hair.mode != HairHairMode::Off;
+        if self.forced {
+            self.volume.prepare(queue, &physics.hair_hair, &steps, physics.step);
+        }
+        self.simulation.prepare(queue, physics, &steps, self.forced)
+    }
+
+    /// Whether this frame needs the grid of the hair.
+    pub(crate) fn uses_volume(&self) -> bool {
+        self.forced
+    }
+
     /// The fixed steps that are due `dt` seconds after the last frame, the head now at `head` and the
     /// colliders at `poses`, which are moved.
     ///
     /// # Errors
     /// What [`ColliderSet::advance`] says.
-    pub(crate) fn tick(
+    fn tick(
         &mut self,
         queue: &wgpu::Queue,
         dt: f32,
@@ -210,6 +249,7 @@ impl Hair {
             + self.set.bytes()
             + self.simulation.bytes()
             + self.colliders.bytes()
+            + self.volume.bytes()
     }
 
     /// Writes the uniforms of [`tessellate`](Self::record_tessellate) and
@@ -225,6 +265,20 @@ impl Hair {
             sample_count: self.guides.sample_count,
         };
         queue.write_buffer(&self.interpolate_params, 0, bytemuck::bytes_of(&params));
+    }
+
+    /// Step `i` of the guides: what the grids do to them, then the step itself.
+    pub(crate) fn record_simulate(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        device: &wgpu::Device,
+        stage: &Simulate,
+        i: u32,
+    ) {
+        if self.forced {
+            self.forces.record(stage, pass, i);
+        }
+        self.simulation.record_step(stage, device, pass, &self.colliders, i);
     }
 
     pub(crate) fn record_tessellate(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Tessellate) {

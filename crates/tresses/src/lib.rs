@@ -6,6 +6,8 @@ pub mod groom;
 
 pub mod strands;
 
+pub mod volume;
+
 pub mod simulate;
 
 pub mod tessellate;

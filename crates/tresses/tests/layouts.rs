@@ -73,9 +73,44 @@ fn simulate() {
             mode,
             one,
             moment,
+            forced,
             _pad_a,
             _pad_b,
-            _pad_c,
+        })
+    );
+}
+
+#[test]
+fn volume() {
+    use tresses::{strands::GuideForce, volume::params::VolumeUniforms};
+    assert_eq!(wgsl_layout("GuideForce"), rust_layout!(GuideForce { xy, z_rate, tangent, along }));
+    assert_eq!(
+        wgsl_layout("VolumeUniforms"),
+        rust_layout!(VolumeUniforms {
+            head,
+            head_at,
+            resolution,
+            bias,
+            scale,
+            drift,
+            cell,
+            taps,
+            radius,
+            mode,
+            resting,
+            guide_count,
+            vertex_count,
+            stride,
+            splat_count,
+            units,
+            density,
+            reference,
+            speed_squared,
+            tolerance,
+            friction,
+            limit,
+            fixed_push,
+            _pad,
         })
     );
 }

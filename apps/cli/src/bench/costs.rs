@@ -20,6 +20,7 @@ use tresses::{
     gpu::{Gpu, Timings},
     groom::mesh::sdf::{self, SdfOptions},
     simulate::SimulationParams,
+    volume::{HairHair, VolumeOptions},
 };
 
 /// Guides of the measured hair.
@@ -33,7 +34,7 @@ const FPS: f64 = 60.0;
 /// How many times a distance field is built.
 const BUILDS: u32 = 3;
 /// What is measured, for the bar of progress.
-pub const RUNS: u64 = 3;
+pub const RUNS: u64 = 5;
 
 /// How the parts of the simulation compare.
 #[derive(Debug, Default, Serialize)]
@@ -214,13 +215,25 @@ pub fn measure(frames: u32, bar: &ProgressBar) -> Result<(Costs, Adapter)> {
         frames,
         ..Costs::default()
     };
-    let (options, physics) = (HairOptions::default(), SimulationParams::default());
+    let options = HairOptions::default();
+    let physics = SimulationParams { hair_hair: HairHair::OFF, ..Default::default() };
     let step = || bar.inc(u64::from(frames));
 
     let alone = rig.run(&options, &physics, &[])?;
     step();
-    costs.part("the guides' own solve", alone.sum(&["simulate"]));
+    let solve = costs.part("the guides' own solve", alone.sum(&["simulate"]));
     costs.part("interpolation", alone.sum(&["interpolate"]));
+
+    let dense = SimulationParams { hair_hair: HairHair::default(), ..physics };
+    for resolution in [32, 64] {
+        let volume = VolumeOptions { resolution, ..options.volume };
+        let rows = rig.run(&HairOptions { volume, ..options }, &dense, &[])?;
+        step();
+        let density = costs.part(&format!("density, {resolution}³"), rows.sum(&["volume"]));
+        if resolution == 32 {
+            costs.limit("density at 32³ / the guides' own solve", density, solve, 1.0);
+        }
+    }
 
     let one = rig.run(&options, &physics, &rig.capsules(1))?.sum(&["simulate"]);
     step();

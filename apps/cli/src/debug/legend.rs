@@ -48,8 +48,7 @@ impl DrawTarget for Canvas<'_> {
 impl Legend {
     /// Draws it into the lower left corner; pictures too small for it stay as they are.
     pub fn draw(&self, picture: &mut Picture) {
-        let large = picture.height >= 400;
-        let font: &MonoFont<'_> = if large { &iso_8859_1::FONT_10X20 } else { &iso_8859_1::FONT_6X10 };
+        let font = font(picture);
         let (wide, high) = (font.character_size.width as i32, font.character_size.height as i32);
         let bar = Size::new(24 * wide as u32, (high / 2) as u32);
         let at = Point::new(2 * wide, picture.height as i32 - 2 * wide - 3 * high);
@@ -58,12 +57,7 @@ impl Legend {
         }
         let mut canvas = Canvas(picture);
         let mut text = |words: &str, x: i32, y: i32, alignment| {
-            // First its shadow: it is read before anything.
-            for (color, shift) in [(Rgb888::BLACK, 1), (Rgb888::WHITE, 0)] {
-                let style = MonoTextStyle::new(font, color);
-                let place = at + Point::new(x + shift, y + shift);
-                let Ok(_) = Text::with_alignment(words, place, style, alignment).draw(&mut canvas);
-            }
+            write(&mut canvas, font, words, at + Point::new(x, y), alignment);
         };
         let (end, below) = (bar.width as i32, high / 2 + high + high / 4);
         text(&self.title, 0, -high / 2, Alignment::Left);
@@ -75,6 +69,28 @@ impl Legend {
             let color = srgb(ramp((x as f32 + 0.5) / end as f32).to_array());
             let Ok(()) = canvas.fill_solid(&Rectangle::new(at + Point::new(x, 0), column), color);
         }
+    }
+}
+
+/// Large in large pictures.
+fn font(picture: &Picture) -> &'static MonoFont<'static> {
+    if picture.height >= 400 { &iso_8859_1::FONT_10X20 } else { &iso_8859_1::FONT_6X10 }
+}
+
+/// White words with a shadow, so that they are read before anything; `at` is on their base line.
+fn write(canvas: &mut Canvas<'_>, font: &MonoFont<'_>, words: &str, at: Point, alignment: Alignment) {
+    for (color, shift) in [(Rgb888::BLACK, 1), (Rgb888::WHITE, 0)] {
+        let style = MonoTextStyle::new(font, color);
+        let Ok(_) = Text::with_alignment(words, at + Point::new(shift, shift), style, alignment).draw(canvas);
+    }
+}
+
+/// Words below and to the right of a corner at `at`, pixels; nothing in pictures too small for them.
+pub fn caption(picture: &mut Picture, words: &str, at: [i32; 2]) {
+    let font = font(picture);
+    if picture.height >= 200 {
+        let place = Point::new(at[0] + 6, at[1] + 3 + font.character_size.height as i32 * 3 / 4);
+        write(&mut Canvas(picture), font, words, place, Alignment::Left);
     }
 }
 

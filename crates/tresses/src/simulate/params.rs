@@ -1,6 +1,6 @@
 //! What a user sets, in SI units, and what one fixed step of the GPU reads.
 
-use crate::{Error, Pose, Result};
+use crate::{Error, Pose, Result, volume::HairHair};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -49,6 +49,8 @@ pub struct SimulationParams {
     /// How much a strand that hangs by its root is stretched by gravity: the elasticity along the
     /// hair follows from it. Real hair has about 1e-6, which single precision cannot hold.
     pub stretch: f32,
+    /// What hairs do to each other.
+    pub hair_hair: HairHair,
     /// Length of one fixed step, s.
     pub step: f32,
     /// Implicit solves per fixed step.
@@ -67,6 +69,7 @@ impl Default for SimulationParams {
             wind: Vec3::ZERO,
             friction: 0.4,
             stretch: 5e-4,
+            hair_hair: HairHair::default(),
             step: 1.0 / 60.0,
             substeps: 4,
         }
@@ -127,6 +130,7 @@ impl SimulationParams {
         test("drag", self.drag, 0.0, 1e4, "from 0 to 1e4 1/s")?;
         test("friction", self.friction, 0.0, 100.0, "from 0 to 100")?;
         test("stretch", self.stretch, 1e-5, 0.1, "from 1e-5 to 0.1")?;
+        self.hair_hair.check()?;
         test("step", self.step, 1e-4, 0.1, "from 0.0001 to 0.1 s")?;
         test("substeps", self.substeps as f32, 1.0, MAX_SUBSTEPS as f32, "from 1 to 32")
     }
@@ -223,12 +227,12 @@ pub struct StepUniforms {
     pub one: u32,
     /// The moment of the colliders (see [`crate::collide`]) at which the step begins.
     pub moment: u32,
+    /// 1 when [`crate::strands::GuideBuffers::forces`] act.
+    pub forced: u32,
     /// Unused.
     pub _pad_a: u32,
     /// Unused.
     pub _pad_b: u32,
-    /// Unused.
-    pub _pad_c: u32,
 }
 
 impl StepUniforms {

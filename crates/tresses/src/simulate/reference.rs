@@ -1,7 +1,7 @@
 //! The scalar twin of `step.wesl`: the same operations in the same order, on one strand.
 
 use super::params::{BRAKE, Mode, StepUniforms, bending_rate};
-use crate::strands::{Guide, GuideRest, GuideShape, guide::TIP_PINNED};
+use crate::strands::{Guide, GuideForce, GuideRest, GuideShape, guide::TIP_PINNED};
 use crate::{
     Pose,
     collide::{Collider, FieldVolume, Shape, shape},
@@ -34,6 +34,7 @@ pub(crate) struct Strand {
     pub previous: Vec<Vec3>,
     pub current: Vec<Vec3>,
     pub velocity: Vec<Vec3>,
+    pub forces: Vec<GuideForce>,
 }
 
 /// What strands collide with.
@@ -91,6 +92,7 @@ impl Strand {
             shape,
             previous: current.clone(),
             velocity: vec![Vec3::ZERO; current.len()],
+            forces: vec![GuideForce::default(); current.len()],
             current,
         }
     }
@@ -192,6 +194,13 @@ impl Strand {
                 let mut m = Mat3::from_diagonal(Vec3::splat(1.0 / (h * h) + u.drag / h + kg));
                 let mut f = u.gravity + (u.wind - v[i]) * u.drag + (goal - y) * kg;
                 self.contacts(u, obstacles, i, moment, origin, y - v[i] * h, y, &mut m, &mut f);
+                if u.forced == 1 {
+                    let force = self.forces[i].unpack();
+                    let tangent = force.tangent;
+                    m += Mat3::from_diagonal(Vec3::splat(force.rate / h))
+                        + outer(tangent, tangent) * (force.along / h);
+                    f += force.acceleration - v[i] * force.rate - tangent * (force.along * tangent.dot(v[i]));
+                }
                 let weight = if tip { 0.5 } else { 1.0 };
                 // The edge as a spring.
                 let e_next = y - p[j];
