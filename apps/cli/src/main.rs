@@ -5,6 +5,7 @@ mod avoid_args;
 mod bench;
 mod camera;
 mod convert;
+mod debug;
 mod demo;
 mod hair_hair_args;
 mod info;

@@ -8,6 +8,7 @@ use crate::{
     simulate::SimulationParams,
     stage::Stage,
 };
+use std::time::Instant;
 
 /// What a frame depends on besides the hair itself.
 #[derive(Clone, Copy, Debug)]
@@ -113,10 +114,16 @@ impl Recorder<'_> {
 
     /// A compute pass under the name of a stage.
     fn stage<R>(&mut self, stage: Stage, record: impl FnOnce(&mut wgpu::ComputePass<'_>) -> R) -> R {
+        let start = self.timings.as_ref().filter(|timings| timings.is_by_the_clock()).map(|_| Instant::now());
         let mut pass = self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some(stage.name()),
             timestamp_writes: self.timings.as_deref_mut().and_then(|timings| timings.compute(stage.name())),
         });
-        record(&mut pass)
+        let result = record(&mut pass);
+        drop(pass);
+        if let (Some(timings), Some(start)) = (&mut self.timings, start) {
+            timings.finish(self.device, self.queue, self.encoder, stage.name(), start);
+        }
+        result
     }
 }

@@ -304,6 +304,26 @@ fn present() {
 }
 
 #[test]
+fn debug_views() {
+    use tresses::draw::debug::{
+        ArrowsUniform, GridUniform, GuidesUniform, LinePoint, LinesUniform, PaintUniform, SliceUniform,
+        StreamsUniform,
+    };
+    let paint = rust_layout!(PaintUniform { inverse, low, high, opacity, encode });
+    assert_eq!(wgsl_layout("PaintUniform"), paint);
+    let grid = rust_layout!(GridUniform { rotation, translation, quantity, scale, turns, bias, _pad });
+    assert_eq!(wgsl_layout("GridUniform"), grid);
+    assert_eq!(wgsl_layout("SliceUniform"), rust_layout!(SliceUniform { at, panels, panel }));
+    assert_eq!(wgsl_layout("LinePoint"), rust_layout!(LinePoint { position, value, width, alpha, _pad }));
+    assert_eq!(wgsl_layout("LinesUniform"), rust_layout!(LinesUniform { points, rim, _pad }));
+    let arrows = rust_layout!(ArrowsUniform { first, seconds, step, longest, count, least });
+    assert_eq!(wgsl_layout("ArrowsUniform"), arrows);
+    assert_eq!(wgsl_layout("StreamsUniform"), rust_layout!(StreamsUniform { seeds, points, step, least }));
+    let guides = rust_layout!(GuidesUniform { count, vertex_count, sample_count, quantity });
+    assert_eq!(wgsl_layout("GuidesUniform"), guides);
+}
+
+#[test]
 #[should_panic(expected = "left == right")]
 fn a_wrong_order_is_seen() {
     #[allow(dead_code)]
