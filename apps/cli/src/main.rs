@@ -17,6 +17,7 @@ mod picture;
 mod progress;
 mod render;
 mod scene;
+mod wind_args;
 
 use clap::Parser;
 use std::process::ExitCode;

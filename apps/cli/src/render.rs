@@ -11,6 +11,7 @@ use crate::{
     picture::{Kind, Output},
     progress, say,
     scene::{Quality, Scene},
+    wind_args::WindArgs,
 };
 use anyhow::{Result, ensure};
 use std::path::PathBuf;
@@ -25,6 +26,8 @@ pub struct Args {
     pub source: Source,
     #[command(flatten)]
     pub hair_hair: HairHairArgs,
+    #[command(flatten)]
+    pub wind: WindArgs,
     /// How the head moves: still, nod, turn, shake, or a keyframe file (.json)
     #[arg(long, value_name = "NAME", default_value = "still")]
     pub motion: String,
@@ -76,6 +79,7 @@ pub fn run(args: &Args) -> Result<()> {
     let start = progress::spinner("preparing");
     let mut scene = Scene::open(&args.source, Quality::new(args.size, args.samples))?;
     args.hair_hair.apply(scene.physics_mut());
+    args.wind.apply(scene.physics_mut());
     scene.set_avoid(args.avoid);
     scene.show(&args.debug)?;
     start.finish_and_clear();

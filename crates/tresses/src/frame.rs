@@ -57,9 +57,12 @@ impl Recorder<'_> {
     /// As [`advance`](Self::advance).
     pub fn simulate(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
         let (renderer, device) = (self.renderer, self.device);
-        for step in 0..hair.begin(self.queue, frame)? {
+        for step in 0..hair.begin(device, self.queue, renderer, frame)? {
             if hair.uses_volume() {
                 self.stage(Stage::Volume, |pass| hair.volume.record(&renderer.volume, pass, step));
+            }
+            if hair.uses_wind() {
+                self.stage(Stage::Wind, |pass| hair.record_wind(pass, &renderer.wind, step));
             }
             self.stage(Stage::Simulate, |pass| hair.record_simulate(pass, device, &renderer.simulate, step));
         }

@@ -18,13 +18,18 @@ use crate::{
     strands::{GuideBuffers, Strand, StrandBuffers},
     tessellate::{Tessellate, TessellateParams, rest_samples},
     volume::{HairHairMode, Volume, VolumeOptions, VolumeStage},
+    wind::{Air, Fluid, HairGrid, Wind},
 };
+
+use glam::Vec3;
 
 /// Every pipeline; made once per device.
 #[derive(Debug)]
 pub struct HairRenderer {
     /// Guides fill a grid.
     pub volume: VolumeStage,
+    /// Air moves.
+    pub wind: Fluid,
     /// Guides move.
     pub simulate: Simulate,
     /// Guides become curves.
@@ -42,6 +47,7 @@ impl HairRenderer {
     pub fn new(device: &wgpu::Device, options: &DrawOptions) -> Self {
         Self {
             volume: VolumeStage::new(device),
+            wind: Fluid::new(device),
             simulate: Simulate::new(device),
             tessellate: Tessellate::new(device),
             interpolate: Interpolate::new(device),
@@ -93,7 +99,13 @@ pub struct Hair {
     pub colliders: ColliderSet,
     /// Density and velocity of the hair around the head.
     pub volume: Volume,
+    /// The air around the head, once the wind has blown.
+    pub air: Option<Air>,
     forces: Forces,
+    /// The box around the hair at rest: its middle (groom space) and its longest side, metres.
+    extent: (Vec3, f32),
+    /// Whether the wind blows in this frame.
+    windy: bool,
     /// Whether the grids act on the guides in this frame.
     forced: bool,
     pub(crate) simulation: Simulation,
@@ -189,7 +201,10 @@ impl Hair {
             set: HairSet::new(device, &renderer.draw, &strands)?,
             tessellate_group: renderer.tessellate.bind(device, &tessellate_params, &guides),
             interpolate_group: renderer.interpolate.bind(device, &interpolate_params, &guides, &strands),
-            forces: Forces::new(device, &renderer.simulate, &guides, &volume),
+            forces: Forces::new(device, &renderer.simulate, &guides, &volume, None),
+            air: None,
+            windy: false,
+            extent: extent(groom),
             volume,
             forced: false,
             avoidance: Avoidance::new(
@@ -219,15 +234,67 @@ impl Hair {
     }
 
     /// Begins a frame: writes what its fixed steps read and returns how many are due.
-    pub(crate) fn begin(&mut self, queue: &wgpu::Queue, frame: &Frame<'_>) -> Result<u32> {
+    pub(crate) fn begin(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        renderer: &HairRenderer,
+        frame: &Frame<'_>,
+    ) -> Result<u32> {
         let physics = frame.simulation;
         physics.check()?;
+        self.windy = physics.wind.blows();
+        if self.windy {
+            self.make_air(device, queue, renderer, &physics.wind)?;
+        }
         let steps = self.tick(queue, frame.dt, physics, &frame.head, frame.colliders)?;
-        self.forced = physics.hair_hair.mode != HairHairMode::Off;
+        self.forced = self.windy || physics.hair_hair.mode != HairHairMode::Off;
         if self.forced {
             self.volume.prepare(queue, &physics.hair_hair, &steps, physics.step);
+            if let Some(air) = self.air.as_mut().filter(|_| self.windy) {
+                let grid = &self.volume.grid;
+                let hair = HairGrid { bias: grid.bias, scale: grid.scale };
+                air.prepare(queue, physics, &steps, Some(hair));
+            }
+            let air = self.air.as_ref().filter(|_| self.windy);
+            self.forces.prepare(queue, physics, air, steps.len());
+        }
+        if let Some(air) = self.air.as_mut().filter(|_| !self.windy) {
+            // When the wind comes back it finds no traces of the last one.
+            air.reset();
         }
         self.simulation.prepare(queue, physics, &steps, self.forced)
+    }
+
+    /// Makes the air for `wind` unless it is there.
+    fn make_air(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        renderer: &HairRenderer,
+        wind: &Wind,
+    ) -> Result<()> {
+        let (middle, side) = self.extent;
+        let size = side * wind.room;
+        let fits = |air: &Air| air.cells == wind.cells && air.cell == size / wind.cells as f32;
+        if !self.air.as_ref().is_some_and(fits) {
+            let air = Air::new(device, queue, &renderer.wind, wind.cells, (middle, size), &self.volume.hair)?;
+            self.forces = Forces::new(device, &renderer.simulate, &self.guides, &self.volume, Some(&air));
+            self.air = Some(air);
+        }
+        Ok(())
+    }
+
+    /// Whether the wind blows in this frame.
+    pub(crate) fn uses_wind(&self) -> bool {
+        self.windy
+    }
+
+    /// Step `i` of the air.
+    pub(crate) fn record_wind(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Fluid, i: u32) {
+        if let Some(air) = &self.air {
+            stage.record(pass, air, &self.colliders, i);
+        }
     }
 
     /// Whether this frame needs the grid of the hair.
@@ -277,6 +344,8 @@ impl Hair {
             + self.simulation.bytes()
             + self.colliders.bytes()
             + self.volume.bytes()
+            + self.forces.bytes()
+            + self.air.as_ref().map_or(0, Air::bytes)
     }
 
     /// Writes the uniforms of the stages that follow the guides: the head is at `head`, `dt` seconds
@@ -321,6 +390,16 @@ impl Hair {
     pub(crate) fn record_avoid(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Avoid) {
         self.avoidance.record(pass, stage, &self.colliders, &self.strands);
     }
+}
+
+/// The box around the guides at rest: its middle and its longest side, metres.
+fn extent(groom: &Groom) -> (Vec3, f32) {
+    let (lo, hi) = groom
+        .guides
+        .positions
+        .iter()
+        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+    (0.5 * (lo + hi), (hi - lo).max_element().max(0.05))
 }
 
 /// A number of strands or guides as the GPU counts them.

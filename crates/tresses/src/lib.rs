@@ -8,6 +8,8 @@ pub mod strands;
 
 pub mod volume;
 
+pub mod wind;
+
 pub mod simulate;
 
 pub mod tessellate;

@@ -5,6 +5,8 @@
 pub enum Stage {
     /// Guides fill a grid of density and velocity.
     Volume,
+    /// Air moves around the head and through the hair.
+    Wind,
     /// Guides move.
     Simulate,
     /// Guides become smooth curves.
@@ -25,6 +27,7 @@ impl Stage {
     /// All stages in the order of the frame.
     pub const ALL: [Self; 8] = [
         Self::Volume,
+        Self::Wind,
         Self::Simulate,
         Self::Tessellate,
         Self::Interpolate,
@@ -38,6 +41,7 @@ impl Stage {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Volume => "volume",
+            Self::Wind => "wind",
             Self::Simulate => "simulate",
             Self::Tessellate => "tessellate",
             Self::Interpolate => "interpolate",
@@ -52,6 +56,7 @@ impl Stage {
     pub const fn unit(self) -> &'static str {
         match self {
             Self::Volume => "guide vertex and cell",
+            Self::Wind => "cell",
             Self::Simulate | Self::Tessellate => "guide",
             Self::Interpolate => "strand",
             Self::Avoid => "strand vertex, strand",
