@@ -5,6 +5,7 @@ mod bench;
 mod camera;
 mod convert;
 mod demo;
+mod hair_hair_args;
 mod info;
 mod interrupt;
 mod load;

@@ -3,6 +3,7 @@
 use crate::{
     args::{self, Size, Source},
     camera::{Camera, View},
+    hair_hair_args::HairHairArgs,
     interrupt,
     motion::Motion,
     picture::{Kind, Output},
@@ -20,6 +21,8 @@ const MAX_FRAMES: u32 = 100_000;
 pub struct Args {
     #[command(flatten)]
     pub source: Source,
+    #[command(flatten)]
+    pub hair_hair: HairHairArgs,
     /// How the head moves: still, nod, turn, shake, or a keyframe file (.json)
     #[arg(long, value_name = "NAME", default_value = "still")]
     pub motion: String,
@@ -65,6 +68,7 @@ pub fn run(args: &Args) -> Result<()> {
     // What can be refused is refused before anything is opened or made.
     let start = progress::spinner("preparing");
     let mut scene = Scene::open(&args.source, Quality::new(args.size, args.samples))?;
+    args.hair_hair.apply(scene.physics_mut());
     start.finish_and_clear();
     let camera = Camera::portrait(args.camera, scene.subject(), args.size.aspect(), args.zoom);
     let written = record(&mut scene, &camera, &motion, frames, args)?;

@@ -2,9 +2,10 @@
 
 use crate::{
     Hair, HairRenderer, Pose, Result,
+    collide::ColliderPoses,
     draw::{Body, Scene, Targets},
     gpu::Timings,
-    simulate::{ColliderPoses, SimulationParams},
+    simulate::SimulationParams,
     stage::Stage,
 };
 
@@ -41,7 +42,8 @@ impl Recorder<'_> {
     /// Moves the hair by a frame: [`simulate`](Self::simulate), then [`follow`](Self::follow).
     ///
     /// # Errors
-    /// [`crate::Error::Parameter`] when a parameter of the physics is out of its range.
+    /// [`crate::Error::Parameter`] when a parameter of the physics is out of its range,
+    /// [`crate::Error::Colliders`] when there are not as many poses as colliders.
     pub fn advance(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
         self.simulate(hair, frame)?;
         self.follow(hair, frame);
@@ -53,19 +55,19 @@ impl Recorder<'_> {
     /// # Errors
     /// As [`advance`](Self::advance).
     pub fn simulate(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
-        frame.simulation.check()?;
-        let steps = hair.tick(frame.dt, frame.simulation.step, &frame.head);
-        let (renderer, device, queue) = (self.renderer, self.device, self.queue);
-        self.stage(Stage::Simulate, |pass| {
-            let (stage, physics) = (&renderer.simulate, frame.simulation);
-            hair.simulation.record(stage, device, queue, pass, physics, &steps, frame.colliders)
-        })
+        let (renderer, device) = (self.renderer, self.device);
+        for step in 0..hair.begin(self.queue, frame)? {
+            if hair.uses_volume() {
+                self.stage(Stage::Volume, |pass| hair.volume.record(&renderer.volume, pass, step));
+            }
+            self.stage(Stage::Simulate, |pass| hair.record_simulate(pass, device, &renderer.simulate, step));
+        }
+        Ok(())
     }
 
     /// The drawn strands follow the guides: their vertices for the head's pose now.
     pub fn follow(&mut self, hair: &Hair, frame: &Frame<'_>) {
-        let field = frame.colliders.field.map_or(frame.head, |own| frame.head.after(&own));
-        hair.prepare(self.queue, &frame.head, &field);
+        hair.prepare(self.queue, &frame.head);
         let renderer = self.renderer;
         self.stage(Stage::Tessellate, |pass| hair.record_tessellate(pass, &renderer.tessellate));
         self.stage(Stage::Interpolate, |pass| hair.record_interpolate(pass, &renderer.interpolate));

@@ -6,6 +6,8 @@ pub mod groom;
 
 pub mod strands;
 
+pub mod volume;
+
 pub mod simulate;
 
 pub mod tessellate;
@@ -17,6 +19,8 @@ pub mod light;
 pub mod draw;
 
 pub mod present;
+
+pub mod collide;
 
 pub mod frame;
 pub mod hair;

@@ -3,6 +3,8 @@
 /// A stage of the frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stage {
+    /// Guides fill a grid of density and velocity.
+    Volume,
     /// Guides move.
     Simulate,
     /// Guides become smooth curves.
@@ -19,12 +21,20 @@ pub enum Stage {
 
 impl Stage {
     /// All stages in the order of the frame.
-    pub const ALL: [Self; 6] =
-        [Self::Simulate, Self::Tessellate, Self::Interpolate, Self::Light, Self::Draw, Self::Present];
+    pub const ALL: [Self; 7] = [
+        Self::Volume,
+        Self::Simulate,
+        Self::Tessellate,
+        Self::Interpolate,
+        Self::Light,
+        Self::Draw,
+        Self::Present,
+    ];
 
     /// The folder below `src`, the timing row, the heading in ARCHITECTURE.md.
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Volume => "volume",
             Self::Simulate => "simulate",
             Self::Tessellate => "tessellate",
             Self::Interpolate => "interpolate",
@@ -37,6 +47,7 @@ impl Stage {
     /// What one thread or vertex of the stage works on.
     pub const fn unit(self) -> &'static str {
         match self {
+            Self::Volume => "guide vertex and cell",
             Self::Simulate | Self::Tessellate => "guide",
             Self::Interpolate => "strand",
             Self::Light => "strand vertex",

@@ -1,6 +1,6 @@
 //! What a user sets, in SI units, and what one fixed step of the GPU reads.
 
-use crate::{Error, Pose, Result};
+use crate::{Error, Pose, Result, volume::HairHair};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -49,6 +49,8 @@ pub struct SimulationParams {
     /// How much a strand that hangs by its root is stretched by gravity: the elasticity along the
     /// hair follows from it. Real hair has about 1e-6, which single precision cannot hold.
     pub stretch: f32,
+    /// What hairs do to each other.
+    pub hair_hair: HairHair,
     /// Length of one fixed step, s.
     pub step: f32,
     /// Implicit solves per fixed step.
@@ -67,6 +69,7 @@ impl Default for SimulationParams {
             wind: Vec3::ZERO,
             friction: 0.4,
             stretch: 5e-4,
+            hair_hair: HairHair::default(),
             step: 1.0 / 60.0,
             substeps: 4,
         }
@@ -127,6 +130,7 @@ impl SimulationParams {
         test("drag", self.drag, 0.0, 1e4, "from 0 to 1e4 1/s")?;
         test("friction", self.friction, 0.0, 100.0, "from 0 to 100")?;
         test("stretch", self.stretch, 1e-5, 0.1, "from 1e-5 to 0.1")?;
+        self.hair_hair.check()?;
         test("step", self.step, 1e-4, 0.1, "from 0.0001 to 0.1 s")?;
         test("substeps", self.substeps as f32, 1.0, MAX_SUBSTEPS as f32, "from 1 to 32")
     }
@@ -181,10 +185,6 @@ pub struct StepUniforms {
     pub head_begin: [f32; 4],
     /// Rotation of the head at the end of the step.
     pub head_end: [f32; 4],
-    /// Rotation of the distance field's frame at the begin of the step.
-    pub field_begin: [f32; 4],
-    /// Rotation of the distance field's frame at the end of the step.
-    pub field_end: [f32; 4],
     /// Translation of the head at the begin, metres.
     pub head_begin_at: Vec3,
     /// Length of a substep, s.
@@ -193,22 +193,6 @@ pub struct StepUniforms {
     pub head_end_at: Vec3,
     /// Solves per step.
     pub substeps: u32,
-    /// Translation of the field at the begin, metres.
-    pub field_begin_at: Vec3,
-    /// 1 when there is a distance field.
-    pub has_field: u32,
-    /// Translation of the field at the end, metres.
-    pub field_end_at: Vec3,
-    /// Number of capsules.
-    pub capsule_count: u32,
-    /// Texture coordinate of the field's frame origin.
-    pub field_bias: Vec3,
-    /// Where in the motion of the capsules the step begins, 0..=1.
-    pub capsules_from: f32,
-    /// Texture coordinate per metre.
-    pub field_scale: Vec3,
-    /// Where in the motion of the capsules the step ends, 0..=1.
-    pub capsules_to: f32,
     /// m/s².
     pub gravity: Vec3,
     /// 1/s.
@@ -242,11 +226,19 @@ pub struct StepUniforms {
     /// Always one. Loops that count by it are not unrolled: unrolled, the kernel runs at less than half the
     /// speed on a CPU and takes the driver minutes to compile.
     pub one: u32,
+    /// The moment of the colliders (see [`crate::collide`]) at which the step begins.
+    pub moment: u32,
+    /// 1 when [`crate::strands::GuideBuffers::forces`] act.
+    pub forced: u32,
+    /// Unused.
+    pub _pad_a: u32,
+    /// Unused.
+    pub _pad_b: u32,
 }
 
 impl StepUniforms {
     /// The uniforms of a step of `guide_count` guides with `vertex_count` vertices during which the
-    /// head moves from `begin` to `end`; without colliders.
+    /// head moves from `begin` to `end`; the frame's first.
     pub fn new(
         params: &SimulationParams,
         guide_count: u32,
@@ -258,8 +250,6 @@ impl StepUniforms {
         Self {
             head_begin: begin.rotation.into(),
             head_end: end.rotation.into(),
-            field_begin: [0.0, 0.0, 0.0, 1.0],
-            field_end: [0.0, 0.0, 0.0, 1.0],
             head_begin_at: begin.translation,
             h: params.step / params.substeps.max(1) as f32,
             head_end_at: end.translation,

@@ -3,7 +3,7 @@
 use crate::{gpu::Binding, shaders};
 
 /// Bindings of the kernel, in order.
-pub(crate) const BINDINGS: [Binding; 10] = [
+pub(crate) const BINDINGS: [Binding; 8] = [
     Binding::UniformDynamic,
     Binding::Storage,
     Binding::Storage,
@@ -12,8 +12,6 @@ pub(crate) const BINDINGS: [Binding; 10] = [
     Binding::StorageMut,
     Binding::StorageMut,
     Binding::Storage,
-    Binding::Texture3d,
-    Binding::Sampler,
 ];
 
 /// The vertex counts that the kernel is specialised for.
