@@ -11,12 +11,13 @@ use anyhow::{Context, Result, ensure};
 use std::time::Instant;
 use tresses::{
     Hair, HairOptions, HairRenderer, Pose,
+    collide::ColliderPoses,
     draw::{self, Body, DrawOptions, Targets, View},
     frame::{Frame, Recorder},
     glam::Vec3,
     gpu::{Gpu, Timings},
     light::{HairMaterial, Lights, Sphere},
-    simulate::{ColliderPoses, SimulationParams},
+    simulate::SimulationParams,
 };
 
 /// The size of a picture and how finely it is sampled.

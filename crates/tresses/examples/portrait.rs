@@ -4,13 +4,14 @@
 
 use tresses::{
     Hair, HairOptions, HairRenderer, Pose,
+    collide::ColliderPoses,
     draw::{Body, DrawOptions, Scene, Targets, View},
     frame::{Frame, Recorder},
     glam::{Quat, Vec3},
     gpu::Gpu,
     groom::{self, BindOptions, import, mesh::sdf},
     light::Sphere,
-    simulate::{ColliderPoses, SimulationParams},
+    simulate::SimulationParams,
 };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

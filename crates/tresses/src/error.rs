@@ -51,6 +51,9 @@ pub enum Error {
     /// A groom or a mesh cannot be used as it is.
     #[error("{0}")]
     Groom(String),
+    /// Colliders cannot be used as they are.
+    #[error("colliders: {0}")]
+    Colliders(String),
     /// The adapter's limits are too small.
     #[error("{what} needs {need} bytes in one buffer, but this adapter allows {have}")]
     Limit {

@@ -2,9 +2,10 @@
 
 use crate::{
     Hair, HairRenderer, Pose, Result,
+    collide::ColliderPoses,
     draw::{Body, Scene, Targets},
     gpu::Timings,
-    simulate::{ColliderPoses, SimulationParams},
+    simulate::SimulationParams,
     stage::Stage,
 };
 
@@ -41,7 +42,8 @@ impl Recorder<'_> {
     /// Moves the hair by a frame: [`simulate`](Self::simulate), then [`follow`](Self::follow).
     ///
     /// # Errors
-    /// [`crate::Error::Parameter`] when a parameter of the physics is out of its range.
+    /// [`crate::Error::Parameter`] when a parameter of the physics is out of its range,
+    /// [`crate::Error::Colliders`] when there are not as many poses as colliders.
     pub fn advance(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
         self.simulate(hair, frame)?;
         self.follow(hair, frame);
@@ -56,7 +58,7 @@ impl Recorder<'_> {
         let (renderer, device) = (self.renderer, self.device);
         for step in 0..hair.begin(self.queue, frame)? {
             if hair.uses_volume() {
-                self.stage(Stage::Volume, |pass| hair.volume.record(&renderer.volume, pass, step));
+                self.stage(Stage::Volume, |pass| hair.record_volume(pass, &renderer.volume, step));
             }
             self.stage(Stage::Simulate, |pass| hair.record_simulate(pass, device, &renderer.simulate, step));
         }
@@ -65,8 +67,7 @@ impl Recorder<'_> {
 
     /// The drawn strands follow the guides: their vertices for the head's pose now.
     pub fn follow(&mut self, hair: &Hair, frame: &Frame<'_>) {
-        let field = frame.colliders.field.map_or(frame.head, |own| frame.head.after(&own));
-        hair.prepare(self.queue, &frame.head, &field);
+        hair.prepare(self.queue, &frame.head);
         let renderer = self.renderer;
         self.stage(Stage::Tessellate, |pass| hair.record_tessellate(pass, &renderer.tessellate));
         self.stage(Stage::Interpolate, |pass| hair.record_interpolate(pass, &renderer.interpolate));

@@ -3,6 +3,7 @@
 
 use crate::{
     Error, Pose, Result,
+    collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     draw::{DrawOptions, DrawStage, HairSet},
     frame::Frame,
     gpu::bindings,
@@ -10,8 +11,8 @@ use crate::{
     interpolate::{Interpolate, InterpolateParams},
     math::hash::pcg,
     simulate::{
-        Clock, ColliderSet, Forces, GuideTraits, Mode, RestOptions, RestShape, Simulate, Simulation,
-        SimulationParams, Step, rest,
+        Clock, Forces, GuideTraits, Mode, RestOptions, RestShape, Simulate, Simulation, SimulationParams,
+        Step, rest,
     },
     strands::{GuideBuffers, Strand, StrandBuffers},
     tessellate::{Tessellate, TessellateParams, rest_samples},
@@ -55,8 +56,6 @@ pub struct HairOptions {
     pub rest: RestShape,
     /// Distance that guides and strands keep from the head, metres, where they have it at rest.
     pub clearance: f32,
-    /// The most capsules that the hair collides with.
-    pub capsules: u32,
     /// The grid in which hair meets hair.
     pub volume: VolumeOptions,
 }
@@ -67,7 +66,6 @@ impl Default for HairOptions {
             simulation: SimulationParams::default(),
             rest: RestShape::SagFree,
             clearance: 1.5e-3,
-            capsules: 16,
             volume: VolumeOptions::default(),
         }
     }
@@ -82,6 +80,8 @@ pub struct Hair {
     pub strands: StrandBuffers,
     /// Index buffers, shaded values and bind groups of the drawing stages.
     pub set: HairSet,
+    /// What it collides with.
+    pub colliders: ColliderSet,
     /// Density and velocity of the hair around the head.
     pub volume: Volume,
     forces: Forces,
@@ -100,11 +100,10 @@ pub struct Hair {
 
 impl Hair {
     /// Brings `groom` to the GPU, at rest, the head at the origin. It collides with the head's
-    /// distance field `head` (groom space) and with capsules.
+    /// distance field `head` (groom space) alone.
     ///
     /// # Errors
-    /// [`Error::Limit`] when the adapter cannot hold it, [`Error::Groom`] and [`Error::Parameter`]
-    /// when the groom or the options make no sense.
+    /// As [`with_colliders`](Self::with_colliders).
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -113,6 +112,24 @@ impl Hair {
         options: &HairOptions,
         head: Option<&SdfGrid>,
     ) -> Result<Self> {
+        let colliders = ColliderDescriptor { head, ..Default::default() };
+        Self::with_colliders(device, queue, renderer, groom, options, &colliders)
+    }
+
+    /// Brings `groom` to the GPU, at rest, the head at the origin, among `colliders`.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] when the adapter cannot hold it, [`Error::Groom`] and [`Error::Parameter`]
+    /// when the groom or the options make no sense, and what [`ColliderSet::new`] says.
+    pub fn with_colliders(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        renderer: &HairRenderer,
+        groom: &Groom,
+        options: &HairOptions,
+        colliders: &ColliderDescriptor<'_>,
+    ) -> Result<Self> {
+        let head = colliders.head;
         if groom.guides.is_empty() || groom.strands.is_empty() {
             return Err(Error::Groom("the groom has no strands".into()));
         }
@@ -146,23 +163,16 @@ impl Hair {
         queue.write_buffer(&strands.bindings, 0, bytemuck::cast_slice(&groom.strands.bindings));
         queue.write_buffer(&strands.rest, 0, bytemuck::cast_slice(&groom.strands.rest));
 
-        let colliders = ColliderSet::new(device, queue, head, options.capsules)?;
-        let simulation = Simulation::new(device, &renderer.simulate, &guides, colliders);
+        let colliders = ColliderSet::new(device, queue, colliders)?;
+        let simulation = Simulation::new(device, &renderer.simulate, &guides);
         let volume = Volume::new(device, &renderer.volume, &guides, &rest, &options.volume)?;
         let uniform = |label, size| bindings::uniform(device, label, size);
         let tessellate_params = uniform("tessellate", size_of::<TessellateParams>());
         let interpolate_params = uniform("interpolate", size_of::<InterpolateParams>());
-        let field = (&simulation.colliders().field.view, renderer.simulate.field_sampler());
         Ok(Self {
             set: HairSet::new(device, &renderer.draw, &strands)?,
             tessellate_group: renderer.tessellate.bind(device, &tessellate_params, &guides),
-            interpolate_group: renderer.interpolate.bind(
-                device,
-                &interpolate_params,
-                &guides,
-                &strands,
-                field,
-            ),
+            interpolate_group: renderer.interpolate.bind(device, &interpolate_params, &guides, &strands),
             forces: Forces::new(device, &renderer.simulate, &guides, &volume),
             volume,
             forced: false,
@@ -171,6 +181,7 @@ impl Hair {
             clearance: if head.is_some() { options.clearance } else { 0.0 },
             guides,
             strands,
+            colliders,
             simulation,
             tessellate_params,
             interpolate_params,
@@ -186,12 +197,12 @@ impl Hair {
     pub(crate) fn begin(&mut self, queue: &wgpu::Queue, frame: &Frame<'_>) -> Result<u32> {
         let physics = frame.simulation;
         physics.check()?;
-        let steps = self.tick(frame.dt, physics.step, &frame.head);
+        let steps = self.tick(queue, frame.dt, physics, &frame.head, frame.colliders)?;
         self.forced = physics.hair_hair.mode != HairHairMode::Off;
         if self.forced {
-            self.volume.prepare(queue, &physics.hair_hair, &steps, physics.step);
+            self.volume.prepare(queue, physics, &steps, &self.colliders);
         }
-        self.simulation.prepare(queue, physics, &steps, frame.colliders, self.forced)
+        self.simulation.prepare(queue, physics, &steps, self.forced)
     }
 
     /// Whether this frame needs the grid of the hair.
@@ -199,9 +210,28 @@ impl Hair {
         self.forced
     }
 
-    /// The fixed steps that are due `dt` seconds after the last frame, the head now at `head`.
-    pub(crate) fn tick(&mut self, dt: f32, step: f32, head: &Pose) -> Vec<Step> {
-        let ticks = self.clock.tick(dt, step, head);
+    /// The fixed steps that are due `dt` seconds after the last frame, the head now at `head` and the
+    /// colliders at `poses`, which are moved.
+    ///
+    /// # Errors
+    /// What [`ColliderSet::advance`] says.
+    fn tick(
+        &mut self,
+        queue: &wgpu::Queue,
+        dt: f32,
+        params: &SimulationParams,
+        head: &Pose,
+        poses: &ColliderPoses,
+    ) -> Result<Vec<Step>> {
+        let ticks = self.clock.tick(dt, params.step, head);
+        let moments = Moments {
+            steps: &ticks.steps,
+            substeps: params.substeps,
+            step: params.step,
+            head: *head,
+            alpha: ticks.alpha,
+        };
+        self.colliders.advance(queue, poses, &moments)?;
         self.states.2 = ticks.alpha;
         for step in &ticks.steps {
             self.states = match step.mode {
@@ -209,7 +239,7 @@ impl Hair {
                 Mode::Carry | Mode::Reset => (step.end, step.end, ticks.alpha),
             };
         }
-        ticks.steps
+        Ok(ticks.steps)
     }
 
     /// Bytes of GPU memory, without render targets and shadow maps.
@@ -219,25 +249,20 @@ impl Hair {
             + self.set.bytes()
             + self.simulation.bytes()
             + self.volume.bytes()
+            + self.colliders.bytes()
     }
 
     /// Writes the uniforms of [`tessellate`](Self::record_tessellate) and
-    /// [`interpolate`](Self::record_interpolate): the head is at `head`, its field at `field`.
-    pub(crate) fn prepare(&self, queue: &wgpu::Queue, head: &Pose, field: &Pose) {
+    /// [`interpolate`](Self::record_interpolate): the head is at `head`.
+    pub(crate) fn prepare(&self, queue: &wgpu::Queue, head: &Pose) {
         let (previous, current, blend) = self.states;
         let params = TessellateParams::new(&self.guides, &previous, &current, head, blend);
         queue.write_buffer(&self.tessellate_params, 0, bytemuck::bytes_of(&params));
-        let collider = &self.simulation.colliders().field;
         let params = InterpolateParams {
-            field_rotation: field.rotation,
-            field_translation: field.translation,
             clearance: self.clearance,
-            field_bias: collider.bias,
             strand_count: self.strands.count,
-            field_scale: collider.scale,
             vertex_count: self.strands.vertex_count,
             sample_count: self.guides.sample_count,
-            ..Default::default()
         };
         queue.write_buffer(&self.interpolate_params, 0, bytemuck::bytes_of(&params));
     }
@@ -253,7 +278,12 @@ impl Hair {
         if self.forced {
             self.forces.record(stage, pass, i);
         }
-        self.simulation.record_step(stage, device, pass, i);
+        self.simulation.record_step(stage, device, pass, &self.colliders, i);
+    }
+
+    /// Step `i` of the grid of the hair.
+    pub(crate) fn record_volume(&mut self, pass: &mut wgpu::ComputePass<'_>, stage: &VolumeStage, i: u32) {
+        self.volume.record(stage, pass, &self.colliders, i);
     }
 
     pub(crate) fn record_tessellate(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Tessellate) {
@@ -261,7 +291,7 @@ impl Hair {
     }
 
     pub(crate) fn record_interpolate(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Interpolate) {
-        stage.record(pass, &self.interpolate_group, &self.strands);
+        stage.record(pass, &self.interpolate_group, &self.colliders, &self.strands);
     }
 }
 

@@ -20,6 +20,8 @@ pub mod draw;
 
 pub mod present;
 
+pub mod collide;
+
 pub mod frame;
 pub mod hair;
 pub mod stage;

@@ -4,6 +4,7 @@ mod common;
 
 use tresses::{
     Pose,
+    collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     glam::Vec3,
     gpu::{Gpu, readback},
     groom::{
@@ -11,8 +12,8 @@ use tresses::{
         styles::{self, GUIDE_VERTICES, GridScalp, Style, StyledGuides},
     },
     simulate::{
-        ColliderPoses, ColliderSet, GuideTraits, MAX_STEPS, Mode, RestOptions, RestShape, Simulate,
-        Simulation, SimulationParams, Step, rest,
+        GuideTraits, MAX_STEPS, Mode, RestOptions, RestShape, Simulate, Simulation, SimulationParams, Step,
+        rest,
     },
     strands::GuideBuffers,
 };
@@ -98,8 +99,9 @@ fn drift(
     let count = at_rest.info.len();
     let guides = GuideBuffers::new(device, count as u32, n, n).unwrap();
     at_rest.upload(queue, &guides).unwrap();
-    let colliders = ColliderSet::new(device, queue, Some(field), 0).unwrap();
-    let mut simulation = Simulation::new(device, simulate, &guides, colliders);
+    let obstacles = ColliderDescriptor { head: Some(field), ..Default::default() };
+    let mut colliders = ColliderSet::new(device, queue, &obstacles).unwrap();
+    let mut simulation = Simulation::new(device, simulate, &guides);
     let still = Pose::IDENTITY;
     let step = Step { mode: Mode::Step, begin: still, end: still, from: 0.0, to: 1.0 };
     let mut left = (3.0 / params.step) as u32;
@@ -109,8 +111,10 @@ fn drift(
         {
             let mut pass = encoder.begin_compute_pass(&Default::default());
             let steps = vec![step; now as usize];
-            let poses = ColliderPoses::default();
-            simulation.record(simulate, device, queue, &mut pass, &params, &steps, &poses).unwrap();
+            let (substeps, length) = (params.substeps, params.step);
+            let moments = Moments { steps: &steps, substeps, step: length, head: still, alpha: 1.0 };
+            colliders.advance(queue, &ColliderPoses::default(), &moments).unwrap();
+            simulation.record(simulate, device, queue, &mut pass, &params, &steps, &colliders).unwrap();
         }
         queue.submit([encoder.finish()]);
         left -= now;

@@ -5,11 +5,12 @@ mod common;
 
 use tresses::{
     Hair, HairOptions, HairRenderer, Pose,
+    collide::ColliderPoses,
     frame::{Frame, Recorder},
     glam::{Quat, Vec3},
     gpu::{Gpu, readback},
     groom::{BindOptions, Groom, SdfGrid, bind},
-    simulate::{ColliderPoses, SimulationParams},
+    simulate::SimulationParams,
     strands::StrandVertex,
 };
 

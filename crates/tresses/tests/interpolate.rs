@@ -4,6 +4,7 @@ mod common;
 
 use tresses::{
     Pose,
+    collide::ColliderSet,
     glam::{Quat, Vec3},
     gpu::{Gpu, readback},
     groom::{BindOptions, Groom, GuideCount, bind},
@@ -59,35 +60,20 @@ fn draw(
     let params = TessellateParams::new(&guides, &now, &now, &now, blend);
     let tessellate_params = uniform(bytemuck::bytes_of(&params));
     let interpolate_params = uniform(bytemuck::bytes_of(&InterpolateParams {
-        field_rotation: now.rotation,
-        field_translation: now.translation,
         strand_count: strands.count,
         vertex_count: strands.vertex_count,
         sample_count: guides.sample_count,
         ..Default::default()
     }));
-    let field = device
-        .create_texture(&wgpu::TextureDescriptor {
-            label: None,
-            size: wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D3,
-            format: wgpu::TextureFormat::Rgba16Float,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        })
-        .create_view(&Default::default());
-    let sampler = device.create_sampler(&Default::default());
+    let colliders = ColliderSet::new(device, queue, &Default::default()).unwrap();
     let (tessellate, interpolate) = (Tessellate::new(device), Interpolate::new(device));
     let tessellate_group = tessellate.bind(device, &tessellate_params, &guides);
-    let interpolate_group =
-        interpolate.bind(device, &interpolate_params, &guides, &strands, (&field, &sampler));
+    let interpolate_group = interpolate.bind(device, &interpolate_params, &guides, &strands);
     let mut encoder = device.create_command_encoder(&Default::default());
     {
         let mut pass = encoder.begin_compute_pass(&Default::default());
         tessellate.record(&mut pass, &tessellate_group, &guides);
-        interpolate.record(&mut pass, &interpolate_group, &strands);
+        interpolate.record(&mut pass, &interpolate_group, &colliders, &strands);
     }
     queue.submit([encoder.finish()]);
     readback::buffer(device, queue, &strands.vertices).unwrap()

@@ -42,34 +42,20 @@ macro_rules! rust_layout {
 
 #[test]
 fn simulate() {
-    use tresses::simulate::{collider::CapsuleMotion, params::StepUniforms};
+    use tresses::simulate::params::StepUniforms;
     use tresses::strands::{Guide, GuideRest, GuideShape};
     assert_eq!(wgsl_layout("Guide"), rust_layout!(Guide { length, stiffness, strands, flags }));
     assert_eq!(wgsl_layout("GuideRest"), rust_layout!(GuideRest { position, contact }));
     assert_eq!(wgsl_layout("GuideShape"), rust_layout!(GuideShape { curvature, length }));
     assert_eq!(
-        wgsl_layout("Capsule"),
-        rust_layout!(CapsuleMotion { a_begin, radius, b_begin, _pad0, a_end, _pad1, b_end, _pad2 })
-    );
-    assert_eq!(
         wgsl_layout("StepUniforms"),
         rust_layout!(StepUniforms {
             head_begin,
             head_end,
-            field_begin,
-            field_end,
             head_begin_at,
             h,
             head_end_at,
             substeps,
-            field_begin_at,
-            has_field,
-            field_end_at,
-            capsule_count,
-            field_bias,
-            capsules_from,
-            field_scale,
-            capsules_to,
             gravity,
             drag,
             wind,
@@ -86,10 +72,10 @@ fn simulate() {
             vertex_count,
             mode,
             one,
+            moment,
             forced,
             _pad_a,
             _pad_b,
-            _pad_c,
         })
     );
 }
@@ -124,9 +110,36 @@ fn volume() {
             friction,
             limit,
             fixed_push,
-            _pad,
+            moment,
         })
     );
+}
+
+#[test]
+fn collide() {
+    use tresses::collide::{Place, Places, ShapeData, ShapeTable};
+    let rust = rust_layout!(ShapeData {
+        center,
+        bound,
+        size,
+        kind,
+        bias,
+        friction,
+        scale,
+        _pad_a,
+        low,
+        _pad_b,
+        high,
+        _pad_c,
+    });
+    assert_eq!(wgsl_layout("ShapeData"), rust);
+    assert_eq!(wgsl_layout("ShapeTable"), rust_layout!(ShapeTable { count, has_head, _pad_a, _pad_b, list }));
+    assert_eq!(wgsl_layout("Place"), rust_layout!(Place { rotation, translation, _pad }));
+    // The shader's struct ends with the places themselves.
+    let (members, size) = rust_layout!(Places { interval, moments, _pad_a, _pad_b });
+    let found = wgsl_layout("Places").0;
+    assert_eq!(found[..members.len()], members);
+    assert_eq!(found[members.len()..], [("list".to_string(), size)]);
 }
 
 #[test]
@@ -166,19 +179,7 @@ fn interpolate() {
     assert_eq!(wgsl_layout("Strand"), rust_layout!(Strand { radius, seed, root_color, tip_color }));
     assert_eq!(
         wgsl_layout("InterpolateParams"),
-        rust_layout!(InterpolateParams {
-            field_rotation,
-            field_translation,
-            clearance,
-            field_bias,
-            strand_count,
-            field_scale,
-            vertex_count,
-            sample_count,
-            _pad_a,
-            _pad_b,
-            _pad_c,
-        })
+        rust_layout!(InterpolateParams { clearance, strand_count, vertex_count, sample_count })
     );
 }
 

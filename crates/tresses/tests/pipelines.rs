@@ -6,14 +6,13 @@ use tresses::glam;
 
 #[test]
 fn simulate() {
-    let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
+    let (device, _) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
     let simulate = tresses::simulate::Simulate::new(&device);
     for vertex_count in [2, 8, 16, 24, 32, 48, 64] {
         simulate.pipeline(&device, vertex_count);
     }
     let guides = tresses::strands::GuideBuffers::new(&device, 4, 16, 2).unwrap();
-    let colliders = tresses::simulate::ColliderSet::new(&device, &queue, None, 2).unwrap();
-    tresses::simulate::Simulation::new(&device, &simulate, &guides, colliders);
+    tresses::simulate::Simulation::new(&device, &simulate, &guides);
 }
 
 /// The whole library within the default limits of WebGPU and without any optional feature.
@@ -21,10 +20,11 @@ fn simulate() {
 fn a_frame_is_recorded_on_baseline_webgpu() {
     use tresses::{
         Hair, HairOptions, HairRenderer, Pose,
+        collide::{Anchor, Collider, ColliderDescriptor, ColliderPoses, FieldId, Shape},
         draw::{Body, Scene, Targets},
         frame::{Frame, Recorder},
         groom::{BindOptions, SdfGrid, TriMesh, bind},
-        simulate::{ColliderPoses, SimulationParams},
+        simulate::SimulationParams,
     };
     let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
     assert_eq!(device.limits().max_storage_buffers_per_shader_stage, 8);
@@ -32,7 +32,24 @@ fn a_frame_is_recorded_on_baseline_webgpu() {
     let groom = bind(&common::hanging(50, 16, 0.1), &BindOptions::default()).unwrap();
     let field = SdfGrid::from_fn(glam::Vec3::splat(-0.2), glam::Vec3::splat(0.2), 16, |p| p.length() - 0.09);
     let options = HairOptions::default();
-    let mut hair = Hair::new(&device, &queue, &renderer, &groom, &options, Some(&field)).unwrap();
+    // As many colliders as there may be.
+    let shapes = [
+        Shape::sphere(0.1),
+        Shape::Ellipsoid { radii: glam::Vec3::new(0.1, 0.2, 0.3) },
+        Shape::Field(FieldId(0)),
+        Shape::Field(FieldId(1)),
+    ];
+    let list: Vec<_> = (0..127)
+        .map(|i| Collider { anchor: [Anchor::World, Anchor::Head][i % 2], ..Collider::new(shapes[i % 4]) })
+        .collect();
+    let colliders = ColliderDescriptor { head: Some(&field), fields: &[&field, &field], colliders: &list };
+    let mut hair = Hair::with_colliders(&device, &queue, &renderer, &groom, &options, &colliders).unwrap();
+    let more = [list.as_slice(), &list[..1]].concat();
+    let error = |colliders: &ColliderDescriptor<'_>| {
+        Hair::with_colliders(&device, &queue, &renderer, &groom, &options, colliders).unwrap_err().to_string()
+    };
+    assert!(error(&ColliderDescriptor { colliders: &more, ..colliders }).contains("129 are more than 128"));
+    assert!(error(&ColliderDescriptor { fields: &[&field], ..colliders }).contains("no field 1, only 1"));
     let triangle = TriMesh {
         positions: vec![glam::Vec3::ZERO, glam::Vec3::X, glam::Vec3::Y],
         normals: vec![glam::Vec3::Z; 3],
@@ -44,7 +61,7 @@ fn a_frame_is_recorded_on_baseline_webgpu() {
     let input = Frame {
         dt: 1.0 / 60.0,
         head: Pose::IDENTITY,
-        colliders: &ColliderPoses::default(),
+        colliders: &ColliderPoses { head: None, colliders: vec![Pose::IDENTITY; 127] },
         simulation: &SimulationParams::default(),
     };
     let mut encoder = device.create_command_encoder(&Default::default());

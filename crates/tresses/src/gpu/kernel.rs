@@ -1,9 +1,10 @@
-//! A compute kernel: one linked shader, one bind group layout, one pipeline.
+//! A compute kernel: one linked shader, one pipeline, a bind group layout of its own and those that it
+//! shares with other kernels.
 
 use super::bindings::{self, Binding};
 use crate::shaders;
 
-/// A compute pipeline and the layout of its only bind group.
+/// A compute pipeline and the layout of its own bind group, `@group(0)`.
 #[derive(Debug)]
 pub struct Kernel {
     label: &'static str,
@@ -15,17 +16,29 @@ impl Kernel {
     /// Builds the kernel of the shader `module` (for example `simulate::step`), whose entry point
     /// has the name of the module's last part and whose nth binding is `entries[n]`.
     pub fn new(device: &wgpu::Device, module: &'static str, entries: &[Binding]) -> Self {
+        Self::beside(device, module, entries, &[])
+    }
+
+    /// [`new`](Self::new) for a shader that also binds groups of the layouts `shared`, `@group(1)` first:
+    /// set them on the pass before [`record`](Self::record).
+    pub fn beside(
+        device: &wgpu::Device,
+        module: &'static str,
+        entries: &[Binding],
+        shared: &[&wgpu::BindGroupLayout],
+    ) -> Self {
         let entry_point = module.rsplit("::").next().expect("a module path has a last part");
         let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(module),
             source: wgpu::ShaderSource::Wgsl(shaders::source(module).into()),
         });
         let layout = bindings::layout(device, module, wgpu::ShaderStages::COMPUTE, entries);
+        let layouts: Vec<_> = std::iter::once(Some(&layout)).chain(shared.iter().map(|l| Some(*l))).collect();
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(module),
             layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: Some(module),
-                bind_group_layouts: &[Some(&layout)],
+                bind_group_layouts: &layouts,
                 immediate_size: 0,
             })),
             module: &shader,

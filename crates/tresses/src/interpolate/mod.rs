@@ -16,7 +16,7 @@
 //! samples, sample rest (guide-major) ─┐
 //! bindings (per strand)              ─┼─► blend ─► vertices (StrandVertex, strand-major)
 //! rest (PackedRest, per vertex)      ─┤
-//! distance field (3-D texture)       ─┘
+//! the head among the colliders       ─┘
 //! ```
 //!
 //! Tangents are means of neighbouring unit edges: the quadratic B-spline of the edges at its knots

@@ -2,11 +2,17 @@
 //! that gravity and the head agree with.
 
 use super::{
-    ColliderPoses, ColliderSet, RestOptions, RestShape, Simulate, Simulation, SimulationParams, Step,
+    RestOptions, RestShape, Simulate, Simulation, SimulationParams, Step,
     params::Mode,
     rest::{self, GuideTraits},
 };
-use crate::{Pose, Result, gpu::readback, groom::SdfGrid, strands::GuideBuffers};
+use crate::{
+    Pose, Result,
+    collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
+    gpu::readback,
+    groom::SdfGrid,
+    strands::GuideBuffers,
+};
 use glam::Vec3;
 
 /// How a groom is draped.
@@ -52,8 +58,9 @@ pub fn drape(
     }
     let guides = GuideBuffers::new(device, count as u32, n, 2)?;
     rest.upload(queue, &guides)?;
-    let colliders = ColliderSet::new(device, queue, field, 0)?;
-    let mut simulation = Simulation::new(device, simulate, &guides, colliders);
+    let obstacles = ColliderDescriptor { head: field, ..Default::default() };
+    let mut colliders = ColliderSet::new(device, queue, &obstacles)?;
+    let mut simulation = Simulation::new(device, simulate, &guides);
     let still = Pose::IDENTITY;
     let step = Step { mode: Mode::Step, begin: still, end: still, from: 0.0, to: 1.0 };
     let mut left = (options.seconds.clamp(0.0, 60.0) / params.step).ceil() as u32;
@@ -67,8 +74,10 @@ pub fn drape(
                 timestamp_writes: None,
             });
             let steps = vec![step; now as usize];
-            let poses = ColliderPoses::default();
-            simulation.record(simulate, device, queue, &mut pass, &params, &steps, &poses)?;
+            let (substeps, length) = (params.substeps, params.step);
+            let moments = Moments { steps: &steps, substeps, step: length, head: still, alpha: 1.0 };
+            colliders.advance(queue, &ColliderPoses::default(), &moments)?;
+            simulation.record(simulate, device, queue, &mut pass, &params, &steps, &colliders)?;
         }
         queue.submit([encoder.finish()]);
         left -= now;

@@ -48,7 +48,7 @@ impl Forces {
                 guides.forces.as_entire_binding(),
                 wgpu::BindingResource::TextureView(&volume.hair),
                 wgpu::BindingResource::TextureView(&volume.push),
-                wgpu::BindingResource::Sampler(simulate.field_sampler()),
+                wgpu::BindingResource::Sampler(&volume.sampler),
             ],
         );
         Self { group, threads: guides.count * guides.vertex_count }

@@ -10,7 +10,7 @@
 //! info, rest, shape ─► ┌ root to tip: predict, carry the frames     ┐
 //! previous, current,   │ tip to root: twist that bends hand upwards │ × substeps ─► previous, current,
 //! velocity          ─► │ root to tip: assemble, eliminate           │              velocity
-//! field, capsules   ─► └ tip to root: substitute                    ┘
+//! colliders         ─► └ tip to root: substitute                    ┘
 //! ```
 //!
 //! **Bending.** The edge after vertex `j` wants to be `t = R c`, where `R` is the rotation from rest
@@ -41,7 +41,6 @@
 //! Twist has no stiffness of its own: it is rigid.
 
 pub mod clock;
-pub mod collider;
 pub mod drape;
 mod forces;
 pub mod params;
@@ -56,7 +55,8 @@ mod physics;
 mod reference;
 
 use crate::{
-    Error, Pose, Result,
+    Pose, Result,
+    collide::{self, ColliderSet},
     gpu::bindings::{group, layout},
     strands::GuideBuffers,
 };
@@ -64,7 +64,6 @@ use params::StepUniforms;
 use std::sync::OnceLock;
 
 pub use clock::{Clock, Ticks};
-pub use collider::{Capsule, ColliderPoses, ColliderSet, SdfCollider};
 pub use drape::{DrapeOptions, drape};
 pub use forces::Forces;
 pub use params::{Along, Mode, SimulationParams};
@@ -79,7 +78,7 @@ const STRIDE: u64 = 512;
 #[derive(Debug)]
 pub struct Simulate {
     layout: wgpu::BindGroupLayout,
-    sampler: wgpu::Sampler,
+    colliders: wgpu::BindGroupLayout,
     pipelines: [OnceLock<wgpu::ComputePipeline>; step::CAPACITIES.len()],
     pub(crate) forces: forces::ForcesKernel,
 }
@@ -89,20 +88,10 @@ impl Simulate {
     pub fn new(device: &wgpu::Device) -> Self {
         Self {
             layout: layout(device, "simulate::step", wgpu::ShaderStages::COMPUTE, &step::BINDINGS),
-            sampler: device.create_sampler(&wgpu::SamplerDescriptor {
-                label: Some("collider field"),
-                mag_filter: wgpu::FilterMode::Linear,
-                min_filter: wgpu::FilterMode::Linear,
-                ..Default::default()
-            }),
+            colliders: collide::layout(device),
             pipelines: Default::default(),
             forces: forces::ForcesKernel::new(device),
         }
-    }
-
-    /// Filters a collider's distance field.
-    pub(crate) fn field_sampler(&self) -> &wgpu::Sampler {
-        &self.sampler
     }
 
     /// The pipeline for guides of `vertex_count` vertices.
@@ -117,7 +106,7 @@ impl Simulate {
                 label: Some("simulate::step"),
                 layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                     label: Some("simulate::step"),
-                    bind_group_layouts: &[Some(&self.layout)],
+                    bind_group_layouts: &[Some(&self.layout), Some(&self.colliders)],
                     immediate_size: 0,
                 })),
                 module: &shader,
@@ -134,8 +123,6 @@ impl Simulate {
 pub struct Simulation {
     uniforms: wgpu::Buffer,
     group: wgpu::BindGroup,
-    colliders: ColliderSet,
-    capsules: Vec<Capsule>,
     guide_count: u32,
     vertex_count: u32,
 }
@@ -156,13 +143,8 @@ pub struct Step {
 }
 
 impl Simulation {
-    /// The simulation of `guides`, which collide with `colliders`.
-    pub fn new(
-        device: &wgpu::Device,
-        simulate: &Simulate,
-        guides: &GuideBuffers,
-        colliders: ColliderSet,
-    ) -> Self {
+    /// The simulation of `guides`.
+    pub fn new(device: &wgpu::Device, simulate: &Simulate, guides: &GuideBuffers) -> Self {
         let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("simulation steps"),
             size: STRIDE * u64::from(MAX_STEPS),
@@ -186,39 +168,22 @@ impl Simulation {
                 guides.previous.as_entire_binding(),
                 guides.current.as_entire_binding(),
                 guides.velocity.as_entire_binding(),
-                colliders.capsules.as_entire_binding(),
-                wgpu::BindingResource::TextureView(&colliders.field.view),
-                wgpu::BindingResource::Sampler(&simulate.sampler),
                 guides.forces.as_entire_binding(),
             ],
         );
-        Self {
-            uniforms,
-            group,
-            colliders,
-            capsules: Vec::new(),
-            guide_count: guides.count,
-            vertex_count: guides.vertex_count,
-        }
-    }
-
-    /// The colliders.
-    pub(crate) fn colliders(&self) -> &ColliderSet {
-        &self.colliders
+        Self { uniforms, group, guide_count: guides.count, vertex_count: guides.vertex_count }
     }
 
     /// Bytes of GPU memory, without the guides.
     pub fn bytes(&self) -> u64 {
-        self.uniforms.size() + self.colliders.bytes()
+        self.uniforms.size()
     }
 
     /// Records the `steps` of a frame into `pass`, at most [`MAX_STEPS`]; with none, nothing.
-    /// `poses` is where the colliders are at the end of the frame; they move there from where they
-    /// were at the end of the last frame that had steps.
+    /// `colliders` have been [advanced](ColliderSet::advance) by the same steps.
     ///
     /// # Errors
-    /// What [`SimulationParams::check`] says, and [`Error::Parameter`] for more capsules than the
-    /// [`ColliderSet`] has room for.
+    /// What [`SimulationParams::check`] says.
     #[allow(clippy::too_many_arguments)]
     pub fn record(
         &mut self,
@@ -228,17 +193,17 @@ impl Simulation {
         pass: &mut wgpu::ComputePass<'_>,
         params: &SimulationParams,
         steps: &[Step],
-        poses: &ColliderPoses,
+        colliders: &ColliderSet,
     ) -> Result<()> {
-        let count = self.prepare(queue, params, steps, poses, false)?;
+        let count = self.prepare(queue, params, steps, false)?;
         for i in 0..count {
-            self.record_step(simulate, device, pass, i);
+            self.record_step(simulate, device, pass, colliders, i);
         }
         Ok(())
     }
 
     /// Writes the uniforms of a frame's `steps`, at most [`MAX_STEPS`], and returns how many there
-    /// are. `poses` as in [`record`](Self::record). With `forced`, [`GuideBuffers::forces`] act in
+    /// are. With `forced`, [`GuideBuffers::forces`] act in
     /// them: [`Forces::record`] belongs before each.
     ///
     /// # Errors
@@ -248,33 +213,17 @@ impl Simulation {
         queue: &wgpu::Queue,
         params: &SimulationParams,
         steps: &[Step],
-        poses: &ColliderPoses,
         forced: bool,
     ) -> Result<u32> {
         params.check()?;
-        if poses.capsules.len() > self.colliders.capacity() as usize {
-            return Err(Error::Parameter {
-                name: "number of capsules",
-                value: poses.capsules.len().to_string(),
-                range: "no more than the collider set has room for",
-            });
-        }
         let steps = &steps[steps.len().saturating_sub(MAX_STEPS as usize)..];
         if steps.is_empty() || self.guide_count == 0 {
             return Ok(0);
         }
-        let motions: Vec<_> = poses
-            .capsules
-            .iter()
-            .enumerate()
-            .map(|(i, end)| collider::CapsuleMotion::new(self.capsules.get(i).unwrap_or(end), end))
-            .collect();
-        queue.write_buffer(&self.colliders.capsules, 0, bytemuck::cast_slice(&motions));
-        self.capsules.clone_from(&poses.capsules);
         let mut bytes = vec![0u8; STRIDE as usize * steps.len()];
-        for (step, slot) in steps.iter().zip(bytes.as_chunks_mut::<{ STRIDE as usize }>().0) {
-            let mut uniforms = self.uniforms(params, step, poses);
-            uniforms.forced = forced.into();
+        let slots = bytes.as_chunks_mut::<{ STRIDE as usize }>().0;
+        for (i, (step, slot)) in steps.iter().zip(slots).enumerate() {
+            let uniforms = StepUniforms { forced: forced.into(), ..self.uniforms(params, step, i as u32) };
             slot[..size_of::<StepUniforms>()].copy_from_slice(bytemuck::bytes_of(&uniforms));
         }
         queue.write_buffer(&self.uniforms, 0, &bytes);
@@ -287,29 +236,20 @@ impl Simulation {
         simulate: &Simulate,
         device: &wgpu::Device,
         pass: &mut wgpu::ComputePass<'_>,
+        colliders: &ColliderSet,
         i: u32,
     ) {
         pass.set_pipeline(simulate.pipeline(device, self.vertex_count));
+        pass.set_bind_group(1, colliders.group(), &[]);
         let groups = self.guide_count.div_ceil(crate::constants::GUIDE_WORKGROUP);
         pass.set_bind_group(0, &self.group, &[i * STRIDE as u32]);
         pass.dispatch_workgroups(groups.min(65_535), groups.div_ceil(65_535), 1);
     }
 
-    fn uniforms(&self, params: &SimulationParams, step: &Step, poses: &ColliderPoses) -> StepUniforms {
-        let mut u =
-            StepUniforms::new(params, self.guide_count, self.vertex_count, step.mode, &step.begin, &step.end);
-        let field = |head: &Pose| poses.field.map_or(*head, |own| head.after(&own));
-        let (begin, end) = (field(&step.begin), field(&step.end));
-        u.field_begin = begin.rotation.into();
-        u.field_end = end.rotation.into();
-        u.field_begin_at = begin.translation;
-        u.field_end_at = end.translation;
-        u.has_field = self.colliders.has_field.into();
-        u.field_bias = self.colliders.field.bias;
-        u.field_scale = self.colliders.field.scale;
-        u.capsule_count = poses.capsules.len() as u32;
-        u.capsules_from = step.from;
-        u.capsules_to = step.to;
-        u
+    /// The uniforms of the frame's `i`th step.
+    fn uniforms(&self, params: &SimulationParams, step: &Step, i: u32) -> StepUniforms {
+        let (count, n) = (self.guide_count, self.vertex_count);
+        let uniforms = StepUniforms::new(params, count, n, step.mode, &step.begin, &step.end);
+        StepUniforms { moment: i * uniforms.substeps, ..uniforms }
     }
 }

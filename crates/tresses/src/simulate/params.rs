@@ -184,10 +184,6 @@ pub struct StepUniforms {
     pub head_begin: [f32; 4],
     /// Rotation of the head at the end of the step.
     pub head_end: [f32; 4],
-    /// Rotation of the distance field's frame at the begin of the step.
-    pub field_begin: [f32; 4],
-    /// Rotation of the distance field's frame at the end of the step.
-    pub field_end: [f32; 4],
     /// Translation of the head at the begin, metres.
     pub head_begin_at: Vec3,
     /// Length of a substep, s.
@@ -196,22 +192,6 @@ pub struct StepUniforms {
     pub head_end_at: Vec3,
     /// Solves per step.
     pub substeps: u32,
-    /// Translation of the field at the begin, metres.
-    pub field_begin_at: Vec3,
-    /// 1 when there is a distance field.
-    pub has_field: u32,
-    /// Translation of the field at the end, metres.
-    pub field_end_at: Vec3,
-    /// Number of capsules.
-    pub capsule_count: u32,
-    /// Texture coordinate of the field's frame origin.
-    pub field_bias: Vec3,
-    /// Where in the motion of the capsules the step begins, 0..=1.
-    pub capsules_from: f32,
-    /// Texture coordinate per metre.
-    pub field_scale: Vec3,
-    /// Where in the motion of the capsules the step ends, 0..=1.
-    pub capsules_to: f32,
     /// m/s².
     pub gravity: Vec3,
     /// 1/s.
@@ -245,19 +225,19 @@ pub struct StepUniforms {
     /// Always one. Loops that count by it are not unrolled: unrolled, the kernel runs at less than half the
     /// speed on a CPU and takes the driver minutes to compile.
     pub one: u32,
+    /// The moment of the colliders (see [`crate::collide`]) at which the step begins.
+    pub moment: u32,
     /// 1 when [`crate::strands::GuideBuffers::forces`] act.
     pub forced: u32,
     /// Unused.
     pub _pad_a: u32,
     /// Unused.
     pub _pad_b: u32,
-    /// Unused.
-    pub _pad_c: u32,
 }
 
 impl StepUniforms {
     /// The uniforms of a step of `guide_count` guides with `vertex_count` vertices during which the
-    /// head moves from `begin` to `end`; without colliders.
+    /// head moves from `begin` to `end`; the frame's first.
     pub fn new(
         params: &SimulationParams,
         guide_count: u32,
@@ -269,8 +249,6 @@ impl StepUniforms {
         Self {
             head_begin: begin.rotation.into(),
             head_end: end.rotation.into(),
-            field_begin: [0.0, 0.0, 0.0, 1.0],
-            field_end: [0.0, 0.0, 0.0, 1.0],
             head_begin_at: begin.translation,
             h: params.step / params.substeps.max(1) as f32,
             head_end_at: end.translation,

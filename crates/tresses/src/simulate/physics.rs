@@ -1,13 +1,13 @@
 //! The twin against closed forms and invariants.
 
 use super::{
-    collider::CapsuleMotion,
     params::{Along, Mode, SimulationParams, StepUniforms},
     reference::{Obstacles, Strand},
     rest::{RestShape, shape},
 };
 use crate::{
     Pose,
+    collide::{Collider, Shape},
     strands::{Guide, GuideRest},
 };
 use glam::{Quat, Vec3};
@@ -286,22 +286,15 @@ fn results_do_not_depend_on_substeps() {
 #[test]
 fn capsule_with_friction() {
     // A strand across a horizontal cylinder: it lies on it, and with friction it stays.
-    let capsule = CapsuleMotion {
-        a_begin: Vec3::new(0.1, -0.05, -1.0),
-        b_begin: Vec3::new(0.1, -0.05, 1.0),
-        a_end: Vec3::new(0.1, -0.05, -1.0),
-        b_end: Vec3::new(0.1, -0.05, 1.0),
-        radius: 0.04,
-        ..Default::default()
-    };
+    let ends = [-1.0, 1.0].map(|z| Vec3::new(0.1, -0.05, z));
+    let (shape, pose) = Shape::capsule(ends[0], ends[1], 0.04);
     let params = SimulationParams::default();
     let mut s = strand(&straight(32, 0.25, Vec3::X), &params, RestShape::Natural);
-    let obstacles = Obstacles { field: None, capsules: &[capsule] };
+    let (colliders, places) = ([Collider::new(shape)], [pose; 5]);
+    let obstacles = Obstacles { colliders: &colliders, places: &places, ..Default::default() };
     let mut deepest = 0f32;
     for _ in 0..300 {
-        let mut u = still(&params, 32);
-        u.capsule_count = 1;
-        s.step(&u, &obstacles);
+        s.step(&still(&params, 32), &obstacles);
         for p in &s.current {
             let d = (*p - Vec3::new(0.1, -0.05, 0.0)).length() - 0.04;
             deepest = deepest.max(-d);

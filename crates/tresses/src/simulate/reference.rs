@@ -1,14 +1,15 @@
 //! The scalar twin of `step.wesl`: the same operations in the same order, on one strand.
 
-use super::{
-    collider::{CapsuleMotion, FieldVolume},
-    params::{BRAKE, Mode, StepUniforms, bending_rate},
-};
-use crate::math::{
-    ldl::Factors,
-    rotation::{self, minimal_rotation},
-};
+use super::params::{BRAKE, Mode, StepUniforms, bending_rate};
 use crate::strands::{Guide, GuideForce, GuideRest, GuideShape, guide::TIP_PINNED};
+use crate::{
+    Pose,
+    collide::{Collider, FieldVolume, Shape, shape},
+    math::{
+        ldl::Factors,
+        rotation::{self, minimal_rotation},
+    },
+};
 use glam::{Mat3, Quat, Vec3};
 
 /// Contact stiffness: a vertex gives way by 1/30 of what would pass through in a substep.
@@ -39,8 +40,12 @@ pub(crate) struct Strand {
 /// What strands collide with.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Obstacles<'a> {
-    pub field: Option<&'a FieldVolume>,
-    pub capsules: &'a [CapsuleMotion],
+    /// The head's field first where there is one.
+    pub colliders: &'a [Collider],
+    /// What colliders refer to by `FieldId`.
+    pub volumes: &'a [FieldVolume],
+    /// The poses of all moments, collider fastest, as `ColliderSet::moments` has them.
+    pub places: &'a [Pose],
 }
 
 fn nlerp(a: [f32; 4], b: [f32; 4], t: f32) -> Quat {
@@ -133,6 +138,7 @@ impl Strand {
         let mut rows = vec![(Mat3::ZERO, Mat3::ZERO, Vec3::ZERO); n];
         for sub in 0..u.substeps {
             let t = (sub + 1) as f32 / u.substeps as f32;
+            let moment = (u.moment + sub + 1) as usize;
             let head = nlerp(u.head_begin, u.head_end, t);
             let head_at = u.head_begin_at.lerp(u.head_end_at, t) - origin;
             // Root to tip: predict, and carry the frames along the strand.
@@ -187,7 +193,7 @@ impl Strand {
                 let goal = head * self.rest[i].position + head_at;
                 let mut m = Mat3::from_diagonal(Vec3::splat(1.0 / (h * h) + u.drag / h + kg));
                 let mut f = u.gravity + (u.wind - v[i]) * u.drag + (goal - y) * kg;
-                self.contacts(u, obstacles, i, t, origin, y - v[i] * h, y, &mut m, &mut f);
+                self.contacts(u, obstacles, i, moment, origin, y - v[i] * h, y, &mut m, &mut f);
                 if u.forced == 1 {
                     let force = self.forces[i].unpack();
                     let tangent = force.tangent;
@@ -304,7 +310,7 @@ impl Strand {
         u: &StepUniforms,
         obstacles: &Obstacles,
         i: usize,
-        t: f32,
+        moment: usize,
         origin: Vec3,
         old: Vec3,
         y: Vec3,
@@ -312,38 +318,21 @@ impl Strand {
         f: &mut Vec3,
     ) {
         let clearance = self.rest[i].contact;
-        let step = 1.0 / u.substeps as f32;
-        if let (1, Some(field)) = (u.has_field, obstacles.field) {
-            let q = nlerp(u.field_begin, u.field_end, t);
-            let at = u.field_begin_at.lerp(u.field_end_at, t) - origin;
-            let local = q.conjugate() * (y - at);
-            let c = local * u.field_scale + u.field_bias;
-            if c.min_element() >= 0.0 && c.max_element() <= 1.0 {
-                let sample = field.sample(c);
-                if sample.w < clearance {
-                    let before = nlerp(u.field_begin, u.field_end, t - step);
-                    let before_at = u.field_begin_at.lerp(u.field_end_at, t - step) - origin;
-                    let carried = q * (before.conjugate() * (old - before_at)) + at;
-                    let n = q * sample.truncate().normalize_or(Vec3::Y);
-                    contact(sample.w, n, clearance, y - carried, u.h, u.friction, m, f);
-                }
-            }
-        }
-        for capsule in obstacles.capsules.iter().take(u.capsule_count as usize) {
-            let time = |t: f32| u.capsules_from + (u.capsules_to - u.capsules_from) * t;
-            let (now, then) = (time(t), time(t - step));
-            let a = capsule.a_begin.lerp(capsule.a_end, now) - origin;
-            let b = capsule.b_begin.lerp(capsule.b_end, now) - origin;
-            let axis = b - a;
-            let s = ((y - a).dot(axis) / axis.length_squared().max(1e-12)).clamp(0.0, 1.0);
-            let way = y - (a + axis * s);
-            let d = way.length() - capsule.radius;
-            if d < clearance {
-                let a_then = capsule.a_begin.lerp(capsule.a_end, then) - origin;
-                let b_then = capsule.b_begin.lerp(capsule.b_end, then) - origin;
-                let moved = (a - a_then).lerp(b - b_then, s);
-                let n = way / way.length().max(1e-9);
-                contact(d, n, clearance, y - old - moved, u.h, u.friction, m, f);
+        for (c, collider) in obstacles.colliders.iter().enumerate() {
+            let now = obstacles.places[moment * obstacles.colliders.len() + c];
+            let now_at = now.translation - origin;
+            let local = now.rotation.conjugate() * (y - now_at);
+            let found = match collider.shape {
+                Shape::Capsule { half_length, radius } => shape::capsule(local, radius, half_length),
+                Shape::Ellipsoid { radii } => shape::ellipsoid(local, radii),
+                Shape::Field(id) => shape::field(local, &obstacles.volumes[id.0 as usize]),
+            };
+            if found.w < clearance {
+                let before = obstacles.places[(moment - 1) * obstacles.colliders.len() + c];
+                let was = before.rotation.conjugate() * (old - (before.translation - origin));
+                let slip = y - (now.rotation * was + now_at);
+                let n = now.rotation * found.truncate();
+                contact(found.w, n, clearance, slip, u.h, u.friction * collider.friction, m, f);
             }
         }
     }

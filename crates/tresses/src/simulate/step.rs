@@ -3,7 +3,7 @@
 use crate::{gpu::Binding, shaders};
 
 /// Bindings of the kernel, in order.
-pub(crate) const BINDINGS: [Binding; 11] = [
+pub(crate) const BINDINGS: [Binding; 8] = [
     Binding::UniformDynamic,
     Binding::Storage,
     Binding::Storage,
@@ -11,9 +11,6 @@ pub(crate) const BINDINGS: [Binding; 11] = [
     Binding::StorageMut,
     Binding::StorageMut,
     Binding::StorageMut,
-    Binding::Storage,
-    Binding::Texture3d,
-    Binding::Sampler,
     Binding::Storage,
 ];
 

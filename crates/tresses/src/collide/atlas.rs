@@ -1,0 +1,127 @@
+//! All distance fields as tiles of one 3-D texture.
+
+use super::{FieldVolume, ShapeData};
+use crate::{Error, Result};
+use glam::{UVec3, Vec3};
+
+/// Where the tiles of `sizes` lie, and the size of the whole: rows along x, layers of rows along y, stacked
+/// along z, about as wide as high.
+pub(super) fn pack(sizes: &[UVec3]) -> (Vec<UVec3>, UVec3) {
+    let volume: f64 = sizes.iter().map(|s| s.as_dvec3().element_product()).sum();
+    let most = |axis: usize| sizes.iter().map(|s| s[axis]).max().unwrap_or(1);
+    let side = volume.cbrt().ceil() as u32;
+    let (width, height) = (side.max(most(0)), side.max(most(1)));
+    let mut at = UVec3::ZERO;
+    let (mut row, mut layer) = (0, 0);
+    let mut whole = UVec3::ONE;
+    let places = sizes.iter().map(|size| {
+        if at.x + size.x > width {
+            at = UVec3::new(0, at.y + row, at.z);
+            row = 0;
+        }
+        if at.y + size.y > height {
+            at = UVec3::new(0, 0, at.z + layer);
+            (row, layer) = (0, 0);
+        }
+        let place = at;
+        at.x += size.x;
+        row = row.max(size.y);
+        layer = layer.max(size.z);
+        whole = whole.max(place + size);
+        place
+    });
+    (places.collect(), whole)
+}
+
+/// The texture.
+#[derive(Debug)]
+pub(super) struct Atlas {
+    pub texture: wgpu::Texture,
+    pub size: UVec3,
+}
+
+impl Atlas {
+    /// An empty texture of `size`.
+    ///
+    /// # Errors
+    /// [`Error::Colliders`] when the adapter has no texture of that size.
+    pub fn new(device: &wgpu::Device, size: UVec3) -> Result<Self> {
+        let most = device.limits().max_texture_dimension_3d;
+        if size.max_element() > most {
+            return Err(Error::Colliders(format!(
+                "their distance fields need a 3-D texture of {} x {} x {} texels, but this adapter allows {most} along an axis: use fewer or coarser fields",
+                size.x, size.y, size.z
+            )));
+        }
+        let texture = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("collider fields"),
+            size: extent(size),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D3,
+            format: wgpu::TextureFormat::Rgba16Float,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::STORAGE_BINDING
+                | wgpu::TextureUsages::COPY_SRC
+                | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        Ok(Self { texture, size })
+    }
+
+    /// Writes `volume` into the tile at `at`.
+    pub fn write(&self, queue: &wgpu::Queue, at: UVec3, volume: &FieldVolume) {
+        let mut copy = self.texture.as_image_copy();
+        copy.origin = wgpu::Origin3d { x: at.x, y: at.y, z: at.z };
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(volume.size.x * 8),
+            rows_per_image: Some(volume.size.y),
+        };
+        queue.write_texture(copy, bytemuck::cast_slice(&volume.texels), layout, extent(volume.size));
+    }
+
+    /// Tells `shape` where in the texture its field is: a tile of `size` at `at`, whose own texture
+    /// coordinates are `p * scale + bias`.
+    pub fn place(&self, shape: &mut ShapeData, at: UVec3, size: UVec3, bias: Vec3, scale: Vec3) {
+        let whole = self.size.as_vec3();
+        let (at, size) = (at.as_vec3(), size.as_vec3());
+        shape.scale = scale * size / whole;
+        shape.bias = (at + bias * size) / whole;
+        shape.low = (at + 0.5) / whole;
+        shape.high = (at + size - 0.5) / whole;
+    }
+
+    /// Bytes of GPU memory.
+    pub fn bytes(&self) -> u64 {
+        self.size.as_u64vec3().element_product() * 8
+    }
+}
+
+fn extent(size: UVec3) -> wgpu::Extent3d {
+    wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: size.z }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_do_not_overlap_and_waste_little() {
+        let mut sizes = vec![UVec3::splat(64); 20];
+        sizes.push(UVec3::new(71, 96, 80));
+        sizes.extend(vec![UVec3::new(16, 20, 12); 30]);
+        let (places, whole) = pack(&sizes);
+        for (i, (a, size_a)) in places.iter().zip(&sizes).enumerate() {
+            assert!((*a + *size_a).cmple(whole).all());
+            for (b, size_b) in places[..i].iter().zip(&sizes) {
+                let apart = (*a + *size_a).cmple(*b) | (*b + *size_b).cmple(*a);
+                assert!(apart.any(), "{a} {b}");
+            }
+        }
+        let used: u64 = sizes.iter().map(|s| s.as_u64vec3().element_product()).sum();
+        assert!(whole.as_u64vec3().element_product() < 3 * used, "{whole}");
+        assert_eq!(pack(&[]).1, UVec3::ONE);
+        assert_eq!(pack(&[UVec3::new(71, 96, 80)]), (vec![UVec3::ZERO], UVec3::new(71, 96, 80)));
+    }
+}

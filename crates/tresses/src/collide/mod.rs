@@ -1,0 +1,151 @@
+//! What hair collides with: capsules, ellipsoids and distance fields, up to
+//! [`MAX_COLLIDERS`](crate::constants::MAX_COLLIDERS) in all, each rigid and each with its own pose. No stage but
+//! a service: every kernel that needs obstacles binds the same group as `@group(1)` and asks
+//! `nearest.wesl`.
+//!
+//! ```text
+//! SdfGrid, mesh ─► tiles of one 3-D texture ─┐
+//! shapes ────────► uniform table            ─┼─► @group(1) ─► simulate, volume, wind, interpolate, avoid
+//! poses of a frame ─► places [moment][collider] ┘
+//! ```
+//!
+//! **Moments.** The simulation sees a collider at the begin of the frame's first step (moment 0) and at
+//! the end of every substep `k` of the frame (moment `k`), the last two arguments of
+//! `nearest(x, moment)`; the host writes one [`Place`] per moment and collider, so that no kernel
+//! interpolates poses per vertex. The velocity of an obstacle's point is its rigid motion, turning
+//! included, in the substep that ends at the moment. Between frames a collider moves from where it was
+//! at the end of the last step towards where it is now, just as the head does ([`crate::simulate::clock`]).
+//!
+//! **Now.** What is drawn lies between the last two states *in the head's frame*, carried to the head's
+//! pose now: hair is drawn as it was one step ago relative to the head. The moment `NOW` gives the colliders
+//! in the same way, and [`ColliderSet::drawn`] says where that is: draw a hand there, and the hair that
+//! it pushes lies on it. Colliders on the head are simply there.
+//!
+//! **Fields.** All distance fields are tiles of one texture, rgba16float: the unit gradient and the
+//! distance. Bind groups hold a fixed number of textures, an atlas any number of fields; samples are
+//! kept half a texel inside their tile, so neighbours do not bleed. Several colliders may show one
+//! field. Outside its box a field is never solid: the distance is that of the nearest point of the box
+//! plus the way to it.
+//!
+//! **Ellipsoids.** The distance of a point to an ellipsoid has no closed form. With `k1 = |p / r|` and
+//! `k2 = |p / r²|` (componentwise), `k1 (k1 - 1) / k2` is zero on the surface and has a unit gradient there,
+//! which is the normal `(p / r²) / k2`: exact to first order where hair touches, too small far away and
+//! never of the wrong sign.
+//!
+//! **Culling.** Every shape has a bounding sphere. `nearest` skips a shape whose sphere is farther than
+//! the best so far; `simulate` keeps a bit per collider whose sphere touches the box of a strand's
+//! predicted vertices, anew in each substep, and tests vertices against those alone. That mask is exact:
+//! contacts are made at predicted positions. A tree over the colliders would be worth its traffic from
+//! a thousand on.
+//!
+//! **Why not one union field?** Re-voxelising all obstacles once per step would make any number as cheap as one, but
+//! at 4 mm per cell a finger is two cells, friction and velocity per collider are lost, and a hand that
+//! passes at 3 m/s moves three cells per substep.
+//!
+//! **Untried.** Colliders that deform (skinned bodies): the field builder is fast enough for a small one per
+//! frame, but contacts would need the velocity of the skin from somewhere.
+
+mod atlas;
+mod places;
+mod set;
+pub mod shape;
+mod volume;
+
+use crate::{Pose, groom::SdfGrid};
+use glam::{Quat, Vec3};
+
+pub use places::{Moments, Place, Places};
+pub use set::{ColliderSet, layout};
+pub use shape::{ShapeData, ShapeTable};
+pub use volume::FieldVolume;
+
+/// A distance field of a [`ColliderDescriptor`], by its place in the list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct FieldId(pub u32);
+
+/// The form of a collider, in its own frame, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// All points within `radius` of the segment from `(0, -half_length, 0)` to `(0, half_length, 0)`; a
+    /// sphere if that is zero.
+    Capsule {
+        /// Half the length of the axis.
+        half_length: f32,
+        /// Radius.
+        radius: f32,
+    },
+    /// The ellipsoid around the origin with these half axes.
+    Ellipsoid {
+        /// Half axes along x, y and z.
+        radii: Vec3,
+    },
+    /// A distance field in its own frame.
+    Field(FieldId),
+}
+
+impl Shape {
+    /// A sphere.
+    pub const fn sphere(radius: f32) -> Self {
+        Self::Capsule { half_length: 0.0, radius }
+    }
+
+    /// The capsule with its axis from `a` to `b`, and the pose that puts it there.
+    pub fn capsule(a: Vec3, b: Vec3, radius: f32) -> (Self, Pose) {
+        let axis = b - a;
+        let rotation = match axis.try_normalize() {
+            Some(axis) => Quat::from_rotation_arc(Vec3::Y, axis),
+            None => Quat::IDENTITY,
+        };
+        let pose = Pose { rotation, translation: 0.5 * (a + b) };
+        (Self::Capsule { half_length: 0.5 * axis.length(), radius }, pose)
+    }
+}
+
+/// Whose motion a collider's poses are relative to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Anchor {
+    /// Poses are in the world: a hand, a chair, shoulders with a motion of their own.
+    #[default]
+    World,
+    /// Poses are relative to the head: glasses, horns, a hat.
+    Head,
+}
+
+/// One obstacle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Collider {
+    /// Its form.
+    pub shape: Shape,
+    /// What its poses are relative to.
+    pub anchor: Anchor,
+    /// Multiplies Coulomb's coefficient [`crate::simulate::SimulationParams::friction`].
+    pub friction: f32,
+}
+
+impl Collider {
+    /// A collider in the world with the friction that the parameters say.
+    pub const fn new(shape: Shape) -> Self {
+        Self { shape, anchor: Anchor::World, friction: 1.0 }
+    }
+}
+
+/// What a [`ColliderSet`] is made of.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ColliderDescriptor<'a> {
+    /// The head's distance field, groom space: the first collider, which follows the head.
+    pub head: Option<&'a SdfGrid>,
+    /// Fields that colliders refer to by [`FieldId`].
+    pub fields: &'a [&'a SdfGrid],
+    /// All other colliders.
+    pub colliders: &'a [Collider],
+}
+
+/// Where the colliders are in a frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ColliderPoses {
+    /// Pose of the head's field relative to the head; `None` when its frame is the head's.
+    pub head: Option<Pose>,
+    /// One pose per collider of [`ColliderDescriptor::colliders`], in the same order, relative to its
+    /// [`Anchor`].
+    pub colliders: Vec<Pose>,
+}

@@ -1,0 +1,245 @@
+//! Where the colliders are at every moment of a frame.
+
+use super::{Anchor, ColliderPoses};
+use crate::{
+    Error, Pose, Result,
+    math::rotation::nlerp,
+    simulate::{Mode, Step},
+};
+use bytemuck::{Pod, Zeroable};
+use glam::{Quat, Vec3};
+
+/// A pose as the GPU reads it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Place {
+    /// Unit quaternion.
+    pub rotation: Quat,
+    /// Metres.
+    pub translation: Vec3,
+    /// Unused.
+    pub _pad: f32,
+}
+
+impl From<Pose> for Place {
+    fn from(pose: Pose) -> Self {
+        Self { rotation: pose.rotation, translation: pose.translation, _pad: 0.0 }
+    }
+}
+
+/// The header of the buffer of places; after it come those at drawing, then those of the moments.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Places {
+    /// Time between moments, s.
+    pub interval: f32,
+    /// The number of the last moment.
+    pub moments: u32,
+    /// Unused.
+    pub _pad_a: u32,
+    /// Unused.
+    pub _pad_b: u32,
+}
+
+/// What the places of a frame depend on.
+#[derive(Clone, Copy, Debug)]
+pub struct Moments<'a> {
+    /// The frame's fixed steps.
+    pub steps: &'a [Step],
+    /// Substeps of each.
+    pub substeps: u32,
+    /// Length of a step, s.
+    pub step: f32,
+    /// Where the head is now.
+    pub head: Pose,
+    /// How far what is drawn lies from the state before the last step to the one after it.
+    pub alpha: f32,
+}
+
+/// A collider that moves farther in one fixed step, metres, has jumped: it pushes nothing on its way.
+const JUMP: f32 = 0.3;
+/// The same for a turn, radians.
+const JUMP_ANGLE: f32 = 1.0;
+
+/// The motion of a set of colliders from frame to frame.
+#[derive(Clone, Debug)]
+pub(super) struct Track {
+    anchors: Vec<Anchor>,
+    /// Poses relative to their anchors at the end of the last step; none before the first.
+    state: Option<Vec<Pose>>,
+    /// Poses relative to the head before and after the last step.
+    before: Vec<Pose>,
+    after: Vec<Pose>,
+    /// Poses at drawing.
+    pub now: Vec<Pose>,
+    /// Poses of all moments, collider fastest.
+    pub moments: Vec<Pose>,
+}
+
+impl Track {
+    /// The first anchor is the head's where the set has its field.
+    pub fn new(anchors: Vec<Anchor>) -> Self {
+        let rest = vec![Pose::IDENTITY; anchors.len()];
+        Self {
+            anchors,
+            state: None,
+            before: rest.clone(),
+            after: rest.clone(),
+            moments: rest.clone(),
+            now: rest,
+        }
+    }
+
+    /// Moves to where `poses` says the colliders are at the end of the frame.
+    ///
+    /// # Errors
+    /// [`Error::Colliders`] when there are not as many poses as colliders, or one is not finite.
+    pub fn advance(&mut self, has_head: bool, poses: &ColliderPoses, frame: &Moments<'_>) -> Result<()> {
+        let own: Vec<_> = has_head
+            .then(|| poses.head.unwrap_or(Pose::IDENTITY))
+            .into_iter()
+            .chain(poses.colliders.iter().copied())
+            .collect();
+        if own.len() != self.anchors.len() {
+            let need = self.anchors.len() - usize::from(has_head);
+            return Err(Error::Colliders(format!(
+                "{} poses do not place {need} colliders",
+                poses.colliders.len()
+            )));
+        }
+        if let Some(i) = own.iter().position(|p| !(p.translation.is_finite() && p.rotation.is_normalized())) {
+            return Err(Error::Colliders(format!(
+                "the pose of collider {i} is no finite position and rotation"
+            )));
+        }
+        let jump = frame.steps.iter().any(|s| s.mode != Mode::Step);
+        let steps = frame.steps.len().max(1) as f32;
+        let start: Vec<_> = match &self.state {
+            Some(state) if !jump => {
+                let jumps = |a: &Pose, b: &Pose| {
+                    a.translation.distance(b.translation) > JUMP * steps
+                        || a.rotation.angle_between(b.rotation) > JUMP_ANGLE * steps
+                };
+                state.iter().zip(&own).map(|(a, b)| if jumps(a, b) { *b } else { *a }).collect()
+            }
+            _ => own.clone(),
+        };
+        if let (Some(first), Some(last)) = (frame.steps.first(), frame.steps.last()) {
+            let at = |i: usize, f: f32, head: &Pose| {
+                let own = if f >= 1.0 { own[i] } else { start[i].lerp(&own[i], f) };
+                if self.anchors[i] == Anchor::Head { head.after(&own) } else { own }
+            };
+            let all = 0..own.len();
+            self.moments.clear();
+            self.moments.extend(all.clone().map(|i| at(i, first.from, &first.begin)));
+            for step in frame.steps {
+                for sub in 1..=frame.substeps {
+                    let t = sub as f32 / frame.substeps as f32;
+                    let head = Pose {
+                        rotation: nlerp(step.begin.rotation, step.end.rotation, t),
+                        translation: step.begin.translation.lerp(step.end.translation, t),
+                    };
+                    let (f, head) =
+                        if jump { (1.0, step.end) } else { (step.from + (step.to - step.from) * t, head) };
+                    self.moments.extend(all.clone().map(|i| at(i, f, &head)));
+                }
+            }
+            if jump {
+                self.moments
+                    .splice(..own.len(), all.clone().map(|i| at(i, 1.0, &last.end)).collect::<Vec<_>>());
+            }
+            let relative = |f: f32, head: &Pose| -> Vec<Pose> {
+                let to_head = head.inverse();
+                let one = |i: usize| {
+                    let own = if f >= 1.0 { own[i] } else { start[i].lerp(&own[i], f) };
+                    if self.anchors[i] == Anchor::Head { own } else { to_head.after(&own) }
+                };
+                all.clone().map(one).collect()
+            };
+            self.before = if jump { relative(1.0, &last.end) } else { relative(last.from, &last.begin) };
+            self.after = relative(if jump { 1.0 } else { last.to }, &last.end);
+            self.state =
+                Some(all.map(|i| if jump { own[i] } else { start[i].lerp(&own[i], last.to) }).collect());
+        }
+        let drawn = self.before.iter().zip(&self.after);
+        self.now = drawn.map(|(a, b)| frame.head.after(&a.lerp(b, frame.alpha))).collect();
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulate::Clock;
+
+    /// Drives a track with a clock at `fps`; calls `see` after each frame.
+    fn drive(fps: f32, seconds: f32, mut see: impl FnMut(&Track, &[Step], f32, Pose)) {
+        let mut clock = Clock::default();
+        let mut track = Track::new(vec![Anchor::Head, Anchor::World]);
+        let pose = |t: f32| Pose { rotation: Quat::from_rotation_y(t), translation: Vec3::X * 0.3 * t };
+        for i in 0..=(seconds * fps) as u32 {
+            let t = i as f32 / fps;
+            let head = pose(t);
+            let ticks = clock.tick(1.0 / fps, 1.0 / 60.0, &head);
+            let frame =
+                Moments { steps: &ticks.steps, substeps: 4, step: 1.0 / 60.0, head, alpha: ticks.alpha };
+            let hand = Pose { rotation: Quat::from_rotation_z(t), translation: Vec3::Z * t };
+            track.advance(true, &ColliderPoses { head: None, colliders: vec![hand] }, &frame).unwrap();
+            see(&track, &ticks.steps, t, head);
+        }
+    }
+
+    #[test]
+    fn moments_follow_each_other_without_gaps_at_any_frame_rate() {
+        for fps in [24.0, 60.0, 90.0, 144.0] {
+            let mut end: Option<Pose> = None;
+            drive(fps, 1.0, |track, steps, t, head| {
+                if t > 0.0 && !steps.is_empty() {
+                    assert_eq!(track.moments.len(), 2 * (1 + 4 * steps.len()));
+                    let hands: Vec<_> = track.moments.iter().skip(1).step_by(2).collect();
+                    if let Some(end) = end {
+                        assert!(hands[0].translation.distance(end.translation) < 1e-6);
+                    }
+                    for pair in hands.windows(2) {
+                        let way = pair[1].translation.z - pair[0].translation.z;
+                        assert!((way - 1.0 / 240.0).abs() < 2e-5, "{fps}: {way}");
+                    }
+                    end = hands.last().map(|p| **p);
+                }
+                // What follows the head is drawn at the head, what does not one step behind it.
+                assert!(track.now[0].translation.distance(head.translation) < 1e-6);
+                if t > 0.2 {
+                    let then = t - 1.0 / 60.0;
+                    let relative =
+                        Pose { rotation: Quat::from_rotation_y(then), translation: Vec3::X * 0.3 * then };
+                    let hand = Pose { rotation: Quat::from_rotation_z(then), translation: Vec3::Z * then };
+                    let expected = head.after(&relative.inverse().after(&hand));
+                    let off = track.now[1].translation.distance(expected.translation);
+                    assert!(off < 2e-4, "{fps} fps, {t} s: {off}");
+                    // A hand drawn where it is now would be seen.
+                    assert!(Vec3::Z.distance(Vec3::ZERO) * (t - then) > 0.01);
+                }
+            });
+        }
+    }
+
+    #[test]
+    fn jumps_have_no_speed_and_wrong_counts_are_refused() {
+        let mut track = Track::new(vec![Anchor::World]);
+        let still = Pose::IDENTITY;
+        let step = Step { mode: Mode::Step, begin: still, end: still, from: 0.0, to: 1.0 };
+        let frame = Moments { steps: &[step], substeps: 2, step: 1.0 / 60.0, head: still, alpha: 1.0 };
+        let at = |x: f32| ColliderPoses {
+            head: None,
+            colliders: vec![Pose { translation: Vec3::X * x, ..still }],
+        };
+        track.advance(false, &at(0.0), &frame).unwrap();
+        track.advance(false, &at(0.1), &frame).unwrap();
+        assert!((track.moments[1].translation.x - 0.05).abs() < 1e-6);
+        track.advance(false, &at(5.0), &frame).unwrap();
+        assert!(track.moments.iter().all(|p| p.translation.x == 5.0));
+        let error = track.advance(false, &ColliderPoses::default(), &frame).unwrap_err().to_string();
+        assert!(error.contains("0 poses do not place 1"), "{error}");
+        assert!(track.advance(false, &at(f32::NAN), &frame).is_err());
+    }
+}

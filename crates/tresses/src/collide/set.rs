@@ -1,0 +1,172 @@
+//! The colliders of one groom on the GPU.
+
+use super::{
+    Anchor, ColliderDescriptor, ColliderPoses, FieldId, FieldVolume, Moments, Place, Places, Shape,
+    ShapeData, ShapeTable,
+    atlas::{Atlas, pack},
+    places::Track,
+};
+use crate::{
+    Error, Pose, Result,
+    constants::MAX_COLLIDERS,
+    gpu::{Binding, bindings},
+    simulate::{MAX_STEPS, params::MAX_SUBSTEPS},
+    strands::buffers::storage,
+};
+use bytemuck::Zeroable;
+use wgpu::util::DeviceExt;
+
+/// What `nearest.wesl` binds, in order.
+const BINDINGS: [Binding; 4] = [Binding::Uniform, Binding::Storage, Binding::Texture3d, Binding::Sampler];
+
+/// The layout of `@group(1)` of every kernel that asks for obstacles.
+pub fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    bindings::layout(device, "colliders", wgpu::ShaderStages::COMPUTE, &BINDINGS)
+}
+
+/// The colliders of one groom, and their state of motion.
+#[derive(Debug)]
+pub struct ColliderSet {
+    track: Track,
+    has_head: bool,
+    count: u32,
+    bytes: u64,
+    places: wgpu::Buffer,
+    group: wgpu::BindGroup,
+}
+
+impl ColliderSet {
+    /// Brings the colliders to the GPU.
+    ///
+    /// # Errors
+    /// [`Error::Colliders`] for more than [`MAX_COLLIDERS`], a field that is not there, or fields that
+    /// are too large for a texture of the adapter; [`Error::Parameter`] for a size that is none.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, what: &ColliderDescriptor<'_>) -> Result<Self> {
+        let has_head = what.head.is_some();
+        let count = what.colliders.len() + usize::from(has_head);
+        if count > MAX_COLLIDERS as usize {
+            return Err(Error::Colliders(format!(
+                "{count} are more than {MAX_COLLIDERS}, the head's included"
+            )));
+        }
+        let volumes: Vec<_> =
+            what.head.iter().chain(what.fields).map(|grid| FieldVolume::new(grid)).collect();
+        let sizes: Vec<_> = volumes.iter().map(|v| v.size).collect();
+        let (tiles, size) = pack(&sizes);
+        let atlas = Atlas::new(device, size)?;
+        for (volume, at) in volumes.iter().zip(&tiles) {
+            atlas.write(queue, *at, volume);
+        }
+        let mut table =
+            Box::new(ShapeTable { count: count as u32, has_head: has_head.into(), ..ShapeTable::zeroed() });
+        let mut anchors = Vec::with_capacity(count);
+        let first = usize::from(has_head);
+        let head = has_head.then(|| super::Collider {
+            anchor: Anchor::Head,
+            ..super::Collider::new(Shape::Field(FieldId(0)))
+        });
+        for (slot, collider) in head.iter().chain(what.colliders).enumerate() {
+            let data = &mut table.list[slot];
+            *data = ShapeData::new(collider)?;
+            anchors.push(collider.anchor);
+            if let Shape::Field(FieldId(id)) = collider.shape {
+                // The head's field comes before those that are counted.
+                let at = if slot < first { 0 } else { id as usize + first };
+                let volume = volumes.get(at).ok_or_else(|| {
+                    Error::Colliders(format!("there is no field {id}, only {}", what.fields.len()))
+                })?;
+                (data.center, data.bound) = (volume.center, volume.bound);
+                atlas.place(data, tiles[at], volume.size, volume.bias, volume.scale);
+            }
+        }
+        let table = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("collider shapes"),
+            contents: bytemuck::bytes_of(&*table),
+            usage: wgpu::BufferUsages::UNIFORM,
+        });
+        let most = u64::from(MAX_STEPS * MAX_SUBSTEPS + 2) * count.max(1) as u64;
+        let places = storage::<Place>(device, "collider places", most + 1)?;
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("collider fields"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            ..Default::default()
+        });
+        let group = bindings::group(
+            device,
+            "colliders",
+            &layout(device),
+            &[
+                table.as_entire_binding(),
+                places.as_entire_binding(),
+                wgpu::BindingResource::TextureView(&atlas.texture.create_view(&Default::default())),
+                wgpu::BindingResource::Sampler(&sampler),
+            ],
+        );
+        Ok(Self {
+            track: Track::new(anchors),
+            has_head,
+            count: count as u32,
+            bytes: atlas.bytes() + table.size() + places.size(),
+            places,
+            group,
+        })
+    }
+
+    /// Moves the colliders by a frame, to where `poses` says they are at its end. Before the frame's kernels.
+    ///
+    /// # Errors
+    /// [`Error::Colliders`] when there are not as many poses as colliders, or one is not finite.
+    pub fn advance(&mut self, queue: &wgpu::Queue, poses: &ColliderPoses, frame: &Moments<'_>) -> Result<()> {
+        let steps = &frame.steps[frame.steps.len().saturating_sub(MAX_STEPS as usize)..];
+        let frame = Moments { steps, substeps: frame.substeps.clamp(1, MAX_SUBSTEPS), ..*frame };
+        self.track.advance(self.has_head, poses, &frame)?;
+        if self.count == 0 {
+            return Ok(());
+        }
+        let list = |poses: &[Pose]| -> Vec<Place> { poses.iter().map(|p| Place::from(*p)).collect() };
+        let header = size_of::<Places>() as u64;
+        let now = list(&self.track.now);
+        queue.write_buffer(&self.places, header, bytemuck::cast_slice(&now));
+        if !steps.is_empty() {
+            let interval = frame.step / frame.substeps as f32;
+            let moments = steps.len() as u32 * frame.substeps;
+            let places = Places { interval, moments, ..Places::zeroed() };
+            queue.write_buffer(&self.places, 0, bytemuck::bytes_of(&places));
+            let at = header + size_of_val(&*now) as u64;
+            queue.write_buffer(&self.places, at, bytemuck::cast_slice(&list(&self.track.moments)));
+        }
+        Ok(())
+    }
+
+    /// The group to bind as `@group(1)`.
+    pub fn group(&self) -> &wgpu::BindGroup {
+        &self.group
+    }
+
+    /// Number of colliders, the head's field included.
+    pub fn len(&self) -> usize {
+        self.count as usize
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Where to draw the colliders, world space: first the head's field if there is one, then those of the
+    /// descriptor. Hair is drawn one step behind (see the chapter), and so are these.
+    pub fn drawn(&self) -> &[Pose] {
+        &self.track.now
+    }
+
+    /// The poses of all moments of the last frame that had steps, collider fastest.
+    pub fn moments(&self) -> &[Pose] {
+        &self.track.moments
+    }
+
+    /// Bytes of GPU memory; the distance fields have 8 per texel of their atlas.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+}

@@ -1,0 +1,172 @@
+//! Twins of `shape.wesl`: the table of shapes and the distances in a shape's own frame.
+
+use super::{Collider, FieldVolume, Shape};
+use crate::{Error, Result, constants::MAX_COLLIDERS};
+use bytemuck::{Pod, Zeroable};
+use glam::{Vec3, Vec4};
+
+/// [`ShapeData::kind`] of a capsule.
+pub const CAPSULE: u32 = 0;
+/// [`ShapeData::kind`] of an ellipsoid.
+pub const ELLIPSOID: u32 = 1;
+/// [`ShapeData::kind`] of a distance field.
+pub const FIELD: u32 = 2;
+
+/// A shape as the GPU reads it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct ShapeData {
+    /// Centre of the bounding sphere, own frame, metres.
+    pub center: Vec3,
+    /// Radius of the bounding sphere, metres.
+    pub bound: f32,
+    /// Capsule: radius, half length, 0. Ellipsoid: half axes. Metres.
+    pub size: Vec3,
+    /// [`CAPSULE`], [`ELLIPSOID`] or [`FIELD`].
+    pub kind: u32,
+    /// Field: texture coordinate of the origin of its frame.
+    pub bias: Vec3,
+    /// Multiplier of the friction coefficient.
+    pub friction: f32,
+    /// Field: texture coordinates per metre.
+    pub scale: Vec3,
+    /// Unused.
+    pub _pad_a: f32,
+    /// Field: the smallest texture coordinate that belongs to it alone.
+    pub low: Vec3,
+    /// Unused.
+    pub _pad_b: f32,
+    /// Field: the largest.
+    pub high: Vec3,
+    /// Unused.
+    pub _pad_c: f32,
+}
+
+/// The uniform of all shapes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct ShapeTable {
+    /// Number of colliders.
+    pub count: u32,
+    /// 1 when the first collider is the head's field.
+    pub has_head: u32,
+    /// Unused.
+    pub _pad_a: u32,
+    /// Unused.
+    pub _pad_b: u32,
+    /// The shapes.
+    pub list: [ShapeData; MAX_COLLIDERS as usize],
+}
+
+impl ShapeData {
+    /// A shape without its field's place in the atlas.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] when a size is not positive or a coefficient is negative.
+    pub fn new(collider: &Collider) -> Result<Self> {
+        let positive = |name, v: f32| match v > 0.0 && v < 1e3 {
+            true => Ok(()),
+            false => Err(Error::Parameter { name, value: v.to_string(), range: "positive and below 1 km" }),
+        };
+        if !(0.0..=100.0).contains(&collider.friction) {
+            return Err(Error::Parameter {
+                name: "a collider's friction",
+                value: collider.friction.to_string(),
+                range: "from 0 to 100",
+            });
+        }
+        let base = Self { friction: collider.friction, ..Self::zeroed() };
+        Ok(match collider.shape {
+            Shape::Capsule { half_length, radius } => {
+                positive("a capsule's radius", radius)?;
+                if half_length != 0.0 {
+                    positive("a capsule's half length", half_length)?;
+                }
+                let size = Vec3::new(radius, half_length, 0.0);
+                Self { kind: CAPSULE, size, bound: radius + half_length, ..base }
+            }
+            Shape::Ellipsoid { radii } => {
+                positive("an ellipsoid's half axis", radii.min_element())?;
+                positive("an ellipsoid's half axis", radii.max_element())?;
+                Self { kind: ELLIPSOID, size: radii, bound: radii.max_element(), ..base }
+            }
+            Shape::Field(_) => Self { kind: FIELD, ..base },
+        })
+    }
+}
+
+/// Unit normal (xyz) and distance (w, metres) of a capsule at `p` of its frame.
+pub fn capsule(p: Vec3, radius: f32, half_length: f32) -> Vec4 {
+    let way = p - Vec3::Y * p.y.clamp(-half_length, half_length);
+    let far = way.length();
+    let n = if far > 1e-9 { way / far } else { Vec3::X };
+    n.extend(far - radius)
+}
+
+/// Unit normal (xyz) and distance (w, metres, to first order) of an ellipsoid at `p` of its frame.
+pub fn ellipsoid(p: Vec3, radii: Vec3) -> Vec4 {
+    let a = p / radii;
+    let b = a / radii;
+    let (k1, k2) = (a.length(), b.length());
+    if k2 < 1e-9 {
+        return Vec3::Y.extend(-radii.min_element());
+    }
+    (b / k2).extend(k1 * (k1 - 1.0) / k2)
+}
+
+/// Unit normal (xyz) and distance (w, metres) of a field at `p` of its frame; twin of `field`.
+pub fn field(p: Vec3, volume: &FieldVolume) -> Vec4 {
+    let size = volume.size.as_vec3();
+    let c = p * volume.scale + volume.bias;
+    let inside = c.clamp(0.5 / size, 1.0 - 0.5 / size);
+    let beyond = ((c - inside) / volume.scale).length();
+    let found = volume.sample(inside);
+    let n = found.truncate().normalize_or(Vec3::Y);
+    n.extend(if beyond > 0.0 { found.w.max(0.0) + beyond } else { found.w })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_ellipsoid_is_exact_to_first_order_at_its_surface() {
+        let radii = Vec3::new(0.05, 0.08, 0.12);
+        for i in 0..200 {
+            let a = i as f32 * 2.399_963;
+            let z = 1.0 - (i as f32 + 0.5) / 100.0;
+            let r = (1.0 - z * z).sqrt();
+            let on = Vec3::new(r * a.cos(), r * a.sin(), z) * radii;
+            let at = ellipsoid(on, radii);
+            assert!(at.w.abs() < 1e-7);
+            let off = |d: f32| (ellipsoid(on + at.truncate() * d, radii).w - d).abs();
+            // The error falls with the square of the distance.
+            assert!(off(1e-3) < 2e-5 && off(1e-4) < 1e-6, "{} {}", off(1e-3), off(1e-4));
+            // A wrong normal is seen.
+            let radial = on.normalize();
+            let wrong = (ellipsoid(on + radial * 5e-3, radii).w - 5e-3).abs();
+            assert!(at.truncate().dot(radial) > 0.99 || wrong > 4e-5, "{wrong}");
+        }
+        assert!(ellipsoid(Vec3::ZERO, radii).w < -0.049);
+        assert!(ellipsoid(Vec3::splat(1e-4), radii).w < -0.04);
+    }
+
+    #[test]
+    fn a_capsule_is_a_capsule() {
+        let at = capsule(Vec3::new(0.0, 0.3, 0.1), 0.04, 0.2);
+        assert!((at.w - (0.02f32.sqrt() - 0.04)).abs() < 1e-6);
+        assert!((at.truncate() - Vec3::new(0.0, 0.1, 0.1).normalize()).length() < 1e-6);
+        assert_eq!(capsule(Vec3::ZERO, 0.04, 0.2).w, -0.04);
+    }
+
+    #[test]
+    fn nonsense_is_refused() {
+        let bad = |shape, friction| ShapeData::new(&Collider { friction, ..Collider::new(shape) }).is_err();
+        assert!(bad(Shape::sphere(0.0), 1.0));
+        assert!(bad(Shape::sphere(f32::NAN), 1.0));
+        assert!(bad(Shape::Capsule { half_length: -1.0, radius: 0.1 }, 1.0));
+        assert!(bad(Shape::Ellipsoid { radii: Vec3::new(0.1, 0.0, 0.1) }, 1.0));
+        assert!(bad(Shape::sphere(0.1), -1.0));
+        assert!(!bad(Shape::sphere(0.1), 0.0));
+    }
+}

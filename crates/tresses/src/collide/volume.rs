@@ -1,0 +1,87 @@
+//! A distance field as the texels of its tile.
+
+use crate::groom::SdfGrid;
+use glam::{UVec3, Vec3, Vec4};
+use half::f16;
+
+/// A distance field as texels: the unit gradient (xyz) and the distance (w, metres).
+#[derive(Clone, Debug)]
+pub struct FieldVolume {
+    /// Nodes along each axis.
+    pub size: UVec3,
+    /// Texture coordinate of the origin of the field's frame.
+    pub bias: Vec3,
+    /// Texture coordinates per metre.
+    pub scale: Vec3,
+    /// Centre of a sphere around all that is solid, own frame, metres.
+    pub center: Vec3,
+    /// Radius of that sphere, metres.
+    pub bound: f32,
+    pub(crate) texels: Vec<[f16; 4]>,
+}
+
+impl FieldVolume {
+    /// Distances and their gradients at the nodes of `grid`.
+    pub fn new(grid: &SdfGrid) -> Self {
+        let texels = (0..grid.size.x * grid.size.y * grid.size.z)
+            .map(|i| {
+                let n = grid.normal(grid.node(i));
+                [n.x, n.y, n.z, grid.distances[i as usize]].map(f16::from_f32)
+            })
+            .collect();
+        let size = grid.size.as_vec3();
+        let (center, bound) = around(grid);
+        Self {
+            size: grid.size,
+            center,
+            bound,
+            bias: (Vec3::splat(0.5) - grid.origin / grid.cell) / size,
+            scale: 1.0 / (grid.cell * size),
+            texels,
+        }
+    }
+
+    /// What a trilinear sampler that clamps returns at texture coordinate `c`.
+    pub fn sample(&self, c: Vec3) -> Vec4 {
+        let last = (self.size - UVec3::ONE).as_vec3();
+        let p = (c * self.size.as_vec3() - 0.5).clamp(Vec3::ZERO, last);
+        let base = p.floor();
+        let f = p - base;
+        let base = base.as_uvec3();
+        let at = |x: u32, y: u32, z: u32| {
+            let i = (base + UVec3::new(x, y, z)).min(self.size - UVec3::ONE);
+            let t = self.texels[(i.x + self.size.x * (i.y + self.size.y * i.z)) as usize];
+            Vec4::from_array(t.map(f16::to_f32))
+        };
+        let row = |y, z| at(0, y, z).lerp(at(1, y, z), f.x);
+        row(0, 0).lerp(row(1, 0), f.y).lerp(row(0, 1).lerp(row(1, 1), f.y), f.z)
+    }
+}
+
+/// A sphere around all nodes that are solid or next to it.
+fn around(grid: &SdfGrid) -> (Vec3, f32) {
+    let solid = || {
+        let nodes = grid.distances.iter().enumerate().filter(|(_, d)| **d < grid.cell);
+        nodes.map(|(i, _)| grid.node(i as u32))
+    };
+    let Some(first) = solid().next() else { return (grid.origin, 0.0) };
+    let (lo, hi) = solid().fold((first, first), |(lo, hi), p| (lo.min(p), hi.max(p)));
+    let center = 0.5 * (lo + hi);
+    (center, solid().map(|p| p.distance(center)).fold(0.0, f32::max) + grid.cell)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_volume_samples_like_the_grid() {
+        let grid = SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::new(0.2, 0.25, 0.2), 41, |p| p.length() - 0.1);
+        let volume = FieldVolume::new(&grid);
+        for p in [Vec3::new(0.1, 0.02, 0.03), Vec3::new(-0.05, 0.11, 0.0), Vec3::new(0.0, -0.1, 0.1)] {
+            let sample = volume.sample(p * volume.scale + volume.bias);
+            assert!((sample.w - grid.sample(p)).abs() < 1e-4, "{p}");
+            assert!(sample.truncate().normalize().dot(p.normalize()) > 0.999, "{p}");
+        }
+    }
+}
