@@ -3,6 +3,7 @@
 mod args;
 mod bench;
 mod camera;
+mod colliders;
 mod convert;
 mod demo;
 mod info;

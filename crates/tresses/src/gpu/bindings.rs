@@ -19,6 +19,8 @@ pub enum Binding {
     TextureMultisampled,
     /// `texture_3d<f32>` of a filterable format.
     Texture3d,
+    /// `texture_storage_3d<rgba16float, write>`.
+    StorageTexture3d,
     /// `texture_depth_2d_array`.
     DepthArray,
     /// `sampler` that filters.
@@ -47,6 +49,11 @@ impl Binding {
                 texture(TextureSampleType::Float { filterable: false }, TextureViewDimension::D2, true)
             }
             Self::Texture3d => texture(filterable, TextureViewDimension::D3, false),
+            Self::StorageTexture3d => BindingType::StorageTexture {
+                access: wgpu::StorageTextureAccess::WriteOnly,
+                format: wgpu::TextureFormat::Rgba16Float,
+                view_dimension: TextureViewDimension::D3,
+            },
             Self::DepthArray => texture(TextureSampleType::Depth, TextureViewDimension::D2Array, false),
             Self::Sampler => BindingType::Sampler(SamplerBindingType::Filtering),
             Self::Comparison => BindingType::Sampler(SamplerBindingType::Comparison),
