@@ -37,6 +37,10 @@ pub struct Source {
     /// More that hair collides with, and how it moves: a file of capsules, ellipsoids and meshes (.json)
     #[arg(long, value_name = "FILE")]
     pub colliders: Option<PathBuf>,
+    /// A grey .png over the scalp, the front at the top and the head's left at the right: black hair is a
+    /// quarter as stiff, white four times, middle grey as it was
+    #[arg(long, value_name = "IMAGE")]
+    pub stiffness_map: Option<PathBuf>,
     #[command(flatten)]
     pub orientation: OrientArgs,
 }

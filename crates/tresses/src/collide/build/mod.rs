@@ -148,7 +148,7 @@ impl Plan {
 impl FieldBuilder {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
-        use Binding::{Storage, StorageMut, StorageTexture3d, Uniform};
+        use Binding::{Storage, StorageMut, Write3d, Uniform};
         let kernel = |module, own: &[Binding]| {
             Kernel::new(device, module, &[&[Uniform, Storage, Storage], own].concat())
         };
@@ -157,7 +157,7 @@ impl FieldBuilder {
             measure: kernel("collide::build::measure", &[Storage, StorageMut]),
             flood: kernel("collide::build::flood", &[Storage, Storage, StorageMut]),
             close: kernel("collide::build::close", &[Storage, Storage, StorageMut]),
-            texel: kernel("collide::build::texel", &[Storage, StorageTexture3d]),
+            texel: kernel("collide::build::texel", &[Storage, Write3d]),
         }
     }
 
