@@ -117,6 +117,7 @@ fn volume() {
 
 #[test]
 fn collide() {
+    use tresses::collide::build::{BuildParams, TreeNode};
     use tresses::collide::{Place, Places, ShapeData, ShapeTable};
     let rust = rust_layout!(ShapeData {
         center,
@@ -133,8 +134,14 @@ fn collide() {
         _pad_c,
     });
     assert_eq!(wgsl_layout("ShapeData"), rust);
+    assert_eq!(
+        wgsl_layout("BuildParams"),
+        rust_layout!(BuildParams { origin, cell, size, begin, tile, end, sign, node_count, jump, _pad })
+    );
+    let rust = rust_layout!(TreeNode { low, first, high, count, center, radius, area, skip });
+    assert_eq!(wgsl_layout("TreeNode"), rust);
     assert_eq!(wgsl_layout("ShapeTable"), rust_layout!(ShapeTable { count, has_head, _pad_a, _pad_b, list }));
-    assert_eq!(wgsl_layout("Place"), rust_layout!(Place { rotation, translation, _pad }));
+    assert_eq!(wgsl_layout("Place"), rust_layout!(Place { rotation, translation, bound, center, _pad }));
     // The shader's struct ends with the places themselves.
     let (members, size) = rust_layout!(Places { interval, moments, _pad_a, _pad_b });
     let found = wgsl_layout("Places").0;
