@@ -6,6 +6,7 @@
 pub const SHARED: &[(&str, u32)] = &[
     ("GUIDE_WORKGROUP", GUIDE_WORKGROUP),
     ("STRAND_WORKGROUP", STRAND_WORKGROUP),
+    ("VOLUME_WORKGROUP", VOLUME_WORKGROUP),
     ("MAX_GUIDE_VERTICES", MAX_GUIDE_VERTICES),
     ("MAX_STRAND_VERTICES", MAX_STRAND_VERTICES),
     ("MAX_COLLIDERS", MAX_COLLIDERS),
@@ -14,6 +15,8 @@ pub const SHARED: &[(&str, u32)] = &[
 pub const GUIDE_WORKGROUP: u32 = 32;
 /// Threads of one workgroup of the passes that run once per strand vertex.
 pub const STRAND_WORKGROUP: u32 = 64;
+/// Threads of one workgroup of the passes that run once per cell or guide vertex.
+pub const VOLUME_WORKGROUP: u32 = 64;
 /// The most vertices a guide may have.
 pub const MAX_GUIDE_VERTICES: u32 = 64;
 /// The most vertices a drawn strand may have.

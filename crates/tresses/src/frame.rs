@@ -8,6 +8,7 @@ use crate::{
     simulate::SimulationParams,
     stage::Stage,
 };
+use std::time::Instant;
 
 /// What a frame depends on besides the hair itself.
 #[derive(Clone, Copy, Debug)]
@@ -55,13 +56,17 @@ impl Recorder<'_> {
     /// # Errors
     /// As [`advance`](Self::advance).
     pub fn simulate(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
-        frame.simulation.check()?;
-        let (renderer, device, queue) = (self.renderer, self.device, self.queue);
-        let steps = hair.tick(queue, frame.dt, frame.simulation, &frame.head, frame.colliders)?;
-        self.stage(Stage::Simulate, |pass| {
-            let (stage, physics) = (&renderer.simulate, frame.simulation);
-            hair.simulation.record(stage, device, queue, pass, physics, &steps, &hair.colliders)
-        })
+        let (renderer, device) = (self.renderer, self.device);
+        for step in 0..hair.begin(device, self.queue, renderer, frame)? {
+            if hair.uses_volume() {
+                self.stage(Stage::Volume, |pass| hair.volume.record(&renderer.volume, pass, step));
+            }
+            if hair.uses_wind() {
+                self.stage(Stage::Wind, |pass| hair.record_wind(pass, &renderer.wind, step));
+            }
+            self.stage(Stage::Simulate, |pass| hair.record_simulate(pass, device, &renderer.simulate, step));
+        }
+        Ok(())
     }
 
     /// The drawn strands follow the guides: [`tessellate`](Self::tessellate),
@@ -112,10 +117,16 @@ impl Recorder<'_> {
 
     /// A compute pass under the name of a stage.
     fn stage<R>(&mut self, stage: Stage, record: impl FnOnce(&mut wgpu::ComputePass<'_>) -> R) -> R {
+        let start = self.timings.as_ref().filter(|timings| timings.is_by_the_clock()).map(|_| Instant::now());
         let mut pass = self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some(stage.name()),
             timestamp_writes: self.timings.as_deref_mut().and_then(|timings| timings.compute(stage.name())),
         });
-        record(&mut pass)
+        let result = record(&mut pass);
+        drop(pass);
+        if let (Some(timings), Some(start)) = (&mut self.timings, start) {
+            timings.finish(self.device, self.queue, self.encoder, stage.name(), start);
+        }
+        result
     }
 }

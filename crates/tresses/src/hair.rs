@@ -6,20 +6,30 @@ use crate::{
     avoid::{self, Avoid, AvoidOptions, Avoidance},
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     draw::{DrawOptions, DrawStage, HairSet},
+    frame::Frame,
     gpu::bindings,
     groom::{Groom, SdfGrid},
     interpolate::{Interpolate, InterpolateParams},
     math::hash::pcg,
     simulate::{
-        Clock, GuideTraits, Mode, RestOptions, RestShape, Simulate, Simulation, SimulationParams, Step, rest,
+        Clock, Forces, GuideTraits, Mode, RestOptions, RestShape, Simulate, Simulation, SimulationParams,
+        Step, rest,
     },
     strands::{GuideBuffers, Strand, StrandBuffers},
     tessellate::{Tessellate, TessellateParams, rest_samples},
+    volume::{HairHairMode, Volume, VolumeOptions, VolumeStage},
+    wind::{Air, Fluid, HairGrid, Wind},
 };
+
+use glam::Vec3;
 
 /// Every pipeline; made once per device.
 #[derive(Debug)]
 pub struct HairRenderer {
+    /// Guides fill a grid.
+    pub volume: VolumeStage,
+    /// Air moves.
+    pub wind: Fluid,
     /// Guides move.
     pub simulate: Simulate,
     /// Guides become curves.
@@ -36,6 +46,8 @@ impl HairRenderer {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device, options: &DrawOptions) -> Self {
         Self {
+            volume: VolumeStage::new(device),
+            wind: Fluid::new(device),
             simulate: Simulate::new(device),
             tessellate: Tessellate::new(device),
             interpolate: Interpolate::new(device),
@@ -54,6 +66,8 @@ pub struct HairOptions {
     pub rest: RestShape,
     /// Distance that guides and strands keep from the head, metres, where they have it at rest.
     pub clearance: f32,
+    /// The grid in which hair meets hair.
+    pub volume: VolumeOptions,
     /// How drawn strands avoid obstacles; can be changed later ([`Hair::avoidance`]).
     pub avoid: AvoidOptions,
 }
@@ -64,6 +78,7 @@ impl Default for HairOptions {
             simulation: SimulationParams::default(),
             rest: RestShape::SagFree,
             clearance: 1.5e-3,
+            volume: VolumeOptions::default(),
             avoid: AvoidOptions::default(),
         }
     }
@@ -82,6 +97,17 @@ pub struct Hair {
     pub avoidance: Avoidance,
     /// What it collides with.
     pub colliders: ColliderSet,
+    /// Density and velocity of the hair around the head.
+    pub volume: Volume,
+    /// The air around the head, once the wind has blown.
+    pub air: Option<Air>,
+    forces: Forces,
+    /// The box around the hair at rest: its middle (groom space) and its longest side, metres.
+    extent: (Vec3, f32),
+    /// Whether the wind blows in this frame.
+    windy: bool,
+    /// Whether the grids act on the guides in this frame.
+    forced: bool,
     pub(crate) simulation: Simulation,
     pub(crate) clock: Clock,
     /// Poses of the head before and after the last step, and the blend between them.
@@ -141,15 +167,15 @@ impl Hair {
                 tip_pinned: groom.guides.tip_pinned[i],
             })
             .collect();
-        rest::guides(
+        let rest = rest::guides(
             &groom.guides.positions,
             vertex_count,
             &traits,
             &options.simulation,
             &RestOptions { shape: options.rest, clearance: options.clearance },
             head,
-        )?
-        .upload(queue, &guides)?;
+        )?;
+        rest.upload(queue, &guides)?;
         let sample_rest: Vec<[f32; 4]> = (0..groom.guides.len())
             .flat_map(|i| rest_samples(groom.guides.guide(i), sample_count))
             .map(|p| p.extend(0.0).to_array())
@@ -167,6 +193,7 @@ impl Hair {
 
         let colliders = ColliderSet::new(device, queue, colliders)?;
         let simulation = Simulation::new(device, &renderer.simulate, &guides);
+        let volume = Volume::new(device, &renderer.volume, &guides, &rest, &options.volume)?;
         let uniform = |label, size| bindings::uniform(device, label, size);
         let tessellate_params = uniform("tessellate", size_of::<TessellateParams>());
         let interpolate_params = uniform("interpolate", size_of::<InterpolateParams>());
@@ -174,6 +201,12 @@ impl Hair {
             set: HairSet::new(device, &renderer.draw, &strands)?,
             tessellate_group: renderer.tessellate.bind(device, &tessellate_params, &guides),
             interpolate_group: renderer.interpolate.bind(device, &interpolate_params, &guides, &strands),
+            forces: Forces::new(device, &renderer.simulate, &guides, &volume, None),
+            air: None,
+            windy: false,
+            extent: extent(groom),
+            volume,
+            forced: false,
             avoidance: Avoidance::new(
                 device,
                 queue,
@@ -200,12 +233,81 @@ impl Hair {
         self.clock.reset();
     }
 
+    /// Begins a frame: writes what its fixed steps read and returns how many are due.
+    pub(crate) fn begin(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        renderer: &HairRenderer,
+        frame: &Frame<'_>,
+    ) -> Result<u32> {
+        let physics = frame.simulation;
+        physics.check()?;
+        self.windy = physics.wind.blows();
+        if self.windy {
+            self.make_air(device, queue, renderer, &physics.wind)?;
+        }
+        let steps = self.tick(queue, frame.dt, physics, &frame.head, frame.colliders)?;
+        self.forced = self.windy || physics.hair_hair.mode != HairHairMode::Off;
+        if self.forced {
+            self.volume.prepare(queue, &physics.hair_hair, &steps, physics.step);
+            if let Some(air) = self.air.as_mut().filter(|_| self.windy) {
+                let grid = &self.volume.grid;
+                let hair = HairGrid { bias: grid.bias, scale: grid.scale };
+                air.prepare(queue, physics, &steps, Some(hair));
+            }
+            let air = self.air.as_ref().filter(|_| self.windy);
+            self.forces.prepare(queue, physics, air, steps.len());
+        }
+        if let Some(air) = self.air.as_mut().filter(|_| !self.windy) {
+            // When the wind comes back it finds no traces of the last one.
+            air.reset();
+        }
+        self.simulation.prepare(queue, physics, &steps, self.forced)
+    }
+
+    /// Makes the air for `wind` unless it is there.
+    fn make_air(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        renderer: &HairRenderer,
+        wind: &Wind,
+    ) -> Result<()> {
+        let (middle, side) = self.extent;
+        let size = side * wind.room;
+        let fits = |air: &Air| air.cells == wind.cells && air.cell == size / wind.cells as f32;
+        if !self.air.as_ref().is_some_and(fits) {
+            let air = Air::new(device, queue, &renderer.wind, wind.cells, (middle, size), &self.volume.hair)?;
+            self.forces = Forces::new(device, &renderer.simulate, &self.guides, &self.volume, Some(&air));
+            self.air = Some(air);
+        }
+        Ok(())
+    }
+
+    /// Whether the wind blows in this frame.
+    pub(crate) fn uses_wind(&self) -> bool {
+        self.windy
+    }
+
+    /// Step `i` of the air.
+    pub(crate) fn record_wind(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Fluid, i: u32) {
+        if let Some(air) = &self.air {
+            stage.record(pass, air, &self.colliders, i);
+        }
+    }
+
+    /// Whether this frame needs the grid of the hair.
+    pub(crate) fn uses_volume(&self) -> bool {
+        self.forced
+    }
+
     /// The fixed steps that are due `dt` seconds after the last frame, the head now at `head` and the
     /// colliders at `poses`, which are moved.
     ///
     /// # Errors
     /// What [`ColliderSet::advance`] says.
-    pub(crate) fn tick(
+    fn tick(
         &mut self,
         queue: &wgpu::Queue,
         dt: f32,
@@ -235,8 +337,15 @@ impl Hair {
 
     /// Bytes of GPU memory, without render targets and shadow maps.
     pub fn bytes(&self) -> u64 {
-        let buffers = self.guides.bytes() + self.strands.bytes() + self.set.bytes();
-        buffers + self.avoidance.bytes() + self.simulation.bytes() + self.colliders.bytes()
+        self.guides.bytes()
+            + self.strands.bytes()
+            + self.set.bytes()
+            + self.avoidance.bytes()
+            + self.simulation.bytes()
+            + self.colliders.bytes()
+            + self.volume.bytes()
+            + self.forces.bytes()
+            + self.air.as_ref().map_or(0, Air::bytes)
     }
 
     /// Writes the uniforms of the stages that follow the guides: the head is at `head`, `dt` seconds
@@ -256,6 +365,20 @@ impl Hair {
         self.avoidance.prepare(queue, counts, dt, self.moved_away);
     }
 
+    /// Step `i` of the guides: what the grids do to them, then the step itself.
+    pub(crate) fn record_simulate(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        device: &wgpu::Device,
+        stage: &Simulate,
+        i: u32,
+    ) {
+        if self.forced {
+            self.forces.record(stage, pass, i);
+        }
+        self.simulation.record_step(stage, device, pass, &self.colliders, i);
+    }
+
     pub(crate) fn record_tessellate(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Tessellate) {
         stage.record(pass, &self.tessellate_group, &self.guides);
     }
@@ -267,6 +390,16 @@ impl Hair {
     pub(crate) fn record_avoid(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Avoid) {
         self.avoidance.record(pass, stage, &self.colliders, &self.strands);
     }
+}
+
+/// The box around the guides at rest: its middle and its longest side, metres.
+fn extent(groom: &Groom) -> (Vec3, f32) {
+    let (lo, hi) = groom
+        .guides
+        .positions
+        .iter()
+        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+    (0.5 * (lo + hi), (hi - lo).max_element().max(0.05))
 }
 
 /// A number of strands or guides as the GPU counts them.

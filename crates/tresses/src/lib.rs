@@ -6,6 +6,10 @@ pub mod groom;
 
 pub mod strands;
 
+pub mod volume;
+
+pub mod wind;
+
 pub mod simulate;
 
 pub mod tessellate;

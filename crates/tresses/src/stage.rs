@@ -3,6 +3,10 @@
 /// A stage of the frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stage {
+    /// Guides fill a grid of density and velocity.
+    Volume,
+    /// Air moves around the head and through the hair.
+    Wind,
     /// Guides move.
     Simulate,
     /// Guides become smooth curves.
@@ -21,7 +25,9 @@ pub enum Stage {
 
 impl Stage {
     /// All stages in the order of the frame.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 9] = [
+        Self::Volume,
+        Self::Wind,
         Self::Simulate,
         Self::Tessellate,
         Self::Interpolate,
@@ -34,6 +40,8 @@ impl Stage {
     /// The folder below `src`, the timing row, the heading in ARCHITECTURE.md.
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Volume => "volume",
+            Self::Wind => "wind",
             Self::Simulate => "simulate",
             Self::Tessellate => "tessellate",
             Self::Interpolate => "interpolate",
@@ -47,6 +55,8 @@ impl Stage {
     /// What one thread or vertex of the stage works on.
     pub const fn unit(self) -> &'static str {
         match self {
+            Self::Volume => "guide vertex and cell",
+            Self::Wind => "cell",
             Self::Simulate | Self::Tessellate => "guide",
             Self::Interpolate => "strand",
             Self::Avoid => "strand vertex, strand",

@@ -73,9 +73,44 @@ fn simulate() {
             mode,
             one,
             moment,
+            forced,
             _pad_a,
             _pad_b,
-            _pad_c,
+        })
+    );
+}
+
+#[test]
+fn volume() {
+    use tresses::{strands::GuideForce, volume::params::VolumeUniforms};
+    assert_eq!(wgsl_layout("GuideForce"), rust_layout!(GuideForce { xy, z_rate, tangent, along }));
+    assert_eq!(
+        wgsl_layout("VolumeUniforms"),
+        rust_layout!(VolumeUniforms {
+            head,
+            head_at,
+            resolution,
+            bias,
+            scale,
+            drift,
+            cell,
+            taps,
+            radius,
+            mode,
+            resting,
+            guide_count,
+            vertex_count,
+            stride,
+            splat_count,
+            units,
+            density,
+            reference,
+            speed_squared,
+            tolerance,
+            friction,
+            limit,
+            fixed_push,
+            _pad,
         })
     );
 }
@@ -266,6 +301,26 @@ fn present() {
         encode,
     });
     assert_eq!(wgsl_layout("PresentUniform"), rust);
+}
+
+#[test]
+fn debug_views() {
+    use tresses::draw::debug::{
+        ArrowsUniform, GridUniform, GuidesUniform, LinePoint, LinesUniform, PaintUniform, SliceUniform,
+        StreamsUniform,
+    };
+    let paint = rust_layout!(PaintUniform { inverse, low, high, opacity, encode });
+    assert_eq!(wgsl_layout("PaintUniform"), paint);
+    let grid = rust_layout!(GridUniform { rotation, translation, quantity, scale, turns, bias, _pad });
+    assert_eq!(wgsl_layout("GridUniform"), grid);
+    assert_eq!(wgsl_layout("SliceUniform"), rust_layout!(SliceUniform { at, panels, panel }));
+    assert_eq!(wgsl_layout("LinePoint"), rust_layout!(LinePoint { position, value, width, alpha, _pad }));
+    assert_eq!(wgsl_layout("LinesUniform"), rust_layout!(LinesUniform { points, rim, _pad }));
+    let arrows = rust_layout!(ArrowsUniform { first, seconds, step, longest, count, least });
+    assert_eq!(wgsl_layout("ArrowsUniform"), arrows);
+    assert_eq!(wgsl_layout("StreamsUniform"), rust_layout!(StreamsUniform { seeds, points, step, least }));
+    let guides = rust_layout!(GuidesUniform { count, vertex_count, sample_count, quantity });
+    assert_eq!(wgsl_layout("GuidesUniform"), guides);
 }
 
 #[test]

@@ -17,7 +17,7 @@ pub fn buffer<T: bytemuck::Pod>(
     Ok(bytemuck::pod_collect_to_vec(&bytes[..bytes.len() / size_of::<T>() * size_of::<T>()]))
 }
 
-/// The first mip level of a 2-D texture with `COPY_SRC`, rows without padding. Blocks.
+/// The first mip level of a texture with `COPY_SRC`, all its layers or slices, rows without padding. Blocks.
 ///
 /// # Errors
 /// [`Error::Gpu`] when the device is lost.
@@ -26,23 +26,24 @@ pub fn texture(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Textu
         stage: "read-back",
         problem: format!("{:?} has no single size per texel", texture.format()),
     })?;
-    let (width, height) = (texture.width(), texture.height());
+    let (width, height, depth) = (texture.width(), texture.height(), texture.depth_or_array_layers());
     let row = width * texel;
     let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-    let bytes = copy(device, queue, u64::from(padded) * u64::from(height), |encoder, target| {
-        encoder.copy_texture_to_buffer(
-            texture.as_image_copy(),
-            wgpu::TexelCopyBufferInfo {
-                buffer: target,
-                layout: wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(padded),
-                    rows_per_image: None,
+    let bytes =
+        copy(device, queue, u64::from(padded) * u64::from(height) * u64::from(depth), |encoder, target| {
+            encoder.copy_texture_to_buffer(
+                texture.as_image_copy(),
+                wgpu::TexelCopyBufferInfo {
+                    buffer: target,
+                    layout: wgpu::TexelCopyBufferLayout {
+                        offset: 0,
+                        bytes_per_row: Some(padded),
+                        rows_per_image: Some(height),
+                    },
                 },
-            },
-            wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        );
-    })?;
+                wgpu::Extent3d { width, height, depth_or_array_layers: depth },
+            );
+        })?;
     Ok(bytes.chunks(padded as usize).flat_map(|line| &line[..row as usize]).copied().collect())
 }
 

@@ -14,7 +14,8 @@ use crate::{
     },
     gpu::{Gpu, Timings, readback},
     groom::SdfGrid,
-    strands::GuideBuffers,
+    strands::{Force, GuideBuffers, GuideForce},
+    wind::Wind,
 };
 use glam::{Quat, Vec3};
 
@@ -142,6 +143,7 @@ impl Scene {
         steps: &[Step],
         poses: &ColliderPoses,
         timings: Option<&mut Timings>,
+        forced: bool,
     ) {
         let (substeps, step) = (params.substeps, params.step);
         let head = steps.last().unwrap().end;
@@ -154,9 +156,10 @@ impl Scene {
                 label: None,
                 timestamp_writes: timings.as_deref_mut().and_then(|t| t.compute("simulate")),
             });
-            self.simulation
-                .record(&self.simulate, &gpu.device, &gpu.queue, &mut pass, params, steps, &self.colliders)
-                .unwrap();
+            let count = self.simulation.prepare(&gpu.queue, params, steps, forced).unwrap();
+            for i in 0..count {
+                self.simulation.record_step(&self.simulate, &gpu.device, &mut pass, &self.colliders, i);
+            }
         }
         if let Some(t) = timings {
             t.resolve(&mut encoder);
@@ -175,6 +178,26 @@ fn at(t: f32, dt: f32) -> Step {
 
 fn carry_to_start() -> Step {
     Step { mode: Mode::Reset, begin: pose(0.0), end: pose(0.0), from: 0.0, to: 1.0 }
+}
+
+/// A wind for every guide, some along the strand only, some with a rate that no explicit step would
+/// survive; vertex-major.
+fn outer_forces(n: usize, count: usize) -> Vec<GuideForce> {
+    (0..n * count)
+        .map(|at| {
+            let (i, g) = (at / count, at % count);
+            let mut seed = g as u32;
+            let mut axis = || 2.0 * random(&mut seed) - 1.0;
+            let rate = [0.0, 4.0, 300.0][g % 3] * axis().abs();
+            let wind = Vec3::new(axis(), axis(), axis()) * (1.0 + i as f32 / n as f32);
+            GuideForce::pack(&Force {
+                acceleration: wind * (rate + 1.0),
+                rate,
+                tangent: Vec3::new(axis(), axis(), axis()).normalize(),
+                along: 20.0 * axis().abs(),
+            })
+        })
+        .collect()
 }
 
 /// The largest distance between the kernel and the twin after `frames` steps, and the bits.
@@ -206,16 +229,22 @@ fn compare(gpu: &Gpu, n: usize, frames: usize, disturb: f32, shifted: Option<usi
             )
         })
         .collect();
+    let forces = outer_forces(n, count);
+    gpu.queue.write_buffer(&scene.guides.forces, 0, bytemuck::cast_slice(&forces));
+    for (g, strand) in strands.iter_mut().enumerate() {
+        strand.forces = (0..n).map(|i| forces[i * count + g]).collect();
+    }
     for frame in 0..=frames {
         let t = (frame.max(1) - 1) as f32 * params.step;
         let step = if frame == 0 { carry_to_start() } else { at(t, params.step) };
         let mut u = scene.simulation.uniforms(&params, &step, 0);
-        scene.run(gpu, &params, &[step], &hands(t + params.step), None);
+        scene.run(gpu, &params, &[step], &hands(t + params.step), None, true);
         let mut places = scene.colliders.moments().to_vec();
         if let Some(i) = shifted {
             places.iter_mut().skip(i).step_by(5).for_each(|p| p.translation += Vec3::splat(1e-3));
         }
         u.gravity.x += disturb;
+        u.forced = 1;
         for strand in &mut strands {
             let what = Obstacles { colliders: &colliders, volumes: &volumes, places: &places };
             strand.step(&u, &what);
@@ -307,12 +336,12 @@ fn worst_strain(gpu: &Gpu, n: usize, frames: usize, motion: impl Fn(f32) -> Pose
     let poses = ColliderPoses::default();
     let count = rest.info.len();
     let start = Step { begin: motion(0.0), end: motion(0.0), ..carry_to_start() };
-    scene.run(gpu, &params, &[start], &poses, None);
+    scene.run(gpu, &params, &[start], &poses, None, false);
     let mut worst = 0f32;
     for frame in 0..frames {
         let t = frame as f32 * params.step;
         let step = Step { begin: motion(t), end: motion(t + params.step), ..at(0.0, 0.0) };
-        scene.run(gpu, &params, &[step], &poses, None);
+        scene.run(gpu, &params, &[step], &poses, None, false);
         if frame % 4 != 3 {
             continue;
         }
@@ -364,7 +393,7 @@ fn hair_returns_to_its_shape() {
         ..Pose::IDENTITY
     };
     let start = Step { begin: motion(0.0), end: motion(0.0), ..carry_to_start() };
-    scene.run(&gpu, &params, &[start], &ColliderPoses::default(), None);
+    scene.run(&gpu, &params, &[start], &ColliderPoses::default(), None, false);
     let mean = |scene: &Scene| {
         let found = scene.positions(&gpu);
         let count = rest.info.len();
@@ -383,7 +412,7 @@ fn hair_returns_to_its_shape() {
     for frame in 0..300 {
         let t = frame as f32 * params.step;
         let step = Step { begin: motion(t), end: motion(t + params.step), ..at(0.0, 0.0) };
-        scene.run(&gpu, &params, &[step], &ColliderPoses::default(), None);
+        scene.run(&gpu, &params, &[step], &ColliderPoses::default(), None, false);
         if frame % 10 == 0 && frame < 180 {
             shaken = shaken.max(mean(&scene));
         }
@@ -398,7 +427,7 @@ fn absurd_parameters_give_finite_positions() {
     let Some(gpu) = gpu() else { return };
     let params = SimulationParams {
         gravity: Vec3::splat(2e3),
-        wind: Vec3::X * 400.0,
+        wind: Wind::uniform(Vec3::X * 400.0),
         drag: 1e4,
         step: 0.1,
         substeps: 1,
@@ -410,7 +439,7 @@ fn absurd_parameters_give_finite_positions() {
     let mut scene = Scene::new(&gpu, &rest, Some(&grid));
     for i in 0..40 {
         let step = at(i as f32 * 1.7, 0.9);
-        scene.run(&gpu, &params, &[step], &ColliderPoses::default(), None);
+        scene.run(&gpu, &params, &[step], &ColliderPoses::default(), None, false);
     }
     assert!(scene.positions(&gpu).iter().flatten().all(|x| x.is_finite()));
 }

@@ -41,7 +41,9 @@
 //! Twist has no stiffness of its own: it is rigid.
 
 pub mod clock;
+pub mod drag;
 pub mod drape;
+mod forces;
 pub mod params;
 pub mod rest;
 mod step;
@@ -64,6 +66,7 @@ use std::sync::OnceLock;
 
 pub use clock::{Clock, Ticks};
 pub use drape::{DrapeOptions, drape};
+pub use forces::{AirUniforms, Forces};
 pub use params::{Along, Mode, SimulationParams};
 pub use rest::{GuideTraits, RestGuides, RestOptions, RestShape};
 
@@ -78,6 +81,7 @@ pub struct Simulate {
     layout: wgpu::BindGroupLayout,
     colliders: wgpu::BindGroupLayout,
     pipelines: [OnceLock<wgpu::ComputePipeline>; step::CAPACITIES.len()],
+    pub(crate) forces: forces::ForcesKernel,
 }
 
 impl Simulate {
@@ -87,6 +91,7 @@ impl Simulate {
             layout: layout(device, "simulate::step", wgpu::ShaderStages::COMPUTE, &step::BINDINGS),
             colliders: collide::layout(device),
             pipelines: Default::default(),
+            forces: forces::ForcesKernel::new(device),
         }
     }
 
@@ -164,6 +169,7 @@ impl Simulation {
                 guides.previous.as_entire_binding(),
                 guides.current.as_entire_binding(),
                 guides.velocity.as_entire_binding(),
+                guides.forces.as_entire_binding(),
             ],
         );
         Self { uniforms, group, guide_count: guides.count, vertex_count: guides.vertex_count }
@@ -190,26 +196,56 @@ impl Simulation {
         steps: &[Step],
         colliders: &ColliderSet,
     ) -> Result<()> {
+        let count = self.prepare(queue, params, steps, false)?;
+        for i in 0..count {
+            self.record_step(simulate, device, pass, colliders, i);
+        }
+        Ok(())
+    }
+
+    /// Writes the uniforms of a frame's `steps`, at most [`MAX_STEPS`], and returns how many there
+    /// are. With `forced`, [`GuideBuffers::forces`] act in
+    /// them: [`Forces::record`] belongs before each.
+    ///
+    /// # Errors
+    /// As [`record`](Self::record).
+    pub fn prepare(
+        &mut self,
+        queue: &wgpu::Queue,
+        params: &SimulationParams,
+        steps: &[Step],
+        forced: bool,
+    ) -> Result<u32> {
         params.check()?;
         let steps = &steps[steps.len().saturating_sub(MAX_STEPS as usize)..];
         if steps.is_empty() || self.guide_count == 0 {
-            return Ok(());
+            return Ok(0);
         }
         let mut bytes = vec![0u8; STRIDE as usize * steps.len()];
         let slots = bytes.as_chunks_mut::<{ STRIDE as usize }>().0;
         for (i, (step, slot)) in steps.iter().zip(slots).enumerate() {
-            let uniforms = self.uniforms(params, step, i as u32);
+            let mut uniforms = self.uniforms(params, step, i as u32);
+            uniforms.forced = forced.into();
             slot[..size_of::<StepUniforms>()].copy_from_slice(bytemuck::bytes_of(&uniforms));
         }
         queue.write_buffer(&self.uniforms, 0, &bytes);
+        Ok(steps.len() as u32)
+    }
+
+    /// Records step `i` of those that [`prepare`](Self::prepare) wrote.
+    pub fn record_step(
+        &self,
+        simulate: &Simulate,
+        device: &wgpu::Device,
+        pass: &mut wgpu::ComputePass<'_>,
+        colliders: &ColliderSet,
+        i: u32,
+    ) {
         pass.set_pipeline(simulate.pipeline(device, self.vertex_count));
         pass.set_bind_group(1, colliders.group(), &[]);
         let groups = self.guide_count.div_ceil(crate::constants::GUIDE_WORKGROUP);
-        for i in 0..steps.len() as u32 {
-            pass.set_bind_group(0, &self.group, &[i * STRIDE as u32]);
-            pass.dispatch_workgroups(groups.min(65_535), groups.div_ceil(65_535), 1);
-        }
-        Ok(())
+        pass.set_bind_group(0, &self.group, &[i * STRIDE as u32]);
+        pass.dispatch_workgroups(groups.min(65_535), groups.div_ceil(65_535), 1);
     }
 
     /// The uniforms of the frame's `i`th step.

@@ -1,6 +1,6 @@
 //! What a user sets, in SI units, and what one fixed step of the GPU reads.
 
-use crate::{Error, Pose, Result};
+use crate::{Error, Pose, Result, volume::HairHair, wind::Wind};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -42,13 +42,17 @@ pub struct SimulationParams {
     /// rate: of 3, a tenth is left after 1.5 s. A single hair in open air has more, a hair inside a
     /// lock less.
     pub drag: f32,
-    /// Velocity of the air, m/s.
-    pub wind: Vec3,
+    /// Diameter of a hair, metres: what the air pushes against.
+    pub diameter: f32,
+    /// What the air does.
+    pub wind: Wind,
     /// Coulomb's coefficient between hair and colliders.
     pub friction: f32,
     /// How much a strand that hangs by its root is stretched by gravity: the elasticity along the
     /// hair follows from it. Real hair has about 1e-6, which single precision cannot hold.
     pub stretch: f32,
+    /// What hairs do to each other.
+    pub hair_hair: HairHair,
     /// Length of one fixed step, s.
     pub step: f32,
     /// Implicit solves per fixed step.
@@ -64,9 +68,11 @@ impl Default for SimulationParams {
             goal: Along { root: 120.0, tip: 0.0, falloff: 0.12 },
             bending_damping: 0.002,
             drag: 3.0,
-            wind: Vec3::ZERO,
+            diameter: 80e-6,
+            wind: Wind::default(),
             friction: 0.4,
             stretch: 5e-4,
+            hair_hair: HairHair::default(),
             step: 1.0 / 60.0,
             substeps: 4,
         }
@@ -101,13 +107,8 @@ impl SimulationParams {
         };
         let acceleration = self.gravity.abs().max_element() + self.gravity.length();
         test("gravity", acceleration, 0.0, 1e4, "finite and below 5,000 m/s²")?;
-        test(
-            "wind",
-            self.wind.abs().max_element() + self.wind.length(),
-            0.0,
-            1e3,
-            "finite and below 500 m/s",
-        )?;
+        self.wind.check()?;
+        test("hair diameter", self.diameter, 1e-6, 1e-2, "from 1e-6 to 0.01 m")?;
         test("line density", self.line_density, 1e-9, 1.0, "from 1e-9 to 1 kg/m")?;
         for (name, along, most) in
             [("bending stiffness", self.bending, 1.0), ("goal stiffness", self.goal, 1e7)]
@@ -127,13 +128,15 @@ impl SimulationParams {
         test("drag", self.drag, 0.0, 1e4, "from 0 to 1e4 1/s")?;
         test("friction", self.friction, 0.0, 100.0, "from 0 to 100")?;
         test("stretch", self.stretch, 1e-5, 0.1, "from 1e-5 to 0.1")?;
+        self.hair_hair.check()?;
         test("step", self.step, 1e-4, 0.1, "from 0.0001 to 0.1 s")?;
         test("substeps", self.substeps as f32, 1.0, MAX_SUBSTEPS as f32, "from 1 to 32")
     }
 
     /// Bending rate (1/s², per unit of vertex weight) at vertex `j` of a guide with stiffness factor
-    /// `factor` and mean edge length `edge`, between the rest edges `before` and `next`.
-    pub(crate) fn bending_rate(&self, j: usize, factor: f32, edge: f32, before: Vec3, next: Vec3) -> f32 {
+    /// `factor` and mean edge length `edge`, between the rest edges `before` and `next` (metres): the
+    /// bend's energy per line density and edge is half of it times the square of its deviation.
+    pub fn bending_rate(&self, j: usize, factor: f32, edge: f32, before: Vec3, next: Vec3) -> f32 {
         let square = edge * edge;
         let bare = factor * self.bending.at(j as f32 * edge) / (self.line_density * square * square);
         bending_rate(bare, j, before, next, self.step / self.substeps.max(1) as f32)
@@ -192,7 +195,7 @@ pub struct StepUniforms {
     pub gravity: Vec3,
     /// 1/s.
     pub drag: f32,
-    /// m/s.
+    /// Velocity of the air, m/s, where it is the same everywhere.
     pub wind: Vec3,
     /// Coulomb's coefficient.
     pub friction: f32,
@@ -223,12 +226,12 @@ pub struct StepUniforms {
     pub one: u32,
     /// The moment of the colliders (see [`crate::collide`]) at which the step begins.
     pub moment: u32,
+    /// 1 when [`crate::strands::GuideBuffers::forces`] act.
+    pub forced: u32,
     /// Unused.
     pub _pad_a: u32,
     /// Unused.
     pub _pad_b: u32,
-    /// Unused.
-    pub _pad_c: u32,
 }
 
 impl StepUniforms {
@@ -251,7 +254,7 @@ impl StepUniforms {
             substeps: params.substeps.clamp(1, MAX_SUBSTEPS),
             gravity: params.gravity,
             drag: params.drag,
-            wind: params.wind,
+            wind: if params.wind.blows() { Vec3::ZERO } else { params.wind.velocity },
             friction: params.friction,
             bending_root: params.bending.root / params.line_density,
             bending_tip: params.bending.tip / params.line_density,

@@ -1,7 +1,7 @@
 //! The scalar twin of `step.wesl`: the same operations in the same order, on one strand.
 
 use super::params::{BRAKE, Mode, StepUniforms, bending_rate};
-use crate::strands::{Guide, GuideRest, GuideShape, guide::TIP_PINNED};
+use crate::strands::{Guide, GuideForce, GuideRest, GuideShape, guide::TIP_PINNED};
 use crate::{
     Pose,
     collide::{Collider, FieldVolume, Shape, shape},
@@ -18,7 +18,7 @@ const CONTACT: f32 = 30.0;
 const PUSH_OUT: f32 = 0.5;
 /// Slip per substep below which friction is proportional to it, metres.
 const STICK: f32 = 1e-6;
-/// No edge is longer than this times its rest length after a step.
+/// No edge is longer than this times its rest length after a step, nor shorter by as much.
 const MAX_STRAIN: f32 = 1.008;
 /// Edges shorter than this part of the mean edge are not divided by.
 const LEAST_EDGE: f32 = 0.05;
@@ -34,6 +34,7 @@ pub(crate) struct Strand {
     pub previous: Vec<Vec3>,
     pub current: Vec<Vec3>,
     pub velocity: Vec<Vec3>,
+    pub forces: Vec<GuideForce>,
 }
 
 /// What strands collide with.
@@ -91,6 +92,7 @@ impl Strand {
             shape,
             previous: current.clone(),
             velocity: vec![Vec3::ZERO; current.len()],
+            forces: vec![GuideForce::default(); current.len()],
             current,
         }
     }
@@ -192,6 +194,13 @@ impl Strand {
                 let mut m = Mat3::from_diagonal(Vec3::splat(1.0 / (h * h) + u.drag / h + kg));
                 let mut f = u.gravity + (u.wind - v[i]) * u.drag + (goal - y) * kg;
                 self.contacts(u, obstacles, i, moment, origin, y - v[i] * h, y, &mut m, &mut f);
+                if u.forced == 1 {
+                    let force = self.forces[i].unpack();
+                    let tangent = force.tangent;
+                    m += Mat3::from_diagonal(Vec3::splat(force.rate / h))
+                        + outer(tangent, tangent) * (force.along / h);
+                    f += force.acceleration - v[i] * force.rate - tangent * (force.along * tangent.dot(v[i]));
+                }
                 let weight = if tip { 0.5 } else { 1.0 };
                 // The edge as a spring.
                 let e_next = y - p[j];
@@ -280,11 +289,12 @@ impl Strand {
         }
     }
 
-    /// The edge from vertex `j`, shortened when it is too long.
+    /// The edge from vertex `j`, made shorter or longer when it is too far from its rest length.
     fn guard(&self, j: usize, e: Vec3) -> Vec3 {
-        let most = MAX_STRAIN * self.shape[j].length;
+        let l0 = self.shape[j].length;
         let length = e.length();
-        if length > most { e * (most / length) } else { e }
+        let right = length.max((2.0 - MAX_STRAIN) * l0).min(MAX_STRAIN * l0);
+        if right != length && length > 1e-9 { e * (right / length) } else { e }
     }
 
     fn reset(&mut self, u: &StepUniforms) {

@@ -3,7 +3,7 @@
 use crate::{gpu::Binding, shaders};
 
 /// Bindings of the kernel, in order.
-pub(crate) const BINDINGS: [Binding; 7] = [
+pub(crate) const BINDINGS: [Binding; 8] = [
     Binding::UniformDynamic,
     Binding::Storage,
     Binding::Storage,
@@ -11,6 +11,7 @@ pub(crate) const BINDINGS: [Binding; 7] = [
     Binding::StorageMut,
     Binding::StorageMut,
     Binding::StorageMut,
+    Binding::Storage,
 ];
 
 /// The vertex counts that the kernel is specialised for.

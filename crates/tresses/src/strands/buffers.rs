@@ -1,6 +1,8 @@
 //! The buffers themselves: sizes checked against the adapter's limits before anything is made.
 
-use super::{Guide, GuideRest, GuideSample, GuideShape, PackedRest, Strand, StrandBinding, StrandVertex};
+use super::{
+    Guide, GuideForce, GuideRest, GuideSample, GuideShape, PackedRest, Strand, StrandBinding, StrandVertex,
+};
 use crate::{Error, Result};
 use wgpu::BufferUsages;
 
@@ -25,6 +27,8 @@ pub struct GuideBuffers {
     pub current: wgpu::Buffer,
     /// `vec4`: velocity after the last step (xyz), metres per second.
     pub velocity: wgpu::Buffer,
+    /// [`GuideForce`]: what acts from outside in the next step.
+    pub forces: wgpu::Buffer,
     /// [`GuideSample`], indexed `guide * sample_count + sample`.
     pub samples: wgpu::Buffer,
     /// `vec4`: rest position of each sample, groom space (xyz), indexed as `samples`.
@@ -85,6 +89,7 @@ impl GuideBuffers {
             previous: storage::<[f32; 4]>(device, "guide previous", vertices)?,
             current: storage::<[f32; 4]>(device, "guide current", vertices)?,
             velocity: storage::<[f32; 4]>(device, "guide velocity", vertices)?,
+            forces: storage::<GuideForce>(device, "guide forces", vertices)?,
             samples: storage::<GuideSample>(device, "guide samples", samples)?,
             sample_rest: storage::<[f32; 4]>(device, "guide sample rest", samples)?,
         })
@@ -99,6 +104,7 @@ impl GuideBuffers {
             &self.previous,
             &self.current,
             &self.velocity,
+            &self.forces,
             &self.samples,
             &self.sample_rest,
         ]

@@ -3,7 +3,8 @@
 //!
 //! ```text
 //! guides     rest, shape, info            written once           read by simulate, tessellate
-//!            previous, current, velocity  written by simulate    read by tessellate
+//!            previous, current, velocity  written by simulate    read by volume, tessellate
+//!            forces                       written and read by simulate
 //! samples    position + rotation          written by tessellate  read by interpolate
 //! strands    binding, rest                written once           read by interpolate
 //!            strand                       written once           read by light, draw
@@ -16,12 +17,14 @@
 
 pub mod binding;
 pub mod buffers;
+pub mod force;
 pub mod guide;
 pub mod strand;
 pub mod vertex;
 
 pub use binding::{PackedRest, StrandBinding};
 pub use buffers::{GuideBuffers, StrandBuffers};
+pub use force::{Force, GuideForce};
 pub use guide::{Guide, GuideRest, GuideSample, GuideShape};
 pub use strand::Strand;
 pub use vertex::StrandVertex;

@@ -1,0 +1,60 @@
+//! The scalar twin of `splat.wesl`: the same operations on one thread.
+
+use super::params::VolumeUniforms;
+use crate::strands::Guide;
+use glam::{IVec3, Quat, Vec3};
+
+/// As in the shaders.
+pub(super) const MAX_SPEED: f32 = 32.0;
+/// As in the shaders.
+pub(super) const MAX_DENSITY: f32 = 16.0;
+/// As in the shaders.
+pub(super) const CHANNELS: usize = 8;
+
+/// Guides as the kernel reads them, vertex-major.
+pub(super) struct Splatted<'a> {
+    pub info: &'a [Guide],
+    pub current: &'a [Vec3],
+    pub velocity: &'a [Vec3],
+    pub rested: &'a [f32],
+}
+
+/// The integers of all cells.
+pub(super) fn splat(g: &VolumeUniforms, hair: &Splatted<'_>) -> Vec<i32> {
+    let n = g.resolution as usize;
+    let mut cells = vec![0; n * n * n * CHANNELS];
+    let back = Quat::from_array(g.head).conjugate();
+    for thread in 0..g.splat_count * g.vertex_count {
+        let (vertex, guide) = (thread / g.splat_count, (thread % g.splat_count) * g.stride);
+        let at = (vertex * g.guide_count + guide) as usize;
+        let x = back * (hair.current[at] - g.head_at);
+        let v = (hair.velocity[at] - g.drift).clamp(Vec3::splat(-MAX_SPEED), Vec3::splat(MAX_SPEED));
+        let density = hair.rested[at].min(MAX_DENSITY * g.reference) / (MAX_DENSITY * g.reference);
+        let end = vertex == 0 || vertex + 1 == g.vertex_count;
+        let info = &hair.info[guide as usize];
+        let share = if end { 0.5 } else { 1.0 };
+        let weight = info.strands * info.length / (g.vertex_count - 1) as f32 * share * g.units;
+        let c = (x * g.scale + g.bias) * n as f32 - 0.5;
+        if !(c.min_element() > -1.0 && c.max_element() < n as f32 && weight > 0.0) {
+            continue;
+        }
+        let (base, f) = (c.floor().as_ivec3(), c - c.floor());
+        for corner in 0..8 {
+            let side = IVec3::new(corner & 1, corner >> 1 & 1, corner >> 2);
+            let place = base + side;
+            if place.min_element() < 0 || place.max_element() >= n as i32 {
+                continue;
+            }
+            let near = |axis: usize| if side[axis] == 1 { f[axis] } else { 1.0 - f[axis] };
+            let part = (weight * near(0) * near(1) * near(2)).round_ties_even();
+            let momentum = v * (part / MAX_SPEED);
+            let cell = (place.x as usize + n * (place.y as usize + n * place.z as usize)) * CHANNELS;
+            for axis in 0..3 {
+                cells[cell + axis] += momentum[axis].round_ties_even() as i32;
+            }
+            cells[cell + 3] += part as i32;
+            cells[cell + 4] += (part * density).round_ties_even() as i32;
+        }
+    }
+    cells
+}
