@@ -1,6 +1,7 @@
 //! The `tresses` command: grooms in, pictures of moving hair out.
 
 mod args;
+mod avoid_args;
 mod bench;
 mod camera;
 mod convert;
@@ -16,6 +17,7 @@ mod picture;
 mod progress;
 mod render;
 mod scene;
+mod wind_args;
 
 use clap::Parser;
 use std::process::ExitCode;

@@ -2,6 +2,7 @@
 
 use crate::{
     args::{self, Size, Source},
+    avoid_args::Avoid,
     camera::{Camera, View},
     debug,
     hair_hair_args::HairHairArgs,
@@ -10,6 +11,7 @@ use crate::{
     picture::{Kind, Output},
     progress, say,
     scene::{Quality, Scene},
+    wind_args::WindArgs,
 };
 use anyhow::{Result, ensure};
 use std::path::PathBuf;
@@ -24,6 +26,8 @@ pub struct Args {
     pub source: Source,
     #[command(flatten)]
     pub hair_hair: HairHairArgs,
+    #[command(flatten)]
+    pub wind: WindArgs,
     /// How the head moves: still, nod, turn, shake, or a keyframe file (.json)
     #[arg(long, value_name = "NAME", default_value = "still")]
     pub motion: String,
@@ -45,6 +49,9 @@ pub struct Args {
     /// How near: close, normal, far, or a factor
     #[arg(long, value_name = "FACTOR", default_value = "normal", value_parser = args::zoom)]
     pub zoom: f32,
+    /// What drawn strands do where they would enter the head
+    #[arg(long, value_name = "MODE", value_enum, default_value_t)]
+    pub avoid: Avoid,
     #[command(flatten)]
     pub debug: debug::DebugArgs,
     /// Where to: one .png, a folder of numbered frames, or an animation (.webp, .gif, .apng)
@@ -72,6 +79,8 @@ pub fn run(args: &Args) -> Result<()> {
     let start = progress::spinner("preparing");
     let mut scene = Scene::open(&args.source, Quality::new(args.size, args.samples))?;
     args.hair_hair.apply(scene.physics_mut());
+    args.wind.apply(scene.physics_mut());
+    scene.set_avoid(args.avoid);
     scene.show(&args.debug)?;
     start.finish_and_clear();
     let camera = Camera::portrait(args.camera, scene.subject(), args.size.aspect(), args.zoom);

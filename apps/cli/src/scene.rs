@@ -2,6 +2,7 @@
 
 use crate::{
     args::{Color, Size, Source},
+    avoid_args::Avoid,
     camera::{self, Bounds, Camera},
     debug::{self, Debug},
     load::{self, Character},
@@ -184,6 +185,11 @@ impl Scene {
         let (samples, ssaa) = (self.targets.samples, self.targets.ssaa);
         self.targets = Targets::new(&self.gpu.device, size.width, size.height, samples, ssaa)?;
         Ok(())
+    }
+
+    /// What drawn strands do where they would enter the head, from here on.
+    pub fn set_avoid(&mut self, avoid: Avoid) {
+        self.hair.avoidance.options.mode = avoid.into();
     }
 
     /// The hair at rest on a head at `pose`.

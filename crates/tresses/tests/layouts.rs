@@ -174,12 +174,35 @@ fn interpolate() {
         wgsl_layout("StrandBinding"),
         rust_layout!(StrandBinding { origin, extent, guides, weight_b, scale, weight_c })
     );
-    assert_eq!(wgsl_layout("PackedRest"), rust_layout!(PackedRest { xy, z_radius }));
+    assert_eq!(wgsl_layout("PackedRest"), rust_layout!(PackedRest { xy, z_radius_sunk }));
     assert_eq!(wgsl_layout("StrandVertex"), rust_layout!(StrandVertex { position, tangent }));
     assert_eq!(wgsl_layout("Strand"), rust_layout!(Strand { radius, seed, root_color, tip_color }));
     assert_eq!(
         wgsl_layout("InterpolateParams"),
-        rust_layout!(InterpolateParams { clearance, strand_count, vertex_count, sample_count })
+        rust_layout!(InterpolateParams { strand_count, vertex_count, sample_count, _pad })
+    );
+}
+
+#[test]
+fn avoid() {
+    use tresses::avoid::{AvoidParams, StrandState};
+    assert_eq!(wgsl_layout("StrandState"), rust_layout!(StrandState { hit, amount, at, hit_before }));
+    assert_eq!(
+        wgsl_layout("AvoidParams"),
+        rust_layout!(AvoidParams {
+            clearance,
+            tolerance,
+            zone,
+            tightness,
+            strand_count,
+            vertex_count,
+            sample_count,
+            _pad,
+            keep,
+            rise,
+            fall,
+            shift,
+        })
     );
 }
 

@@ -23,6 +23,10 @@ pub enum Binding {
     Depth,
     /// `texture_storage_3d<rgba16float, write>`.
     Write3d,
+    /// `texture_3d<f32>` of any format, read texel by texel.
+    Texels3d,
+    /// `texture_storage_3d<rgba32float, write>`.
+    WriteFull3d,
     /// `texture_depth_2d_array`.
     DepthArray,
     /// `sampler` that filters.
@@ -55,6 +59,14 @@ impl Binding {
             Self::Write3d => BindingType::StorageTexture {
                 access: wgpu::StorageTextureAccess::WriteOnly,
                 format: wgpu::TextureFormat::Rgba16Float,
+                view_dimension: TextureViewDimension::D3,
+            },
+            Self::Texels3d => {
+                texture(TextureSampleType::Float { filterable: false }, TextureViewDimension::D3, false)
+            }
+            Self::WriteFull3d => BindingType::StorageTexture {
+                access: wgpu::StorageTextureAccess::WriteOnly,
+                format: wgpu::TextureFormat::Rgba32Float,
                 view_dimension: TextureViewDimension::D3,
             },
             Self::DepthArray => texture(TextureSampleType::Depth, TextureViewDimension::D2Array, false),
