@@ -21,6 +21,7 @@ use tresses::{
     groom::mesh::sdf::{self, SdfOptions},
     simulate::SimulationParams,
     volume::{HairHair, VolumeOptions},
+    wind::Wind,
 };
 
 /// Guides of the measured hair.
@@ -35,8 +36,10 @@ const FPS: f64 = 60.0;
 const BUILDS: usize = 3;
 /// Milliseconds.
 const LONG: f64 = 5000.0;
+/// The wind that blows where one does, m/s: a fresh breeze from the front.
+const WIND: Vec3 = Vec3::new(0.0, 0.0, -8.0);
 /// Variants that are measured.
-pub const RUNS: u64 = 5;
+pub const RUNS: u64 = 6;
 
 /// How the parts of the simulation compare.
 #[derive(Debug, Default, Serialize)]
@@ -241,21 +244,32 @@ pub fn measure(frames: u32, bar: &ProgressBar) -> Result<(Costs, Adapter)> {
         colliders: Vec::new(),
     };
     let mut variants = [(); RUNS as usize].map(|()| alone.clone());
-    for (variant, resolution) in variants[1..3].iter_mut().zip([32, 64]) {
+    let [_, dense, denser, windy, one, many] = &mut variants;
+    for (variant, resolution) in [(dense, 32), (denser, 64)] {
         variant.options.volume = VolumeOptions { resolution, ..variant.options.volume };
         variant.physics.hair_hair = HairHair::default();
     }
-    for (variant, count) in variants[3..5].iter_mut().zip([1, 64]) {
+    // The air needs to know where hair is: with the density, as in a picture.
+    windy.physics.hair_hair = HairHair::default();
+    windy.physics.wind = Wind { cells: 32, ..Wind::new(WIND) };
+    for (variant, count) in [(one, 1), (many, 64)] {
         variant.colliders = rig.capsules(count);
     }
     let rows = rig.run(&variants, bar)?;
-    let solve = costs.part("the guides' own solve", rows[0].sum(&["simulate"]));
-    let density = costs.part("density, 32³", rows[1].sum(&["volume"]));
-    costs.part("density, 64³", rows[2].sum(&["volume"]));
-    costs.limit("density at 32³ / the guides' own solve", density, solve, 1.0);
-    costs.part("interpolation", rows[0].sum(&["interpolate"]));
-    let one = costs.part("solve with 1 capsule", rows[3].sum(&["simulate"]));
-    let many = costs.part("solve with 64 capsules", rows[4].sum(&["simulate"]));
+    let [alone, dense, denser, windy, one, many] = &rows[..] else { unreachable!("a row per variant") };
+    let simulate = ["simulate"];
+    let solve = costs.part("the guides' own solve", alone.sum(&simulate));
+    costs.part("density, 32³", dense.sum(&["volume"]));
+    costs.part("density, 64³", denser.sum(&["volume"]));
+    costs.part("wind, 32³", windy.sum(&["wind"]));
+    let air = costs.part("density and wind, 32³", windy.sum(&["volume", "wind"]));
+    costs.limit("density and wind at 32³ / the guides' own solve", air, solve, 1.0);
+    costs.part("solve with what density and wind do to it", windy.sum(&simulate));
+    let interpolate = costs.part("interpolation", alone.sum(&["interpolate"]));
+    let avoid = costs.part("avoidance", alone.sum(&["avoid"]));
+    costs.limit("avoidance / interpolation", avoid, interpolate, 1.0);
+    let one = costs.part("solve with 1 capsule", one.sum(&simulate));
+    let many = costs.part("solve with 64 capsules", many.sum(&simulate));
     costs.limit("solve with 64 capsules / with 1", many, one, 2.0);
 
     for resolution in [64, 128] {
