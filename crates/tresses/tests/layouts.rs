@@ -110,7 +110,7 @@ fn volume() {
             friction,
             limit,
             fixed_push,
-            _pad,
+            moment,
         })
     );
 }

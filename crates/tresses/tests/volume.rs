@@ -7,11 +7,12 @@ mod common;
 use std::collections::HashMap;
 use tresses::{
     Hair, HairOptions, HairRenderer, Pose,
+    collide::ColliderPoses,
     frame::{Frame, Recorder},
     glam::{IVec3, Quat, Vec3},
     gpu::{Gpu, readback},
     groom::styles::{self, Character, Style},
-    simulate::{ColliderPoses, SimulationParams},
+    simulate::SimulationParams,
     strands::StrandVertex,
     volume::{HairHair, HairHairMode},
 };

@@ -44,9 +44,10 @@ mod reference;
 
 use crate::{
     Error, Pose, Result,
+    collide::{self, ColliderSet},
     constants::VOLUME_WORKGROUP,
     gpu::{Binding, Kernel, bindings},
-    simulate::{MAX_STEPS, RestGuides, Step, params::Mode},
+    simulate::{MAX_STEPS, RestGuides, SimulationParams, Step, params::Mode},
     strands::{GuideBuffers, buffers::storage},
 };
 use glam::Vec3;
@@ -67,6 +68,7 @@ const TOTAL_UNITS: f64 = (1u64 << 30) as f64;
 /// The pipelines of the stage.
 #[derive(Debug)]
 pub struct VolumeStage {
+    obstacles: Kernel,
     splat: Kernel,
     sum: Kernel,
     blur: Kernel,
@@ -80,7 +82,9 @@ impl VolumeStage {
     pub fn new(device: &wgpu::Device) -> Self {
         use Binding::{Storage as Read, StorageMut as Write, UniformDynamic as Uniform, Write3d};
         let kernel = |name, entries: &[Binding]| Kernel::new(device, name, entries);
+        let colliders = collide::layout(device);
         Self {
+            obstacles: Kernel::beside(device, "volume::obstacles", &[Uniform, Write], &[&colliders]),
             splat: kernel("volume::splat", &[Uniform, Read, Read, Read, Read, Read, Write]),
             sum: kernel("volume::sum", &[Uniform, Read, Read, Write]),
             blur: kernel("volume::blur", &[Uniform, Read, Write, Write]),
@@ -131,12 +135,17 @@ pub struct Volume {
     /// What does not change from step to step.
     base: VolumeUniforms,
     modes: Vec<Mode>,
+    /// Whether the obstacles have moved when a step begins, and where relative to the head they were when
+    /// they were last put into the grid.
+    obstacles_moved: Vec<bool>,
+    obstacles_at: Option<Vec<Pose>>,
     /// The blur for which the rest density was computed, if it was, and the one asked for.
     rest_blur: (Option<u32>, u32),
 }
 
 #[derive(Debug)]
 struct Groups {
+    obstacles: wgpu::BindGroup,
     splat: wgpu::BindGroup,
     sum: wgpu::BindGroup,
     blur: wgpu::BindGroup,
@@ -202,6 +211,7 @@ impl Volume {
         let step = || slot(&uniforms);
         let view = wgpu::BindingResource::TextureView;
         let groups = Groups {
+            obstacles: stage.obstacles.bind(device, &[step(), obstacles.as_entire_binding()]),
             splat: stage.splat.bind(
                 device,
                 &[
@@ -270,6 +280,8 @@ impl Volume {
             groups,
             base,
             modes: Vec::new(),
+            obstacles_moved: Vec::new(),
+            obstacles_at: None,
             rest_blur: (None, 0),
         })
     }
@@ -286,11 +298,22 @@ impl Volume {
         self.base.reference
     }
 
-    /// Writes the uniforms of a frame's `steps`, at most [`MAX_STEPS`], each `h` seconds long.
-    pub fn prepare(&mut self, queue: &wgpu::Queue, params: &HairHair, steps: &[Step], h: f32) {
+    /// Writes the uniforms of a frame's `steps`, at most [`MAX_STEPS`]. `colliders` have been advanced to
+    /// the frame.
+    pub fn prepare(
+        &mut self,
+        queue: &wgpu::Queue,
+        params: &SimulationParams,
+        steps: &[Step],
+        colliders: &ColliderSet,
+    ) {
+        let h = params.step;
         let steps = &steps[steps.len().saturating_sub(MAX_STEPS as usize)..];
         self.modes = steps.iter().map(|step| step.mode).collect();
-        let base = self.with(params, h);
+        self.obstacles_moved = (0..steps.len())
+            .map(|i| self.obstacles_move(&steps[i].begin, colliders, i * params.substeps as usize))
+            .collect();
+        let base = self.with(&params.hair_hair, h);
         // The rest density holds for one blur.
         self.rest_blur.1 = base.taps[0][0].to_bits();
         let mut bytes = vec![0u8; (STRIDE * (RESTING + 1)) as usize];
@@ -300,15 +323,27 @@ impl Volume {
         };
         for (i, step) in steps.iter().enumerate() {
             let drift = (step.end.translation - step.begin.translation) / h.max(1e-6);
-            put(i, &placed(&base, &step.begin, drift));
+            let moment = i as u32 * params.substeps;
+            put(i, &VolumeUniforms { moment, ..placed(&base, &step.begin, drift) });
         }
         put(RESTING as usize, &VolumeUniforms { resting: 1, ..placed(&base, &Pose::IDENTITY, Vec3::ZERO) });
         queue.write_buffer(&self.uniforms, 0, &bytes);
     }
 
     /// Records step `i` of those that [`prepare`](Self::prepare) wrote.
-    pub fn record(&mut self, stage: &VolumeStage, pass: &mut wgpu::ComputePass<'_>, i: u32) {
+    pub fn record(
+        &mut self,
+        stage: &VolumeStage,
+        pass: &mut wgpu::ComputePass<'_>,
+        colliders: &ColliderSet,
+        i: u32,
+    ) {
         let mode = self.modes[i as usize];
+        if self.obstacles_moved[i as usize] {
+            pass.set_bind_group(1, colliders.group(), &[]);
+            let cells = self.grid.resolution.pow(3).div_ceil(VOLUME_WORKGROUP);
+            stage.obstacles.record(pass, &self.groups.obstacles, &[Self::offset(i)], cells);
+        }
         if mode == Mode::Reset || (mode == Mode::Step && self.rest_blur.0 != Some(self.rest_blur.1)) {
             self.grids(stage, pass, RESTING);
             let vertices = self.base.guide_count * self.base.vertex_count;
@@ -321,6 +356,27 @@ impl Volume {
             let cells = self.grid.resolution.pow(3).div_ceil(VOLUME_WORKGROUP);
             stage.push.record(pass, &self.groups.push, &[Self::offset(i)], cells);
         }
+    }
+
+    /// Whether any of `colliders` is elsewhere relative to the head (at `head`) at `moment` than when
+    /// they were last put into the grid; then they are taken to be put there.
+    fn obstacles_move(&mut self, head: &Pose, colliders: &ColliderSet, moment: usize) -> bool {
+        let count = colliders.len();
+        let poses = colliders.moments().get(moment * count..(moment + 1) * count).unwrap_or_default();
+        let back = head.inverse();
+        let now: Vec<_> = poses.iter().map(|pose| back.after(pose)).collect();
+        let near = |a: &Pose, b: &Pose| {
+            a.translation.distance(b.translation) < 0.01 * self.grid.cell
+                && (a.rotation.dot(b.rotation).abs() - 1.0).abs() < 1e-6
+        };
+        let same = self
+            .obstacles_at
+            .as_ref()
+            .is_some_and(|at| at.len() == now.len() && at.iter().zip(&now).all(|(a, b)| near(a, b)));
+        if !same {
+            self.obstacles_at = Some(now);
+        }
+        !same
     }
 
     /// Hair into the grid.

@@ -141,8 +141,8 @@ pub struct VolumeUniforms {
     pub limit: f32,
     /// m/s².
     pub fixed_push: f32,
-    /// Unused.
-    pub _pad: f32,
+    /// The moment of the colliders (see [`crate::collide`]) at which the step begins.
+    pub moment: u32,
 }
 
 /// The variance above which a sampled Gaussian is as good as exact, cells².
