@@ -228,7 +228,8 @@ impl Scene {
         self.record_draw(&mut encoder, None, camera);
         self.gpu.queue.submit([encoder.finish()]);
         if let Some(debug) = &mut self.debug {
-            debug.draw(&self.gpu, &self.scene, &self.targets, &self.hair, self.body.as_ref())?;
+            let (body, wind) = (self.body.as_ref(), self.physics.wind.velocity);
+            debug.draw(&self.gpu, &self.scene, &self.targets, &self.hair, body, wind)?;
         }
         let rgba = self.targets.read(&self.gpu.device, &self.gpu.queue)?;
         let [width, height] = self.targets.size;

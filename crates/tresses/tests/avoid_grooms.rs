@@ -24,12 +24,7 @@ const DEPTH: f32 = 5e-4;
 
 /// The fraction of `vertices`, in the frame of the head, that penetrates by more than `depth`. With
 /// 0: of those that rest outside, the ones that are inside.
-fn penetrating(
-    character: &Character,
-    rest: &[f32],
-    vertices: impl Iterator<Item = Vec3>,
-    depth: f32,
-) -> f32 {
+fn penetrating(character: &Character, rest: &[f32], vertices: impl Iterator<Item = Vec3>, depth: f32) -> f32 {
     let inside = |(p, rest): &(Vec3, &f32)| match depth {
         0.0 => **rest >= 0.0 && character.field.sample(*p) < 0.0,
         _ => character.field.sample(*p) < rest.min(0.0) - depth,
