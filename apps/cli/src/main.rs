@@ -1,9 +1,12 @@
 //! The `tresses` command: grooms in, pictures of moving hair out.
 
 mod args;
+mod avoid_args;
 mod bench;
 mod camera;
+mod colliders;
 mod convert;
+mod debug;
 mod demo;
 mod hair_hair_args;
 mod info;

@@ -16,6 +16,8 @@ pub mod tessellate;
 
 pub mod interpolate;
 
+pub mod avoid;
+
 pub mod light;
 
 pub mod draw;

@@ -13,6 +13,8 @@ pub enum Stage {
     Tessellate,
     /// Guides become drawn strands.
     Interpolate,
+    /// Strands that entered an obstacle leave it.
+    Avoid,
     /// Shadow maps, and shading per strand vertex.
     Light,
     /// Background, body and hair into the HDR target.
@@ -23,12 +25,13 @@ pub enum Stage {
 
 impl Stage {
     /// All stages in the order of the frame.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Volume,
         Self::Wind,
         Self::Simulate,
         Self::Tessellate,
         Self::Interpolate,
+        Self::Avoid,
         Self::Light,
         Self::Draw,
         Self::Present,
@@ -42,6 +45,7 @@ impl Stage {
             Self::Simulate => "simulate",
             Self::Tessellate => "tessellate",
             Self::Interpolate => "interpolate",
+            Self::Avoid => "avoid",
             Self::Light => "light",
             Self::Draw => "draw",
             Self::Present => "present",
@@ -55,6 +59,7 @@ impl Stage {
             Self::Wind => "cell",
             Self::Simulate | Self::Tessellate => "guide",
             Self::Interpolate => "strand",
+            Self::Avoid => "strand vertex, strand",
             Self::Light => "strand vertex",
             Self::Draw => "strip vertex and pixel",
             Self::Present => "pixel",

@@ -149,8 +149,7 @@ impl Tunnel {
             Some(value) => volume(gpu, 32, 0.6, value),
             None => volume(gpu, 1, 1.0, |_| [0.0; 4]),
         };
-        let air =
-            Air::new(&gpu.device, &gpu.queue, fluid, wind.cells, (Vec3::ZERO, 1.0), &view).unwrap();
+        let air = Air::new(&gpu.device, &gpu.queue, fluid, wind.cells, (Vec3::ZERO, 1.0), &view).unwrap();
         Some(Self {
             gpu,
             fluid,

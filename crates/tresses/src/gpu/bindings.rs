@@ -19,6 +19,8 @@ pub enum Binding {
     TextureMultisampled,
     /// `texture_3d<f32>` of a filterable format.
     Texture3d,
+    /// `texture_depth_2d`.
+    Depth,
     /// `texture_storage_3d<rgba16float, write>`.
     Write3d,
     /// `texture_3d<f32>` of any format, read texel by texel.
@@ -53,6 +55,7 @@ impl Binding {
                 texture(TextureSampleType::Float { filterable: false }, TextureViewDimension::D2, true)
             }
             Self::Texture3d => texture(filterable, TextureViewDimension::D3, false),
+            Self::Depth => texture(TextureSampleType::Depth, TextureViewDimension::D2, false),
             Self::Write3d => BindingType::StorageTexture {
                 access: wgpu::StorageTextureAccess::WriteOnly,
                 format: wgpu::TextureFormat::Rgba16Float,

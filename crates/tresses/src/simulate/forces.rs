@@ -32,10 +32,7 @@ impl ForcesKernel {
             Binding::Storage,
             Binding::Texture3d,
         ];
-        Self {
-            kernel: Kernel::new(device, "simulate::forces", &entries),
-            sampler: bindings::linear(device),
-        }
+        Self { kernel: Kernel::new(device, "simulate::forces", &entries), sampler: bindings::linear(device) }
     }
 }
 

@@ -134,8 +134,9 @@ impl SimulationParams {
     }
 
     /// Bending rate (1/s², per unit of vertex weight) at vertex `j` of a guide with stiffness factor
-    /// `factor` and mean edge length `edge`, between the rest edges `before` and `next`.
-    pub(crate) fn bending_rate(&self, j: usize, factor: f32, edge: f32, before: Vec3, next: Vec3) -> f32 {
+    /// `factor` and mean edge length `edge`, between the rest edges `before` and `next` (metres): the
+    /// bend's energy per line density and edge is half of it times the square of its deviation.
+    pub fn bending_rate(&self, j: usize, factor: f32, edge: f32, before: Vec3, next: Vec3) -> f32 {
         let square = edge * edge;
         let bare = factor * self.bending.at(j as f32 * edge) / (self.line_density * square * square);
         bending_rate(bare, j, before, next, self.step / self.substeps.max(1) as f32)

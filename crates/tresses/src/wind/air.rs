@@ -198,9 +198,7 @@ impl Air {
             )
         };
         let groups = Groups {
-            obstacles: fluid
-                .obstacles
-                .bind(device, &[step(), t(hair), sampler(), t(&solid), t(&hairs)]),
+            obstacles: fluid.obstacles.bind(device, &[step(), t(hair), sampler(), t(&solid), t(&hairs)]),
             predict: fluid.predict.bind(device, &[step(), t(&now), t(&center_view), sampler(), t(&carried)]),
             correct: fluid.correct.bind(
                 device,
@@ -290,6 +288,11 @@ impl Air {
     /// Where the air lies after step `index` of the last frame that had steps.
     pub fn place(&self, index: u32) -> AirPlace {
         self.runs.get(index as usize).map(|run| run.place).unwrap_or_default()
+    }
+
+    /// Where the air lies after the last step there was.
+    pub fn now(&self) -> AirPlace {
+        self.at()
     }
 
     /// What step `index` does.
