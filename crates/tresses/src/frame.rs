@@ -59,7 +59,7 @@ impl Recorder<'_> {
         let (renderer, device) = (self.renderer, self.device);
         for step in 0..hair.begin(device, self.queue, renderer, frame)? {
             if hair.uses_volume() {
-                self.stage(Stage::Volume, |pass| hair.volume.record(&renderer.volume, pass, step));
+                self.stage(Stage::Volume, |pass| hair.record_volume(pass, &renderer.volume, step));
             }
             if hair.uses_wind() {
                 self.stage(Stage::Wind, |pass| hair.record_wind(pass, &renderer.wind, step));

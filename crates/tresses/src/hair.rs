@@ -250,7 +250,7 @@ impl Hair {
         let steps = self.tick(queue, frame.dt, physics, &frame.head, frame.colliders)?;
         self.forced = self.windy || physics.hair_hair.mode != HairHairMode::Off;
         if self.forced {
-            self.volume.prepare(queue, &physics.hair_hair, &steps, physics.step);
+            self.volume.prepare(queue, physics, &steps, &self.colliders);
             if let Some(air) = self.air.as_mut().filter(|_| self.windy) {
                 let grid = &self.volume.grid;
                 let hair = HairGrid { bias: grid.bias, scale: grid.scale };
@@ -377,6 +377,11 @@ impl Hair {
             self.forces.record(stage, pass, i);
         }
         self.simulation.record_step(stage, device, pass, &self.colliders, i);
+    }
+
+    /// Step `i` of the grid of the hair.
+    pub(crate) fn record_volume(&mut self, pass: &mut wgpu::ComputePass<'_>, stage: &VolumeStage, i: u32) {
+        self.volume.record(stage, pass, &self.colliders, i);
     }
 
     pub(crate) fn record_tessellate(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Tessellate) {

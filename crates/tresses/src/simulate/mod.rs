@@ -224,8 +224,7 @@ impl Simulation {
         let mut bytes = vec![0u8; STRIDE as usize * steps.len()];
         let slots = bytes.as_chunks_mut::<{ STRIDE as usize }>().0;
         for (i, (step, slot)) in steps.iter().zip(slots).enumerate() {
-            let mut uniforms = self.uniforms(params, step, i as u32);
-            uniforms.forced = forced.into();
+            let uniforms = StepUniforms { forced: forced.into(), ..self.uniforms(params, step, i as u32) };
             slot[..size_of::<StepUniforms>()].copy_from_slice(bytemuck::bytes_of(&uniforms));
         }
         queue.write_buffer(&self.uniforms, 0, &bytes);

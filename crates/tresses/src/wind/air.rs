@@ -193,9 +193,7 @@ impl Air {
             )
         };
         let groups = Groups {
-            obstacles: fluid
-                .obstacles
-                .bind(device, &[step(), t(hair), sampler(), t(&solid), t(&hairs)]),
+            obstacles: fluid.obstacles.bind(device, &[step(), t(hair), sampler(), t(&solid), t(&hairs)]),
             predict: fluid.predict.bind(device, &[step(), t(&now), t(&center_view), sampler(), t(&carried)]),
             correct: fluid.correct.bind(
                 device,
@@ -284,6 +282,11 @@ impl Air {
     /// Where the air lies after step `index` of the last frame that had steps.
     pub fn place(&self, index: u32) -> AirPlace {
         self.runs.get(index as usize).map(|run| run.place).unwrap_or_default()
+    }
+
+    /// Where the air lies after the last step there was.
+    pub fn now(&self) -> AirPlace {
+        self.at()
     }
 
     /// What step `index` does.
@@ -378,7 +381,7 @@ impl Air {
 const OVER_RELAXATION: f32 = 1.5;
 
 /// Sweeps of a step with 32 cells along an axis.
-const SWEEPS: usize = 8;
+const SWEEPS: usize = 12;
 /// Cells that the air may pass at once.
 const MAX_REACH: f32 = 6.0;
 /// In how many parts a step is computed at most.
