@@ -148,7 +148,7 @@ impl Plan {
 impl FieldBuilder {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
-        use Binding::{Storage, StorageMut, Write3d, Uniform};
+        use Binding::{Storage, StorageMut, Uniform, Write3d};
         let kernel = |module, own: &[Binding]| {
             Kernel::new(device, module, &[&[Uniform, Storage, Storage], own].concat())
         };
