@@ -2,13 +2,13 @@
 
 use crate::args::{Guides, Source};
 use anyhow::{Context, Result, ensure};
-use std::str::FromStr;
+use std::{fs::File, io::BufReader, path::Path, str::FromStr};
 use tresses::{
     glam::Vec3,
     gpu::Gpu,
     groom::{
         BindOptions, Groom, GuideCount, SdfGrid, Strands, TriMesh, bind,
-        grow::Growth,
+        grow::{Growth, ScalpMap},
         import,
         mesh::sdf::{self, SdfOptions},
         styles::{self, Style},
@@ -18,6 +18,9 @@ use tresses::{
 
 /// How far the joint that a head nods and turns about lies below and behind the crown, metres.
 const NECK_BELOW_CROWN: Vec3 = Vec3::new(0.0, -0.165, -0.012);
+
+/// Where the middle of the braincase lies from that joint, metres.
+const SKULL_ABOVE_NECK: Vec3 = Vec3::new(0.0, 0.075, 0.012);
 
 /// A groom on a head, in metres, not yet on the GPU.
 pub struct Character {
@@ -35,7 +38,39 @@ pub struct Character {
 
 /// Reads or grows the character that `source` names; what is grown is draped on `gpu`.
 pub fn load(source: &Source, gpu: &Gpu, simulate: &Simulate) -> Result<Character> {
-    if source.grooms.is_empty() { built_in(source, gpu, simulate) } else { imported(source) }
+    let map = source.stiffness_map.as_deref().map(stiffness_map).transpose()?;
+    let mut character =
+        if source.grooms.is_empty() { built_in(source, gpu, simulate)? } else { imported(source)? };
+    if let Some(map) = map {
+        character.groom.guides.stiffen(&map, character.neck + SKULL_ABOVE_NECK);
+    }
+    Ok(character)
+}
+
+/// The factors that the grey picture at `path` stands for.
+fn stiffness_map(path: &Path) -> Result<ScalpMap> {
+    let read = || -> Result<ScalpMap> {
+        let mut decoder = png::Decoder::new(BufReader::new(File::open(path)?));
+        decoder.set_transformations(png::Transformations::normalize_to_color8());
+        let mut reader = decoder.read_info()?;
+        let size = reader.output_buffer_size().context("the picture is too large")?;
+        let mut bytes = vec![0; size];
+        let info = reader.next_frame(&mut bytes)?;
+        let (width, height) = (info.width as usize, info.height as usize);
+        // The mean of the colours, without alpha.
+        let colors = if info.color_type.samples() < 3 { 1 } else { 3 };
+        let grey = |pixel: &[u8]| pixel[..colors].iter().map(|v| f32::from(*v)).sum::<f32>() / colors as f32;
+        let factor = |grey: f32| 4f32.powf(2.0 * grey / 255.0 - 1.0);
+        // Pictures start at the top, scalp maps at the back of the head.
+        let rows = bytes[..info.buffer_size()].chunks_exact(info.line_size).rev();
+        let values = rows.flat_map(|row| {
+            row[..width * info.color_type.samples()]
+                .chunks_exact(info.color_type.samples())
+                .map(|pixel| factor(grey(pixel)))
+        });
+        Ok(ScalpMap::new(width, height, values.collect())?)
+    };
+    read().with_context(|| path.display().to_string())
 }
 
 fn imported(source: &Source) -> Result<Character> {
@@ -57,11 +92,7 @@ fn imported(source: &Source) -> Result<Character> {
         Some(count) => thinned(&strands, count as usize),
         None => strands,
     };
-    let guides = match source.guides {
-        Some(Guides::All) => GuideCount::All,
-        Some(Guides::Count(count)) => GuideCount::Count(count),
-        None => BindOptions::default().guides,
-    };
+    let guides = source.guides.map_or(BindOptions::default().guides, count);
     let neck = neck(&strands, head.as_ref());
     let groom = bind(&strands, &BindOptions { guides, ..Default::default() })?;
     let mut notes = report.placement.doubts;
@@ -71,18 +102,43 @@ fn imported(source: &Source) -> Result<Character> {
 
 fn built_in(source: &Source, gpu: &Gpu, simulate: &Simulate) -> Result<Character> {
     let style = Style::from_str(source.style.as_deref().unwrap_or("long"))?;
-    ensure!(
-        source.guides.is_none(),
-        "--guides is for groom files; the built-in styles bring their own guides"
-    );
     let built = styles::character(&gpu.device, &gpu.queue, simulate, &style, source.strands)?;
     Ok(Character {
-        groom: built.groom,
+        groom: match source.guides {
+            None => built.groom,
+            Some(guides) => rebound(&built.groom, guides)?,
+        },
         head: Some(built.mesh),
         field: Some(built.field),
         neck: built.neck,
         notes: Vec::new(),
     })
+}
+
+/// The same strands on other guides, chosen among the strands.
+fn rebound(groom: &Groom, guides: Guides) -> Result<Groom> {
+    let mut strands = Strands::default();
+    for i in 0..groom.strands.len() {
+        let line: Vec<_> = groom.strands.rest_positions(i).collect();
+        strands.push(&line);
+    }
+    let options = BindOptions {
+        guides: count(guides),
+        guide_vertices: Some(groom.strands.vertex_count),
+        strand_vertices: Some(groom.strands.vertex_count),
+        ..Default::default()
+    };
+    let mut rebound = bind(&strands, &options)?;
+    // They look as before: width, and the seeds of what differs from strand to strand.
+    rebound.strands.strands.clone_from(&groom.strands.strands);
+    Ok(rebound)
+}
+
+fn count(guides: Guides) -> GuideCount {
+    match guides {
+        Guides::All => GuideCount::All,
+        Guides::Count(count) => GuideCount::Count(count),
+    }
 }
 
 /// How many strands of the default style make about `triangles` triangles.
@@ -126,6 +182,24 @@ fn neck(strands: &Strands, head: Option<&TriMesh>) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn grey_means_stiffness() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("map.png");
+        let mut encoder = png::Encoder::new(File::create(&path).unwrap(), 2, 2);
+        encoder.set_color(png::ColorType::Rgb);
+        let pixels = [[0u8; 3], [255; 3], [255; 3], [255; 3]];
+        encoder.write_header().unwrap().write_image_data(&pixels.concat()).unwrap();
+        let map = stiffness_map(&path).unwrap();
+        // The first pixel is at the front on the head's right.
+        assert_eq!(map.sample(tresses::glam::Vec2::new(0.0, 1.0)), 0.25);
+        assert_eq!(map.sample(tresses::glam::Vec2::new(0.0, 0.0)), 4.0);
+        assert_eq!(map.sample(tresses::glam::Vec2::new(1.0, 1.0)), 4.0);
+        std::fs::write(&path, "no picture").unwrap();
+        let error = format!("{:#}", stiffness_map(&path).unwrap_err());
+        assert!(error.contains("map.png") && !error.contains('\n'), "{error}");
+    }
 
     #[test]
     fn thinning_keeps_strands_whole() {

@@ -1,9 +1,11 @@
 //! The `tresses` command: grooms in, pictures of moving hair out.
 
 mod args;
+mod avoid_args;
 mod bench;
 mod camera;
 mod convert;
+mod debug;
 mod demo;
 mod hair_hair_args;
 mod info;
@@ -15,6 +17,7 @@ mod picture;
 mod progress;
 mod render;
 mod scene;
+mod wind_args;
 
 use clap::Parser;
 use std::process::ExitCode;

@@ -173,12 +173,35 @@ fn interpolate() {
         wgsl_layout("StrandBinding"),
         rust_layout!(StrandBinding { origin, extent, guides, weight_b, scale, weight_c })
     );
-    assert_eq!(wgsl_layout("PackedRest"), rust_layout!(PackedRest { xy, z_radius }));
+    assert_eq!(wgsl_layout("PackedRest"), rust_layout!(PackedRest { xy, z_radius_sunk }));
     assert_eq!(wgsl_layout("StrandVertex"), rust_layout!(StrandVertex { position, tangent }));
     assert_eq!(wgsl_layout("Strand"), rust_layout!(Strand { radius, seed, root_color, tip_color }));
     assert_eq!(
         wgsl_layout("InterpolateParams"),
-        rust_layout!(InterpolateParams { clearance, strand_count, vertex_count, sample_count })
+        rust_layout!(InterpolateParams { strand_count, vertex_count, sample_count, _pad })
+    );
+}
+
+#[test]
+fn avoid() {
+    use tresses::avoid::{AvoidParams, StrandState};
+    assert_eq!(wgsl_layout("StrandState"), rust_layout!(StrandState { hit, amount, at, hit_before }));
+    assert_eq!(
+        wgsl_layout("AvoidParams"),
+        rust_layout!(AvoidParams {
+            clearance,
+            tolerance,
+            zone,
+            tightness,
+            strand_count,
+            vertex_count,
+            sample_count,
+            _pad,
+            keep,
+            rise,
+            fall,
+            shift,
+        })
     );
 }
 
@@ -277,6 +300,26 @@ fn present() {
         encode,
     });
     assert_eq!(wgsl_layout("PresentUniform"), rust);
+}
+
+#[test]
+fn debug_views() {
+    use tresses::draw::debug::{
+        ArrowsUniform, GridUniform, GuidesUniform, LinePoint, LinesUniform, PaintUniform, SliceUniform,
+        StreamsUniform,
+    };
+    let paint = rust_layout!(PaintUniform { inverse, low, high, opacity, encode });
+    assert_eq!(wgsl_layout("PaintUniform"), paint);
+    let grid = rust_layout!(GridUniform { rotation, translation, quantity, scale, turns, bias, _pad });
+    assert_eq!(wgsl_layout("GridUniform"), grid);
+    assert_eq!(wgsl_layout("SliceUniform"), rust_layout!(SliceUniform { at, panels, panel }));
+    assert_eq!(wgsl_layout("LinePoint"), rust_layout!(LinePoint { position, value, width, alpha, _pad }));
+    assert_eq!(wgsl_layout("LinesUniform"), rust_layout!(LinesUniform { points, rim, _pad }));
+    let arrows = rust_layout!(ArrowsUniform { first, seconds, step, longest, count, least });
+    assert_eq!(wgsl_layout("ArrowsUniform"), arrows);
+    assert_eq!(wgsl_layout("StreamsUniform"), rust_layout!(StreamsUniform { seeds, points, step, least }));
+    let guides = rust_layout!(GuidesUniform { count, vertex_count, sample_count, quantity });
+    assert_eq!(wgsl_layout("GuidesUniform"), guides);
 }
 
 #[test]

@@ -86,12 +86,7 @@ impl ColliderSet {
         });
         let most = u64::from(MAX_STEPS * MAX_SUBSTEPS + 2) * count.max(1) as u64;
         let places = storage::<Place>(device, "collider places", most + 1)?;
-        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("collider fields"),
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            ..Default::default()
-        });
+        let sampler = bindings::linear(device);
         let group = bindings::group(
             device,
             "colliders",

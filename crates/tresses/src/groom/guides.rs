@@ -1,6 +1,6 @@
 //! Guides on the CPU: what is simulated.
 
-use super::curve;
+use super::{curve, grow::ScalpMap, styles::scalp_uv};
 use glam::Vec3;
 
 /// Guides with a fixed number of vertices each.
@@ -46,5 +46,36 @@ impl Guides {
         self.stiffness.push(stiffness);
         self.strands.push(1.0);
         self.tip_pinned.push(tip_pinned);
+    }
+
+    /// Multiplies the stiffness of every guide by what `map` has at its root, seen from the middle of
+    /// the braincase `skull` (groom space, metres; [`SKULL_CENTRE`](crate::groom::mannequin::SKULL_CENTRE)
+    /// for the built-in head). Bending and the pull to the rest pose both follow it; along the strand they
+    /// change as [`Along`](crate::simulate::Along) says. The shape at rest stays what it is.
+    pub fn stiffen(&mut self, map: &ScalpMap, skull: Vec3) {
+        let n = self.vertex_count as usize;
+        for (stiffness, guide) in self.stiffness.iter_mut().zip(self.positions.chunks_exact(n)) {
+            *stiffness *= map.sample(scalp_uv(guide[0] - skull));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_map_makes_one_side_stiffer() {
+        let mut guides = Guides::new(3);
+        for x in [-0.08f32, 0.0, 0.08] {
+            guides.push(&[Vec3::new(x, 0.05, 0.0), Vec3::new(x, 0.1, 0.0)], 2.0, false);
+        }
+        let map = ScalpMap::from_fn(64, |uv| if uv.x > 0.5 { 3.0 } else { 0.5 });
+        guides.stiffen(&map, Vec3::ZERO);
+        assert!((guides.stiffness[0] - 1.0).abs() < 1e-5 && (guides.stiffness[2] - 6.0).abs() < 1e-5);
+        assert!((1.0..=6.0).contains(&guides.stiffness[1]));
+        // The sides are those of the head, not of the picture.
+        guides.stiffen(&ScalpMap::from_fn(64, |uv| 1.0 - uv.x), Vec3::ZERO);
+        assert!(guides.stiffness[0] > 0.5 && guides.stiffness[2] < 3.0);
     }
 }

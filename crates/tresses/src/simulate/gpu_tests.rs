@@ -15,6 +15,7 @@ use crate::{
     gpu::{Gpu, Timings, readback},
     groom::SdfGrid,
     strands::{Force, GuideBuffers, GuideForce},
+    wind::Wind,
 };
 use glam::{Quat, Vec3};
 
@@ -426,7 +427,7 @@ fn absurd_parameters_give_finite_positions() {
     let Some(gpu) = gpu() else { return };
     let params = SimulationParams {
         gravity: Vec3::splat(2e3),
-        wind: Vec3::X * 400.0,
+        wind: Wind::uniform(Vec3::X * 400.0),
         drag: 1e4,
         step: 0.1,
         substeps: 1,

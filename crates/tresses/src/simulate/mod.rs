@@ -41,6 +41,7 @@
 //! Twist has no stiffness of its own: it is rigid.
 
 pub mod clock;
+pub mod drag;
 pub mod drape;
 mod forces;
 pub mod params;
@@ -65,7 +66,7 @@ use std::sync::OnceLock;
 
 pub use clock::{Clock, Ticks};
 pub use drape::{DrapeOptions, drape};
-pub use forces::Forces;
+pub use forces::{AirUniforms, Forces};
 pub use params::{Along, Mode, SimulationParams};
 pub use rest::{GuideTraits, RestGuides, RestOptions, RestShape};
 

@@ -18,7 +18,7 @@ const CONTACT: f32 = 30.0;
 const PUSH_OUT: f32 = 0.5;
 /// Slip per substep below which friction is proportional to it, metres.
 const STICK: f32 = 1e-6;
-/// No edge is longer than this times its rest length after a step.
+/// No edge is longer than this times its rest length after a step, nor shorter by as much.
 const MAX_STRAIN: f32 = 1.008;
 /// Edges shorter than this part of the mean edge are not divided by.
 const LEAST_EDGE: f32 = 0.05;
@@ -289,11 +289,12 @@ impl Strand {
         }
     }
 
-    /// The edge from vertex `j`, shortened when it is too long.
+    /// The edge from vertex `j`, made shorter or longer when it is too far from its rest length.
     fn guard(&self, j: usize, e: Vec3) -> Vec3 {
-        let most = MAX_STRAIN * self.shape[j].length;
+        let l0 = self.shape[j].length;
         let length = e.length();
-        if length > most { e * (most / length) } else { e }
+        let right = length.max((2.0 - MAX_STRAIN) * l0).min(MAX_STRAIN * l0);
+        if right != length && length > 1e-9 { e * (right / length) } else { e }
     }
 
     fn reset(&mut self, u: &StepUniforms) {

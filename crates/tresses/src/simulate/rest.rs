@@ -25,6 +25,12 @@ use glam::Vec3;
 /// The largest compensation of one bend, as a fraction of the edge (a chord of about 40 degrees).
 pub const MOST_COMPENSATION: f32 = 0.7;
 
+/// The compensation up to which a bend comes back by itself when hair is shaken.
+pub const EASY_COMPENSATION: f32 = 0.35;
+
+/// By how much the stiffness of a guide is raised at most, see [`support`].
+pub const MOST_SUPPORT: f32 = 20.0;
+
 /// What the authored pose means.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RestShape {
@@ -155,12 +161,15 @@ pub fn guides(
     };
     for (g, guide) in positions.chunks_exact(n).enumerate() {
         let traits = traits.get(g).copied().unwrap_or_default();
-        let info = Guide {
+        let mut info = Guide {
             length: guide.windows(2).map(|w| w[0].distance(w[1])).sum(),
             stiffness: if traits.stiffness.is_finite() { traits.stiffness.clamp(0.0, 1e3) } else { 1.0 },
             strands: traits.strands,
             flags: if traits.tip_pinned { TIP_PINNED } else { 0 },
         };
+        if options.shape == RestShape::SagFree {
+            info.stiffness *= support(guide, &info, params);
+        }
         for (i, (shape, position)) in shape(guide, &info, params, options.shape).iter().zip(guide).enumerate()
         {
             // Rounding to half floats and to texels must not make a contact of the rest pose.
@@ -183,33 +192,112 @@ pub(crate) fn shape(p: &[Vec3], info: &Guide, params: &SimulationParams, mode: R
             length: if i + 1 < n { edge_of(i).length() } else { 0.0 },
         })
         .collect();
-    if mode == RestShape::Natural || n < 3 {
-        return out;
+    if mode == RestShape::SagFree {
+        compensate(p, info, params, |i, s, shortened| {
+            let most = edge_of(i).length();
+            out[i].curvature -= s.clamp_length_max(MOST_COMPENSATION * most);
+            out[i].length -= shortened.clamp(-0.05 * most, 0.05 * most);
+        });
+    }
+    out
+}
+
+/// Walks from tip to root and calls `each` with what the bend and the edge at a vertex must give way
+/// to carry all that hangs from it, metres.
+fn compensate(p: &[Vec3], info: &Guide, params: &SimulationParams, mut each: impl FnMut(usize, Vec3, f32)) {
+    let n = p.len();
+    if n < 3 {
+        return;
     }
     let edge = (info.length / (n - 1) as f32).max(1e-6);
     let stretch = params.stretch_rate(info.length, edge);
-    let weight = |i: usize| if i + 1 == n { 0.5 } else { 1.0 };
-    // A pinned tip takes half the weight: of the many equilibria, the symmetric one.
-    let pinned = info.flags & TIP_PINNED != 0;
-    let mut load = if pinned { -params.gravity * (n - 3) as f32 * 0.5 } else { Vec3::ZERO };
     let mut torque = Vec3::ZERO;
-    for i in (1..n - 1).rev() {
-        if !(pinned && i + 2 == n) {
-            load += params.gravity * weight(i + 1);
-        }
-        let e = edge_of(i);
-        let before = edge_of(i - 1);
+    for (i, load) in loads(n, info, params) {
+        let (before, e) = (p[i] - p[i - 1], p[i + 1] - p[i]);
         let dir = e.normalize_or_zero();
         let force = load - torque.cross(e) / e.length_squared().max(1e-18);
         let tension = force.dot(dir);
         let rate = params.bending_rate(i, info.stiffness, edge, before, e);
-        let s = ((force - dir * tension) / rate.max(1e-9)).clamp_length_max(MOST_COMPENSATION * e.length());
+        let whole = (force - dir * tension) / rate.max(1e-9);
+        each(i, whole, tension / stretch);
+        let s = whole.clamp_length_max(MOST_COMPENSATION * e.length());
         // What a bend and the twist from below give to the edge before, as in the step.
         torque = dir * dir.dot(torque) - rate * (e - s).cross(s);
-        out[i].curvature -= s;
-        out[i].length -= (tension / stretch).clamp(-0.05 * e.length(), 0.05 * e.length());
     }
-    out
+}
+
+/// The edges from the last to that after vertex 1, by the vertex before them, and the weight that each
+/// carries, m/s² per unit of vertex weight.
+fn loads(n: usize, info: &Guide, params: &SimulationParams) -> impl Iterator<Item = (usize, Vec3)> {
+    // A pinned tip takes half the weight: of the many equilibria, the symmetric one.
+    let pinned = info.flags & TIP_PINNED != 0;
+    let gravity = params.gravity;
+    let mut load = if pinned { -gravity * (n - 3) as f32 * 0.5 } else { Vec3::ZERO };
+    (1..n - 1).rev().map(move |i| {
+        if !(pinned && i + 2 == n) {
+            load += gravity * if i + 2 == n { 0.5 } else { 1.0 };
+        }
+        (i, load)
+    })
+}
+
+/// By how much the stiffness of a guide must be raised for its authored pose to be an equilibrium
+/// that stays: 1 where the parameters do, [`MOST_SUPPORT`] at most.
+///
+/// Hair that stands out or up is stiff, or rests on other hair; a guide alone has neither. Two things
+/// are asked of the pose. No bend needs more compensation than [`MOST_COMPENSATION`] ("feasible, or
+/// raise EI locally": the condition of sag-free rods, Hsu, Wang and others, 2022 and 2023). And the
+/// second variation of the energy, `∫ EI φ'² + (F·t) φ²` with the weight `F` below and the tangent
+/// `t`, is positive with [`MARGIN`]: for an upright hair, Greenhill's condition on its height.
+pub fn support(p: &[Vec3], info: &Guide, params: &SimulationParams) -> f32 {
+    let n = p.len();
+    if n < 3 || info.stiffness <= 0.0 || info.flags & TIP_PINNED != 0 {
+        return 1.0;
+    }
+    let edge = info.length / (n - 1) as f32;
+    let mut factor = 1.0f32;
+    for _ in 0..8 {
+        let raised = Guide { stiffness: info.stiffness * factor, ..*info };
+        let mut need = 0f32;
+        compensate(p, &raised, params, |i, s, _| {
+            let e = p[i].distance(p[i + 1]);
+            // The direction of an edge of almost no length means nothing.
+            if e > 0.05 * edge {
+                need = need.max(s.length() / (EASY_COMPENSATION * e));
+            }
+        });
+        if need <= 1.0 || factor >= MOST_SUPPORT {
+            break;
+        }
+        factor = (factor * need.clamp(1.05, 4.0)).min(MOST_SUPPORT);
+    }
+    while factor < MOST_SUPPORT && !stands(p, info, params, factor) {
+        factor = (factor * 1.1).min(MOST_SUPPORT);
+    }
+    factor
+}
+
+/// How much stiffer a guide is made than it must be in order not to topple.
+pub const MARGIN: f32 = 2.0;
+
+/// Whether the second variation is positive for the guide made `factor` times as stiff.
+fn stands(p: &[Vec3], info: &Guide, params: &SimulationParams, factor: f32) -> bool {
+    let n = p.len();
+    let edge = (info.length / (n - 1) as f32).max(1e-6);
+    // A symmetric tridiagonal matrix over the directions of the edges, eliminated from the tip.
+    let mut below = 0f32;
+    for (i, load) in loads(n, info, params) {
+        let (before, e) = (p[i] - p[i - 1], p[i + 1] - p[i]);
+        let rate = params.bending_rate(i, info.stiffness * factor / MARGIN, edge, before, e);
+        let bend = rate * e.length_squared();
+        let pivot = bend + below + load.dot(e);
+        if pivot <= 0.0 {
+            return false;
+        }
+        // What remains of this bend for the edge above.
+        below = bend - bend * bend / pivot;
+    }
+    true
 }
 
 #[cfg(test)]

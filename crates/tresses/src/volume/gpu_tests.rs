@@ -82,7 +82,7 @@ impl Scene {
         let stage = VolumeStage::new(&gpu.device);
         let simulate = Simulate::new(&gpu.device);
         let volume = Volume::new(&gpu.device, &stage, &guides, &rest, options).unwrap();
-        let forces = Forces::new(&gpu.device, &simulate, &guides, &volume);
+        let forces = Forces::new(&gpu.device, &simulate, &guides, &volume, None);
         let colliders = ColliderSet::new(&gpu.device, &gpu.queue, colliders).unwrap();
         Some(Self { gpu, stage, simulate, guides, rest, volume, forces, colliders, places: Vec::new() })
     }

@@ -124,8 +124,6 @@ pub struct Volume {
     pub push_texture: wgpu::Texture,
     /// What the excess of density does to hair: acceleration (xyz, m/s², axes of the head), 3-D, rgba16float.
     pub push: wgpu::TextureView,
-    /// Linear and clamped, for both.
-    pub sampler: wgpu::Sampler,
     uniforms: wgpu::Buffer,
     cells: wgpu::Buffer,
     obstacles: wgpu::Buffer,
@@ -203,12 +201,6 @@ impl Volume {
         };
         let (hair_texture, hair) = texture("volume hair");
         let (push_texture, push) = texture("volume push");
-        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("volume"),
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            ..Default::default()
-        });
         let uniforms = bindings::uniform(device, "volume steps", (STRIDE * (MAX_STEPS + 1)) as usize);
         let cells = storage::<i32>(device, "volume cells", n * CHANNELS)?;
         let obstacles = storage::<f32>(device, "volume obstacles", n)?;
@@ -269,7 +261,6 @@ impl Volume {
             hair,
             push_texture,
             push,
-            sampler,
             uniforms,
             cells,
             obstacles,

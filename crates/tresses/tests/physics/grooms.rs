@@ -1,0 +1,207 @@
+//! Whole grooms: what is at rest stays at rest, and what was shaken returns.
+
+use crate::lab::{Experiment, Lab, lab, length};
+use std::path::PathBuf;
+use tresses::{
+    Pose,
+    glam::{Quat, Vec3},
+    groom::{
+        BindOptions, GuideCount, SdfGrid, bind,
+        import::{self, ImportOptions},
+        mannequin,
+        mesh::sdf::{self, SdfOptions},
+        styles::{self, GUIDE_VERTICES, GridScalp, Style},
+    },
+    simulate::{Along, GuideTraits, RestShape, SimulationParams},
+};
+
+/// Guides on a head.
+pub struct Subject {
+    pub name: String,
+    pub strands: Vec<Vec<Vec3>>,
+    pub traits: Vec<GuideTraits>,
+    pub field: SdfGrid,
+    pub neck: Vec3,
+}
+
+/// A built-in style that has fallen into place.
+pub fn style(lab: &Lab, name: &str) -> Subject {
+    let scalp = GridScalp::mannequin(96);
+    let mut styled = styles::guides(&name.parse::<Style>().unwrap(), &scalp);
+    styles::settle(&lab.gpu.device, &lab.gpu.queue, &lab.simulate, &mut styled, &scalp.field).unwrap();
+    let traits = styled.stiffness.iter().map(|&stiffness| GuideTraits { stiffness, ..Default::default() });
+    Subject {
+        name: name.into(),
+        strands: styled.guides.positions.chunks(GUIDE_VERTICES).map(<[Vec3]>::to_vec).collect(),
+        traits: traits.collect(),
+        field: scalp.field,
+        neck: mannequin::NECK_JOINT,
+    }
+}
+
+/// One in 16 strands of Sintel's hair, where the files are.
+pub fn sintel() -> Option<Subject> {
+    let assets = std::env::var_os("TRESSES_ASSETS").map(PathBuf::from).filter(|f| f.is_dir())?;
+    let groom = assets.join("sintel/SintelHairOriginal-sintel_hair.16points.tfx");
+    let head = assets.join("sintel/sintel.obj");
+    let (strands, head, _) = import::read_with_head(&[groom], &[head], &ImportOptions::default()).unwrap();
+    let field = sdf::build(&head, &SdfOptions::default()).unwrap();
+    let options =
+        BindOptions { guides: GuideCount::OneIn(16), guide_vertices: Some(16), ..Default::default() };
+    let groom = bind(&strands, &options).unwrap();
+    let guides = &groom.guides;
+    Some(Subject {
+        name: "Sintel".into(),
+        strands: (0..guides.len()).map(|i| guides.guide(i).to_vec()).collect(),
+        traits: (0..guides.len())
+            .map(|i| GuideTraits { stiffness: guides.stiffness[i], ..Default::default() })
+            .collect(),
+        field,
+        neck: Vec3::ZERO,
+    })
+}
+
+impl Subject {
+    pub fn experiment(&self, lab: &'static Lab) -> Experiment {
+        let params = SimulationParams::default();
+        Experiment::new(lab, &self.strands, &self.traits, params, RestShape::SagFree, Some(&self.field))
+    }
+}
+
+/// How far each tip is from its rest, as a fraction of its strand's length, smallest first.
+fn away(e: &Experiment, head: &Pose) -> Vec<f32> {
+    let mut away: Vec<f32> = e
+        .positions()
+        .iter()
+        .zip(&e.at_rest())
+        .map(|(now, rest)| now[e.n - 1].distance(head.point(rest[e.n - 1])) / length(rest))
+        .collect();
+    away.sort_by(f32::total_cmp);
+    away
+}
+
+fn report(what: &str, away: &[f32]) {
+    let n = away.len();
+    let at = |q: f32| away[((n - 1) as f32 * q) as usize] * 100.0;
+    let over = |x: f32| away.iter().filter(|a| **a > x).count();
+    println!(
+        "{what}: mean {:.2} % median {:.2} p90 {:.2} p99 {:.2} max {:.2}; over 1 %: {} over 5 %: {} of {n}",
+        away.iter().sum::<f32>() / n as f32 * 100.0,
+        at(0.5),
+        at(0.9),
+        at(0.99),
+        at(1.0),
+        over(0.01),
+        over(0.05)
+    );
+}
+
+/// A head that is shaken and held still.
+fn shake(neck: Vec3) -> impl Fn(f32) -> Pose {
+    let keys = [(0.0, 0.0), (0.2, 30.0), (0.5, -30.0), (0.8, 30.0), (1.1, -30.0), (1.3, 0.0), (9.0, 0.0f32)];
+    move |t: f32| {
+        let i = keys.iter().rposition(|k| k.0 <= t).unwrap().min(keys.len() - 2);
+        let (a, b) = (keys[i], keys[i + 1]);
+        let x = ((t - a.0) / (b.0 - a.0)).clamp(0.0, 1.0);
+        let x = x * x * x * (10.0 - 15.0 * x + 6.0 * x * x);
+        Pose::about(neck, Quat::from_rotation_y((a.1 + (b.1 - a.1) * x).to_radians()))
+    }
+}
+
+#[test]
+fn measure2() {
+    let Some(lab) = lab() else { return };
+    for s in Style::NAMES.map(|name| Some(style(lab, name))).into_iter().chain([sintel()]).flatten() {
+        let params = SimulationParams::default();
+        let mut e = Experiment::new(lab, &s.strands, &s.traits, params, RestShape::SagFree, Some(&s.field));
+        let mut f: Vec<f32> =
+            e.rest.info.iter().zip(&s.traits).map(|(i, t)| i.stiffness / t.stiffness).collect();
+        f.sort_by(f32::total_cmp);
+        println!(
+            "drift factor {:?} raised {}",
+            [50, 70, 80, 90, 95, 99].map(|q| f[f.len() * q / 100]),
+            f.iter().filter(|f| **f > 1.0).count()
+        );
+        e.moved(3.3, shake(s.neck));
+        report(&format!("{} 2 s after shake", s.name), &away(&e, &Pose::IDENTITY));
+    }
+}
+#[test]
+fn measure() {
+    let Some(lab) = lab() else { return };
+    let Some(assets) = std::env::var_os("TRESSES_ASSETS").map(PathBuf::from) else { return };
+    for (name, files) in [
+        ("cyhair", &["cyhair_straight/straight.hair"][..]),
+        ("lite21", &["sintel_lite21/GEO-sintel_hair_emit.001-sintel_hair.tfx"]),
+        (
+            "tressfx2",
+            &[
+                "tressfx2_head/hair_free_16_guide.tfx",
+                "tressfx2_head/hair_front_16_guide.tfx",
+                "tressfx2_head/hair_pulled_16_guide.tfx",
+                "tressfx2_head/hair_tail_16_guide.tfx",
+            ],
+        ),
+        (
+            "ponytail",
+            &[
+                "tressfx3_ponytail/back.tfx",
+                "tressfx3_ponytail/front_top.tfx",
+                "tressfx3_ponytail/side.tfx",
+                "tressfx3_ponytail/tail.tfx",
+            ],
+        ),
+        ("ratboy", &["tressfx4_ratboy/Ratboy_mohawk.tfx"]),
+        ("sintel", &["sintel/SintelHairOriginal-sintel_hair.16points.tfx"]),
+    ] {
+        let paths: Vec<PathBuf> = files.iter().map(|f| assets.join(f)).collect();
+        let (strands, _) = import::read(&paths, &ImportOptions::default()).unwrap();
+        for vertices in [16, 32] {
+            let options = BindOptions {
+                guides: GuideCount::Count(600),
+                guide_vertices: Some(vertices),
+                ..Default::default()
+            };
+            let groom = bind(&strands, &options).unwrap();
+            let guides = &groom.guides;
+            let strands: Vec<_> = (0..guides.len()).map(|i| guides.guide(i).to_vec()).collect();
+            let traits: Vec<_> = (0..guides.len())
+                .map(|i| GuideTraits { tip_pinned: guides.tip_pinned[i], ..Default::default() })
+                .collect();
+            let longest = strands.iter().map(|s| length(s)).fold(0.0, f32::max);
+            let mean = strands.iter().map(|s| length(s)).sum::<f32>() / strands.len() as f32;
+            let params = SimulationParams::default();
+            let mut e = Experiment::new(lab, &strands, &traits, params, RestShape::SagFree, None);
+            e.still(600);
+            let mut f: Vec<f32> =
+                e.rest.info.iter().zip(&traits).map(|(i, t)| i.stiffness / t.stiffness).collect();
+            f.sort_by(f32::total_cmp);
+            println!(
+                "drift factor {:?} raised {}",
+                [50, 70, 80, 90, 95, 99].map(|q| f[f.len() * q / 100]),
+                f.iter().filter(|f| **f > 1.0).count()
+            );
+            report(
+                &format!("{name} {vertices} drift (mean {mean:.2} m, longest {longest:.2} m)"),
+                &away(&e, &Pose::IDENTITY),
+            );
+            if vertices == 16 {
+                let mut n = 0;
+                for (g, (now, rest)) in e.positions().iter().zip(&e.at_rest()).enumerate() {
+                    let off = now[e.n - 1].distance(rest[e.n - 1]) / length(rest);
+                    if off > 0.01 && n < 6 {
+                        n += 1;
+                        println!(
+                            "drift guide {g}: {off:.2} length {:.3} root {:.3} tip at rest {:.3} now {:.3} pinned {}",
+                            length(rest),
+                            rest[0],
+                            rest[e.n - 1],
+                            now[e.n - 1],
+                            traits[g].tip_pinned
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
