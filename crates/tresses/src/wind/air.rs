@@ -284,6 +284,11 @@ impl Air {
         self.runs.get(index as usize).map(|run| run.place).unwrap_or_default()
     }
 
+    /// Where the air lies after the last step there was.
+    pub fn now(&self) -> AirPlace {
+        self.at()
+    }
+
     /// What step `index` does.
     pub(super) fn run(&self, index: u32) -> Run {
         self.runs[index as usize]
@@ -376,7 +381,7 @@ impl Air {
 const OVER_RELAXATION: f32 = 1.5;
 
 /// Sweeps of a step with 32 cells along an axis.
-const SWEEPS: usize = 8;
+const SWEEPS: usize = 12;
 /// Cells that the air may pass at once.
 const MAX_REACH: f32 = 6.0;
 /// In how many parts a step is computed at most.
