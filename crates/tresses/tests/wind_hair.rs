@@ -10,6 +10,7 @@ use tresses::{
     gpu::{Gpu, readback},
     groom::{BindOptions, Groom, GuideCount, SdfGrid, bind, styles},
     simulate::SimulationParams,
+    volume::VolumeOptions,
     wind::Wind,
 };
 
@@ -29,9 +30,12 @@ impl Stage {
         STAGE.get_or_init(new).as_ref()
     }
 
-    fn hair(&self, groom: &Groom, field: &SdfGrid) -> Hair {
+    /// `cells` of the hair's own grid along an axis.
+    fn hair(&self, groom: &Groom, field: &SdfGrid, cells: u32) -> Hair {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
-        Hair::new(device, queue, &self.renderer, groom, &HairOptions::default(), Some(field)).unwrap()
+        let volume = VolumeOptions { resolution: cells, ..Default::default() };
+        let options = HairOptions { volume, ..Default::default() };
+        Hair::new(device, queue, &self.renderer, groom, &options, Some(field)).unwrap()
     }
 
     /// The guides alone, `seconds` on.
@@ -85,9 +89,9 @@ fn a_storm_of_a_minute_breaks_nothing() {
     let options = BindOptions { guides: GuideCount::Count(24), ..Default::default() };
     let groom = bind(&common::hanging(200, 12, 0.2), &options).unwrap();
     let field = SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), 40, |p| p.length() - 0.09);
-    let mut hair = stage.hair(&groom, &field);
+    let mut hair = stage.hair(&groom, &field, 8);
     let physics = SimulationParams {
-        wind: Wind { cells: 16, turbulence: 0.3, ..Wind::new(Vec3::new(30.0, 0.0, 4.0)) },
+        wind: Wind { cells: 8, turbulence: 0.3, ..Wind::new(Vec3::new(30.0, 0.0, 4.0)) },
         ..Default::default()
     };
     let rest: Vec<_> = (0..groom.guides.len()).map(|g| length(groom.guides.guide(g))).collect();
@@ -117,17 +121,17 @@ fn the_lee_side_of_the_long_style_moves_less() {
     let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
     let style = "long".parse().unwrap();
     let built = styles::character(device, queue, &stage.renderer.simulate, &style, Some(2000)).unwrap();
-    let mut hair = stage.hair(&built.groom, &built.field);
+    let mut hair = stage.hair(&built.groom, &built.field, 32);
     // From the head's left, +X.
     let physics = SimulationParams { wind: Wind::new(Vec3::X * -4.0), ..Default::default() };
     stage.simulate(&mut hair, &physics, 0.0);
     let rest = stage.guides(&hair);
     let (mut windward, mut lee) = (0.0, 0.0);
     let mut last = rest.clone();
-    for i in 0..60 {
+    for i in 0..40 {
         stage.simulate(&mut hair, &physics, 0.05);
         let now = stage.guides(&hair);
-        if i >= 20 {
+        if i >= 10 {
             // How fast vertices move, by the side that they rest on.
             let mean = |side: &dyn Fn(Vec3) -> bool| {
                 let speeds: Vec<_> = rest
@@ -144,7 +148,11 @@ fn the_lee_side_of_the_long_style_moves_less() {
         }
         last = now;
     }
-    println!("mean speed of hair on the windward side {} m/s, on the lee side {} m/s", windward / 40.0, lee / 40.0);
+    println!(
+        "mean speed of hair on the windward side {} m/s, on the lee side {} m/s",
+        windward / 30.0,
+        lee / 30.0
+    );
     assert!(lee < 0.8 * windward, "{lee} {windward}");
 }
 
@@ -154,7 +162,7 @@ fn calm_makes_no_air_and_changes_nothing() {
     let groom = bind(&common::hanging(60, 12, 0.12), &BindOptions::default()).unwrap();
     let field = SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), 40, |p| p.length() - 0.09);
     let run = |wind: Wind| {
-        let mut hair = stage.hair(&groom, &field);
+        let mut hair = stage.hair(&groom, &field, 8);
         let before = hair.bytes();
         let physics = SimulationParams { wind, ..Default::default() };
         stage.simulate(&mut hair, &physics, 0.0);

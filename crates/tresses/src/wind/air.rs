@@ -59,6 +59,8 @@ pub struct Air {
     pub texture: wgpu::Texture,
     /// All of it.
     pub view: wgpu::TextureView,
+    /// The velocity times a share that grows with the hair in the cell (xyz), and that share, 0 to 1 (w).
+    pub among: wgpu::TextureView,
     /// Velocity on the three lower faces of each cell, m/s (xyz), rgba16float. The last cells along
     /// an axis have no upper face and count as outside.
     pub faces: wgpu::Texture,
@@ -133,6 +135,7 @@ impl Air {
         let solid = view("air solid", Rgba16Float, all);
         let hairs = view("air hair", Rgba16Float, all);
         let gives = ["air give x", "air give y", "air give z"].map(|label| view(label, Rgba16Float, rimmed));
+        let among = view("air among hair", Rgba16Float, all);
         let source = view("air source", Rgba32Float, blocks);
         // By sweep (even, odd), then by half.
         let pressures =
@@ -189,6 +192,8 @@ impl Air {
                     t(&before),
                     t(&now),
                     t(&center_view),
+                    t(&hairs),
+                    t(&among),
                 ],
             )
         };
@@ -221,6 +226,7 @@ impl Air {
             cell: size / cells as f32,
             texture: center_texture,
             view: center_view,
+            among,
             faces,
             give,
             plain: false,
