@@ -4,6 +4,7 @@ mod args;
 mod avoid_args;
 mod bench;
 mod camera;
+mod colliders;
 mod convert;
 mod debug;
 mod demo;

@@ -4,6 +4,7 @@ use crate::{
     args::{Color, Size, Source},
     avoid_args::Avoid,
     camera::{self, Bounds, Camera},
+    colliders::Colliders,
     debug::{self, Debug},
     load::{self, Character},
     picture::Picture,
@@ -12,12 +13,12 @@ use anyhow::{Context, Result, ensure};
 use std::time::Instant;
 use tresses::{
     Hair, HairOptions, HairRenderer, Pose,
-    collide::ColliderPoses,
+    collide::{ColliderDescriptor, FieldBuilder},
     draw::{self, Body, DrawOptions, Targets, View},
     frame::{Frame, Recorder},
     glam::Vec3,
     gpu::{Gpu, Timings},
-    groom::SdfGrid,
+    groom::{SdfGrid, TriMesh},
     light::{HairMaterial, Lights, Sphere},
     simulate::SimulationParams,
 };
@@ -68,7 +69,10 @@ pub struct Scene {
     timings: Timings,
     scene: draw::Scene,
     physics: SimulationParams,
-    colliders: ColliderPoses,
+    colliders: Colliders,
+    /// Seconds since the hair was put to rest.
+    time: f64,
+    head: Option<TriMesh>,
     subject: Bounds,
     neck: Vec3,
     field: Option<SdfGrid>,
@@ -93,11 +97,16 @@ impl Scene {
         for note in &character.notes {
             eprintln!("note: {note}");
         }
-        Self::new(&character, source.color.as_ref(), gpu, renderer, (quality, samples))
+        let colliders = match &source.colliders {
+            Some(path) => Colliders::read(path)?,
+            None => Colliders::default(),
+        };
+        Self::new(character, colliders, source.color.as_ref(), gpu, renderer, (quality, samples))
     }
 
     fn new(
-        character: &Character,
+        character: Character,
+        colliders: Colliders,
         color: Option<&Color>,
         gpu: Gpu,
         renderer: HairRenderer,
@@ -107,7 +116,11 @@ impl Scene {
         let head_bounds = character.head.as_ref().and_then(|head| head.bounds());
         let (device, queue) = (&gpu.device, &gpu.queue);
         let options = HairOptions::default();
-        let hair = Hair::new(device, queue, &renderer, &character.groom, &options, character.field.as_ref())?;
+        let builder = (!colliders.list.is_empty()).then(|| FieldBuilder::new(device));
+        let fields = builder.as_ref().map(|builder| colliders.fields(builder)).unwrap_or_default();
+        let (head, list) = (character.field.as_ref(), colliders.list.as_slice());
+        let what = ColliderDescriptor { head, fields: &fields, colliders: list };
+        let hair = Hair::with_colliders(device, queue, &renderer, &character.groom, &options, &what)?;
         let body = character.head.as_ref().map(|head| Body::new(device, &renderer.draw, head));
         let Size { width, height } = quality.size;
         let targets = Targets::new(device, width, height, samples, quality.ssaa)?;
@@ -128,7 +141,9 @@ impl Scene {
             timings,
             scene,
             physics: options.simulation,
-            colliders: ColliderPoses::default(),
+            colliders,
+            time: 0.0,
+            head: character.head,
             subject,
             neck: character.neck,
             field: character.field.clone(),
@@ -193,6 +208,7 @@ impl Scene {
     /// The hair at rest on a head at `pose`.
     pub fn reset(&mut self, pose: &Pose) -> Result<()> {
         self.hair.reset();
+        self.time = 0.0;
         self.advance(pose, 0.0)
     }
 
@@ -205,6 +221,7 @@ impl Scene {
 
     /// The picture as it is now. Blocks.
     pub fn picture(&mut self, camera: &Camera) -> Result<Picture> {
+        self.place_colliders();
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         self.record_draw(&mut encoder, None, camera);
         self.gpu.queue.submit([encoder.finish()]);
@@ -219,6 +236,20 @@ impl Scene {
             debug.label(&mut picture);
         }
         Ok(picture)
+    }
+
+    /// Makes the body anew with the colliders where they are drawn.
+    fn place_colliders(&mut self) {
+        if self.colliders.list.is_empty() {
+            return;
+        }
+        let to_head = self.scene.pose.inverse();
+        let drawn = self.hair.colliders.drawn();
+        // The first is the head's field, where there is one.
+        let own = &drawn[drawn.len() - self.colliders.list.len()..];
+        let poses: Vec<_> = own.iter().map(|pose| to_head.after(pose)).collect();
+        let mesh = self.colliders.with_body(self.head.as_ref(), &poses);
+        self.body = Some(Body::new(&self.gpu.device, &self.renderer.draw, &mesh));
     }
 
     /// A whole frame, waited for: its milliseconds from recording to completion, and those of its
@@ -270,6 +301,7 @@ impl Scene {
         camera: &Camera,
     ) -> Result<Vec<(&'static str, f64)>> {
         self.scene.pose = *pose;
+        self.time += f64::from(seconds);
         self.look_from(camera);
         let mut rows = self.measured_advance(pose, seconds)?;
         let Self { gpu: Gpu { device, queue, .. }, renderer, hair, body, targets, scene, .. } = self;
@@ -326,7 +358,9 @@ impl Scene {
         seconds: f32,
     ) -> Result<()> {
         self.scene.pose = *pose;
-        let frame = Frame { dt: seconds, head: *pose, colliders: &self.colliders, simulation: &self.physics };
+        self.time += f64::from(seconds);
+        let poses = self.colliders.poses(self.time);
+        let frame = Frame { dt: seconds, head: *pose, colliders: &poses, simulation: &self.physics };
         let Gpu { device, queue, .. } = &self.gpu;
         let mut recorder = Recorder { renderer: &self.renderer, device, queue, encoder, timings };
         Ok(recorder.advance(&mut self.hair, &frame)?)

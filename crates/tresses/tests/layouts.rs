@@ -94,8 +94,7 @@ fn volume() {
             scale,
             drift,
             cell,
-            taps,
-            radius,
+            gain,
             mode,
             resting,
             guide_count,
@@ -117,6 +116,7 @@ fn volume() {
 
 #[test]
 fn collide() {
+    use tresses::collide::build::{BuildParams, TreeNode};
     use tresses::collide::{Place, Places, ShapeData, ShapeTable};
     let rust = rust_layout!(ShapeData {
         center,
@@ -133,8 +133,14 @@ fn collide() {
         _pad_c,
     });
     assert_eq!(wgsl_layout("ShapeData"), rust);
+    assert_eq!(
+        wgsl_layout("BuildParams"),
+        rust_layout!(BuildParams { origin, cell, size, begin, tile, end, sign, node_count, jump, _pad })
+    );
+    let rust = rust_layout!(TreeNode { low, first, high, count, center, radius, area, skip });
+    assert_eq!(wgsl_layout("TreeNode"), rust);
     assert_eq!(wgsl_layout("ShapeTable"), rust_layout!(ShapeTable { count, has_head, _pad_a, _pad_b, list }));
-    assert_eq!(wgsl_layout("Place"), rust_layout!(Place { rotation, translation, _pad }));
+    assert_eq!(wgsl_layout("Place"), rust_layout!(Place { rotation, translation, bound, center, _pad }));
     // The shader's struct ends with the places themselves.
     let (members, size) = rust_layout!(Places { interval, moments, _pad_a, _pad_b });
     let found = wgsl_layout("Places").0;
@@ -336,4 +342,46 @@ fn a_wrong_order_is_seen() {
     }
     let rust = rust_layout!(Wrong { center, transparent, falloff, edge });
     assert_eq!(wgsl_layout("Background"), rust);
+}
+
+#[test]
+fn wind() {
+    use tresses::{
+        simulate::AirUniforms,
+        wind::{
+            gusts::GustMode,
+            params::{Half, WindUniforms},
+        },
+    };
+    assert_eq!(wgsl_layout("GustMode"), rust_layout!(GustMode { wave, phase, amplitude, _pad }));
+    assert_eq!(wgsl_layout("Half"), rust_layout!(Half { color, keep_own, keep_other, _pad }));
+    assert_eq!(
+        wgsl_layout("WindUniforms"),
+        rust_layout!(WindUniforms {
+            mean,
+            cells,
+            shift,
+            reach,
+            head,
+            head_at,
+            cell,
+            corner,
+            moment,
+            hair_bias,
+            hair_scale,
+            reset,
+            inflow,
+            gust_count,
+            drag,
+            reynolds,
+            relaxation,
+            one,
+            plain,
+            gusts,
+        })
+    );
+    assert_eq!(
+        wgsl_layout("AirUniforms"),
+        rust_layout!(AirUniforms { corner, scale, drag, reynolds, weight, blows })
+    );
 }

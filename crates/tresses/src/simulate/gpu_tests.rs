@@ -9,8 +9,8 @@ use super::{
 use crate::{
     Pose,
     collide::{
-        Anchor, Collider, ColliderDescriptor, ColliderPoses, ColliderSet, FieldId, FieldVolume, Moments,
-        Shape,
+        Anchor, Collider, ColliderDescriptor, ColliderPoses, ColliderSet, FieldId, FieldSource, FieldVolume,
+        Moments, Shape,
     },
     gpu::{Gpu, Timings, readback},
     groom::SdfGrid,
@@ -210,7 +210,8 @@ fn compare(gpu: &Gpu, n: usize, frames: usize, disturb: f32, shifted: Option<usi
     let rest = rest::guides(&positions, n as u32, &traits, &params, &options, Some(&grid)).unwrap();
     let dice = dice();
     // A field that nobody uses must not matter: it only shifts the tiles.
-    let fields = [&sphere(), &dice];
+    let sphere = sphere();
+    let fields = [&sphere, &dice].map(FieldSource::Grid);
     let list = shapes();
     let what = ColliderDescriptor { head: Some(&grid), fields: &fields, colliders: &list };
     let mut scene = Scene::among(gpu, &rest, &what);

@@ -381,7 +381,7 @@ impl Air {
 const OVER_RELAXATION: f32 = 1.5;
 
 /// Sweeps of a step with 32 cells along an axis.
-const SWEEPS: usize = 8;
+const SWEEPS: usize = 12;
 /// Cells that the air may pass at once.
 const MAX_REACH: f32 = 6.0;
 /// In how many parts a step is computed at most.

@@ -72,6 +72,9 @@ fn independence(lab: &'static Lab, fault: bool) -> Vec<Row> {
         ("steps of 1/120 s in 2", Variant { params: halved, ..usual }, 0.5),
         ("8 substeps", Variant { params: SimulationParams { substeps: 8, ..base }, ..usual }, 1.0),
     ] {
+        if fault && ["64 vertices", "144 frames per second"].contains(&name) {
+            continue;
+        }
         if fault {
             // Somebody tilts the world.
             variant.params.gravity.x = 5.0;
