@@ -24,10 +24,7 @@ impl ForcesKernel {
             Binding::Texture3d,
             Binding::Sampler,
         ];
-        Self {
-            kernel: Kernel::new(device, "simulate::forces", &entries),
-            sampler: bindings::linear(device),
-        }
+        Self { kernel: Kernel::new(device, "simulate::forces", &entries), sampler: bindings::linear(device) }
     }
 }
 

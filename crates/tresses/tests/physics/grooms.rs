@@ -49,7 +49,8 @@ pub fn sintel() -> Option<Subject> {
     let head = assets.join("sintel/sintel.obj");
     let (strands, head, _) = import::read_with_head(&[groom], &[head], &ImportOptions::default()).unwrap();
     let field = sdf::build(&head, &SdfOptions::default()).unwrap();
-    let options = BindOptions { guides: GuideCount::OneIn(16), guide_vertices: Some(16), ..Default::default() };
+    let options =
+        BindOptions { guides: GuideCount::OneIn(16), guide_vertices: Some(16), ..Default::default() };
     let groom = bind(&strands, &options).unwrap();
     let guides = &groom.guides;
     Some(Subject {
@@ -88,7 +89,13 @@ fn report(what: &str, away: &[f32]) {
     let over = |x: f32| away.iter().filter(|a| **a > x).count();
     println!(
         "{what}: mean {:.2} % median {:.2} p90 {:.2} p99 {:.2} max {:.2}; over 1 %: {} over 5 %: {} of {n}",
-        away.iter().sum::<f32>() / n as f32 * 100.0, at(0.5), at(0.9), at(0.99), at(1.0), over(0.01), over(0.05)
+        away.iter().sum::<f32>() / n as f32 * 100.0,
+        at(0.5),
+        at(0.9),
+        at(0.99),
+        at(1.0),
+        over(0.01),
+        over(0.05)
     );
 }
 
@@ -132,9 +139,33 @@ fn after_a_shake() {
         let factor = |g: usize| e.rest.info[g].stiffness / s.traits[g].stiffness;
         let raised: Vec<f32> = (0..s.strands.len()).map(factor).filter(|f| *f > 1.0).collect();
         let most = raised.iter().copied().fold(1.0, f32::max);
-        println!("{}: {} of {} guides made stiffer, {most:.2} times at most", s.name, raised.len(), s.strands.len());
+        println!(
+            "{}: {} of {} guides made stiffer, {most:.2} times at most",
+            s.name,
+            raised.len(),
+            s.strands.len()
+        );
         e.moved(3.3, shake(s.neck));
         report(&format!("{}, 2 s after it was shaken", s.name), &away(&e, &Pose::IDENTITY));
+    }
+}
+
+#[test]
+#[ignore = "prints figures for the docs, and judges none"]
+fn other_grooms() {
+    let (Some(lab), Some(assets)) = (lab(), std::env::var_os("TRESSES_ASSETS").map(PathBuf::from)) else {
+        return;
+    };
+    for file in ["cyhair_straight/straight.hair", "tressfx4_ratboy/Ratboy_mohawk.tfx"] {
+        let (strands, _) = import::read(&[assets.join(file)], &ImportOptions::default()).unwrap();
+        let options =
+            BindOptions { guides: GuideCount::Count(600), guide_vertices: Some(16), ..Default::default() };
+        let groom = bind(&strands, &options).unwrap();
+        let strands: Vec<_> = (0..groom.guides.len()).map(|i| groom.guides.guide(i).to_vec()).collect();
+        let params = SimulationParams::default();
+        let mut e = Experiment::new(lab, &strands, &[], params, RestShape::SagFree, None);
+        e.still(600);
+        report(&format!("{file}, at rest for 10 s"), &away(&e, &Pose::IDENTITY));
     }
 }
 
