@@ -34,6 +34,9 @@ pub struct Source {
     /// How many strands of a groom are simulated, the others following them: a number or `all`
     #[arg(long, value_name = "N|all")]
     pub guides: Option<Guides>,
+    /// More that hair collides with, and how it moves: a file of capsules, ellipsoids and meshes (.json)
+    #[arg(long, value_name = "FILE")]
+    pub colliders: Option<PathBuf>,
     /// A grey .png over the scalp, the front at the top and the head's left at the right: black hair is a
     /// quarter as stiff, white four times, middle grey as it was
     #[arg(long, value_name = "IMAGE")]

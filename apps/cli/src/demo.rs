@@ -39,7 +39,7 @@ pub fn run(args: &Args) -> Result<()> {
 
     let spinner = progress::spinner("growing and draping the hair, drawing a picture");
     let mut scene = Scene::open(&source, Quality::new(PICTURE, None))?;
-    eprintln!("Drawing on {}.", scene.adapter().name);
+    eprintln!("Drawing on {}.", scene.adapter_name());
     let camera = Camera::portrait(View::ThreeQuarter, scene.subject(), PICTURE.aspect(), 1.0);
     let mut output = Output::create(&args.out.join("demo.png"), (PICTURE.width, PICTURE.height), 1, 1.0)?;
     let start = Instant::now();

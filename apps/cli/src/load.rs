@@ -1,7 +1,7 @@
 //! From options to a character: a groom with its head, from files or built in.
 
 use crate::args::{Guides, Source};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use std::{fs::File, io::BufReader, path::Path, str::FromStr};
 use tresses::{
     glam::Vec3,
@@ -92,11 +92,7 @@ fn imported(source: &Source) -> Result<Character> {
         Some(count) => thinned(&strands, count as usize),
         None => strands,
     };
-    let guides = match source.guides {
-        Some(Guides::All) => GuideCount::All,
-        Some(Guides::Count(count)) => GuideCount::Count(count),
-        None => BindOptions::default().guides,
-    };
+    let guides = source.guides.map_or(BindOptions::default().guides, count);
     let neck = neck(&strands, head.as_ref());
     let groom = bind(&strands, &BindOptions { guides, ..Default::default() })?;
     let mut notes = report.placement.doubts;
@@ -106,18 +102,43 @@ fn imported(source: &Source) -> Result<Character> {
 
 fn built_in(source: &Source, gpu: &Gpu, simulate: &Simulate) -> Result<Character> {
     let style = Style::from_str(source.style.as_deref().unwrap_or("long"))?;
-    ensure!(
-        source.guides.is_none(),
-        "--guides is for groom files; the built-in styles bring their own guides"
-    );
     let built = styles::character(&gpu.device, &gpu.queue, simulate, &style, source.strands)?;
     Ok(Character {
-        groom: built.groom,
+        groom: match source.guides {
+            None => built.groom,
+            Some(guides) => rebound(&built.groom, guides)?,
+        },
         head: Some(built.mesh),
         field: Some(built.field),
         neck: built.neck,
         notes: Vec::new(),
     })
+}
+
+/// The same strands on other guides, chosen among the strands.
+fn rebound(groom: &Groom, guides: Guides) -> Result<Groom> {
+    let mut strands = Strands::default();
+    for i in 0..groom.strands.len() {
+        let line: Vec<_> = groom.strands.rest_positions(i).collect();
+        strands.push(&line);
+    }
+    let options = BindOptions {
+        guides: count(guides),
+        guide_vertices: Some(groom.strands.vertex_count),
+        strand_vertices: Some(groom.strands.vertex_count),
+        ..Default::default()
+    };
+    let mut rebound = bind(&strands, &options)?;
+    // They look as before: width, and the seeds of what differs from strand to strand.
+    rebound.strands.strands.clone_from(&groom.strands.strands);
+    Ok(rebound)
+}
+
+fn count(guides: Guides) -> GuideCount {
+    match guides {
+        Guides::All => GuideCount::All,
+        Guides::Count(count) => GuideCount::Count(count),
+    }
 }
 
 /// How many strands of the default style make about `triangles` triangles.

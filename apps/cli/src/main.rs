@@ -1,9 +1,12 @@
 //! The `tresses` command: grooms in, pictures of moving hair out.
 
 mod args;
+mod avoid_args;
 mod bench;
 mod camera;
+mod colliders;
 mod convert;
+mod debug;
 mod demo;
 mod hair_hair_args;
 mod info;
@@ -15,6 +18,7 @@ mod picture;
 mod progress;
 mod render;
 mod scene;
+mod wind_args;
 
 use clap::Parser;
 use std::process::ExitCode;

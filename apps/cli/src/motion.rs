@@ -112,6 +112,11 @@ impl Motion {
 
     fn parse(text: &str) -> Result<Self> {
         let File { repeats, keys } = serde_json::from_str(text)?;
+        Self::keyed(keys, repeats)
+    }
+
+    /// A motion through `keys`, over and over if it `repeats`.
+    pub fn keyed(keys: Vec<Key>, repeats: bool) -> Result<Self> {
         ensure!(!keys.is_empty(), "the motion has no keys");
         ensure!(
             keys.len() <= MAX_KEYS,

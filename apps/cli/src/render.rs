@@ -2,13 +2,16 @@
 
 use crate::{
     args::{self, Size, Source},
+    avoid_args::Avoid,
     camera::{Camera, View},
+    debug,
     hair_hair_args::HairHairArgs,
     interrupt,
     motion::Motion,
     picture::{Kind, Output},
     progress, say,
     scene::{Quality, Scene},
+    wind_args::WindArgs,
 };
 use anyhow::{Result, ensure};
 use std::path::PathBuf;
@@ -23,6 +26,8 @@ pub struct Args {
     pub source: Source,
     #[command(flatten)]
     pub hair_hair: HairHairArgs,
+    #[command(flatten)]
+    pub wind: WindArgs,
     /// How the head moves: still, nod, turn, shake, or a keyframe file (.json)
     #[arg(long, value_name = "NAME", default_value = "still")]
     pub motion: String,
@@ -44,6 +49,11 @@ pub struct Args {
     /// How near: close, normal, far, or a factor
     #[arg(long, value_name = "FACTOR", default_value = "normal", value_parser = args::zoom)]
     pub zoom: f32,
+    /// What drawn strands do where they would enter the head
+    #[arg(long, value_name = "MODE", value_enum, default_value_t)]
+    pub avoid: Avoid,
+    #[command(flatten)]
+    pub debug: debug::DebugArgs,
     /// Where to: one .png, a folder of numbered frames, or an animation (.webp, .gif, .apng)
     #[arg(long, value_name = "PATH", default_value = "out/render.png")]
     pub out: PathBuf,
@@ -69,6 +79,9 @@ pub fn run(args: &Args) -> Result<()> {
     let start = progress::spinner("preparing");
     let mut scene = Scene::open(&args.source, Quality::new(args.size, args.samples))?;
     args.hair_hair.apply(scene.physics_mut());
+    args.wind.apply(scene.physics_mut());
+    scene.set_avoid(args.avoid);
+    scene.show(&args.debug)?;
     start.finish_and_clear();
     let camera = Camera::portrait(args.camera, scene.subject(), args.size.aspect(), args.zoom);
     let written = record(&mut scene, &camera, &motion, frames, args)?;

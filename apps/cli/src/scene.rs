@@ -2,8 +2,10 @@
 
 use crate::{
     args::{Color, Size, Source},
-    bench::Adapter,
+    avoid_args::Avoid,
     camera::{self, Bounds, Camera},
+    colliders::Colliders,
+    debug::{self, Debug},
     load::{self, Character},
     picture::Picture,
 };
@@ -11,11 +13,12 @@ use anyhow::{Context, Result, ensure};
 use std::time::Instant;
 use tresses::{
     Hair, HairOptions, HairRenderer, Pose,
-    collide::ColliderPoses,
+    collide::{ColliderDescriptor, FieldBuilder},
     draw::{self, Body, DrawOptions, Targets, View},
     frame::{Frame, Recorder},
     glam::Vec3,
     gpu::{Gpu, Timings},
+    groom::{SdfGrid, TriMesh},
     light::{HairMaterial, Lights, Sphere},
     simulate::SimulationParams,
 };
@@ -62,12 +65,18 @@ pub struct Scene {
     hair: Hair,
     body: Option<Body>,
     targets: Targets,
-    timings: Option<Timings>,
+    /// From timestamps where there are some that mean something, else by the clock.
+    timings: Timings,
     scene: draw::Scene,
     physics: SimulationParams,
-    colliders: ColliderPoses,
+    colliders: Colliders,
+    /// Seconds since the hair was put to rest.
+    time: f64,
+    head: Option<TriMesh>,
     subject: Bounds,
     neck: Vec3,
+    field: Option<SdfGrid>,
+    debug: Option<Debug>,
 }
 
 impl Scene {
@@ -88,11 +97,16 @@ impl Scene {
         for note in &character.notes {
             eprintln!("note: {note}");
         }
-        Self::new(&character, source.color.as_ref(), gpu, renderer, (quality, samples))
+        let colliders = match &source.colliders {
+            Some(path) => Colliders::read(path)?,
+            None => Colliders::default(),
+        };
+        Self::new(character, colliders, source.color.as_ref(), gpu, renderer, (quality, samples))
     }
 
     fn new(
-        character: &Character,
+        character: Character,
+        colliders: Colliders,
         color: Option<&Color>,
         gpu: Gpu,
         renderer: HairRenderer,
@@ -102,11 +116,18 @@ impl Scene {
         let head_bounds = character.head.as_ref().and_then(|head| head.bounds());
         let (device, queue) = (&gpu.device, &gpu.queue);
         let options = HairOptions::default();
-        let hair = Hair::new(device, queue, &renderer, &character.groom, &options, character.field.as_ref())?;
+        let builder = (!colliders.list.is_empty()).then(|| FieldBuilder::new(device));
+        let fields = builder.as_ref().map(|builder| colliders.fields(builder)).unwrap_or_default();
+        let (head, list) = (character.field.as_ref(), colliders.list.as_slice());
+        let what = ColliderDescriptor { head, fields: &fields, colliders: list };
+        let hair = Hair::with_colliders(device, queue, &renderer, &character.groom, &options, &what)?;
         let body = character.head.as_ref().map(|head| Body::new(device, &renderer.draw, head));
         let Size { width, height } = quality.size;
         let targets = Targets::new(device, width, height, samples, quality.ssaa)?;
-        let timings = gpu.tier.timestamps.then(|| Timings::new(device, queue));
+        let timings = match gpu.tier.timestamps && !gpu.tier.software {
+            true => Timings::new(device, queue),
+            false => Timings::by_the_clock(),
+        };
         let subject = camera::subject(hair_bounds, head_bounds);
         let mut focus = Sphere::around(subject.0, subject.1);
         // Hair that swings must not leave the shadow maps.
@@ -120,11 +141,22 @@ impl Scene {
             timings,
             scene,
             physics: options.simulation,
-            colliders: ColliderPoses::default(),
+            colliders,
+            time: 0.0,
+            head: character.head,
             subject,
             neck: character.neck,
+            field: character.field.clone(),
+            debug: None,
             gpu,
         })
+    }
+
+    /// From here on pictures show what `args` ask for.
+    pub fn show(&mut self, args: &debug::DebugArgs) -> Result<()> {
+        args.check(&self.physics)?;
+        self.debug = Debug::new(&self.gpu, &self.renderer.draw, args, self.field.as_ref());
+        Ok(())
     }
 
     /// The physics from here on.
@@ -148,16 +180,8 @@ impl Scene {
     }
 
     /// On what the pictures are made.
-    pub fn adapter(&self) -> Adapter {
-        let info = &self.gpu.info;
-        Adapter {
-            name: info.name.clone(),
-            backend: format!("{:?}", info.backend),
-            driver: [info.driver.as_str(), info.driver_info.as_str()].join(" ").trim().to_owned(),
-            software: self.gpu.tier.software,
-            timestamps: self.gpu.tier.timestamps,
-            max_samples: self.gpu.tier.max_samples,
-        }
+    pub fn adapter_name(&self) -> &str {
+        &self.gpu.info.name
     }
 
     /// Sizes of what is drawn.
@@ -178,9 +202,15 @@ impl Scene {
         Ok(())
     }
 
+    /// What drawn strands do where they would enter the head, from here on.
+    pub fn set_avoid(&mut self, avoid: Avoid) {
+        self.hair.avoidance.options.mode = avoid.into();
+    }
+
     /// The hair at rest on a head at `pose`.
     pub fn reset(&mut self, pose: &Pose) -> Result<()> {
         self.hair.reset();
+        self.time = 0.0;
         self.advance(pose, 0.0)
     }
 
@@ -193,12 +223,35 @@ impl Scene {
 
     /// The picture as it is now. Blocks.
     pub fn picture(&mut self, camera: &Camera) -> Result<Picture> {
+        self.place_colliders();
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         self.record_draw(&mut encoder, None, camera);
         self.gpu.queue.submit([encoder.finish()]);
+        if let Some(debug) = &mut self.debug {
+            let (body, wind) = (self.body.as_ref(), self.physics.wind.velocity);
+            debug.draw(&self.gpu, &self.scene, &self.targets, &self.hair, body, wind)?;
+        }
         let rgba = self.targets.read(&self.gpu.device, &self.gpu.queue)?;
         let [width, height] = self.targets.size;
-        Ok(Picture { width, height, rgba })
+        let mut picture = Picture { width, height, rgba };
+        if let Some(debug) = &self.debug {
+            debug.label(&mut picture);
+        }
+        Ok(picture)
+    }
+
+    /// Makes the body anew with the colliders where they are drawn.
+    fn place_colliders(&mut self) {
+        if self.colliders.list.is_empty() {
+            return;
+        }
+        let to_head = self.scene.pose.inverse();
+        let drawn = self.hair.colliders.drawn();
+        // The first is the head's field, where there is one.
+        let own = &drawn[drawn.len() - self.colliders.list.len()..];
+        let poses: Vec<_> = own.iter().map(|pose| to_head.after(pose)).collect();
+        let mesh = self.colliders.with_body(self.head.as_ref(), &poses);
+        self.body = Some(Body::new(&self.gpu.device, &self.renderer.draw, &mesh));
     }
 
     /// A whole frame, waited for: its milliseconds from recording to completion, and those of its
@@ -215,21 +268,28 @@ impl Scene {
             return Ok((start.elapsed().as_secs_f64() * 1e3, stages));
         }
         let start = Instant::now();
-        let mut timings = self.timings.take();
+        let mut timings = std::mem::replace(&mut self.timings, Timings::by_the_clock());
+        let mut timed = self.gpu.tier.timestamps.then_some(&mut timings);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.record_advance(&mut encoder, timings.as_mut(), pose, seconds)?;
-        self.record_draw(&mut encoder, timings.as_mut(), camera);
-        if let Some(timings) = &timings {
-            timings.resolve(&mut encoder);
-        }
+        self.record_advance(&mut encoder, timed.as_deref_mut(), pose, seconds)?;
+        self.record_draw(&mut encoder, timed.as_deref_mut(), camera);
+        timings.resolve(&mut encoder);
         self.submit(encoder)?;
         let wall = start.elapsed().as_secs_f64() * 1e3;
-        let stages = match &mut timings {
-            Some(timings) => timings.read(&self.gpu.device, &self.gpu.queue)?,
-            None => Vec::new(),
-        };
         self.timings = timings;
-        Ok((wall, stages))
+        Ok((wall, self.timings.read(&self.gpu.device, &self.gpu.queue)?))
+    }
+
+    /// The milliseconds of the stages that move the hair by a frame: by timestamps, or each stage
+    /// submitted and waited for alone where there are none that compare.
+    pub fn measured_advance(&mut self, pose: &Pose, seconds: f32) -> Result<Vec<(&'static str, f64)>> {
+        let mut timings = std::mem::replace(&mut self.timings, Timings::by_the_clock());
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        self.record_advance(&mut encoder, Some(&mut timings), pose, seconds)?;
+        timings.resolve(&mut encoder);
+        self.submit(encoder)?;
+        self.timings = timings;
+        Ok(self.timings.read(&self.gpu.device, &self.gpu.queue)?)
     }
 
     /// The stages of a frame, each submitted and waited for alone, and its milliseconds by the clock.
@@ -243,11 +303,11 @@ impl Scene {
         camera: &Camera,
     ) -> Result<Vec<(&'static str, f64)>> {
         self.scene.pose = *pose;
+        self.time += f64::from(seconds);
         self.look_from(camera);
+        let mut rows = self.measured_advance(pose, seconds)?;
         let Self { gpu: Gpu { device, queue, .. }, renderer, hair, body, targets, scene, .. } = self;
-        let frame = Frame { dt: seconds, head: *pose, colliders: &self.colliders, simulation: &self.physics };
         let body = body.as_ref();
-        let mut rows = Vec::new();
         let mut stage = |name, record: &mut dyn FnMut(&mut wgpu::CommandEncoder) -> Result<()>| {
             let start = Instant::now();
             let mut encoder = device.create_command_encoder(&Default::default());
@@ -257,13 +317,6 @@ impl Scene {
             rows.push((name, start.elapsed().as_secs_f64() * 1e3));
             anyhow::Ok(())
         };
-        stage("simulate", &mut |encoder| {
-            Ok(Recorder { renderer, device, queue, encoder, timings: None }.simulate(hair, &frame)?)
-        })?;
-        stage("tessellate, interpolate", &mut |encoder| {
-            Recorder { renderer, device, queue, encoder, timings: None }.follow(hair, &frame);
-            Ok(())
-        })?;
         let drawing = &renderer.draw;
         let set = Some(&hair.set);
         stage("shadow", &mut |encoder| {
@@ -307,7 +360,9 @@ impl Scene {
         seconds: f32,
     ) -> Result<()> {
         self.scene.pose = *pose;
-        let frame = Frame { dt: seconds, head: *pose, colliders: &self.colliders, simulation: &self.physics };
+        self.time += f64::from(seconds);
+        let poses = self.colliders.poses(self.time);
+        let frame = Frame { dt: seconds, head: *pose, colliders: &poses, simulation: &self.physics };
         let Gpu { device, queue, .. } = &self.gpu;
         let mut recorder = Recorder { renderer: &self.renderer, device, queue, encoder, timings };
         Ok(recorder.advance(&mut self.hair, &frame)?)
@@ -323,6 +378,14 @@ impl Scene {
         let Gpu { device, queue, .. } = &self.gpu;
         let mut recorder = Recorder { renderer: &self.renderer, device, queue, encoder, timings };
         let (body, targets) = (self.body.as_ref(), &self.targets);
+        if self.debug.as_ref().is_some_and(Debug::hides_hair) {
+            let (stage, scene) = (&self.renderer.draw, &self.scene);
+            stage.prepare(queue, scene, targets, None, body);
+            stage.shadow(recorder.encoder, None, None, body);
+            stage.draw(recorder.encoder, None, scene, targets, None, body);
+            stage.present(device, recorder.encoder, None, targets, targets.picture());
+            return;
+        }
         recorder.draw(&self.hair, body, &self.scene, targets, targets.picture());
     }
 

@@ -10,6 +10,7 @@ pub const SHARED: &[(&str, u32)] = &[
     ("MAX_GUIDE_VERTICES", MAX_GUIDE_VERTICES),
     ("MAX_STRAND_VERTICES", MAX_STRAND_VERTICES),
     ("MAX_COLLIDERS", MAX_COLLIDERS),
+    ("BUILD_WORKGROUP", BUILD_WORKGROUP),
 ];
 /// Threads of one workgroup of the passes that run once per guide.
 pub const GUIDE_WORKGROUP: u32 = 32;
@@ -23,3 +24,5 @@ pub const MAX_GUIDE_VERTICES: u32 = 64;
 pub const MAX_STRAND_VERTICES: u32 = 64;
 /// The most colliders of one groom, the head's field included.
 pub const MAX_COLLIDERS: u32 = 128;
+/// Threads of one workgroup of the kernels that make distance fields.
+pub const BUILD_WORKGROUP: u32 = 64;

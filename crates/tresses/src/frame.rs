@@ -8,6 +8,7 @@ use crate::{
     simulate::SimulationParams,
     stage::Stage,
 };
+use std::time::Instant;
 
 /// What a frame depends on besides the hair itself.
 #[derive(Clone, Copy, Debug)]
@@ -56,21 +57,44 @@ impl Recorder<'_> {
     /// As [`advance`](Self::advance).
     pub fn simulate(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
         let (renderer, device) = (self.renderer, self.device);
-        for step in 0..hair.begin(self.queue, frame)? {
+        for step in 0..hair.begin(device, self.queue, renderer, frame)? {
             if hair.uses_volume() {
-                self.stage(Stage::Volume, |pass| hair.volume.record(&renderer.volume, pass, step));
+                self.stage(Stage::Volume, |pass| hair.record_volume(pass, &renderer.volume, step));
+            }
+            if hair.uses_wind() {
+                self.stage(Stage::Wind, |pass| hair.record_wind(pass, &renderer.wind, step));
             }
             self.stage(Stage::Simulate, |pass| hair.record_simulate(pass, device, &renderer.simulate, step));
         }
         Ok(())
     }
 
-    /// The drawn strands follow the guides: their vertices for the head's pose now.
+    /// The drawn strands follow the guides: [`tessellate`](Self::tessellate),
+    /// [`interpolate`](Self::interpolate), [`avoid`](Self::avoid).
     pub fn follow(&mut self, hair: &Hair, frame: &Frame<'_>) {
-        hair.prepare(self.queue, &frame.head);
+        self.tessellate(hair, frame);
+        self.interpolate(hair);
+        self.avoid(hair);
+    }
+
+    /// The guides' smooth curves for the head's pose now.
+    pub fn tessellate(&mut self, hair: &Hair, frame: &Frame<'_>) {
+        hair.prepare(self.queue, &frame.head, frame.dt);
         let renderer = self.renderer;
         self.stage(Stage::Tessellate, |pass| hair.record_tessellate(pass, &renderer.tessellate));
+    }
+
+    /// The strands' vertices between those curves, some of them in obstacles.
+    pub fn interpolate(&mut self, hair: &Hair) {
+        let renderer = self.renderer;
         self.stage(Stage::Interpolate, |pass| hair.record_interpolate(pass, &renderer.interpolate));
+    }
+
+    /// Strands that entered an obstacle leave it. Once after each [`interpolate`](Self::interpolate):
+    /// what it remembers moves on by the frame's time.
+    pub fn avoid(&mut self, hair: &Hair) {
+        let renderer = self.renderer;
+        self.stage(Stage::Avoid, |pass| hair.record_avoid(pass, &renderer.avoid));
     }
 
     /// Draws hair and body as they are now: shadow maps, shading, the HDR picture, the finished one
@@ -93,10 +117,16 @@ impl Recorder<'_> {
 
     /// A compute pass under the name of a stage.
     fn stage<R>(&mut self, stage: Stage, record: impl FnOnce(&mut wgpu::ComputePass<'_>) -> R) -> R {
+        let start = self.timings.as_ref().filter(|timings| timings.is_by_the_clock()).map(|_| Instant::now());
         let mut pass = self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some(stage.name()),
             timestamp_writes: self.timings.as_deref_mut().and_then(|timings| timings.compute(stage.name())),
         });
-        record(&mut pass)
+        let result = record(&mut pass);
+        drop(pass);
+        if let (Some(timings), Some(start)) = (&mut self.timings, start) {
+            timings.finish(self.device, self.queue, self.encoder, stage.name(), start);
+        }
+        result
     }
 }

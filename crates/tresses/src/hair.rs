@@ -3,6 +3,7 @@
 
 use crate::{
     Error, Pose, Result,
+    avoid::{self, Avoid, AvoidOptions, Avoidance},
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     draw::{DrawOptions, DrawStage, HairSet},
     frame::Frame,
@@ -17,19 +18,26 @@ use crate::{
     strands::{GuideBuffers, Strand, StrandBuffers},
     tessellate::{Tessellate, TessellateParams, rest_samples},
     volume::{HairHairMode, Volume, VolumeOptions, VolumeStage},
+    wind::{Air, Fluid, HairGrid, Wind},
 };
+
+use glam::Vec3;
 
 /// Every pipeline; made once per device.
 #[derive(Debug)]
 pub struct HairRenderer {
     /// Guides fill a grid.
     pub volume: VolumeStage,
+    /// Air moves.
+    pub wind: Fluid,
     /// Guides move.
     pub simulate: Simulate,
     /// Guides become curves.
     pub tessellate: Tessellate,
     /// Guides become strands.
     pub interpolate: Interpolate,
+    /// Strands leave obstacles.
+    pub avoid: Avoid,
     /// Lights to picture.
     pub draw: DrawStage,
 }
@@ -39,9 +47,11 @@ impl HairRenderer {
     pub fn new(device: &wgpu::Device, options: &DrawOptions) -> Self {
         Self {
             volume: VolumeStage::new(device),
+            wind: Fluid::new(device),
             simulate: Simulate::new(device),
             tessellate: Tessellate::new(device),
             interpolate: Interpolate::new(device),
+            avoid: Avoid::new(device),
             draw: DrawStage::new(device, options),
         }
     }
@@ -58,6 +68,8 @@ pub struct HairOptions {
     pub clearance: f32,
     /// The grid in which hair meets hair.
     pub volume: VolumeOptions,
+    /// How drawn strands avoid obstacles; can be changed later ([`Hair::avoidance`]).
+    pub avoid: AvoidOptions,
 }
 
 impl Default for HairOptions {
@@ -67,6 +79,7 @@ impl Default for HairOptions {
             rest: RestShape::SagFree,
             clearance: 1.5e-3,
             volume: VolumeOptions::default(),
+            avoid: AvoidOptions::default(),
         }
     }
 }
@@ -80,18 +93,27 @@ pub struct Hair {
     pub strands: StrandBuffers,
     /// Index buffers, shaded values and bind groups of the drawing stages.
     pub set: HairSet,
+    /// How drawn strands avoid obstacles, and what is remembered of it from frame to frame.
+    pub avoidance: Avoidance,
     /// What it collides with.
     pub colliders: ColliderSet,
     /// Density and velocity of the hair around the head.
     pub volume: Volume,
+    /// The air around the head, once the wind has blown.
+    pub air: Option<Air>,
     forces: Forces,
+    /// The box around the hair at rest: its middle (groom space) and its longest side, metres.
+    extent: (Vec3, f32),
+    /// Whether the wind blows in this frame.
+    windy: bool,
     /// Whether the grids act on the guides in this frame.
     forced: bool,
     pub(crate) simulation: Simulation,
     pub(crate) clock: Clock,
     /// Poses of the head before and after the last step, and the blend between them.
     states: (Pose, Pose, f32),
-    clearance: f32,
+    /// Whether the last frame put the hair somewhere else.
+    moved_away: bool,
     tessellate_params: wgpu::Buffer,
     tessellate_group: wgpu::BindGroup,
     interpolate_params: wgpu::Buffer,
@@ -161,7 +183,13 @@ impl Hair {
         queue.write_buffer(&guides.sample_rest, 0, bytemuck::cast_slice(&sample_rest));
         queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&with_locks(groom)));
         queue.write_buffer(&strands.bindings, 0, bytemuck::cast_slice(&groom.strands.bindings));
-        queue.write_buffer(&strands.rest, 0, bytemuck::cast_slice(&groom.strands.rest));
+        match head {
+            Some(head) => {
+                let rest = avoid::sunk(&groom.strands, head, options.clearance);
+                queue.write_buffer(&strands.rest, 0, bytemuck::cast_slice(&rest));
+            }
+            None => queue.write_buffer(&strands.rest, 0, bytemuck::cast_slice(&groom.strands.rest)),
+        }
 
         let colliders = ColliderSet::new(device, queue, colliders)?;
         let simulation = Simulation::new(device, &renderer.simulate, &guides);
@@ -173,12 +201,24 @@ impl Hair {
             set: HairSet::new(device, &renderer.draw, &strands)?,
             tessellate_group: renderer.tessellate.bind(device, &tessellate_params, &guides),
             interpolate_group: renderer.interpolate.bind(device, &interpolate_params, &guides, &strands),
-            forces: Forces::new(device, &renderer.simulate, &guides, &volume),
+            forces: Forces::new(device, &renderer.simulate, &guides, &volume, None),
+            air: None,
+            windy: false,
+            extent: extent(groom),
             volume,
             forced: false,
+            avoidance: Avoidance::new(
+                device,
+                queue,
+                &renderer.avoid,
+                options.avoid,
+                options.clearance,
+                &guides,
+                &strands,
+            )?,
             clock: Clock::default(),
             states: (Pose::IDENTITY, Pose::IDENTITY, 1.0),
-            clearance: if head.is_some() { options.clearance } else { 0.0 },
+            moved_away: false,
             guides,
             strands,
             colliders,
@@ -194,15 +234,67 @@ impl Hair {
     }
 
     /// Begins a frame: writes what its fixed steps read and returns how many are due.
-    pub(crate) fn begin(&mut self, queue: &wgpu::Queue, frame: &Frame<'_>) -> Result<u32> {
+    pub(crate) fn begin(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        renderer: &HairRenderer,
+        frame: &Frame<'_>,
+    ) -> Result<u32> {
         let physics = frame.simulation;
         physics.check()?;
+        self.windy = physics.wind.blows();
+        if self.windy {
+            self.make_air(device, queue, renderer, &physics.wind)?;
+        }
         let steps = self.tick(queue, frame.dt, physics, &frame.head, frame.colliders)?;
-        self.forced = physics.hair_hair.mode != HairHairMode::Off;
+        self.forced = self.windy || physics.hair_hair.mode != HairHairMode::Off;
         if self.forced {
-            self.volume.prepare(queue, &physics.hair_hair, &steps, physics.step);
+            self.volume.prepare(queue, physics, &steps, &self.colliders);
+            if let Some(air) = self.air.as_mut().filter(|_| self.windy) {
+                let grid = &self.volume.grid;
+                let hair = HairGrid { bias: grid.bias, scale: grid.scale };
+                air.prepare(queue, physics, &steps, Some(hair));
+            }
+            let air = self.air.as_ref().filter(|_| self.windy);
+            self.forces.prepare(queue, physics, air, steps.len());
+        }
+        if let Some(air) = self.air.as_mut().filter(|_| !self.windy) {
+            // When the wind comes back it finds no traces of the last one.
+            air.reset();
         }
         self.simulation.prepare(queue, physics, &steps, self.forced)
+    }
+
+    /// Makes the air for `wind` unless it is there.
+    fn make_air(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        renderer: &HairRenderer,
+        wind: &Wind,
+    ) -> Result<()> {
+        let (middle, side) = self.extent;
+        let size = side * wind.room;
+        let fits = |air: &Air| air.cells == wind.cells && air.cell == size / wind.cells as f32;
+        if !self.air.as_ref().is_some_and(fits) {
+            let air = Air::new(device, queue, &renderer.wind, wind.cells, (middle, size), &self.volume.hair)?;
+            self.forces = Forces::new(device, &renderer.simulate, &self.guides, &self.volume, Some(&air));
+            self.air = Some(air);
+        }
+        Ok(())
+    }
+
+    /// Whether the wind blows in this frame.
+    pub(crate) fn uses_wind(&self) -> bool {
+        self.windy
+    }
+
+    /// Step `i` of the air.
+    pub(crate) fn record_wind(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Fluid, i: u32) {
+        if let Some(air) = &self.air {
+            stage.record(pass, air, &self.colliders, i);
+        }
     }
 
     /// Whether this frame needs the grid of the hair.
@@ -233,6 +325,7 @@ impl Hair {
         };
         self.colliders.advance(queue, poses, &moments)?;
         self.states.2 = ticks.alpha;
+        self.moved_away = ticks.steps.iter().any(|step| step.mode != Mode::Step);
         for step in &ticks.steps {
             self.states = match step.mode {
                 Mode::Step => (step.begin, step.end, ticks.alpha),
@@ -247,24 +340,29 @@ impl Hair {
         self.guides.bytes()
             + self.strands.bytes()
             + self.set.bytes()
+            + self.avoidance.bytes()
             + self.simulation.bytes()
             + self.colliders.bytes()
             + self.volume.bytes()
+            + self.forces.bytes()
+            + self.air.as_ref().map_or(0, Air::bytes)
     }
 
-    /// Writes the uniforms of [`tessellate`](Self::record_tessellate) and
-    /// [`interpolate`](Self::record_interpolate): the head is at `head`.
-    pub(crate) fn prepare(&self, queue: &wgpu::Queue, head: &Pose) {
+    /// Writes the uniforms of the stages that follow the guides: the head is at `head`, `dt` seconds
+    /// after the last frame.
+    pub(crate) fn prepare(&self, queue: &wgpu::Queue, head: &Pose, dt: f32) {
         let (previous, current, blend) = self.states;
         let params = TessellateParams::new(&self.guides, &previous, &current, head, blend);
         queue.write_buffer(&self.tessellate_params, 0, bytemuck::bytes_of(&params));
         let params = InterpolateParams {
-            clearance: self.clearance,
             strand_count: self.strands.count,
             vertex_count: self.strands.vertex_count,
             sample_count: self.guides.sample_count,
+            ..Default::default()
         };
         queue.write_buffer(&self.interpolate_params, 0, bytemuck::bytes_of(&params));
+        let counts = (&self.guides, &self.strands);
+        self.avoidance.prepare(queue, counts, dt, self.moved_away);
     }
 
     /// Step `i` of the guides: what the grids do to them, then the step itself.
@@ -281,13 +379,32 @@ impl Hair {
         self.simulation.record_step(stage, device, pass, &self.colliders, i);
     }
 
+    /// Step `i` of the grid of the hair.
+    pub(crate) fn record_volume(&mut self, pass: &mut wgpu::ComputePass<'_>, stage: &VolumeStage, i: u32) {
+        self.volume.record(stage, pass, &self.colliders, i);
+    }
+
     pub(crate) fn record_tessellate(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Tessellate) {
         stage.record(pass, &self.tessellate_group, &self.guides);
     }
 
     pub(crate) fn record_interpolate(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Interpolate) {
-        stage.record(pass, &self.interpolate_group, &self.colliders, &self.strands);
+        stage.record(pass, &self.interpolate_group, &self.strands);
     }
+
+    pub(crate) fn record_avoid(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Avoid) {
+        self.avoidance.record(pass, stage, &self.colliders, &self.strands);
+    }
+}
+
+/// The box around the guides at rest: its middle and its longest side, metres.
+fn extent(groom: &Groom) -> (Vec3, f32) {
+    let (lo, hi) = groom
+        .guides
+        .positions
+        .iter()
+        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+    (0.5 * (lo + hi), (hi - lo).max_element().max(0.05))
 }
 
 /// A number of strands or guides as the GPU counts them.

@@ -8,11 +8,15 @@ pub mod strands;
 
 pub mod volume;
 
+pub mod wind;
+
 pub mod simulate;
 
 pub mod tessellate;
 
 pub mod interpolate;
+
+pub mod avoid;
 
 pub mod light;
 

@@ -5,12 +5,16 @@
 pub enum Stage {
     /// Guides fill a grid of density and velocity.
     Volume,
+    /// Air moves around the head and through the hair.
+    Wind,
     /// Guides move.
     Simulate,
     /// Guides become smooth curves.
     Tessellate,
     /// Guides become drawn strands.
     Interpolate,
+    /// Strands that entered an obstacle leave it.
+    Avoid,
     /// Shadow maps, and shading per strand vertex.
     Light,
     /// Background, body and hair into the HDR target.
@@ -21,11 +25,13 @@ pub enum Stage {
 
 impl Stage {
     /// All stages in the order of the frame.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 9] = [
         Self::Volume,
+        Self::Wind,
         Self::Simulate,
         Self::Tessellate,
         Self::Interpolate,
+        Self::Avoid,
         Self::Light,
         Self::Draw,
         Self::Present,
@@ -35,9 +41,11 @@ impl Stage {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Volume => "volume",
+            Self::Wind => "wind",
             Self::Simulate => "simulate",
             Self::Tessellate => "tessellate",
             Self::Interpolate => "interpolate",
+            Self::Avoid => "avoid",
             Self::Light => "light",
             Self::Draw => "draw",
             Self::Present => "present",
@@ -48,8 +56,10 @@ impl Stage {
     pub const fn unit(self) -> &'static str {
         match self {
             Self::Volume => "guide vertex and cell",
+            Self::Wind => "cell",
             Self::Simulate | Self::Tessellate => "guide",
             Self::Interpolate => "strand",
+            Self::Avoid => "strand vertex, strand",
             Self::Light => "strand vertex",
             Self::Draw => "strip vertex and pixel",
             Self::Present => "pixel",

@@ -4,7 +4,6 @@ mod common;
 
 use tresses::{
     Pose,
-    collide::ColliderSet,
     glam::{Quat, Vec3},
     gpu::{Gpu, readback},
     groom::{BindOptions, Groom, GuideCount, bind},
@@ -65,7 +64,6 @@ fn draw(
         sample_count: guides.sample_count,
         ..Default::default()
     }));
-    let colliders = ColliderSet::new(device, queue, &Default::default()).unwrap();
     let (tessellate, interpolate) = (Tessellate::new(device), Interpolate::new(device));
     let tessellate_group = tessellate.bind(device, &tessellate_params, &guides);
     let interpolate_group = interpolate.bind(device, &interpolate_params, &guides, &strands);
@@ -73,7 +71,7 @@ fn draw(
     {
         let mut pass = encoder.begin_compute_pass(&Default::default());
         tessellate.record(&mut pass, &tessellate_group, &guides);
-        interpolate.record(&mut pass, &interpolate_group, &colliders, &strands);
+        interpolate.record(&mut pass, &interpolate_group, &strands);
     }
     queue.submit([encoder.finish()]);
     readback::buffer(device, queue, &strands.vertices).unwrap()

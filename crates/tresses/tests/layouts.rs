@@ -94,8 +94,7 @@ fn volume() {
             scale,
             drift,
             cell,
-            taps,
-            radius,
+            gain,
             mode,
             resting,
             guide_count,
@@ -110,13 +109,14 @@ fn volume() {
             friction,
             limit,
             fixed_push,
-            _pad,
+            moment,
         })
     );
 }
 
 #[test]
 fn collide() {
+    use tresses::collide::build::{BuildParams, TreeNode};
     use tresses::collide::{Place, Places, ShapeData, ShapeTable};
     let rust = rust_layout!(ShapeData {
         center,
@@ -133,8 +133,14 @@ fn collide() {
         _pad_c,
     });
     assert_eq!(wgsl_layout("ShapeData"), rust);
+    assert_eq!(
+        wgsl_layout("BuildParams"),
+        rust_layout!(BuildParams { origin, cell, size, begin, tile, end, sign, node_count, jump, _pad })
+    );
+    let rust = rust_layout!(TreeNode { low, first, high, count, center, radius, area, skip });
+    assert_eq!(wgsl_layout("TreeNode"), rust);
     assert_eq!(wgsl_layout("ShapeTable"), rust_layout!(ShapeTable { count, has_head, _pad_a, _pad_b, list }));
-    assert_eq!(wgsl_layout("Place"), rust_layout!(Place { rotation, translation, _pad }));
+    assert_eq!(wgsl_layout("Place"), rust_layout!(Place { rotation, translation, bound, center, _pad }));
     // The shader's struct ends with the places themselves.
     let (members, size) = rust_layout!(Places { interval, moments, _pad_a, _pad_b });
     let found = wgsl_layout("Places").0;
@@ -174,12 +180,35 @@ fn interpolate() {
         wgsl_layout("StrandBinding"),
         rust_layout!(StrandBinding { origin, extent, guides, weight_b, scale, weight_c })
     );
-    assert_eq!(wgsl_layout("PackedRest"), rust_layout!(PackedRest { xy, z_radius }));
+    assert_eq!(wgsl_layout("PackedRest"), rust_layout!(PackedRest { xy, z_radius_sunk }));
     assert_eq!(wgsl_layout("StrandVertex"), rust_layout!(StrandVertex { position, tangent }));
     assert_eq!(wgsl_layout("Strand"), rust_layout!(Strand { radius, seed, root_color, tip_color }));
     assert_eq!(
         wgsl_layout("InterpolateParams"),
-        rust_layout!(InterpolateParams { clearance, strand_count, vertex_count, sample_count })
+        rust_layout!(InterpolateParams { strand_count, vertex_count, sample_count, _pad })
+    );
+}
+
+#[test]
+fn avoid() {
+    use tresses::avoid::{AvoidParams, StrandState};
+    assert_eq!(wgsl_layout("StrandState"), rust_layout!(StrandState { hit, amount, at, hit_before }));
+    assert_eq!(
+        wgsl_layout("AvoidParams"),
+        rust_layout!(AvoidParams {
+            clearance,
+            tolerance,
+            zone,
+            tightness,
+            strand_count,
+            vertex_count,
+            sample_count,
+            _pad,
+            keep,
+            rise,
+            fall,
+            shift,
+        })
     );
 }
 
@@ -281,6 +310,26 @@ fn present() {
 }
 
 #[test]
+fn debug_views() {
+    use tresses::draw::debug::{
+        ArrowsUniform, GridUniform, GuidesUniform, LinePoint, LinesUniform, PaintUniform, SliceUniform,
+        StreamsUniform,
+    };
+    let paint = rust_layout!(PaintUniform { inverse, low, high, opacity, encode });
+    assert_eq!(wgsl_layout("PaintUniform"), paint);
+    let grid = rust_layout!(GridUniform { rotation, translation, quantity, scale, turns, bias, _pad });
+    assert_eq!(wgsl_layout("GridUniform"), grid);
+    assert_eq!(wgsl_layout("SliceUniform"), rust_layout!(SliceUniform { at, panels, panel }));
+    assert_eq!(wgsl_layout("LinePoint"), rust_layout!(LinePoint { position, value, width, alpha, _pad }));
+    assert_eq!(wgsl_layout("LinesUniform"), rust_layout!(LinesUniform { points, rim, _pad }));
+    let arrows = rust_layout!(ArrowsUniform { first, seconds, step, longest, count, least });
+    assert_eq!(wgsl_layout("ArrowsUniform"), arrows);
+    assert_eq!(wgsl_layout("StreamsUniform"), rust_layout!(StreamsUniform { seeds, points, step, least }));
+    let guides = rust_layout!(GuidesUniform { count, vertex_count, sample_count, quantity });
+    assert_eq!(wgsl_layout("GuidesUniform"), guides);
+}
+
+#[test]
 #[should_panic(expected = "left == right")]
 fn a_wrong_order_is_seen() {
     #[allow(dead_code)]
@@ -293,4 +342,46 @@ fn a_wrong_order_is_seen() {
     }
     let rust = rust_layout!(Wrong { center, transparent, falloff, edge });
     assert_eq!(wgsl_layout("Background"), rust);
+}
+
+#[test]
+fn wind() {
+    use tresses::{
+        simulate::AirUniforms,
+        wind::{
+            gusts::GustMode,
+            params::{Half, WindUniforms},
+        },
+    };
+    assert_eq!(wgsl_layout("GustMode"), rust_layout!(GustMode { wave, phase, amplitude, _pad }));
+    assert_eq!(wgsl_layout("Half"), rust_layout!(Half { color, keep_own, keep_other, _pad }));
+    assert_eq!(
+        wgsl_layout("WindUniforms"),
+        rust_layout!(WindUniforms {
+            mean,
+            cells,
+            shift,
+            reach,
+            head,
+            head_at,
+            cell,
+            corner,
+            moment,
+            hair_bias,
+            hair_scale,
+            reset,
+            inflow,
+            gust_count,
+            drag,
+            reynolds,
+            relaxation,
+            one,
+            plain,
+            gusts,
+        })
+    );
+    assert_eq!(
+        wgsl_layout("AirUniforms"),
+        rust_layout!(AirUniforms { corner, scale, drag, reynolds, weight, blows })
+    );
 }

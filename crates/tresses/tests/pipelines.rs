@@ -20,7 +20,9 @@ fn simulate() {
 fn a_frame_is_recorded_on_baseline_webgpu() {
     use tresses::{
         Hair, HairOptions, HairRenderer, Pose,
-        collide::{Anchor, Collider, ColliderDescriptor, ColliderPoses, FieldId, Shape},
+        collide::{
+            Anchor, Collider, ColliderDescriptor, ColliderPoses, FieldBuilder, FieldId, FieldSource, Shape,
+        },
         draw::{Body, Scene, Targets},
         frame::{Frame, Recorder},
         groom::{BindOptions, SdfGrid, TriMesh, bind},
@@ -42,14 +44,18 @@ fn a_frame_is_recorded_on_baseline_webgpu() {
     let list: Vec<_> = (0..127)
         .map(|i| Collider { anchor: [Anchor::World, Anchor::Head][i % 2], ..Collider::new(shapes[i % 4]) })
         .collect();
-    let colliders = ColliderDescriptor { head: Some(&field), fields: &[&field, &field], colliders: &list };
+    let builder = FieldBuilder::new(&device);
+    let cube = common::cube(0.1);
+    let made = FieldSource::Mesh { builder: &builder, mesh: &cube, options: &Default::default() };
+    let fields = [FieldSource::Grid(&field), made];
+    let colliders = ColliderDescriptor { head: Some(&field), fields: &fields, colliders: &list };
     let mut hair = Hair::with_colliders(&device, &queue, &renderer, &groom, &options, &colliders).unwrap();
     let more = [list.as_slice(), &list[..1]].concat();
     let error = |colliders: &ColliderDescriptor<'_>| {
         Hair::with_colliders(&device, &queue, &renderer, &groom, &options, colliders).unwrap_err().to_string()
     };
     assert!(error(&ColliderDescriptor { colliders: &more, ..colliders }).contains("129 are more than 128"));
-    assert!(error(&ColliderDescriptor { fields: &[&field], ..colliders }).contains("no field 1, only 1"));
+    assert!(error(&ColliderDescriptor { fields: &fields[..1], ..colliders }).contains("no field 1, only 1"));
     let triangle = TriMesh {
         positions: vec![glam::Vec3::ZERO, glam::Vec3::X, glam::Vec3::Y],
         normals: vec![glam::Vec3::Z; 3],
@@ -62,7 +68,10 @@ fn a_frame_is_recorded_on_baseline_webgpu() {
         dt: 1.0 / 60.0,
         head: Pose::IDENTITY,
         colliders: &ColliderPoses { head: None, colliders: vec![Pose::IDENTITY; 127] },
-        simulation: &SimulationParams::default(),
+        simulation: &SimulationParams {
+            wind: tresses::wind::Wind::new(glam::Vec3::X),
+            ..Default::default()
+        },
     };
     let mut encoder = device.create_command_encoder(&Default::default());
     let mut recorder = Recorder {

@@ -42,6 +42,88 @@ fn wrong_targets_are_refused() {
     assert!(frame(4, 1).is_some());
 }
 
+/// Every debug view, recorded over a picture of `format`; what wgpu objects to.
+fn debug_views(format: wgpu::TextureFormat, output: wgpu::TextureFormat) -> Option<wgpu::Error> {
+    use tresses::{
+        draw::debug::{
+            Arrows, DebugStage, Grid, GuideQuantity, Layer, Paint, Peak, Quantity, Slices, Streams,
+            outline::Pen,
+        },
+        glam::{Vec3, Vec4},
+        strands::GuideBuffers,
+    };
+    let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
+    let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
+    let stage = DrawStage::new(&device, &DrawOptions { samples: 4, ..Default::default() });
+    let debug = DebugStage::new(&device, &stage, format);
+    let body = Body::new(&device, &stage, &TriMesh::default());
+    let targets = Targets::new(&device, 64, 40, 4, 1).expect("a fair size");
+    let texture = |dimension, format, depth_or_array_layers, usage| {
+        let size = wgpu::Extent3d { width: 64, height: 40, depth_or_array_layers };
+        let descriptor = wgpu::TextureDescriptor {
+            label: None,
+            size,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension,
+            format,
+            usage,
+            view_formats: &[],
+        };
+        device.create_texture(&descriptor).create_view(&Default::default())
+    };
+    let picture = texture(wgpu::TextureDimension::D2, output, 1, wgpu::TextureUsages::RENDER_ATTACHMENT);
+    let values = texture(
+        wgpu::TextureDimension::D3,
+        wgpu::TextureFormat::Rgba16Float,
+        8,
+        wgpu::TextureUsages::TEXTURE_BINDING,
+    );
+    let grid = Grid {
+        texture: &values,
+        pose: Default::default(),
+        scale: Vec3::splat(2.0),
+        bias: Vec3::splat(0.5),
+        quantity: Quantity::Length,
+        turns: true,
+    };
+    let paint = Paint { low: 0.0, high: 1.0, opacity: 1.0 };
+    let guides = GuideBuffers::new(&device, 5, 16, 16).expect("small enough");
+    let seeds = Streams::upwind(&grid, Vec3::X, 4);
+    let mut outline = Vec::new();
+    Pen { value: 1.0, width: 1.0 }.cuboid(&mut outline, &grid);
+    let layers = [
+        Layer::Volume(grid, paint),
+        Layer::Slices(grid, paint, Slices::default()),
+        Layer::Slices(grid, paint, Slices { panels: Some(Vec4::ONE), ..Default::default() }),
+        Layer::Arrows(grid, paint, Arrows::over(&grid, None, 8, 1.0)),
+        Layer::Streams(grid, paint, Streams { seeds: &seeds, points: 20, step: 0.01, least: 0.1 }),
+        Layer::Streams(grid, paint, Streams { seeds: &[], points: 20, step: 0.01, least: 0.1 }),
+        Layer::Guides(&guides, paint, GuideQuantity::Speed),
+        Layer::Lines(&outline, paint),
+        Layer::Lines(&[], paint),
+    ];
+    let scene = Scene::default();
+    let mut encoder = device.create_command_encoder(&Default::default());
+    stage.prepare(&queue, &scene, &targets, None, Some(&body));
+    debug
+        .record(&device, &mut encoder, None, &scene, &targets, Some(&body), &picture, &layers)
+        .expect("small enough");
+    queue.submit([encoder.finish()]);
+    Peak::new(&device);
+    pollster::block_on(scope.pop())
+}
+
+#[test]
+fn debug_views_are_valid() {
+    use wgpu::TextureFormat::{Bgra8UnormSrgb, Rgba8Unorm};
+    for format in [Rgba8Unorm, Bgra8UnormSrgb] {
+        let error = debug_views(format, format);
+        assert!(error.is_none(), "{format:?}: {error:?}");
+    }
+    assert!(debug_views(Rgba8Unorm, Bgra8UnormSrgb).is_some());
+}
+
 #[test]
 fn an_empty_or_huge_picture_is_an_error() {
     let (device, _) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());

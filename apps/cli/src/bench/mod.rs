@@ -4,13 +4,13 @@
 //! given because a software driver shares its cores with everything else; the 95th percentile says
 //! how far to trust them.
 
+mod costs;
 mod report;
 mod statistics;
 mod workload;
 
 use crate::{interrupt, progress, say};
 use anyhow::Result;
-pub use report::Adapter;
 use report::Report;
 use std::path::PathBuf;
 
@@ -29,6 +29,9 @@ pub struct Args {
     /// Fewer frames and a shorter line of strand counts
     #[arg(long)]
     pub quick: bool,
+    /// Measure only the parts of the simulation, against each other
+    #[arg(long)]
+    pub costs: bool,
     /// Print JSON instead of tables
     #[arg(long)]
     pub json: bool,
@@ -43,16 +46,21 @@ impl Args {
 /// Runs `tresses bench`.
 pub fn run(args: &Args) -> Result<()> {
     let mut report = Report::default();
-    let mut groups = workload::seed();
-    groups.extend(workload::peer(args));
+    let mut groups = Vec::new();
+    let mut counts = Vec::new();
+    if !args.costs {
+        groups.extend(workload::seed());
+        groups.extend(workload::peer(args));
+        counts.extend(workload::strand_counts(args.quick));
+    }
     let frames = args.frames();
     let scenes: usize = groups.iter().map(|group| group.runs.len()).sum();
-    let counts = workload::strand_counts(args.quick);
-    let bar = progress::frames("measuring", (scenes as u64 + counts.len() as u64) * u64::from(frames));
+    let runs = scenes as u64 + counts.len() as u64 + costs::RUNS;
+    let bar = progress::frames("measuring", runs * u64::from(frames));
     for group in &groups {
         report.groups.push(workload::measure(group, frames, &bar)?);
-        report.adapter = report.groups[0].adapter.clone();
     }
+    (report.costs, report.adapter) = costs::measure(frames, &bar)?;
     for strands in counts {
         interrupt::check()?;
         report.line.push(workload::point(strands, frames, &bar)?);

@@ -1,8 +1,12 @@
 //! What was measured, as tables for people and as JSON for machines.
 
-use super::statistics::{Summary, line};
+use super::{
+    costs::Costs,
+    statistics::{Summary, line},
+};
 use serde::Serialize;
 use std::fmt::Write;
+use tresses::gpu::Gpu;
 
 /// Everything `tresses bench` found.
 #[derive(Debug, Default, Serialize)]
@@ -11,6 +15,8 @@ pub struct Report {
     pub adapter: Adapter,
     /// The scenes.
     pub groups: Vec<Group>,
+    /// The parts of the simulation against each other.
+    pub costs: Costs,
     /// Cost against the number of strands.
     pub line: Vec<Point>,
 }
@@ -32,6 +38,21 @@ pub struct Adapter {
     pub max_samples: u32,
 }
 
+impl Adapter {
+    /// The adapter of `gpu`.
+    pub fn of(gpu: &Gpu) -> Self {
+        let info = &gpu.info;
+        Self {
+            name: info.name.clone(),
+            backend: format!("{:?}", info.backend),
+            driver: [info.driver.as_str(), info.driver_info.as_str()].join(" ").trim().to_owned(),
+            software: gpu.tier.software,
+            timestamps: gpu.tier.timestamps,
+            max_samples: gpu.tier.max_samples,
+        }
+    }
+}
+
 /// One scene in one or several states.
 #[derive(Debug, Default, Serialize)]
 pub struct Group {
@@ -39,8 +60,6 @@ pub struct Group {
     pub name: String,
     /// What others have measured on it.
     pub others: String,
-    #[serde(skip)]
-    pub adapter: Adapter,
     /// Pixels.
     pub size: [u32; 2],
     /// Per pixel of the target.
@@ -112,16 +131,44 @@ impl Report {
             _ => "Stages by GPU timestamps, whole frames by the clock.\n",
         };
         let frames = self.groups.iter().flat_map(|group| &group.runs).map(|run| run.frames);
+        let frames = frames.chain((self.costs.frames > 0).then_some(self.costs.frames));
         let (fewest, most) = (frames.clone().min().unwrap_or(0), frames.max().unwrap_or(0));
         let frames = if fewest == most { format!("{most}") } else { format!("{fewest} to {most}") };
         let _ = writeln!(text, "Milliseconds, median and 95th percentile of {frames} frames.");
         for group in &self.groups {
             group.write(&mut text);
         }
+        if !self.costs.parts.is_empty() {
+            self.write_costs(&mut text);
+        }
         if !self.line.is_empty() {
             self.write_line(&mut text);
         }
         text
+    }
+
+    fn write_costs(&self, text: &mut String) {
+        let costs = &self.costs;
+        let mut rows = vec![["", "median", "p95"].map(String::from).to_vec()];
+        rows.extend(
+            costs.parts.iter().map(|part| vec![part.name.clone(), ms(part.time.median), ms(part.time.p95)]),
+        );
+        let _ = write!(
+            text,
+            "\nSimulation costs (style long in motion, {} guides × {} vertices, {} strands, one fixed step)\n{}",
+            count(costs.guides.into()),
+            costs.guide_vertices,
+            count(costs.strands.into()),
+            table(&rows)
+        );
+        let mut rows = vec![["ratio of medians", "measured", "at most"].map(String::from).to_vec()];
+        rows.extend(
+            costs
+                .limits
+                .iter()
+                .map(|l| vec![l.what.clone(), format!("{:.2}", l.ratio), format!("{:.2}", l.most)]),
+        );
+        *text += &table(&rows);
     }
 
     fn write_line(&self, text: &mut String) {
@@ -236,7 +283,10 @@ fn table(rows: &[Vec<String>]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{
+        super::costs::{Limit, Part},
+        *,
+    };
 
     fn report() -> Report {
         let time = |median| Summary { median, p95: median * 1.5 };
@@ -263,6 +313,12 @@ mod tests {
                 Point { strands: 1000, gpu: time(1.0), frame: time(3.0) },
                 Point { strands: 100_000, gpu: time(100.0), frame: time(102.0) },
             ],
+            costs: Costs {
+                guides: 1000,
+                parts: vec![Part { name: "solve".into(), time: time(4.0) }],
+                limits: vec![Limit { what: "density / solve".into(), ratio: 0.25, most: 1.0 }],
+                ..Costs::default()
+            },
             ..Report::default()
         }
     }
@@ -274,6 +330,7 @@ mod tests {
         let line = |name: &str| text.lines().find(|l| l.trim_start().starts_with(name)).unwrap();
         assert_eq!(line("simulate").len(), line("whole frame").len());
         assert!(line("simulate").contains("0.250") && line("draw").contains("100.0"));
+        assert!(line("solve").contains("4.00") && line("density / solve").contains("0.25"), "{text}");
         assert!(text.contains("2.00 ms + 1.00 ms per 1,000 strands"), "{text}");
     }
 
@@ -282,5 +339,7 @@ mod tests {
         let value = serde_json::to_value(report()).unwrap();
         assert_eq!(value["groups"][0]["runs"][1]["stages"][1]["median"], 100.0);
         assert_eq!(value["line"][0]["strands"], 1000);
+        assert_eq!(value["costs"]["parts"][0]["median"], 4.0);
+        assert_eq!(value["costs"]["limits"][0]["ratio"], 0.25);
     }
 }

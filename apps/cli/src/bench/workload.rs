@@ -127,7 +127,6 @@ pub fn measure(workload: &Workload, frames: u32, bar: &ProgressBar) -> Result<Gr
     Ok(Group {
         name: workload.name.into(),
         others: workload.others.into(),
-        adapter: scene.adapter(),
         size: [workload.size.width, workload.size.height],
         samples: scene.samples(),
         ssaa: workload.ssaa,

@@ -46,14 +46,22 @@
 //! frame, but contacts would need the velocity of the skin from somewhere.
 
 mod atlas;
+pub mod build;
 mod places;
 mod set;
 pub mod shape;
 mod volume;
 
-use crate::{Pose, groom::SdfGrid};
+use crate::{
+    Pose,
+    groom::{
+        SdfGrid,
+        mesh::{SdfOptions, TriMesh},
+    },
+};
 use glam::{Quat, Vec3};
 
+pub use build::FieldBuilder;
 pub use places::{Moments, Place, Places};
 pub use set::{ColliderSet, layout};
 pub use shape::{ShapeData, ShapeTable};
@@ -129,13 +137,29 @@ impl Collider {
     }
 }
 
+/// Where a distance field comes from.
+#[derive(Clone, Copy, Debug)]
+pub enum FieldSource<'a> {
+    /// From the CPU.
+    Grid(&'a SdfGrid),
+    /// From a mesh, made on the GPU, where it stays.
+    Mesh {
+        /// Makes it.
+        builder: &'a FieldBuilder,
+        /// The mesh, in the collider's frame, metres.
+        mesh: &'a TriMesh,
+        /// How fine.
+        options: &'a SdfOptions,
+    },
+}
+
 /// What a [`ColliderSet`] is made of.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ColliderDescriptor<'a> {
     /// The head's distance field, groom space: the first collider, which follows the head.
     pub head: Option<&'a SdfGrid>,
     /// Fields that colliders refer to by [`FieldId`].
-    pub fields: &'a [&'a SdfGrid],
+    pub fields: &'a [FieldSource<'a>],
     /// All other colliders.
     pub colliders: &'a [Collider],
 }

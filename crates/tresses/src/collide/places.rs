@@ -9,7 +9,7 @@ use crate::{
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
 
-/// A pose as the GPU reads it.
+/// Where a collider is, as the GPU reads it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Place {
@@ -17,13 +17,19 @@ pub struct Place {
     pub rotation: Quat,
     /// Metres.
     pub translation: Vec3,
+    /// Radius of its bounding sphere, metres.
+    pub bound: f32,
+    /// Centre of its bounding sphere, world, metres.
+    pub center: Vec3,
     /// Unused.
     pub _pad: f32,
 }
 
-impl From<Pose> for Place {
-    fn from(pose: Pose) -> Self {
-        Self { rotation: pose.rotation, translation: pose.translation, _pad: 0.0 }
+impl Place {
+    /// A collider whose bounding sphere has its `center` and radius in the collider's frame, at `pose`.
+    pub fn new(pose: &Pose, center: Vec3, bound: f32) -> Self {
+        let Pose { rotation, translation } = *pose;
+        Self { rotation, translation, bound, center: pose.point(center), _pad: 0.0 }
     }
 }
 

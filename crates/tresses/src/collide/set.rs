@@ -1,9 +1,10 @@
 //! The colliders of one groom on the GPU.
 
 use super::{
-    Anchor, ColliderDescriptor, ColliderPoses, FieldId, FieldVolume, Moments, Place, Places, Shape,
-    ShapeData, ShapeTable,
+    Anchor, ColliderDescriptor, ColliderPoses, FieldBuilder, FieldId, FieldSource, FieldVolume, Moments,
+    Place, Places, Shape, ShapeData, ShapeTable,
     atlas::{Atlas, pack},
+    build::Plan,
     places::Track,
 };
 use crate::{
@@ -14,6 +15,7 @@ use crate::{
     strands::buffers::storage,
 };
 use bytemuck::Zeroable;
+use glam::{UVec3, Vec3};
 use wgpu::util::DeviceExt;
 
 /// What `nearest.wesl` binds, in order.
@@ -24,10 +26,50 @@ pub fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     bindings::layout(device, "colliders", wgpu::ShaderStages::COMPUTE, &BINDINGS)
 }
 
+/// A field before it is in the atlas.
+struct Field<'a> {
+    size: UVec3,
+    bias: Vec3,
+    scale: Vec3,
+    sphere: (Vec3, f32),
+    texels: Texels<'a>,
+}
+
+/// Its texels: from the CPU, or to be made where they belong.
+enum Texels<'a> {
+    Ready(FieldVolume),
+    Planned(&'a FieldBuilder, Plan),
+}
+
+impl<'a> Field<'a> {
+    fn new(source: FieldSource<'a>) -> Result<Self> {
+        Ok(match source {
+            FieldSource::Grid(grid) => {
+                let volume = FieldVolume::new(grid);
+                Self {
+                    size: volume.size,
+                    bias: volume.bias,
+                    scale: volume.scale,
+                    sphere: (volume.center, volume.bound),
+                    texels: Texels::Ready(volume),
+                }
+            }
+            FieldSource::Mesh { builder, mesh, options } => {
+                let plan = Plan::new(mesh, options)?;
+                let (bias, scale) = FieldVolume::coordinates(&plan.grid);
+                let (size, sphere) = (plan.grid.size, (plan.center, plan.bound));
+                Self { size, bias, scale, sphere, texels: Texels::Planned(builder, plan) }
+            }
+        })
+    }
+}
+
 /// The colliders of one groom, and their state of motion.
 #[derive(Debug)]
 pub struct ColliderSet {
     track: Track,
+    /// Bounding spheres in the colliders' frames.
+    spheres: Vec<(Vec3, f32)>,
     has_head: bool,
     count: u32,
     bytes: u64,
@@ -49,17 +91,21 @@ impl ColliderSet {
                 "{count} are more than {MAX_COLLIDERS}, the head's included"
             )));
         }
-        let volumes: Vec<_> =
-            what.head.iter().chain(what.fields).map(|grid| FieldVolume::new(grid)).collect();
-        let sizes: Vec<_> = volumes.iter().map(|v| v.size).collect();
+        let sources = what.head.map(FieldSource::Grid).into_iter().chain(what.fields.iter().copied());
+        let fields = sources.map(Field::new).collect::<Result<Vec<_>>>()?;
+        let sizes: Vec<_> = fields.iter().map(|f| f.size).collect();
         let (tiles, size) = pack(&sizes);
         let atlas = Atlas::new(device, size)?;
-        for (volume, at) in volumes.iter().zip(&tiles) {
-            atlas.write(queue, *at, volume);
+        for (field, at) in fields.iter().zip(&tiles) {
+            match &field.texels {
+                Texels::Ready(volume) => atlas.write(queue, *at, volume),
+                Texels::Planned(builder, plan) => builder.write(device, queue, plan, &atlas.texture, *at)?,
+            }
         }
         let mut table =
             Box::new(ShapeTable { count: count as u32, has_head: has_head.into(), ..ShapeTable::zeroed() });
         let mut anchors = Vec::with_capacity(count);
+        let mut spheres = Vec::with_capacity(count);
         let first = usize::from(has_head);
         let head = has_head.then(|| super::Collider {
             anchor: Anchor::Head,
@@ -72,12 +118,13 @@ impl ColliderSet {
             if let Shape::Field(FieldId(id)) = collider.shape {
                 // The head's field comes before those that are counted.
                 let at = if slot < first { 0 } else { id as usize + first };
-                let volume = volumes.get(at).ok_or_else(|| {
+                let field = fields.get(at).ok_or_else(|| {
                     Error::Colliders(format!("there is no field {id}, only {}", what.fields.len()))
                 })?;
-                (data.center, data.bound) = (volume.center, volume.bound);
-                atlas.place(data, tiles[at], volume.size, volume.bias, volume.scale);
+                (data.center, data.bound) = field.sphere;
+                atlas.place(data, tiles[at], field.size, field.bias, field.scale);
             }
+            spheres.push((data.center, data.bound));
         }
         let table = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("collider shapes"),
@@ -100,6 +147,7 @@ impl ColliderSet {
         );
         Ok(Self {
             track: Track::new(anchors),
+            spheres,
             has_head,
             count: count as u32,
             bytes: atlas.bytes() + table.size() + places.size(),
@@ -119,7 +167,10 @@ impl ColliderSet {
         if self.count == 0 {
             return Ok(());
         }
-        let list = |poses: &[Pose]| -> Vec<Place> { poses.iter().map(|p| Place::from(*p)).collect() };
+        let list = |poses: &[Pose]| -> Vec<Place> {
+            let spheres = self.spheres.iter().cycle();
+            poses.iter().zip(spheres).map(|(p, (center, bound))| Place::new(p, *center, *bound)).collect()
+        };
         let header = size_of::<Places>() as u64;
         let now = list(&self.track.now);
         queue.write_buffer(&self.places, header, bytemuck::cast_slice(&now));

@@ -29,16 +29,15 @@ impl FieldVolume {
                 [n.x, n.y, n.z, grid.distances[i as usize]].map(f16::from_f32)
             })
             .collect();
-        let size = grid.size.as_vec3();
+        let (bias, scale) = Self::coordinates(grid);
         let (center, bound) = around(grid);
-        Self {
-            size: grid.size,
-            center,
-            bound,
-            bias: (Vec3::splat(0.5) - grid.origin / grid.cell) / size,
-            scale: 1.0 / (grid.cell * size),
-            texels,
-        }
+        Self { size: grid.size, center, bound, bias, scale, texels }
+    }
+
+    /// Bias and scale of the texture coordinates of `grid`'s texels.
+    pub(super) fn coordinates(grid: &SdfGrid) -> (Vec3, Vec3) {
+        let size = grid.size.as_vec3();
+        ((Vec3::splat(0.5) - grid.origin / grid.cell) / size, 1.0 / (grid.cell * size))
     }
 
     /// What a trilinear sampler that clamps returns at texture coordinate `c`.

@@ -24,6 +24,7 @@
 
 pub mod background;
 pub mod body;
+pub mod debug;
 pub mod hair;
 pub mod scene;
 pub mod stage;

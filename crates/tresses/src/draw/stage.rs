@@ -127,6 +127,10 @@ impl DrawStage {
         }
     }
 
+    pub(crate) fn body_layout(&self) -> &wgpu::BindGroupLayout {
+        &self.body_layout
+    }
+
     pub(crate) fn bind_hair(
         &self,
         device: &wgpu::Device,

@@ -19,8 +19,14 @@ pub enum Binding {
     TextureMultisampled,
     /// `texture_3d<f32>` of a filterable format.
     Texture3d,
+    /// `texture_depth_2d`.
+    Depth,
     /// `texture_storage_3d<rgba16float, write>`.
     Write3d,
+    /// `texture_3d<f32>` of any format, read texel by texel.
+    Texels3d,
+    /// `texture_storage_3d<rgba32float, write>`.
+    WriteFull3d,
     /// `texture_depth_2d_array`.
     DepthArray,
     /// `sampler` that filters.
@@ -49,9 +55,18 @@ impl Binding {
                 texture(TextureSampleType::Float { filterable: false }, TextureViewDimension::D2, true)
             }
             Self::Texture3d => texture(filterable, TextureViewDimension::D3, false),
+            Self::Depth => texture(TextureSampleType::Depth, TextureViewDimension::D2, false),
             Self::Write3d => BindingType::StorageTexture {
                 access: wgpu::StorageTextureAccess::WriteOnly,
                 format: wgpu::TextureFormat::Rgba16Float,
+                view_dimension: TextureViewDimension::D3,
+            },
+            Self::Texels3d => {
+                texture(TextureSampleType::Float { filterable: false }, TextureViewDimension::D3, false)
+            }
+            Self::WriteFull3d => BindingType::StorageTexture {
+                access: wgpu::StorageTextureAccess::WriteOnly,
+                format: wgpu::TextureFormat::Rgba32Float,
                 view_dimension: TextureViewDimension::D3,
             },
             Self::DepthArray => texture(TextureSampleType::Depth, TextureViewDimension::D2Array, false),

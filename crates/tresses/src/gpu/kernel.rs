@@ -75,4 +75,17 @@ impl Kernel {
         pass.set_bind_group(0, group, offsets);
         pass.dispatch_workgroups(workgroups.min(WIDTH), workgroups.div_ceil(WIDTH), 1);
     }
+
+    /// Records one dispatch of a grid of workgroups.
+    pub fn record_grid(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        group: &wgpu::BindGroup,
+        offsets: &[u32],
+        [x, y, z]: [u32; 3],
+    ) {
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, group, offsets);
+        pass.dispatch_workgroups(x, y, z);
+    }
 }

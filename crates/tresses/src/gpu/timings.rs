@@ -1,25 +1,36 @@
-//! GPU time per stage, from timestamps at the begin and end of each pass.
+//! GPU time per stage: from timestamps at the begin and end of each pass, or by the clock.
 
-use crate::{Result, gpu::readback};
+use crate::{Error, Result, gpu::readback};
+use std::time::Instant;
 
 /// The most passes of one frame.
 const MAX_PASSES: u32 = 64;
 
-/// Collects a begin and an end timestamp for every pass of one frame.
+/// Collects the times of the passes of one frame.
 #[derive(Debug)]
 pub struct Timings {
-    queries: wgpu::QuerySet,
-    resolved: wgpu::Buffer,
-    names: Vec<&'static str>,
-    /// Nanoseconds per tick.
-    period: f32,
+    source: Source,
+}
+
+#[derive(Debug)]
+enum Source {
+    /// A begin and an end timestamp for every pass.
+    Timestamps {
+        queries: wgpu::QuerySet,
+        resolved: wgpu::Buffer,
+        names: Vec<&'static str>,
+        /// Nanoseconds per tick.
+        period: f32,
+    },
+    /// Every stage is submitted and waited for alone.
+    Clock { rows: Vec<(&'static str, f64)>, lost: Option<Error> },
 }
 
 impl Timings {
-    /// Needs [`wgpu::Features::TIMESTAMP_QUERY`] on the device.
+    /// From timestamps; needs [`wgpu::Features::TIMESTAMP_QUERY`] on the device.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         let count = 2 * MAX_PASSES;
-        Self {
+        let source = Source::Timestamps {
             queries: device.create_query_set(&wgpu::QuerySetDescriptor {
                 label: Some("timings"),
                 ty: wgpu::QueryType::Timestamp,
@@ -33,40 +44,76 @@ impl Timings {
             }),
             names: Vec::new(),
             period: queue.get_timestamp_period(),
-        }
+        };
+        Self { source }
     }
 
-    fn next(&mut self, name: &'static str) -> Option<(u32, u32)> {
-        let index = 2 * self.names.len() as u32;
+    /// By the clock: a [`crate::frame::Recorder`] submits the compute passes of its stages one by
+    /// one and waits for each. For tools on a software driver, whose timestamps of compute passes
+    /// are those of the call; a stage's time holds the call and the waiting. Render passes are not
+    /// timed.
+    pub fn by_the_clock() -> Self {
+        Self { source: Source::Clock { rows: Vec::new(), lost: None } }
+    }
+
+    fn next(&mut self, name: &'static str) -> Option<(&wgpu::QuerySet, u32)> {
+        let Source::Timestamps { queries, names, .. } = &mut self.source else { return None };
+        let index = 2 * names.len() as u32;
         (index < 2 * MAX_PASSES).then(|| {
-            self.names.push(name);
-            (index, index + 1)
+            names.push(name);
+            (&*queries, index)
         })
     }
 
     /// The timestamps of a compute pass called `name`; passes of one name are added up.
     pub fn compute(&mut self, name: &'static str) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
-        let (begin, end) = self.next(name)?;
+        let (query_set, index) = self.next(name)?;
         Some(wgpu::ComputePassTimestampWrites {
-            query_set: &self.queries,
-            beginning_of_pass_write_index: Some(begin),
-            end_of_pass_write_index: Some(end),
+            query_set,
+            beginning_of_pass_write_index: Some(index),
+            end_of_pass_write_index: Some(index + 1),
         })
     }
 
     /// The timestamps of a render pass called `name`; passes of one name are added up.
     pub fn render(&mut self, name: &'static str) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
-        let (begin, end) = self.next(name)?;
+        let (query_set, index) = self.next(name)?;
         Some(wgpu::RenderPassTimestampWrites {
-            query_set: &self.queries,
-            beginning_of_pass_write_index: Some(begin),
-            end_of_pass_write_index: Some(end),
+            query_set,
+            beginning_of_pass_write_index: Some(index),
+            end_of_pass_write_index: Some(index + 1),
         })
+    }
+
+    /// By the clock, a stage called `name` ends here: what `encoder` holds, recorded since `start`,
+    /// is submitted and waited for. With timestamps nothing happens.
+    pub(crate) fn finish(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        name: &'static str,
+        start: Instant,
+    ) {
+        let Source::Clock { rows, lost } = &mut self.source else { return };
+        let recorded = std::mem::replace(encoder, device.create_command_encoder(&Default::default()));
+        queue.submit([recorded.finish()]);
+        if let Err(error) = device.poll(wgpu::PollType::wait_indefinitely()) {
+            *lost = Some(Error::Gpu { stage: name, problem: error.to_string() });
+        }
+        add(rows, name, start.elapsed().as_secs_f64() * 1e3);
+    }
+
+    /// Whether stages are to be [`finish`](Self::finish)ed.
+    pub(crate) fn is_by_the_clock(&self) -> bool {
+        matches!(self.source, Source::Clock { .. })
     }
 
     /// Records the resolve; once per frame, after the last pass.
     pub fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
-        encoder.resolve_query_set(&self.queries, 0..2 * self.names.len() as u32, &self.resolved, 0);
+        if let Source::Timestamps { queries, resolved, names, .. } = &self.source {
+            encoder.resolve_query_set(queries, 0..2 * names.len() as u32, resolved, 0);
+        }
     }
 
     /// Milliseconds per name, in order of first use, and starts over. Blocks.
@@ -74,15 +121,27 @@ impl Timings {
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.
     pub fn read(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<(&'static str, f64)>> {
-        let ticks: Vec<u64> = readback::buffer(device, queue, &self.resolved)?;
-        let mut rows: Vec<(&'static str, f64)> = Vec::new();
-        for (name, [begin, end]) in self.names.drain(..).zip(ticks.as_chunks().0) {
-            let ms = end.saturating_sub(*begin) as f64 * f64::from(self.period) * 1e-6;
-            match rows.iter_mut().find(|(known, _)| *known == name) {
-                Some((_, sum)) => *sum += ms,
-                None => rows.push((name, ms)),
+        match &mut self.source {
+            Source::Timestamps { resolved, names, period, .. } => {
+                let ticks: Vec<u64> = readback::buffer(device, queue, resolved)?;
+                let mut rows = Vec::new();
+                for (name, [begin, end]) in names.drain(..).zip(ticks.as_chunks().0) {
+                    add(&mut rows, name, end.saturating_sub(*begin) as f64 * f64::from(*period) * 1e-6);
+                }
+                Ok(rows)
             }
+            Source::Clock { rows, lost } => match lost.take() {
+                Some(error) => Err(error),
+                None => Ok(std::mem::take(rows)),
+            },
         }
-        Ok(rows)
+    }
+}
+
+/// Adds to the row of that name.
+fn add(rows: &mut Vec<(&'static str, f64)>, name: &'static str, ms: f64) {
+    match rows.iter_mut().find(|(known, _)| *known == name) {
+        Some((_, sum)) => *sum += ms,
+        None => rows.push((name, ms)),
     }
 }

@@ -1,7 +1,6 @@
 //! Host side of `blend.wesl`.
 
 use crate::{
-    collide::{self, ColliderSet},
     constants::STRAND_WORKGROUP,
     gpu::{Binding, Kernel},
     strands::{GuideBuffers, StrandBuffers},
@@ -12,14 +11,14 @@ use bytemuck::{Pod, Zeroable};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct InterpolateParams {
-    /// How far drawn strands keep from the head, metres; 0 switches the test off.
-    pub clearance: f32,
     /// Number of strands.
     pub strand_count: u32,
     /// Vertices per strand, at least 2.
     pub vertex_count: u32,
     /// Samples per guide, at least 2.
     pub sample_count: u32,
+    /// Unused.
+    pub _pad: u32,
 }
 
 /// The pipeline of the stage.
@@ -39,8 +38,7 @@ impl Interpolate {
             Binding::Storage,
             Binding::StorageMut,
         ];
-        let colliders = collide::layout(device);
-        Self { kernel: Kernel::beside(device, "interpolate::blend", &entries, &[&colliders]) }
+        Self { kernel: Kernel::new(device, "interpolate::blend", &entries) }
     }
 
     /// Binds the stage to one groom and a uniform buffer of [`InterpolateParams`].
@@ -64,16 +62,8 @@ impl Interpolate {
         )
     }
 
-    /// Records the dispatch: one thread per strand. With a clearance, the first of `colliders` is the
-    /// head's field.
-    pub fn record(
-        &self,
-        pass: &mut wgpu::ComputePass<'_>,
-        group: &wgpu::BindGroup,
-        colliders: &ColliderSet,
-        strands: &StrandBuffers,
-    ) {
-        pass.set_bind_group(1, colliders.group(), &[]);
+    /// Records the dispatch: one thread per strand.
+    pub fn record(&self, pass: &mut wgpu::ComputePass<'_>, group: &wgpu::BindGroup, strands: &StrandBuffers) {
         self.kernel.record(pass, group, &[], strands.count.div_ceil(STRAND_WORKGROUP));
     }
 }

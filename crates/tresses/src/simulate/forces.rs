@@ -1,11 +1,15 @@
 //! The kernel that gathers what the grids do to the guides.
 
+use super::{MAX_STEPS, SimulationParams, drag};
 use crate::{
     constants::VOLUME_WORKGROUP,
     gpu::{Binding, Kernel, bindings},
     strands::GuideBuffers,
     volume::Volume,
+    wind::Air,
 };
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
 
 /// The pipeline.
 #[derive(Debug)]
@@ -23,6 +27,9 @@ impl ForcesKernel {
             Binding::Texture3d,
             Binding::Texture3d,
             Binding::Sampler,
+            Binding::UniformDynamic,
+            Binding::Texture3d,
+            Binding::Storage,
         ];
         Self { kernel: Kernel::new(device, "simulate::forces", &entries), sampler: bindings::linear(device) }
     }
@@ -32,17 +39,43 @@ impl ForcesKernel {
 #[derive(Debug)]
 pub struct Forces {
     group: wgpu::BindGroup,
+    air: wgpu::Buffer,
     threads: u32,
 }
 
+/// What the kernel reads of the air in one step.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct AirUniforms {
+    /// Corner of the air's grid, world space, metres.
+    pub corner: Vec3,
+    /// Texture coordinates per metre.
+    pub scale: f32,
+    /// Rate of the slow drag of calm air, 1/s: [`SimulationParams::drag`].
+    pub drag: f32,
+    /// Reynolds number of a hair per m/s.
+    pub reynolds: f32,
+    /// [`drag::drag_weight`], 1/m.
+    pub weight: f32,
+    /// 1 when there is wind.
+    pub blows: u32,
+}
+
+/// Bytes from one step's air to the next's: a multiple of every adapter's alignment.
+const AIR_STRIDE: u32 = 256;
+
 impl Forces {
-    /// The forces of `volume` on `guides`.
+    /// The forces of `volume` and, where there is one, of the air on `guides`.
     pub fn new(
         device: &wgpu::Device,
         simulate: &super::Simulate,
         guides: &GuideBuffers,
         volume: &Volume,
+        air: Option<&Air>,
     ) -> Self {
+        let uniforms = bindings::uniform(device, "forces of the air", (AIR_STRIDE * MAX_STEPS) as usize);
+        // In calm air nothing is sampled: any texture will do.
+        let texture = air.map_or(&volume.hair, |air| &air.view);
         let group = simulate.forces.kernel.bind(
             device,
             &[
@@ -52,14 +85,52 @@ impl Forces {
                 wgpu::BindingResource::TextureView(&volume.hair),
                 wgpu::BindingResource::TextureView(&volume.push),
                 wgpu::BindingResource::Sampler(&simulate.forces.sampler),
+                wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                    buffer: &uniforms,
+                    offset: 0,
+                    size: wgpu::BufferSize::new(size_of::<AirUniforms>() as u64),
+                }),
+                wgpu::BindingResource::TextureView(texture),
+                guides.velocity.as_entire_binding(),
             ],
         );
-        Self { group, threads: guides.count * guides.vertex_count }
+        Self { group, air: uniforms, threads: guides.count * guides.vertex_count }
+    }
+
+    /// Writes what a frame of `count` steps reads of the air, if it blows.
+    pub(crate) fn prepare(
+        &self,
+        queue: &wgpu::Queue,
+        physics: &SimulationParams,
+        air: Option<&Air>,
+        count: usize,
+    ) {
+        let mut bytes = vec![0u8; AIR_STRIDE as usize * count.min(MAX_STEPS as usize)];
+        if let Some(air) = air {
+            for (i, slot) in bytes.chunks_mut(AIR_STRIDE as usize).enumerate() {
+                let place = air.place(i as u32);
+                let uniforms = AirUniforms {
+                    corner: place.corner,
+                    scale: place.scale,
+                    drag: physics.drag,
+                    reynolds: physics.diameter / drag::AIR_VISCOSITY,
+                    weight: drag::drag_weight(physics.diameter, physics.line_density),
+                    blows: 1,
+                };
+                slot[..size_of::<AirUniforms>()].copy_from_slice(bytemuck::bytes_of(&uniforms));
+            }
+        }
+        queue.write_buffer(&self.air, 0, &bytes);
+    }
+
+    /// Bytes of GPU memory.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.air.size()
     }
 
     /// Records the dispatch for step `i` of those that [`Volume::prepare`] wrote.
     pub fn record(&self, simulate: &super::Simulate, pass: &mut wgpu::ComputePass<'_>, i: u32) {
         let workgroups = self.threads.div_ceil(VOLUME_WORKGROUP);
-        simulate.forces.kernel.record(pass, &self.group, &[Volume::offset(i)], workgroups);
+        simulate.forces.kernel.record(pass, &self.group, &[Volume::offset(i), i * AIR_STRIDE], workgroups);
     }
 }

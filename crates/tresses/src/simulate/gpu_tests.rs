@@ -9,12 +9,13 @@ use super::{
 use crate::{
     Pose,
     collide::{
-        Anchor, Collider, ColliderDescriptor, ColliderPoses, ColliderSet, FieldId, FieldVolume, Moments,
-        Shape,
+        Anchor, Collider, ColliderDescriptor, ColliderPoses, ColliderSet, FieldId, FieldSource, FieldVolume,
+        Moments, Shape,
     },
     gpu::{Gpu, Timings, readback},
     groom::SdfGrid,
     strands::{Force, GuideBuffers, GuideForce},
+    wind::Wind,
 };
 use glam::{Quat, Vec3};
 
@@ -209,7 +210,8 @@ fn compare(gpu: &Gpu, n: usize, frames: usize, disturb: f32, shifted: Option<usi
     let rest = rest::guides(&positions, n as u32, &traits, &params, &options, Some(&grid)).unwrap();
     let dice = dice();
     // A field that nobody uses must not matter: it only shifts the tiles.
-    let fields = [&sphere(), &dice];
+    let sphere = sphere();
+    let fields = [&sphere, &dice].map(FieldSource::Grid);
     let list = shapes();
     let what = ColliderDescriptor { head: Some(&grid), fields: &fields, colliders: &list };
     let mut scene = Scene::among(gpu, &rest, &what);
@@ -426,7 +428,7 @@ fn absurd_parameters_give_finite_positions() {
     let Some(gpu) = gpu() else { return };
     let params = SimulationParams {
         gravity: Vec3::splat(2e3),
-        wind: Vec3::X * 400.0,
+        wind: Wind::uniform(Vec3::X * 400.0),
         drag: 1e4,
         step: 0.1,
         substeps: 1,

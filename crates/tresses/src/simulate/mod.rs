@@ -46,6 +46,7 @@
 //! hundreds of metres from the origin would tremble.
 
 pub mod clock;
+pub mod drag;
 pub mod drape;
 mod forces;
 pub mod params;
@@ -70,7 +71,7 @@ use std::sync::OnceLock;
 
 pub use clock::{Clock, Ticks};
 pub use drape::{DrapeOptions, drape};
-pub use forces::Forces;
+pub use forces::{AirUniforms, Forces};
 pub use params::{Along, Mode, SimulationParams};
 pub use rest::{GuideTraits, RestGuides, RestOptions, RestShape};
 
@@ -228,8 +229,7 @@ impl Simulation {
         let mut bytes = vec![0u8; STRIDE as usize * steps.len()];
         let slots = bytes.as_chunks_mut::<{ STRIDE as usize }>().0;
         for (i, (step, slot)) in steps.iter().zip(slots).enumerate() {
-            let mut uniforms = self.uniforms(params, step, i as u32);
-            uniforms.forced = forced.into();
+            let uniforms = StepUniforms { forced: forced.into(), ..self.uniforms(params, step, i as u32) };
             slot[..size_of::<StepUniforms>()].copy_from_slice(bytemuck::bytes_of(&uniforms));
         }
         queue.write_buffer(&self.uniforms, 0, &bytes);

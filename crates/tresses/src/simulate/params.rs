@@ -1,6 +1,6 @@
 //! What a user sets, in SI units, and what one fixed step of the GPU reads.
 
-use crate::{Error, Pose, Result, volume::HairHair};
+use crate::{Error, Pose, Result, volume::HairHair, wind::Wind};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -42,8 +42,10 @@ pub struct SimulationParams {
     /// rate: of 3, a tenth is left after 1.5 s. A single hair in open air has more, a hair inside a
     /// lock less.
     pub drag: f32,
-    /// Velocity of the air, m/s.
-    pub wind: Vec3,
+    /// Diameter of a hair, metres: what the air pushes against.
+    pub diameter: f32,
+    /// What the air does.
+    pub wind: Wind,
     /// Coulomb's coefficient between hair and colliders.
     pub friction: f32,
     /// How much a strand that hangs by its root is stretched by gravity: the elasticity along the
@@ -66,7 +68,8 @@ impl Default for SimulationParams {
             goal: Along { root: 120.0, tip: 0.0, falloff: 0.12 },
             bending_damping: 0.002,
             drag: 3.0,
-            wind: Vec3::ZERO,
+            diameter: 80e-6,
+            wind: Wind::default(),
             friction: 0.4,
             stretch: 5e-4,
             hair_hair: HairHair::default(),
@@ -104,13 +107,8 @@ impl SimulationParams {
         };
         let acceleration = self.gravity.abs().max_element() + self.gravity.length();
         test("gravity", acceleration, 0.0, 1e4, "finite and below 5,000 m/s²")?;
-        test(
-            "wind",
-            self.wind.abs().max_element() + self.wind.length(),
-            0.0,
-            1e3,
-            "finite and below 500 m/s",
-        )?;
+        self.wind.check()?;
+        test("hair diameter", self.diameter, 1e-6, 1e-2, "from 1e-6 to 0.01 m")?;
         test("line density", self.line_density, 1e-9, 1.0, "from 1e-9 to 1 kg/m")?;
         for (name, along, most) in
             [("bending stiffness", self.bending, 1.0), ("goal stiffness", self.goal, 1e7)]
@@ -197,7 +195,7 @@ pub struct StepUniforms {
     pub gravity: Vec3,
     /// 1/s.
     pub drag: f32,
-    /// m/s.
+    /// Velocity of the air, m/s, where it is the same everywhere.
     pub wind: Vec3,
     /// Coulomb's coefficient.
     pub friction: f32,
@@ -256,7 +254,7 @@ impl StepUniforms {
             substeps: params.substeps.clamp(1, MAX_SUBSTEPS),
             gravity: params.gravity,
             drag: params.drag,
-            wind: params.wind,
+            wind: if params.wind.blows() { Vec3::ZERO } else { params.wind.velocity },
             friction: params.friction,
             bending_root: params.bending.root / params.line_density,
             bending_tip: params.bending.tip / params.line_density,

@@ -7,10 +7,11 @@ use super::{
 };
 use crate::{
     Pose,
+    collide::{Collider, ColliderDescriptor, ColliderPoses, ColliderSet, Moments, Shape},
     gpu::{Gpu, readback},
     simulate::{
-        ColliderPoses, ColliderSet, Forces, GuideTraits, RestGuides, RestOptions, Simulate, Simulation,
-        SimulationParams, Step, params::Mode, rest,
+        Forces, GuideTraits, RestGuides, RestOptions, Simulate, Simulation, SimulationParams, Step,
+        params::Mode, rest,
     },
     strands::{Force, GuideBuffers, GuideForce},
 };
@@ -55,11 +56,14 @@ struct Scene {
     rest: RestGuides,
     volume: Volume,
     forces: Forces,
+    colliders: ColliderSet,
+    /// Where the colliders are, in the world.
+    places: Vec<Pose>,
 }
 
 impl Scene {
     fn new((positions, traits): (Vec<Vec3>, Vec<GuideTraits>), options: &VolumeOptions) -> Option<Self> {
-        Self::with(positions, traits, N, options)
+        Self::with(positions, traits, N, options, &Default::default())
     }
 
     fn with(
@@ -67,6 +71,7 @@ impl Scene {
         traits: Vec<GuideTraits>,
         n: usize,
         options: &VolumeOptions,
+        colliders: &ColliderDescriptor<'_>,
     ) -> Option<Self> {
         let gpu = gpu()?;
         let params = SimulationParams::default();
@@ -77,8 +82,9 @@ impl Scene {
         let stage = VolumeStage::new(&gpu.device);
         let simulate = Simulate::new(&gpu.device);
         let volume = Volume::new(&gpu.device, &stage, &guides, &rest, options).unwrap();
-        let forces = Forces::new(&gpu.device, &simulate, &guides, &volume);
-        Some(Self { gpu, stage, simulate, guides, rest, volume, forces })
+        let forces = Forces::new(&gpu.device, &simulate, &guides, &volume, None);
+        let colliders = ColliderSet::new(&gpu.device, &gpu.queue, colliders).unwrap();
+        Some(Self { gpu, stage, simulate, guides, rest, volume, forces, colliders, places: Vec::new() })
     }
 
     /// Vertex-major, from the rest positions.
@@ -101,9 +107,19 @@ impl Scene {
         self.gpu.queue.submit([encoder.finish()]);
     }
 
+    fn prepare(&mut self, params: &HairHair, step: &Step) {
+        let params = SimulationParams { hair_hair: *params, step: H, ..Default::default() };
+        let steps = [*step];
+        let moments =
+            Moments { steps: &steps, substeps: params.substeps, step: H, head: step.end, alpha: 1.0 };
+        let poses = ColliderPoses { head: None, colliders: self.places.clone() };
+        self.colliders.advance(&self.gpu.queue, &poses, &moments).unwrap();
+        self.volume.prepare(&self.gpu.queue, &params, &steps, &self.colliders);
+    }
+
     /// The integers after `splat` alone; zeroed again.
     fn splatted(&mut self, step: &Step) -> Vec<i32> {
-        self.volume.prepare(&self.gpu.queue, &HairHair::default(), &[*step], H);
+        self.prepare(&HairHair::default(), step);
         self.submit(|scene, pass| {
             let workgroups = (scene.volume.base.splat_count * N as u32).div_ceil(64);
             scene.stage.splat.record(pass, &scene.volume.groups.splat, &[0], workgroups);
@@ -118,9 +134,9 @@ impl Scene {
 
     /// The forces on all vertices when the head moves by `step`.
     fn forces(&mut self, params: &HairHair, step: &Step) -> Vec<Force> {
-        self.volume.prepare(&self.gpu.queue, params, &[*step], H);
+        self.prepare(params, step);
         self.submit(|scene, pass| {
-            scene.volume.record(&scene.stage, pass, 0);
+            scene.volume.record(&scene.stage, pass, &scene.colliders, 0);
             scene.forces.record(&scene.simulate, pass, 0);
         });
         let forces: Vec<GuideForce> =
@@ -271,6 +287,37 @@ fn hair_that_is_pressed_together_is_pushed_apart() {
 }
 
 #[test]
+fn an_obstacle_that_comes_into_hair_presses_it_away() {
+    let ball = [Collider::new(Shape::sphere(0.05))];
+    let what = ColliderDescriptor { colliders: &ball, ..Default::default() };
+    let (positions, traits) = cube(16);
+    let Some(mut scene) = Scene::with(positions, traits, N, &Default::default(), &what) else { return };
+    let pose = somewhere();
+    let params = HairHair { friction: 0.0, ..Default::default() };
+    let center = Vec3::new(0.04, 0.0, -0.03);
+    let mut ball_at = |local: Vec3, mode: Mode| {
+        scene.places = vec![Pose { translation: pose.point(local), ..Pose::IDENTITY }];
+        let current = scene.moved(|p| pose.point(p));
+        scene.put(&current, &scene.moved(|_| Vec3::ZERO));
+        let forces = scene.forces(&params, &Step { mode, ..still(pose) });
+        let rest = scene.moved(|p| p);
+        let shell = rest.iter().zip(&forces).filter(|(p, _)| (0.05..0.065).contains(&p.distance(center)));
+        let out: Vec<_> =
+            shell.map(|(p, f)| f.acceleration.dot(pose.rotation * (*p - center).normalize())).collect();
+        assert!(out.len() > 20);
+        out.iter().sum::<f32>() / out.len() as f32
+    };
+    let away = ball_at(Vec3::X, Mode::Step);
+    let inside = ball_at(center, Mode::Step);
+    println!("{away} m/s² without the ball, {inside} around it");
+    assert!(away.abs() < 1e-3 && inside > 0.3);
+    // Where it is when the hair is put to rest, it belongs to the rest.
+    ball_at(center, Mode::Reset);
+    let rested = ball_at(center, Mode::Step);
+    assert!(rested.abs() < 1e-3, "{rested}");
+}
+
+#[test]
 fn the_push_does_not_depend_on_the_resolution() {
     // The blur of 2 cm is wider than the guides' spacing and than the cells.
     let params = HairHair { friction: 0.0, blur: 0.025, ..Default::default() };
@@ -310,7 +357,8 @@ fn the_velocity_of_a_cell_is_that_of_its_hair() {
     // Guides 1.5 cm apart of different weights in a flow that changes by 3 m/s per m: 45 mm/s.
     assert!(count > 500 && worst < 0.08);
     let exact: f32 = scene.rest.info.iter().map(|i| i.strands * i.length).sum();
-    assert!((metres / exact - 1.0).abs() < 0.01, "{metres} of {exact}");
+    // The blur's tail beyond the grid is lost: here the hair fills it to its margins.
+    assert!((metres / exact - 1.0).abs() < 0.02, "{metres} of {exact}");
 }
 
 #[test]
@@ -390,29 +438,47 @@ fn cost_of_a_thousand_guides() {
             })
             .collect();
         let options = VolumeOptions { resolution, ..Default::default() };
-        let Some(mut scene) = Scene::with(positions, Vec::new(), n, &options) else { return };
+        let Some(mut scene) = Scene::with(positions, Vec::new(), n, &options, &Default::default()) else {
+            return;
+        };
         let step = still(Pose::IDENTITY);
         scene.forces(&HairHair::default(), &step);
+        // Again: now the obstacles rest.
+        scene.prepare(&HairHair::default(), &step);
         let params = SimulationParams::default();
-        let colliders = ColliderSet::new(&scene.gpu.device, &scene.gpu.queue, None, 0).unwrap();
-        let mut solve = Simulation::new(&scene.gpu.device, &scene.simulate, &scene.guides, colliders);
-        solve.prepare(&scene.gpu.queue, &params, &[step], &ColliderPoses::default(), false).unwrap();
+        let mut solve = Simulation::new(&scene.gpu.device, &scene.simulate, &scene.guides);
+        solve.prepare(&scene.gpu.queue, &params, &[step], false).unwrap();
         let device = scene.gpu.device.clone();
         let nothing = quickest(&mut scene, |_, _| ());
-        let solve = quickest(&mut scene, |s, pass| solve.record_step(&s.simulate, &device, pass, 0));
+        let solve =
+            quickest(&mut scene, |s, pass| solve.record_step(&s.simulate, &device, pass, &s.colliders, 0));
         let splat = quickest(&mut scene, |s, pass| {
             let workgroups = (s.volume.base.splat_count * n as u32).div_ceil(64);
             s.stage.splat.record(pass, &s.volume.groups.splat, &[0], workgroups);
         });
-        let grid = quickest(&mut scene, |s, pass| s.volume.record(&s.stage, pass, 0));
+        let lines = (resolution * resolution).div_ceil(32);
+        for (i, name) in ["sum", "blur", "density", "push"].iter().enumerate() {
+            let ms = quickest(&mut scene, |s, pass| {
+                let (stage, groups) = (&s.stage, &s.volume.groups);
+                let (kernel, group, workgroups) = [
+                    (&stage.sum, &groups.sum, lines),
+                    (&stage.blur, &groups.blur, lines),
+                    (&stage.density, &groups.density, lines),
+                    (&stage.push, &groups.push, resolution.pow(3).div_ceil(64)),
+                ][i];
+                kernel.record(pass, group, &[0], workgroups);
+            });
+            println!("  {name} {:.2} ms", ms - nothing);
+        }
+        let grid = quickest(&mut scene, |s, pass| s.volume.record(&s.stage, pass, &s.colliders, 0));
         let forces = quickest(&mut scene, |s, pass| s.forces.record(&s.simulate, pass, 0));
         println!(
-            "{resolution}³, 1,000 guides of 32: solve {:.2} ms; splat {:.2}, whole volume {:.2}, forces {:.2}; blur reaches {}",
+            "{resolution}³, 1,000 guides of 32: solve {:.2} ms; splat {:.2}, whole volume {:.2}, forces {:.2}; gain {}",
             solve - nothing,
             splat - nothing,
             grid - nothing,
             forces - nothing,
-            scene.volume.with(&HairHair::default(), H).radius,
+            scene.volume.with(&HairHair::default(), H).gain,
         );
     }
 }

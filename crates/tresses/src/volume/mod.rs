@@ -44,13 +44,14 @@ mod reference;
 
 use crate::{
     Error, Pose, Result,
-    constants::VOLUME_WORKGROUP,
+    collide::{self, ColliderSet},
+    constants::{GUIDE_WORKGROUP, VOLUME_WORKGROUP},
     gpu::{Binding, Kernel, bindings},
-    simulate::{MAX_STEPS, RestGuides, Step, params::Mode},
+    simulate::{MAX_STEPS, RestGuides, SimulationParams, Step, params::Mode},
     strands::{GuideBuffers, buffers::storage},
 };
 use glam::Vec3;
-use params::{VolumeUniforms, taps};
+use params::{VolumeUniforms, gain};
 
 pub use grid::Grid;
 pub use params::{HairHair, HairHairMode};
@@ -67,6 +68,7 @@ const TOTAL_UNITS: f64 = (1u64 << 30) as f64;
 /// The pipelines of the stage.
 #[derive(Debug)]
 pub struct VolumeStage {
+    obstacles: Kernel,
     splat: Kernel,
     sum: Kernel,
     blur: Kernel,
@@ -80,12 +82,14 @@ impl VolumeStage {
     pub fn new(device: &wgpu::Device) -> Self {
         use Binding::{Storage as Read, StorageMut as Write, UniformDynamic as Uniform, Write3d};
         let kernel = |name, entries: &[Binding]| Kernel::new(device, name, entries);
+        let colliders = collide::layout(device);
         Self {
+            obstacles: Kernel::beside(device, "volume::obstacles", &[Uniform, Write], &[&colliders]),
             splat: kernel("volume::splat", &[Uniform, Read, Read, Read, Read, Read, Write]),
-            sum: kernel("volume::sum", &[Uniform, Read, Read, Write]),
-            blur: kernel("volume::blur", &[Uniform, Read, Write, Write]),
-            density: kernel("volume::density", &[Uniform, Read, Write, Write, Write3d]),
-            push: kernel("volume::push", &[Uniform, Read, Write3d]),
+            sum: kernel("volume::sum", &[Uniform, Write, Read, Write]),
+            blur: kernel("volume::blur", &[Uniform, Write]),
+            density: kernel("volume::density", &[Uniform, Write, Write, Write, Write, Write3d]),
+            push: kernel("volume::push", &[Uniform, Read, Read, Write3d]),
             settle: kernel("volume::settle", &[Uniform, Read, Read, Write]),
         }
     }
@@ -103,7 +107,7 @@ pub struct VolumeOptions {
 
 impl Default for VolumeOptions {
     fn default() -> Self {
-        Self { resolution: 32, most_splatted: 65_536 }
+        Self { resolution: 32, most_splatted: 8_192 }
     }
 }
 
@@ -123,20 +127,26 @@ pub struct Volume {
     uniforms: wgpu::Buffer,
     cells: wgpu::Buffer,
     obstacles: wgpu::Buffer,
-    sums: [wgpu::Buffer; 2],
+    sums: wgpu::Buffer,
     rest: wgpu::Buffer,
     excess: wgpu::Buffer,
+    dense: wgpu::Buffer,
     rested: wgpu::Buffer,
     groups: Groups,
     /// What does not change from step to step.
     base: VolumeUniforms,
     modes: Vec<Mode>,
+    /// Whether the obstacles have moved when a step begins, and where relative to the head they were when
+    /// they were last put into the grid.
+    obstacles_moved: Vec<bool>,
+    obstacles_at: Option<Vec<Pose>>,
     /// The blur for which the rest density was computed, if it was, and the one asked for.
     rest_blur: (Option<u32>, u32),
 }
 
 #[derive(Debug)]
 struct Groups {
+    obstacles: wgpu::BindGroup,
     splat: wgpu::BindGroup,
     sum: wgpu::BindGroup,
     blur: wgpu::BindGroup,
@@ -194,14 +204,15 @@ impl Volume {
         let uniforms = bindings::uniform(device, "volume steps", (STRIDE * (MAX_STEPS + 1)) as usize);
         let cells = storage::<i32>(device, "volume cells", n * CHANNELS)?;
         let obstacles = storage::<f32>(device, "volume obstacles", n)?;
-        let sums =
-            [storage::<[f32; 8]>(device, "volume sums", n)?, storage::<[f32; 8]>(device, "volume sums", n)?];
+        let sums = storage::<[f32; 8]>(device, "volume sums", n)?;
         let rest_density = storage::<f32>(device, "volume rest", n)?;
-        let excess = storage::<[f32; 2]>(device, "volume excess", n)?;
+        let excess = storage::<f32>(device, "volume excess", n)?;
+        let dense = storage::<f32>(device, "volume density", n)?;
         let rested = storage::<f32>(device, "volume rested", vertices)?;
         let step = || slot(&uniforms);
         let view = wgpu::BindingResource::TextureView;
         let groups = Groups {
+            obstacles: stage.obstacles.bind(device, &[step(), obstacles.as_entire_binding()]),
             splat: stage.splat.bind(
                 device,
                 &[
@@ -216,33 +227,23 @@ impl Volume {
             ),
             sum: stage.sum.bind(
                 device,
-                &[
-                    step(),
-                    cells.as_entire_binding(),
-                    obstacles.as_entire_binding(),
-                    sums[0].as_entire_binding(),
-                ],
+                &[step(), cells.as_entire_binding(), obstacles.as_entire_binding(), sums.as_entire_binding()],
             ),
-            blur: stage.blur.bind(
-                device,
-                &[
-                    step(),
-                    sums[0].as_entire_binding(),
-                    sums[1].as_entire_binding(),
-                    cells.as_entire_binding(),
-                ],
-            ),
+            blur: stage.blur.bind(device, &[step(), sums.as_entire_binding()]),
             density: stage.density.bind(
                 device,
                 &[
                     step(),
-                    sums[1].as_entire_binding(),
+                    sums.as_entire_binding(),
                     rest_density.as_entire_binding(),
                     excess.as_entire_binding(),
+                    dense.as_entire_binding(),
                     view(&hair),
                 ],
             ),
-            push: stage.push.bind(device, &[step(), excess.as_entire_binding(), view(&push)]),
+            push: stage
+                .push
+                .bind(device, &[step(), excess.as_entire_binding(), dense.as_entire_binding(), view(&push)]),
             settle: stage.settle.bind(
                 device,
                 &[
@@ -266,19 +267,31 @@ impl Volume {
             sums,
             rest: rest_density,
             excess,
+            dense,
             rested,
             groups,
             base,
             modes: Vec::new(),
+            obstacles_moved: Vec::new(),
+            obstacles_at: None,
             rest_blur: (None, 0),
         })
     }
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        let buffers = [&self.uniforms, &self.cells, &self.obstacles, &self.rest, &self.excess, &self.rested];
+        let buffers = [
+            &self.uniforms,
+            &self.cells,
+            &self.obstacles,
+            &self.sums,
+            &self.rest,
+            &self.excess,
+            &self.dense,
+            &self.rested,
+        ];
         let texels = 2 * 8 * u64::from(self.grid.resolution).pow(3);
-        buffers.into_iter().chain(&self.sums).map(|buffer| buffer.size()).sum::<u64>() + texels
+        buffers.iter().map(|buffer| buffer.size()).sum::<u64>() + texels
     }
 
     /// Mean density of the groom, weighted by hair, km/m³.
@@ -286,13 +299,24 @@ impl Volume {
         self.base.reference
     }
 
-    /// Writes the uniforms of a frame's `steps`, at most [`MAX_STEPS`], each `h` seconds long.
-    pub fn prepare(&mut self, queue: &wgpu::Queue, params: &HairHair, steps: &[Step], h: f32) {
+    /// Writes the uniforms of a frame's `steps`, at most [`MAX_STEPS`]. `colliders` have been advanced to
+    /// the frame.
+    pub fn prepare(
+        &mut self,
+        queue: &wgpu::Queue,
+        params: &SimulationParams,
+        steps: &[Step],
+        colliders: &ColliderSet,
+    ) {
+        let h = params.step;
         let steps = &steps[steps.len().saturating_sub(MAX_STEPS as usize)..];
         self.modes = steps.iter().map(|step| step.mode).collect();
-        let base = self.with(params, h);
+        self.obstacles_moved = (0..steps.len())
+            .map(|i| self.obstacles_move(&steps[i].begin, colliders, i * params.substeps as usize))
+            .collect();
+        let base = self.with(&params.hair_hair, h);
         // The rest density holds for one blur.
-        self.rest_blur.1 = base.taps[0][0].to_bits();
+        self.rest_blur.1 = base.gain.to_bits();
         let mut bytes = vec![0u8; (STRIDE * (RESTING + 1)) as usize];
         let mut put = |i: usize, uniforms: &VolumeUniforms| {
             let at = i * STRIDE as usize;
@@ -300,15 +324,27 @@ impl Volume {
         };
         for (i, step) in steps.iter().enumerate() {
             let drift = (step.end.translation - step.begin.translation) / h.max(1e-6);
-            put(i, &placed(&base, &step.begin, drift));
+            let moment = i as u32 * params.substeps;
+            put(i, &VolumeUniforms { moment, ..placed(&base, &step.begin, drift) });
         }
         put(RESTING as usize, &VolumeUniforms { resting: 1, ..placed(&base, &Pose::IDENTITY, Vec3::ZERO) });
         queue.write_buffer(&self.uniforms, 0, &bytes);
     }
 
     /// Records step `i` of those that [`prepare`](Self::prepare) wrote.
-    pub fn record(&mut self, stage: &VolumeStage, pass: &mut wgpu::ComputePass<'_>, i: u32) {
+    pub fn record(
+        &mut self,
+        stage: &VolumeStage,
+        pass: &mut wgpu::ComputePass<'_>,
+        colliders: &ColliderSet,
+        i: u32,
+    ) {
         let mode = self.modes[i as usize];
+        if self.obstacles_moved[i as usize] {
+            pass.set_bind_group(1, colliders.group(), &[]);
+            let cells = self.grid.resolution.pow(3).div_ceil(VOLUME_WORKGROUP);
+            stage.obstacles.record(pass, &self.groups.obstacles, &[Self::offset(i)], cells);
+        }
         if mode == Mode::Reset || (mode == Mode::Step && self.rest_blur.0 != Some(self.rest_blur.1)) {
             self.grids(stage, pass, RESTING);
             let vertices = self.base.guide_count * self.base.vertex_count;
@@ -323,15 +359,36 @@ impl Volume {
         }
     }
 
+    /// Whether any of `colliders` is elsewhere relative to the head (at `head`) at `moment` than when
+    /// they were last put into the grid; then they are taken to be put there.
+    fn obstacles_move(&mut self, head: &Pose, colliders: &ColliderSet, moment: usize) -> bool {
+        let count = colliders.len();
+        let poses = colliders.moments().get(moment * count..(moment + 1) * count).unwrap_or_default();
+        let back = head.inverse();
+        let now: Vec<_> = poses.iter().map(|pose| back.after(pose)).collect();
+        let near = |a: &Pose, b: &Pose| {
+            a.translation.distance(b.translation) < 0.01 * self.grid.cell
+                && (a.rotation.dot(b.rotation).abs() - 1.0).abs() < 1e-6
+        };
+        let same = self
+            .obstacles_at
+            .as_ref()
+            .is_some_and(|at| at.len() == now.len() && at.iter().zip(&now).all(|(a, b)| near(a, b)));
+        if !same {
+            self.obstacles_at = Some(now);
+        }
+        !same
+    }
+
     /// Hair into the grid.
     fn grids(&self, stage: &VolumeStage, pass: &mut wgpu::ComputePass<'_>, slot: u32) {
         let offset = [Self::offset(slot)];
-        let cells = self.grid.resolution.pow(3).div_ceil(VOLUME_WORKGROUP);
+        let lines = self.grid.resolution.pow(2).div_ceil(GUIDE_WORKGROUP);
         let splatted = (self.base.splat_count * self.base.vertex_count).div_ceil(VOLUME_WORKGROUP);
         stage.splat.record(pass, &self.groups.splat, &offset, splatted);
-        stage.sum.record(pass, &self.groups.sum, &offset, cells);
-        stage.blur.record(pass, &self.groups.blur, &offset, cells);
-        stage.density.record(pass, &self.groups.density, &offset, cells);
+        stage.sum.record(pass, &self.groups.sum, &offset, lines);
+        stage.blur.record(pass, &self.groups.blur, &offset, lines);
+        stage.density.record(pass, &self.groups.density, &offset, lines);
     }
 
     /// The uniforms of one step, bound with a dynamic offset.
@@ -350,11 +407,10 @@ impl Volume {
         let cell = self.base.cell;
         // The splat itself blurs, by a sixth of a cell's square.
         let blur = (params.blur / cell).powi(2) - 1.0 / 6.0;
-        let (radius, taps) = taps(if smooth { blur } else { 0.0 });
+
         let speed = params.speed.min(params.blur.max(cell) / h.max(1e-6));
         VolumeUniforms {
-            taps,
-            radius,
+            gain: gain(if smooth { blur } else { 0.0 }),
             mode: params.mode as u32,
             speed_squared: speed * speed,
             tolerance: params.tolerance,

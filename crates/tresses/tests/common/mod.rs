@@ -4,7 +4,7 @@
 use tresses::{
     glam::Vec3,
     gpu::Gpu,
-    groom::{Groom, Strands},
+    groom::{Groom, Strands, TriMesh},
 };
 
 /// Opens an adapter; without one, skips (`None`) or, when `TRESSES_REQUIRE_GPU=1`, panics.
@@ -43,4 +43,18 @@ pub fn vertex_major(groom: &Groom) -> Vec<[f32; 4]> {
     let g = groom.guides.len();
     let at = |i: usize| groom.guides.positions[(i % g) * n + i / g];
     (0..n * g).map(|i| at(i).extend(0.0).to_array()).collect()
+}
+
+/// A cube around the origin, `half` its size, metres.
+pub fn cube(half: f32) -> TriMesh {
+    let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
+    let positions: Vec<_> = (0..8).map(|i| (corner(i) * 2.0 - 1.0) * half).collect();
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = faces.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+    TriMesh {
+        normals: positions.iter().map(|p| p.normalize()).collect(),
+        positions,
+        triangles,
+        ..Default::default()
+    }
 }

@@ -5,7 +5,7 @@ mod edit;
 mod parts;
 pub mod sdf;
 #[cfg(test)]
-mod shapes;
+pub(crate) mod shapes;
 mod triangle;
 
 use glam::Vec3;

@@ -13,6 +13,7 @@ mod winding;
 use glam::Vec3;
 
 use super::TriMesh;
+use crate::collide::build::TreeNode;
 pub use closest::Closest;
 use winding::Moment;
 
@@ -76,5 +77,28 @@ impl Bvh {
     /// The smallest and largest corner, or `None` without triangles.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
         self.nodes.first().map(|root| (root.lo, root.hi))
+    }
+
+    /// The nodes as the GPU reads them, and the corners of the triangles, three each, in the order of the
+    /// leaves.
+    pub(crate) fn flat(&self) -> (Vec<TreeNode>, Vec<[f32; 4]>) {
+        let mut skips = vec![self.nodes.len() as u32; self.nodes.len()];
+        for (i, node) in self.nodes.iter().enumerate() {
+            if node.count == 0 {
+                skips[i + 1] = node.first;
+                skips[node.first as usize] = skips[i];
+            }
+        }
+        let nodes = self.nodes.iter().zip(&self.moments).zip(skips).map(|((node, moment), skip)| TreeNode {
+            low: node.lo,
+            first: node.first,
+            high: node.hi,
+            count: node.count,
+            center: moment.center,
+            radius: moment.radius.sqrt(),
+            area: moment.area,
+            skip,
+        });
+        (nodes.collect(), self.corners.iter().flatten().map(|p| p.extend(0.0).into()).collect())
     }
 }

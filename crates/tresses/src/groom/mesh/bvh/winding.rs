@@ -12,11 +12,11 @@ use crate::groom::mesh::triangle::SolidAngle;
 #[derive(Clone, Copy, Debug)]
 pub struct Moment {
     /// Centroid, weighted by area.
-    center: Vec3,
+    pub center: Vec3,
     /// The square of the distance from the centre to the farthest corner of the box.
-    radius: f32,
+    pub radius: f32,
     /// Sum of the triangles' area vectors.
-    area: Vec3,
+    pub area: Vec3,
 }
 
 /// How many radii away a node must be to be seen as a dipole. At 2.5 the sum over a closed shape is off

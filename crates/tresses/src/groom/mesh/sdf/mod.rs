@@ -54,27 +54,39 @@ impl Default for SdfOptions {
 /// The field of `mesh`, in its space. Fails if the mesh is broken (see [`TriMesh::validate`]), an option
 /// is out of range, or the mesh encloses nothing that the grid could show.
 pub fn build(mesh: &TriMesh, options: &SdfOptions) -> Result<SdfGrid> {
-    mesh.validate()?;
-    check(options)?;
-    let (mesh, inverted) = body(mesh, options.thinnest);
+    let (mesh, mut grid, inverted) = prepare(mesh, options)?;
     let bvh = Bvh::new(&mesh);
-    let Some((lo, hi)) = bvh.bounds() else {
-        return Err(Error::Groom("the mesh has no triangles to make a distance field of".into()));
-    };
-    let mut grid = frame(lo - options.margin, hi + options.margin, options.resolution);
     let field = Winding { bvh: &bvh, sign: if inverted { -1.0 } else { 1.0 } };
     let solid = signs::solid(&grid, &field, options.fill_cavities);
     if !solid.contains(&true) {
-        return Err(Error::Groom(
-            "the mesh encloses nothing that its distance field could show: it is flat or too thin, or its triangles face both ways"
-                .into(),
-        ));
+        return Err(Error::Groom(NOTHING.into()));
     }
     let skin = Bvh::new(&skin::boundary(&mesh, &grid, &field, &solid));
     let mut distances = unsigned(&grid, &skin);
     lids::close(&grid, &field, &solid, &mut distances);
     grid.distances = distances.iter().zip(&solid).map(|(d, s)| if *s { -d } else { *d }).collect();
     Ok(grid)
+}
+
+/// What is wrong with a mesh whose field is nowhere negative.
+pub(crate) const NOTHING: &str = "the mesh encloses nothing that its distance field could show: it is flat or too thin, or its triangles face both ways";
+
+/// What of `mesh` is to be measured, the grid for it without distances, and whether it is inside out.
+/// Fails as [`build`] does.
+pub(crate) fn prepare(mesh: &TriMesh, options: &SdfOptions) -> Result<(TriMesh, SdfGrid, bool)> {
+    mesh.validate()?;
+    check(options)?;
+    let (mesh, inverted) = body(mesh, options.thinnest);
+    let corners = mesh.triangles.iter().flatten().map(|v| mesh.positions[*v as usize]);
+    let bounds = corners.fold(None, |bounds, p| {
+        let (lo, hi) = bounds.unwrap_or((p, p));
+        Some((p.min(lo), p.max(hi)))
+    });
+    let Some((lo, hi)) = bounds else {
+        return Err(Error::Groom("the mesh has no triangles to make a distance field of".into()));
+    };
+    let grid = frame(lo - options.margin, hi + options.margin, options.resolution);
+    Ok((mesh, grid, inverted))
 }
 
 fn check(options: &SdfOptions) -> Result<()> {

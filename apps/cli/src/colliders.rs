@@ -1,0 +1,224 @@
+//! Obstacles from a file: shapes with a motion each, for `--colliders`.
+//!
+//! ```json
+//! {"colliders": [
+//!   {"shape": {"capsule": {"radius": 0.035, "half_length": 0.15}},
+//!    "keys": [{"time": 0, "translation": [0.2, 1.5, -0.3]}, {"time": 1, "translation": [0.2, 1.5, 0.3]}]},
+//!   {"shape": {"ellipsoid": {"radii": [0.05, 0.08, 0.05]}}, "anchor": "head", "friction": 2,
+//!    "keys": [{"time": 0, "rotation": [0, 20, 0], "translation": [0, 0.2, 0]}]},
+//!   {"shape": {"mesh": {"file": "hand.obj", "resolution": 64}}, "loop": true, "keys": […]}
+//! ]}
+//! ```
+//! Metres, seconds, degrees (yaw, pitch, roll). Meshes are taken as they are, in metres, Y up, from the folder of the file;
+//! their distance fields are made on the GPU.
+
+use crate::motion::{Key, Motion};
+use anyhow::{Context, Result, ensure};
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+use tresses::{
+    Pose,
+    collide::{Anchor, Collider, ColliderPoses, FieldBuilder, FieldId, FieldSource, Shape},
+    glam::Vec3,
+    groom::{TriMesh, import, mesh::SdfOptions},
+};
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    colliders: Vec<Entry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Entry {
+    shape: Form,
+    #[serde(default)]
+    anchor: Base,
+    #[serde(default = "one")]
+    friction: f32,
+    #[serde(default, rename = "loop")]
+    repeats: bool,
+    keys: Vec<Key>,
+}
+
+fn one() -> f32 {
+    1.0
+}
+
+#[derive(Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Base {
+    #[default]
+    World,
+    Head,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "lowercase", deny_unknown_fields)]
+enum Form {
+    Capsule {
+        radius: f32,
+        #[serde(default)]
+        half_length: f32,
+    },
+    Ellipsoid {
+        radii: [f32; 3],
+    },
+    Mesh {
+        file: PathBuf,
+        resolution: Option<u32>,
+    },
+}
+
+/// The obstacles of one file.
+#[derive(Default)]
+pub struct Colliders {
+    /// What they are.
+    pub list: Vec<Collider>,
+    /// What each looks like, in its own frame.
+    pub looks: Vec<TriMesh>,
+    motions: Vec<Motion>,
+    fields: Vec<(TriMesh, SdfOptions)>,
+}
+
+impl Colliders {
+    /// Reads the file at `path` and the meshes that it names.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Self::parse(&text, folder).with_context(|| path.display().to_string())
+    }
+
+    fn parse(text: &str, folder: &Path) -> Result<Self> {
+        let File { colliders } = serde_json::from_str(text)?;
+        let mut all = Self::default();
+        for (i, entry) in colliders.into_iter().enumerate() {
+            all.add(entry, folder).with_context(|| format!("collider {i}"))?;
+        }
+        Ok(all)
+    }
+
+    fn add(&mut self, entry: Entry, folder: &Path) -> Result<()> {
+        let (shape, look) = match entry.shape {
+            Form::Capsule { radius, half_length } => {
+                let stretch = |p: Vec3| p * radius + Vec3::Y * half_length * p.y.signum();
+                (Shape::Capsule { half_length, radius }, ball(stretch))
+            }
+            Form::Ellipsoid { radii } => {
+                let radii = Vec3::from(radii);
+                (Shape::Ellipsoid { radii }, ball(|p| p * radii))
+            }
+            Form::Mesh { file, resolution } => {
+                let mesh = import::mesh::read(&folder.join(file))?.mesh;
+                let options = SdfOptions { resolution: resolution.unwrap_or(64), ..Default::default() };
+                self.fields.push((mesh.clone(), options));
+                (Shape::Field(FieldId(self.fields.len() as u32 - 1)), mesh)
+            }
+        };
+        ensure!(entry.friction.is_finite(), "the friction is no number");
+        let anchor = match entry.anchor {
+            Base::World => Anchor::World,
+            Base::Head => Anchor::Head,
+        };
+        self.motions.push(Motion::keyed(entry.keys, entry.repeats)?);
+        self.list.push(Collider { shape, anchor, friction: entry.friction });
+        self.looks.push(look);
+        Ok(())
+    }
+
+    /// The distance fields of the meshes.
+    pub fn fields<'a>(&'a self, builder: &'a FieldBuilder) -> Vec<FieldSource<'a>> {
+        let source =
+            |(mesh, options): &'a (TriMesh, SdfOptions)| FieldSource::Mesh { builder, mesh, options };
+        self.fields.iter().map(source).collect()
+    }
+
+    /// Where they are at `time`, seconds.
+    pub fn poses(&self, time: f64) -> ColliderPoses {
+        let pose = |motion: &Motion| motion.pose(time, Vec3::ZERO);
+        ColliderPoses { head: None, colliders: self.motions.iter().map(pose).collect() }
+    }
+
+    /// `body` and the obstacles, whose poses relative to it are `poses`, as one mesh.
+    pub fn with_body(&self, body: Option<&TriMesh>, poses: &[Pose]) -> TriMesh {
+        let mut all = body.cloned().unwrap_or_default();
+        let skin = Vec3::new(0.45, 0.32, 0.265);
+        if all.colors.is_empty() {
+            all.colors = vec![skin; all.positions.len()];
+        }
+        for (look, pose) in self.looks.iter().zip(poses) {
+            let first = all.positions.len() as u32;
+            all.positions.extend(look.positions.iter().map(|p| pose.point(*p)));
+            all.normals.extend(look.normals.iter().map(|n| pose.rotation * *n));
+            let colored = look.colors.len() == look.positions.len();
+            let colors = if colored { look.colors.clone() } else { vec![skin; look.positions.len()] };
+            all.colors.extend(colors);
+            all.triangles.extend(look.triangles.iter().map(|t| t.map(|v| v + first)));
+        }
+        all
+    }
+}
+
+/// The unit sphere, each point where `stretch` puts it.
+fn ball(stretch: impl Fn(Vec3) -> Vec3) -> TriMesh {
+    // Odd, so that no ring lies on the equator, where a capsule is cut.
+    const RINGS: u32 = 23;
+    const SIDES: u32 = 48;
+    let mut mesh = TriMesh::default();
+    for ring in 0..=RINGS {
+        let (r, y) = (ring as f32 * std::f32::consts::PI / RINGS as f32).sin_cos();
+        let (r, y) = (r.abs(), -y);
+        for side in 0..SIDES {
+            let (s, c) = (side as f32 * std::f32::consts::TAU / SIDES as f32).sin_cos();
+            mesh.positions.push(stretch(Vec3::new(r * s, y, r * c)));
+            if ring < RINGS {
+                let (a, b) = (ring * SIDES + side, ring * SIDES + (side + 1) % SIDES);
+                mesh.triangles.extend([[a, b, b + SIDES], [a, b + SIDES, a + SIDES]]);
+            }
+        }
+    }
+    mesh.normals = vec![Vec3::ZERO; mesh.positions.len()];
+    for &[a, b, c] in &mesh.triangles {
+        let [p, q, r] = [a, b, c].map(|v| mesh.positions[v as usize]);
+        [a, b, c].iter().for_each(|v| mesh.normals[*v as usize] += (q - p).cross(r - p));
+    }
+    mesh.normals.iter_mut().for_each(|n| *n = n.normalize_or(Vec3::Y));
+    mesh
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_read() {
+        let text = r#"{"colliders": [
+            {"shape": {"capsule": {"radius": 0.03, "half_length": 0.1}},
+             "keys": [{"time": 0, "translation": [0, 0, 0]}, {"time": 2, "translation": [1, 0, 0]}]},
+            {"shape": {"ellipsoid": {"radii": [0.1, 0.2, 0.3]}}, "anchor": "head", "friction": 2,
+             "keys": [{"time": 0, "translation": [0, 1, 0]}]}]}"#;
+        let all = Colliders::parse(text, Path::new("")).unwrap();
+        assert_eq!((all.list.len(), all.looks.len()), (2, 2));
+        assert_eq!((all.list[1].anchor, all.list[1].friction), (Anchor::Head, 2.0));
+        assert!((all.poses(1.0).colliders[0].translation - Vec3::X * 0.5).length() < 1e-6);
+        assert_eq!(all.poses(9.0).colliders[0].translation, Vec3::X);
+        let (lo, hi) = all.looks[0].bounds().unwrap();
+        assert!((hi.y - 0.13).abs() < 1e-4 && (lo.y + 0.13).abs() < 1e-4 && (hi.x - 0.03).abs() < 1e-4);
+        // Outwards.
+        let look = &all.looks[1];
+        assert!(look.positions.iter().zip(&look.normals).all(|(p, n)| p.dot(*n) > 0.0));
+        let together = all.with_body(Some(look), &all.poses(0.0).colliders);
+        assert_eq!(together.positions.len(), together.normals.len());
+        assert_eq!(together.triangles.len(), 2 * look.triangles.len() + all.looks[0].triangles.len());
+    }
+
+    #[test]
+    fn nonsense_is_refused() {
+        let bad = |text: &str| assert!(Colliders::parse(text, Path::new("")).is_err(), "{text}");
+        bad("{}");
+        bad(r#"{"colliders": [{"shape": {"cone": {}}, "keys": [{"time": 0}]}]}"#);
+        bad(r#"{"colliders": [{"shape": {"capsule": {"radius": 0.1}}, "keys": []}]}"#);
+        bad(r#"{"colliders": [{"shape": {"mesh": {"file": "nowhere.obj"}}, "keys": [{"time": 0}]}]}"#);
+    }
+}

@@ -1,0 +1,99 @@
+//! Host side of `first_hit.wesl`, `push_out.wesl` and `change_over.wesl`.
+
+use super::AvoidMode;
+use crate::{
+    collide::{self, ColliderSet},
+    constants::STRAND_WORKGROUP,
+    gpu::{Binding, Kernel},
+    strands::{GuideBuffers, StrandBuffers},
+};
+
+/// The pipelines of the stage.
+#[derive(Debug)]
+pub struct Avoid {
+    first_hit: Kernel,
+    push_out: Kernel,
+    change_over: Kernel,
+}
+
+/// The bind groups of one groom.
+#[derive(Debug)]
+pub struct AvoidGroups {
+    first_hit: wgpu::BindGroup,
+    push_out: wgpu::BindGroup,
+    change_over: wgpu::BindGroup,
+}
+
+impl Avoid {
+    /// Builds the pipelines.
+    pub fn new(device: &wgpu::Device) -> Self {
+        let colliders = collide::layout(device);
+        let kernel = |module, storage: &[Binding]| {
+            let entries = [&[Binding::Uniform], storage].concat();
+            Kernel::beside(device, module, &entries, &[&colliders])
+        };
+        let (read, write) = (Binding::Storage, Binding::StorageMut);
+        Self {
+            first_hit: kernel("avoid::first_hit", &[read, read, write]),
+            push_out: kernel("avoid::push_out", &[read, write, write]),
+            change_over: kernel("avoid::change_over", &[read, read, read, read, write, write]),
+        }
+    }
+
+    /// Binds the stage to one groom, a uniform buffer of [`super::AvoidParams`] and a
+    /// [`super::StrandState`] per strand.
+    pub fn bind(
+        &self,
+        device: &wgpu::Device,
+        params: &wgpu::Buffer,
+        states: &wgpu::Buffer,
+        guides: &GuideBuffers,
+        strands: &StrandBuffers,
+    ) -> AvoidGroups {
+        let bind = |kernel: &Kernel, buffers: &[&wgpu::Buffer]| {
+            let buffers = [&[params], buffers].concat();
+            kernel.bind(device, &buffers.iter().map(|b| b.as_entire_binding()).collect::<Vec<_>>())
+        };
+        let StrandBuffers { bindings, rest, vertices, .. } = strands;
+        AvoidGroups {
+            first_hit: bind(&self.first_hit, &[rest, vertices, states]),
+            push_out: bind(&self.push_out, &[rest, vertices, states]),
+            change_over: bind(
+                &self.change_over,
+                &[&guides.samples, &guides.sample_rest, bindings, rest, vertices, states],
+            ),
+        }
+    }
+
+    /// Records the search: one thread per strand vertex.
+    pub fn record_first_hit(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        groups: &AvoidGroups,
+        colliders: &ColliderSet,
+        strands: &StrandBuffers,
+    ) {
+        pass.set_bind_group(1, colliders.group(), &[]);
+        let vertices = u64::from(strands.count) * u64::from(strands.vertex_count);
+        let workgroups = vertices.div_ceil(STRAND_WORKGROUP.into()) as u32;
+        self.first_hit.record(pass, &groups.first_hit, &[], workgroups);
+    }
+
+    /// Records the search and the correction, one thread per strand; with [`AvoidMode::Off`] nothing.
+    pub fn record(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        groups: &AvoidGroups,
+        colliders: &ColliderSet,
+        strands: &StrandBuffers,
+        mode: AvoidMode,
+    ) {
+        let (kernel, group) = match mode {
+            AvoidMode::Off => return,
+            AvoidMode::PenetratingOnly => (&self.push_out, &groups.push_out),
+            AvoidMode::ChangeOver => (&self.change_over, &groups.change_over),
+        };
+        self.record_first_hit(pass, groups, colliders, strands);
+        kernel.record(pass, group, &[], strands.count.div_ceil(STRAND_WORKGROUP));
+    }
+}

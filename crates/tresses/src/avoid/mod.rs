@@ -1,0 +1,217 @@
+//! Drawn strands that enter an obstacle leave it, without further simulation.
+//!
+//! What: no guide is in an obstacle, but what is interpolated between guides on two sides of one is
+//! (S23). Each strand finds its first penetrating vertex (S24); from before it to the tip the strand
+//! changes over from the blend of its guides to the clump around the nearest one (S25).
+//!
+//! ```text
+//! vertices, rest ─► first_hit (per vertex) ─► states: hit ─► change_over (per strand) ─► vertices
+//! @group(1), obstacles ─┘                     amount, at ◄─┘ samples, bindings, @group(1)
+//! ```
+//!
+//! **The first hit** is an atomic minimum of vertex indices, one integer per strand. A vertex penetrates
+//! when it is nearer to an obstacle than the clearance, or than it rests where that is nearer, by more
+//! than a tolerance: hair that rests in the skin is not torn out of it. How much nearer it rests is a
+//! constant of the vertex, eight bits of [`PackedRest`], so that the search reads one distance per vertex.
+//!
+//! **The change-over.** Behind the hit a vertex wants to be where its first guide alone (the one with
+//! the largest weight) carries it, its way from the guide shortened by the tightness, so that a clump
+//! wider than its guide is far from the obstacle draws together. Over a zone before the hit the blend
+//! becomes the clump; the zone is a length of hair in metres, ends at the hit and begins no earlier than
+//! the root. The strand is then walked again: the directions of the edges of that curve, with the rest
+//! lengths; what the walk strays sideways is made good over a third of the zone. A vertex that still
+//! penetrates slides along the obstacle: it moves out along the normal and its edge takes its length
+//! again. Lengths are exact, and a strand without a hit keeps its bits.
+//!
+//! **Nothing pops.** The first hit jumps from frame to frame, so each strand remembers an amount and
+//! a place. The amount rises from 0 to 1 while there are hits and falls when there are none; the place
+//! follows the first hit at a bounded speed. What penetrates in the meantime slides: the slide begins at
+//! no depth and therefore needs no smoothing. Rates of two frames are averaged, since a hit begins
+//! somewhere between them: 30 and 60 frames per second part by less than 2 mm in the midst of a turn.
+//! When the head jumps or the hair is reset all that is forgotten, and strands that hit have changed over
+//! at once.
+//!
+//! **Measured** (`tests/avoid.rs`, `tests/avoid_grooms.rs`). NUMBERS
+//!
+//! **Why not only move the vertices out?** They are then outside as well ([`AvoidMode::PenetratingOnly`]
+//! does it), but edges stretch and what follows stays where it was: tips lie flat on the skin or dive in
+//! and out of it. **Why not as in the first publication** (Tariq and Bavoil, SIGGRAPH 2008; Tariq, GDC
+//! 2010)? It blends over 60 vertices before the hit, nearly the whole hair, at once; and it shared a
+//! hit among ten strands by mistake. **Why not slide every strand while it is interpolated?** That was
+//! here before. It keeps strands out too, but samples the field inside the longest walk, and what follows
+//! a contact keeps the direction that led into the obstacle.
+//!
+//! **Known limits.** A strand with one guide has no other to change over to: it draws together and
+//! slides. Between two vertices nothing is tested. The distance field's normal is no way out from deep
+//! inside a thin part, such as an ear. A strand's own rest distance counts for every collider, not only
+//! for the head that it grows from.
+//!
+//! **Untried.** A tightness that follows from how far the guide is from the obstacle; skipping vertices of
+//! the search that the distance at their neighbour already clears.
+
+mod kernels;
+mod options;
+
+pub use kernels::{Avoid, AvoidGroups};
+pub use options::{AvoidMode, AvoidOptions};
+
+use crate::{
+    Result,
+    collide::ColliderSet,
+    gpu::bindings,
+    groom::{BoundStrands, SdfGrid},
+    strands::{GuideBuffers, PackedRest, StrandBuffers, buffers::storage},
+};
+use bytemuck::{Pod, Zeroable};
+
+/// The uniform of the kernels.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct AvoidParams {
+    /// How far strands keep from obstacles, metres.
+    pub clearance: f32,
+    /// [`AvoidOptions::tolerance`].
+    pub tolerance: f32,
+    /// [`AvoidOptions::zone`].
+    pub zone: f32,
+    /// [`AvoidOptions::tightness`].
+    pub tightness: f32,
+    /// Number of strands.
+    pub strand_count: u32,
+    /// Vertices per strand, at least 2.
+    pub vertex_count: u32,
+    /// Samples per guide, at least 2.
+    pub sample_count: u32,
+    /// Unused.
+    pub _pad: u32,
+    /// 0 to forget what was, else 1.
+    pub keep: f32,
+    /// By how much a change-over that is needed grows, 0..=2, where 2 is at once.
+    pub rise: f32,
+    /// By how much one that is not needed shrinks, likewise.
+    pub fall: f32,
+    /// How far it moves along the strand at most, metres.
+    pub shift: f32,
+}
+
+/// What is remembered of one strand.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct StrandState {
+    /// The first vertex that penetrates; [`NO_HIT`] between frames and where none does.
+    pub hit: u32,
+    /// How far the strand has changed over, 0..=1.
+    pub amount: f32,
+    /// From where on it is the clump's, metres from its root.
+    pub at: f32,
+    /// Whether it hit in the last frame.
+    pub hit_before: u32,
+}
+
+/// [`StrandState::hit`] of a strand that penetrates nothing.
+pub const NO_HIT: u32 = u32::MAX;
+
+/// One groom's share of the stage.
+#[derive(Debug)]
+pub struct Avoidance {
+    /// How strands avoid obstacles. [`AvoidOptions::check`] says what is allowed.
+    pub options: AvoidOptions,
+    clearance: f32,
+    params: wgpu::Buffer,
+    states: wgpu::Buffer,
+    groups: AvoidGroups,
+}
+
+impl Avoidance {
+    /// For strands that keep `clearance` metres from obstacles.
+    ///
+    /// # Errors
+    /// What [`AvoidOptions::check`] says, and [`crate::Error::Limit`].
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        stage: &Avoid,
+        options: AvoidOptions,
+        clearance: f32,
+        guides: &GuideBuffers,
+        strands: &StrandBuffers,
+    ) -> Result<Self> {
+        options.check()?;
+        let params = bindings::uniform(device, "avoid", size_of::<AvoidParams>());
+        let states = storage::<StrandState>(device, "avoidance", strands.count.into())?;
+        let none = StrandState { hit: NO_HIT, amount: 0.0, at: 0.0, hit_before: 0 };
+        queue.write_buffer(&states, 0, bytemuck::cast_slice(&vec![none; strands.count as usize]));
+        let groups = stage.bind(device, &params, &states, guides, strands);
+        Ok(Self { options, clearance, params, states, groups })
+    }
+
+    /// Writes the uniform of a frame of `dt` seconds; `forget` starts anew.
+    pub(crate) fn prepare(
+        &self,
+        queue: &wgpu::Queue,
+        (guides, strands): (&GuideBuffers, &StrandBuffers),
+        dt: f32,
+        forget: bool,
+    ) {
+        let [rise, fall, shift] = if forget { [2.0, 2.0, f32::MAX] } else { self.options.per_frame(dt) };
+        let params = AvoidParams {
+            clearance: self.clearance,
+            tolerance: self.options.tolerance,
+            zone: self.options.zone,
+            tightness: self.options.tightness,
+            strand_count: strands.count,
+            vertex_count: strands.vertex_count,
+            sample_count: guides.sample_count,
+            _pad: 0,
+            keep: if forget { 0.0 } else { 1.0 },
+            rise,
+            fall,
+            shift,
+        };
+        queue.write_buffer(&self.params, 0, bytemuck::bytes_of(&params));
+    }
+
+    /// Records the stage.
+    pub(crate) fn record(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        stage: &Avoid,
+        colliders: &ColliderSet,
+        strands: &StrandBuffers,
+    ) {
+        if !colliders.is_empty() {
+            stage.record(pass, &self.groups, colliders, strands, self.options.mode);
+        }
+    }
+
+    /// Records only the search: [`StrandState::hit`] is then the first hit of each strand.
+    pub fn record_search(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        stage: &Avoid,
+        colliders: &ColliderSet,
+        strands: &StrandBuffers,
+    ) {
+        stage.record_first_hit(pass, &self.groups, colliders, strands);
+    }
+
+    /// [`StrandState`], one per strand.
+    pub fn states(&self) -> &wgpu::Buffer {
+        &self.states
+    }
+
+    /// Bytes of GPU memory.
+    pub fn bytes(&self) -> u64 {
+        self.params.size() + self.states.size()
+    }
+}
+
+/// The rest vertices of `strands`, each with what it rests nearer to the `head` than `clearance`.
+pub fn sunk(strands: &BoundStrands, head: &SdfGrid, clearance: f32) -> Vec<PackedRest> {
+    let n = strands.vertex_count.max(1) as usize;
+    let vertex = |(i, rest): (usize, &PackedRest)| {
+        let (p, _) = rest.unpack(&strands.bindings[i / n]);
+        rest.sink(clearance - head.sample(p))
+    };
+    strands.rest.iter().enumerate().map(vertex).collect()
+}

@@ -1,0 +1,111 @@
+//! What a user sets.
+
+use crate::{Error, Result};
+
+/// What is done about drawn strands that enter an obstacle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum AvoidMode {
+    /// Nothing.
+    Off,
+    /// Each penetrating vertex is moved out alone: the strand breaks off at the obstacle and goes
+    /// on behind it as if it were not there. To compare with.
+    PenetratingOnly,
+    /// The strand changes over to the clump around its nearest guide.
+    #[default]
+    ChangeOver,
+}
+
+/// How drawn strands avoid obstacles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AvoidOptions {
+    /// What is done.
+    pub mode: AvoidMode,
+    /// How much nearer to an obstacle than its clearance a vertex may come before it counts as
+    /// penetrating, metres.
+    pub tolerance: f32,
+    /// Length of hair before the first hit over which a strand changes over, metres; at most half
+    /// of the strand.
+    pub zone: f32,
+    /// How much a clump is drawn together: 0 not at all, 1 onto its guide.
+    pub tightness: f32,
+    /// Time in which a strand changes over, s; 0 for at once.
+    pub fade_in: f32,
+    /// Time in which it changes back when nothing is hit any more, s.
+    pub fade_out: f32,
+    /// How fast the place of the change-over follows the first hit along the strand, m/s.
+    pub speed: f32,
+}
+
+impl Default for AvoidOptions {
+    fn default() -> Self {
+        Self {
+            mode: AvoidMode::ChangeOver,
+            tolerance: 3e-4,
+            zone: 0.05,
+            tightness: 0.3,
+            fade_in: 0.3,
+            fade_out: 0.6,
+            speed: 0.25,
+        }
+    }
+}
+
+impl AvoidOptions {
+    /// Whether every value is in its range.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`].
+    pub fn check(&self) -> Result<()> {
+        let within = |name, value: f32, most: f32, range| {
+            if (0.0..=most).contains(&value) {
+                Ok(())
+            } else {
+                Err(Error::Parameter { name, value: value.to_string(), range })
+            }
+        };
+        within("tolerance of avoidance", self.tolerance, 0.1, "0 to 0.1 m")?;
+        within("zone of avoidance", self.zone, 10.0, "0 to 10 m")?;
+        within("tightness of avoidance", self.tightness, 1.0, "0 to 1")?;
+        within("fade_in of avoidance", self.fade_in, 100.0, "0 to 100 s")?;
+        within("fade_out of avoidance", self.fade_out, 100.0, "0 to 100 s")?;
+        within("speed of avoidance", self.speed, f32::INFINITY, "0 or more")
+    }
+
+    /// Amounts per frame of `dt` seconds: how much a change-over rises and falls (the mean of two
+    /// frames counts, so 2 is all at once), and how far it moves along the strand, metres.
+    pub(super) fn per_frame(&self, dt: f32) -> [f32; 3] {
+        let dt = if dt.is_finite() { dt.max(0.0) } else { 0.0 };
+        let fade = |time: f32| if time > 0.0 { (dt / time).min(2.0) } else { 2.0 };
+        let shift = if self.speed.is_finite() { self.speed * dt } else { f32::MAX };
+        [fade(self.fade_in), fade(self.fade_out), shift]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_out_of_range_are_refused() {
+        assert!(AvoidOptions::default().check().is_ok());
+        assert!(AvoidOptions { speed: f32::INFINITY, ..Default::default() }.check().is_ok());
+        for wrong in [
+            AvoidOptions { tightness: 1.1, ..Default::default() },
+            AvoidOptions { zone: -1.0, ..Default::default() },
+            AvoidOptions { tolerance: f32::NAN, ..Default::default() },
+            AvoidOptions { speed: f32::NAN, ..Default::default() },
+        ] {
+            assert!(wrong.check().unwrap_err().to_string().contains("of avoidance"));
+        }
+    }
+
+    #[test]
+    fn a_frame_moves_by_its_time_and_nothing_else() {
+        let options = AvoidOptions { fade_in: 0.1, fade_out: 0.0, speed: 0.5, ..Default::default() };
+        let [rise, fall, shift] = options.per_frame(0.02);
+        assert!((rise - 0.2).abs() < 1e-6 && fall == 2.0 && (shift - 0.01).abs() < 1e-6);
+        assert_eq!(options.per_frame(f32::NAN)[0], 0.0);
+        assert_eq!(options.per_frame(-1.0)[2], 0.0);
+        assert_eq!(options.per_frame(9.0)[0], 2.0);
+    }
+}

@@ -1,0 +1,295 @@
+//! The distance field of any triangle mesh, made on the GPU.
+//!
+//! ```text
+//! mesh ─► tree (CPU) ─► skin ──► measure ─────► flood ───────► close ──► texel ─► tile of the atlas
+//!         boxes, area   per      per voxel:     per voxel:     signed    unit gradient
+//!         vectors       triangle winding,       nearest lid    distance  and distance
+//!                                distance
+//! ```
+//!
+//! The method is that of [`crate::groom::mesh::sdf`], whose chapter says why: what is solid is where the winding number exceeds
+//! one half, and distances are those to the *solid's* boundary, which is skin (triangles with air on one
+//! side and solid on the other) and lids (where the winding number passes one half without a triangle).
+//! A thread per voxel asks the same tree as on the CPU: for the winding number without a stack, along
+//! links that skip what is far enough to be a dipole; for the distance with a small one, nearer child
+//! first. The CPU settles most voxels by Harnack's inequality and seeds each search with its neighbour's
+//! result, which a GPU cannot; a software driver is therefore no match for it, and the built-in and
+//! imported heads, whose distances are needed on the CPU anyhow (for growth, and for what a guide may
+//! have at rest), stay with it. Tried: one way through the tree for all threads of a brick, with bounds for
+//! the whole brick. It reads less memory, but looks at so many more triangles that it takes twice as long.
+//!
+//! **Lids.** The plane through the cuts of the grid's edges next to a lid, spread by jump flooding. The
+//! distance to a lid is exact near it and off by less than a cell farther away, where the CPU solves the eikonal equation.
+//!
+//! **Left to the CPU's builder:** cavities that no air reaches stay air, and solids too small for the
+//! grid (less than eight nodes) stay solid. Both lie out of the reach of hair.
+//!
+//! **Time.** A browser stops work that takes seconds. Voxels are therefore done in parts, each a
+//! submission of its own. Nothing is read back, unless [`FieldBuilder::grid`] is asked for the result.
+
+use crate::{
+    Error, Result,
+    constants::BUILD_WORKGROUP,
+    gpu::{Binding, Kernel, readback},
+    groom::{
+        SdfGrid,
+        mesh::{Bvh, SdfOptions, TriMesh, sdf},
+    },
+    strands::buffers::storage,
+};
+use bytemuck::{Pod, Zeroable};
+use glam::{UVec3, Vec3};
+use wgpu::util::DeviceExt;
+
+#[cfg(test)]
+mod tests;
+
+/// Uniforms of every kernel of the builder.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct BuildParams {
+    /// Position of the first voxel, metres.
+    pub origin: Vec3,
+    /// Distance between voxels, metres.
+    pub cell: f32,
+    /// Voxels along each axis.
+    pub size: UVec3,
+    /// The first triangle or voxel of this dispatch.
+    pub begin: u32,
+    /// Where the field's tile begins in the atlas.
+    pub tile: UVec3,
+    /// The one after the last.
+    pub end: u32,
+    /// -1 for a mesh that is inside out.
+    pub sign: f32,
+    /// Nodes of the tree.
+    pub node_count: u32,
+    /// How far to look for lids, voxels; 0 to begin.
+    pub jump: u32,
+    /// Unused.
+    pub _pad: u32,
+}
+
+/// A node of the tree, depth first.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct TreeNode {
+    /// Smallest corner of the box, metres.
+    pub low: Vec3,
+    /// A leaf's first triangle; else the second child, the first being the next node.
+    pub first: u32,
+    /// Largest corner.
+    pub high: Vec3,
+    /// Triangles of a leaf; 0 for others.
+    pub count: u32,
+    /// Centroid of the triangles, weighted by area.
+    pub center: Vec3,
+    /// Distance from there to the farthest corner of the box.
+    pub radius: f32,
+    /// Sum of the triangles' area vectors, m².
+    pub area: Vec3,
+    /// The next node that is not below this one.
+    pub skip: u32,
+}
+
+/// Voxels of one submission: some hundred milliseconds on two cores of a software driver.
+const PART: u32 = 1 << 16;
+
+/// The pipelines of the builder; made once per device.
+#[derive(Debug)]
+pub struct FieldBuilder {
+    skin: Kernel,
+    measure: Kernel,
+    flood: Kernel,
+    close: Kernel,
+    texel: Kernel,
+}
+
+/// A mesh ready to be measured: its grid, and what the kernels read.
+pub(super) struct Plan {
+    /// The grid, without distances.
+    pub grid: SdfGrid,
+    /// A sphere around the mesh, metres.
+    pub center: Vec3,
+    pub bound: f32,
+    nodes: Vec<TreeNode>,
+    corners: Vec<[f32; 4]>,
+    sign: f32,
+}
+
+impl Plan {
+    /// For `mesh` on the grid that `options` say.
+    ///
+    /// # Errors
+    /// What [`sdf::build`] says of the mesh and the options.
+    pub fn new(mesh: &TriMesh, options: &SdfOptions) -> Result<Self> {
+        let (mesh, grid, inverted) = sdf::prepare(mesh, options)?;
+        let (nodes, corners) = Bvh::new(&mesh).flat();
+        let (low, high) = (nodes[0].low, nodes[0].high);
+        let center = 0.5 * (low + high);
+        let far = |c: &[f32; 4]| Vec3::from_slice(c).distance(center);
+        let bound = corners.iter().map(far).fold(0.0, f32::max) + grid.cell;
+        Ok(Self { grid, center, bound, nodes, corners, sign: if inverted { -1.0 } else { 1.0 } })
+    }
+
+    fn params(&self, tile: UVec3) -> BuildParams {
+        BuildParams {
+            origin: self.grid.origin,
+            cell: self.grid.cell,
+            size: self.grid.size,
+            tile,
+            sign: self.sign,
+            node_count: self.nodes.len() as u32,
+            ..BuildParams::zeroed()
+        }
+    }
+}
+
+impl FieldBuilder {
+    /// Builds the pipelines.
+    pub fn new(device: &wgpu::Device) -> Self {
+        use Binding::{Storage, StorageMut, Write3d, Uniform};
+        let kernel = |module, own: &[Binding]| {
+            Kernel::new(device, module, &[&[Uniform, Storage, Storage], own].concat())
+        };
+        Self {
+            skin: kernel("collide::build::skin", &[StorageMut]),
+            measure: kernel("collide::build::measure", &[Storage, StorageMut]),
+            flood: kernel("collide::build::flood", &[Storage, Storage, StorageMut]),
+            close: kernel("collide::build::close", &[Storage, Storage, StorageMut]),
+            texel: kernel("collide::build::texel", &[Storage, Write3d]),
+        }
+    }
+
+    /// The field of `mesh` read back. Blocks; for what needs distances on the CPU.
+    ///
+    /// # Errors
+    /// What [`sdf::build`] says of the mesh and the options, [`Error::Groom`] when the mesh encloses
+    /// nothing, [`Error::Limit`] and [`Error::Gpu`].
+    pub fn grid(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        mesh: &TriMesh,
+        options: &SdfOptions,
+    ) -> Result<SdfGrid> {
+        let plan = Plan::new(mesh, options)?;
+        let distances = self.distances(device, queue, &plan)?;
+        let distances: Vec<f32> = readback::buffer(device, queue, &distances)?;
+        if !distances.iter().any(|d| *d < 0.0) {
+            return Err(Error::Groom(sdf::NOTHING.into()));
+        }
+        Ok(SdfGrid { distances, ..plan.grid })
+    }
+
+    /// Writes the field of `plan` into the tile of `texture` that begins at `tile`.
+    ///
+    /// # Errors
+    /// [`Error::Limit`].
+    pub(super) fn write(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        plan: &Plan,
+        texture: &wgpu::Texture,
+        tile: UVec3,
+    ) -> Result<()> {
+        let distances = self.distances(device, queue, plan)?;
+        let job = Job::new(device, queue, plan, tile);
+        let view = texture.create_view(&Default::default());
+        let own = [distances.as_entire_binding(), wgpu::BindingResource::TextureView(&view)];
+        job.run(&self.texel, 0, job.voxels(), &own);
+        Ok(())
+    }
+
+    /// The signed distances of `plan`'s voxels, metres, x fastest.
+    fn distances(&self, device: &wgpu::Device, queue: &wgpu::Queue, plan: &Plan) -> Result<wgpu::Buffer> {
+        let job = Job::new(device, queue, plan, UVec3::ZERO);
+        let (voxels, triangles) = (job.voxels(), plan.corners.len() as u32 / 3);
+        let skin = storage::<u32>(device, "skin of a mesh", triangles.into())?;
+        let measured = storage::<[f32; 2]>(device, "winding numbers and distances", voxels.into())?;
+        let seeds = [0, 1].map(|_| storage::<u32>(device, "lids", voxels.into()));
+        let [seeds, next] = seeds;
+        let (mut seeds, mut next) = (seeds?, next?);
+        let distances = storage::<f32>(device, "distances", voxels.into())?;
+        job.run(&self.skin, 0, triangles, &[skin.as_entire_binding()]);
+        // In bricks of 4 x 4 x 4 voxels.
+        let bricks = plan.grid.size.map(|n| n.div_ceil(4)).element_product();
+        job.run(
+            &self.measure,
+            0,
+            bricks * BUILD_WORKGROUP,
+            &[skin.as_entire_binding(), measured.as_entire_binding()],
+        );
+        let longest = plan.grid.size.max_element().next_power_of_two();
+        // Down to single steps, and a single one more for what the large ones have missed.
+        let jumps = std::iter::successors(Some(longest / 2), |j| (*j > 1).then_some(j / 2));
+        for jump in std::iter::once(0).chain(jumps).chain([1]) {
+            let own = [&measured, &seeds, &next].map(|b| b.as_entire_binding());
+            job.run(&self.flood, jump, voxels, &own);
+            std::mem::swap(&mut seeds, &mut next);
+        }
+        let own = [&measured, &seeds, &distances].map(|b| b.as_entire_binding());
+        job.run(&self.close, 0, voxels, &own);
+        Ok(distances)
+    }
+}
+
+/// What the dispatches of one field share.
+struct Job<'a> {
+    device: &'a wgpu::Device,
+    queue: &'a wgpu::Queue,
+    params: BuildParams,
+    nodes: wgpu::Buffer,
+    corners: wgpu::Buffer,
+}
+
+impl<'a> Job<'a> {
+    fn new(device: &'a wgpu::Device, queue: &'a wgpu::Queue, plan: &Plan, tile: UVec3) -> Self {
+        let buffer = |label, contents| {
+            let usage = wgpu::BufferUsages::STORAGE;
+            device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some(label),
+                contents,
+                usage,
+            })
+        };
+        Self {
+            device,
+            queue,
+            params: plan.params(tile),
+            nodes: buffer("mesh tree", bytemuck::cast_slice(&plan.nodes)),
+            corners: buffer("mesh triangles", bytemuck::cast_slice(&plan.corners)),
+        }
+    }
+
+    fn voxels(&self) -> u32 {
+        self.params.size.element_product()
+    }
+
+    /// Runs `kernel` for `count` threads, in parts of [`PART`], with its `own` bindings.
+    fn run(&self, kernel: &Kernel, jump: u32, count: u32, own: &[wgpu::BindingResource<'_>]) {
+        for begin in (0..count).step_by(PART as usize) {
+            let end = count.min(begin + PART);
+            let params = BuildParams { begin, end, jump, ..self.params };
+            let params = self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some("field builder"),
+                contents: bytemuck::bytes_of(&params),
+                usage: wgpu::BufferUsages::UNIFORM,
+            });
+            let shared = [&params, &self.nodes, &self.corners].map(|b| b.as_entire_binding());
+            let group = kernel.bind(self.device, &[&shared, own].concat());
+            let mut encoder = self
+                .device
+                .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("field builder") });
+            {
+                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                    label: Some("field builder"),
+                    timestamp_writes: None,
+                });
+                kernel.record(&mut pass, &group, &[], (end - begin).div_ceil(BUILD_WORKGROUP));
+            }
+            self.queue.submit([encoder.finish()]);
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! Host side of `guides.wesl`.
+
+use super::{Canvas, LinePoint, constant};
+use crate::{
+    Result,
+    constants::STRAND_WORKGROUP,
+    gpu::{Binding, Kernel},
+    strands::{GuideBuffers, buffers::storage},
+};
+use bytemuck::{Pod, Zeroable};
+
+/// What the colour of a guide stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GuideQuantity {
+    /// m/s, after the last step.
+    Speed = 0,
+    /// How much longer or shorter an edge is than at rest, as a share of its rest length.
+    Strain = 1,
+}
+
+/// The kernel's uniform.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct GuidesUniform {
+    /// Number of guides.
+    pub count: u32,
+    /// Vertices per guide.
+    pub vertex_count: u32,
+    /// Samples per guide.
+    pub sample_count: u32,
+    /// [`GuideQuantity`].
+    pub quantity: u32,
+}
+
+/// The pipeline.
+#[derive(Debug)]
+pub(super) struct GuidesKernel(Kernel);
+
+impl GuidesKernel {
+    pub(super) fn new(device: &wgpu::Device) -> Self {
+        use Binding::{Storage, StorageMut, Uniform};
+        Self(Kernel::new(
+            device,
+            "draw::debug::guides",
+            &[Uniform, Storage, Storage, Storage, Storage, StorageMut],
+        ))
+    }
+
+    /// A point per guide sample.
+    pub(super) fn record(
+        &self,
+        canvas: &mut Canvas<'_>,
+        guides: &GuideBuffers,
+        quantity: GuideQuantity,
+    ) -> Result<wgpu::Buffer> {
+        let total = u64::from(guides.count) * u64::from(guides.sample_count);
+        let points = storage::<LinePoint>(canvas.device, "guide lines", total)?;
+        let uniform = constant(
+            canvas.device,
+            "guide lines",
+            &GuidesUniform {
+                count: guides.count,
+                vertex_count: guides.vertex_count,
+                sample_count: guides.sample_count,
+                quantity: quantity as u32,
+            },
+        );
+        let buffers = [&uniform, &guides.samples, &guides.shape, &guides.current, &guides.velocity, &points];
+        let group = self.0.bind(canvas.device, &buffers.map(|buffer| buffer.as_entire_binding()));
+        let workgroups = (total as u32).div_ceil(STRAND_WORKGROUP);
+        self.0.record(&mut canvas.compute(), &group, &[], workgroups);
+        Ok(points)
+    }
+}

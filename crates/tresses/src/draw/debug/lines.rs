@@ -1,0 +1,98 @@
+//! Host side of `lines.wesl`: lines of a width in pixels, the common end of arrows, streams,
+//! guides and outlines.
+
+use super::{Canvas, Paint, constant, overlay};
+use crate::gpu::{
+    Binding,
+    bindings::{group, layout},
+};
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+use wgpu::util::DeviceExt;
+
+/// The width of the dark rim on both sides of a line, pixels.
+const RIM: f32 = 1.0;
+
+/// A point of a line.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct LinePoint {
+    /// World space, metres.
+    pub position: Vec3,
+    /// What its colour stands for.
+    pub value: f32,
+    /// Pixels.
+    pub width: f32,
+    /// How opaque it is; below 0 no line comes here.
+    pub alpha: f32,
+    /// Unused.
+    pub _pad: [f32; 2],
+}
+
+/// The shader's uniform.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct LinesUniform {
+    /// Points of each line, at least 2.
+    pub points: u32,
+    /// The dark rim, pixels.
+    pub rim: f32,
+    /// Unused.
+    pub _pad: [u32; 2],
+}
+
+/// The pipeline.
+#[derive(Debug)]
+pub(super) struct Lines {
+    pipeline: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
+}
+
+impl Lines {
+    pub(super) fn new(
+        device: &wgpu::Device,
+        view: &wgpu::BindGroupLayout,
+        format: wgpu::TextureFormat,
+    ) -> Self {
+        let entries = [Binding::Uniform, Binding::Uniform, Binding::Storage];
+        let layout = layout(device, "lines", wgpu::ShaderStages::VERTEX_FRAGMENT, &entries);
+        let topology = wgpu::PrimitiveTopology::TriangleList;
+        let pipeline = overlay(device, "draw::debug::lines", &[&layout, view], format, topology, true);
+        Self { pipeline, layout }
+    }
+
+    /// Lines of `per_line` points each.
+    pub(super) fn record(
+        &self,
+        canvas: &mut Canvas<'_>,
+        points: &wgpu::Buffer,
+        per_line: u32,
+        paint: &Paint,
+    ) {
+        let uniform =
+            constant(canvas.device, "lines", &LinesUniform { points: per_line, rim: RIM, _pad: [0; 2] });
+        let paint = canvas.paint(paint);
+        let resources = [&paint, &uniform, points].map(|buffer| buffer.as_entire_binding());
+        let group = group(canvas.device, "lines", &self.layout, &resources);
+        let lines = (points.size() / size_of::<LinePoint>() as u64) as u32 / per_line;
+        let view = canvas.view;
+        let mut pass = canvas.pass(true);
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.set_bind_group(1, view, &[]);
+        pass.draw(0..6, 0..lines * (per_line - 1));
+    }
+
+    /// One line through `points`.
+    pub(super) fn record_from_host(&self, canvas: &mut Canvas<'_>, points: &[LinePoint], paint: &Paint) {
+        if points.len() < 2 {
+            return;
+        }
+        let buffer = canvas.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("lines"),
+            contents: bytemuck::cast_slice(points),
+            usage: wgpu::BufferUsages::STORAGE,
+        });
+        self.record(canvas, &buffer, points.len() as u32, paint);
+    }
+}

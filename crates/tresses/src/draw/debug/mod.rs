@@ -1,0 +1,371 @@
+//! Debug views: what the simulation's grids and guides hold, drawn over the finished picture.
+//!
+//! ```text
+//! body ─► depth ───────────────────────────────┐
+//! grid (3-D texture) ─► volume, slices ────────┼─► over the picture, after `present`
+//!                    ─► arrows, streams ─► lines ┘
+//! guides ───────────► guides ───────────► lines
+//! outlines (CPU) ───────────────────────► lines
+//! ```
+//!
+//! A [`Layer`] is one such view; any number of them go over one picture, in order. They come after
+//! `present`: a colour that stands for a number must not be tone mapped, and no number of samples
+//! per pixel has to fit. Colours are a ramp of even lightness (`ramp.rs`), so that a legend and a
+//! printed page can be read.
+//!
+//! - **Volume**: a ray per pixel through the grid's box, emission and absorption in proportion to
+//!   the value, from the near side to the body.
+//! - **Slices**: the grid's three mid planes (or others), in the scene or as panels beside it.
+//! - **Arrows**: the vectors at the points of a lattice; their lengths are ways in a given time.
+//! - **Streams**: lines along the field as it is at this moment, from given seeds.
+//! - **Guides**: the tessellated guides, coloured by a quantity of the simulation.
+//! - **Lines**: anything else, for example the outlines of boxes and colliders, and the contours of
+//!   distance fields (`outline.rs`).
+//!
+//! Everything that is a line ends in one buffer of [`LinePoint`]s and one pipeline, `lines`:
+//! camera-facing strips of a width in pixels, with soft edges and a dark rim. An arrow is a line
+//! whose width changes. Kernels fill the buffer, one thread per arrow, streamline or guide sample.
+//!
+//! Hidden by: the body alone, which is drawn once more into a depth texture of the picture's size.
+//! Hair hides nothing; leave it out of the picture when it is in the way.
+//!
+//! This is for looking, not for shipping: buffers, groups and the depth texture are made anew for
+//! every picture. Not taken: drawing into the HDR target, which tone maps the colours and ties the
+//! layers to its samples. Untried: level sets, lighting the volume by its gradient.
+
+mod arrows;
+mod grid;
+mod guides;
+mod lines;
+pub mod outline;
+mod paint;
+mod peak;
+mod ramp;
+mod slices;
+mod streams;
+#[cfg(test)]
+mod tests;
+mod volume;
+
+pub use arrows::{Arrows, ArrowsUniform};
+pub use grid::{Grid, GridUniform, Quantity};
+pub use guides::{GuideQuantity, GuidesUniform};
+pub use lines::{LinePoint, LinesUniform};
+pub use paint::{Paint, PaintUniform};
+pub use peak::Peak;
+pub use ramp::ramp;
+pub use slices::{SliceUniform, Slices};
+pub use streams::{Streams, StreamsUniform};
+
+use crate::{
+    Result,
+    draw::{Body, DrawStage, Scene, Targets, targets::DEPTH_FORMAT},
+    gpu::{
+        Binding, Timings,
+        bindings::{group, layout},
+    },
+    shaders,
+    strands::GuideBuffers,
+};
+use wgpu::util::DeviceExt;
+
+/// One view over a picture.
+#[derive(Clone, Copy, Debug)]
+pub enum Layer<'a> {
+    /// A grid as a luminous volume.
+    Volume(Grid<'a>, Paint),
+    /// Planes through a grid.
+    Slices(Grid<'a>, Paint, Slices),
+    /// A grid's vectors on a lattice, coloured by their length.
+    Arrows(Grid<'a>, Paint, Arrows),
+    /// Lines along a grid's vectors, coloured by their length.
+    Streams(Grid<'a>, Paint, Streams<'a>),
+    /// The guides as they are drawn, after [`crate::frame::Recorder::follow`].
+    Guides(&'a GuideBuffers, Paint, GuideQuantity),
+    /// One line; a point with an alpha below 0 interrupts it.
+    Lines(&'a [LinePoint], Paint),
+}
+
+/// The pipelines of the debug views.
+#[derive(Debug)]
+pub struct DebugStage {
+    body: wgpu::RenderPipeline,
+    view_layout: wgpu::BindGroupLayout,
+    volume: volume::Volume,
+    slices: slices::SlicesPipeline,
+    lines: lines::Lines,
+    arrows: arrows::ArrowsKernel,
+    streams: streams::StreamsKernel,
+    guides: guides::GuidesKernel,
+    sampler: wgpu::Sampler,
+    encode: bool,
+}
+
+/// What a layer is recorded with.
+struct Canvas<'a> {
+    device: &'a wgpu::Device,
+    encoder: &'a mut wgpu::CommandEncoder,
+    timings: Option<&'a mut Timings>,
+    output: &'a wgpu::TextureView,
+    depth: &'a wgpu::TextureView,
+    scene: &'a Scene,
+    /// A group of the camera's uniform alone.
+    view: &'a wgpu::BindGroup,
+    sampler: &'a wgpu::Sampler,
+    encode: bool,
+}
+
+impl DebugStage {
+    /// Builds the pipelines, for bodies made with `draw` and an output of `format`.
+    pub fn new(device: &wgpu::Device, draw: &DrawStage, format: wgpu::TextureFormat) -> Self {
+        let view_layout =
+            layout(device, "debug view", wgpu::ShaderStages::VERTEX_FRAGMENT, &[Binding::Uniform]);
+        Self {
+            body: body_pipeline(device, &view_layout, draw.body_layout()),
+            volume: volume::Volume::new(device, format),
+            slices: slices::SlicesPipeline::new(device, &view_layout, format),
+            lines: lines::Lines::new(device, &view_layout, format),
+            arrows: arrows::ArrowsKernel::new(device),
+            streams: streams::StreamsKernel::new(device),
+            guides: guides::GuidesKernel::new(device),
+            sampler: device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("debug"),
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                ..Default::default()
+            }),
+            view_layout,
+            encode: !format.is_srgb(),
+        }
+    }
+
+    /// Records `layers` over the picture in `output`, which has the size of `targets`. To be
+    /// recorded after [`DrawStage::prepare`] with the same `scene` and `body`, and after `present`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] when the device cannot hold as many lines.
+    #[allow(clippy::too_many_arguments)]
+    pub fn record(
+        &self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        mut timings: Option<&mut Timings>,
+        scene: &Scene,
+        targets: &Targets,
+        body: Option<&Body>,
+        output: &wgpu::TextureView,
+        layers: &[Layer<'_>],
+    ) -> Result<()> {
+        let uniform = constant(device, "debug view", &scene.view.uniform(targets.samples, targets.ssaa));
+        let view = group(device, "debug view", &self.view_layout, &[uniform.as_entire_binding()]);
+        let [width, height] = targets.size;
+        let depth = device
+            .create_texture(&wgpu::TextureDescriptor {
+                label: Some("debug depth"),
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: DEPTH_FORMAT,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            })
+            .create_view(&Default::default());
+        self.record_depth(encoder, timings.as_deref_mut(), &view, &depth, body);
+        for layer in layers {
+            let mut canvas = Canvas {
+                device,
+                encoder,
+                timings: timings.as_deref_mut(),
+                output,
+                depth: &depth,
+                scene,
+                view: &view,
+                sampler: &self.sampler,
+                encode: self.encode,
+            };
+            match layer {
+                Layer::Volume(grid, paint) => self.volume.record(&mut canvas, grid, paint),
+                Layer::Slices(grid, paint, slices) => self.slices.record(&mut canvas, grid, paint, slices),
+                Layer::Arrows(grid, paint, arrows) => {
+                    let points = self.arrows.record(&mut canvas, grid, arrows)?;
+                    self.lines.record(&mut canvas, &points, 4, paint);
+                }
+                Layer::Streams(grid, paint, streams) => {
+                    if let Some(points) = self.streams.record(&mut canvas, grid, streams)? {
+                        self.lines.record(&mut canvas, &points, streams.points.max(2), paint);
+                    }
+                }
+                Layer::Guides(guides, paint, quantity) => {
+                    let points = self.guides.record(&mut canvas, guides, *quantity)?;
+                    self.lines.record(&mut canvas, &points, guides.sample_count, paint);
+                }
+                Layer::Lines(points, paint) => self.lines.record_from_host(&mut canvas, points, paint),
+            }
+        }
+        Ok(())
+    }
+
+    fn record_depth(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        timings: Option<&mut Timings>,
+        view: &wgpu::BindGroup,
+        depth: &wgpu::TextureView,
+        body: Option<&Body>,
+    ) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("debug depth"),
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: depth,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(0.0),
+                    store: wgpu::StoreOp::Store,
+                }),
+                stencil_ops: None,
+            }),
+            timestamp_writes: timings.and_then(|timings| timings.render("debug")),
+            ..Default::default()
+        });
+        if let Some(body) = body {
+            pass.set_pipeline(&self.body);
+            pass.set_bind_group(0, view, &[]);
+            body.record(&mut pass);
+        }
+    }
+}
+
+impl Canvas<'_> {
+    /// A pass over the picture; `hidden` tests against the body's depth.
+    fn pass(&mut self, hidden: bool) -> wgpu::RenderPass<'_> {
+        self.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("debug"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: self.output,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
+            })],
+            depth_stencil_attachment: hidden.then_some(wgpu::RenderPassDepthStencilAttachment {
+                view: self.depth,
+                depth_ops: None,
+                stencil_ops: None,
+            }),
+            timestamp_writes: self.timings.as_deref_mut().and_then(|timings| timings.render("debug")),
+            ..Default::default()
+        })
+    }
+
+    /// A compute pass.
+    fn compute(&mut self) -> wgpu::ComputePass<'_> {
+        self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("debug"),
+            timestamp_writes: self.timings.as_deref_mut().and_then(|timings| timings.compute("debug")),
+        })
+    }
+
+    fn paint(&self, paint: &Paint) -> wgpu::Buffer {
+        constant(self.device, "paint", &PaintUniform::new(paint, &self.scene.view, self.encode))
+    }
+
+    fn grid(&self, grid: &Grid<'_>) -> wgpu::Buffer {
+        constant(self.device, "grid", &grid.uniform())
+    }
+}
+
+/// A uniform that never changes.
+fn constant<T: bytemuck::Pod>(device: &wgpu::Device, label: &str, value: &T) -> wgpu::Buffer {
+    device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some(label),
+        contents: bytemuck::bytes_of(value),
+        usage: wgpu::BufferUsages::UNIFORM,
+    })
+}
+
+/// The body into depth alone.
+fn body_pipeline(
+    device: &wgpu::Device,
+    view: &wgpu::BindGroupLayout,
+    body: &wgpu::BindGroupLayout,
+) -> wgpu::RenderPipeline {
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("debug body"),
+        layout: Some(&pipeline_layout(device, &[view, body])),
+        vertex: wgpu::VertexState {
+            module: &module(device, "draw::body"),
+            entry_point: Some("body_vertex"),
+            compilation_options: Default::default(),
+            buffers: &[Some(Body::LAYOUT)],
+        },
+        primitive: Default::default(),
+        depth_stencil: Some(depth_state(true)),
+        multisample: Default::default(),
+        fragment: None,
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+/// A pipeline over the picture: premultiplied colours, entry points `{name}_vertex` and
+/// `{name}_fragment` of `draw::debug::{name}`.
+fn overlay(
+    device: &wgpu::Device,
+    module_name: &'static str,
+    layouts: &[&wgpu::BindGroupLayout],
+    format: wgpu::TextureFormat,
+    topology: wgpu::PrimitiveTopology,
+    hidden: bool,
+) -> wgpu::RenderPipeline {
+    let name = module_name.rsplit("::").next().unwrap_or(module_name);
+    let shader = module(device, module_name);
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(module_name),
+        layout: Some(&pipeline_layout(device, layouts)),
+        vertex: wgpu::VertexState {
+            module: &shader,
+            entry_point: Some(&format!("{name}_vertex")),
+            compilation_options: Default::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState { topology, ..Default::default() },
+        depth_stencil: hidden.then(|| depth_state(false)),
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &shader,
+            entry_point: Some(&format!("{name}_fragment")),
+            compilation_options: Default::default(),
+            targets: &[Some(wgpu::ColorTargetState {
+                format,
+                blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+                write_mask: wgpu::ColorWrites::ALL,
+            })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+fn module(device: &wgpu::Device, name: &'static str) -> wgpu::ShaderModule {
+    device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(name),
+        source: wgpu::ShaderSource::Wgsl(shaders::source(name).into()),
+    })
+}
+
+fn pipeline_layout(device: &wgpu::Device, groups: &[&wgpu::BindGroupLayout]) -> wgpu::PipelineLayout {
+    device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some("debug"),
+        bind_group_layouts: &groups.iter().map(|group| Some(*group)).collect::<Vec<_>>(),
+        immediate_size: 0,
+    })
+}
+
+fn depth_state(write: bool) -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: DEPTH_FORMAT,
+        depth_write_enabled: Some(write),
+        depth_compare: Some(wgpu::CompareFunction::Greater),
+        stencil: Default::default(),
+        bias: Default::default(),
+    }
+}

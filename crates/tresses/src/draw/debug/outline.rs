@@ -1,0 +1,183 @@
+//! Outlines as lines: boxes of grids, colliders, the surfaces of distance fields.
+
+use super::{Grid, LinePoint};
+use crate::{Pose, collide::Shape, groom::SdfGrid};
+use glam::{UVec3, Vec3};
+
+/// Points of a full circle.
+const CIRCLE: u32 = 48;
+
+/// How outlines are drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pen {
+    /// What its colour stands for.
+    pub value: f32,
+    /// Pixels.
+    pub width: f32,
+}
+
+impl Pen {
+    /// Adds a line through `points` (world space, metres) to `out`, apart from what `out` holds.
+    pub fn line(self, out: &mut Vec<LinePoint>, points: impl IntoIterator<Item = Vec3>) {
+        if let Some(last) = out.last() {
+            out.push(LinePoint { alpha: -1.0, ..*last });
+        }
+        out.extend(points.into_iter().map(|position| LinePoint {
+            position,
+            value: self.value,
+            width: self.width,
+            alpha: 1.0,
+            ..Default::default()
+        }));
+    }
+
+    /// The twelve edges of the box of `grid`.
+    pub fn cuboid(self, out: &mut Vec<LinePoint>, grid: &Grid<'_>) {
+        let corner = |i: usize| Vec3::from_array(std::array::from_fn(|axis| ((i >> axis) & 1) as f32));
+        for i in 0..8 {
+            for axis in (0..3).filter(|axis| i >> axis & 1 == 0) {
+                self.line(out, [corner(i), corner(i | 1 << axis)].map(|c| grid.world(c)));
+            }
+        }
+    }
+
+    /// A capsule: a circle around each end, two outlines along it. An ellipsoid: its three
+    /// ellipses. Nothing for a field: see [`contours`](Self::contours).
+    pub fn collider(self, out: &mut Vec<LinePoint>, shape: &Shape, pose: &Pose) {
+        let arc = |from: u32, to: u32, form: &dyn Fn(f32, f32) -> Vec3| -> Vec<Vec3> {
+            let angle = |i: u32| i as f32 / CIRCLE as f32 * std::f32::consts::TAU;
+            (from..=to).map(|i| angle(i).sin_cos()).map(|(sin, cos)| pose.point(form(sin, cos))).collect()
+        };
+        match *shape {
+            Shape::Capsule { half_length, radius } => {
+                let end = Vec3::Y * half_length;
+                for side in [-1.0, 1.0] {
+                    let ring = |sin, cos| Vec3::new(cos, 0.0, sin) * radius + end * side;
+                    self.line(out, arc(0, CIRCLE, &ring));
+                }
+                for across in [Vec3::X, Vec3::Z] {
+                    // Over one end, down the side, under the other, up again.
+                    let rim = |sin, cos| (across * cos + Vec3::Y * sin) * radius;
+                    let mut points = arc(0, CIRCLE / 2, &|sin, cos| rim(sin, cos) + end);
+                    points.extend(arc(CIRCLE / 2, CIRCLE, &|sin, cos| rim(sin, cos) - end));
+                    points.push(points[0]);
+                    self.line(out, points);
+                }
+            }
+            Shape::Ellipsoid { radii } => {
+                self.line(out, arc(0, CIRCLE, &|sin, cos| Vec3::new(cos, sin, 0.0) * radii));
+                self.line(out, arc(0, CIRCLE, &|sin, cos| Vec3::new(cos, 0.0, sin) * radii));
+                self.line(out, arc(0, CIRCLE, &|sin, cos| Vec3::new(0.0, cos, sin) * radii));
+            }
+            Shape::Field(_) => {}
+        }
+    }
+
+    /// Where `field`, which is at `pose`, has the distance `level` (metres) in planes across `axis`
+    /// (0 to 2) that lie `every` nodes apart: what the hair collides with, not what the mesh looks
+    /// like. A level just above 0 keeps the lines off the mesh.
+    #[allow(clippy::too_many_arguments)]
+    pub fn contours(
+        self,
+        out: &mut Vec<LinePoint>,
+        field: &SdfGrid,
+        pose: &Pose,
+        level: f32,
+        axis: usize,
+        every: u32,
+    ) {
+        let (axis, n) = (axis.min(2), field.size);
+        let [u, v] = [(axis + 1) % 3, (axis + 2) % 3].map(|axis| {
+            let mut unit = UVec3::ZERO;
+            unit[axis] = 1;
+            (unit, n[axis])
+        });
+        let mut normal = UVec3::ZERO;
+        normal[axis] = 1;
+        let index = |node: UVec3| node.x + n.x * (node.y + n.y * node.z);
+        for plane in (0..n[axis]).step_by(every.max(1) as usize) {
+            for i in 0..u.1.saturating_sub(1) {
+                for j in 0..v.1.saturating_sub(1) {
+                    // Around a square of nodes: where the sign changes on an edge.
+                    let base = normal * plane + u.0 * i + v.0 * j;
+                    let corners = [base, base + u.0, base + u.0 + v.0, base + v.0]
+                        .map(|node| (field.node(index(node)), field.distances[index(node) as usize] - level));
+                    let crossings: Vec<_> = (0..4)
+                        .filter_map(|k| {
+                            let ((a, from), (b, to)) = (corners[k], corners[(k + 1) % 4]);
+                            ((from < 0.0) != (to < 0.0)).then(|| a.lerp(b, from / (from - to)))
+                        })
+                        .collect();
+                    for pair in crossings.as_chunks::<2>().0 {
+                        self.line(out, pair.map(|p| pose.point(p)));
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::collide::shape;
+    use glam::Quat;
+
+    const PEN: Pen = Pen { value: 0.0, width: 2.0 };
+
+    fn pose() -> Pose {
+        Pose { rotation: Quat::from_rotation_z(0.7), translation: Vec3::new(0.1, 0.2, 0.3) }
+    }
+
+    /// The largest distance of the shown points from a surface, in the frame of [`pose`].
+    fn off(points: &[LinePoint], distance: impl Fn(Vec3) -> f32) -> f32 {
+        let shown = points.iter().filter(|p| p.alpha >= 0.0);
+        shown.map(|p| distance(pose().inverse().point(p.position)).abs()).fold(0.0, f32::max)
+    }
+
+    /// The longest piece that is drawn.
+    fn longest(points: &[LinePoint]) -> f32 {
+        let shown = points.windows(2).filter(|w| w[0].alpha >= 0.0 && w[1].alpha >= 0.0);
+        shown.map(|w| w[0].position.distance(w[1].position)).fold(0.0, f32::max)
+    }
+
+    #[test]
+    fn outlines_are_on_the_surface() {
+        for half_length in [0.0, 0.15] {
+            let mut points = Vec::new();
+            PEN.collider(&mut points, &Shape::Capsule { half_length, radius: 0.04 }, &pose());
+            assert!(points.len() > 4 * CIRCLE as usize);
+            assert!(off(&points, |p| shape::capsule(p, 0.04, half_length).w) < 1e-6);
+            assert!(off(&points, |p| shape::capsule(p, 0.05, half_length).w) > 5e-3);
+            // No piece leads from one line to the next.
+            assert!(longest(&points) < 2.0 * half_length + 0.01);
+        }
+        let radii = Vec3::new(0.05, 0.08, 0.12);
+        let mut points = Vec::new();
+        PEN.collider(&mut points, &Shape::Ellipsoid { radii }, &pose());
+        assert!(off(&points, |p| shape::ellipsoid(p, radii).w) < 1e-6 && longest(&points) < 0.02);
+    }
+
+    #[test]
+    fn contours_are_where_the_field_is_zero() {
+        let field = SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), 41, |p| p.length() - 0.09);
+        for axis in 0..3 {
+            let mut points = Vec::new();
+            PEN.contours(&mut points, &field, &pose(), 0.01, axis, 5);
+            assert!(off(&points, |p| p.length() - 0.1) < 5e-4 && longest(&points) < 0.015);
+            assert!(off(&points, |p| p.length() - 0.11) > 5e-3);
+            // Planes 5 cm apart: circles of radius 10 cm and twice √75 cm, and a point at each pole.
+            let length: f32 = points
+                .windows(2)
+                .filter(|w| w[0].alpha >= 0.0 && w[1].alpha >= 0.0)
+                .map(|w| w[0].position.distance(w[1].position))
+                .sum();
+            let expected = std::f32::consts::TAU * (0.1 + 2.0 * 0.0075f32.sqrt());
+            assert!((length / expected - 1.0).abs() < 0.02, "{length} {expected}");
+            for p in points.iter().filter(|p| p.alpha >= 0.0) {
+                let along = pose().inverse().point(p.position)[axis] / 0.05;
+                assert!((along - along.round()).abs() < 1e-4);
+            }
+        }
+    }
+}

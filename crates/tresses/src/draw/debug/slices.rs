@@ -1,0 +1,91 @@
+//! Host side of `slices.wesl`.
+
+use super::{Canvas, Grid, Paint, constant, overlay};
+use crate::gpu::{
+    Binding,
+    bindings::{group, layout},
+};
+use bytemuck::{Pod, Zeroable};
+use glam::{Vec3, Vec4};
+
+/// Which planes of a grid, and where they are shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slices {
+    /// Texture coordinates of the planes across x, y and z.
+    pub at: Vec3,
+    /// As a column of square panels on the picture instead of in the scene: the lower left corner
+    /// of the first in clip space (xy, -1..1), the panels' height (z) and the way from one down
+    /// to the next (w), both in clip space.
+    pub panels: Option<Vec4>,
+}
+
+impl Default for Slices {
+    /// The mid planes, in the scene.
+    fn default() -> Self {
+        Self { at: Vec3::splat(0.5), panels: None }
+    }
+}
+
+/// What the shader knows of [`Slices`].
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct SliceUniform {
+    /// [`Slices::at`].
+    pub at: Vec3,
+    /// 1 for panels, 0 for planes in the scene.
+    pub panels: u32,
+    /// [`Slices::panels`].
+    pub panel: Vec4,
+}
+
+/// The pipelines: in the scene the body hides what is behind it, panels lie over everything.
+#[derive(Debug)]
+pub(super) struct SlicesPipeline {
+    scene: wgpu::RenderPipeline,
+    panels: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
+}
+
+impl SlicesPipeline {
+    pub(super) fn new(
+        device: &wgpu::Device,
+        view: &wgpu::BindGroupLayout,
+        format: wgpu::TextureFormat,
+    ) -> Self {
+        use Binding::{Sampler, Texture3d, Uniform};
+        let entries = [Uniform, Uniform, Texture3d, Sampler, Uniform];
+        let layout = layout(device, "slices", wgpu::ShaderStages::VERTEX_FRAGMENT, &entries);
+        let pipeline = |hidden| {
+            let topology = wgpu::PrimitiveTopology::TriangleStrip;
+            overlay(device, "draw::debug::slices", &[&layout, view], format, topology, hidden)
+        };
+        Self { scene: pipeline(true), panels: pipeline(false), layout }
+    }
+
+    pub(super) fn record(&self, canvas: &mut Canvas<'_>, grid: &Grid<'_>, paint: &Paint, slices: &Slices) {
+        let (paint, place) = (canvas.paint(paint), canvas.grid(grid));
+        let uniform = constant(
+            canvas.device,
+            "slices",
+            &SliceUniform {
+                at: slices.at,
+                panels: u32::from(slices.panels.is_some()),
+                panel: slices.panels.unwrap_or_default(),
+            },
+        );
+        let resources = [
+            paint.as_entire_binding(),
+            place.as_entire_binding(),
+            wgpu::BindingResource::TextureView(grid.texture),
+            wgpu::BindingResource::Sampler(canvas.sampler),
+            uniform.as_entire_binding(),
+        ];
+        let group = group(canvas.device, "slices", &self.layout, &resources);
+        let view = canvas.view;
+        let mut pass = canvas.pass(slices.panels.is_none());
+        pass.set_pipeline(if slices.panels.is_some() { &self.panels } else { &self.scene });
+        pass.set_bind_group(0, &group, &[]);
+        pass.set_bind_group(1, view, &[]);
+        pass.draw(0..4, 0..3);
+    }
+}

@@ -1,0 +1,416 @@
+//! The views against what they must show: synthetic grids with known integrals, directions, places.
+
+use super::{arrows::ArrowsKernel, guides::GuidesKernel, streams::StreamsKernel, *};
+use crate::{
+    Pose,
+    draw::{Background, DrawOptions, View},
+    gpu::{Gpu, readback},
+    groom::TriMesh,
+    strands::{GuideSample, GuideShape},
+};
+use glam::{Mat4, Quat, UVec3, Vec3, Vec4};
+use half::f16;
+
+const SIZE: u32 = 128;
+
+fn gpu() -> Option<Gpu> {
+    match pollster::block_on(Gpu::open()) {
+        Ok(gpu) => Some(gpu),
+        Err(error) => {
+            assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none_or(|v| v != "1"), "{error}");
+            println!("skipped: {error}");
+            None
+        }
+    }
+}
+
+/// A texture of `n`³ texels whose value at texture coordinate `c` is `f(c)`.
+fn texture(gpu: &Gpu, n: u32, f: impl Fn(Vec3) -> Vec4) -> wgpu::TextureView {
+    let texels: Vec<[f16; 4]> = (0..n * n * n)
+        .map(|i| {
+            let place = UVec3::new(i % n, i / n % n, i / (n * n));
+            f((place.as_vec3() + 0.5) / n as f32).to_array().map(f16::from_f32)
+        })
+        .collect();
+    let descriptor = wgpu::TextureDescriptor {
+        label: Some("test"),
+        size: wgpu::Extent3d { width: n, height: n, depth_or_array_layers: n },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D3,
+        format: wgpu::TextureFormat::Rgba16Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    };
+    let bytes: &[u8] = bytemuck::cast_slice(&texels);
+    let order = wgpu::util::TextureDataOrder::LayerMajor;
+    gpu.device
+        .create_texture_with_data(&gpu.queue, &descriptor, order, bytes)
+        .create_view(&Default::default())
+}
+
+/// A box of 20 cm around the origin of `pose`.
+fn grid(texture: &wgpu::TextureView, pose: Pose, quantity: Quantity) -> Grid<'_> {
+    Grid { texture, pose, scale: Vec3::splat(5.0), bias: Vec3::splat(0.5), quantity, turns: true }
+}
+
+/// Orthographic, along -Z, 30 cm wide and high, nearest at z = 1 m and farthest at z = -1 m.
+fn view() -> View {
+    let half = 0.15;
+    View {
+        view: Mat4::IDENTITY,
+        projection: Mat4::from_cols_array_2d(&[
+            [1.0 / half, 0.0, 0.0, 0.0],
+            [0.0, 1.0 / half, 0.0, 0.0],
+            [0.0, 0.0, 0.5, 0.0],
+            [0.0, 0.0, 0.5, 1.0],
+        ]),
+        size: [SIZE, SIZE],
+    }
+}
+
+/// `layers` over nothing but what hides them: RGBA, rows from the top.
+fn picture(gpu: &Gpu, layers: &[Layer<'_>], body: Option<&TriMesh>) -> Vec<[u8; 4]> {
+    let Gpu { device, queue, .. } = gpu;
+    let draw = DrawStage::new(device, &DrawOptions { samples: 1, ..Default::default() });
+    let debug = DebugStage::new(device, &draw, crate::draw::targets::PICTURE_FORMAT);
+    let targets = Targets::new(device, SIZE, SIZE, 1, 1).unwrap();
+    let body = body.map(|mesh| Body::new(device, &draw, mesh));
+    let scene = Scene { view: view(), background: Background::transparent(), ..Default::default() };
+    let mut encoder = device.create_command_encoder(&Default::default());
+    draw.prepare(queue, &scene, &targets, None, body.as_ref());
+    draw.draw(&mut encoder, None, &scene, &targets, None, None);
+    draw.present(device, &mut encoder, None, &targets, targets.picture());
+    debug
+        .record(device, &mut encoder, None, &scene, &targets, body.as_ref(), targets.picture(), layers)
+        .unwrap();
+    queue.submit([encoder.finish()]);
+    targets.read(device, queue).unwrap().as_chunks().0.to_vec()
+}
+
+/// What `record` leaves in its buffer.
+fn points(gpu: &Gpu, record: impl FnOnce(&mut Canvas<'_>) -> wgpu::Buffer) -> Vec<LinePoint> {
+    let Gpu { device, queue, .. } = gpu;
+    let draw = DrawStage::new(device, &DrawOptions { samples: 1, ..Default::default() });
+    let debug = DebugStage::new(device, &draw, crate::draw::targets::PICTURE_FORMAT);
+    let targets = Targets::new(device, 16, 16, 1, 1).unwrap();
+    let uniform = constant(device, "view", &view().uniform(1, 1));
+    let group = group(device, "view", &debug.view_layout, &[uniform.as_entire_binding()]);
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let buffer = record(&mut Canvas {
+        device,
+        encoder: &mut encoder,
+        timings: None,
+        output: targets.picture(),
+        depth: targets.picture(),
+        scene: &Scene::default(),
+        view: &group,
+        sampler: &debug.sampler,
+        encode: true,
+    });
+    queue.submit([encoder.finish()]);
+    readback::buffer(device, queue, &buffer).unwrap()
+}
+
+/// The optical depth of a pixel, from its coverage.
+fn thickness(pixel: &[u8; 4]) -> f64 {
+    -(1.0 - f64::from(pixel[3]) / 255.0).ln()
+}
+
+/// The integral of the optical depth over the picture, m², and its centre, pixels.
+fn integral(picture: &[[u8; 4]]) -> (f64, [f64; 2]) {
+    let mut sums = [0.0; 3];
+    for (i, pixel) in picture.iter().enumerate() {
+        let t = thickness(pixel);
+        let place = [i % SIZE as usize, i / SIZE as usize].map(|x| x as f64 + 0.5);
+        sums = [sums[0] + t, sums[1] + t * place[0], sums[2] + t * place[1]];
+    }
+    let area = (0.3 / f64::from(SIZE)).powi(2);
+    (sums[0] * area, [sums[1] / sums[0], sums[2] / sums[0]])
+}
+
+const PLACE: Vec3 = Vec3::new(0.02, -0.03, 0.04);
+
+fn turned() -> Pose {
+    Pose { rotation: Quat::from_euler(glam::EulerRot::YXZ, 0.6, 0.4, -0.3), translation: PLACE }
+}
+
+/// A ball of 7 cm and density 3 in a box that is turned and moved.
+fn ball(gpu: &Gpu) -> wgpu::TextureView {
+    texture(gpu, 64, |c| Vec4::W * if (c - 0.5).length() < 0.35 { 3.0 } else { 0.0 })
+}
+
+#[test]
+fn a_ball_emits_its_volume() {
+    let Some(gpu) = gpu() else { return };
+    let texture = ball(&gpu);
+    let paint = Paint { low: 0.0, high: 6.0, opacity: 20.0 };
+    let layer = Layer::Volume(grid(&texture, turned(), Quantity::Channel(3)), paint);
+    let seen = picture(&gpu, &[layer], None);
+    // Half of the range: an optical depth of 10 per metre.
+    let volume = |radius: f64| 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
+    let (sum, center) = integral(&seen);
+    let error = |radius| (sum / (10.0 * volume(radius)) - 1.0).abs();
+    println!("integrated emission of a ball: {:+.2} %", 100.0 * (sum / (10.0 * volume(0.07)) - 1.0));
+    assert!(error(0.07) < 0.02 && error(0.072) > 0.05, "{}", error(0.07));
+    // The thickest place is a diameter, in the middle of the picture of the ball.
+    let pixel = |x: f32| f64::from((x / 0.3 + 0.5) * SIZE as f32);
+    let expected = [pixel(PLACE.x), pixel(-PLACE.y)];
+    assert!((center[0] - expected[0]).abs() < 0.3 && (center[1] - expected[1]).abs() < 0.3, "{center:?}");
+    let middle = thickness(&seen[expected[1] as usize * SIZE as usize + expected[0] as usize]);
+    assert!((middle / 1.4 - 1.0).abs() < 0.04, "{middle}");
+}
+
+#[test]
+fn the_body_hides_what_is_behind_it() {
+    let Some(gpu) = gpu() else { return };
+    let texture = ball(&gpu);
+    let paint = Paint { low: 0.0, high: 6.0, opacity: 20.0 };
+    let layers = [Layer::Volume(grid(&texture, turned(), Quantity::Channel(3)), paint)];
+    let wall = |z: f32| TriMesh {
+        positions: [(-1.0, -1.0), (3.0, -1.0), (-1.0, 3.0)].map(|(x, y)| Vec3::new(x, y, z)).to_vec(),
+        normals: vec![Vec3::Z; 3],
+        colors: Vec::new(),
+        triangles: vec![[0, 1, 2]],
+    };
+    let sum = |body: Option<&TriMesh>| integral(&picture(&gpu, &layers, body)).0;
+    let whole = sum(None);
+    let half = sum(Some(&wall(PLACE.z))) / whole;
+    assert!((half - 0.5).abs() < 0.01, "{half}");
+    assert!(sum(Some(&wall(PLACE.z + 0.08))) < 1e-3 * whole);
+    assert!((sum(Some(&wall(PLACE.z - 0.08))) / whole - 1.0).abs() < 1e-3);
+}
+
+/// sRGB bytes of a number on the ramp.
+fn byte_color(t: f32) -> [u8; 3] {
+    ramp(t).clamp(Vec3::ZERO, Vec3::ONE).to_array().map(|c| {
+        let curve = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
+        (curve * 255.0).round() as u8
+    })
+}
+
+/// How far a pixel is from the colour of a number.
+fn off(pixel: [u8; 4], t: f32) -> u8 {
+    byte_color(t).iter().zip(pixel).map(|(a, b)| a.abs_diff(b)).max().unwrap_or(0)
+}
+
+#[test]
+fn slices_show_the_right_place() {
+    let Some(gpu) = gpu() else { return };
+    // Every axis has its channel, so that a swapped axis is seen.
+    let texture = texture(&gpu, 32, |c| c.extend(1.0));
+    let paint = Paint { low: 0.0, high: 1.0, opacity: 1.0 };
+    let at = Vec3::new(0.3, 0.6, 0.8);
+    let pixel = |picture: &[[u8; 4]], x: f32, y: f32| {
+        // Metres from the middle, y up.
+        let (x, y) = ((x / 0.3 + 0.5) * SIZE as f32, (0.5 - y / 0.3) * SIZE as f32);
+        picture[y as usize * SIZE as usize + x as usize]
+    };
+    for channel in 0..3 {
+        let grid = grid(&texture, Pose::IDENTITY, Quantity::Channel(channel));
+        // Seen along z the other two planes are lines.
+        let seen = picture(&gpu, &[Layer::Slices(grid, paint, Slices { at, panels: None })], None);
+        // The middle of a pixel of the panels, which are 32 pixels wide.
+        let (u, v) = (22.5 / 32.0, 6.5 / 32.0);
+        let found = pixel(&seen, (u - 0.5) * 0.2, (v - 0.5) * 0.2);
+        let value = [u, v, at.z][channel as usize];
+        assert!(off(found, value) < 4, "channel {channel}: {found:?} for {value}");
+        assert!(off(found, value + 0.1) > 6);
+        assert_eq!(pixel(&seen, 0.12, 0.0)[3], 0, "outside of the box");
+        // Panels: left and top of the picture, 0.5 high in clip space, 0.625 apart.
+        let panel = Vec4::new(-0.9375, 0.375, 0.5, 0.625);
+        let slices = Slices { at, panels: Some(panel) };
+        let seen = picture(&gpu, &[Layer::Slices(grid, paint, slices)], None);
+        for axis in 0..3 {
+            let (x, y) = (panel.x + u * panel.z, panel.y - axis as f32 * panel.w + v * panel.z);
+            let found = pixel(&seen, x * 0.15, y * 0.15);
+            let place =
+                [Vec3::new(at.x, v, 1.0 - u), Vec3::new(u, at.y, 1.0 - v), Vec3::new(u, v, at.z)][axis];
+            assert!(off(found, place[channel as usize]) < 4, "panel {axis}, channel {channel}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn panels_name_the_plane() {
+    let Some(gpu) = gpu() else { return };
+    let texture = texture(&gpu, 8, |_| Vec4::ONE);
+    let paint = Paint { low: 0.0, high: 1.0, opacity: 0.5 };
+    let slices = Slices { at: Vec3::splat(0.5), panels: Some(Vec4::new(-1.0, 0.5, 0.5, 0.6)) };
+    let layer = Layer::Slices(grid(&texture, Pose::IDENTITY, Quantity::Length), paint, slices);
+    let seen = picture(&gpu, &[layer], None);
+    let covered: f64 = seen.iter().map(|p| f64::from(p[3]) / 255.0).sum::<f64>() / f64::from(SIZE * SIZE);
+    // Three squares of a quarter of the picture's height, half opaque.
+    assert!((covered / (3.0 * 0.0625 * 0.5) - 1.0).abs() < 0.02, "{covered}");
+}
+
+const SPIN: f32 = 12.0;
+
+/// A field that turns about the box's y axis, 12 rad/s, in m/s.
+fn spinning(gpu: &Gpu) -> wgpu::TextureView {
+    texture(gpu, 32, |c| ((c - 0.5) / 5.0).cross(Vec3::NEG_Y * SPIN).extend(0.0))
+}
+
+#[test]
+fn arrows_point_along_the_field() {
+    let Some(gpu) = gpu() else { return };
+    let texture = spinning(&gpu);
+    for turns in [true, false] {
+        let pose = turned();
+        let grid = Grid { turns, ..grid(&texture, pose, Quantity::Length) };
+        let arrows = Arrows::over(&grid, Some((1, 0.25)), 8, 1.0);
+        let kernel = ArrowsKernel::new(&gpu.device);
+        let points = points(&gpu, |canvas| kernel.record(canvas, &grid, &arrows).unwrap());
+        assert_eq!(points.len(), 4 * 64);
+        let mut shown = 0;
+        for arrow in points.as_chunks::<4>().0 {
+            let middle = 0.5 * (arrow[0].position + arrow[3].position);
+            let inner = pose.inverse().point(middle);
+            assert!((inner.y + 0.05).abs() < 1e-5, "on the plane");
+            let local = inner.cross(Vec3::NEG_Y * SPIN) * Vec3::new(1.0, 0.0, 1.0);
+            let vector = if turns { pose.rotation * local } else { local };
+            if arrow[0].alpha < 0.0 {
+                assert!(vector.length() < 0.03);
+                continue;
+            }
+            shown += 1;
+            let way = arrow[3].position - arrow[0].position;
+            let expected = (vector * arrows.seconds).clamp_length_max(arrows.longest);
+            assert!((way - expected).length() < 1e-2 * arrows.longest, "{way} for {expected}");
+            assert!((way - pose.rotation.conjugate() * expected).length() > 1e-2 * arrows.longest);
+            assert!((arrow[0].value - vector.length()).abs() < 2e-3 * vector.length().max(0.1));
+            assert!(arrow[2].width > arrow[1].width && arrow[3].width == 0.0);
+        }
+        assert_eq!(shown, 64);
+    }
+}
+
+#[test]
+fn streamlines_follow_circles() {
+    let Some(gpu) = gpu() else { return };
+    let texture = spinning(&gpu);
+    let grid = grid(&texture, turned(), Quantity::Length);
+    let radii = [0.03, 0.05, 0.07];
+    let seeds: Vec<_> = radii.iter().map(|r| grid.pose.point(Vec3::new(*r, 0.02, 0.0))).collect();
+    let kernel = StreamsKernel::new(&gpu.device);
+    let drift = |step: f32, least: f32| {
+        let streams = Streams { seeds: &seeds, points: 64, step, least };
+        let points = points(&gpu, |canvas| kernel.record(canvas, &grid, &streams).unwrap().unwrap());
+        let mut worst = 0.0f32;
+        for (line, radius) in points.chunks(64).zip(radii) {
+            for (k, point) in line.iter().enumerate().filter(|(_, p)| p.alpha >= 0.0) {
+                let p = grid.pose.inverse().point(point.position);
+                assert!((p.y - 0.02).abs() < 1e-4);
+                worst = worst.max((p.x.hypot(p.z) / radius - 1.0).abs());
+                assert!((point.value - SPIN * radius).abs() < 0.02 * SPIN * radius || step > 0.01);
+                if k == 10 {
+                    // The way it went, and in which sense: about +Y.
+                    assert!(
+                        ((-p.z).atan2(p.x) - k as f32 * step / radius).abs() < 0.02 || step > 0.01,
+                        "{p}"
+                    );
+                }
+            }
+        }
+        let shown = points.chunks(64).map(|line| line.iter().filter(|p| p.alpha >= 0.0).count());
+        (worst, shown.collect::<Vec<_>>())
+    };
+    let (worst, shown) = drift(0.004, 0.0);
+    println!("streamlines drift by {:.2} %", 100.0 * worst);
+    assert!(worst < 0.01 && shown == [64; 3], "{worst} {shown:?}");
+    // Coarse steps leave the circles: the measure sees it.
+    assert!(drift(0.05, 0.0).0 > 0.05);
+    // Where the field is slower than asked for there are no lines.
+    assert_eq!(drift(0.004, 0.5).1, [0, 64, 64]);
+}
+
+#[test]
+fn seeds_lie_upwind_inside_the_box() {
+    let gpu = gpu();
+    let Some(gpu) = gpu else { return };
+    let texture = texture(&gpu, 2, |_| Vec4::ZERO);
+    let grid = grid(&texture, Pose { translation: PLACE, ..Pose::IDENTITY }, Quantity::Length);
+    let seeds = Streams::upwind(&grid, Vec3::X, 5);
+    assert_eq!(seeds.len(), 25);
+    for seed in &seeds {
+        let local = *seed - PLACE;
+        assert!((local.x + 0.098).abs() < 1e-4 && local.abs().max_element() < 0.1, "{local}");
+    }
+    let spread = seeds.iter().map(|s| (s.y - PLACE.y).abs()).fold(0.0, f32::max);
+    assert!(spread > 0.07);
+}
+
+#[test]
+fn guides_carry_their_quantities() {
+    let Some(gpu) = gpu() else { return };
+    let (count, vertices, samples) = (3, 4, 7);
+    let guides = GuideBuffers::new(&gpu.device, count, vertices, samples).unwrap();
+    let n = (count * vertices) as usize;
+    // Vertex-major: guide g moves at g + v m/s; its edges are stretched by 0.1 g.
+    let at = |i: usize| ((i % count as usize) as f32, (i / count as usize) as f32);
+    let velocity: Vec<_> = (0..n).map(|i| [0.0, at(i).0 + at(i).1, 0.0, 0.0]).collect();
+    let current: Vec<_> =
+        (0..n).map(|i| [at(i).0, -0.01 * at(i).1 * (1.0 + 0.1 * at(i).0), 0.0, 0.0]).collect();
+    let shape = vec![GuideShape { length: 0.01, ..Default::default() }; n];
+    let sampled: Vec<_> = (0..count * samples)
+        .map(|i| GuideSample { position: Vec3::splat(i as f32), ..bytemuck::Zeroable::zeroed() })
+        .collect();
+    gpu.queue.write_buffer(&guides.velocity, 0, bytemuck::cast_slice(&velocity));
+    gpu.queue.write_buffer(&guides.current, 0, bytemuck::cast_slice(&current));
+    gpu.queue.write_buffer(&guides.shape, 0, bytemuck::cast_slice(&shape));
+    gpu.queue.write_buffer(&guides.samples, 0, bytemuck::cast_slice(&sampled));
+    let kernel = GuidesKernel::new(&gpu.device);
+    for quantity in [GuideQuantity::Speed, GuideQuantity::Strain] {
+        let points = points(&gpu, |canvas| kernel.record(canvas, &guides, quantity).unwrap());
+        assert_eq!(points.len(), 21);
+        for (i, point) in points.iter().enumerate() {
+            let (guide, sample) = ((i / 7) as f32, (i % 7) as f32);
+            let expected = match quantity {
+                GuideQuantity::Speed => guide + 0.5 * sample,
+                GuideQuantity::Strain => 0.1 * guide,
+            };
+            assert!((point.value - expected).abs() < 1e-4, "{quantity:?} {i}: {}", point.value);
+            assert_eq!(point.position, Vec3::splat(i as f32));
+        }
+    }
+}
+
+#[test]
+fn lines_are_as_wide_as_asked() {
+    let Some(gpu) = gpu() else { return };
+    let paint = Paint { low: 0.0, high: 1.0, opacity: 1.0 };
+    let line = |width: f32, hole: f32| -> f64 {
+        let point = |x: f32, alpha| LinePoint {
+            position: Vec3::new(x, 0.3 * x, 0.0),
+            value: 1.0,
+            width,
+            alpha,
+            ..Default::default()
+        };
+        let points = [point(-0.1, 1.0), point(0.0, 1.0), point(0.01, hole), point(0.1, 1.0)];
+        let seen = picture(&gpu, &[Layer::Lines(&points, paint)], None);
+        // The ramp's end is bright, the rim black.
+        seen.iter().map(|p| f64::from(p[1]) / f64::from(byte_color(1.0)[1])).sum()
+    };
+    let length = 0.2 * (1.0f64 + 0.09).sqrt() / 0.3 * f64::from(SIZE);
+    for width in [2.0, 4.0] {
+        let drawn = line(width, 1.0);
+        assert!((drawn / (length * f64::from(width)) - 1.0).abs() < 0.04, "{drawn}");
+        let half = line(width, -1.0);
+        assert!((half / drawn - 0.5).abs() < 0.02, "a point that is not shown interrupts: {half}");
+    }
+}
+
+#[test]
+fn the_peak_is_found() {
+    let Some(gpu) = gpu() else { return };
+    let texture = texture(&gpu, 20, |c| {
+        let here = (c - Vec3::new(0.975, 0.525, 0.925)).length() < 1e-3;
+        Vec4::new(0.5, 0.0, 0.0, if here { 7.0 } else { -1.0 })
+    });
+    let peak = Peak::new(&gpu.device);
+    let measure = |q| peak.measure(&gpu.device, &gpu.queue, &grid(&texture, Pose::IDENTITY, q)).unwrap();
+    assert_eq!(measure(Quantity::Channel(3)), 7.0);
+    assert_eq!(measure(Quantity::Length), 0.5);
+    assert_eq!(measure(Quantity::Channel(1)), 0.0);
+}

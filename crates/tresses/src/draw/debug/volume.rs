@@ -1,0 +1,41 @@
+//! Host side of `volume.wesl`.
+
+use super::{Canvas, Grid, Paint, overlay};
+use crate::gpu::{
+    Binding,
+    bindings::{group, layout},
+};
+
+/// The pipeline of the ray march.
+#[derive(Debug)]
+pub(super) struct Volume {
+    pipeline: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
+}
+
+impl Volume {
+    pub(super) fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
+        let entries =
+            [Binding::Uniform, Binding::Uniform, Binding::Texture3d, Binding::Sampler, Binding::Depth];
+        let layout = layout(device, "volume", wgpu::ShaderStages::FRAGMENT, &entries);
+        let topology = wgpu::PrimitiveTopology::TriangleList;
+        let pipeline = overlay(device, "draw::debug::volume", &[&layout], format, topology, false);
+        Self { pipeline, layout }
+    }
+
+    pub(super) fn record(&self, canvas: &mut Canvas<'_>, grid: &Grid<'_>, paint: &Paint) {
+        let (paint, place) = (canvas.paint(paint), canvas.grid(grid));
+        let resources = [
+            paint.as_entire_binding(),
+            place.as_entire_binding(),
+            wgpu::BindingResource::TextureView(grid.texture),
+            wgpu::BindingResource::Sampler(canvas.sampler),
+            wgpu::BindingResource::TextureView(canvas.depth),
+        ];
+        let group = group(canvas.device, "volume", &self.layout, &resources);
+        let mut pass = canvas.pass(false);
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+}

@@ -1,0 +1,90 @@
+//! The drag of air on a hair: quadratic, different across the hair and along it.
+//!
+//! Per length, `½ ρ C_n d |u_n| u_n` across and `½ ρ C_t π d |u_t| u_t` along the hair, where `u` is the
+//! air's velocity as the hair sees it. A hair is so thin that the coefficients depend on the Reynolds
+//! number (about 27 in 5 m/s): across after Sucker and Brauer (1975), along after Matsui (1976), who
+//! measured filaments being spun. A hair falls across itself with 0.7 m/s and flies in any breeze.
+
+use glam::{Vec2, Vec3};
+
+/// Density of air, kg/m³.
+pub const AIR_DENSITY: f32 = 1.2;
+/// Kinematic viscosity of air, m²/s.
+pub const AIR_VISCOSITY: f32 = 1.5e-5;
+
+/// Drag coefficient of a long cylinder across the flow, at most a Reynolds number of 1e3.
+pub fn normal_coefficient(reynolds: f32) -> f32 {
+    let re = reynolds.max(1e-2);
+    1.18 + 6.8 * re.powf(-0.89) + 1.96 / re.sqrt()
+}
+
+/// Friction coefficient of a long cylinder along the flow, relative to its whole surface.
+pub fn tangential_coefficient(reynolds: f32) -> f32 {
+    0.37 * reynolds.max(1e-2).powf(-0.61)
+}
+
+/// Half of air density times diameter over line density, 1/m: what [`drag_rates`] weighs with.
+pub fn drag_weight(diameter: f32, line_density: f32) -> f32 {
+    0.5 * AIR_DENSITY * diameter / line_density
+}
+
+/// The rates (1/s) at which a hair takes on the velocity of the air across itself (x) and along
+/// itself (y). `relative` is the air's velocity as the hair sees it, m/s; `tangent` a unit vector;
+/// `reynolds` diameter over kinematic viscosity, s/m; `weight` from [`drag_weight`].
+pub fn drag_rates(relative: Vec3, tangent: Vec3, reynolds: f32, weight: f32) -> Vec2 {
+    let along = relative.dot(tangent).abs();
+    let across = (relative.length_squared() - along * along).max(0.0).sqrt();
+    weight
+        * Vec2::new(
+            normal_coefficient(across * reynolds) * across,
+            std::f32::consts::PI * tangential_coefficient(along * reynolds) * along,
+        )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DIAMETER: f32 = 80e-6;
+    const LINE_DENSITY: f32 = 6.6e-6;
+
+    fn rates(relative: Vec3, tangent: Vec3) -> Vec2 {
+        drag_rates(relative, tangent, DIAMETER / AIR_VISCOSITY, drag_weight(DIAMETER, LINE_DENSITY))
+    }
+
+    #[test]
+    fn coefficients_are_those_of_cylinders() {
+        // Measured drag of cylinders (Wieselsberger 1921): 10 at Re 1, 2.8 at 10, 1.45 at 100.
+        for (re, measured) in [(1.0, 10.0), (10.0, 2.8), (100.0, 1.45)] {
+            assert!(
+                (normal_coefficient(re) / measured - 1.0).abs() < 0.12,
+                "{re}: {}",
+                normal_coefficient(re)
+            );
+        }
+        assert!(normal_coefficient(0.0).is_finite() && tangential_coefficient(0.0).is_finite());
+    }
+
+    #[test]
+    fn a_hair_is_dragged_far_more_across_than_along() {
+        let across = rates(Vec3::X * 5.0, Vec3::Y);
+        let along = rates(Vec3::Y * 5.0, Vec3::Y);
+        assert!(across.y == 0.0 && along.x == 0.0);
+        let ratio = across.x / along.y;
+        assert!((8.0..20.0).contains(&ratio), "{ratio}");
+    }
+
+    #[test]
+    fn a_level_hair_falls_with_its_terminal_velocity() {
+        // Weight and drag balance where speed times rate is gravity.
+        let mut speed = 0.0f32;
+        for _ in 0..10_000 {
+            let rate = rates(Vec3::Y * speed, Vec3::X).x;
+            speed = (speed + 1e-3 * 9.81) / (1.0 + 1e-3 * rate);
+        }
+        let re = speed * DIAMETER / AIR_VISCOSITY;
+        let force = 0.5 * AIR_DENSITY * normal_coefficient(re) * DIAMETER * speed * speed;
+        assert!((force / (LINE_DENSITY * 9.81) - 1.0).abs() < 1e-3, "{force}");
+        assert!((0.4..0.8).contains(&speed), "{speed} m/s");
+    }
+}

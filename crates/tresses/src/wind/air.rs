@@ -1,0 +1,413 @@
+//! The air around one groom: its grid, and how the grid follows the head.
+
+use super::{
+    gusts::Gusts,
+    params::{Half, Wind, WindUniforms},
+    stage::Fluid,
+};
+use crate::{
+    Error, Pose, Result,
+    gpu::bindings::uniform,
+    simulate::{MAX_STEPS, Mode, SimulationParams, Step, drag},
+};
+use bytemuck::Zeroable;
+use glam::{DVec3, I64Vec3, IVec3, Vec3};
+
+/// Bytes from one step's uniforms to the next's: a multiple of every adapter's alignment.
+pub(super) const STRIDE: u64 = 1280;
+/// Hairs in a cell lie in all directions: the mean of the cubed sine of their angle to the air.
+const ACROSS: f32 = 3.0 * std::f32::consts::PI / 16.0;
+
+/// Where in the world a step's air lies: texture coordinate `(x - corner) * scale`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AirPlace {
+    /// The grid's corner, world space, metres.
+    pub corner: Vec3,
+    /// Texture coordinates per metre.
+    pub scale: f32,
+}
+
+/// The hair's grid as the fluid reads it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HairGrid {
+    /// Texture coordinate of the head's origin.
+    pub bias: Vec3,
+    /// Texture coordinates per metre, in the head's axes.
+    pub scale: f32,
+}
+
+#[derive(Debug)]
+pub(super) struct Groups {
+    pub obstacles: wgpu::BindGroup,
+    pub predict: wgpu::BindGroup,
+    pub correct: wgpu::BindGroup,
+    pub gather: wgpu::BindGroup,
+    /// By whether it is the first sweep ever, whether it is an odd one, and the half.
+    pub relax: [[[wgpu::BindGroup; 2]; 2]; 2],
+    /// By the half.
+    pub project: [wgpu::BindGroup; 2],
+}
+
+/// The air around one groom, on the GPU.
+#[derive(Debug)]
+pub struct Air {
+    /// Cells along an axis.
+    pub cells: u32,
+    /// Edge of a cell, metres.
+    pub cell: f32,
+    /// Velocity of the air in m/s at the centres of cells (xyz), rgba16float.
+    pub texture: wgpu::Texture,
+    /// All of it.
+    pub view: wgpu::TextureView,
+    /// Velocity on the three lower faces of each cell, m/s (xyz), rgba16float. The last cells along
+    /// an axis have no upper face and count as outside.
+    pub faces: wgpu::Texture,
+    /// How much a pressure difference acts on each of these faces, 0 to 1 (xyz), rgba16float.
+    pub give: wgpu::Texture,
+    /// Carries the air without MacCormack's correction, for comparison.
+    pub plain: bool,
+    pub(super) groups: Groups,
+    center: Vec3,
+    uniforms: wgpu::Buffer,
+    bytes: u64,
+    /// The wind that `gusts` was made for.
+    wind: Option<Wind>,
+    gusts: Gusts,
+    /// The corner of the grid in whole cells from the world's origin.
+    corner: I64Vec3,
+    /// How far the wind has blown, metres.
+    way: DVec3,
+    started: bool,
+    /// What each step of the frame does.
+    runs: Vec<Run>,
+}
+
+impl Air {
+    /// Air at rest in a cube of edge `size` (metres) with `cells` cells along each axis around
+    /// `center`, a point of the head (groom space). `hair` has
+    /// the hair's length per volume (w, km/m³) and mean velocity (xyz, m/s).
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`].
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        fluid: &Fluid,
+        cells: u32,
+        (center, size): (Vec3, f32),
+        hair: &wgpu::TextureView,
+    ) -> Result<Self> {
+        let most = device.limits().max_texture_dimension_3d;
+        if cells + 2 > most {
+            return Err(Error::Limit { what: "the air", need: (cells + 2).into(), have: most.into() });
+        }
+        use wgpu::TextureFormat::{Rgba16Float, Rgba32Float};
+        let mut bytes = 0;
+        let mut texture = |label, format: wgpu::TextureFormat, [x, y, z]: [u32; 3]| {
+            bytes += u64::from(x * y * z) * u64::from(format.block_copy_size(None).unwrap_or(0));
+            let texture = device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width: x, height: y, depth_or_array_layers: z },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D3,
+                format,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING
+                    | wgpu::TextureUsages::STORAGE_BINDING
+                    | wgpu::TextureUsages::COPY_SRC,
+                view_formats: &[],
+            });
+            let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+            (texture, view)
+        };
+        let all = [cells; 3];
+        let blocks = [cells / 4, cells, cells];
+        let rimmed = [cells / 4 + 1, cells + 1, cells + 1];
+        let half = [cells / 8 + 2, cells + 2, cells + 2];
+        let (center_texture, center_view) = texture("air", Rgba16Float, all);
+        let (faces, now) = texture("air on faces", Rgba16Float, all);
+        let (give, give_view) = texture("air give", Rgba16Float, all);
+        let mut view = |label, format, size| texture(label, format, size).1;
+        let carried = view("air carried", Rgba16Float, all);
+        let before = view("air before pressure", Rgba32Float, all);
+        let solid = view("air solid", Rgba16Float, all);
+        let hairs = view("air hair", Rgba16Float, all);
+        let gives = ["air give x", "air give y", "air give z"].map(|label| view(label, Rgba16Float, rimmed));
+        let source = view("air source", Rgba32Float, blocks);
+        // By sweep (even, odd), then by half.
+        let pressures =
+            [(); 2].map(|()| ["air pressure a", "air pressure b"].map(|l| view(l, Rgba32Float, half)));
+        let uniforms = uniform(device, "air steps", STRIDE as usize * (MAX_STEPS * MAX_SPLIT) as usize);
+        let half_of = |color: u32, keep_own: f32, keep_other: f32| {
+            let buffer = uniform(device, "air half", size_of::<Half>());
+            let value = Half { color, keep_own, keep_other, _pad: 0 };
+            queue.write_buffer(&buffer, 0, bytemuck::bytes_of(&value));
+            buffer
+        };
+        let known = [half_of(0, 1.0, 1.0), half_of(1, 1.0, 1.0)];
+        let unknown = [half_of(0, 0.0, 0.0), half_of(1, 0.0, 1.0)];
+        let step = || {
+            wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                buffer: &uniforms,
+                offset: 0,
+                size: wgpu::BufferSize::new(size_of::<WindUniforms>() as u64),
+            })
+        };
+        let t = wgpu::BindingResource::TextureView;
+        let sampler = || wgpu::BindingResource::Sampler(&fluid.sampler);
+        let relax = |halves: &[wgpu::Buffer; 2], odd: usize, color: usize| {
+            // The first half reads the other one as the last sweep left it, the second as the first
+            // half's threads see it: just made.
+            let other = if color == 0 { &pressures[odd][1] } else { &pressures[1 - odd][0] };
+            fluid.relax.bind(
+                device,
+                &[
+                    step(),
+                    halves[color].as_entire_binding(),
+                    t(&gives[0]),
+                    t(&gives[1]),
+                    t(&gives[2]),
+                    t(&pressures[odd][color]),
+                    t(other),
+                    t(&source),
+                    t(&pressures[1 - odd][color]),
+                ],
+            )
+        };
+        let sweep = |halves, odd| [relax(halves, odd, 0), relax(halves, odd, 1)];
+        let project = |color: usize| {
+            fluid.project.bind(
+                device,
+                &[
+                    step(),
+                    known[color].as_entire_binding(),
+                    t(&gives[0]),
+                    t(&gives[1]),
+                    t(&gives[2]),
+                    t(&pressures[0][color]),
+                    t(&pressures[0][1 - color]),
+                    t(&before),
+                    t(&now),
+                    t(&center_view),
+                ],
+            )
+        };
+        let groups = Groups {
+            obstacles: fluid.obstacles.bind(device, &[step(), t(hair), sampler(), t(&solid), t(&hairs)]),
+            predict: fluid.predict.bind(device, &[step(), t(&now), t(&center_view), sampler(), t(&carried)]),
+            correct: fluid.correct.bind(
+                device,
+                &[
+                    step(),
+                    t(&now),
+                    t(&center_view),
+                    sampler(),
+                    t(&carried),
+                    t(&solid),
+                    t(&hairs),
+                    t(&before),
+                    t(&give_view),
+                ],
+            ),
+            gather: fluid.gather.bind(
+                device,
+                &[step(), t(&before), t(&give_view), t(&gives[0]), t(&gives[1]), t(&gives[2]), t(&source)],
+            ),
+            relax: [[sweep(&known, 0), sweep(&known, 1)], [sweep(&unknown, 0), sweep(&unknown, 1)]],
+            project: [project(0), project(1)],
+        };
+        Ok(Self {
+            cells,
+            cell: size / cells as f32,
+            texture: center_texture,
+            view: center_view,
+            faces,
+            give,
+            plain: false,
+            bytes: bytes + uniforms.size(),
+            groups,
+            center,
+            uniforms,
+            wind: None,
+            gusts: Gusts::default(),
+            corner: I64Vec3::ZERO,
+            way: DVec3::ZERO,
+            started: false,
+            runs: Vec::new(),
+        })
+    }
+
+    /// Bytes of GPU memory.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// The air starts anew at the next step.
+    pub fn reset(&mut self) {
+        self.started = false;
+    }
+
+    /// Writes the uniforms of a frame's `steps`. `hair` is the hair's grid, without which no hair is in the way.
+    pub fn prepare(
+        &mut self,
+        queue: &wgpu::Queue,
+        physics: &SimulationParams,
+        steps: &[Step],
+        hair: Option<HairGrid>,
+    ) {
+        let wind = &physics.wind;
+        let shape = |w: &Wind| (w.turbulence == 0.0, w.gust_length, w.seed);
+        if self.wind.as_ref().map(shape) != Some(shape(wind)) {
+            self.gusts = Gusts::new(wind, self.cell);
+        }
+        self.wind = Some(*wind);
+        self.runs.clear();
+        let steps = &steps[steps.len().saturating_sub(MAX_STEPS as usize)..];
+        let mut bytes = Vec::with_capacity(steps.len() * STRIDE as usize);
+        for (i, step) in steps.iter().enumerate() {
+            let first = (bytes.len() / STRIDE as usize) as u32;
+            let parts = self.parts(physics);
+            let mut uniforms = self.step(physics, step, i, hair);
+            self.runs.push(Run { first, parts, fresh: uniforms.reset == 1, place: self.at() });
+            for _ in 0..parts {
+                self.blow(physics, &mut uniforms, parts);
+                bytes.extend_from_slice(bytemuck::bytes_of(&uniforms));
+                bytes.resize(bytes.len().next_multiple_of(STRIDE as usize), 0);
+                (uniforms.reset, uniforms.shift) = (0, IVec3::ZERO);
+            }
+        }
+        queue.write_buffer(&self.uniforms, 0, &bytes);
+    }
+
+    /// Where the air lies after step `index` of the last frame that had steps.
+    pub fn place(&self, index: u32) -> AirPlace {
+        self.runs.get(index as usize).map(|run| run.place).unwrap_or_default()
+    }
+
+    /// Where the air lies after the last step there was.
+    pub fn now(&self) -> AirPlace {
+        self.at()
+    }
+
+    /// What step `index` does.
+    pub(super) fn run(&self, index: u32) -> Run {
+        self.runs[index as usize]
+    }
+
+    /// Sweeps of the pressure, an even number: what a sweep writes the next one reads. Information
+    /// must come across the grid.
+    pub(super) fn sweeps(&self, fresh: bool) -> usize {
+        let sweeps = 2 * (self.cells as usize * SWEEPS).div_ceil(64).max(2);
+        if fresh { 4 * sweeps } else { sweeps }
+    }
+
+    fn at(&self) -> AirPlace {
+        let corner = (self.corner.as_dvec3() * f64::from(self.cell)).as_vec3();
+        AirPlace { corner, scale: 1.0 / (self.cells as f32 * self.cell) }
+    }
+
+    /// In how many parts a step is computed: air that passes more than a few cells at once would
+    /// leap over the head.
+    fn parts(&self, physics: &SimulationParams) -> u32 {
+        let wind = &physics.wind;
+        let speed = wind.velocity.length() * (1.0 + wind.turbulence);
+        ((speed * physics.step / self.cell / MAX_REACH).ceil() as u32).clamp(1, MAX_SPLIT)
+    }
+
+    /// The wind blows on for a part of a step.
+    fn blow(&mut self, physics: &SimulationParams, u: &mut WindUniforms, parts: u32) {
+        let wind = &physics.wind;
+        let dt = physics.step / parts as f32;
+        if u.reset == 0 {
+            self.way += wind.velocity.as_dvec3() * f64::from(dt);
+        }
+        u.reach = dt / self.cell;
+        u.drag = dt * 0.5 * physics.diameter * ACROSS * 1e3;
+        let at = self.corner.as_dvec3() * f64::from(self.cell);
+        let deviation = f64::from(wind.turbulence * wind.velocity.length());
+        let gusts = self.gusts.at(at, self.way, deviation, self.cell);
+        u.gust_count = gusts.len() as u32;
+        u.gusts[..gusts.len()].copy_from_slice(&gusts);
+    }
+
+    /// The uniforms of one step; the grid moves to where the head is at its end.
+    fn step(
+        &mut self,
+        physics: &SimulationParams,
+        step: &Step,
+        index: usize,
+        hair: Option<HairGrid>,
+    ) -> WindUniforms {
+        let wind = &physics.wind;
+        let cell = f64::from(self.cell);
+        // By whole cells, so that nothing is interpolated because the head moves.
+        let middle = step.end.point(self.center).as_dvec3() / cell - 0.5 * f64::from(self.cells);
+        let corner = middle.round().as_i64vec3();
+        let reset = !self.started || step.mode == Mode::Reset;
+        // Teleported hair takes its air along.
+        let moved = if reset || step.mode == Mode::Carry { I64Vec3::ZERO } else { corner - self.corner };
+        self.started = true;
+        self.corner = corner;
+        if reset {
+            self.way = DVec3::ZERO;
+        }
+        let at = corner.as_dvec3() * cell;
+        let local = |pose: &Pose| (pose.translation.as_dvec3() - at).as_vec3();
+        WindUniforms {
+            mean: wind.velocity,
+            cells: self.cells,
+            shift: moved
+                .as_ivec3()
+                .clamp(IVec3::splat(-4 * self.cells as i32), IVec3::splat(4 * self.cells as i32)),
+            head: step.begin.rotation.into(),
+            head_at: local(&step.begin),
+            cell: self.cell,
+            corner: at.as_vec3(),
+            moment: (index as u32 + 1) * physics.substeps,
+            reset: u32::from(reset),
+            inflow: inflow(wind.velocity),
+            hair_bias: hair.map_or(Vec3::splat(-1.0), |hair| hair.bias),
+            hair_scale: hair.map_or(0.0, |hair| hair.scale),
+            reynolds: physics.diameter / drag::AIR_VISCOSITY,
+            relaxation: OVER_RELAXATION,
+            one: 1,
+            plain: u32::from(self.plain),
+            ..Zeroable::zeroed()
+        }
+    }
+}
+
+/// Over-relaxation of the pressure's sweeps.
+const OVER_RELAXATION: f32 = 1.5;
+
+/// Sweeps of a step with 32 cells along an axis.
+const SWEEPS: usize = 12;
+/// Cells that the air may pass at once.
+const MAX_REACH: f32 = 6.0;
+/// In how many parts a step is computed at most.
+const MAX_SPLIT: u32 = 4;
+
+/// What one step of a frame does.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Run {
+    /// The slot of its first uniforms.
+    pub first: u32,
+    /// In how many parts it is computed, each with its uniforms.
+    pub parts: u32,
+    /// Whether the air starts anew.
+    pub fresh: bool,
+    /// Where the air is.
+    place: AirPlace,
+}
+
+/// The sides through which wind of mean velocity `mean` enters: those that it meets at more than
+/// 6 degrees; the others are open.
+fn inflow(mean: Vec3) -> u32 {
+    let least = 0.1 * mean.length();
+    (0..3)
+        .map(|axis| {
+            let lower = u32::from(mean[axis] > least) << (2 * axis);
+            lower | u32::from(mean[axis] < -least) << (2 * axis + 1)
+        })
+        .sum()
+}

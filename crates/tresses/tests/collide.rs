@@ -1,0 +1,312 @@
+//! Hair among moving obstacles: nothing stays inside of anything, whatever moves how.
+
+mod common;
+
+use std::path::PathBuf;
+
+use tresses::{
+    Hair, HairOptions, HairRenderer, Pose,
+    collide::{Collider, ColliderDescriptor, ColliderPoses, Shape, shape},
+    frame::{Frame, Recorder},
+    glam::{Quat, Vec3},
+    gpu::{Gpu, readback},
+    groom::{
+        BindOptions, Groom, SdfGrid, bind, import,
+        mesh::sdf,
+        styles::{self, Style},
+    },
+    simulate::SimulationParams,
+    strands::GuideRest,
+};
+
+/// Deeper than this, metres, is inside.
+const DEEP: f32 = 5e-4;
+/// For so many steps in a row a vertex may be.
+const STEPS: u32 = 2;
+
+struct Character {
+    groom: Groom,
+    field: SdfGrid,
+    neck: Vec3,
+}
+
+fn built_in(gpu: &Gpu, renderer: &HairRenderer, style: Style) -> Character {
+    let built = styles::character(&gpu.device, &gpu.queue, &renderer.simulate, &style, Some(500)).unwrap();
+    Character { groom: built.groom, field: built.field, neck: built.neck }
+}
+
+fn sintel() -> Option<Character> {
+    let folder = std::env::var_os("TRESSES_ASSETS").map(|f| PathBuf::from(f).join("sintel"));
+    let Some(folder) = folder.filter(|f| f.is_dir()) else {
+        println!("skipped: TRESSES_ASSETS names no folder with Sintel in it");
+        return None;
+    };
+    let groom = folder.join("SintelHairOriginal-sintel_hair.16points.tfx");
+    let (strands, head, _) =
+        import::read_with_head(&[groom], &[folder.join("sintel.obj")], &Default::default()).unwrap();
+    let field = sdf::build(&head, &Default::default()).unwrap();
+    let crown = head.bounds().unwrap().1.y;
+    let groom = bind(&strands, &BindOptions::default()).unwrap();
+    Some(Character { groom, field, neck: Vec3::new(0.0, crown - 0.165, -0.012) })
+}
+
+/// The head at `t` of the motion `shake`: yaw between these keys, still at each.
+fn shake(t: f32, neck: Vec3) -> Pose {
+    const KEYS: [(f32, f32); 7] =
+        [(0.0, 0.0), (0.2, 30.0), (0.5, -30.0), (0.8, 30.0), (1.1, -30.0), (1.3, 0.0), (2.5, 0.0)];
+    let t = t % 2.5;
+    let yaw = KEYS.windows(2).find(|w| t <= w[1].0).map_or(0.0, |w| {
+        let s = (t - w[0].0) / (w[1].0 - w[0].0);
+        w[0].1 + (w[1].1 - w[0].1) * s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
+    });
+    Pose::about(neck, Quat::from_rotation_y(yaw.to_radians()))
+}
+
+/// What a run has shown.
+#[derive(Debug, Default)]
+struct Seen {
+    /// Vertices watched, those that follow the head left out.
+    vertices: usize,
+    /// Those that rest inside, and may be as deep as they are there.
+    rest_inside: usize,
+    /// Metres below what a vertex may have.
+    deepest: f32,
+    /// The most steps in a row that any vertex was too deep.
+    longest: u32,
+    /// Vertices and steps that were too deep.
+    deep: usize,
+    /// Vertices that went through an obstacle from one step to the next.
+    tunnelled: usize,
+}
+
+impl Seen {
+    fn holds(&self) -> bool {
+        self.longest <= STEPS && self.tunnelled == 0
+    }
+}
+
+struct Run<'a> {
+    gpu: &'a Gpu,
+    renderer: &'a HairRenderer,
+    hair: Hair,
+    params: SimulationParams,
+}
+
+impl Run<'_> {
+    /// Watches `seconds`: the head at `head(t)`, the colliders at `poses(t)`, `distance(x, t)` of a vertex
+    /// at `x`, `through(before, after, t)` whether a vertex went through something in the step that ends at
+    /// `t`.
+    fn watch(
+        &mut self,
+        seconds: f32,
+        head: &dyn Fn(f32) -> Pose,
+        poses: &dyn Fn(f32) -> ColliderPoses,
+        distance: &dyn Fn(Vec3, f32) -> f32,
+        through: &dyn Fn(Vec3, Vec3, f32) -> bool,
+    ) -> Seen {
+        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let rest: Vec<GuideRest> = readback::buffer(device, queue, &self.hair.guides.rest).unwrap();
+        let count = self.hair.guides.count as usize;
+        let watched = 2 * count..rest.len();
+        let mut seen = Seen {
+            vertices: watched.len(),
+            rest_inside: rest[watched.clone()].iter().filter(|r| r.contact < 0.0).count(),
+            ..Seen::default()
+        };
+        let mut runs = vec![0; rest.len()];
+        let mut before: Vec<[f32; 4]> = Vec::new();
+        for frame in 0..=(seconds / self.params.step) as u32 {
+            let t = frame as f32 * self.params.step;
+            let mut encoder = device.create_command_encoder(&Default::default());
+            let input = Frame {
+                dt: if frame == 0 { 0.0 } else { self.params.step },
+                head: head(t),
+                colliders: &poses(t),
+                simulation: &self.params,
+            };
+            let renderer = self.renderer;
+            Recorder { renderer, device, queue, encoder: &mut encoder, timings: None }
+                .simulate(&mut self.hair, &input)
+                .unwrap();
+            queue.submit([encoder.finish()]);
+            let at: Vec<[f32; 4]> = readback::buffer(device, queue, &self.hair.guides.current).unwrap();
+            for i in watched.clone() {
+                let x = Vec3::from_slice(&at[i]);
+                assert!(x.is_finite());
+                let depth = rest[i].contact.min(0.0) - distance(x, t);
+                seen.deepest = seen.deepest.max(depth);
+                runs[i] = if depth > DEEP { runs[i] + 1 } else { 0 };
+                seen.longest = seen.longest.max(runs[i]);
+                seen.deep += usize::from(depth > DEEP);
+                let was = before.get(i).map(|p| Vec3::from_slice(p));
+                seen.tunnelled += usize::from(was.is_some_and(|was| through(was, x, t)));
+            }
+            before = at;
+        }
+        seen
+    }
+}
+
+fn run<'a>(
+    gpu: &'a Gpu,
+    renderer: &'a HairRenderer,
+    character: &Character,
+    colliders: &[Collider],
+) -> Run<'a> {
+    let what = ColliderDescriptor { head: Some(&character.field), colliders, ..Default::default() };
+    let options = HairOptions::default();
+    let (device, queue) = (&gpu.device, &gpu.queue);
+    let hair = Hair::with_colliders(device, queue, renderer, &character.groom, &options, &what).unwrap();
+    Run { gpu, renderer, hair, params: options.simulation }
+}
+
+fn shaken(gpu: &Gpu, renderer: &HairRenderer, name: &str, character: &Character) -> Seen {
+    let Character { field, neck, .. } = character;
+    let head = |t| shake(t, *neck);
+    let seen = run(gpu, renderer, character, &[]).watch(
+        10.0,
+        &head,
+        &|_| ColliderPoses::default(),
+        &|x, t| field.sample(head(t).inverse().point(x)),
+        &|_, _, _| false,
+    );
+    println!("{name}, 10 s of shake: {seen:?}");
+    seen
+}
+
+#[test]
+fn no_vertex_stays_in_the_head_during_a_shake() {
+    let Some(gpu) = common::gpu() else { return };
+    let renderer = HairRenderer::new(&gpu.device, &Default::default());
+    let mut all = true;
+    for name in Style::NAMES {
+        let character = built_in(&gpu, &renderer, name.parse().unwrap());
+        all &= shaken(&gpu, &renderer, name, &character).holds();
+    }
+    assert!(all);
+}
+
+#[test]
+fn no_vertex_stays_in_sintels_head_during_a_shake() {
+    let Some(gpu) = common::gpu() else { return };
+    let Some(character) = sintel() else { return };
+    let renderer = HairRenderer::new(&gpu.device, &Default::default());
+    assert!(shaken(&gpu, &renderer, "Sintel", &character).holds());
+}
+
+/// A hand's radius, metres.
+const HAND: f32 = 0.035;
+
+/// A forearm of 30 cm that crosses the hair below the head from behind to the front, at `speed`.
+fn sweep(gpu: &Gpu, renderer: &HairRenderer, character: &Character, speed: f32) -> Seen {
+    let shape = Shape::Capsule { half_length: 0.15, radius: HAND };
+    let neck = character.neck;
+    let way = 0.6;
+    let hand = |t: f32| Pose {
+        rotation: Quat::from_rotation_z(1.4),
+        translation: neck + Vec3::new(0.25, -0.02, -0.5 * way + (speed * (t - 0.1).max(0.0)).min(way)),
+    };
+    let poses = |t| ColliderPoses { head: None, colliders: vec![hand(t)] };
+    let distance = |x: Vec3, t: f32| shape::capsule(hand(t).inverse().point(x), HAND, 0.15).w;
+    // As the hand sees it, the vertex has passed its axis nearer than half its radius.
+    let through = |before: Vec3, after: Vec3, t: f32| {
+        let (a, b) = (hand(t - 1.0 / 60.0).inverse().point(before), hand(t).inverse().point(after));
+        (0..=8).any(|i| shape::capsule(a.lerp(b, i as f32 / 8.0), 0.5 * HAND, 0.15).w < 0.0)
+    };
+    let mut run = run(gpu, renderer, character, &[Collider::new(shape)]);
+    // It begins in the open air.
+    let seen = run.watch(0.1 + way / speed + 0.2, &|_| Pose::IDENTITY, &poses, &distance, &through);
+    println!("a hand at {speed} m/s: {seen:?}");
+    seen
+}
+
+#[test]
+fn a_hand_pushes_hair_aside() {
+    let Some(gpu) = common::gpu() else { return };
+    let renderer = HairRenderer::new(&gpu.device, &Default::default());
+    let character = built_in(&gpu, &renderer, Style::default());
+    let seen: Vec<_> = [0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 10.0]
+        .map(|speed| (speed, sweep(&gpu, &renderer, &character, speed)))
+        .into_iter()
+        .collect();
+    for (speed, seen) in &seen {
+        assert!(*speed > 3.0 || seen.holds(), "{speed} m/s: {seen:?}");
+    }
+}
+
+/// `count` small capsules all over the hair's box grown by the factor `reach`.
+fn crowd(character: &Character, count: usize, reach: f32) -> (Collider, ColliderPoses) {
+    let (lo, hi) = character.groom.bounds().unwrap();
+    let (middle, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
+    let halton = |i: usize, base: usize| {
+        let (mut f, mut r, mut i) = (1.0f32, 0.0f32, i + 1);
+        while i > 0 {
+            f /= base as f32;
+            r += f * (i % base) as f32;
+            i /= base;
+        }
+        2.0 * r - 1.0
+    };
+    let pose = |i: usize| Pose {
+        rotation: Quat::from_rotation_z(i as f32),
+        translation: middle + Vec3::new(halton(i, 2), halton(i, 3), halton(i, 5)) * half * reach,
+    };
+    let shape = Shape::Capsule { half_length: 0.03, radius: 0.015 };
+    (Collider::new(shape), ColliderPoses { head: None, colliders: (0..count).map(pose).collect() })
+}
+
+/// Milliseconds by the clock; for a software driver those that this process has spent computing, which
+/// other work on the machine does not change.
+fn spent(gpu: &Gpu) -> f64 {
+    use std::{sync::OnceLock, time::Instant};
+    static START: OnceLock<Instant> = OnceLock::new();
+    let ticks = || {
+        let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+        let (_, rest) = stat.rsplit_once(") ")?;
+        let mut numbers = rest.split(' ').skip(11).map(|n| n.parse::<f64>().ok());
+        Some(numbers.next()?? + numbers.next()??)
+    };
+    // A tick is a hundredth of a second.
+    gpu.tier
+        .software
+        .then(ticks)
+        .flatten()
+        .map_or_else(|| START.get_or_init(Instant::now).elapsed().as_secs_f64() * 1e3, |t| t * 10.0)
+}
+
+#[test]
+fn sixty_four_capsules_cost_less_than_twice_one() {
+    let Some(gpu) = common::gpu() else { return };
+    let renderer = HairRenderer::new(&gpu.device, &Default::default());
+    let character = built_in(&gpu, &renderer, Style::default());
+    let (device, queue) = (&gpu.device, &gpu.queue);
+    let mut runs: Vec<_> = [(1, 1.0), (64, 3.0), (64, 1.0)]
+        .map(|(count, reach)| {
+            let (collider, poses) = crowd(&character, count, reach);
+            (run(&gpu, &renderer, &character, &vec![collider; count]), poses, 0.0)
+        })
+        .into();
+    // By turns: others use this machine too.
+    for frame in 0..400 {
+        let head = shake(frame as f32 / 60.0, character.neck);
+        for (run, poses, sum) in &mut runs {
+            let mut encoder = device.create_command_encoder(&Default::default());
+            let input = Frame { dt: 1.0 / 60.0, head, colliders: poses, simulation: &run.params };
+            let renderer = &renderer;
+            Recorder { renderer, device, queue, encoder: &mut encoder, timings: None }
+                .simulate(&mut run.hair, &input)
+                .unwrap();
+            let start = spent(&gpu);
+            queue.submit([encoder.finish()]);
+            device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+            if frame >= 10 {
+                *sum += spent(&gpu) - start;
+            }
+        }
+    }
+    let [one, around, within] = [0, 1, 2].map(|i: usize| runs[i].2 / 390.0);
+    println!(
+        "a step with 1 capsule {one:.2} ms, with 64 around {around:.2} ms, with 64 in the hair {within:.2} ms"
+    );
+    assert!(around < 2.0 * one && within < 2.0 * one);
+}

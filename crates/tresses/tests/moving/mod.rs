@@ -1,0 +1,112 @@
+//! Hair on a head that moves, and its vertices with and without avoidance.
+#![allow(dead_code)]
+
+use tresses::{
+    Hair, HairOptions, HairRenderer, Pose,
+    avoid::{AvoidMode, AvoidOptions, StrandState},
+    collide::ColliderPoses,
+    frame::{Frame, Recorder},
+    glam::{Quat, Vec3},
+    gpu::{Gpu, readback},
+    groom::{Groom, SdfGrid},
+    simulate::SimulationParams,
+    strands::StrandVertex,
+};
+
+/// Times in seconds and yaw in degrees, as the command's motions have them.
+pub type Keys = &'static [(f32, f32)];
+/// To one side, to the other, and back.
+pub const TURN: Keys =
+    &[(0.0, 0.0), (0.30, 45.0), (0.80, 45.0), (1.30, -45.0), (1.90, -45.0), (2.20, 0.0), (3.0, 0.0)];
+/// Twice to either side.
+pub const SHAKE: Keys =
+    &[(0.0, 0.0), (0.20, 30.0), (0.50, -30.0), (0.80, 30.0), (1.10, -30.0), (1.30, 0.0), (2.0, 0.0)];
+
+/// The angle at time `t`, radians.
+pub fn angle(keys: Keys, t: f32) -> f32 {
+    let k = keys.partition_point(|key| key.0 <= t).clamp(1, keys.len() - 1);
+    let (a, b) = (keys[k - 1], keys[k]);
+    let s = ((t - a.0) / (b.0 - a.0)).clamp(0.0, 1.0);
+    (a.1 + (b.1 - a.1) * s * s * s * (10.0 + s * (6.0 * s - 15.0))).to_radians()
+}
+
+/// A groom, its head, and what draws them.
+pub struct Character {
+    pub groom: Groom,
+    pub field: SdfGrid,
+    /// What the head turns about.
+    pub neck: Vec3,
+}
+
+impl Character {
+    pub fn hair(&self, gpu: &Gpu, renderer: &HairRenderer, avoid: AvoidOptions) -> Hair {
+        let options = HairOptions { avoid, ..Default::default() };
+        Hair::new(&gpu.device, &gpu.queue, renderer, &self.groom, &options, Some(&self.field)).unwrap()
+    }
+
+    /// The head turned by `angle` radians.
+    pub fn head(&self, angle: f32) -> Pose {
+        Pose::about(self.neck, Quat::from_rotation_y(angle))
+    }
+
+    /// Distances of all strand vertices from the head at rest, metres.
+    pub fn rest_distances(&self) -> Vec<f32> {
+        let strands = &self.groom.strands;
+        let rest = (0..strands.len()).flat_map(|i| strands.rest_positions(i));
+        rest.map(|p| self.field.sample(p)).collect()
+    }
+}
+
+/// Moves the hair on by `dt` seconds.
+pub fn advance(gpu: &Gpu, renderer: &HairRenderer, hair: &mut Hair, head: Pose, dt: f32) {
+    record(gpu, renderer, head, dt, |recorder, frame| recorder.advance(hair, frame).unwrap());
+}
+
+/// The strands of the present guides as `mode` has them. With [`AvoidMode::ChangeOver`] only what
+/// the last [`advance`] left; nothing that is remembered changes otherwise.
+pub fn drawn(
+    gpu: &Gpu,
+    renderer: &HairRenderer,
+    hair: &mut Hair,
+    head: Pose,
+    mode: AvoidMode,
+) -> Vec<StrandVertex> {
+    if mode != AvoidMode::ChangeOver {
+        let before = std::mem::replace(&mut hair.avoidance.options.mode, mode);
+        record(gpu, renderer, head, 0.0, |recorder, frame| recorder.follow(hair, frame));
+        hair.avoidance.options.mode = before;
+    }
+    readback::buffer(&gpu.device, &gpu.queue, &hair.strands.vertices).unwrap()
+}
+
+/// Runs only the search for first hits.
+pub fn search(gpu: &Gpu, renderer: &HairRenderer, hair: &Hair) -> Vec<StrandState> {
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    hair.avoidance.record_search(
+        &mut encoder.begin_compute_pass(&Default::default()),
+        &renderer.avoid,
+        &hair.colliders,
+        &hair.strands,
+    );
+    gpu.queue.submit([encoder.finish()]);
+    states(gpu, hair)
+}
+
+pub fn states(gpu: &Gpu, hair: &Hair) -> Vec<StrandState> {
+    readback::buffer(&gpu.device, &gpu.queue, hair.avoidance.states()).unwrap()
+}
+
+fn record(
+    gpu: &Gpu,
+    renderer: &HairRenderer,
+    head: Pose,
+    dt: f32,
+    what: impl FnOnce(&mut Recorder<'_>, &Frame<'_>),
+) {
+    let (device, queue) = (&gpu.device, &gpu.queue);
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let frame =
+        Frame { dt, head, colliders: &ColliderPoses::default(), simulation: &SimulationParams::default() };
+    what(&mut Recorder { renderer, device, queue, encoder: &mut encoder, timings: None }, &frame);
+    queue.submit([encoder.finish()]);
+}
