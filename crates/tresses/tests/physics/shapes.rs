@@ -7,6 +7,7 @@ use crate::{
 use tresses::{
     glam::Vec3,
     simulate::{GuideTraits, RestShape, SimulationParams},
+    wind::Wind,
 };
 
 const G: f32 = 9.81;
@@ -123,7 +124,11 @@ fn wind(lab: &'static Lab, fault: bool) -> Vec<Row> {
     let mut rows = Vec::new();
     for tangent in [0.25f32, 1.0, 2.0] {
         let wind = Vec3::X * tangent * G / drag;
-        let params = SimulationParams { drag, wind: wind * if fault { 1.05 } else { 1.0 }, ..bare(0.0) };
+        let params = SimulationParams {
+            drag,
+            wind: Wind::uniform(wind * if fault { 1.05 } else { 1.0 }),
+            ..bare(0.0)
+        };
         let strand = straight(n, length, Vec3::NEG_Y);
         let mut e = Experiment::new(lab, &[strand], &[], params, RestShape::Natural, None);
         e.still(900);
