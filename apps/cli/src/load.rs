@@ -1,7 +1,7 @@
 //! From options to a character: a groom with its head, from files or built in.
 
 use crate::args::{Guides, Source};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use std::{fs::File, io::BufReader, path::Path, str::FromStr};
 use tresses::{
     glam::Vec3,

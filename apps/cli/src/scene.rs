@@ -153,10 +153,8 @@ impl Scene {
     }
 
     /// From here on pictures show what `args` ask for.
-    pub fn show(&mut self, args: &debug::DebugArgs) -> Result<()> {
-        args.check(&self.physics)?;
+    pub fn show(&mut self, args: &debug::DebugArgs) {
         self.debug = Debug::new(&self.gpu, &self.renderer.draw, args, self.field.as_ref());
-        Ok(())
     }
 
     /// The physics from here on.
@@ -228,7 +226,8 @@ impl Scene {
         self.record_draw(&mut encoder, None, camera);
         self.gpu.queue.submit([encoder.finish()]);
         if let Some(debug) = &mut self.debug {
-            debug.draw(&self.gpu, &self.scene, &self.targets, &self.hair, self.body.as_ref())?;
+            let (body, wind) = (self.body.as_ref(), self.physics.wind.velocity);
+            debug.draw(&self.gpu, &self.scene, &self.targets, &self.hair, body, wind)?;
         }
         let rgba = self.targets.read(&self.gpu.device, &self.gpu.queue)?;
         let [width, height] = self.targets.size;

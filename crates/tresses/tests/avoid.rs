@@ -72,9 +72,8 @@ impl Stage {
             .enumerate()
             .map(|(i, strand)| {
                 let rest = strands.rest_positions(i).map(|p| self.character.field.sample(p));
-                let enters = |(v, rest): (&StrandVertex, f32)| {
-                    distance(v) < CLEARANCE.min(rest) - tolerance - margin
-                };
+                let enters =
+                    |(v, rest): (&StrandVertex, f32)| distance(v) < CLEARANCE.min(rest) - tolerance - margin;
                 let hit = strand.iter().zip(rest).skip(1).position(enters);
                 hit.map_or(NO_HIT, |j| j as u32 + 1)
             })
@@ -88,8 +87,7 @@ fn the_first_hit_is_that_of_a_search_one_by_one() {
     let options = AvoidOptions { mode: AvoidMode::Off, ..Default::default() };
     let (mut hair, head) = stage.shaken(options);
     let vertices = stage.drawn(&mut hair, head, AvoidMode::Off);
-    let found: Vec<u32> =
-        search(&stage.gpu, &stage.renderer, &hair).iter().map(|state| state.hit).collect();
+    let found: Vec<u32> = search(&stage.gpu, &stage.renderer, &hair).iter().map(|state| state.hit).collect();
     // Texture filters and packed allowances are coarser than the search here: by an eighth of a
     // millimetre and a bit.
     let early = stage.first_hits(&vertices, head, options.tolerance, -0.02e-3);
@@ -190,9 +188,8 @@ fn nothing_pops() {
 fn jumps_and_resets_are_forgotten() {
     let Some(stage) = Stage::open() else { return };
     let (mut hair, head) = stage.shaken(AvoidOptions::default());
-    let midway = |hair: &Hair| {
-        states(&stage.gpu, hair).iter().filter(|s| s.amount > 0.0 && s.amount < 1.0).count()
-    };
+    let midway =
+        |hair: &Hair| states(&stage.gpu, hair).iter().filter(|s| s.amount > 0.0 && s.amount < 1.0).count();
     assert!(midway(&hair) > 5, "{}", midway(&hair));
     let far = Pose { translation: head.translation + Vec3::X * 30.0, ..head };
     advance(&stage.gpu, &stage.renderer, &mut hair, far, 1.0 / 60.0);

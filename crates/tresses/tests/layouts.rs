@@ -94,8 +94,7 @@ fn volume() {
             scale,
             drift,
             cell,
-            taps,
-            radius,
+            gain,
             mode,
             resting,
             guide_count,
@@ -343,4 +342,46 @@ fn a_wrong_order_is_seen() {
     }
     let rust = rust_layout!(Wrong { center, transparent, falloff, edge });
     assert_eq!(wgsl_layout("Background"), rust);
+}
+
+#[test]
+fn wind() {
+    use tresses::{
+        simulate::AirUniforms,
+        wind::{
+            gusts::GustMode,
+            params::{Half, WindUniforms},
+        },
+    };
+    assert_eq!(wgsl_layout("GustMode"), rust_layout!(GustMode { wave, phase, amplitude, _pad }));
+    assert_eq!(wgsl_layout("Half"), rust_layout!(Half { color, keep_own, keep_other, _pad }));
+    assert_eq!(
+        wgsl_layout("WindUniforms"),
+        rust_layout!(WindUniforms {
+            mean,
+            cells,
+            shift,
+            reach,
+            head,
+            head_at,
+            cell,
+            corner,
+            moment,
+            hair_bias,
+            hair_scale,
+            reset,
+            inflow,
+            gust_count,
+            drag,
+            reynolds,
+            relaxation,
+            one,
+            plain,
+            gusts,
+        })
+    );
+    assert_eq!(
+        wgsl_layout("AirUniforms"),
+        rust_layout!(AirUniforms { corner, scale, drag, reynolds, weight, blows })
+    );
 }

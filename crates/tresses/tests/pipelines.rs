@@ -68,7 +68,7 @@ fn a_frame_is_recorded_on_baseline_webgpu() {
         dt: 1.0 / 60.0,
         head: Pose::IDENTITY,
         colliders: &ColliderPoses { head: None, colliders: vec![Pose::IDENTITY; 127] },
-        simulation: &SimulationParams::default(),
+        simulation: &SimulationParams { wind: tresses::wind::Wind::new(glam::Vec3::X), ..Default::default() },
     };
     let mut encoder = device.create_command_encoder(&Default::default());
     let mut recorder = Recorder {

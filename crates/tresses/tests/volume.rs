@@ -95,87 +95,94 @@ impl Stage {
     }
 }
 
+/// How many voxels hold hair: at least a twentieth of what those of the rest pose have on average.
+fn occupied(voxels: &HashMap<IVec3, f32>, mean: f32) -> f32 {
+    voxels.values().filter(|metres| **metres > 0.05 * mean).count() as f32
+}
+
+/// The occupied volume relative to that at rest: mean over the last second of the shake and over the
+/// second that follows.
+fn volumes(stage: &Stage, hair_hair: HairHair) -> (f32, f32) {
+    let simulation = SimulationParams { hair_hair, ..Default::default() };
+    let mut hair = stage.hair(&HairOptions::default());
+    let pose = |t: f32| shaken(t, stage.character.neck);
+    stage.advance(&mut hair, &simulation, pose(0.0), 0.0);
+    let rest = stage.voxels(&hair, &pose(0.0));
+    let mean = rest.values().sum::<f32>() / rest.len() as f32;
+    let full = occupied(&rest, mean);
+    // The measure sees a style that lacks every tenth voxel.
+    let most = rest.iter().filter(|(c, _)| (c.x + 7 * c.y + 3 * c.z).rem_euclid(10) != 0);
+    let thinner = occupied(&most.map(|(c, m)| (*c, *m)).collect(), mean) / full;
+    assert!((0.85..0.95).contains(&thinner), "{thinner}");
+    let mut sums = [(0.0, 0); 2];
+    for i in 1..=240 {
+        let t = i as f32 / 60.0;
+        stage.advance(&mut hair, &simulation, pose(t), 1.0 / 60.0);
+        if t > SHAKE - 1.0 && i % 6 == 0 {
+            let sum = &mut sums[usize::from(t > SHAKE)];
+            sum.0 += occupied(&stage.voxels(&hair, &pose(t)), mean) / full;
+            sum.1 += 1;
+        }
+    }
+    let [during, after] = sums.map(|(sum, count)| sum / count as f32);
+    (during, after)
+}
+
 #[test]
-#[ignore]
-fn explore() {
-    let style = std::env::var("STYLE").unwrap_or("long".into());
-    let Some(stage) = Stage::new(&style) else { return };
-    let env = |name: &str, or: f32| std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(or);
-    let d = HairHair::default();
-    let gradient = HairHair {
-        speed: env("SPEED", d.speed),
-        tolerance: env("TOL", d.tolerance),
-        blur: env("BLUR", d.blur),
-        friction: env("FRICTION", d.friction),
-        fixed: env("FIXED", d.fixed),
-        ..d
-    };
+fn a_shaken_style_keeps_its_volume() {
+    let Some(stage) = Stage::new("long") else { return };
+    let gradient = HairHair::default();
     let fixed = HairHair { mode: HairHairMode::Fixed, ..gradient };
-    let all = [("off", HairHair::OFF), ("fixed", fixed), ("gradient", gradient)];
-    for (name, hair_hair) in all {
-        if std::env::var("MODES").is_ok_and(|m| !m.contains(name)) {
-            continue;
-        }
-        let simulation = SimulationParams { hair_hair, ..Default::default() };
-        let mut options = HairOptions::default();
-        options.volume.resolution = env("RES", 32.0) as u32;
-        let mut hair = stage.hair(&options);
-        let dt = 1.0 / 60.0;
-        let pose = |t: f32| shaken(t, stage.character.neck);
-        stage.advance(&mut hair, &simulation, pose(0.0), 0.0);
-        let thresholds = [0.0, 0.02, 0.05, 0.1, 0.25, 0.5, 1.0];
-        let rest = stage.voxels(&hair, &pose(0.0));
-        let total: f32 = rest.values().sum();
-        let mean = total / rest.len() as f32;
-        let volumes = |v: &HashMap<IVec3, f32>| {
-            thresholds.map(|t| v.values().filter(|l| **l > t * mean).count() as f32)
-        };
-        // Effective volume: (sum m)² / sum m².
-        let effective = |v: &HashMap<IVec3, f32>| total * total / v.values().map(|m| m * m).sum::<f32>();
-        let start = volumes(&rest);
-        let eff0 = effective(&rest);
+    println!("Volume of the long style in 1 cm voxels, of that at rest:");
+    println!("| hair-hair | last second of a 3 s shake | second after |");
+    println!("|---|---|---|");
+    let rows =
+        [("off", HairHair::OFF), ("fixed magnitude", fixed), ("gradient", gradient)].map(|(name, mode)| {
+            let (during, after) = volumes(&stage, mode);
+            println!("| {name} | {:.0} % | {:.0} % |", 100.0 * during, 100.0 * after);
+            (during, after)
+        });
+    let [off, fixed, gradient] = rows;
+    assert!((gradient.1 - 1.0).abs() < 0.1);
+    assert!((gradient.1 - 1.0).abs() < 0.7 * (off.1 - 1.0).abs() && gradient.0 < off.0);
+    assert!((gradient.1 - 1.0).abs() < 0.7 * (fixed.1 - 1.0).abs());
+}
+
+/// Mean and largest speed of guide vertices, and the largest distance from rest, after two seconds at
+/// rest.
+fn unrest(stage: &Stage, hair_hair: HairHair) -> (f32, f32, f32) {
+    let simulation = SimulationParams { hair_hair, ..Default::default() };
+    let mut hair = stage.hair(&HairOptions::default());
+    let read = |buffer: &tresses::wgpu::Buffer| -> Vec<Vec3> {
+        let values: Vec<[f32; 4]> = readback::buffer(&stage.gpu.device, &stage.gpu.queue, buffer).unwrap();
+        values.iter().map(|v| Vec3::from_slice(v)).collect()
+    };
+    stage.advance(&mut hair, &simulation, Pose::IDENTITY, 0.0);
+    let rest = read(&hair.guides.current);
+    for _ in 0..120 {
+        stage.advance(&mut hair, &simulation, Pose::IDENTITY, 1.0 / 60.0);
+    }
+    let speeds: Vec<_> = read(&hair.guides.velocity).iter().map(|v| v.length()).collect();
+    let moved = read(&hair.guides.current).iter().zip(&rest).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+    (speeds.iter().sum::<f32>() / speeds.len() as f32, speeds.iter().copied().fold(0.0, f32::max), moved)
+}
+
+#[test]
+fn styles_at_rest_are_still_and_not_inflated() {
+    for style in Style::NAMES {
+        let Some(stage) = Stage::new(style) else { return };
+        let (off, on) = (unrest(&stage, HairHair::OFF), unrest(&stage, HairHair::default()));
         println!(
-            "{style} {name}: at rest {start:?} voxels, effective {eff0:.0}, mean {mean} m per voxel, cell {} ref {}",
-            hair.volume.grid.cell,
-            hair.volume.reference()
+            "{style}: mean {:.2e} m/s, largest {:.2e} m/s, {:.2} mm from rest; off: {:.2e}, {:.2e}, {:.2}",
+            on.0,
+            on.1,
+            on.2 * 1e3,
+            off.0,
+            off.1,
+            off.2 * 1e3
         );
-        let mut sums = [[0f32; 8]; 6];
-        let mut counts = [0; 6];
-        for i in 1..=(5.0 / dt) as u32 {
-            let t = i as f32 * dt;
-            stage.advance(&mut hair, &simulation, pose(t), dt);
-            let bin = match t {
-                t if t < 2.0 => continue,
-                t if t < SHAKE => 0,
-                t if t < 3.3 => 1,
-                t if t < 3.6 => 2,
-                t if t < 4.0 => 3,
-                t if t < 4.5 => 4,
-                _ => 5,
-            };
-            if i % 3 != 0 {
-                continue;
-            }
-            let v = stage.voxels(&hair, &pose(t));
-            let now = volumes(&v);
-            for k in 0..7 {
-                sums[bin][k] += now[k] / start[k];
-            }
-            sums[bin][7] += effective(&v) / eff0;
-            counts[bin] += 1;
-        }
-        for (bin, label) in ["2-3", "3-3.3", "3.3-3.6", "3.6-4", "4-4.5", "4.5-5"].iter().enumerate() {
-            let row: Vec<_> =
-                sums[bin].iter().map(|s| format!("{:6.1}", 100.0 * s / counts[bin] as f32)).collect();
-            println!("{name:9} {label:8} {}", row.join(" "));
-        }
-        let v: Vec<[f32; 4]> =
-            readback::buffer(&stage.gpu.device, &stage.gpu.queue, &hair.guides.velocity).unwrap();
-        let speed = v.iter().map(|v| Vec3::from_slice(v).length());
-        println!(
-            "{name} speed at the end: max {} mean {}",
-            speed.clone().fold(0.0, f32::max),
-            speed.sum::<f32>() / v.len() as f32
-        );
+        // No more motion than without: what is left is the settling of the style itself.
+        assert!(on.0 < off.0 + 2e-4 && on.1 < off.1 + 2e-3, "{style}");
+        assert!(on.2 < off.2 + 1e-3, "{style}");
     }
 }

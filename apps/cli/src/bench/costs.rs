@@ -21,6 +21,7 @@ use tresses::{
     groom::mesh::sdf::{self, SdfOptions},
     simulate::SimulationParams,
     volume::{HairHair, VolumeOptions},
+    wind::Wind,
 };
 
 /// Guides of the measured hair.
@@ -31,10 +32,14 @@ const STRANDS: u32 = 16_000;
 const WARM_UP: u32 = 3;
 /// Frames per second: one fixed step each.
 const FPS: f64 = 60.0;
-/// How many times a distance field is built.
-const BUILDS: u32 = 3;
-/// What is measured, for the bar of progress.
-pub const RUNS: u64 = 5;
+/// How many times a distance field is built, if that takes no longer than [`LONG`].
+const BUILDS: usize = 3;
+/// Milliseconds.
+const LONG: f64 = 5000.0;
+/// The wind that blows where one does, m/s: a fresh breeze from the front.
+const WIND: Vec3 = Vec3::new(0.0, 0.0, -8.0);
+/// Variants that are measured.
+pub const RUNS: u64 = 6;
 
 /// How the parts of the simulation compare.
 #[derive(Debug, Default, Serialize)]
@@ -98,7 +103,25 @@ struct Rig {
 /// The times of the stages in every frame of a run.
 struct Rows(Vec<(&'static str, Vec<f64>)>);
 
+/// The same hair in another way.
+#[derive(Clone)]
+struct Variant {
+    options: HairOptions,
+    physics: SimulationParams,
+    colliders: Vec<(Collider, Pose)>,
+}
+
 impl Rows {
+    /// A frame more.
+    fn add(&mut self, times: Vec<(&'static str, f64)>) {
+        for (name, ms) in times {
+            match self.0.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, values)) => values.push(ms),
+                None => self.0.push((name, vec![ms])),
+            }
+        }
+    }
+
     /// The summed times of the named stages, frame by frame.
     fn sum(&self, names: &[&str]) -> Summary {
         let rows: Vec<_> = self.0.iter().filter(|(name, _)| names.contains(name)).collect();
@@ -121,59 +144,58 @@ impl Rig {
         Ok(Self { gpu, renderer, character, frames })
     }
 
-    /// The hair among `colliders` while the head turns.
-    fn run(
-        &self,
-        options: &HairOptions,
-        physics: &SimulationParams,
-        colliders: &[(Collider, Pose)],
-    ) -> Result<Rows> {
+    /// The times of each variant while the head turns. A frame of one, a frame of the next, and so
+    /// on: whatever else the machine does, it does to all of them.
+    fn run(&self, variants: &[Variant], bar: &ProgressBar) -> Result<Vec<Rows>> {
         let Gpu { device, queue, tier, .. } = &self.gpu;
-        let (shapes, poses): (Vec<_>, Vec<_>) = colliders.iter().copied().unzip();
-        let descriptor = ColliderDescriptor {
-            head: self.character.field.as_ref(),
-            colliders: &shapes,
-            ..Default::default()
-        };
-        let groom = &self.character.groom;
-        let mut hair = Hair::with_colliders(device, queue, &self.renderer, groom, options, &descriptor)?;
         let mut timings = match tier.timestamps && !tier.software {
             true => Timings::new(device, queue),
             false => Timings::by_the_clock(),
         };
+        let mut hairs = variants.iter().map(|v| self.hair(v)).collect::<Result<Vec<_>>>()?;
+        let mut rows: Vec<Rows> = variants.iter().map(|_| Rows(Vec::new())).collect();
         let motion = Motion::named("turn").context("a built-in motion")?;
-        let poses = ColliderPoses { head: None, colliders: poses };
-        let mut rows = Rows(Vec::new());
         for frame in 0..WARM_UP + self.frames {
-            interrupt::check()?;
             let head = motion.pose(f64::from(frame) / FPS, self.character.neck);
             // Half a step more before the first: rounding never drops a step.
             let dt = if frame == 0 { 1.5 / FPS } else { 1.0 / FPS } as f32;
-            let moment = Frame { dt, head, colliders: &poses, simulation: physics };
-            let mut encoder = device.create_command_encoder(&Default::default());
-            let mut recorder = Recorder {
-                renderer: &self.renderer,
-                device,
-                queue,
-                encoder: &mut encoder,
-                timings: Some(&mut timings),
-            };
-            recorder.advance(&mut hair, &moment)?;
-            timings.resolve(&mut encoder);
-            queue.submit([encoder.finish()]);
-            device.poll(wgpu::PollType::wait_indefinitely()).context("the GPU was lost")?;
-            let times = timings.read(device, queue)?;
-            if frame < WARM_UP {
-                continue;
-            }
-            for (name, ms) in times {
-                match rows.0.iter_mut().find(|(known, _)| *known == name) {
-                    Some((_, values)) => values.push(ms),
-                    None => rows.0.push((name, vec![ms])),
+            for ((variant, hair), rows) in variants.iter().zip(&mut hairs).zip(&mut rows) {
+                interrupt::check()?;
+                let poses = variant.colliders.iter().map(|(_, pose)| *pose).collect();
+                let colliders = &ColliderPoses { head: None, colliders: poses };
+                let moment = Frame { dt, head, colliders, simulation: &variant.physics };
+                let mut encoder = device.create_command_encoder(&Default::default());
+                let mut recorder = Recorder {
+                    renderer: &self.renderer,
+                    device,
+                    queue,
+                    encoder: &mut encoder,
+                    timings: Some(&mut timings),
+                };
+                recorder.advance(hair, &moment)?;
+                timings.resolve(&mut encoder);
+                queue.submit([encoder.finish()]);
+                device.poll(wgpu::PollType::wait_indefinitely()).context("the GPU was lost")?;
+                let times = timings.read(device, queue)?;
+                if frame >= WARM_UP {
+                    rows.add(times);
+                    bar.inc(1);
                 }
             }
         }
         Ok(rows)
+    }
+
+    fn hair(&self, variant: &Variant) -> Result<Hair> {
+        let colliders: Vec<_> = variant.colliders.iter().map(|(collider, _)| *collider).collect();
+        let descriptor = ColliderDescriptor {
+            head: self.character.field.as_ref(),
+            colliders: &colliders,
+            ..Default::default()
+        };
+        let Gpu { device, queue, .. } = &self.gpu;
+        let groom = &self.character.groom;
+        Ok(Hair::with_colliders(device, queue, &self.renderer, groom, &variant.options, &descriptor)?)
     }
 
     /// `count` capsules the size of fingers around the neck and the shoulders, where the hair hangs.
@@ -194,13 +216,14 @@ impl Rig {
     fn field(&self, resolution: u32) -> Result<Summary> {
         let head = self.character.head.as_ref().context("the character has a head")?;
         let options = SdfOptions { resolution, ..Default::default() };
-        let build = |_| {
+        let mut times = Vec::new();
+        while times.is_empty() || (times.len() < BUILDS && times.iter().sum::<f64>() < LONG) {
             interrupt::check()?;
             let start = Instant::now();
             sdf::build(head, &options)?;
-            Ok(start.elapsed().as_secs_f64() * 1e3)
-        };
-        Ok(Summary::of((0..BUILDS).map(build).collect::<Result<_>>()?))
+            times.push(start.elapsed().as_secs_f64() * 1e3);
+        }
+        Ok(Summary::of(times))
     }
 }
 
@@ -215,32 +238,38 @@ pub fn measure(frames: u32, bar: &ProgressBar) -> Result<(Costs, Adapter)> {
         frames,
         ..Costs::default()
     };
-    let options = HairOptions::default();
-    let physics = SimulationParams { hair_hair: HairHair::OFF, ..Default::default() };
-    let step = || bar.inc(u64::from(frames));
-
-    let alone = rig.run(&options, &physics, &[])?;
-    step();
-    let solve = costs.part("the guides' own solve", alone.sum(&["simulate"]));
-    costs.part("interpolation", alone.sum(&["interpolate"]));
-
-    let dense = SimulationParams { hair_hair: HairHair::default(), ..physics };
-    for resolution in [32, 64] {
-        let volume = VolumeOptions { resolution, ..options.volume };
-        let rows = rig.run(&HairOptions { volume, ..options }, &dense, &[])?;
-        step();
-        let density = costs.part(&format!("density, {resolution}³"), rows.sum(&["volume"]));
-        if resolution == 32 {
-            costs.limit("density at 32³ / the guides' own solve", density, solve, 1.0);
-        }
+    let alone = Variant {
+        options: HairOptions::default(),
+        physics: SimulationParams { hair_hair: HairHair::OFF, ..Default::default() },
+        colliders: Vec::new(),
+    };
+    let mut variants = [(); RUNS as usize].map(|()| alone.clone());
+    let [_, dense, denser, windy, one, many] = &mut variants;
+    for (variant, resolution) in [(dense, 32), (denser, 64)] {
+        variant.options.volume = VolumeOptions { resolution, ..variant.options.volume };
+        variant.physics.hair_hair = HairHair::default();
     }
-
-    let one = rig.run(&options, &physics, &rig.capsules(1))?.sum(&["simulate"]);
-    step();
-    let many = rig.run(&options, &physics, &rig.capsules(64))?.sum(&["simulate"]);
-    step();
-    let one = costs.part("solve with 1 capsule", one);
-    let many = costs.part("solve with 64 capsules", many);
+    // The air needs to know where hair is: with the density, as in a picture.
+    windy.physics.hair_hair = HairHair::default();
+    windy.physics.wind = Wind { cells: 32, ..Wind::new(WIND) };
+    for (variant, count) in [(one, 1), (many, 64)] {
+        variant.colliders = rig.capsules(count);
+    }
+    let rows = rig.run(&variants, bar)?;
+    let [alone, dense, denser, windy, one, many] = &rows[..] else { unreachable!("a row per variant") };
+    let simulate = ["simulate"];
+    let solve = costs.part("the guides' own solve", alone.sum(&simulate));
+    costs.part("density, 32³", dense.sum(&["volume"]));
+    costs.part("density, 64³", denser.sum(&["volume"]));
+    costs.part("wind, 32³", windy.sum(&["wind"]));
+    let air = costs.part("density and wind, 32³", windy.sum(&["volume", "wind"]));
+    costs.limit("density and wind at 32³ / the guides' own solve", air, solve, 1.0);
+    costs.part("solve with what density and wind do to it", windy.sum(&simulate));
+    let interpolate = costs.part("interpolation", alone.sum(&["interpolate"]));
+    let avoid = costs.part("avoidance", alone.sum(&["avoid"]));
+    costs.limit("avoidance / interpolation", avoid, interpolate, 1.0);
+    let one = costs.part("solve with 1 capsule", one.sum(&simulate));
+    let many = costs.part("solve with 64 capsules", many.sum(&simulate));
     costs.limit("solve with 64 capsules / with 1", many, one, 2.0);
 
     for resolution in [64, 128] {

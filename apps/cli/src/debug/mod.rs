@@ -11,7 +11,7 @@ use tresses::{
         Body, DrawStage, Scene, Targets,
         debug::{
             Arrows, DebugStage, Grid, GuideQuantity, Layer, LinePoint, Paint, Peak, Quantity, Slices,
-            outline::Pen,
+            Streams, outline::Pen,
         },
     },
     glam::{Vec3, Vec4},
@@ -28,6 +28,11 @@ const CONTACT: f32 = 1.5e-3;
 /// The column of slices at the right of a picture: see [`Slices::panels`]. Three of them fill it.
 const PANEL: f32 = 0.6;
 
+/// Streamlines along each edge of the face where the wind comes in.
+const STREAMS: u32 = 24;
+/// Steps of a streamline across the grid.
+const STEPS: u16 = 96;
+
 /// What is shown of the simulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Subject {
@@ -35,6 +40,8 @@ pub enum Subject {
     Density,
     /// How hair that is denser than at rest is pushed
     Push,
+    /// How the air flows: streamlines, and slices of its speed
+    Wind,
     /// The surface that the hair collides with, as contour lines 1 cm apart
     Colliders,
     /// The simulated strands, coloured by their speed
@@ -46,7 +53,7 @@ impl Subject {
     fn hides_hair(self) -> bool {
         match self {
             Self::Density | Self::Push | Self::Guides => true,
-            Self::Colliders => false,
+            Self::Wind | Self::Colliders => false,
         }
     }
 
@@ -55,6 +62,7 @@ impl Subject {
         match self {
             Self::Density => Some("density, km/m³"),
             Self::Push => Some("push, m/s²"),
+            Self::Wind => Some("speed of the air, m/s"),
             Self::Guides => Some("speed, m/s"),
             Self::Colliders => None,
         }
@@ -64,11 +72,11 @@ impl Subject {
 /// The options of debug views.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub struct DebugArgs {
-    /// Show what the simulation holds
-    #[arg(long, value_name = "NAME", value_enum)]
+    /// Show what the simulation holds, with a legend
+    #[arg(long, value_name = "NAME", value_enum, help_heading = "Simulation")]
     pub debug: Option<Subject>,
     /// The number that --debug draws brightest [default: a round one, from the first picture]
-    #[arg(long, value_name = "X", requires = "debug", value_parser = positive)]
+    #[arg(long, value_name = "X", requires = "debug", value_parser = positive, help_heading = "Simulation")]
     pub debug_max: Option<f32>,
 }
 
@@ -79,6 +87,10 @@ impl DebugArgs {
             !matches!(self.debug, Some(Subject::Density | Subject::Push))
                 || physics.hair_hair.mode != HairHairMode::Off,
             "--debug has nothing to show: --hair-hair is off"
+        );
+        ensure!(
+            self.debug != Some(Subject::Wind) || physics.wind.blows(),
+            "--debug has nothing to show: it is calm; give --wind a speed"
         );
         Ok(())
     }
@@ -124,7 +136,8 @@ impl Debug {
         self.subject.hides_hair()
     }
 
-    /// Draws over the finished picture of `targets`.
+    /// Draws over the finished picture of `targets`; the mean `wind` is in m/s.
+    #[allow(clippy::too_many_arguments)]
     pub fn draw(
         &mut self,
         gpu: &Gpu,
@@ -132,6 +145,7 @@ impl Debug {
         targets: &Targets,
         hair: &Hair,
         body: Option<&Body>,
+        wind: Vec3,
     ) -> Result<()> {
         let grid = self.grid(scene, hair);
         let max = match (self.max, &grid) {
@@ -146,7 +160,11 @@ impl Debug {
         if let Some(grid) = &grid {
             Pen { value: 0.3 * max, width: 1.0 }.cuboid(&mut lines, grid);
         }
-        let volume = &hair.volume.grid;
+        let cells = hair.volume.grid.resolution;
+        let seeds = match (self.subject, &grid) {
+            (Subject::Wind, Some(grid)) => Streams::upwind(grid, wind, STREAMS),
+            _ => Vec::new(),
+        };
         let mut layers = Vec::new();
         match (self.subject, grid) {
             (Subject::Density, Some(grid)) => layers.extend([
@@ -157,9 +175,19 @@ impl Debug {
             (Subject::Push, Some(grid)) => layers.extend([
                 Layer::Lines(&lines, paint(0.7)),
                 Layer::Volume(grid, paint(30.0)),
-                Layer::Arrows(grid, paint(1.0), Arrows::over(&grid, None, volume.resolution, max)),
+                Layer::Arrows(grid, paint(1.0), Arrows::over(&grid, None, cells, max)),
                 Layer::Slices(grid, paint(1.0), panels(targets.size)),
             ]),
+            (Subject::Wind, Some(grid)) => {
+                let step = grid.extent().max_element() / f32::from(STEPS);
+                let points = 3 * u32::from(STEPS) / 2;
+                let streams = Streams { seeds: &seeds, points, step, least: 0.02 * max };
+                layers.extend([
+                    Layer::Lines(&lines, paint(0.7)),
+                    Layer::Streams(grid, paint(0.8), streams),
+                    Layer::Slices(grid, paint(1.0), panels(targets.size)),
+                ]);
+            }
             (Subject::Guides, _) => {
                 layers.push(Layer::Guides(&hair.guides, paint(1.0), GuideQuantity::Speed));
             }
@@ -170,7 +198,7 @@ impl Debug {
                 lines.extend(self.contours.iter().map(place));
                 layers.push(Layer::Lines(&lines, paint(1.0)));
             }
-            (Subject::Density | Subject::Push, None) => {}
+            (Subject::Density | Subject::Push | Subject::Wind, None) => {}
         }
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let output = targets.picture();
@@ -185,6 +213,18 @@ impl Debug {
         let (texture, quantity, turns) = match self.subject {
             Subject::Density => (&volume.hair, Quantity::Channel(3), false),
             Subject::Push => (&volume.push, Quantity::Length, true),
+            Subject::Wind => {
+                let air = hair.air.as_ref()?;
+                let place = air.now();
+                return Some(Grid {
+                    texture: &air.view,
+                    pose: Pose { translation: place.corner, ..Pose::IDENTITY },
+                    scale: Vec3::splat(place.scale),
+                    bias: Vec3::ZERO,
+                    quantity: Quantity::Length,
+                    turns: false,
+                });
+            }
             Subject::Colliders | Subject::Guides => return None,
         };
         let (scale, bias) = (Vec3::splat(volume.grid.scale), volume.grid.bias);
@@ -196,7 +236,7 @@ impl Debug {
         if let Some(title) = self.subject.title() {
             Legend { title: title.into(), max: self.max.unwrap_or(1.0) }.draw(picture);
         }
-        if matches!(self.subject, Subject::Density | Subject::Push) {
+        if matches!(self.subject, Subject::Density | Subject::Push | Subject::Wind) {
             let size = [picture.width as f32, picture.height as f32];
             let panel = panels([picture.width, picture.height]).panels.unwrap_or_default();
             for (i, caption) in ["from the left", "from above", "from the front"].into_iter().enumerate() {

@@ -30,6 +30,7 @@ impl ForcesKernel {
             Binding::UniformDynamic,
             Binding::Texture3d,
             Binding::Storage,
+            Binding::Texture3d,
         ];
         Self { kernel: Kernel::new(device, "simulate::forces", &entries), sampler: bindings::linear(device) }
     }
@@ -75,7 +76,7 @@ impl Forces {
     ) -> Self {
         let uniforms = bindings::uniform(device, "forces of the air", (AIR_STRIDE * MAX_STEPS) as usize);
         // In calm air nothing is sampled: any texture will do.
-        let texture = air.map_or(&volume.hair, |air| &air.view);
+        let [texture, among] = air.map_or([&volume.hair; 2], |air| [&air.view, &air.among]);
         let group = simulate.forces.kernel.bind(
             device,
             &[
@@ -92,6 +93,7 @@ impl Forces {
                 }),
                 wgpu::BindingResource::TextureView(texture),
                 guides.velocity.as_entire_binding(),
+                wgpu::BindingResource::TextureView(among),
             ],
         );
         Self { group, air: uniforms, threads: guides.count * guides.vertex_count }

@@ -357,7 +357,8 @@ fn the_velocity_of_a_cell_is_that_of_its_hair() {
     // Guides 1.5 cm apart of different weights in a flow that changes by 3 m/s per m: 45 mm/s.
     assert!(count > 500 && worst < 0.08);
     let exact: f32 = scene.rest.info.iter().map(|i| i.strands * i.length).sum();
-    assert!((metres / exact - 1.0).abs() < 0.01, "{metres} of {exact}");
+    // The blur's tail beyond the grid is lost: here the hair fills it to its margins.
+    assert!((metres / exact - 1.0).abs() < 0.02, "{metres} of {exact}");
 }
 
 #[test]
@@ -442,6 +443,8 @@ fn cost_of_a_thousand_guides() {
         };
         let step = still(Pose::IDENTITY);
         scene.forces(&HairHair::default(), &step);
+        // Again: now the obstacles rest.
+        scene.prepare(&HairHair::default(), &step);
         let params = SimulationParams::default();
         let mut solve = Simulation::new(&scene.gpu.device, &scene.simulate, &scene.guides);
         solve.prepare(&scene.gpu.queue, &params, &[step], false).unwrap();
@@ -453,15 +456,29 @@ fn cost_of_a_thousand_guides() {
             let workgroups = (s.volume.base.splat_count * n as u32).div_ceil(64);
             s.stage.splat.record(pass, &s.volume.groups.splat, &[0], workgroups);
         });
+        let lines = (resolution * resolution).div_ceil(32);
+        for (i, name) in ["sum", "blur", "density", "push"].iter().enumerate() {
+            let ms = quickest(&mut scene, |s, pass| {
+                let (stage, groups) = (&s.stage, &s.volume.groups);
+                let (kernel, group, workgroups) = [
+                    (&stage.sum, &groups.sum, lines),
+                    (&stage.blur, &groups.blur, lines),
+                    (&stage.density, &groups.density, lines),
+                    (&stage.push, &groups.push, resolution.pow(3).div_ceil(64)),
+                ][i];
+                kernel.record(pass, group, &[0], workgroups);
+            });
+            println!("  {name} {:.2} ms", ms - nothing);
+        }
         let grid = quickest(&mut scene, |s, pass| s.volume.record(&s.stage, pass, &s.colliders, 0));
         let forces = quickest(&mut scene, |s, pass| s.forces.record(&s.simulate, pass, 0));
         println!(
-            "{resolution}³, 1,000 guides of 32: solve {:.2} ms; splat {:.2}, whole volume {:.2}, forces {:.2}; blur reaches {}",
+            "{resolution}³, 1,000 guides of 32: solve {:.2} ms; splat {:.2}, whole volume {:.2}, forces {:.2}; gain {}",
             solve - nothing,
             splat - nothing,
             grid - nothing,
             forces - nothing,
-            scene.volume.with(&HairHair::default(), H).radius,
+            scene.volume.with(&HairHair::default(), H).gain,
         );
     }
 }

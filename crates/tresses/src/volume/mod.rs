@@ -8,14 +8,19 @@
 //! and Cani 2005).
 //!
 //! How: `splat` adds integers, which need no order to give the same bits; `sum`, `blur` and
-//! `density` blur along one axis each; `push` takes the gradient. `simulate::forces` then samples the
-//! two textures at every guide vertex.
+//! `density` blur along one axis each, a thread per line of cells; `push` takes the gradient.
+//! `simulate::forces` then samples the two textures at every guide vertex. `obstacles` runs only when
+//! something has moved relative to the head; the head's own field has not.
 //!
 //! ```text
 //! guide state ─► splat ─► cells (i32 × 8) ─► sum ─► blur ─► density ─► hair (rgba16float: mean velocity, density)
-//! obstacles ──────────────────────────────────┘              ▲  └─► excess ─► push (rgba16float: acceleration)
-//!                                            rest density ───┘
+//! colliders ───► obstacles ──────────────────┘              ▲  └─► excess ─► push (rgba16float: acceleration)
+//!                                            rest density ──┘
 //! ```
+//!
+//! **Blur.** Recursive averages, twice forth and twice back, have a cost that does not depend on their
+//! width: at 64³ a blur of the same metres costs per cell what it costs at 32³. A kernel with as many taps as
+//! the width asks for took three times as long at 32³ and twelve times at 64³ on a CPU driver.
 //!
 //! **Compared with rest.** The density that hair may have at a place is what the rest pose has at
 //! that place *of the head*, or what the hair that is there has where it rests, whichever is more. So
@@ -27,6 +32,15 @@
 //! metres per second, so that the force does not depend on the resolution.
 //!
 //! **Obstacles** take room from the hair: the density is that in the part of a cell's surroundings that they leave free.
+//!
+//! **Friction** is what one sees most: without it neighbouring locks part in a shake and swing on for
+//! seconds. It goes towards the mean velocity of the surroundings, so a swing of all hair is not slowed.
+//!
+//! **Cost.** Most of it is the splat: 40 atomic additions per guide vertex. Grooms of more than
+//! [`VolumeOptions::most_splatted`] vertices splat every second, third, ... guide with its share of the hair.
+//!
+//! **Known limits.** What leaves the grid is not counted and feels nothing. The push cannot see
+//! strands within a cell: locks of one cell may interleave.
 //!
 //! **Why not a pressure solve?** An incompressible projection would hold the volume exactly but
 //! also where hair is thin, and costs tens of passes. The excess is sparse and small.
@@ -45,13 +59,13 @@ mod reference;
 use crate::{
     Error, Pose, Result,
     collide::{self, ColliderSet},
-    constants::VOLUME_WORKGROUP,
+    constants::{GUIDE_WORKGROUP, VOLUME_WORKGROUP},
     gpu::{Binding, Kernel, bindings},
     simulate::{MAX_STEPS, RestGuides, SimulationParams, Step, params::Mode},
     strands::{GuideBuffers, buffers::storage},
 };
 use glam::Vec3;
-use params::{VolumeUniforms, taps};
+use params::{VolumeUniforms, gain};
 
 pub use grid::Grid;
 pub use params::{HairHair, HairHairMode};
@@ -86,10 +100,10 @@ impl VolumeStage {
         Self {
             obstacles: Kernel::beside(device, "volume::obstacles", &[Uniform, Write], &[&colliders]),
             splat: kernel("volume::splat", &[Uniform, Read, Read, Read, Read, Read, Write]),
-            sum: kernel("volume::sum", &[Uniform, Read, Read, Write]),
-            blur: kernel("volume::blur", &[Uniform, Read, Write, Write]),
-            density: kernel("volume::density", &[Uniform, Read, Write, Write, Write3d]),
-            push: kernel("volume::push", &[Uniform, Read, Write3d]),
+            sum: kernel("volume::sum", &[Uniform, Write, Read, Write]),
+            blur: kernel("volume::blur", &[Uniform, Write]),
+            density: kernel("volume::density", &[Uniform, Write, Write, Write, Write, Write3d]),
+            push: kernel("volume::push", &[Uniform, Read, Read, Write3d]),
             settle: kernel("volume::settle", &[Uniform, Read, Read, Write]),
         }
     }
@@ -107,7 +121,7 @@ pub struct VolumeOptions {
 
 impl Default for VolumeOptions {
     fn default() -> Self {
-        Self { resolution: 32, most_splatted: 65_536 }
+        Self { resolution: 32, most_splatted: 8_192 }
     }
 }
 
@@ -127,9 +141,10 @@ pub struct Volume {
     uniforms: wgpu::Buffer,
     cells: wgpu::Buffer,
     obstacles: wgpu::Buffer,
-    sums: [wgpu::Buffer; 2],
+    sums: wgpu::Buffer,
     rest: wgpu::Buffer,
     excess: wgpu::Buffer,
+    dense: wgpu::Buffer,
     rested: wgpu::Buffer,
     groups: Groups,
     /// What does not change from step to step.
@@ -203,10 +218,10 @@ impl Volume {
         let uniforms = bindings::uniform(device, "volume steps", (STRIDE * (MAX_STEPS + 1)) as usize);
         let cells = storage::<i32>(device, "volume cells", n * CHANNELS)?;
         let obstacles = storage::<f32>(device, "volume obstacles", n)?;
-        let sums =
-            [storage::<[f32; 8]>(device, "volume sums", n)?, storage::<[f32; 8]>(device, "volume sums", n)?];
+        let sums = storage::<[f32; 8]>(device, "volume sums", n)?;
         let rest_density = storage::<f32>(device, "volume rest", n)?;
-        let excess = storage::<[f32; 2]>(device, "volume excess", n)?;
+        let excess = storage::<f32>(device, "volume excess", n)?;
+        let dense = storage::<f32>(device, "volume density", n)?;
         let rested = storage::<f32>(device, "volume rested", vertices)?;
         let step = || slot(&uniforms);
         let view = wgpu::BindingResource::TextureView;
@@ -226,33 +241,23 @@ impl Volume {
             ),
             sum: stage.sum.bind(
                 device,
-                &[
-                    step(),
-                    cells.as_entire_binding(),
-                    obstacles.as_entire_binding(),
-                    sums[0].as_entire_binding(),
-                ],
+                &[step(), cells.as_entire_binding(), obstacles.as_entire_binding(), sums.as_entire_binding()],
             ),
-            blur: stage.blur.bind(
-                device,
-                &[
-                    step(),
-                    sums[0].as_entire_binding(),
-                    sums[1].as_entire_binding(),
-                    cells.as_entire_binding(),
-                ],
-            ),
+            blur: stage.blur.bind(device, &[step(), sums.as_entire_binding()]),
             density: stage.density.bind(
                 device,
                 &[
                     step(),
-                    sums[1].as_entire_binding(),
+                    sums.as_entire_binding(),
                     rest_density.as_entire_binding(),
                     excess.as_entire_binding(),
+                    dense.as_entire_binding(),
                     view(&hair),
                 ],
             ),
-            push: stage.push.bind(device, &[step(), excess.as_entire_binding(), view(&push)]),
+            push: stage
+                .push
+                .bind(device, &[step(), excess.as_entire_binding(), dense.as_entire_binding(), view(&push)]),
             settle: stage.settle.bind(
                 device,
                 &[
@@ -276,6 +281,7 @@ impl Volume {
             sums,
             rest: rest_density,
             excess,
+            dense,
             rested,
             groups,
             base,
@@ -288,9 +294,18 @@ impl Volume {
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        let buffers = [&self.uniforms, &self.cells, &self.obstacles, &self.rest, &self.excess, &self.rested];
+        let buffers = [
+            &self.uniforms,
+            &self.cells,
+            &self.obstacles,
+            &self.sums,
+            &self.rest,
+            &self.excess,
+            &self.dense,
+            &self.rested,
+        ];
         let texels = 2 * 8 * u64::from(self.grid.resolution).pow(3);
-        buffers.into_iter().chain(&self.sums).map(|buffer| buffer.size()).sum::<u64>() + texels
+        buffers.iter().map(|buffer| buffer.size()).sum::<u64>() + texels
     }
 
     /// Mean density of the groom, weighted by hair, km/m³.
@@ -315,7 +330,7 @@ impl Volume {
             .collect();
         let base = self.with(&params.hair_hair, h);
         // The rest density holds for one blur.
-        self.rest_blur.1 = base.taps[0][0].to_bits();
+        self.rest_blur.1 = base.gain.to_bits();
         let mut bytes = vec![0u8; (STRIDE * (RESTING + 1)) as usize];
         let mut put = |i: usize, uniforms: &VolumeUniforms| {
             let at = i * STRIDE as usize;
@@ -382,12 +397,12 @@ impl Volume {
     /// Hair into the grid.
     fn grids(&self, stage: &VolumeStage, pass: &mut wgpu::ComputePass<'_>, slot: u32) {
         let offset = [Self::offset(slot)];
-        let cells = self.grid.resolution.pow(3).div_ceil(VOLUME_WORKGROUP);
+        let lines = self.grid.resolution.pow(2).div_ceil(GUIDE_WORKGROUP);
         let splatted = (self.base.splat_count * self.base.vertex_count).div_ceil(VOLUME_WORKGROUP);
         stage.splat.record(pass, &self.groups.splat, &offset, splatted);
-        stage.sum.record(pass, &self.groups.sum, &offset, cells);
-        stage.blur.record(pass, &self.groups.blur, &offset, cells);
-        stage.density.record(pass, &self.groups.density, &offset, cells);
+        stage.sum.record(pass, &self.groups.sum, &offset, lines);
+        stage.blur.record(pass, &self.groups.blur, &offset, lines);
+        stage.density.record(pass, &self.groups.density, &offset, lines);
     }
 
     /// The uniforms of one step, bound with a dynamic offset.
@@ -406,11 +421,10 @@ impl Volume {
         let cell = self.base.cell;
         // The splat itself blurs, by a sixth of a cell's square.
         let blur = (params.blur / cell).powi(2) - 1.0 / 6.0;
-        let (radius, taps) = taps(if smooth { blur } else { 0.0 });
+
         let speed = params.speed.min(params.blur.max(cell) / h.max(1e-6));
         VolumeUniforms {
-            taps,
-            radius,
+            gain: gain(if smooth { blur } else { 0.0 }),
             mode: params.mode as u32,
             speed_squared: speed * speed,
             tolerance: params.tolerance,

@@ -48,7 +48,7 @@ impl Default for HairHair {
             speed: 0.8,
             tolerance: 0.1,
             blur: 0.018,
-            friction: 6.0,
+            friction: 12.0,
             limit: 50.0,
             fixed: 10.0,
         }
@@ -88,9 +88,6 @@ impl HairHair {
     }
 }
 
-/// The most cells that the blur reaches along an axis.
-pub const MAX_RADIUS: u32 = 15;
-
 /// Uniforms of the volume's kernels in one step.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -109,10 +106,8 @@ pub struct VolumeUniforms {
     pub drift: Vec3,
     /// Edge of a cell, metres.
     pub cell: f32,
-    /// Weights of the blur: the cell itself, its neighbours, the next ones and so on.
-    pub taps: [[f32; 4]; 4],
-    /// Cells that the blur reaches.
-    pub radius: u32,
+    /// What a cell adds to the running average of the blur, 0 to 1: see [`gain`].
+    pub gain: f32,
     /// [`HairHairMode`].
     pub mode: u32,
     /// 1 when the rest pose is splatted, to compare with.
@@ -145,43 +140,14 @@ pub struct VolumeUniforms {
     pub moment: u32,
 }
 
-/// The variance above which a sampled Gaussian is as good as exact, cells².
-const WIDE: f32 = 4.0;
-
-/// The weights of a symmetric blur with the variance `variance` (in cells²), and how many cells it
-/// reaches. A narrow one is as many passes of `[a, 1 - 2 a, a]` as keep `a` at a quarter or below, as
-/// one kernel; a wide one is a Gaussian cut at three standard deviations or [`MAX_RADIUS`].
-pub(crate) fn taps(variance: f32) -> (u32, [[f32; 4]; 4]) {
-    const MIDDLE: usize = MAX_RADIUS as usize;
-    let variance = f64::from(variance.max(0.0));
-    let mut kernel = [0f64; 2 * MIDDLE + 1];
-    let radius = if variance > f64::from(WIDE) {
-        let radius = (3.0 * variance.sqrt()).ceil().min(MIDDLE as f64);
-        for (i, weight) in kernel.iter_mut().enumerate() {
-            let away = i.abs_diff(MIDDLE) as f64;
-            *weight = if away <= radius { (-0.5 * away * away / variance).exp() } else { 0.0 };
-        }
-        let sum: f64 = kernel.iter().sum();
-        kernel.iter_mut().for_each(|weight| *weight /= sum);
-        radius
-    } else {
-        let passes = (2.0 * variance).ceil();
-        let a = 0.5 * variance / passes.max(1.0);
-        kernel[MIDDLE] = 1.0;
-        for _ in 0..passes as u32 {
-            let before = kernel;
-            for i in 0..kernel.len() {
-                let at = |k: usize| before.get(k).copied().unwrap_or(0.0);
-                kernel[i] = (1.0 - 2.0 * a) * before[i] + a * (at(i.wrapping_sub(1)) + at(i + 1));
-            }
-        }
-        passes
-    };
-    let mut out = [[0.0; 4]; 4];
-    for i in 0..=MIDDLE {
-        out[i / 4][i % 4] = kernel[MIDDLE + i] as f32;
+/// The gain of the blur with the variance `variance` (in cells²). The blur averages exponentially,
+/// twice forth and twice back; an average with gain `1 - a` has the variance `a / (1 - a)²`.
+pub(crate) fn gain(variance: f32) -> f32 {
+    if variance <= 1e-6 {
+        return 1.0;
     }
-    (radius as u32, out)
+    let t = f64::from(variance);
+    (1.0 - (t + 2.0 - 2.0 * (t + 1.0).sqrt()) / t) as f32
 }
 
 #[cfg(test)]
@@ -190,17 +156,30 @@ mod tests {
 
     #[test]
     fn the_blur_has_the_variance_that_was_asked_for() {
-        for variance in [0.0, 0.2, 0.5, 0.7, 1.0, 2.4, 3.9, 4.1, 6.1, 25.0] {
-            let (radius, taps) = taps(variance);
-            let weight = |i: i32| taps[i.unsigned_abs() as usize / 4][i.unsigned_abs() as usize % 4];
-            let reach = radius as i32;
-            let sum: f32 = (-reach..=reach).map(weight).sum();
-            let found: f32 = (-reach..=reach).map(|i| (i * i) as f32 * weight(i)).sum();
-            // What a Gaussian has beyond three standard deviations is missing.
-            let off = if variance > WIDE { 0.06 * variance } else { 1e-5 };
-            assert!((sum - 1.0).abs() < 1e-6 && (found - variance).abs() < off, "{variance}: {sum} {found}");
+        for variance in [0.0, 0.2, 0.5, 1.0, 2.4, 6.1, 25.0] {
+            let gain = f64::from(gain(variance));
+            let mut line = [0f64; 201];
+            line[100] = 1.0;
+            for _ in 0..2 {
+                let (mut first, mut second) = (0.0, 0.0);
+                for cell in &mut line {
+                    first += gain * (*cell - first);
+                    second += gain * (first - second);
+                    *cell = second;
+                }
+                line.reverse();
+            }
+            let moment = |k: i32| {
+                line.iter().zip(-100i32..).map(|(w, i)| w * f64::from(i.pow(2).pow(k as u32))).sum::<f64>()
+            };
+            let (sum, found) = (moment(0), moment(1));
+            assert!(
+                (sum - 1.0).abs() < 1e-6 && (found - f64::from(variance)).abs() < 1e-3,
+                "{variance}: {sum} {found}"
+            );
+            let skew: f64 = line.iter().zip(-100i32..).map(|(w, i)| w * f64::from(i)).sum();
+            assert!(skew.abs() < 1e-5, "{variance}: {skew}");
         }
-        assert_eq!(taps(1e3).0, MAX_RADIUS);
     }
 
     #[test]

@@ -59,6 +59,8 @@ pub struct Air {
     pub texture: wgpu::Texture,
     /// All of it.
     pub view: wgpu::TextureView,
+    /// The velocity times a share that grows with the hair in the cell (xyz), and that share, 0 to 1 (w).
+    pub among: wgpu::TextureView,
     /// Velocity on the three lower faces of each cell, m/s (xyz), rgba16float. The last cells along
     /// an axis have no upper face and count as outside.
     pub faces: wgpu::Texture,
@@ -133,6 +135,7 @@ impl Air {
         let solid = view("air solid", Rgba16Float, all);
         let hairs = view("air hair", Rgba16Float, all);
         let gives = ["air give x", "air give y", "air give z"].map(|label| view(label, Rgba16Float, rimmed));
+        let among = view("air among hair", Rgba16Float, all);
         let source = view("air source", Rgba32Float, blocks);
         // By sweep (even, odd), then by half.
         let pressures =
@@ -189,13 +192,13 @@ impl Air {
                     t(&before),
                     t(&now),
                     t(&center_view),
+                    t(&hairs),
+                    t(&among),
                 ],
             )
         };
         let groups = Groups {
-            obstacles: fluid
-                .obstacles
-                .bind(device, &[step(), t(hair), sampler(), t(&solid), t(&hairs)]),
+            obstacles: fluid.obstacles.bind(device, &[step(), t(hair), sampler(), t(&solid), t(&hairs)]),
             predict: fluid.predict.bind(device, &[step(), t(&now), t(&center_view), sampler(), t(&carried)]),
             correct: fluid.correct.bind(
                 device,
@@ -223,6 +226,7 @@ impl Air {
             cell: size / cells as f32,
             texture: center_texture,
             view: center_view,
+            among,
             faces,
             give,
             plain: false,
@@ -284,6 +288,11 @@ impl Air {
     /// Where the air lies after step `index` of the last frame that had steps.
     pub fn place(&self, index: u32) -> AirPlace {
         self.runs.get(index as usize).map(|run| run.place).unwrap_or_default()
+    }
+
+    /// Where the air lies after the last step there was.
+    pub fn now(&self) -> AirPlace {
+        self.at()
     }
 
     /// What step `index` does.
@@ -378,7 +387,7 @@ impl Air {
 const OVER_RELAXATION: f32 = 1.5;
 
 /// Sweeps of a step with 32 cells along an axis.
-const SWEEPS: usize = 8;
+const SWEEPS: usize = 12;
 /// Cells that the air may pass at once.
 const MAX_REACH: f32 = 6.0;
 /// In how many parts a step is computed at most.

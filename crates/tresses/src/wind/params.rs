@@ -70,7 +70,9 @@ impl Wind {
         test("turbulence", self.turbulence, 0.0, 1.0, "from 0 to 1")?;
         test("gust length", self.gust_length, 0.01, 1e3, "from 0.01 to 1,000 m")?;
         test("room around the hair", self.room, 1.2, 20.0, "from 1.2 to 20")?;
-        if self.cells != 0 && (!(MIN_CELLS..=MAX_CELLS).contains(&self.cells) || self.cells % 8 != 0) {
+        if self.cells != 0
+            && (!(MIN_CELLS..=MAX_CELLS).contains(&self.cells) || !self.cells.is_multiple_of(8))
+        {
             return Err(Error::Parameter {
                 name: "cells of the air",
                 value: self.cells.to_string(),

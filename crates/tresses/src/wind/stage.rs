@@ -42,7 +42,10 @@ impl Fluid {
                 &[UniformDynamic, Texels3d, Texels3d, Write3d, Write3d, Write3d, WriteFull3d],
             ),
             relax: kernel("wind::relax", &[&blocks[..], &[Texels3d, WriteFull3d]].concat()),
-            project: kernel("wind::project", &[&blocks[..], &[Texels3d, Write3d, Write3d]].concat()),
+            project: kernel(
+                "wind::project",
+                &[&blocks[..], &[Texels3d, Write3d, Write3d, Texels3d, Write3d]].concat(),
+            ),
             sampler: bindings::linear(device),
         }
     }

@@ -34,7 +34,8 @@ fn turn(neck: Vec3, t: f32) -> Pose {
 fn run(lab: &'static Lab, subject: &Subject, variant: Variant) -> [Vec<[Vec3; 2]>; 2] {
     let Variant { vertices, fps, params } = variant;
     let strands: Vec<_> = subject.strands.iter().map(|s| curve::resample(s, vertices)).collect();
-    let mut e = Experiment::new(lab, &strands, &subject.traits, params, RestShape::SagFree, Some(&subject.field));
+    let mut e =
+        Experiment::new(lab, &strands, &subject.traits, params, RestShape::SagFree, Some(&subject.field));
     let pose = |i: u32| turn(subject.neck, i as f32 / fps as f32);
     e.frame(0.0, pose(0));
     let mut until = |from: u32, to: u32| -> Vec<[Vec3; 2]> {
@@ -71,6 +72,9 @@ fn independence(lab: &'static Lab, fault: bool) -> Vec<Row> {
         ("steps of 1/120 s in 2", Variant { params: halved, ..usual }, 0.5),
         ("8 substeps", Variant { params: SimulationParams { substeps: 8, ..base }, ..usual }, 1.0),
     ] {
+        if fault && ["64 vertices", "144 frames per second"].contains(&name) {
+            continue;
+        }
         if fault {
             // Somebody tilts the world.
             variant.params.gravity.x = 5.0;
@@ -80,8 +84,14 @@ fn independence(lab: &'static Lab, fault: bool) -> Vec<Row> {
             let apart = apart(&subject, a, b);
             let mean = apart.iter().sum::<f32>() / apart.len() as f32;
             let at = |percent: usize| apart[apart.len() * percent / 100];
-            println!("{name}, {when}: median {:.2} %, 95 of 100 below {:.2} %, 99 below {:.2} %", at(50), at(95), at(99));
-            let case = format!("long, head turned, {when}: {name} against 32, 60, 1/60 s in 4; mean distance");
+            println!(
+                "{name}, {when}: median {:.2} %, 95 of 100 below {:.2} %, 99 below {:.2} %",
+                at(50),
+                at(95),
+                at(99)
+            );
+            let case =
+                format!("long, head turned, {when}: {name} against 32, 60, 1/60 s in 4; mean distance");
             rows.push(at_most(case, "% of its length", most, mean));
         }
     }

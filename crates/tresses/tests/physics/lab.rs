@@ -3,12 +3,13 @@
 use std::sync::OnceLock;
 use tresses::{
     Pose,
+    collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     glam::Vec3,
     gpu::{Gpu, readback},
     groom::SdfGrid,
     simulate::{
-        Along, Clock, ColliderPoses, ColliderSet, GuideTraits, MAX_STEPS, Mode, RestGuides, RestOptions,
-        RestShape, Simulate, Simulation, SimulationParams, Step, rest,
+        Along, Clock, GuideTraits, MAX_STEPS, Mode, RestGuides, RestOptions, RestShape, Simulate, Simulation,
+        SimulationParams, Step, rest,
     },
     strands::GuideBuffers,
 };
@@ -57,6 +58,7 @@ pub struct Experiment {
     pub rest: RestGuides,
     pub n: usize,
     guides: GuideBuffers,
+    colliders: ColliderSet,
     simulation: Simulation,
     clock: Clock,
 }
@@ -77,9 +79,10 @@ impl Experiment {
         let Gpu { device, queue, .. } = &lab.gpu;
         let guides = GuideBuffers::new(device, strands.len() as u32, n as u32, 2).unwrap();
         rest.upload(queue, &guides).unwrap();
-        let colliders = ColliderSet::new(device, queue, field, 0).unwrap();
-        let simulation = Simulation::new(device, &lab.simulate, &guides, colliders);
-        Self { lab, params, rest, n, guides, simulation, clock: Clock::default() }
+        let obstacles = ColliderDescriptor { head: field, ..Default::default() };
+        let colliders = ColliderSet::new(device, queue, &obstacles).unwrap();
+        let simulation = Simulation::new(device, &lab.simulate, &guides);
+        Self { colliders, lab, params, rest, n, guides, simulation, clock: Clock::default() }
     }
 
     pub fn count(&self) -> usize {
@@ -93,9 +96,12 @@ impl Experiment {
             let mut encoder = device.create_command_encoder(&Default::default());
             {
                 let mut pass = encoder.begin_compute_pass(&Default::default());
-                let poses = ColliderPoses::default();
+                let (substeps, head) = (self.params.substeps, steps[steps.len() - 1].end);
+                let moments = Moments { steps, substeps, step: self.params.step, head, alpha: 1.0 };
+                self.colliders.advance(queue, &ColliderPoses::default(), &moments).unwrap();
+                let (simulate, params) = (&self.lab.simulate, &self.params);
                 self.simulation
-                    .record(&self.lab.simulate, device, queue, &mut pass, &self.params, steps, &poses)
+                    .record(simulate, device, queue, &mut pass, params, steps, &self.colliders)
                     .unwrap();
             }
             queue.submit([encoder.finish()]);

@@ -1,7 +1,7 @@
 //! Shapes at rest and in steady motion: catenary, heavy cantilever, buckling, wind, falling.
 
 use crate::{
-    lab::{Experiment, Lab, bare, head_at, lab, strain, straight},
+    lab::{Experiment, Lab, bare, head_at, lab, straight, strain},
     table::{Row, at_most, judge, near},
 };
 use tresses::{
@@ -123,8 +123,7 @@ fn wind(lab: &'static Lab, fault: bool) -> Vec<Row> {
     let mut rows = Vec::new();
     for tangent in [0.25f32, 1.0, 2.0] {
         let wind = Vec3::X * tangent * G / drag;
-        let params =
-            SimulationParams { drag, wind: wind * if fault { 1.05 } else { 1.0 }, ..bare(0.0) };
+        let params = SimulationParams { drag, wind: tresses::wind::Wind::uniform(wind * if fault { 1.05 } else { 1.0 }), ..bare(0.0) };
         let strand = straight(n, length, Vec3::NEG_Y);
         let mut e = Experiment::new(lab, &[strand], &[], params, RestShape::Natural, None);
         e.still(900);
@@ -135,15 +134,23 @@ fn wind(lab: &'static Lab, fault: bool) -> Vec<Row> {
     }
     // At terminal velocity drag carries the weight: nothing pulls a strand out of the horizontal.
     let terminal = G / 30.0;
-    let params =
-        SimulationParams { drag: 30.0, gravity: Vec3::NEG_Y * G * if fault { 1.05 } else { 1.0 }, ..bare(0.0) };
+    let params = SimulationParams {
+        drag: 30.0,
+        gravity: Vec3::NEG_Y * G * if fault { 1.05 } else { 1.0 },
+        ..bare(0.0)
+    };
     let strand = straight(n, length, Vec3::X);
     let mut e = Experiment::new(lab, &[strand], &[], params, RestShape::Natural, None);
     e.throw(&[vec![Vec3::NEG_Y * terminal; n]]);
     let way = |t: f32| head_at(Vec3::NEG_Y * terminal * t);
     e.moved(2.0, way);
     let sag = (e.positions()[0][n - 1] - way(2.0).translation).y / length;
-    rows.push(at_most("horizontal floppy strand sinking at g / drag, tip after 2 s", "% of its length", 0.5, sag * 100.0));
+    rows.push(at_most(
+        "horizontal floppy strand sinking at g / drag, tip after 2 s",
+        "% of its length",
+        0.5,
+        sag * 100.0,
+    ));
     rows
 }
 
@@ -173,12 +180,18 @@ fn free_fall(lab: &'static Lab, fault: bool) -> Vec<Row> {
     e.moved(seconds, way);
     let (now, rest) = (e.positions(), e.at_rest());
     let head = way(seconds).translation;
-    let shape = now.iter().zip(&rest).flat_map(|(a, b)| a.iter().zip(b)).map(|(a, b)| (*a - head).distance(*b));
+    let shape =
+        now.iter().zip(&rest).flat_map(|(a, b)| a.iter().zip(b)).map(|(a, b)| (*a - head).distance(*b));
     let off = shape.fold(0.0, f32::max) / length;
     // The weight of what hangs from the root would stretch it by this much.
     let tension = strain(&now[1..2], &rest[1..2]) / params.stretch;
     vec![
-        at_most("hair on a head in free fall, change of shape after 2 m", "% of its length", 0.5, off * 100.0),
+        at_most(
+            "hair on a head in free fall, change of shape after 2 m",
+            "% of its length",
+            0.5,
+            off * 100.0,
+        ),
         at_most("the same, tension against that of a hair that hangs", "%", 3.0, tension * 100.0),
     ]
 }

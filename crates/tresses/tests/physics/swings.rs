@@ -127,9 +127,8 @@ fn chain(lab: &'static Lab, fault: bool) -> Vec<Row> {
             }
         }
         e.place(&start);
-        let samples = record(&mut e, 600, |p| {
-            [0, 1, 2].map(|k| p[k].iter().map(|p| p.x * shape(k, p.y)).sum::<f32>())
-        });
+        let samples =
+            record(&mut e, 600, |p| [0, 1, 2].map(|k| p[k].iter().map(|p| p.x * shape(k, p.y)).sum::<f32>()));
         for (k, zero) in zeros.iter().enumerate() {
             let found = period(&samples.iter().map(|s| s[k]).collect::<Vec<_>>(), params.step);
             let case = format!("hanging chain, 30 cm, {n} vertices, mode {}, period", k + 1);

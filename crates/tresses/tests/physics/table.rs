@@ -104,12 +104,12 @@ fn docs(topic: &str, rows: &[Row]) {
     let _guard = FILE.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
     let text = fs::read_to_string(&path).unwrap();
     let begin = format!("<!-- {topic} -->\n");
-    let start = text.find(&begin).unwrap_or_else(|| panic!("docs/physics.md has no rows {begin}")) + begin.len();
+    let start =
+        text.find(&begin).unwrap_or_else(|| panic!("docs/physics.md has no rows {begin}")) + begin.len();
     let end = start + text[start..].find("<!-- end -->").expect("rows in docs/physics.md end");
     if std::env::var_os("TRESSES_PHYSICS").is_some_and(|v| v == "write") {
-        let mut table = String::from(
-            "| case | expected | measured | error | tolerance |\n|---|---|---|---|---|\n",
-        );
+        let mut table =
+            String::from("| case | expected | measured | error | tolerance |\n|---|---|---|---|---|\n");
         for row in rows {
             table += &line(row);
             table.push('\n');
