@@ -9,7 +9,7 @@ use tresses::{
 #[derive(clap::Args, Clone, Copy, Debug, Default)]
 pub struct HairHairArgs {
     /// What hair does where it is denser than at rest
-    #[arg(long, value_name = "MODE", value_enum, default_value_t)]
+    #[arg(long, value_name = "MODE", value_enum, default_value_t, help_heading = "Simulation")]
     hair_hair: Choice,
 }
 

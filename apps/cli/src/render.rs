@@ -15,6 +15,7 @@ use crate::{
 };
 use anyhow::{Result, ensure};
 use std::path::PathBuf;
+use tresses::simulate::SimulationParams;
 
 /// The longest animation, frames.
 const MAX_FRAMES: u32 = 100_000;
@@ -24,10 +25,6 @@ const MAX_FRAMES: u32 = 100_000;
 pub struct Args {
     #[command(flatten)]
     pub source: Source,
-    #[command(flatten)]
-    pub hair_hair: HairHairArgs,
-    #[command(flatten)]
-    pub wind: WindArgs,
     /// How the head moves: still, nod, turn, shake, or a keyframe file (.json)
     #[arg(long, value_name = "NAME", default_value = "still")]
     pub motion: String,
@@ -49,14 +46,18 @@ pub struct Args {
     /// How near: close, normal, far, or a factor
     #[arg(long, value_name = "FACTOR", default_value = "normal", value_parser = args::zoom)]
     pub zoom: f32,
-    /// What drawn strands do where they would enter the head
-    #[arg(long, value_name = "MODE", value_enum, default_value_t)]
-    pub avoid: Avoid,
-    #[command(flatten)]
-    pub debug: debug::DebugArgs,
     /// Where to: one .png, a folder of numbered frames, or an animation (.webp, .gif, .apng)
     #[arg(long, value_name = "PATH", default_value = "out/render.png")]
     pub out: PathBuf,
+    #[command(flatten)]
+    pub hair_hair: HairHairArgs,
+    #[command(flatten)]
+    pub wind: WindArgs,
+    /// What drawn strands do where they would enter the head
+    #[arg(long, value_name = "MODE", value_enum, default_value_t, help_heading = "Simulation")]
+    pub avoid: Avoid,
+    #[command(flatten)]
+    pub debug: debug::DebugArgs,
 }
 
 /// Runs `tresses render`.
@@ -76,12 +77,15 @@ pub fn run(args: &Args) -> Result<()> {
         }
     };
     // What can be refused is refused before anything is opened or made.
+    let mut physics = SimulationParams::default();
+    args.hair_hair.apply(&mut physics);
+    args.wind.apply(&mut physics);
+    args.debug.check(&physics)?;
     let start = progress::spinner("preparing");
     let mut scene = Scene::open(&args.source, Quality::new(args.size, args.samples))?;
-    args.hair_hair.apply(scene.physics_mut());
-    args.wind.apply(scene.physics_mut());
+    *scene.physics_mut() = physics;
     scene.set_avoid(args.avoid);
-    scene.show(&args.debug)?;
+    scene.show(&args.debug);
     start.finish_and_clear();
     let camera = Camera::portrait(args.camera, scene.subject(), args.size.aspect(), args.zoom);
     let written = record(&mut scene, &camera, &motion, frames, args)?;

@@ -7,13 +7,13 @@ use tresses::{glam::Vec3, simulate::SimulationParams, wind::Wind};
 #[derive(clap::Args, Clone, Copy, Debug)]
 pub struct WindArgs {
     /// Wind: speed in m/s and where it comes from, degrees from the front (0) over the head's left (90) to the back (180)
-    #[arg(long, value_name = "SPEED[,DEGREES]", default_value = "0")]
+    #[arg(long, value_name = "SPEED[,DEGREES]", default_value = "0", help_heading = "Simulation")]
     wind: Blow,
     /// How gusty it is: standard deviation over mean speed; 0.1 over water, 0.2 over land, 0.4 between houses
-    #[arg(long, value_name = "INTENSITY", default_value = "0.2", value_parser = intensity)]
+    #[arg(long, value_name = "INTENSITY", default_value = "0.2", value_parser = intensity, help_heading = "Simulation")]
     gusts: f32,
     /// Another number, other gusts
-    #[arg(long, value_name = "N", default_value = "1")]
+    #[arg(long, value_name = "N", default_value = "1", help_heading = "Simulation")]
     wind_seed: u32,
 }
 

@@ -48,11 +48,20 @@ fn absurd_options_are_refused() {
     refuses(&["render", "--zoom", "nearer"], "close, normal, far");
     refuses(&["render", "--out", "hair.mp4"], ".webp");
     refuses(&["bench", "--frames", "0"], "--frames");
+    refuses(&["render", "--debug", "guides", "--debug-max", "0"], "above 0");
+    refuses(&["render", "--debug-max", "2"], "--debug");
+    refuses(&["render", "--debug", "density", "--hair-hair", "off"], "--hair-hair is off");
+    refuses(&["render", "--debug", "wind"], "it is calm");
+    refuses(&["render", "--wind", "storm"], "from 0 to 100 m/s");
+    refuses(&["render", "--wind", "3", "--gusts", "7"], "from 0 to 1");
 }
 
 #[test]
 fn unknown_names_list_the_choices() {
     refuses(&["render", "--camera", "top"], "front, three-quarter, side, back");
+    refuses(&["render", "--debug", "all"], "density, push, wind, colliders, guides");
+    refuses(&["render", "--hair-hair", "sticky"], "off, fixed, gradient");
+    refuses(&["render", "--avoid", "some"], "off, vertices, strands");
     refuses(&["render", "--motion", "dance"], "still, nod, turn, shake");
     refuses(&["render", "--color", "green"], "blond, brown, red");
     refuses(&["render", "--style", "beehive"], "long, bob, curly or short");
@@ -117,6 +126,31 @@ fn the_path_decides_what_is_written() {
     assert!(output.status.success(), "{}", stderr(&output));
     let webp = std::fs::read(folder.path().join("loop.webp")).expect("the animation is there");
     assert_eq!((&webp[..4], &webp[8..12]), (&b"RIFF"[..], &b"WEBP"[..]));
+}
+
+#[test]
+fn debug_views_show_what_the_simulation_holds() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let small = ["render", "--style", "short", "--size", "160x100", "--samples", "1", "--strands", "500"];
+    let moved = ["--motion", "shake", "--frames", "3", "--wind", "5"];
+    let picture = |name: &str, more: &[&str]| {
+        let out = format!("{name}.png");
+        let output = tresses(folder.path(), &[&small[..], &moved, &["--out", &out], more].concat());
+        has_gpu(&output).then(|| {
+            assert!(output.status.success(), "{name}: {}", stderr(&output));
+            std::fs::read(folder.path().join(out)).expect("the picture is there")
+        })
+    };
+    let Some(plain) = picture("plain", &[]) else { return };
+    let mut seen = vec![plain];
+    for name in ["density", "push", "wind", "colliders", "guides"] {
+        seen.push(picture(name, &["--debug", name]).expect("there was a GPU just now"));
+    }
+    let again = picture("again", &["--debug", "wind"]).expect("there was a GPU just now");
+    assert_eq!(again, seen[3], "the same picture twice");
+    for i in 1..seen.len() {
+        assert!(!seen[..i].contains(&seen[i]), "picture {i} differs from all before");
+    }
 }
 
 #[test]

@@ -72,11 +72,11 @@ impl Subject {
 /// The options of debug views.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub struct DebugArgs {
-    /// Show what the simulation holds
-    #[arg(long, value_name = "NAME", value_enum)]
+    /// Show what the simulation holds, with a legend
+    #[arg(long, value_name = "NAME", value_enum, help_heading = "Simulation")]
     pub debug: Option<Subject>,
     /// The number that --debug draws brightest [default: a round one, from the first picture]
-    #[arg(long, value_name = "X", requires = "debug", value_parser = positive)]
+    #[arg(long, value_name = "X", requires = "debug", value_parser = positive, help_heading = "Simulation")]
     pub debug_max: Option<f32>,
 }
 

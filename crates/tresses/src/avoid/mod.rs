@@ -31,7 +31,23 @@
 //! When the head jumps or the hair is reset all that is forgotten, and strands that hit have changed over
 //! at once.
 //!
-//! **Measured** (`tests/avoid.rs`, `tests/avoid_grooms.rs`). NUMBERS
+//! **Measured** (`tests/avoid_grooms.rs`): vertices deeper in the head than 0.5 mm (or than 0.5 mm below where
+//! they rest, if they rest in it) in the worst frame of a turn and of a shake, in percent, with nothing
+//! done, with the vertices moved, with the method:
+//!
+//! | groom | turn | shake |
+//! |---|---|---|
+//! | long, 166 guides | 1.15, 0.06, 0.00 | 2.14, 0.14, 0.00 |
+//! | bob, 200 guides | 0.34, 0.01, 0.00 | 0.40, 0.01, 0.00 |
+//! | curly, 240 guides | 1.0, 0.01, 0.01 | 1.5, 0.01, 0.01 |
+//! | short, 400 guides | 0.01, 0, 0 | 0.03, 0, 0 |
+//! | Sintel, every strand a guide | 0.01, 0.01, 0.01 | 0.01, 0.01, 0.01 |
+//! | Sintel, one guide in 16 | 0.05, 0.01, 0.00 | 0.18, 0.02, 0.01 |
+//! | Sintel, one guide in 64 | 0.11, 0.01, 0.01 | 0.28, 0.02, 0.01 |
+//!
+//! In a turn a third as fast, on a coarse groom, avoidance moves no vertex by more than 1.6 mm per frame
+//! relative to the head; without smoothing it is 15 mm (`tests/avoid.rs`). The stage costs about two
+//! thirds of [`crate::interpolate`] for the turning long style with 16,000 strands, half of that the search.
 //!
 //! **Why not only move the vertices out?** They are then outside as well ([`AvoidMode::PenetratingOnly`]
 //! does it), but edges stretch and what follows stays where it was: tips lie flat on the skin or dive in

@@ -32,11 +32,11 @@
 //! which is the normal `(p / r²) / k2`: exact to first order where hair touches, too small far away and
 //! never of the wrong sign.
 //!
-//! **Culling.** Every shape has a bounding sphere. `nearest` skips a shape whose sphere is farther than
-//! the best so far; `simulate` keeps a bit per collider whose sphere touches the box of a strand's
-//! predicted vertices, anew in each substep, and tests vertices against those alone. That mask is exact:
-//! contacts are made at predicted positions. A tree over the colliders would be worth its traffic from
-//! a thousand on.
+//! **Culling.** Every collider has a bounding sphere, in the world, in the list of places. `nearest` skips
+//! those farther than the best so far; `simulate` keeps, for every four predicted vertices of a strand,
+//! a bit per collider whose sphere touches their box, anew in each substep, and tests vertices against
+//! those alone. The masks are exact: contacts are made at predicted positions. Without blocks, 64
+//! capsules in the hair cost eight times one; a tree over the colliders would be worth its traffic from a thousand on.
 //!
 //! **Why not one union field?** Re-voxelising all obstacles once per step would make any number as cheap as one, but
 //! at 4 mm per cell a finger is two cells, friction and velocity per collider are lost, and a hand that

@@ -8,8 +8,7 @@ use super::{
 };
 use crate::{
     Pose,
-    collide::{Collider, FieldId, FieldVolume, Shape},
-    groom::SdfGrid,
+    collide::{Collider, Shape},
     strands::{Guide, GuideRest},
     wind::Wind,
 };
@@ -143,46 +142,6 @@ fn capsule_with_friction() {
     let speed = s.velocity.iter().map(|v| v.length()).fold(0.0, f32::max);
     println!("capsule: deepest {deepest} m, speed at the end {speed}");
     assert!(deepest < 1e-3 && speed < 0.02);
-}
-
-/// How far the tip of a strand across a slope of tangent `slope` has slid after `t`, when parameters and
-/// collider have these coefficients.
-fn slid(slope: f32, friction: f32, factor: f32, t: f32) -> f32 {
-    let angle = slope.atan();
-    let params =
-        SimulationParams { gravity: 9.81 * Vec3::new(angle.sin(), -angle.cos(), 0.0), friction, ..bare(0.0) };
-    let ground = SdfGrid::from_fn(Vec3::splat(-0.3), Vec3::splat(0.3), 13, |p| p.y);
-    let volumes = [FieldVolume::new(&ground)];
-    let colliders = [Collider { friction: factor, ..Collider::new(Shape::Field(FieldId(0))) }];
-    let obstacles = Obstacles { colliders: &colliders, volumes: &volumes, places: &[Pose::IDENTITY; 5] };
-    let mut s = strand(&straight(16, 0.2, Vec3::Z), &params, RestShape::Natural);
-    for _ in 0..(t / params.step).round() as u32 {
-        s.step(&still(&params, 16), &obstacles);
-    }
-    s.current[15].x
-}
-
-#[test]
-fn a_strand_on_a_slope_sticks_up_to_its_coefficient_and_slides_beyond() {
-    let t = 0.15;
-    for (friction, factor) in [(0.5, 1.0), (0.25, 2.0), (0.2, 1.0)] {
-        let mu = friction * factor;
-        for share in [0.5, 0.8, 0.95] {
-            let way = slid(share * mu, friction, factor, t);
-            println!("coefficient {mu}, slope {share} of it: slid {way} m");
-            assert!(way.abs() < 5e-4, "{way}");
-        }
-        for share in [1.1f32, 1.5, 3.0] {
-            let angle = (share * mu).atan();
-            let way = slid(share * mu, friction, factor, t);
-            let expected = 0.5 * 9.81 * (angle.sin() - mu * angle.cos()) * t * t;
-            println!("coefficient {mu}, slope {share} of it: slid {way} m, expected {expected} m");
-            assert!((way - expected).abs() < 0.1 * expected + 2e-4, "{way} {expected}");
-            // With a tenth more friction it would not be there.
-            let wrong = 0.5 * 9.81 * (angle.sin() - 1.1 * mu * angle.cos()) * t * t;
-            assert!(share > 2.0 || (way - wrong).abs() > 0.1 * expected + 2e-4);
-        }
-    }
 }
 
 #[test]

@@ -8,11 +8,14 @@
 //! moved until the bending spring gives exactly that force. The pose then is an equilibrium of the
 //! discrete equations that the step solves, not only of the continuous ones.
 //!
-//! An equilibrium need not be stable. A floppy strand that is authored to stick out would need a
-//! rest shape wound up like a watch spring, and would topple. The compensation of one bend is
-//! therefore limited to [`MOST_COMPENSATION`] of the edge; what is missing shows as true sag, less
-//! what the goal spring holds. Contact forces at rest are not compensated: a pose that was
-//! supported by the head hovers over it.
+//! An equilibrium need not be stable. A floppy strand that is authored to stick out needs a rest
+//! shape wound up like a watch spring, and topples at the first touch. Real hair that stands out is
+//! stiff or leans on other hair; [`support`] therefore raises the stiffness of those guides, and of no
+//! others, until their poses stay. The compensation of one bend is limited all the same, to
+//! [`MOST_COMPENSATION`] of the edge; what is missing shows as true sag, less what the goal spring
+//! holds. Contact forces at rest are not compensated: a pose that was supported by the head hovers over
+//! it. Untried: the second variation with the torques of bends, which couple the two directions across
+//! the strand, and a factor for each vertex in place of one for the guide.
 
 use super::params::SimulationParams;
 use crate::{
@@ -27,6 +30,9 @@ pub const MOST_COMPENSATION: f32 = 0.7;
 
 /// The compensation up to which a bend comes back by itself when hair is shaken.
 pub const EASY_COMPENSATION: f32 = 0.35;
+
+/// How much stiffer a guide is made than it must be in order not to topple.
+pub const MARGIN: f32 = 2.0;
 
 /// By how much the stiffness of a guide is raised at most, see [`support`].
 pub const MOST_SUPPORT: f32 = 20.0;
@@ -245,9 +251,9 @@ fn loads(n: usize, info: &Guide, params: &SimulationParams) -> impl Iterator<Ite
 /// that stays: 1 where the parameters do, [`MOST_SUPPORT`] at most.
 ///
 /// Hair that stands out or up is stiff, or rests on other hair; a guide alone has neither. Two things
-/// are asked of the pose. No bend needs more compensation than [`MOST_COMPENSATION`] ("feasible, or
-/// raise EI locally": the condition of sag-free rods, Hsu, Wang and others, 2022 and 2023). And the
-/// second variation of the energy, `∫ EI φ'² + (F·t) φ²` with the weight `F` below and the tangent
+/// are asked of the pose. No bend needs more compensation than [`EASY_COMPENSATION`] (that it is feasible,
+/// or the stiffness must be raised, is the condition of sag-free rods, Hsu and others, 2022 and 2023).
+/// And the second variation of the energy, `∫ EI φ'² + (F·t) φ²` with the weight `F` below and the tangent
 /// `t`, is positive with [`MARGIN`]: for an upright hair, Greenhill's condition on its height.
 pub fn support(p: &[Vec3], info: &Guide, params: &SimulationParams) -> f32 {
     let n = p.len();
@@ -276,9 +282,6 @@ pub fn support(p: &[Vec3], info: &Guide, params: &SimulationParams) -> f32 {
     }
     factor
 }
-
-/// How much stiffer a guide is made than it must be in order not to topple.
-pub const MARGIN: f32 = 2.0;
 
 /// Whether the second variation is positive for the guide made `factor` times as stiff.
 fn stands(p: &[Vec3], info: &Guide, params: &SimulationParams, factor: f32) -> bool {
@@ -314,6 +317,28 @@ mod tests {
         assert!(go(&[Vec3::ZERO; 130], 65).unwrap_err().contains("from 2 to 64"));
         assert!(go(&[Vec3::ZERO, Vec3::NAN], 2).unwrap_err().contains("vertex 1 of guide 0"));
         assert!(go(&[], 8).is_ok());
+    }
+
+    #[test]
+    fn upright_hair_is_made_as_stiff_as_greenhill_says() {
+        let n = 32;
+        let along = |v| super::super::Along { root: v, tip: v, falloff: 1.0 };
+        let params = SimulationParams { bending: along(8e-9), goal: along(0.0), ..Default::default() };
+        let need = |length: f32, direction: Vec3| {
+            let edge = length / (n - 2) as f32;
+            let p: Vec<_> = (0..n).map(|i| direction * edge * (i as f32 - 1.0)).collect();
+            let info = Guide { length: edge * (n - 1) as f32, stiffness: 1.0, strands: 1.0, flags: 0 };
+            support(&p, &info, &params)
+        };
+        for length in [0.05f32, 0.15, 0.2] {
+            let gamma = params.line_density * 9.81 * length.powi(3) / 8e-9;
+            let exact = (MARGIN * gamma / 7.837_35).max(1.0);
+            // The factor is found in steps of a tenth.
+            let found = need(length, Vec3::Y);
+            assert!(found >= exact * 0.97 && found < exact * 1.13, "{length}: {found}, {exact}");
+        }
+        assert_eq!(need(0.5, Vec3::NEG_Y), 1.0, "hair that hangs needs no support");
+        assert!(need(0.3, Vec3::X) > 1.0);
     }
 
     #[test]

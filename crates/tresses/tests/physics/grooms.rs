@@ -150,6 +150,25 @@ fn after_a_shake() {
     }
 }
 
+#[test]
+#[ignore = "prints figures for the docs, and judges none"]
+fn other_grooms() {
+    let (Some(lab), Some(assets)) = (lab(), std::env::var_os("TRESSES_ASSETS").map(PathBuf::from)) else {
+        return;
+    };
+    for file in ["cyhair_straight/straight.hair", "tressfx4_ratboy/Ratboy_mohawk.tfx"] {
+        let (strands, _) = import::read(&[assets.join(file)], &ImportOptions::default()).unwrap();
+        let options =
+            BindOptions { guides: GuideCount::Count(600), guide_vertices: Some(16), ..Default::default() };
+        let groom = bind(&strands, &options).unwrap();
+        let strands: Vec<_> = (0..groom.guides.len()).map(|i| groom.guides.guide(i).to_vec()).collect();
+        let params = SimulationParams::default();
+        let mut e = Experiment::new(lab, &strands, &[], params, RestShape::SagFree, None);
+        e.still(600);
+        report(&format!("{file}, at rest for 10 s"), &away(&e, &Pose::IDENTITY));
+    }
+}
+
 const UNIT: &str = "% of its length";
 
 #[test]

@@ -75,8 +75,8 @@ fn energies(lab: &'static Lab, fault: bool) -> Vec<Row> {
         let (mut last, mut rise) = (start, 0f32);
         for i in 0..400 {
             if fault && i == 200 {
-                // Somebody lifts the strand by a hand's breadth.
-                e.params.gravity = Vec3::Y * 9.81;
+                // Somebody throws the strand up.
+                e.params.gravity = Vec3::Y * 98.1;
             }
             e.still(1);
             e.params.gravity = params.gravity;

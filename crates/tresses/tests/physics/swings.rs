@@ -93,9 +93,8 @@ fn lumped(n: usize, length: f32, mode: usize) -> f32 {
             let mass = if k == 0 { 0.5 } else { 1.0 };
             let tension = g * (k as f64 + 0.5) / edge;
             let up = x - (mass * omega * omega * x + below) / tension;
-            // `below` is what the edge above pulls at the next mass.
-            below = tension * (x - up) * -1.0;
-            below = -below;
+            // What this edge pulls at the next mass.
+            below = tension * (x - up);
             count += usize::from(up.signum() != x.signum());
             x = up;
         }

@@ -1,0 +1,43 @@
+//! How long the distance field of a mesh takes on the GPU and on the CPU, and how far they differ.
+//!
+//! `cargo run --release --example field -- head.obj`
+
+use std::time::Instant;
+use tresses::{
+    collide::FieldBuilder,
+    gpu::Gpu,
+    groom::{
+        import,
+        mesh::sdf::{self, SdfOptions},
+    },
+};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let path = std::env::args().nth(1).ok_or("which mesh?")?;
+    let (mesh, _) = import::read_head(&[&path], &Default::default())?;
+    let Gpu { device, queue, info, .. } = pollster::block_on(Gpu::open())?;
+    let builder = FieldBuilder::new(&device);
+    println!("{path}: {} triangles, on {}", mesh.triangles.len(), info.name);
+    for resolution in [64, 128] {
+        let options = SdfOptions { resolution, fill_cavities: false, ..Default::default() };
+        // The first time the driver compiles the kernels.
+        let coarse = SdfOptions { resolution: 8, ..options.clone() };
+        builder.grid(&device, &queue, &mesh, &coarse)?;
+        let start = Instant::now();
+        let ours = builder.grid(&device, &queue, &mesh, &options)?;
+        let gpu = start.elapsed().as_secs_f64() * 1e3;
+        let start = Instant::now();
+        let reference = sdf::build(&mesh, &options)?;
+        let cpu = start.elapsed().as_secs_f64() * 1e3;
+        let pairs = ours.distances.iter().zip(&reference.distances);
+        let near = pairs.filter(|(a, b)| a.min(**b).abs() < 4.0 * ours.cell);
+        let mut off: Vec<f32> = near.map(|(a, b)| (a - b).abs()).collect();
+        off.sort_by(f32::total_cmp);
+        println!(
+            "{resolution}: GPU {gpu:.0} ms, CPU {cpu:.0} ms; near the surface they differ by {:.3} mm (median), {:.3} mm (99 %)",
+            1e3 * off[off.len() / 2],
+            1e3 * off[off.len() * 99 / 100]
+        );
+    }
+    Ok(())
+}
