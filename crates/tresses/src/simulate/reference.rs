@@ -12,8 +12,8 @@ use crate::{
 };
 use glam::{Mat3, Quat, Vec3};
 
-/// Contact stiffness: a vertex gives way by 1/200 of what would pass through in a substep.
-const CONTACT: f32 = 200.0;
+/// Contact stiffness: a vertex gives way by 1/100 of what would pass through in a substep.
+const CONTACT: f32 = 100.0;
 /// The fastest that a vertex is pushed out of an obstacle it is in, m/s.
 const PUSH_OUT: f32 = 0.5;
 /// Slip per substep below which friction is proportional to it, metres.
