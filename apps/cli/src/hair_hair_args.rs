@@ -25,13 +25,17 @@ enum Choice {
 }
 
 impl HairHairArgs {
-    /// Puts the choice into `physics`.
-    pub fn apply(self, physics: &mut SimulationParams) {
+    /// Puts the choice into `physics`. With `watched`, hair that passes through hair has a grid all the
+    /// same, which does nothing: so that its density can be looked at.
+    pub fn apply(self, physics: &mut SimulationParams, watched: bool) {
         let mode = match self.hair_hair {
             Choice::Off => HairHairMode::Off,
             Choice::Fixed => HairHairMode::Fixed,
             Choice::Gradient => HairHairMode::Gradient,
         };
-        physics.hair_hair = HairHair { mode, ..physics.hair_hair };
+        physics.hair_hair = match mode {
+            HairHairMode::Off if watched => HairHair { speed: 0.0, friction: 0.0, ..HairHair::default() },
+            mode => HairHair { mode, ..HairHair::default() },
+        };
     }
 }

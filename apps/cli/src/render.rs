@@ -78,7 +78,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     // What can be refused is refused before anything is opened or made.
     let mut physics = SimulationParams::default();
-    args.hair_hair.apply(&mut physics);
+    args.hair_hair.apply(&mut physics, args.debug.debug == Some(debug::Subject::Density));
     args.wind.apply(&mut physics);
     args.debug.check(&physics)?;
     let start = progress::spinner("preparing");

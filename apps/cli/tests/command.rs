@@ -50,7 +50,7 @@ fn absurd_options_are_refused() {
     refuses(&["bench", "--frames", "0"], "--frames");
     refuses(&["render", "--debug", "guides", "--debug-max", "0"], "above 0");
     refuses(&["render", "--debug-max", "2"], "--debug");
-    refuses(&["render", "--debug", "density", "--hair-hair", "off"], "--hair-hair is off");
+    refuses(&["render", "--debug", "push", "--hair-hair", "off"], "--hair-hair is off");
     refuses(&["render", "--debug", "wind"], "it is calm");
     refuses(&["render", "--wind", "storm"], "from 0 to 100 m/s");
     refuses(&["render", "--wind", "3", "--gusts", "7"], "from 0 to 1");

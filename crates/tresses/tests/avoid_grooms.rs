@@ -96,7 +96,7 @@ fn the_counter_sees_a_strand_in_the_head() {
     let mut points: Vec<Vec3> = (0..strands.len()).flat_map(|i| strands.rest_positions(i)).collect();
     assert_eq!(penetrating(&character, &rest, points.iter().copied(), 1e-6), 0.0);
     for p in &mut points[..strands.vertex_count as usize] {
-        *p -= character.field.normal(*p) * 8e-3;
+        *p -= character.field.normal(*p) * (character.field.sample(*p) + 3e-3);
     }
     assert!(penetrating(&character, &rest, points.iter().copied(), DEPTH) > 0.0003);
 }
