@@ -34,7 +34,7 @@ struct Cli {
 #[derive(clap::Subcommand)]
 enum Command {
     /// Draw a groom or a built-in style: a picture, numbered frames, or an animation
-    Render(render::Args),
+    Render(Box<render::Args>),
     /// Show the built-in character with moving hair: out/demo.png and out/demo.webp
     Demo(demo::Args),
     /// Report what is in a groom and what is wrong with it

@@ -33,7 +33,7 @@ fn shaken(t: f32, neck: Vec3) -> Pose {
         smooth(t / 0.2)
     } else if t < 2.9 {
         let s = (t - 0.2) / 0.3;
-        let side = if s as u32 % 2 == 0 { 1.0 } else { -1.0 };
+        let side = if (s as u32).is_multiple_of(2) { 1.0 } else { -1.0 };
         side * (1.0 - 2.0 * smooth(s.fract()))
     } else {
         smooth((t - 2.9) / 0.2) - 1.0

@@ -106,7 +106,7 @@ pub struct VolumeUniforms {
     pub drift: Vec3,
     /// Edge of a cell, metres.
     pub cell: f32,
-    /// What a cell adds to the running average of the blur, 0 to 1: see [`gain`].
+    /// What a cell adds to the running average of the blur, 0 to 1.
     pub gain: f32,
     /// [`HairHairMode`].
     pub mode: u32,
