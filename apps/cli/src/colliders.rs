@@ -19,6 +19,7 @@ use std::path::{Path, PathBuf};
 use tresses::{
     Pose,
     collide::{Anchor, Collider, ColliderPoses, FieldBuilder, FieldId, FieldSource, Shape},
+    draw::BodyMaterial,
     glam::Vec3,
     groom::{TriMesh, import, mesh::SdfOptions},
 };
@@ -143,7 +144,8 @@ impl Colliders {
     /// `body` and the obstacles, whose poses relative to it are `poses`, as one mesh.
     pub fn with_body(&self, body: Option<&TriMesh>, poses: &[Pose]) -> TriMesh {
         let mut all = body.cloned().unwrap_or_default();
-        let skin = Vec3::new(0.45, 0.32, 0.265);
+        // As bodies without colours are drawn.
+        let skin = BodyMaterial::default().color;
         if all.colors.is_empty() {
             all.colors = vec![skin; all.positions.len()];
         }
