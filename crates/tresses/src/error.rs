@@ -86,3 +86,19 @@ pub enum Error {
         problem: String,
     },
 }
+
+impl Error {
+    /// [`Error::Parameter`] unless `value` is a number from `least` to `most`; `range` says so in words.
+    pub(crate) fn unless_within(
+        name: &'static str,
+        value: f32,
+        least: f32,
+        most: f32,
+        range: &'static str,
+    ) -> Result<()> {
+        if (least..=most).contains(&value) {
+            return Ok(());
+        }
+        Err(Self::Parameter { name, value: value.to_string(), range })
+    }
+}

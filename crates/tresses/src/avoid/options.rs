@@ -56,13 +56,7 @@ impl AvoidOptions {
     /// # Errors
     /// [`Error::Parameter`].
     pub fn check(&self) -> Result<()> {
-        let within = |name, value: f32, most: f32, range| {
-            if (0.0..=most).contains(&value) {
-                Ok(())
-            } else {
-                Err(Error::Parameter { name, value: value.to_string(), range })
-            }
-        };
+        let within = |name, value, most, range| Error::unless_within(name, value, 0.0, most, range);
         within("tolerance of avoidance", self.tolerance, 0.1, "0 to 0.1 m")?;
         within("zone of avoidance", self.zone, 10.0, "0 to 10 m")?;
         within("tightness of avoidance", self.tightness, 1.0, "0 to 1")?;

@@ -12,23 +12,12 @@ use crate::{
         Anchor, Collider, ColliderDescriptor, ColliderPoses, ColliderSet, FieldId, FieldSource, FieldVolume,
         Moments, Shape,
     },
-    gpu::{Gpu, Timings, readback},
+    gpu::{Gpu, Timings, for_tests as gpu, readback},
     groom::SdfGrid,
     strands::{Force, GuideBuffers, GuideForce},
     wind::Wind,
 };
 use glam::{Quat, Vec3};
-
-fn gpu() -> Option<Gpu> {
-    match pollster::block_on(Gpu::open()) {
-        Ok(gpu) => Some(gpu),
-        Err(error) => {
-            assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none_or(|v| v != "1"), "{error}");
-            println!("skipped: {error}");
-            None
-        }
-    }
-}
 
 fn random(seed: &mut u32) -> f32 {
     *seed = seed.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);

@@ -98,13 +98,7 @@ impl SimulationParams {
     /// # Errors
     /// [`Error::Parameter`] names the first that is not.
     pub fn check(&self) -> Result<()> {
-        let test = |name, value: f32, lo: f32, hi: f32, range| {
-            if value >= lo && value <= hi {
-                Ok(())
-            } else {
-                Err(Error::Parameter { name, value: value.to_string(), range })
-            }
-        };
+        let test = Error::unless_within;
         let acceleration = self.gravity.abs().max_element() + self.gravity.length();
         test("gravity", acceleration, 0.0, 1e4, "finite and below 5,000 m/s²")?;
         self.wind.check()?;

@@ -8,7 +8,7 @@ use super::{
 use crate::{
     Pose,
     collide::{Collider, ColliderDescriptor, ColliderPoses, ColliderSet, Moments, Shape},
-    gpu::{Gpu, readback},
+    gpu::{Gpu, for_tests as gpu, readback},
     simulate::{
         Forces, GuideTraits, RestGuides, RestOptions, Simulate, Simulation, SimulationParams, Step,
         params::Mode, rest,
@@ -17,17 +17,6 @@ use crate::{
 };
 use glam::{Quat, Vec3};
 use half::f16;
-
-fn gpu() -> Option<Gpu> {
-    match pollster::block_on(Gpu::open()) {
-        Ok(gpu) => Some(gpu),
-        Err(error) => {
-            assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none_or(|v| v != "1"), "{error}");
-            println!("skipped: {error}");
-            None
-        }
-    }
-}
 
 /// Vertices per guide of [`cube`].
 const N: usize = 8;

@@ -72,13 +72,7 @@ impl HairHair {
     /// # Errors
     /// [`Error::Parameter`] names the first that is not.
     pub fn check(&self) -> Result<()> {
-        let test = |name, value: f32, hi: f32, range| {
-            if (0.0..=hi).contains(&value) {
-                Ok(())
-            } else {
-                Err(Error::Parameter { name, value: value.to_string(), range })
-            }
-        };
+        let test = |name, value, most, range| Error::unless_within(name, value, 0.0, most, range);
         test("hair-hair speed", self.speed, 10.0, "from 0 to 10 m/s")?;
         test("hair-hair tolerance", self.tolerance, 100.0, "from 0 to 100")?;
         test("hair-hair blur", self.blur, 1.0, "from 0 to 1 m")?;

@@ -58,13 +58,7 @@ impl Wind {
     /// # Errors
     /// [`Error::Parameter`] names the first that is not.
     pub fn check(&self) -> Result<()> {
-        let test = |name, value: f32, lo: f32, hi: f32, range| {
-            if value >= lo && value <= hi {
-                Ok(())
-            } else {
-                Err(Error::Parameter { name, value: value.to_string(), range })
-            }
-        };
+        let test = Error::unless_within;
         let speed = self.velocity.abs().max_element() + self.velocity.length();
         test("wind", speed, 0.0, 1e3, "finite and below 500 m/s")?;
         test("turbulence", self.turbulence, 0.0, 1.0, "from 0 to 1")?;

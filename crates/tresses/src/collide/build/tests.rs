@@ -1,19 +1,11 @@
 //! The GPU's builder against the CPU's and against closed forms.
 
 use super::*;
-use crate::{gpu::Gpu, groom::mesh::shapes};
+use crate::{
+    gpu::{Gpu, for_tests as gpu},
+    groom::mesh::shapes,
+};
 use std::{path::PathBuf, time::Instant};
-
-fn gpu() -> Option<Gpu> {
-    match pollster::block_on(Gpu::open()) {
-        Ok(gpu) => Some(gpu),
-        Err(error) => {
-            assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none_or(|v| v != "1"), "{error}");
-            println!("skipped: {error}");
-            None
-        }
-    }
-}
 
 /// How two fields on one grid differ where hair can be, within four cells of the surface: the largest
 /// and the 99th percentile of the differences in cells, and the share of all nodes that differ in sign

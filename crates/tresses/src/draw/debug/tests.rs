@@ -4,7 +4,7 @@ use super::{arrows::ArrowsKernel, guides::GuidesKernel, streams::StreamsKernel, 
 use crate::{
     Pose,
     draw::{Background, DrawOptions, View},
-    gpu::{Gpu, readback},
+    gpu::{Gpu, for_tests as gpu, readback},
     groom::TriMesh,
     strands::{GuideSample, GuideShape},
 };
@@ -12,17 +12,6 @@ use glam::{Mat4, Quat, UVec3, Vec3, Vec4};
 use half::f16;
 
 const SIZE: u32 = 128;
-
-fn gpu() -> Option<Gpu> {
-    match pollster::block_on(Gpu::open()) {
-        Ok(gpu) => Some(gpu),
-        Err(error) => {
-            assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none_or(|v| v != "1"), "{error}");
-            println!("skipped: {error}");
-            None
-        }
-    }
-}
 
 /// A texture of `n`³ texels whose value at texture coordinate `c` is `f(c)`.
 fn texture(gpu: &Gpu, n: u32, f: impl Fn(Vec3) -> Vec4) -> wgpu::TextureView {
