@@ -11,7 +11,7 @@ use crate::{
         Binding, Timings,
         bindings::{self, group, layout},
     },
-    light::{Shade, ShadingRate, ShadowMaps, lights::LightsUniform},
+    light::{Shade, ShadingModel, ShadingRate, ShadowMaps, fiber::FiberTables, lights::LightsUniform},
     present::Present,
     shaders,
     strands::StrandBuffers,
@@ -46,6 +46,7 @@ pub struct DrawStage {
     lights: wgpu::Buffer,
     frame_group: wgpu::BindGroup,
     hair_layout: wgpu::BindGroupLayout,
+    fiber_layout: wgpu::BindGroupLayout,
     body_layout: wgpu::BindGroupLayout,
     body: wgpu::RenderPipeline,
     hair_per_vertex: wgpu::RenderPipeline,
@@ -65,11 +66,12 @@ impl DrawStage {
             layout(device, "frame", both, &[Uniform, Uniform, DepthArray, Comparison, Storage, Storage]);
         let hair_layout = layout(device, "hair", both, &[Uniform, Storage, Storage, Storage]);
         let body_layout = layout(device, "body", both, &[Uniform]);
+        let fiber_layout = FiberTables::layout(device);
         let shadow_maps = ShadowMaps::new(device, options.shadow_resolution, &body_layout);
         let [maps, comparison, nearest, blocks] = shadow_maps.resources();
         let frame = [view.as_entire_binding(), lights.as_entire_binding(), maps, comparison, nearest, blocks];
         let frame_group = group(device, "frame", &frame_layout, &frame);
-        let pipeline = |module: &'static str, vertex: &str, fragment: &str, geometry, buffers: &[_]| {
+        let pipeline = |module: &'static str, vertex: &str, fragment: &str, geometry: &[_], buffers: &[_]| {
             let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some(module),
                 source: wgpu::ShaderSource::Wgsl(shaders::source(module).into()),
@@ -78,7 +80,7 @@ impl DrawStage {
                 label: Some(vertex),
                 layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                     label: Some(vertex),
-                    bind_group_layouts: &[Some(&frame_layout), Some(geometry)],
+                    bind_group_layouts: &[&[Some(&frame_layout)], geometry].concat(),
                     immediate_size: 0,
                 })),
                 vertex: wgpu::VertexState {
@@ -107,28 +109,34 @@ impl DrawStage {
                 cache: None,
             })
         };
+        let hair_groups = [Some(&hair_layout), Some(&fiber_layout)];
         let [shaded, raw] = if options.samples == 1 {
             ["hair_shaded_single", "hair_raw_single"]
         } else {
             ["hair_shaded_multi", "hair_raw_multi"]
         };
         Self {
-            shade: Shade::new(device),
+            shade: Shade::new(device, &fiber_layout),
             present: Present::new(device, options.samples, options.output),
-            body: pipeline("draw::body", "body_vertex", "body_fragment", &body_layout, &[Some(Body::LAYOUT)]),
-            hair_per_vertex: pipeline("draw::hair", "hair_shaded", shaded, &hair_layout, &[]),
-            hair_per_pixel: pipeline("draw::hair", "hair_raw", raw, &hair_layout, &[]),
+            body: pipeline("draw::body", "body_vertex", "body_fragment", &[Some(&body_layout)], &[Some(Body::LAYOUT)]),
+            hair_per_vertex: pipeline("draw::hair", "hair_shaded", shaded, &hair_groups, &[]),
+            hair_per_pixel: pipeline("draw::hair", "hair_raw", raw, &hair_groups, &[]),
             shadow_maps,
             view,
             lights,
             frame_group,
             hair_layout,
+            fiber_layout,
             body_layout,
         }
     }
 
     pub(crate) fn body_layout(&self) -> &wgpu::BindGroupLayout {
         &self.body_layout
+    }
+
+    pub(crate) fn fiber_layout(&self) -> &wgpu::BindGroupLayout {
+        &self.fiber_layout
     }
 
     pub(crate) fn bind_hair(
@@ -199,6 +207,9 @@ impl DrawStage {
         if let Some(hair) = hair {
             let uniform = scene.hair.uniform(scene.shading, hair.count, hair.vertex_count, hair.splat);
             write(&hair.uniform, bytemuck::bytes_of(&uniform));
+            if scene.hair.model == ShadingModel::Fiber {
+                hair.fiber.fill(queue, &scene.hair.fiber.shape, scene.hair.fiber.density_back);
+            }
         }
         if let Some(body) = body {
             let uniform: BodyUniform = scene.body.uniform(&scene.pose);

@@ -1,0 +1,7 @@
+//! placeholder
+pub mod bsdf;
+pub mod far;
+pub mod mean;
+pub mod tables;
+pub use bsdf::FiberShape;
+pub use tables::FiberTables;
