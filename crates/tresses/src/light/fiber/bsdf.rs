@@ -108,7 +108,12 @@ impl FiberShape {
     /// The frame: x across the fibre, y from root to tip, z the surface's normal. For one absorption
     /// per radius and colour channel.
     pub fn near(&self, eye: DVec3, light: DVec3, sigma_a: DVec3) -> DVec3 {
-        let [m, n] = self.factors(eye, light);
+        self.near_along(eye, light, sigma_a, along)
+    }
+
+    /// [`near`](Self::near) with another distribution along the fibre.
+    pub fn near_along(&self, eye: DVec3, light: DVec3, sigma_a: DVec3, along: Along) -> DVec3 {
+        let [m, n] = self.factors(eye, light, along);
         let (cos_theta, h) = (cosine(eye.y), entry(eye));
         let channel = |sigma: f64| {
             let a = self.attenuations(h, cos_theta, sigma);
@@ -118,7 +123,7 @@ impl FiberShape {
     }
 
     /// What each lobe's share is multiplied by: along the fibre, and around it.
-    fn factors(&self, eye: DVec3, light: DVec3) -> [[f64; LOBES]; 2] {
+    fn factors(&self, eye: DVec3, light: DVec3, along: Along) -> [[f64; LOBES]; 2] {
         let phi = light.z.atan2(light.x) - eye.z.atan2(eye.x);
         let (v, turns) = (self.variances(), self.turns());
         let (cos_theta, h) = (cosine(eye.y), entry(eye));
@@ -169,6 +174,9 @@ pub fn scaled_bessel(x: f64) -> f64 {
     ];
     poly(&c, 3.75 / x) / x.sqrt()
 }
+
+/// A distribution along the fibre, with the arguments of [`along`].
+pub type Along = fn(f64, f64, f64, f64, f64) -> f64;
 
 /// The distribution along the fibre, of variance `v` (d'Eon et al. 2011, equation 7): its integral
 /// over the light's directions, with cos θ, is 1. `sin`, `cos`: of the eye's turned inclination, then
