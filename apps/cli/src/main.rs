@@ -19,6 +19,7 @@ mod picture;
 mod progress;
 mod render;
 mod scene;
+mod shading_args;
 mod wind_args;
 
 use clap::Parser;

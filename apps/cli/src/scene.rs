@@ -8,6 +8,7 @@ use crate::{
     debug::{self, Debug},
     load::{self, Character},
     picture::Picture,
+    shading_args::material,
 };
 use anyhow::{Context, Result, ensure};
 use std::time::Instant;
@@ -19,7 +20,7 @@ use tresses::{
     glam::Vec3,
     gpu::{Gpu, Timings},
     groom::{SdfGrid, TriMesh},
-    light::{HairMaterial, Lights, Sphere},
+    light::{Lights, Sphere},
     simulate::SimulationParams,
 };
 
@@ -397,14 +398,4 @@ impl Scene {
         self.gpu.device.poll(wgpu::PollType::wait_indefinitely()).context("the GPU was lost")?;
         Ok(())
     }
-}
-
-/// The look of the hair: the file's colours where it has some and none is asked for.
-fn material(color: Option<&Color>) -> HairMaterial {
-    let material = match color {
-        None => return HairMaterial::default(),
-        Some(Color::Preset(name)) => HairMaterial::named(name).unwrap_or_default(),
-        Some(Color::Srgb(srgb)) => HairMaterial::colored(Color::linear(*srgb)),
-    };
-    HairMaterial { file_colors: false, ..material }
 }

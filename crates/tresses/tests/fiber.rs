@@ -37,22 +37,17 @@ fn triples(json: &str, name: &str) -> Vec<DVec3> {
         .collect()
 }
 
-/// The plugin's distribution along the fibre: of I₀ it sums ten terms below 12 and has a coarse form
-/// above, which is up to 2.4 % off the function. Compared without it, nothing else could hide.
+/// The plugin's distribution along the fibre: it sums the first terms of I₀ below 12 and has a coarse
+/// form above, both up to 0.5 % low. Compared without that, nothing else could hide.
 fn plugin_along(v: f64, sin_eye: f64, cos_eye: f64, sin_light: f64, cos_light: f64) -> f64 {
-    let (a, b) = (cos_eye * cos_light / v, sin_eye * sin_light / v);
-    let mut term = 1.0;
-    let mut series = 1.0;
-    for i in 1..10 {
-        term *= (0.5 * a / f64::from(i)).powi(2);
-        series += term;
-    }
-    let log = if a > 12.0 { a + 0.5 * (-(std::f64::consts::TAU).ln() - a.ln() + 1.0 / (8.0 * a)) } else { series.ln() };
-    if v <= 0.1 {
-        (log - b - 1.0 / v + 0.6931 + (0.5 / v).ln()).exp()
+    let a = cos_eye * cos_light / v;
+    let series = if a > 12.0 {
+        (0.5 / (8.0 * a)).exp() / (std::f64::consts::TAU * a).sqrt()
     } else {
-        (-b).exp() * log.exp() / ((1.0 / v).sinh() * 2.0 * v)
-    }
+        let term = |i: i32| (1..=i).map(|k| (0.5 * a / f64::from(k)).powi(2)).product::<f64>();
+        (-a).exp() * (0..=10).map(term).sum::<f64>()
+    };
+    bsdf::along(v, sin_eye, cos_eye, sin_light, cos_light) * series / bsdf::scaled_bessel(a)
 }
 
 /// The largest and the mean difference between the near field and Mitsuba's table, relative to the
@@ -87,10 +82,10 @@ fn mitsuba_agrees() {
     let shape = FiberShape::default();
     let [worst, mean] = table_error(&json, &shape, plugin_along);
     println!("with the plugin's Bessel function: worst {worst:.2e}, mean {mean:.2e}");
-    assert!(worst < 2e-3 && mean < 1e-4);
+    assert!(worst < 1.5e-3 && mean < 1e-4);
     let [worst, mean] = table_error(&json, &shape, bsdf::along);
     println!("with the function itself: worst {worst:.2e}, mean {mean:.2e}");
-    assert!(worst < 0.03 && mean < 5e-3);
+    assert!(worst < 6e-3 && mean < 5e-4);
     // What is wrong is seen.
     for wrong in [
         FiberShape { tilt: -shape.tilt, ..shape },
@@ -99,7 +94,7 @@ fn mitsuba_agrees() {
         FiberShape { longitudinal: 0.31, ..shape },
     ] {
         let [worst, mean] = table_error(&json, &wrong, plugin_along);
-        assert!(worst > 0.02 && mean > 1e-3, "{wrong:?} {worst} {mean}");
+        assert!(worst > 0.02 && mean > 2e-3, "{wrong:?} {worst} {mean}");
     }
 }
 
@@ -136,7 +131,8 @@ fn on_gpu(gpu: &Gpu, view: &View1, material: FiberMaterial) -> Vec<Vec3> {
             [0.0, 1e-5].map(|y| StrandVertex { position: at(y), tangent })
         })
         .collect();
-    let stage = DrawStage::new(device, &DrawOptions { samples: 1, shadow_resolution: 64, ..Default::default() });
+    let stage =
+        DrawStage::new(device, &DrawOptions { samples: 1, shadow_resolution: 64, ..Default::default() });
     let strands = StrandBuffers::new(device, count, 2).expect("fits");
     queue.write_buffer(&strands.vertices, 0, bytemuck::cast_slice(&vertices));
     let info = vec![Strand { radius: 1e-4, seed: 7, root_color: 0, tip_color: 0 }; count as usize];
@@ -180,7 +176,11 @@ fn gpu_and_twin_agree() {
     let Some(gpu) = common::gpu() else { return };
     for (shape, sigma, theta) in [
         (FiberShape::default(), bsdf::melanin(1.3, 0.2), 0.2_f32),
-        (FiberShape { longitudinal: 0.15, azimuthal: 0.4, ..Default::default() }, bsdf::melanin(0.25, 0.05), -0.9),
+        (
+            FiberShape { longitudinal: 0.15, azimuthal: 0.4, ..Default::default() },
+            bsdf::melanin(0.25, 0.05),
+            -0.9,
+        ),
         (FiberShape::default(), bsdf::melanin(6.0, 0.3), 0.0),
     ] {
         let view = View1::new(theta, 700);

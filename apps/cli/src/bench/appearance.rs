@@ -8,7 +8,7 @@ use crate::{
 };
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
-use tresses::light::ShadingRate;
+use tresses::light::{ShadingModel, ShadingRate};
 
 use super::report::Run;
 use serde::Serialize;
@@ -57,6 +57,11 @@ pub fn variants() -> Vec<Variant> {
     vec![
         shading("per strand vertex", |_| {}),
         shading("per pixel", |scene| scene.look_mut().shading = ShadingRate::PerPixel),
+        shading("fibre, per strand vertex", |scene| scene.look_mut().hair.model = ShadingModel::Fiber),
+        shading("fibre, per pixel", |scene| {
+            let look = scene.look_mut();
+            (look.hair.model, look.shading) = (ShadingModel::Fiber, ShadingRate::PerPixel);
+        }),
         samples("4×MSAA", 4, 1),
         samples("1 sample", 1, 1),
         samples("8×MSAA", 8, 1),

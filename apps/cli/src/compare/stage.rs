@@ -4,7 +4,7 @@ use super::{
     metrics::Linear,
     scenes::{Folders, Groom as Description, Radius, Scenes, View},
 };
-use crate::{camera, picture::Picture};
+use crate::{camera, picture::Picture, shading_args::ShadingArgs};
 use anyhow::{Context, Result, ensure};
 use half::f16;
 use tresses::{
@@ -95,8 +95,14 @@ impl Stage {
     }
 
     /// The picture as the reference's PNG files are made, and the radiance before black.
-    pub fn draw(&mut self, view: &View<'_>, scenes: &Scenes) -> Result<(Picture, Linear)> {
+    pub fn draw(
+        &mut self,
+        view: &View<'_>,
+        scenes: &Scenes,
+        shading: &ShadingArgs,
+    ) -> Result<(Picture, Linear)> {
         let mut scene = self.scene(view, scenes)?;
+        shading.apply(&mut scene.hair, &mut scene.shading);
         let shown = self.pixels(&scene)?;
         scene.background = Background::flat(Vec3::ZERO);
         scene.tone = ToneMap { exposure: DIM, shoulder: 0.99, desaturation: 0.0 };

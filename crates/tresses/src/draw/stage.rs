@@ -118,7 +118,13 @@ impl DrawStage {
         Self {
             shade: Shade::new(device, &fiber_layout),
             present: Present::new(device, options.samples, options.output),
-            body: pipeline("draw::body", "body_vertex", "body_fragment", &[Some(&body_layout)], &[Some(Body::LAYOUT)]),
+            body: pipeline(
+                "draw::body",
+                "body_vertex",
+                "body_fragment",
+                &[Some(&body_layout)],
+                &[Some(Body::LAYOUT)],
+            ),
             hair_per_vertex: pipeline("draw::hair", "hair_shaded", shaded, &hair_groups, &[]),
             hair_per_pixel: pipeline("draw::hair", "hair_raw", raw, &hair_groups, &[]),
             shadow_maps,

@@ -109,7 +109,8 @@ impl FarField {
         for u in 0..HUES {
             let sigma = -2.0 * (f64::from(u) / f64::from(HUES - 1)).max(1e-6).ln();
             for c in 0..COSINES {
-                let share = entries().map(|(h, w)| w * shape.attenuations(h, cosine(c), sigma)[3]).sum::<f64>();
+                let share =
+                    entries().map(|(h, w)| w * shape.attenuations(h, cosine(c), sigma)[3]).sum::<f64>();
                 rest.push(share as f32);
             }
         }
@@ -221,7 +222,8 @@ mod tests {
             for sigma in [0.0, 0.1, 0.6, 2.0, 4.0] {
                 for k in 0..40 {
                     let (phi, cos) = (0.0785 * f64::from(k), 0.25 + 0.0181 * f64::from(k));
-                    let tabled = FarField::around(&far.direct, phi, cos).densities(sigma, far.rest(sigma, cos));
+                    let tabled =
+                        FarField::around(&far.direct, phi, cos).densities(sigma, far.rest(sigma, cos));
                     let exact: f64 = entries()
                         .flat_map(|(h, w)| [(h, w), (-h, w)])
                         .map(|(h, w)| {

@@ -123,12 +123,20 @@ mod tests {
     /// The formulas at values worked out by hand.
     #[test]
     fn zinkes_formulas() {
-        let m = Mean::new([0.0, 0.5, 0.0, 0.0], [0.2, 0.0, 0.0, 0.0], [0.09, 0.04, 0.0, 0.0], [-0.1, 0.05, 0.0, 0.0], 0.7, 0.0);
+        let m = Mean::new(
+            [0.0, 0.5, 0.0, 0.0],
+            [0.2, 0.0, 0.0, 0.0],
+            [0.09, 0.04, 0.0, 0.0],
+            [-0.1, 0.05, 0.0, 0.0],
+            0.7,
+            0.0,
+        );
         let local = 0.2 * 0.25 / 0.75 + 0.008 * 0.25 / 0.421_875;
         assert!((m.local - local).abs() < 1e-6);
         let turn = -0.1 * (1.0 - 2.0 * 0.04 / 0.5625) + 0.05 * (2.0 * 0.5625 + 4.0 * 0.25 * 0.04) / 0.421_875;
         assert!((m.local_turn - turn).abs() < 1e-6);
-        let deviation = 1.175 * (0.2 * 0.17_f32.sqrt() + 0.008 * 0.35_f32.sqrt()) / (0.2 + 0.008 * (0.4 + 0.9));
+        let deviation =
+            1.175 * (0.2 * 0.17_f32.sqrt() + 0.008 * 0.35_f32.sqrt()) / (0.2 + 0.008 * (0.4 + 0.9));
         assert!((m.local_variance - deviation * deviation).abs() < 1e-5);
     }
 }
