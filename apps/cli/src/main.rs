@@ -18,6 +18,7 @@ mod picture;
 mod progress;
 mod render;
 mod scene;
+mod shadow_args;
 mod wind_args;
 
 use clap::Parser;

@@ -11,6 +11,7 @@ use crate::{
     picture::{Kind, Output},
     progress, say,
     scene::{Quality, Scene},
+    shadow_args::ShadowArgs,
     wind_args::WindArgs,
 };
 use anyhow::{Result, ensure};
@@ -57,6 +58,8 @@ pub struct Args {
     #[arg(long, value_name = "MODE", value_enum, default_value_t, help_heading = "Simulation")]
     pub avoid: Avoid,
     #[command(flatten)]
+    pub shadows: ShadowArgs,
+    #[command(flatten)]
     pub debug: debug::DebugArgs,
 }
 
@@ -82,7 +85,12 @@ pub fn run(args: &Args) -> Result<()> {
     args.wind.apply(&mut physics);
     args.debug.check(&physics)?;
     let start = progress::spinner("preparing");
-    let mut scene = Scene::open(&args.source, Quality::new(args.size, args.samples))?;
+    let quality = Quality {
+        shadow_resolution: args.shadows.resolution(),
+        ..Quality::new(args.size, args.samples)
+    };
+    let mut scene = Scene::open(&args.source, quality)?;
+    scene.set_shadows(args.shadows.shadows());
     *scene.physics_mut() = physics;
     scene.set_avoid(args.avoid);
     scene.show(&args.debug);

@@ -19,7 +19,7 @@ use tresses::{
     glam::Vec3,
     gpu::{Gpu, Timings},
     groom::{SdfGrid, TriMesh},
-    light::{HairMaterial, Lights, Sphere},
+    light::{HairMaterial, Lights, ShadingRate, Shadows, Sphere},
     simulate::SimulationParams,
 };
 
@@ -34,12 +34,14 @@ pub struct Quality {
     pub at_most: bool,
     /// Pixels drawn per pixel shown, along each axis.
     pub ssaa: u32,
+    /// Texels along each edge of a shadow map.
+    pub shadow_resolution: u32,
 }
 
 impl Quality {
     /// One pixel drawn per pixel shown, exactly as many samples as given.
     pub fn new(size: Size, samples: Option<u32>) -> Self {
-        Self { size, samples, at_most: false, ssaa: 1 }
+        Self { size, samples, at_most: false, ssaa: 1, shadow_resolution: 1024 }
     }
 }
 
@@ -92,7 +94,7 @@ impl Scene {
             gpu.info.name
         );
         let samples = samples.min(most);
-        let renderer = HairRenderer::new(device, &DrawOptions { samples, ..Default::default() });
+        let renderer = HairRenderer::new(device, &DrawOptions { samples, shadow_resolution: quality.shadow_resolution, ..Default::default() });
         let character = load::load(source, &gpu, &renderer.simulate)?;
         for note in &character.notes {
             eprintln!("note: {note}");
@@ -203,6 +205,14 @@ impl Scene {
     /// What drawn strands do where they would enter the head, from here on.
     pub fn set_avoid(&mut self, avoid: Avoid) {
         self.hair.avoidance.options.mode = avoid.into();
+    }
+
+    /// How shadows are made, from here on. Where they are looked up for every pixel, hair is shaded so.
+    pub fn set_shadows(&mut self, shadows: Shadows) {
+        self.scene.shadows = shadows;
+        if shadows.per_pixel {
+            self.scene.shading = ShadingRate::PerPixel;
+        }
     }
 
     /// The hair at rest on a head at `pose`.
@@ -319,7 +329,7 @@ impl Scene {
         let set = Some(&hair.set);
         stage("shadow", &mut |encoder| {
             drawing.prepare(queue, scene, targets, set, body);
-            drawing.shadow(encoder, None, set, body);
+            drawing.shadow(encoder, None, scene, set, body);
             Ok(())
         })?;
         stage("shade", &mut |encoder| {
@@ -379,7 +389,7 @@ impl Scene {
         if self.debug.as_ref().is_some_and(Debug::hides_hair) {
             let (stage, scene) = (&self.renderer.draw, &self.scene);
             stage.prepare(queue, scene, targets, None, body);
-            stage.shadow(recorder.encoder, None, None, body);
+            stage.shadow(recorder.encoder, None, scene, None, body);
             stage.draw(recorder.encoder, None, scene, targets, None, body);
             stage.present(device, recorder.encoder, None, targets, targets.picture());
             return;

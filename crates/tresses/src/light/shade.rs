@@ -18,15 +18,18 @@ impl Shade {
         Self(Kernel::new(
             device,
             "light::shade",
-            &[Uniform, Uniform, DepthArray, Comparison, Storage, Uniform, Storage, Storage, StorageMut],
+            &[
+                Uniform, Uniform, DepthArray, Comparison, Storage, Storage, Uniform, Storage, Storage,
+                StorageMut,
+            ],
         ))
     }
 
-    /// `frame` is the first five resources: view, lights and what the shadow maps offer.
+    /// `frame` is the first six resources: view, lights and what the shadow maps offer.
     pub(crate) fn bind(
         &self,
         device: &wgpu::Device,
-        frame: [wgpu::BindingResource<'_>; 5],
+        frame: [wgpu::BindingResource<'_>; 6],
         strands: &StrandBuffers,
         uniform: &wgpu::Buffer,
         shaded: &wgpu::Buffer,
