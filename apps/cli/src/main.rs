@@ -20,6 +20,7 @@ mod progress;
 mod render;
 mod scene;
 mod shading_args;
+mod shadow_args;
 mod wind_args;
 
 use clap::Parser;

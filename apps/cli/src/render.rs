@@ -12,6 +12,7 @@ use crate::{
     progress, say,
     scene::{Quality, Scene},
     shading_args::ShadingArgs,
+    shadow_args::ShadowArgs,
     wind_args::WindArgs,
 };
 use anyhow::{Result, ensure};
@@ -60,6 +61,8 @@ pub struct Args {
     #[command(flatten)]
     pub shading: ShadingArgs,
     #[command(flatten)]
+    pub shadows: ShadowArgs,
+    #[command(flatten)]
     pub debug: debug::DebugArgs,
 }
 
@@ -90,7 +93,10 @@ pub fn run(args: &Args) -> Result<()> {
         "--color and --melanin both say what colour the hair has: give one"
     );
     let start = progress::spinner("preparing");
-    let mut scene = Scene::open(&args.source, Quality::new(args.size, args.samples))?;
+    let quality =
+        Quality { shadow_resolution: args.shadows.resolution(), ..Quality::new(args.size, args.samples) };
+    let mut scene = Scene::open(&args.source, quality)?;
+    scene.set_shadows(args.shadows.shadows());
     *scene.physics_mut() = physics;
     scene.set_avoid(args.avoid);
     let look = scene.look_mut();

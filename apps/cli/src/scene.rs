@@ -20,7 +20,7 @@ use tresses::{
     glam::Vec3,
     gpu::{Gpu, Timings},
     groom::{SdfGrid, TriMesh},
-    light::{Lights, Sphere},
+    light::{Lights, ShadingRate, Shadows, Sphere},
     simulate::SimulationParams,
 };
 
@@ -35,12 +35,14 @@ pub struct Quality {
     pub at_most: bool,
     /// Pixels drawn per pixel shown, along each axis.
     pub ssaa: u32,
+    /// Texels along each edge of a shadow map.
+    pub shadow_resolution: u32,
 }
 
 impl Quality {
     /// One pixel drawn per pixel shown, exactly as many samples as given.
     pub fn new(size: Size, samples: Option<u32>) -> Self {
-        Self { size, samples, at_most: false, ssaa: 1 }
+        Self { size, samples, at_most: false, ssaa: 1, shadow_resolution: 1024 }
     }
 }
 
@@ -93,7 +95,10 @@ impl Scene {
             gpu.info.name
         );
         let samples = samples.min(most);
-        let renderer = HairRenderer::new(device, &DrawOptions { samples, ..Default::default() });
+        let renderer = HairRenderer::new(
+            device,
+            &DrawOptions { samples, shadow_resolution: quality.shadow_resolution, ..Default::default() },
+        );
         let character = load::load(source, &gpu, &renderer.simulate)?;
         for note in &character.notes {
             eprintln!("note: {note}");
@@ -211,6 +216,14 @@ impl Scene {
         self.hair.avoidance.options.mode = avoid.into();
     }
 
+    /// How shadows are made, from here on. Where they are looked up for every pixel, hair is shaded so.
+    pub fn set_shadows(&mut self, shadows: Shadows) {
+        self.scene.shadows = shadows;
+        if shadows.per_pixel {
+            self.scene.shading = ShadingRate::PerPixel;
+        }
+    }
+
     /// The hair at rest on a head at `pose`.
     pub fn reset(&mut self, pose: &Pose) -> Result<()> {
         self.hair.reset();
@@ -325,7 +338,7 @@ impl Scene {
         let set = Some(&hair.set);
         stage("shadow", &mut |encoder| {
             drawing.prepare(queue, scene, targets, set, body);
-            drawing.shadow(encoder, None, set, body);
+            drawing.shadow(encoder, None, scene, set, body);
             Ok(())
         })?;
         stage("shade", &mut |encoder| {
@@ -385,7 +398,7 @@ impl Scene {
         if self.debug.as_ref().is_some_and(Debug::hides_hair) {
             let (stage, scene) = (&self.renderer.draw, &self.scene);
             stage.prepare(queue, scene, targets, None, body);
-            stage.shadow(recorder.encoder, None, None, body);
+            stage.shadow(recorder.encoder, None, scene, None, body);
             stage.draw(recorder.encoder, None, scene, targets, None, body);
             stage.present(device, recorder.encoder, None, targets, targets.picture());
             return;

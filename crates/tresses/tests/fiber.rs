@@ -8,7 +8,7 @@ use tresses::{
     glam::{DVec3, Mat3, Vec3},
     gpu::{Gpu, readback},
     light::{
-        FiberMaterial, HairMaterial, Lights, ShadingModel, Sphere,
+        Directional, FiberMaterial, HairMaterial, Lights, MAX_LIGHTS, ShadingModel, Sky, Sphere,
         fiber::{FarField, FiberShape, bsdf},
     },
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
@@ -139,11 +139,9 @@ fn on_gpu(gpu: &Gpu, view: &View1, material: FiberMaterial) -> Vec<Vec3> {
     queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&info));
     let hair = HairSet::new(device, &stage, &strands).expect("fits");
     let targets = Targets::new(device, 16, 16, 1, 1).expect("fits");
-    let mut lights = Lights::default();
-    lights.key.direction = to_light;
-    lights.key.irradiance = Vec3::ONE;
-    lights.rim.irradiance = Vec3::ZERO;
-    (lights.sky.zenith, lights.sky.horizon, lights.sky.ground) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
+    let black = Sky { zenith: Vec3::ZERO, horizon: Vec3::ZERO, ground: Vec3::ZERO };
+    let mut lights = Lights { directional: [Directional::OFF; MAX_LIGHTS], sky: black };
+    lights.directional[0] = Directional { direction: to_light, irradiance: Vec3::ONE };
     let scene = Scene {
         view: View::look_at(Vec3::ZERO, Vec3::Z, 1.0, [16, 16]),
         focus: Sphere { center: Vec3::ZERO, radius: 3.0 },

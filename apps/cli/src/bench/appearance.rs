@@ -42,7 +42,7 @@ pub struct Look {
 }
 
 fn quality(samples: u32, ssaa: u32) -> Quality {
-    Quality { size: SIZE, samples: Some(samples), at_most: true, ssaa }
+    Quality { at_most: true, ssaa, ..Quality::new(SIZE, Some(samples)) }
 }
 
 /// All that are measured, topic by topic; the first of a topic is the default.

@@ -42,7 +42,7 @@ pub struct Workload {
 }
 
 fn quality(size: Size, samples: u32, ssaa: u32) -> Quality {
-    Quality { size, samples: Some(samples), at_most: true, ssaa }
+    Quality { at_most: true, ssaa, ..Quality::new(size, Some(samples)) }
 }
 
 fn style(strands: Option<u32>) -> Source {

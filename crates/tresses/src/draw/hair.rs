@@ -65,7 +65,6 @@ pub struct HairSet {
     pub(crate) fiber: FiberTables,
     pub(crate) shade_group: wgpu::BindGroup,
     pub(crate) splat_group: wgpu::BindGroup,
-    pub(crate) block_group: wgpu::BindGroup,
 }
 
 impl HairSet {
@@ -97,7 +96,6 @@ impl HairSet {
             strips: Chunks::new(device, count, &strip, 2 * vertex_count.max(1)),
             splat: [stride, last.div_ceil(stride)],
             fiber: FiberTables::new(device, stage.fiber_layout()),
-            block_group: stage.bind_blocks(device),
             splat_group: stage.bind_splat(device, &uniform, strands),
             group: stage.bind_hair(device, &uniform, strands, &shaded),
             shade_group: stage.bind_shade(device, &uniform, strands, &shaded),
@@ -106,8 +104,8 @@ impl HairSet {
         })
     }
 
-    /// What `light::shade` wrote: four half floats per strand vertex, radiance (or the three
-    /// transmittances) and the radius in millimetres.
+    /// What `light::shade` wrote: four half floats per strand vertex, radiance and the radius in
+    /// millimetres, or, when pixels are shaded, eight bytes of what arrives of the light.
     pub fn shaded(&self) -> &wgpu::Buffer {
         &self.shaded
     }

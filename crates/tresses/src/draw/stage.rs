@@ -22,7 +22,8 @@ use crate::{
 pub struct DrawOptions {
     /// Samples per pixel: 1, 4, 8 or 16, as the adapter offers.
     pub samples: u32,
-    /// Texels along each edge of a shadow map.
+    /// Texels along each edge of a shadow map, brought into 8 to 2048; of a deep opacity map a third, or fewer where shadows
+    /// are to be soft. Five maps take 45 bytes per texel ([`DrawStage::shadow_bytes`]).
     pub shadow_resolution: u32,
     /// Format of what `present` writes to.
     pub output: wgpu::TextureFormat,
@@ -68,8 +69,8 @@ impl DrawStage {
         let body_layout = layout(device, "body", both, &[Uniform]);
         let fiber_layout = FiberTables::layout(device);
         let shadow_maps = ShadowMaps::new(device, options.shadow_resolution, &body_layout);
-        let [maps, comparison, nearest, blocks] = shadow_maps.resources();
-        let frame = [view.as_entire_binding(), lights.as_entire_binding(), maps, comparison, nearest, blocks];
+        let [maps, comparison, hair, blocks] = shadow_maps.resources();
+        let frame = [view.as_entire_binding(), lights.as_entire_binding(), maps, comparison, hair, blocks];
         let frame_group = group(device, "frame", &frame_layout, &frame);
         let pipeline = |module: &'static str, vertex: &str, fragment: &str, geometry: &[_], buffers: &[_]| {
             let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -172,13 +173,9 @@ impl DrawStage {
         strands: &StrandBuffers,
         shaded: &wgpu::Buffer,
     ) -> wgpu::BindGroup {
-        let [maps, comparison, nearest, _] = self.shadow_maps.resources();
+        let [maps, comparison, hair, blocks] = self.shadow_maps.resources();
         let (view, lights) = (self.view.as_entire_binding(), self.lights.as_entire_binding());
-        self.shade.bind(device, [view, lights, maps, comparison, nearest], strands, uniform, shaded)
-    }
-
-    pub(crate) fn bind_blocks(&self, device: &wgpu::Device) -> wgpu::BindGroup {
-        self.shadow_maps.bind_blocks(device, &self.lights)
+        self.shade.bind(device, [view, lights, maps, comparison, hair, blocks], strands, uniform, shaded)
     }
 
     pub(crate) fn bind_splat(
@@ -223,15 +220,21 @@ impl DrawStage {
         }
     }
 
-    /// Records the shadow maps.
+    /// Records the shadow maps of the lights of `scene` that are on.
     pub fn shadow(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         timings: Option<&mut Timings>,
+        scene: &Scene,
         hair: Option<&HairSet>,
         body: Option<&Body>,
     ) {
-        self.shadow_maps.record(encoder, timings, hair, body);
+        self.shadow_maps.record(encoder, timings, scene, hair, body);
+    }
+
+    /// Bytes of GPU memory of the shadow maps.
+    pub fn shadow_bytes(&self) -> u64 {
+        self.shadow_maps.bytes()
     }
 
     /// Records the shading of strand vertices.

@@ -115,16 +115,15 @@ pub struct HairMaterial {
     pub shift_spread: f32,
     /// Noise of the shifts along a strand and per pixel.
     pub shift_noise: f32,
-    /// How much light is lost per metre of hair it passes, 1/m: the product of density and
-    /// absorption in the shadow.
-    pub absorption: f32,
+    /// The share of the light that each fibre on its way takes: hair in shadow gets `exp(-opacity n)`
+    /// behind `n` fibres. Less than what one fibre takes in truth, since most of that is passed on.
+    pub opacity: f32,
     /// How much more the colours that the hair itself has less of are lost on that way.
     pub saturation: f32,
     /// The least width that is drawn, pixels; thinner hair is drawn this wide and as much sparser.
     pub min_width: f32,
-    /// Which model shades it. `file_colors`, `warmth_spread`, `absorption` (as the fibres that a metre
-    /// of hair hides behind) and `min_width` mean the same for both, the rest above is
-    /// [`ShadingModel::KajiyaKay`]'s.
+    /// Which model shades it. `file_colors`, `warmth_spread` and `min_width` mean the same for both, the
+    /// rest above is [`ShadingModel::KajiyaKay`]'s.
     pub model: ShadingModel,
     /// The look under [`ShadingModel::Fiber`].
     pub fiber: FiberMaterial,
@@ -162,7 +161,7 @@ impl HairMaterial {
             primary: 1.0,
             secondary: 1.4,
             transmission: 1.9,
-            absorption: 65.0,
+            opacity: 0.1625,
             secondary_color: Vec3::new(0.80, 0.62, 0.36),
             fiber: FiberMaterial::natural(melanin(0.25, 0.05)),
             ..Self::colored(Vec3::new(0.36, 0.235, 0.12))
@@ -183,7 +182,7 @@ impl HairMaterial {
         Self {
             primary: 0.8,
             secondary: 1.0,
-            absorption: 80.0,
+            opacity: 0.2,
             secondary_color: Vec3::new(0.55, 0.27, 0.05),
             fiber: FiberMaterial::natural(melanin(0.12, 1.5)),
             ..Self::colored(Vec3::new(0.19, 0.078, 0.026))
@@ -196,7 +195,7 @@ impl HairMaterial {
             primary: 1.1,
             secondary: 0.5,
             transmission: 0.2,
-            absorption: 140.0,
+            opacity: 0.35,
             fiber: FiberMaterial::natural(melanin(6.0, 0.3)),
             ..Self::colored(Vec3::new(0.012, 0.010, 0.009))
         }
@@ -225,7 +224,7 @@ impl HairMaterial {
             transmission_exponent: 40.0,
             shift_spread: 0.12,
             shift_noise: 0.05,
-            absorption: 120.0 - 75.0 * lightness,
+            opacity: 0.3 - 0.19 * lightness,
             saturation: 0.8,
             min_width: 1.0,
             model: ShadingModel::default(),
@@ -262,7 +261,7 @@ impl HairMaterial {
             transmission_exponent: self.transmission_exponent.max(1.0),
             shift_spread: self.shift_spread,
             shift_noise: self.shift_noise,
-            absorption: self.absorption.max(0.0),
+            opacity: self.opacity.max(0.0),
             saturation: self.saturation,
             min_width: self.min_width.max(0.0),
             file_colors: u32::from(self.file_colors),
@@ -314,7 +313,7 @@ pub struct HairUniform {
     pub transmission_exponent: f32,
     pub shift_spread: f32,
     pub shift_noise: f32,
-    pub absorption: f32,
+    pub opacity: f32,
     pub saturation: f32,
     pub min_width: f32,
     pub file_colors: u32,
@@ -322,7 +321,7 @@ pub struct HairUniform {
     pub count: u32,
     /// Vertices per strand.
     pub vertex_count: u32,
-    /// Whether `light::shade` writes radiance (1) or transmittances (0).
+    /// Whether `light::shade` writes radiance (1) or the light that arrives (0).
     pub per_vertex: u32,
     /// Every how manyth vertex the shadow maps get.
     pub splat_stride: u32,

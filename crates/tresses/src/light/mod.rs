@@ -30,8 +30,10 @@ pub mod lights;
 pub mod material;
 pub mod shade;
 pub mod shadow;
+pub mod shadows;
 
-pub use lights::{Directional, Lights, Shadows, Sky, Sphere};
+pub use lights::{Directional, Lights, MAX_LIGHTS, Sky, Sphere};
 pub use material::{FiberMaterial, HairMaterial, ShadingModel, ShadingRate};
 pub use shade::Shade;
 pub use shadow::ShadowMaps;
+pub use shadows::{ShadowMethod, Shadows};

@@ -28,17 +28,20 @@ impl Shade {
             kernel: Kernel::beside(
                 device,
                 "light::shade",
-                &[Uniform, Uniform, DepthArray, Comparison, Storage, Uniform, Storage, Storage, StorageMut],
+                &[
+                    Uniform, Uniform, DepthArray, Comparison, Storage, Storage, Uniform, Storage, Storage,
+                    StorageMut,
+                ],
                 &[&nothing, fiber],
             ),
         }
     }
 
-    /// `frame` is the first five resources: view, lights and what the shadow maps offer.
+    /// `frame` is the first six resources: view, lights and what the shadow maps offer.
     pub(crate) fn bind(
         &self,
         device: &wgpu::Device,
-        frame: [wgpu::BindingResource<'_>; 5],
+        frame: [wgpu::BindingResource<'_>; 6],
         strands: &StrandBuffers,
         uniform: &wgpu::Buffer,
         shaded: &wgpu::Buffer,
