@@ -156,7 +156,7 @@ fn on_gpu(gpu: &Gpu, view: &View1, material: FiberMaterial) -> Vec<Vec3> {
     };
     let mut encoder = device.create_command_encoder(&Default::default());
     stage.prepare(queue, &scene, &targets, Some(&hair), None);
-    stage.shadow(&mut encoder, None, None, None);
+    stage.shadow(&mut encoder, None, &scene, None, None);
     stage.shade(&mut encoder, None, &hair);
     queue.submit([encoder.finish()]);
     let shaded: Vec<[u32; 2]> = readback::buffer(device, queue, hair.shaded()).expect("read back");
