@@ -5,6 +5,7 @@ use crate::{
     avoid_args::Avoid,
     camera::{Camera, View},
     debug,
+    environment_args::EnvironmentArgs,
     hair_hair_args::HairHairArgs,
     interrupt,
     motion::Motion,
@@ -61,6 +62,8 @@ pub struct Args {
     #[command(flatten)]
     pub shading: ShadingArgs,
     #[command(flatten)]
+    pub environment: EnvironmentArgs,
+    #[command(flatten)]
     pub shadows: ShadowArgs,
     #[command(flatten)]
     pub debug: debug::DebugArgs,
@@ -92,6 +95,7 @@ pub fn run(args: &Args) -> Result<()> {
         args.source.color.is_none() || args.shading.melanin.is_none(),
         "--color and --melanin both say what colour the hair has: give one"
     );
+    let lights = args.environment.lights()?;
     let start = progress::spinner("preparing");
     let quality =
         Quality { shadow_resolution: args.shadows.resolution(), ..Quality::new(args.size, args.samples) };
@@ -99,6 +103,7 @@ pub fn run(args: &Args) -> Result<()> {
     scene.set_shadows(args.shadows.shadows());
     *scene.physics_mut() = physics;
     scene.set_avoid(args.avoid);
+    scene.set_lights(lights);
     let look = scene.look_mut();
     args.shading.apply(&mut look.hair, &mut look.shading);
     scene.show(&args.debug);

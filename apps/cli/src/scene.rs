@@ -71,6 +71,8 @@ pub struct Scene {
     /// From timestamps where there are some that mean something, else by the clock.
     timings: Timings,
     scene: draw::Scene,
+    /// Lights that stay where they are, instead of the photographer's.
+    lights: Option<Lights>,
     physics: SimulationParams,
     colliders: Colliders,
     /// Seconds since the hair was put to rest.
@@ -146,6 +148,7 @@ impl Scene {
             targets,
             timings,
             scene,
+            lights: None,
             physics: options.simulation,
             colliders,
             time: 0.0,
@@ -171,6 +174,11 @@ impl Scene {
     /// Camera-independent looks of the next pictures; the lights go with the camera.
     pub fn look_mut(&mut self) -> &mut draw::Scene {
         &mut self.scene
+    }
+
+    /// Lights that stay where they are; `None` for a photographer's, which go with the camera.
+    pub fn set_lights(&mut self, lights: Option<Lights>) {
+        self.lights = lights;
     }
 
     /// What a portrait must show, metres.
@@ -362,11 +370,11 @@ impl Scene {
         Ok(rows)
     }
 
-    /// Camera and lights: these go with it, as a photographer's do.
+    /// Camera and lights: these go with it, as a photographer's do, unless there are others.
     fn look_from(&mut self, camera: &Camera) {
         self.scene.view = View::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, self.targets.size);
         let back = camera.eye - camera.target;
-        self.scene.lights = Lights::around(back.x.atan2(back.z));
+        self.scene.lights = self.lights.unwrap_or_else(|| Lights::around(back.x.atan2(back.z)));
     }
 
     fn record_advance(

@@ -18,13 +18,17 @@
 //! unless pixels are to be shaded, the whole radiance. Both are interpolated along the strand,
 //! which hides the texels of the maps. Eight bytes per vertex.
 //!
-//! **Shading** (`shading.wesl`): Kajiya and Kay's fibre with two highlights whose tangents are
-//! shifted per lock and per strand, sharp glints in the first, a lobe of light that shines through from behind, and the sky. Functions of
-//! tangent, light, eye and strand only, so that a kernel and a fragment shader share them.
+//! **Shading** (`shading.wesl`): two models, chosen by [`ShadingModel`], from the same fibre, eye, light and
+//! count of fibres, so that a kernel and a fragment shader share them. *Fiber* refracts, absorbs and
+//! scatters: see [`fiber`]. *Kajiya and Kay* is set by eye: two highlights whose tangents are shifted per
+//! lock and per strand, sharp glints in the first, a lobe of light that shines through from behind.
 //!
-//! Not taken: deep opacity maps (a chapter of their own; the seam is `hair_transmittance`), dual
-//! scattering (needs a count of fibres, not a way through them).
+//! **Surroundings** ([`Environment`], [`Sky`]): three colours by elevation, or a picture as spherical
+//! harmonics; its small bright parts become directional lights, with shadows.
+//!
+//! Not taken: deep opacity maps (a chapter of their own; the seam is `hair_transmittance`).
 
+pub mod environment;
 pub mod fiber;
 pub mod lights;
 pub mod material;
@@ -32,6 +36,7 @@ pub mod shade;
 pub mod shadow;
 pub mod shadows;
 
+pub use environment::Environment;
 pub use lights::{Directional, Lights, MAX_LIGHTS, Sky, Sphere};
 pub use material::{FiberMaterial, HairMaterial, ShadingModel, ShadingRate};
 pub use shade::Shade;
