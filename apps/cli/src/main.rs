@@ -8,6 +8,7 @@ mod colliders;
 mod convert;
 mod debug;
 mod demo;
+mod edge_args;
 mod hair_hair_args;
 mod info;
 mod interrupt;
