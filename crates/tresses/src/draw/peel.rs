@@ -37,7 +37,7 @@ impl Peel {
     ) -> Self {
         use wgpu::{BlendFactor as Factor, CompareFunction::Greater};
         let fragment = wgpu::ShaderStages::FRAGMENT;
-        let peel_layout = layout(device, "peel", fragment, &[Binding::Depth, Binding::Uniform]);
+        let peel_layout = layout(device, "peel", fragment, &[Binding::Depth]);
         let under_layout = layout(device, "under", fragment, &[Binding::Texture2d]);
         let pass = |kind: &str, write, targets: &[_]| {
             ByRate::new(|rate| {
@@ -197,7 +197,6 @@ impl Layers {
     pub fn new(
         device: &wgpu::Device,
         peel: &Peel,
-        present: &wgpu::Buffer,
         texture: impl Fn(TextureKind) -> wgpu::Texture,
     ) -> Self {
         use wgpu::{BindingResource::TextureView, TextureUsages as Usages};
@@ -209,8 +208,7 @@ impl Layers {
         let depth_views = [view(&depths[0]), view(&depths[1])];
         let layer = color("layer", HDR_FORMAT);
         let behind = [0, 1].map(|i| {
-            let resources = [TextureView(&depth_views[i]), present.as_entire_binding()];
-            group(device, "peel", &peel.peel_layout, &resources)
+            group(device, "peel", &peel.peel_layout, &[TextureView(&depth_views[i])])
         });
         Self {
             front: color("layers", HDR_FORMAT),

@@ -166,7 +166,7 @@ impl DrawStage {
         body: Option<&Body>,
     ) {
         let write = |buffer, bytes: &[u8]| queue.write_buffer(buffer, 0, bytes);
-        let view = scene.view.uniform(targets.samples, targets.ssaa);
+        let view = scene.view.uniform(targets.samples, targets.ssaa, &scene.tone);
         let lights = scene.lights.uniform(&scene.shadows, &scene.focus, self.shadow_maps.resolution);
         write(&self.view, bytemuck::bytes_of(&view));
         write(&self.lights, bytemuck::bytes_of(&lights));
@@ -207,7 +207,7 @@ impl DrawStage {
         let targets = Targets::new(device, width, height, self.samples, ssaa)?;
         Ok(match &self.strips {
             Strips::Peeled(peel) => targets.with_layers(device, |texture| {
-                Layers::new(device, peel, self.present.uniform(), texture)
+                Layers::new(device, peel, texture)
             }),
             _ => targets,
         })

@@ -120,10 +120,6 @@ impl Present {
         Self { pipeline, layout, uniform, encode: !format.is_srgb() }
     }
 
-    pub(crate) fn uniform(&self) -> &wgpu::Buffer {
-        &self.uniform
-    }
-
     pub(crate) fn prepare(&self, queue: &wgpu::Queue, scene: &Scene, targets: &Targets) {
         let uniform = PresentUniform {
             background: scene.background,
