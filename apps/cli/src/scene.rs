@@ -101,7 +101,10 @@ impl Scene {
             Some(path) => Colliders::read(path)?,
             None => Colliders::default(),
         };
-        Self::new(character, colliders, source.color.as_ref(), gpu, renderer, (quality, samples))
+        let mut scene =
+            Self::new(character, colliders, source.color.as_ref(), gpu, renderer, (quality, samples))?;
+        source.shape.apply_to_material(&mut scene.scene.hair);
+        Ok(scene)
     }
 
     fn new(

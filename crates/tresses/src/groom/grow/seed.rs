@@ -23,6 +23,8 @@ pub(crate) struct Seed {
     pub(crate) fraction: f32,
     /// Width against the usual one.
     pub(crate) thickness: f32,
+    /// A further factor of it, painted.
+    pub(crate) painted: f32,
 }
 
 /// Distance from the whorl below which strands follow one guide, metres.
@@ -47,8 +49,8 @@ pub(crate) fn seeds(
     let mut seeds = Vec::with_capacity(total);
     let mut left = [clumps, multis];
     for i in 0..(total as u64 + 1000) * PATIENCE {
-        if seeds.len() == total {
-            return Ok(seeds);
+        if left == [0, 0] {
+            break;
         }
         let Ok(i) = u32::try_from(i) else { break };
         let mut rng = Rng::new(growth.seed ^ 0x77, i);
@@ -86,6 +88,8 @@ pub(crate) fn seeds(
         let bound = if single { scaffold.single(root) } else { scaffold.blend(root) };
         let Some(bound) = bound else { continue };
         left[usize::from(!clump)] -= 1;
+        let fraction = fraction(growth, edge, &mut rng);
+        let Some([length, width]) = growth.paint.strand(uv, rng.unit()) else { continue };
         seeds.push(Seed {
             root,
             uv,
@@ -93,15 +97,19 @@ pub(crate) fn seeds(
             side,
             beside,
             clump: single,
-            fraction: fraction(growth, edge, &mut rng),
+            fraction: fraction * length,
+            painted: width,
             thickness: growth
                 .thickness_map
                 .as_ref()
                 .map_or_else(|| 0.55 + 0.45 * smoothstep(0.0, 0.012, edge), |map| map.sample(uv)),
         });
     }
-    if seeds.len() == total {
-        return Ok(seeds);
+    if left == [0, 0] {
+        return match seeds.is_empty() && total > 0 {
+            true => Err(Error::Groom("the maps leave no strand: they are black wherever hair grows".into())),
+            false => Ok(seeds),
+        };
     }
     Err(Error::Parameter {
         name: "number of strands",

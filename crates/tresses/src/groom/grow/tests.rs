@@ -1,4 +1,4 @@
-use super::super::styles::tests::{head, in_face, in_head};
+use super::super::styles().into_iter().filter(|style| !Growth::for_style(style).curls.any())s::tests::{head, in_face, in_head};
 use super::super::styles::{GUIDE_VERTICES, Style, guides};
 use super::*;
 use crate::groom::mannequin;
