@@ -12,7 +12,9 @@
 //! one that runs most as they do, so that no lock has hair from both sides of a parting.
 
 use super::{
-    Groom, bound::BoundStrands, curve,
+    Groom,
+    bound::BoundStrands,
+    curve,
     grow::{Clumps, CurlStrand, Curls, Growth, ScalpMap, Twist, Unrest, frames_from, unrest},
     styles::{
         random::{Rng, smoothstep},
@@ -75,8 +77,10 @@ impl Restyle {
     /// [`Error::Groom`](crate::Error::Groom) where the strands have too few
     /// vertices for the curls: bind with [`BindOptions::strand_vertices`](super::BindOptions) of 64.
     pub fn apply(&self, groom: &mut Groom, skull: Vec3) -> Result<()> {
-        let (clumps, still) =
-            (self.clumps(), Unrest { frizz: 0.0, strays: 0.0, stray: 0.0, flyaways: 0.0, flyaway: 0.0, shorter: 0.0 });
+        let (clumps, still) = (
+            self.clumps(),
+            Unrest { frizz: 0.0, strays: 0.0, stray: 0.0, flyaways: 0.0, flyaway: 0.0, shorter: 0.0 },
+        );
         let unruly = self.unrest.unwrap_or(still);
         // The same ranges as in growth.
         Growth {

@@ -29,12 +29,12 @@ mod triangles;
 mod unrest;
 
 pub(crate) use bind::frames_from;
-pub(crate) use curl::{Strand as CurlStrand, Twist};
 pub use curl::{CurlCurve, Curls};
+pub(crate) use curl::{Strand as CurlStrand, Twist};
 pub use map::ScalpMap;
-pub(crate) use unrest::unrest;
 pub use paint::{ColorMap, Paint};
 pub use params::{Clumps, Growth, Kind, Unrest};
+pub(crate) use unrest::unrest;
 
 use super::styles::random::Rng;
 use super::styles::{Scalp, StyledGuides};
@@ -102,14 +102,19 @@ pub fn grow(styled: &StyledGuides, growth: &Growth, scalp: &dyn Scalp) -> Result
     let mut out = GrownStrands {
         vertex_count: vertices,
         strands: Vec::with_capacity(n),
-        positions: vec![Vec3::ZERO; n * vertices],
+        positions: Vec::with_capacity(n * vertices),
         radii: Vec::with_capacity(n * vertices),
     };
-    for (i, (seed, line)) in seeds.iter().zip(out.positions.chunks_exact_mut(vertices)).enumerate() {
+    let mut line = vec![Vec3::ZERO; vertices];
+    for (i, seed) in seeds.iter().enumerate() {
+        let Some([length, painted]) = seed.paint else { continue };
+        let seed = &seed::Seed { fraction: seed.fraction * length, ..*seed };
         let id = pcg(growth.seed ^ pcg(i as u32 ^ 0x5eed));
         let mut rng = Rng::new(id, 1);
-        let filled = shaper.fill(i, seed, &mut rng, line);
-        let width = seed.thickness * filled.fineness * (1.0 + growth.width_variation * rng.bell().clamp(-2.0, 2.0));
+        let filled = shaper.fill(i, seed, &mut rng, &mut line);
+        out.positions.extend_from_slice(&line);
+        let width =
+            seed.thickness * filled.fineness * (1.0 + growth.width_variation * rng.bell().clamp(-2.0, 2.0));
         let taper = (growth.taper_start + 0.1 * rng.bell()).clamp(0.1, 0.95);
         out.radii.extend((0..vertices).map(|k| {
             let s = k as f32 / (vertices - 1) as f32;
@@ -120,7 +125,7 @@ pub fn grow(styled: &StyledGuides, growth: &Growth, scalp: &dyn Scalp) -> Result
             guides: seed.bound.guides,
             weights: seed.bound.weights,
             scale: [filled.fraction; 3],
-            radius: 0.5 * diameter * width.max(0.2) * seed.painted,
+            radius: 0.5 * diameter * width.max(0.2) * painted,
             seed: id,
             root_uv: seed.uv,
             colors: growth.paint.color.as_ref().map_or([0; 2], |map| map.strand(seed.uv)),

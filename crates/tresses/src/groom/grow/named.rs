@@ -56,7 +56,8 @@ impl ScalpMap {
                 "nape" => smoothstep(-0.1, -0.55, dir.y) * smoothstep(0.1, -0.4, dir.z),
                 "hairline" => {
                     let inside = hairline.as_ref().map_or(0.0, |line| line.inside(Usual.point(dir)));
-                    smoothstep(0.0, 0.035, inside)
+                    // Far from the line its distance is not to be trusted.
+                    smoothstep(0.0, 0.035, inside).max(smoothstep(0.6, 0.85, dir.y))
                 }
                 _ => smoothstep(-0.25, 0.25, noise(dir / PATCH, 0x9015e)),
             };
@@ -82,7 +83,12 @@ mod tests {
             ("nape", Vec3::new(0.0, -0.6, -0.8), Vec3::Y),
             ("hairline", Vec3::Y, Vec3::new(0.0, -0.3, 0.95)),
         ] {
-            assert!(at(name, here) > 0.95 && at(name, there) < 0.05, "{name}");
+            assert!(
+                at(name, here) > 0.95 && at(name, there) < 0.05,
+                "{name} {} {}",
+                at(name, here),
+                at(name, there)
+            );
             let not = format!("not-{name}");
             assert!(at(&not, here) < 0.05 && at(&not, there) > 0.95, "{name}");
         }

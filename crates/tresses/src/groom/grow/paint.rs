@@ -94,7 +94,9 @@ impl Paint {
             let range = strands.range(i);
             // The same vertices over less of the way.
             let places = if length < 1.0 { cut(line, length) } else { (0..n).map(|k| k as f32).collect() };
-            let lerp_at = |x: f32| ((x as usize).min(n.saturating_sub(2)), x - (x as usize).min(n.saturating_sub(2)) as f32);
+            let lerp_at = |x: f32| {
+                ((x as usize).min(n.saturating_sub(2)), x - (x as usize).min(n.saturating_sub(2)) as f32)
+            };
             out.positions.extend(places.iter().map(|x| {
                 let (k, f) = lerp_at(*x);
                 line[k].lerp(line[(k + 1).min(n - 1)], f)
@@ -121,7 +123,9 @@ impl Paint {
             out.tip_pinned.extend(strands.tip_pinned.get(i).map(|pinned| *pinned && length >= 1.0));
         }
         if out.is_empty() {
-            return Err(Error::Groom("the maps leave no strand: they are black wherever hair is rooted".into()));
+            return Err(Error::Groom(
+                "the maps leave no strand: they are black wherever hair is rooted".into(),
+            ));
         }
         Ok(out)
     }
@@ -176,10 +180,10 @@ mod tests {
     #[test]
     fn paint_acts_where_it_is() {
         let strands = ball(4000);
-        let count = |s: &Strands, side: f32| {
-            (0..s.len()).filter(|i| s.strand(*i)[0].x * side > 0.03).count() as f32
-        };
-        let thin = Paint { density: Some(left()), ..Paint::default() }.apply(&strands, Vec3::ZERO, 1).unwrap();
+        let count =
+            |s: &Strands, side: f32| (0..s.len()).filter(|i| s.strand(*i)[0].x * side > 0.03).count() as f32;
+        let thin =
+            Paint { density: Some(left()), ..Paint::default() }.apply(&strands, Vec3::ZERO, 1).unwrap();
         let kept = [1.0, -1.0].map(|side| count(&thin, side) / count(&strands, side));
         let good = |[l, r]: [f32; 2]| l == 1.0 && (r - 0.25).abs() < 0.04;
         assert!(good(kept) && !good([kept[1], kept[0]]), "{kept:?}");
@@ -189,7 +193,8 @@ mod tests {
         let good = |[l, r]: [f32; 2]| (l - 0.1).abs() < 1e-5 && (r - 0.025).abs() < 1e-5;
         assert!(good(lengths) && !good([lengths[1], lengths[0]]), "{lengths:?}");
 
-        let fine = Paint { thickness: Some(left()), ..Paint::default() }.apply(&strands, Vec3::ZERO, 1).unwrap();
+        let fine =
+            Paint { thickness: Some(left()), ..Paint::default() }.apply(&strands, Vec3::ZERO, 1).unwrap();
         let widths = sides(&fine, |i| fine.radii[fine.range(i).start]);
         assert!((widths[1] / widths[0] - 0.25).abs() < 1e-4, "{widths:?}");
 

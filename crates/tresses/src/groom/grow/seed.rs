@@ -23,8 +23,9 @@ pub(crate) struct Seed {
     pub(crate) fraction: f32,
     /// Width against the usual one.
     pub(crate) thickness: f32,
-    /// A further factor of it, painted.
-    pub(crate) painted: f32,
+    /// Painted factors of length and width; `None` where there is to be no strand. It is still in the list,
+    /// so that the others stay where and what they are whatever is painted.
+    pub(crate) paint: Option<[f32; 2]>,
 }
 
 /// Distance from the whorl below which strands follow one guide, metres.
@@ -89,7 +90,6 @@ pub(crate) fn seeds(
         let Some(bound) = bound else { continue };
         left[usize::from(!clump)] -= 1;
         let fraction = fraction(growth, edge, &mut rng);
-        let Some([length, width]) = growth.paint.strand(uv, rng.unit()) else { continue };
         seeds.push(Seed {
             root,
             uv,
@@ -97,8 +97,8 @@ pub(crate) fn seeds(
             side,
             beside,
             clump: single,
-            fraction: fraction * length,
-            painted: width,
+            fraction,
+            paint: growth.paint.strand(uv, rng.unit()),
             thickness: growth
                 .thickness_map
                 .as_ref()
@@ -106,7 +106,7 @@ pub(crate) fn seeds(
         });
     }
     if left == [0, 0] {
-        return match seeds.is_empty() && total > 0 {
+        return match total > 0 && seeds.iter().all(|seed| seed.paint.is_none()) {
             true => Err(Error::Groom("the maps leave no strand: they are black wherever hair grows".into())),
             false => Ok(seeds),
         };

@@ -1,11 +1,11 @@
 //! The rest curve of a strand.
 
-use super::{Curls, CurlStrand, Growth, Twist};
 use super::avoid::Keeper;
 use super::bind::{Scaffold, frames_from};
 use super::cells::Cells;
-use super::unrest::unrest;
 use super::seed::Seed;
+use super::unrest::unrest;
+use super::{CurlStrand, Curls, Growth, Twist};
 use crate::groom::styles::random::{Rng, lerp, smoothstep};
 use crate::groom::styles::{Scalp, StyledGuides, stereographic};
 use glam::{Vec2, Vec3};
@@ -197,7 +197,8 @@ impl<'a> Shaper<'a> {
             let x = t * (CENTRE_POINTS - 1) as f32;
             let i = (x as usize).min(CENTRE_POINTS - 2);
             let [u, v] = [0, 1].map(|a| across[i][a].lerp(across[i + 1][a], x - i as f32));
-            let o = clump_twist.twist.offset(curls, &own, t * clump_twist.length, clump_twist.length) * strength;
+            let o =
+                clump_twist.twist.offset(curls, &own, t * clump_twist.length, clump_twist.length) * strength;
             *p += u * o.x + v * o.y + u.cross(v) * o.z;
         }
     }

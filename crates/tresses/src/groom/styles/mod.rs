@@ -95,15 +95,7 @@ pub fn guides_of(recipe: &Recipe, scalp: &dyn Scalp) -> StyledGuides {
         stiffness.push(recipe.stiffness.at(field.layer(root)));
     }
     let (face, whorl) = ((!recipe.fringe).then_some(field.face), field.whorl);
-    StyledGuides {
-        guides: strands,
-        stiffness,
-        hairline,
-        parting,
-        whorl,
-        face,
-        recipe: *recipe,
-    }
+    StyledGuides { guides: strands, stiffness, hairline, parting, whorl, face, recipe: *recipe }
 }
 
 #[cfg(test)]

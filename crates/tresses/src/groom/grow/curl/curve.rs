@@ -41,12 +41,13 @@ impl CurlCurve {
         let even = curve::resample_chords(points, POINTS);
         let way = even[POINTS - 1] - even[0];
         let axis = way.normalize_or_zero();
-        if way.length() < 1e-3 * curve::length(points) {
+        if way.length() <= 1e-3 * curve::length(points) {
             return refuse("ends where it begins, so that it has no axis");
         }
         let across = |p: Vec3| p - axis * p.dot(axis);
         // The end repeats the beginning and must not count twice.
-        let middle = even[..POINTS - 1].iter().map(|p| across(*p - even[0])).sum::<Vec3>() / (POINTS - 1) as f32;
+        let middle =
+            even[..POINTS - 1].iter().map(|p| across(*p - even[0])).sum::<Vec3>() / (POINTS - 1) as f32;
         let out: Vec<Vec3> = even.iter().map(|p| across(*p - even[0]) - middle).collect();
         let largest = out.iter().map(|o| o.length()).fold(0.0, f32::max);
         if largest < 1e-4 * way.length() {
