@@ -5,6 +5,7 @@ use crate::{
     avoid_args::Avoid,
     camera::{Camera, View},
     debug,
+    edge_args::EdgeArgs,
     environment_args::EnvironmentArgs,
     hair_hair_args::HairHairArgs,
     interrupt,
@@ -40,9 +41,6 @@ pub struct Args {
     /// Width and height, pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720")]
     pub size: Size,
-    /// Samples per pixel: 1, 4, 8 or 16 [default: 8, or as many as the adapter offers]
-    #[arg(long, value_name = "N", value_parser = args::samples)]
-    pub samples: Option<u32>,
     /// From where
     #[arg(long, value_name = "NAME", value_enum, default_value_t)]
     pub camera: View,
@@ -52,6 +50,8 @@ pub struct Args {
     /// Where to: one .png, a folder of numbered frames, or an animation (.webp, .gif, .apng)
     #[arg(long, value_name = "PATH", default_value = "out/render.png")]
     pub out: PathBuf,
+    #[command(flatten)]
+    pub edges: EdgeArgs,
     #[command(flatten)]
     pub hair_hair: HairHairArgs,
     #[command(flatten)]
@@ -98,7 +98,7 @@ pub fn run(args: &Args) -> Result<()> {
     let lights = args.environment.lights()?;
     let start = progress::spinner("preparing");
     let quality =
-        Quality { shadow_resolution: args.shadows.resolution(), ..Quality::new(args.size, args.samples) };
+        Quality { shadow_resolution: args.shadows.resolution(), ..Quality::new(args.size, args.edges) };
     let mut scene = Scene::open(&args.source, quality)?;
     scene.set_shadows(args.shadows.shadows());
     *scene.physics_mut() = physics;
