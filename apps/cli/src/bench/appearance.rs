@@ -64,12 +64,14 @@ pub fn variants() -> Vec<Variant> {
         set: |_| {},
     };
     vec![
-        shading("per strand vertex", |_| {}),
-        shading("per pixel", |scene| scene.look_mut().shading = ShadingRate::PerPixel),
-        shading("fibre, per strand vertex", |scene| scene.look_mut().hair.model = ShadingModel::Fiber),
-        shading("fibre, per pixel", |scene| {
+        shading("fibre, per strand vertex", |_| {}),
+        shading("Kajiya–Kay, per strand vertex", |scene| {
+            scene.look_mut().hair.model = ShadingModel::KajiyaKay;
+        }),
+        shading("fibre, per pixel", |scene| scene.look_mut().shading = ShadingRate::PerPixel),
+        shading("Kajiya–Kay, per pixel", |scene| {
             let look = scene.look_mut();
-            (look.hair.model, look.shading) = (ShadingModel::Fiber, ShadingRate::PerPixel);
+            (look.hair.model, look.shading) = (ShadingModel::KajiyaKay, ShadingRate::PerPixel);
         }),
         samples("4×MSAA", 4, 1),
         samples("1 sample", 1, 1),

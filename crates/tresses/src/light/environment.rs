@@ -45,7 +45,8 @@ impl Environment {
     /// `environment::surroundings`, without the sky (Ramamoorthi and Hanrahan 2001).
     pub fn around(&self, normal: Vec3) -> Vec3 {
         let band = |i: usize| [1.0, 2.0 / 3.0, 0.25][(i > 0) as usize + (i > 3) as usize];
-        let sum: Vec3 = basis(normal).iter().enumerate().map(|(i, y)| self.coefficients[i] * *y * band(i)).sum();
+        let sum: Vec3 =
+            basis(normal).iter().enumerate().map(|(i, y)| self.coefficients[i] * *y * band(i)).sum();
         sum.max(Vec3::ZERO)
     }
 
@@ -85,7 +86,8 @@ impl Environment {
         let total: f32 = left.iter().enumerate().map(|(i, v)| v.element_sum() * area(i)).sum();
         let mut lights = Vec::new();
         while lights.len() < MAX_LIGHTS {
-            let brightest = (0..left.len()).max_by(|a, b| left[*a].element_sum().total_cmp(&left[*b].element_sum()))?;
+            let brightest =
+                (0..left.len()).max_by(|a, b| left[*a].element_sum().total_cmp(&left[*b].element_sum()))?;
             let middle = direction(brightest);
             let cone: Vec<usize> = (0..left.len()).filter(|i| direction(*i).dot(middle) > CONE).collect();
             // What is around the light goes on behind it.
