@@ -81,6 +81,10 @@ pub struct Scene {
 impl Scene {
     /// Opens the GPU, reads or grows the character and brings it there.
     pub fn open(source: &Source, quality: Quality) -> Result<Self> {
+        ensure!(
+            source.color.is_none() || source.shape.color_map.is_none(),
+            "--color gives all hair one colour and --color-map many; give one of them"
+        );
         let gpu = pollster::block_on(Gpu::open())?;
         let device = &gpu.device;
         let most = gpu.tier.max_samples;
