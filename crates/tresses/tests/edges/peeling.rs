@@ -1,0 +1,1 @@
+//! Depth peeling against strands sorted on the CPU.
