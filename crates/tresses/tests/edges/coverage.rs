@@ -1,6 +1,11 @@
 //! The total coverage of a groom, near and far.
 
-use super::{ALPHA_4, ALPHA_4_2X, MODES, Mode, common, groom::Groom, oracle, picture::{Studio, total}};
+use super::{
+    ALPHA_4, ALPHA_4_2X, MASK_1, MASK_2X, MASK_4_2X, MODES, Mode, PEEL_2X, common,
+    groom::Groom,
+    oracle,
+    picture::{Studio, total},
+};
 use tresses::{
     draw::{Background, Scene, View},
     glam::Vec3,
@@ -38,8 +43,17 @@ fn say(name: &str, errors: &[f64]) {
     println!("{name:36} {}", cells.join("  "));
 }
 
-fn good(errors: &[f64]) -> bool {
-    errors.iter().all(|error| error.abs() < 0.01)
+/// Within 1 %, as far as a mode can. What lies in one pixel is taken to overlap by chance; where a
+/// dense head ends within a pixel it does not, and the smaller the head, the more of it is edge.
+/// From the last distance it is 65 pixels high.
+fn good(mode: Mode, errors: &[f64]) -> bool {
+    let limits = match mode {
+        // A strand is there or not: 6000 of them have a statistical error.
+        MASK_1 | MASK_2X => [0.015, 0.02, 0.03],
+        MASK_4_2X | PEEL_2X => [0.01; 3],
+        _ => [0.01, 0.01, 0.025],
+    };
+    errors.iter().zip(limits).all(|(error, limit)| error.abs() < limit)
 }
 
 #[test]
@@ -54,14 +68,14 @@ fn total_coverage_is_exact_at_any_distance() {
         say(mode.name, &errors);
         if mode == ALPHA_4 || mode == ALPHA_4_2X {
             // Equal alpha is equal samples: strands hide behind each other, and the comparison sees it.
-            assert!(!good(&errors));
+            assert!(!good(mode, &errors));
         } else {
-            // assert!(good(&errors), "{mode:?}: {errors:?}");
+            assert!(good(mode, &errors), "{mode:?}: {errors:?}");
         }
     }
     // The comparison sees strands that are 3 % too wide.
     let wide = Groom { root_radius: 1.03 * groom.root_radius, tip_radius: 1.03 * groom.tip_radius, ..groom.clone() };
     for mode in [super::MASK_4, super::PEEL] {
-        assert!(!good(&errors(&gpu, mode, &wide, &material, &exact)));
+        assert!(!good(mode, &errors(&gpu, mode, &wide, &material, &exact)));
     }
 }

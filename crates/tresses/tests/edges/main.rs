@@ -15,7 +15,7 @@ mod reference;
 use tresses::draw::Coverage;
 
 /// A way to draw edges.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Mode {
     name: &'static str,
     samples: u32,

@@ -16,7 +16,7 @@ use tresses::{
 
 const SIZE: u32 = 128;
 const STRANDS: u32 = 300;
-const LENGTH: f32 = 60.0;
+const LENGTH: f32 = 90.0;
 /// Radius, pixels.
 const RADIUS: f32 = 0.35;
 /// Light that comes through the picture from behind.

@@ -13,8 +13,9 @@ use tresses::{
     light::Sphere,
 };
 
-/// Sizes of the picture: the same camera from one, two and four times as far.
-const SIZES: [[u32; 2]; 3] = [[960, 600], [480, 300], [240, 150]];
+/// Sizes of the picture, that of the reference being 960×600: the same camera from 1.5, 3 and 6
+/// times as far. Strands are 0.4, 0.2 and 0.1 pixels wide at the root.
+const SIZES: [[u32; 2]; 3] = [[640, 400], [320, 200], [160, 100]];
 
 /// Vertices of a drawn strand.
 const VERTICES: usize = 32;
@@ -76,14 +77,10 @@ fn a_real_groom_covers_what_the_reference_does() {
     let exact = reference(&folder.join("sintel_coverage.png"));
     let groom = sintel(&assets.join("sintel/SintelHairOriginal-sintel_hair.16points.tfx"));
     let eye = Vec3::new(0.299_269_2, 1.586_853_9, 0.518_349_5);
-    for mode in MODES {
+    for mode in MODES.into_iter().filter(|mode| *mode != ALPHA_4_2X) {
         let mut studio = Studio::new(&gpu, mode, SIZES[0]);
         let (hair, _strands) = studio.hair(&groom);
-        // Supersampling near by tells nothing that it does not tell from afar.
         let errors = SIZES.map(|size| {
-            if mode.ssaa > 1 && size[0] > 480 {
-                return 0.0;
-            }
             studio.resize(size);
             let target = Vec3::new(0.0, 1.545, 0.0);
             let scene = Scene {
@@ -98,6 +95,6 @@ fn a_real_groom_covers_what_the_reference_does() {
         println!("{:36} {:+.2?} %", mode.name, errors.map(|e| 100.0 * e));
         let good = errors.iter().all(|error| error.abs() < 0.01);
         // Equal alpha is equal samples, and the comparison sees what that loses.
-        assert_eq!(good, mode != ALPHA_4 && mode != ALPHA_4_2X, "{}: {errors:?}", mode.name);
+        assert_eq!(good, mode != ALPHA_4, "{}: {errors:?}", mode.name);
     }
 }
