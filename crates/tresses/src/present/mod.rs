@@ -77,10 +77,10 @@ impl Present {
         coverage: Coverage,
         format: wgpu::TextureFormat,
     ) -> Self {
-        use Binding::{Texture2d, TextureMultisampled, Uniform};
+        use Binding::{Depth, Texture2d, TextureMultisampled, Uniform};
         let (module, bindings): (_, &[_]) = match (coverage, samples) {
             (Coverage::DepthPeeling { .. }, _) => {
-                ("present::layers", &[Uniform, Texture2d, Texture2d, Texture2d, Texture2d])
+                ("present::layers", &[Uniform, Texture2d, Texture2d, Texture2d, Texture2d, Depth])
             }
             (_, 1) => ("present::single", &[Uniform, Texture2d]),
             _ => ("present::resolve", &[Uniform, TextureMultisampled]),
@@ -147,6 +147,7 @@ impl Present {
         let mut resources = vec![self.uniform.as_entire_binding(), TextureView(&targets.hdr)];
         if let Some(layers) = &targets.layers {
             resources.extend(layers.presented().map(TextureView));
+            resources.push(TextureView(&targets.depth));
         }
         let group = group(device, "present", &self.layout, &resources);
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
