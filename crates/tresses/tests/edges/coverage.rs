@@ -32,9 +32,8 @@ pub fn scene(distance: f32, size: [u32; 2]) -> Scene {
 fn errors(gpu: &Gpu, mode: Mode, groom: &Groom, material: &HairMaterial, exact: &[f64]) -> Vec<f64> {
     let studio = Studio::new(gpu, mode, SIZE);
     let (hair, _strands) = studio.hair(groom);
-    let drawn = DISTANCES.map(|distance| {
-        total(&studio.picture(&Scene { hair: *material, ..scene(distance, SIZE) }, &hair))
-    });
+    let drawn = DISTANCES
+        .map(|distance| total(&studio.picture(&Scene { hair: *material, ..scene(distance, SIZE) }, &hair)));
     drawn.iter().zip(exact).map(|(drawn, exact)| drawn / exact - 1.0).collect()
 }
 
@@ -74,7 +73,8 @@ fn total_coverage_is_exact_at_any_distance() {
         }
     }
     // The comparison sees strands that are 3 % too wide.
-    let wide = Groom { root_radius: 1.03 * groom.root_radius, tip_radius: 1.03 * groom.tip_radius, ..groom.clone() };
+    let wide =
+        Groom { root_radius: 1.03 * groom.root_radius, tip_radius: 1.03 * groom.tip_radius, ..groom.clone() };
     for mode in [super::MASK_4, super::PEEL] {
         assert!(!good(mode, &errors(&gpu, mode, &wide, &material, &exact)));
     }

@@ -1,11 +1,6 @@
 //! Depth peeling against strands sorted and blended on the CPU.
 
-use super::{
-    common,
-    groom::Groom,
-    mode,
-    picture::Studio,
-};
+use super::{common, groom::Groom, mode, picture::Studio};
 use tresses::{
     draw::{Background, Coverage, Scene, View},
     glam::{DVec2, DVec3, Mat4, Vec3},
@@ -71,9 +66,8 @@ fn scene() -> Scene {
 fn area(pixel: DVec2, [a, b]: [DVec2; 2], radius: f64) -> f64 {
     let along = (b - a).normalize();
     let across = DVec2::new(-along.y, along.x);
-    let mut polygon: Vec<_> = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]
-        .map(|(x, y)| pixel + DVec2::new(x, y))
-        .to_vec();
+    let mut polygon: Vec<_> =
+        [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| pixel + DVec2::new(x, y)).to_vec();
     for (normal, at) in [
         (across, across.dot(a) + radius),
         (-across, -across.dot(a) + radius),
@@ -93,7 +87,8 @@ fn area(pixel: DVec2, [a, b]: [DVec2; 2], radius: f64) -> f64 {
         }
         polygon = cut;
     }
-    let doubled: f64 = (0..polygon.len()).map(|i| polygon[i].perp_dot(polygon[(i + 1) % polygon.len()])).sum();
+    let doubled: f64 =
+        (0..polygon.len()).map(|i| polygon[i].perp_dot(polygon[(i + 1) % polygon.len()])).sum();
     0.5 * doubled
 }
 
@@ -131,7 +126,9 @@ fn error(picture: &[[u8; 4]], exact: &[DVec3]) -> f64 {
     let sum: f64 = picture
         .iter()
         .zip(exact)
-        .flat_map(|(p, e)| (0..3).map(move |c| (f64::from(p[c]) - 255.0 * srgb(e[c].clamp(0.0, 1.0))).powi(2)))
+        .flat_map(|(p, e)| {
+            (0..3).map(move |c| (f64::from(p[c]) - 255.0 * srgb(e[c].clamp(0.0, 1.0))).powi(2))
+        })
         .sum();
     (sum / (3 * exact.len()) as f64).sqrt()
 }
@@ -148,16 +145,13 @@ fn more_layers_come_nearer_to_sorted_strands() {
         let picture = studio.picture(&scene, &hair);
         if exact.is_empty() {
             // What each end of each strand looks like is not what is tested here.
-            let shaded: Vec<half::f16> =
-                readback::buffer::<u16>(&gpu.device, &gpu.queue, hair.shaded())
-                    .expect("values")
-                    .into_iter()
-                    .map(half::f16::from_bits)
-                    .collect();
-            let colors: Vec<_> = shaded
-                .chunks(4)
-                .map(|v| DVec3::new(v[0].to_f64(), v[1].to_f64(), v[2].to_f64()))
+            let shaded: Vec<half::f16> = readback::buffer::<u16>(&gpu.device, &gpu.queue, hair.shaded())
+                .expect("values")
+                .into_iter()
+                .map(half::f16::from_bits)
                 .collect();
+            let colors: Vec<_> =
+                shaded.chunks(4).map(|v| DVec3::new(v[0].to_f64(), v[1].to_f64(), v[2].to_f64())).collect();
             let brightest = colors.iter().map(|c| c.max_element()).fold(0.0, f64::max);
             assert!((0.2..0.98).contains(&brightest), "{brightest}");
             let (pixels, most) = sorted(&groom, &colors);

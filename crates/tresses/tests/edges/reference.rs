@@ -1,6 +1,10 @@
 //! Coverage of a real groom against a path-traced picture.
 
-use super::{ALPHA_4, ALPHA_4_2X, MODES, common, groom::Groom, picture::{Studio, total}};
+use super::{
+    ALPHA_4, ALPHA_4_2X, MODES, common,
+    groom::Groom,
+    picture::{Studio, total},
+};
 use std::{
     fs::File,
     io::BufReader,
