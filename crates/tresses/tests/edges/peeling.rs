@@ -48,7 +48,7 @@ fn scene() -> Scene {
         shading: ShadingRate::PerVertex,
         hair: HairMaterial {
             lightness_spread: 0.9,
-            absorption: 0.0,
+            opacity: 0.0,
             primary: 0.0,
             secondary: 0.0,
             transmission: 0.0,

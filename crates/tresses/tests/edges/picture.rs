@@ -46,7 +46,7 @@ impl<'a> Studio<'a> {
         let (gpu, stage, targets) = (self.gpu, &self.stage, &self.targets);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         stage.prepare(&gpu.queue, scene, targets, Some(hair), None);
-        stage.shadow(&mut encoder, None, Some(hair), None);
+        stage.shadow(&mut encoder, None, scene, Some(hair), None);
         stage.shade(&mut encoder, None, hair);
         stage.draw(&mut encoder, None, scene, targets, Some(hair), None);
         stage.present(&gpu.device, &mut encoder, None, targets, targets.picture());
