@@ -85,10 +85,8 @@ pub fn run(args: &Args) -> Result<()> {
     args.wind.apply(&mut physics);
     args.debug.check(&physics)?;
     let start = progress::spinner("preparing");
-    let quality = Quality {
-        shadow_resolution: args.shadows.resolution(),
-        ..Quality::new(args.size, args.samples)
-    };
+    let quality =
+        Quality { shadow_resolution: args.shadows.resolution(), ..Quality::new(args.size, args.samples) };
     let mut scene = Scene::open(&args.source, quality)?;
     scene.set_shadows(args.shadows.shadows());
     *scene.physics_mut() = physics;

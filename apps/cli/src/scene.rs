@@ -94,7 +94,10 @@ impl Scene {
             gpu.info.name
         );
         let samples = samples.min(most);
-        let renderer = HairRenderer::new(device, &DrawOptions { samples, shadow_resolution: quality.shadow_resolution, ..Default::default() });
+        let renderer = HairRenderer::new(
+            device,
+            &DrawOptions { samples, shadow_resolution: quality.shadow_resolution, ..Default::default() },
+        );
         let character = load::load(source, &gpu, &renderer.simulate)?;
         for note in &character.notes {
             eprintln!("note: {note}");

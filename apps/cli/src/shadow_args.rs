@@ -72,13 +72,15 @@ mod tests {
         let parse = |line: &str| Command::try_parse_from(line.split(' ')).map(|command| command.shadows);
         let default = parse("x").unwrap();
         assert_eq!((default.shadows(), default.resolution()), (Shadows::default(), 1024));
-        let other = parse("x --shadows opaque --shadow-resolution 512 --shadow-softness 5 --shadows-per-pixel");
+        let other =
+            parse("x --shadows opaque --shadow-resolution 512 --shadow-softness 5 --shadows-per-pixel");
         let other = other.unwrap();
         assert_eq!(other.resolution(), 512);
         let shadows = other.shadows();
         assert_eq!(shadows.method, ShadowMethod::Opaque);
         assert!((shadows.hair_radius - 0.005).abs() < 1e-6 && shadows.per_pixel);
-        for line in ["--shadows soft", "--shadow-resolution 9000", "--shadow-softness 0", "--shadow-softness nan"]
+        for line in
+            ["--shadows soft", "--shadow-resolution 9000", "--shadow-softness 0", "--shadow-softness nan"]
         {
             assert!(parse(&format!("x {line}")).is_err(), "{line}");
         }

@@ -4,7 +4,10 @@ use wgpu::naga;
 
 use tresses::{
     draw::{Background, body::BodyUniform, view::ViewUniform},
-    light::{lights::{LightUniform, LightsUniform}, material::HairUniform},
+    light::{
+        lights::{LightUniform, LightsUniform},
+        material::HairUniform,
+    },
     present::PresentUniform,
 };
 

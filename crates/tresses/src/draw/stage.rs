@@ -159,9 +159,15 @@ impl DrawStage {
         strands: &StrandBuffers,
         shaded: &wgpu::Buffer,
     ) -> wgpu::BindGroup {
-        let [maps, comparison, hair, blocks] = self.shadow_maps.resources();
-        let (view, lights) = (self.view.as_entire_binding(), self.lights.as_entire_binding());
+        let view = self.view.as_entire_binding();
+        let [lights, maps, comparison, hair, blocks] = self.light_resources();
         self.shade.bind(device, [view, lights, maps, comparison, hair, blocks], strands, uniform, shaded)
+    }
+
+    /// What the light stage offers to those that ask for light.
+    pub(crate) fn light_resources(&self) -> [wgpu::BindingResource<'_>; 5] {
+        let [maps, comparison, hair, blocks] = self.shadow_maps.resources();
+        [self.lights.as_entire_binding(), maps, comparison, hair, blocks]
     }
 
     pub(crate) fn bind_splat(

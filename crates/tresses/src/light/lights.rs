@@ -1,8 +1,8 @@
 //! The lights: up to four from afar and a sky, in linear units.
 
-use super::shadows::Shadows;
 #[cfg(doc)]
 use super::shadows::ShadowMethod;
+use super::shadows::Shadows;
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 
@@ -177,7 +177,8 @@ impl Lights {
     pub(crate) fn uniform(&self, shadows: &Shadows, focus: &Sphere, resolution: u32) -> LightsUniform {
         // Maps move in steps; a step's room keeps the focus inside.
         let step = shadows.snap(2.0 * focus.radius.max(1e-6) / resolution as f32);
-        let radius = focus.radius.max(1e-6) * resolution as f32 / resolution.saturating_sub(step).max(1) as f32;
+        let radius =
+            focus.radius.max(1e-6) * resolution as f32 / resolution.saturating_sub(step).max(1) as f32;
         let focus = &Sphere { radius, ..*focus };
         let texel = 2.0 * radius / resolution as f32;
         let fit = |direction| fit(direction, focus, step as f32 * texel);

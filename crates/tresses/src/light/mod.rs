@@ -27,12 +27,14 @@
 
 pub mod lights;
 pub mod material;
+pub mod probe;
 pub mod shade;
 pub mod shadow;
 pub mod shadows;
 
 pub use lights::{Directional, Lights, MAX_LIGHTS, Sky, Sphere};
 pub use material::{HairMaterial, ShadingRate};
+pub use probe::{Shadow, ShadowProbe};
 pub use shade::Shade;
 pub use shadow::ShadowMaps;
 pub use shadows::{ShadowMethod, Shadows};

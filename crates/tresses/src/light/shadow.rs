@@ -145,7 +145,8 @@ impl ShadowMaps {
                 mapped_at_creation: false,
             })
         };
-        let hair = buffer("hair in shadow maps", map_words(ShadowMethod::DeepOpacity, resolution, DEEP_FINEST));
+        let hair =
+            buffer("hair in shadow maps", map_words(ShadowMethod::DeepOpacity, resolution, DEEP_FINEST));
         let blocks = buffer("hair blocks", u64::from(resolution / BLOCK).pow(2));
         let comparison = device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("shadow comparison"),

@@ -48,7 +48,7 @@ impl Default for Shadows {
             hair_radius: 0.003,
             body_radius: 0.004,
             density: 400.0,
-            body_opacity: 0.6,
+            body_opacity: 1.0,
             bias: 0.0015,
             per_pixel: false,
         }
