@@ -5,6 +5,7 @@ use crate::{
     avoid_args::Avoid,
     camera::{Camera, View},
     debug,
+    edge_args::EdgeArgs,
     hair_hair_args::HairHairArgs,
     interrupt,
     motion::Motion,
@@ -38,9 +39,6 @@ pub struct Args {
     /// Width and height, pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720")]
     pub size: Size,
-    /// Samples per pixel: 1, 4, 8 or 16 [default: 8, or as many as the adapter offers]
-    #[arg(long, value_name = "N", value_parser = args::samples)]
-    pub samples: Option<u32>,
     /// From where
     #[arg(long, value_name = "NAME", value_enum, default_value_t)]
     pub camera: View,
@@ -50,6 +48,8 @@ pub struct Args {
     /// Where to: one .png, a folder of numbered frames, or an animation (.webp, .gif, .apng)
     #[arg(long, value_name = "PATH", default_value = "out/render.png")]
     pub out: PathBuf,
+    #[command(flatten)]
+    pub edges: EdgeArgs,
     #[command(flatten)]
     pub hair_hair: HairHairArgs,
     #[command(flatten)]
@@ -84,11 +84,13 @@ pub fn run(args: &Args) -> Result<()> {
     args.hair_hair.apply(&mut physics, args.debug.debug == Some(debug::Subject::Density));
     args.wind.apply(&mut physics);
     args.debug.check(&physics)?;
+    let lights = args.shadows.lights()?;
     let start = progress::spinner("preparing");
     let quality =
-        Quality { shadow_resolution: args.shadows.resolution(), ..Quality::new(args.size, args.samples) };
+        Quality { shadow_resolution: args.shadows.resolution(), ..Quality::new(args.size, args.edges) };
     let mut scene = Scene::open(&args.source, quality)?;
     scene.set_shadows(args.shadows.shadows());
+    scene.add_lights(lights);
     *scene.physics_mut() = physics;
     scene.set_avoid(args.avoid);
     scene.show(&args.debug);

@@ -6,6 +6,7 @@ use crate::{
     camera::{self, Bounds, Camera},
     colliders::Colliders,
     debug::{self, Debug},
+    edge_args::EdgeArgs,
     load::{self, Character},
     picture::Picture,
 };
@@ -19,7 +20,7 @@ use tresses::{
     glam::Vec3,
     gpu::{Gpu, Timings},
     groom::{SdfGrid, TriMesh},
-    light::{HairMaterial, Lights, ShadingRate, Shadows, Sphere},
+    light::{Directional, HairMaterial, Lights, ShadingRate, Shadows, Sphere},
     simulate::SimulationParams,
 };
 
@@ -28,20 +29,19 @@ use tresses::{
 pub struct Quality {
     /// Pixels.
     pub size: Size,
-    /// Samples per pixel; `None` for what suits the adapter.
-    pub samples: Option<u32>,
+    /// Samples and the rest of antialiasing.
+    pub edges: EdgeArgs,
     /// Whether fewer samples will do where the adapter offers no more.
     pub at_most: bool,
-    /// Pixels drawn per pixel shown, along each axis.
-    pub ssaa: u32,
     /// Texels along each edge of a shadow map.
     pub shadow_resolution: u32,
 }
 
 impl Quality {
-    /// One pixel drawn per pixel shown, exactly as many samples as given.
-    pub fn new(size: Size, samples: Option<u32>) -> Self {
-        Self { size, samples, at_most: false, ssaa: 1, shadow_resolution: 1024 }
+    /// Exactly as many samples as asked for.
+    pub fn new(size: Size, edges: EdgeArgs) -> Self {
+        let shadow_resolution = DrawOptions::default().shadow_resolution;
+        Self { size, edges, at_most: false, shadow_resolution }
     }
 }
 
@@ -79,6 +79,7 @@ pub struct Scene {
     neck: Vec3,
     field: Option<SdfGrid>,
     debug: Option<Debug>,
+    more_lights: [Directional; 2],
 }
 
 impl Scene {
@@ -87,17 +88,16 @@ impl Scene {
         let gpu = pollster::block_on(Gpu::open())?;
         let device = &gpu.device;
         let most = gpu.tier.max_samples;
-        let samples = quality.samples.unwrap_or(most.min(8));
+        let (samples, coverage) = quality.edges.choose(most)?;
         ensure!(
             samples <= most || quality.at_most,
             "--samples is {samples}, but {} offers at most {most} per pixel",
             gpu.info.name
         );
         let samples = samples.min(most);
-        let renderer = HairRenderer::new(
-            device,
-            &DrawOptions { samples, shadow_resolution: quality.shadow_resolution, ..Default::default() },
-        );
+        let shadow_resolution = quality.shadow_resolution;
+        let options = DrawOptions { samples, coverage, shadow_resolution, ..Default::default() };
+        let renderer = HairRenderer::new(device, &options);
         let character = load::load(source, &gpu, &renderer.simulate)?;
         for note in &character.notes {
             eprintln!("note: {note}");
@@ -106,7 +106,7 @@ impl Scene {
             Some(path) => Colliders::read(path)?,
             None => Colliders::default(),
         };
-        Self::new(character, colliders, source.color.as_ref(), gpu, renderer, (quality, samples))
+        Self::new(character, colliders, source.color.as_ref(), gpu, renderer, quality)
     }
 
     fn new(
@@ -115,7 +115,7 @@ impl Scene {
         color: Option<&Color>,
         gpu: Gpu,
         renderer: HairRenderer,
-        (quality, samples): (Quality, u32),
+        quality: Quality,
     ) -> Result<Self> {
         let hair_bounds = character.groom.bounds().context("the groom is empty")?;
         let head_bounds = character.head.as_ref().and_then(|head| head.bounds());
@@ -128,7 +128,7 @@ impl Scene {
         let hair = Hair::with_colliders(device, queue, &renderer, &character.groom, &options, &what)?;
         let body = character.head.as_ref().map(|head| Body::new(device, &renderer.draw, head));
         let Size { width, height } = quality.size;
-        let targets = Targets::new(device, width, height, samples, quality.ssaa)?;
+        let targets = renderer.draw.targets(device, width, height, quality.edges.ssaa)?;
         let timings = match gpu.tier.timestamps && !gpu.tier.software {
             true => Timings::new(device, queue),
             false => Timings::by_the_clock(),
@@ -153,6 +153,7 @@ impl Scene {
             neck: character.neck,
             field: character.field.clone(),
             debug: None,
+            more_lights: [Directional::OFF; 2],
             gpu,
         })
     }
@@ -165,6 +166,16 @@ impl Scene {
     /// The physics from here on.
     pub fn physics_mut(&mut self) -> &mut SimulationParams {
         &mut self.physics
+    }
+
+    /// Camera-independent looks of the next pictures; the lights go with the camera.
+    pub fn look_mut(&mut self) -> &mut draw::Scene {
+        &mut self.scene
+    }
+
+    /// Lights besides the two that go with the camera, from here on; these stay where they are.
+    pub fn add_lights(&mut self, lights: [Directional; 2]) {
+        self.more_lights = lights;
     }
 
     /// What a portrait must show, metres.
@@ -200,8 +211,8 @@ impl Scene {
 
     /// Pictures of another size from here on.
     pub fn resize(&mut self, size: Size) -> Result<()> {
-        let (samples, ssaa) = (self.targets.samples, self.targets.ssaa);
-        self.targets = Targets::new(&self.gpu.device, size.width, size.height, samples, ssaa)?;
+        let ssaa = self.targets.ssaa;
+        self.targets = self.renderer.draw.targets(&self.gpu.device, size.width, size.height, ssaa)?;
         Ok(())
     }
 
@@ -339,16 +350,16 @@ impl Scene {
             drawing.shade(encoder, None, &hair.set);
             Ok(())
         })?;
-        stage("draw hair", &mut |encoder| {
-            drawing.draw_hair(encoder, None, scene, targets, set);
-            Ok(())
-        })?;
-        stage("draw body", &mut |encoder| {
-            if let Some(body) = body {
-                drawing.draw_body(encoder, None, targets, body);
-            }
-            Ok(())
-        })?;
+        for is_body in [drawing.body_first(), !drawing.body_first()] {
+            stage(if is_body { "draw body" } else { "draw hair" }, &mut |encoder| {
+                if is_body {
+                    drawing.draw_body(encoder, None, targets, body);
+                } else {
+                    drawing.draw_hair(encoder, None, scene, targets, set);
+                }
+                Ok(())
+            })?;
+        }
         stage("present", &mut |encoder| {
             drawing.present(device, encoder, None, targets, targets.picture());
             Ok(())
@@ -361,6 +372,7 @@ impl Scene {
         self.scene.view = View::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, self.targets.size);
         let back = camera.eye - camera.target;
         self.scene.lights = Lights::around(back.x.atan2(back.z));
+        self.scene.lights.directional[2..].copy_from_slice(&self.more_lights);
     }
 
     fn record_advance(

@@ -8,6 +8,7 @@ use super::{
 use crate::{
     args::{Guides, Size, Source},
     camera::{Camera, View},
+    edge_args::{EdgeArgs, Mode},
     interrupt, load,
     motion::Motion,
     scene::{Quality, Scene},
@@ -42,7 +43,9 @@ pub struct Workload {
 }
 
 fn quality(size: Size, samples: u32, ssaa: u32) -> Quality {
-    Quality { at_most: true, ssaa, ..Quality::new(size, Some(samples)) }
+    // Figures of others are those of samples alone.
+    let edges = EdgeArgs { samples: Some(samples), ssaa, coverage: Some(Mode::Mask), layers: None };
+    Quality { at_most: true, ..Quality::new(size, edges) }
 }
 
 fn style(strands: Option<u32>) -> Source {
@@ -149,7 +152,8 @@ pub fn point(strands: u32, frames: u32, bar: &ProgressBar) -> Result<Point> {
     Ok(Point { strands: scene.facts().strands, gpu: run.gpu, frame: run.frame })
 }
 
-fn run(
+/// Measures `scene` in a motion.
+pub fn run(
     scene: &mut Scene,
     state: &str,
     motion: &str,
