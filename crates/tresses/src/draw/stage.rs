@@ -26,7 +26,7 @@ pub struct DrawOptions {
     pub samples: u32,
     /// How strands cover pixels.
     pub coverage: Coverage,
-    /// Texels along each edge of a shadow map, brought into 8 to 2048; of a deep opacity map a third,
+    /// Texels along each edge of a shadow map, brought into 4 to 2048; of a deep opacity map a third,
     /// or fewer where shadows are to be soft. Five maps take 43 bytes per texel
     /// ([`DrawStage::shadow_bytes`]).
     pub shadow_resolution: u32,
