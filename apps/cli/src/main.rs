@@ -19,8 +19,10 @@ mod orient_args;
 mod picture;
 mod progress;
 mod render;
+mod scalp_map;
 mod scene;
 mod shadow_args;
+mod style_args;
 mod wind_args;
 
 use clap::Parser;
