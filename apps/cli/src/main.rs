@@ -21,6 +21,7 @@ mod progress;
 mod render;
 mod scalp_map;
 mod scene;
+mod shading_args;
 mod shadow_args;
 mod style_args;
 mod wind_args;

@@ -12,6 +12,7 @@ use crate::{
     picture::{Kind, Output},
     progress, say,
     scene::{Quality, Scene},
+    shading_args::ShadingArgs,
     shadow_args::ShadowArgs,
     wind_args::WindArgs,
 };
@@ -58,6 +59,8 @@ pub struct Args {
     #[arg(long, value_name = "MODE", value_enum, default_value_t, help_heading = "Simulation")]
     pub avoid: Avoid,
     #[command(flatten)]
+    pub shading: ShadingArgs,
+    #[command(flatten)]
     pub shadows: ShadowArgs,
     #[command(flatten)]
     pub debug: debug::DebugArgs,
@@ -85,6 +88,11 @@ pub fn run(args: &Args) -> Result<()> {
     args.wind.apply(&mut physics);
     args.debug.check(&physics)?;
     let lights = args.shadows.lights()?;
+    args.shading.check()?;
+    ensure!(
+        args.source.color.is_none() || args.shading.melanin.is_none(),
+        "--color and --melanin both say what colour the hair has: give one"
+    );
     let start = progress::spinner("preparing");
     let quality =
         Quality { shadow_resolution: args.shadows.resolution(), ..Quality::new(args.size, args.edges) };
@@ -93,6 +101,8 @@ pub fn run(args: &Args) -> Result<()> {
     scene.add_lights(lights);
     *scene.physics_mut() = physics;
     scene.set_avoid(args.avoid);
+    let look = scene.look_mut();
+    args.shading.apply(&mut look.hair, &mut look.shading);
     scene.show(&args.debug);
     start.finish_and_clear();
     let camera = Camera::portrait(args.camera, scene.subject(), args.size.aspect(), args.zoom);

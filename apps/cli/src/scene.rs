@@ -9,6 +9,7 @@ use crate::{
     edge_args::EdgeArgs,
     load::{self, Character},
     picture::Picture,
+    shading_args::material,
 };
 use anyhow::{Context, Result, ensure};
 use std::time::Instant;
@@ -20,7 +21,7 @@ use tresses::{
     glam::Vec3,
     gpu::{Gpu, Timings},
     groom::{SdfGrid, TriMesh},
-    light::{Directional, HairMaterial, Lights, ShadingRate, Shadows, Sphere},
+    light::{Directional, Lights, ShadingRate, Shadows, Sphere},
     simulate::SimulationParams,
 };
 
@@ -419,14 +420,4 @@ impl Scene {
         self.gpu.device.poll(wgpu::PollType::wait_indefinitely()).context("the GPU was lost")?;
         Ok(())
     }
-}
-
-/// The look of the hair: the file's colours where it has some and none is asked for.
-fn material(color: Option<&Color>) -> HairMaterial {
-    let material = match color {
-        None => return HairMaterial::default(),
-        Some(Color::Preset(name)) => HairMaterial::named(name).unwrap_or_default(),
-        Some(Color::Srgb(srgb)) => HairMaterial::colored(Color::linear(*srgb)),
-    };
-    HairMaterial { file_colors: false, ..material }
 }

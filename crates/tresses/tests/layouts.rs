@@ -299,6 +299,17 @@ fn hair() {
         per_vertex,
         splat_stride,
         splat_segments,
+        variances,
+        turn_sin,
+        turn_cos,
+        root_absorption,
+        model,
+        tip_absorption,
+        melanin_spread,
+        tilt_spread,
+        density_forward,
+        density_back,
+        color_fit,
     });
     assert_eq!(wgsl_layout("HairUniform"), rust);
 }

@@ -11,7 +11,7 @@ use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use tresses::{
     glam::Vec3,
-    light::{Directional, ShadingRate, ShadowMethod},
+    light::{Directional, ShadingModel, ShadingRate, ShadowMethod},
 };
 
 use super::report::Run;
@@ -71,6 +71,11 @@ pub fn variants() -> Vec<Variant> {
     vec![
         shading("per strand vertex", |_| {}),
         shading("per pixel", |scene| scene.look_mut().shading = ShadingRate::PerPixel),
+        shading("fibre, per strand vertex", |scene| scene.look_mut().hair.model = ShadingModel::Fiber),
+        shading("fibre, per pixel", |scene| {
+            let look = scene.look_mut();
+            (look.hair.model, look.shading) = (ShadingModel::Fiber, ShadingRate::PerPixel);
+        }),
         shadows("deep opacity maps", |_| {}),
         shadows("absorption", |scene| scene.look_mut().shadows.method = ShadowMethod::Absorption),
         shadows("opaque", |scene| scene.look_mut().shadows.method = ShadowMethod::Opaque),

@@ -3,7 +3,7 @@
 use super::DrawStage;
 use crate::{
     Result,
-    light::material::HairUniform,
+    light::{fiber::FiberTables, material::HairUniform},
     strands::{StrandBuffers, buffers::storage},
 };
 
@@ -62,6 +62,7 @@ pub struct HairSet {
     pub(crate) uniform: wgpu::Buffer,
     shaded: wgpu::Buffer,
     pub(crate) group: wgpu::BindGroup,
+    pub(crate) fiber: FiberTables,
     pub(crate) shade_group: wgpu::BindGroup,
     pub(crate) splat_group: wgpu::BindGroup,
 }
@@ -94,6 +95,7 @@ impl HairSet {
             vertex_count,
             strips: Chunks::new(device, count, &strip, 2 * vertex_count.max(1)),
             splat: [stride, last.div_ceil(stride)],
+            fiber: FiberTables::new(device, stage.fiber_layout()),
             splat_group: stage.bind_splat(device, &uniform, strands),
             group: stage.bind_hair(device, &uniform, strands, &shaded),
             shade_group: stage.bind_shade(device, &uniform, strands, &shaded),
@@ -110,7 +112,7 @@ impl HairSet {
 
     /// Bytes of GPU memory, without the strands' own buffers.
     pub fn bytes(&self) -> u64 {
-        self.shaded.size() + self.uniform.size() + self.strips.indices.size()
+        self.shaded.size() + self.fiber.bytes() + self.uniform.size() + self.strips.indices.size()
     }
 
     /// Triangles of the strips.
@@ -120,6 +122,7 @@ impl HairSet {
 
     pub(crate) fn record_strips(&self, pass: &mut wgpu::RenderPass<'_>) {
         pass.set_bind_group(1, &self.group, &[]);
+        pass.set_bind_group(2, &self.fiber.group, &[]);
         self.strips.record(pass, self.count);
     }
 }

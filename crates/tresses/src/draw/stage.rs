@@ -14,7 +14,7 @@ use crate::{
         Binding, Timings,
         bindings::{self, group, layout},
     },
-    light::{Shade, ShadowMaps, lights::LightsUniform},
+    light::{Shade, ShadingModel, ShadowMaps, fiber::FiberTables, lights::LightsUniform},
     present::Present,
     strands::StrandBuffers,
 };
@@ -57,6 +57,7 @@ pub struct DrawStage {
     lights: wgpu::Buffer,
     frame_group: wgpu::BindGroup,
     hair_layout: wgpu::BindGroupLayout,
+    fiber_layout: wgpu::BindGroupLayout,
     body_layout: wgpu::BindGroupLayout,
     body: wgpu::RenderPipeline,
     strips: Strips,
@@ -76,6 +77,7 @@ impl DrawStage {
             layout(device, "frame", both, &[Uniform, Uniform, DepthArray, Comparison, Storage, Storage]);
         let hair_layout = layout(device, "hair", both, &[Uniform, Storage, Storage, Storage]);
         let body_layout = layout(device, "body", both, &[Uniform]);
+        let fiber_layout = FiberTables::layout(device);
         let shadow_maps = ShadowMaps::new(device, options.shadow_resolution, &body_layout);
         let [maps, comparison, hair, blocks] = shadow_maps.resources();
         let frame = [view.as_entire_binding(), lights.as_entire_binding(), maps, comparison, hair, blocks];
@@ -91,22 +93,27 @@ impl DrawStage {
             alpha_to_coverage: false,
         };
         Self {
-            shade: Shade::new(device),
+            shade: Shade::new(device, &fiber_layout),
             present: Present::new(device, options.samples, options.coverage, options.output),
             body: body.build(device),
-            strips: Strips::new(device, options, &frame_layout, &hair_layout),
+            strips: Strips::new(device, options, [&frame_layout, &hair_layout, &fiber_layout]),
             samples: options.samples,
             shadow_maps,
             view,
             lights,
             frame_group,
             hair_layout,
+            fiber_layout,
             body_layout,
         }
     }
 
     pub(crate) fn body_layout(&self) -> &wgpu::BindGroupLayout {
         &self.body_layout
+    }
+
+    pub(crate) fn fiber_layout(&self) -> &wgpu::BindGroupLayout {
+        &self.fiber_layout
     }
 
     pub(crate) fn bind_hair(
@@ -179,6 +186,9 @@ impl DrawStage {
         if let Some(hair) = hair {
             let uniform = scene.hair.uniform(scene.shading, hair.count, hair.vertex_count, hair.splat);
             write(&hair.uniform, bytemuck::bytes_of(&uniform));
+            if scene.hair.model == ShadingModel::Fiber {
+                hair.fiber.fill(queue, &scene.hair.fiber.shape, scene.hair.fiber.density_back);
+            }
         }
         if let Some(body) = body {
             let uniform: BodyUniform = scene.body.uniform(&scene.pose);

@@ -1,7 +1,11 @@
 //! What hair looks like: colours, highlights, how much light gets through.
 
+use super::fiber::{
+    FiberShape,
+    bsdf::{absorption_of, color_fit, melanin},
+};
 use bytemuck::{Pod, Zeroable};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 /// Where hair is shaded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -12,6 +16,64 @@ pub enum ShadingRate {
     /// size or its samples.
     #[default]
     PerVertex,
+}
+
+/// How light on hair is computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ShadingModel {
+    /// Kajiya and Kay's fibre with two highlights, set by eye: colours are albedos.
+    #[default]
+    KajiyaKay,
+    /// Light refracted, absorbed and mirrored in fibres, and scattered among them: colours follow from
+    /// melanin ([`fiber`](super::fiber)).
+    Fiber,
+}
+
+/// Hair as [`ShadingModel::Fiber`] sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FiberMaterial {
+    /// Absorption per fibre radius at the root, of red, green and blue light:
+    /// [`melanin`](super::fiber::bsdf::melanin) or [`absorption_of`](super::fiber::bsdf::absorption_of).
+    pub root_absorption: Vec3,
+    /// Absorption at the tip.
+    pub tip_absorption: Vec3,
+    /// Roughness, scales and refraction.
+    pub shape: FiberShape,
+    /// Spread of the melanin over the strands: 0.3 is ±30 %, half of it from lock to lock.
+    pub melanin_spread: f32,
+    /// Spread of the tilt of the scales over strands and locks, radians: breaks highlights up.
+    pub tilt_spread: f32,
+    /// Zinke's d_f: the share of the light scattered on that meets other hair or the eye.
+    pub density_forward: f32,
+    /// Zinke's d_b: the share of the light scattered back that does.
+    pub density_back: f32,
+}
+
+impl FiberMaterial {
+    /// Hair of one absorption per radius, each strand like the others.
+    pub fn uniform(absorption: Vec3) -> Self {
+        Self {
+            root_absorption: absorption,
+            tip_absorption: absorption,
+            shape: FiberShape::default(),
+            melanin_spread: 0.0,
+            tilt_spread: 0.0,
+            density_forward: 0.7,
+            density_back: 0.7,
+        }
+    }
+
+    /// Hair of one absorption per radius, varied as hair is: bleached towards the tips, no two strands
+    /// alike.
+    pub fn natural(absorption: Vec3) -> Self {
+        Self {
+            root_absorption: absorption * 1.05,
+            tip_absorption: absorption * 0.9,
+            melanin_spread: 0.25,
+            tilt_spread: 0.03,
+            ..Self::uniform(absorption)
+        }
+    }
 }
 
 /// The look of hair.
@@ -60,6 +122,11 @@ pub struct HairMaterial {
     pub saturation: f32,
     /// The least width that is drawn, pixels; thinner hair is drawn this wide and as much sparser.
     pub min_width: f32,
+    /// Which model shades it. `file_colors`, `warmth_spread` and `min_width` mean the same for both, the
+    /// rest above is [`ShadingModel::KajiyaKay`]'s.
+    pub model: ShadingModel,
+    /// The look under [`ShadingModel::Fiber`].
+    pub fiber: FiberMaterial,
 }
 
 /// An sRGB colour from the usual six hexadecimal digits, made linear.
@@ -96,13 +163,18 @@ impl HairMaterial {
             transmission: 1.9,
             opacity: 0.2,
             secondary_color: Vec3::new(0.80, 0.62, 0.36),
+            fiber: FiberMaterial::natural(melanin(0.25, 0.05)),
             ..Self::colored(Vec3::new(0.36, 0.235, 0.12))
         }
     }
 
     /// Brown.
     pub fn brown() -> Self {
-        Self { secondary_color: Vec3::new(0.33, 0.18, 0.075), ..Self::colored(Vec3::new(0.07, 0.038, 0.021)) }
+        Self {
+            secondary_color: Vec3::new(0.33, 0.18, 0.075),
+            fiber: FiberMaterial::natural(melanin(1.3, 0.2)),
+            ..Self::colored(Vec3::new(0.07, 0.038, 0.021))
+        }
     }
 
     /// Copper red.
@@ -112,6 +184,7 @@ impl HairMaterial {
             secondary: 1.0,
             opacity: 0.24,
             secondary_color: Vec3::new(0.55, 0.27, 0.05),
+            fiber: FiberMaterial::natural(melanin(0.12, 1.5)),
             ..Self::colored(Vec3::new(0.19, 0.078, 0.026))
         }
     }
@@ -123,6 +196,7 @@ impl HairMaterial {
             secondary: 0.5,
             transmission: 0.2,
             opacity: 0.4,
+            fiber: FiberMaterial::natural(melanin(6.0, 0.3)),
             ..Self::colored(Vec3::new(0.012, 0.010, 0.009))
         }
     }
@@ -153,6 +227,8 @@ impl HairMaterial {
             opacity: 0.36 - 0.22 * lightness,
             saturation: 0.8,
             min_width: 1.0,
+            model: ShadingModel::default(),
+            fiber: FiberMaterial::natural(absorption_of(albedo, FiberShape::default().azimuthal)),
         }
     }
 
@@ -163,6 +239,10 @@ impl HairMaterial {
         vertex_count: u32,
         splat: [u32; 2],
     ) -> HairUniform {
+        let fiber = &self.fiber;
+        let shape = fiber.shape.clamped();
+        let four = |values: [f64; 4]| Vec4::from_array(values.map(|v| v as f32));
+        let turns = four(shape.turns());
         HairUniform {
             root_color: self.root_color,
             lightness_spread: self.lightness_spread,
@@ -190,6 +270,17 @@ impl HairMaterial {
             per_vertex: u32::from(shading == ShadingRate::PerVertex),
             splat_stride: splat[0],
             splat_segments: splat[1],
+            variances: four(shape.variances()),
+            turn_sin: turns.map(f32::sin),
+            turn_cos: turns.map(f32::cos),
+            root_absorption: fiber.root_absorption.max(Vec3::ZERO),
+            model: u32::from(self.model == ShadingModel::Fiber),
+            tip_absorption: fiber.tip_absorption.max(Vec3::ZERO),
+            melanin_spread: fiber.melanin_spread,
+            tilt_spread: fiber.tilt_spread,
+            density_forward: fiber.density_forward.clamp(0.0, 1.0),
+            density_back: fiber.density_back.clamp(0.0, 1.0),
+            color_fit: color_fit(shape.azimuthal).powi(-2),
         }
     }
 }
@@ -236,4 +327,20 @@ pub struct HairUniform {
     pub splat_stride: u32,
     /// Segments per strand in the shadow maps.
     pub splat_segments: u32,
+    /// [`FiberShape::variances`].
+    pub variances: Vec4,
+    /// Sines of [`FiberShape::turns`].
+    pub turn_sin: Vec4,
+    /// Their cosines.
+    pub turn_cos: Vec4,
+    pub root_absorption: Vec3,
+    /// [`ShadingModel`]: 0 Kajiya and Kay, 1 fibre.
+    pub model: u32,
+    pub tip_absorption: Vec3,
+    pub melanin_spread: f32,
+    pub tilt_spread: f32,
+    pub density_forward: f32,
+    pub density_back: f32,
+    /// The square of a colour's logarithm times this is its absorption.
+    pub color_fit: f32,
 }

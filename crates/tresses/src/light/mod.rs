@@ -40,6 +40,7 @@
 //! hair change), uniform slices (no better with 48 of them than these eight). Untried: a grid of the hair's density for the
 //! sky, whose openness is guessed from the zenith and the lights that are on; moments instead of layers.
 
+pub mod fiber;
 pub mod lights;
 pub mod material;
 pub mod probe;
@@ -48,7 +49,7 @@ pub mod shadow;
 pub mod shadows;
 
 pub use lights::{Directional, Lights, MAX_LIGHTS, Sky, Sphere};
-pub use material::{HairMaterial, ShadingRate};
+pub use material::{FiberMaterial, HairMaterial, ShadingModel, ShadingRate};
 pub use probe::{Shadow, ShadowProbe};
 pub use shade::Shade;
 pub use shadow::ShadowMaps;
