@@ -36,9 +36,10 @@
 //! behind, and the sky. Functions of tangent, light, eye and strand only, so that a kernel and a
 //! fragment shader share them.
 //!
-//! Not taken: filters of a few turned taps (they trembled eight times as much as a turning light makes
-//! hair change), uniform slices (no better with 48 of them than these eight). Untried: a grid of the hair's density for the
-//! sky, whose openness is guessed from the zenith and the lights that are on; moments instead of layers.
+//! Not taken: filters of a few turned taps (they trembled twelve times as much as hair in a turning
+//! light truly does), uniform slices (48 of them hardly erred less than these eight). Untried: a grid of
+//! the hair's density for the sky, whose openness is guessed from the zenith and the lights that are on;
+//! moments instead of layers.
 
 pub mod fiber;
 pub mod lights;
