@@ -87,6 +87,7 @@ pub fn run(args: &Args) -> Result<()> {
     args.hair_hair.apply(&mut physics, args.debug.debug == Some(debug::Subject::Density));
     args.wind.apply(&mut physics);
     args.debug.check(&physics)?;
+    let lights = args.shadows.lights()?;
     args.shading.check()?;
     ensure!(
         args.source.color.is_none() || args.shading.melanin.is_none(),
@@ -97,6 +98,7 @@ pub fn run(args: &Args) -> Result<()> {
         Quality { shadow_resolution: args.shadows.resolution(), ..Quality::new(args.size, args.edges) };
     let mut scene = Scene::open(&args.source, quality)?;
     scene.set_shadows(args.shadows.shadows());
+    scene.add_lights(lights);
     *scene.physics_mut() = physics;
     scene.set_avoid(args.avoid);
     let look = scene.look_mut();

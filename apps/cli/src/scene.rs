@@ -21,7 +21,7 @@ use tresses::{
     glam::Vec3,
     gpu::{Gpu, Timings},
     groom::{SdfGrid, TriMesh},
-    light::{Lights, ShadingRate, Shadows, Sphere},
+    light::{Directional, Lights, ShadingRate, Shadows, Sphere},
     simulate::SimulationParams,
 };
 
@@ -41,7 +41,8 @@ pub struct Quality {
 impl Quality {
     /// Exactly as many samples as asked for.
     pub fn new(size: Size, edges: EdgeArgs) -> Self {
-        Self { size, edges, at_most: false, shadow_resolution: 1024 }
+        let shadow_resolution = DrawOptions::default().shadow_resolution;
+        Self { size, edges, at_most: false, shadow_resolution }
     }
 }
 
@@ -79,6 +80,7 @@ pub struct Scene {
     neck: Vec3,
     field: Option<SdfGrid>,
     debug: Option<Debug>,
+    more_lights: [Directional; 2],
 }
 
 impl Scene {
@@ -158,6 +160,7 @@ impl Scene {
             neck: character.neck,
             field: character.field.clone(),
             debug: None,
+            more_lights: [Directional::OFF; 2],
             gpu,
         })
     }
@@ -175,6 +178,11 @@ impl Scene {
     /// Camera-independent looks of the next pictures; the lights go with the camera.
     pub fn look_mut(&mut self) -> &mut draw::Scene {
         &mut self.scene
+    }
+
+    /// Lights besides the two that go with the camera, from here on; these stay where they are.
+    pub fn add_lights(&mut self, lights: [Directional; 2]) {
+        self.more_lights = lights;
     }
 
     /// What a portrait must show, metres.
@@ -371,6 +379,7 @@ impl Scene {
         self.scene.view = View::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, self.targets.size);
         let back = camera.eye - camera.target;
         self.scene.lights = Lights::around(back.x.atan2(back.z));
+        self.scene.lights.directional[2..].copy_from_slice(&self.more_lights);
     }
 
     fn record_advance(
