@@ -1,7 +1,8 @@
 //! Lays pictures out in a grid with a line of text under each: `scripts/style-sheet` makes the pictures
 //! of `docs/appearance/style.md` with it.
 //!
-//! `cargo run -p tresses-cli --example sheet -- OUT.webp COLUMNS LABEL=PICTURE.png ...`
+//! `cargo run -p tresses-cli --example sheet -- OUT.webp COLUMNS LABEL=PICTURE.png ...`, or
+//! `... -- paint PATTERN OUT.png` for a map of colours to try.
 
 use anyhow::{Context, Result, ensure};
 use embedded_graphics::{
@@ -60,10 +61,42 @@ impl DrawTarget for Picture {
     }
 }
 
+/// Writes a picture of colours over the scalp, its top the front: `streaks`, `halves` or `halo`.
+fn paint(pattern: &str, out: &str) -> Result<()> {
+    const SIDE: usize = 256;
+    let color = |x: f32, y: f32| -> Result<[u8; 3]> {
+        let (brown, blond, red) = ([96, 62, 38], [214, 178, 118], [168, 44, 30]);
+        Ok(match pattern {
+            "streaks" if (40.0 * x).sin() > 0.55 => blond,
+            "streaks" => brown,
+            "halves" if x < 0.5 => red,
+            "halves" => blond,
+            // From the front backwards.
+            "halo" if y > 0.62 => blond,
+            "halo" => red,
+            _ => anyhow::bail!("{pattern}: choose streaks, halves or halo"),
+        })
+    };
+    let mut pixels = Vec::with_capacity(3 * SIDE * SIDE);
+    for i in 0..SIDE * SIDE {
+        let at = |i: usize| (i as f32 + 0.5) / SIDE as f32;
+        pixels.extend(color(at(i % SIDE), 1.0 - at(i / SIDE))?);
+    }
+    let mut encoder = png::Encoder::new(File::create(out)?, SIDE as u32, SIDE as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.write_header()?.write_image_data(&pixels)?;
+    Ok(())
+}
+
 fn main() -> Result<()> {
     let args: Vec<String> = std::env::args().skip(1).collect();
+    if let [word, pattern, out] = &args[..]
+        && word == "paint"
+    {
+        return paint(pattern, out);
+    }
     let [out, columns, cells @ ..] = &args[..] else {
-        anyhow::bail!("give OUT.webp COLUMNS LABEL=PICTURE.png ...");
+        anyhow::bail!("give OUT.webp COLUMNS LABEL=PICTURE.png ..., or paint PATTERN OUT.png");
     };
     let columns: usize = columns.parse().context("the number of columns")?;
     ensure!(columns > 0 && !cells.is_empty(), "give at least one column and one picture");

@@ -33,9 +33,9 @@ pub struct Args {
     #[arg(long, value_name = "NAME", default_value = "long")]
     pub style: String,
     #[command(flatten)]
-    pub edges: EdgeArgs,
-    #[command(flatten)]
     pub shape: StyleArgs,
+    #[command(flatten)]
+    pub edges: EdgeArgs,
 }
 
 /// Runs `tresses demo`.

@@ -7,13 +7,13 @@ use tresses::draw::Coverage;
 /// Antialiasing.
 #[derive(clap::Args, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EdgeArgs {
-    /// Samples per pixel: 1, 4, 8 or 16 [default: 8, or as many as the adapter offers; 1 with --coverage peel]
+    /// Samples per pixel: 1, 4, 8 or 16 [default: 1 with --coverage peel, else 8 or as many as the adapter offers]
     #[arg(long, value_name = "N", value_parser = args::samples, help_heading = "Edges")]
     pub samples: Option<u32>,
     /// Pixels drawn per pixel shown, along each axis; 2 costs four times as much
     #[arg(long, value_name = "N", default_value = "1", value_parser = ssaa, help_heading = "Edges")]
     pub ssaa: u32,
-    /// How strands thinner than a pixel cover it [default: mask, or peel with --samples 1]
+    /// How strands thinner than a pixel cover it [default: peel, or mask with --samples 4 and more]
     #[arg(long, value_name = "MODE", value_enum, help_heading = "Edges")]
     pub coverage: Option<Mode>,
     /// How many layers of hair --coverage peel puts in order, 1 to 16; hair behind them has its mean colour [default: 4]
@@ -24,7 +24,7 @@ pub struct EdgeArgs {
 /// How strands cover pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Mode {
-    /// Each strand covers its share of a pixel's samples
+    /// Each strand covers its share of a pixel's samples, which are others for each strand
     Mask,
     /// The adapter turns a strand's share of a pixel into samples; thin hair that overlaps comes out too sparse
     Alpha,
@@ -43,9 +43,9 @@ impl EdgeArgs {
     pub fn choose(&self, most: u32) -> Result<(u32, Coverage)> {
         let mode = match (self.coverage, self.samples) {
             (Some(mode), _) => mode,
-            (None, Some(1)) => Mode::Peel,
-            _ if self.layers.is_some() => Mode::Peel,
-            _ => Mode::Mask,
+            // Sorted layers are quieter and nearer to the truth than any number of samples.
+            (None, None | Some(1)) => Mode::Peel,
+            (None, Some(_)) => Mode::Mask,
         };
         let samples = self.samples.unwrap_or(if mode == Mode::Peel { 1 } else { most.min(8) });
         ensure!(
@@ -84,8 +84,12 @@ mod tests {
     #[test]
     fn options_fit_together() {
         let none = EdgeArgs::default();
-        assert_eq!(none.choose(4).unwrap(), (4, Coverage::SampleMask));
-        assert_eq!(none.choose(16).unwrap(), (8, Coverage::SampleMask));
+        assert_eq!(none.choose(4).unwrap(), (1, Coverage::PEELING));
+        let four = EdgeArgs { samples: Some(4), ..none };
+        assert_eq!(four.choose(4).unwrap(), (4, Coverage::SampleMask));
+        assert!(EdgeArgs { layers: Some(2), ..four }.choose(8).is_err());
+        let masks = EdgeArgs { coverage: Some(Mode::Mask), ..none };
+        assert_eq!(masks.choose(16).unwrap(), (8, Coverage::SampleMask));
         let one = EdgeArgs { samples: Some(1), ..none };
         assert_eq!(one.choose(8).unwrap(), (1, Coverage::PEELING));
         let two = EdgeArgs { layers: Some(2), ..none };

@@ -19,7 +19,7 @@ use crate::{
 };
 use anyhow::{Result, ensure};
 use std::path::PathBuf;
-use tresses::simulate::SimulationParams;
+use tresses::{light::MAX_LIGHTS, simulate::SimulationParams};
 
 /// The longest animation, frames.
 const MAX_FRAMES: u32 = 100_000;
@@ -90,20 +90,27 @@ pub fn run(args: &Args) -> Result<()> {
     args.hair_hair.apply(&mut physics, args.debug.debug == Some(debug::Subject::Density));
     args.wind.apply(&mut physics);
     args.debug.check(&physics)?;
+    let lights = args.shadows.lights()?;
     args.shading.check()?;
     ensure!(
         args.source.color.is_none() || args.shading.melanin.is_none(),
         "--color and --melanin both say what colour the hair has: give one"
     );
-    let lights = args.environment.lights()?;
+    let surroundings = args.environment.lights()?;
+    let more = lights.iter().filter(|light| light.irradiance.max_element() > 0.0).count();
+    ensure!(
+        surroundings.is_none_or(|own| own.active().count() + more <= MAX_LIGHTS),
+        "the surroundings and --light have more than {MAX_LIGHTS} lights together: give fewer --light"
+    );
     let start = progress::spinner("preparing");
     let quality =
         Quality { shadow_resolution: args.shadows.resolution(), ..Quality::new(args.size, args.edges) };
     let mut scene = Scene::open(&args.source, quality)?;
     scene.set_shadows(args.shadows.shadows());
+    scene.add_lights(lights);
     *scene.physics_mut() = physics;
     scene.set_avoid(args.avoid);
-    scene.set_lights(lights);
+    scene.set_lights(surroundings);
     let look = scene.look_mut();
     args.shading.apply(&mut look.hair, &mut look.shading);
     scene.show(&args.debug);

@@ -21,7 +21,7 @@ use tresses::{
     glam::Vec3,
     gpu::{Gpu, Timings},
     groom::{SdfGrid, TriMesh},
-    light::{Lights, ShadingRate, Shadows, Sphere},
+    light::{Directional, Lights, ShadingRate, Shadows, Sphere},
     simulate::SimulationParams,
 };
 
@@ -41,7 +41,8 @@ pub struct Quality {
 impl Quality {
     /// Exactly as many samples as asked for.
     pub fn new(size: Size, edges: EdgeArgs) -> Self {
-        Self { size, edges, at_most: false, shadow_resolution: 1024 }
+        let shadow_resolution = DrawOptions::default().shadow_resolution;
+        Self { size, edges, at_most: false, shadow_resolution }
     }
 }
 
@@ -81,11 +82,16 @@ pub struct Scene {
     neck: Vec3,
     field: Option<SdfGrid>,
     debug: Option<Debug>,
+    more_lights: [Directional; 2],
 }
 
 impl Scene {
     /// Opens the GPU, reads or grows the character and brings it there.
     pub fn open(source: &Source, quality: Quality) -> Result<Self> {
+        ensure!(
+            source.color.is_none() || source.shape.color_map.is_none(),
+            "--color gives all hair one colour and --color-map many; give one of them"
+        );
         let gpu = pollster::block_on(Gpu::open())?;
         let device = &gpu.device;
         let most = gpu.tier.max_samples;
@@ -157,6 +163,7 @@ impl Scene {
             neck: character.neck,
             field: character.field.clone(),
             debug: None,
+            more_lights: [Directional::OFF; 2],
             gpu,
         })
     }
@@ -179,6 +186,11 @@ impl Scene {
     /// Lights that stay where they are; `None` for a photographer's, which go with the camera.
     pub fn set_lights(&mut self, lights: Option<Lights>) {
         self.lights = lights;
+    }
+
+    /// Lights besides the two that go with the camera, from here on; these stay where they are.
+    pub fn add_lights(&mut self, lights: [Directional; 2]) {
+        self.more_lights = lights;
     }
 
     /// What a portrait must show, metres.
@@ -374,7 +386,13 @@ impl Scene {
     fn look_from(&mut self, camera: &Camera) {
         self.scene.view = View::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, self.targets.size);
         let back = camera.eye - camera.target;
-        self.scene.lights = self.lights.unwrap_or_else(|| Lights::around(back.x.atan2(back.z)));
+        let mut lights = self.lights.unwrap_or_else(|| Lights::around(back.x.atan2(back.z)));
+        // Others take the places that are free.
+        let free = lights.directional.iter_mut().filter(|light| light.irradiance == Vec3::ZERO);
+        for (place, light) in free.zip(&self.more_lights) {
+            *place = *light;
+        }
+        self.scene.lights = lights;
     }
 
     fn record_advance(

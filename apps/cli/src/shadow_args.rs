@@ -1,6 +1,11 @@
-//! The shadows of `tresses render`.
+//! Lights and shadows of `tresses render`.
 
-use tresses::light::{ShadowMethod, Shadows};
+use anyhow::{Result, ensure};
+use std::str::FromStr;
+use tresses::{
+    glam::Vec3,
+    light::{Directional, ShadowMethod, Shadows},
+};
 
 /// How hair is counted in shadows.
 #[derive(clap::ValueEnum, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -15,7 +20,7 @@ pub enum Method {
 }
 
 /// Shadows.
-#[derive(clap::Args, Clone, Copy, Debug)]
+#[derive(clap::Args, Clone, Debug)]
 pub struct ShadowArgs {
     /// How hair shadows hair, head and body
     #[arg(long, value_name = "METHOD", value_enum, default_value_t, help_heading = "Shadows")]
@@ -29,12 +34,59 @@ pub struct ShadowArgs {
     /// Shade hair, and look its shadows up, for every pixel, not only at the vertices of its strands
     #[arg(long, help_heading = "Shadows")]
     shadows_per_pixel: bool,
+    /// Another light, at most two: where from, degrees from the front over the head's left and degrees above the horizon, and how strong, where the main light is 5
+    #[arg(
+        long = "light",
+        value_name = "AZIMUTH,ELEVATION[,IRRADIANCE]",
+        allow_hyphen_values = true,
+        help_heading = "Shadows"
+    )]
+    lights: Vec<Lamp>,
+}
+
+/// A light from afar.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Lamp(Directional);
+
+impl FromStr for Lamp {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let numbers: std::result::Result<Vec<f32>, _> =
+            text.split(',').map(|part| part.trim().parse()).collect();
+        let (azimuth, elevation, irradiance) = match numbers.as_deref() {
+            Ok([azimuth, elevation]) => (*azimuth, *elevation, 2.0),
+            Ok([azimuth, elevation, irradiance]) => (*azimuth, *elevation, *irradiance),
+            _ => return Err("give azimuth,elevation as in 90,30, and a strength if you like".into()),
+        };
+        if azimuth.abs() > 360.0 || elevation.abs() > 90.0 || !(0.0..=100.0).contains(&irradiance) {
+            return Err("azimuths go to 360 degrees, elevations to 90, strengths from 0 to 100".into());
+        }
+        let (sin, cos) = azimuth.to_radians().sin_cos();
+        let (up, level) = elevation.to_radians().sin_cos();
+        let direction = Vec3::new(sin * level, up, cos * level);
+        Ok(Self(Directional { direction, irradiance: Vec3::splat(irradiance) }))
+    }
 }
 
 impl ShadowArgs {
     /// Texels along each edge of a shadow map.
     pub fn resolution(&self) -> u32 {
         self.shadow_resolution
+    }
+
+    /// The lights besides those that go with the camera.
+    pub fn lights(&self) -> Result<[Directional; 2]> {
+        ensure!(
+            self.lights.len() <= 2,
+            "--light was given {} times, but at most 2 are possible",
+            self.lights.len()
+        );
+        let mut lights = [Directional::OFF; 2];
+        for (light, lamp) in lights.iter_mut().zip(&self.lights) {
+            *light = lamp.0;
+        }
+        Ok(lights)
     }
 
     /// What the library is told.
@@ -49,7 +101,7 @@ impl ShadowArgs {
     }
 }
 
-fn softness(text: &str) -> Result<f32, String> {
+fn softness(text: &str) -> std::result::Result<f32, String> {
     match text.parse() {
         Ok(value) if (0.1..=50.0).contains(&value) => Ok(value),
         _ => Err("give millimetres from 0.1 to 50".into()),

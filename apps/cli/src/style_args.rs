@@ -74,7 +74,7 @@ pub struct StyleArgs {
     #[arg(long, value_name = "IMAGE[:C]|NAME", help_heading = "Maps on the scalp")]
     pub stiffness_map: Option<MapSource>,
     /// Colours of the hair: an sRGB .png over the scalp
-    #[arg(long, value_name = "IMAGE", conflicts_with = "color", help_heading = "Maps on the scalp")]
+    #[arg(long, value_name = "IMAGE", help_heading = "Maps on the scalp")]
     pub color_map: Option<ColorSource>,
 }
 

@@ -52,6 +52,16 @@ fn absurd_options_are_refused() {
     refuses(&["render", "--debug-max", "2"], "--debug");
     refuses(&["render", "--debug", "push", "--hair-hair", "off"], "--hair-hair is off");
     refuses(&["render", "--debug", "wind"], "it is calm");
+    refuses(&["render", "--curl", "spirals"], "waves, ringlets, coils");
+    refuses(&["render", "--curl", "radius=8"], "as in 8mm");
+    refuses(&["render", "--curl", "turns=9"], "wavelength");
+    refuses(&["render", "--clump", "7"], "from 0 to 1");
+    refuses(&["render", "--frizz", "3cm"], "0mm to 20mm");
+    refuses(&["render", "--strays", "0.2,4"], "as in 0.6,4mm");
+    refuses(&["render", "--width", "8cm"], "10um to 5mm");
+    refuses(&["render", "--tip-width", "2"], "from 0 to 1");
+    refuses(&["render", "--density-map", "top"], "front, crown, sides");
+    refuses(&["render", "--color-map", "hair.png", "--color", "red"], "--color");
     refuses(&["render", "--wind", "storm"], "from 0 to 100 m/s");
     refuses(&["render", "--wind", "3", "--gusts", "7"], "from 0 to 1");
 }
@@ -74,6 +84,8 @@ fn unknown_names_list_the_choices() {
 fn missing_files_are_named() {
     refuses(&["render", "nowhere.tfx"], "nowhere.tfx");
     refuses(&["render", "--motion", "nowhere.json"], "nowhere.json");
+    refuses(&["render", "--length-map", "nowhere.png"], "nowhere.png");
+    refuses(&["render", "--curl-curve", "nowhere.obj"], "nowhere.obj");
     refuses(&["render", "--head", "nowhere.obj"], "GROOM");
 }
 

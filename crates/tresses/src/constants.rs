@@ -32,6 +32,6 @@ pub const BUILD_WORKGROUP: u32 = 64;
 /// The most directional lights of a scene.
 pub const MAX_LIGHTS: u32 = 4;
 /// Edge of a block of shadow map texels, which hold how much hair there is and how high.
-pub const SHADOW_BLOCK: u32 = 8;
+pub const SHADOW_BLOCK: u32 = 4;
 /// Layers of a deep opacity map.
 pub const DEEP_LAYERS: u32 = 8;

@@ -205,7 +205,7 @@ fn hair_shades_hair() {
     for (method, expected, tolerance) in [
         (ShadowMethod::Opaque, 20.0, 0.6),
         (ShadowMethod::Absorption, behind, 0.2),
-        (ShadowMethod::DeepOpacity, 1.6, 0.5),
+        (ShadowMethod::DeepOpacity, 1.6, 0.15),
     ] {
         scene.shadows.method = method;
         render(&gpu, &stage, &scene, &hair, &targets);

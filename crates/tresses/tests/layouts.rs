@@ -253,7 +253,7 @@ fn lights() {
         horizon,
         resolution,
         ground,
-        deep_texels,
+        hair_texels,
         range,
         width,
         hair_radius,

@@ -1,21 +1,25 @@
 //! Every pipeline of light, draw and present is valid within baseline limits. No GPU needed.
 
 use tresses::{
-    draw::{Body, DrawOptions, DrawStage, HairSet, Scene, Targets},
+    draw::{Body, Coverage, DrawOptions, DrawStage, HairSet, Scene, Targets},
     groom::TriMesh,
     light::ShadingRate,
     strands::StrandBuffers,
 };
 
 /// Builds and records a whole frame with `samples` per pixel; what wgpu objects to.
-fn frame(samples: u32, target_samples: u32) -> Option<wgpu::Error> {
+fn frame(samples: u32, coverage: Coverage, target_samples: Option<u32>) -> Option<wgpu::Error> {
     let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
     let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-    let stage = DrawStage::new(&device, &DrawOptions { samples, ..Default::default() });
+    let stage = DrawStage::new(&device, &DrawOptions { samples, coverage, ..Default::default() });
     let strands = StrandBuffers::new(&device, 5000, 16).expect("small enough");
     let hair = HairSet::new(&device, &stage, &strands).expect("small enough");
     let body = Body::new(&device, &stage, &TriMesh::default());
-    let targets = Targets::new(&device, 64, 40, target_samples, 2).expect("a fair size");
+    let targets = match target_samples {
+        Some(samples) => Targets::new(&device, 64, 40, samples, 2),
+        None => stage.targets(&device, 64, 40, 2),
+    };
+    let targets = targets.expect("a fair size");
     for shading in [ShadingRate::PerPixel, ShadingRate::PerVertex] {
         let scene = Scene { shading, ..Default::default() };
         let mut encoder = device.create_command_encoder(&Default::default());
@@ -31,15 +35,21 @@ fn frame(samples: u32, target_samples: u32) -> Option<wgpu::Error> {
 
 #[test]
 fn a_frame_is_valid() {
-    for samples in [1, 4] {
-        let error = frame(samples, samples);
-        assert!(error.is_none(), "{samples} samples: {error:?}");
+    for (samples, coverage) in [
+        (1, Coverage::SampleMask),
+        (4, Coverage::SampleMask),
+        (4, Coverage::AlphaToCoverage),
+        (1, Coverage::DepthPeeling { layers: 1 }),
+        (1, Coverage::DepthPeeling { layers: Coverage::MAX_LAYERS }),
+    ] {
+        let error = frame(samples, coverage, None);
+        assert!(error.is_none(), "{samples} samples, {coverage:?}: {error:?}");
     }
 }
 
 #[test]
 fn wrong_targets_are_refused() {
-    assert!(frame(4, 1).is_some());
+    assert!(frame(4, Coverage::SampleMask, Some(1)).is_some());
 }
 
 /// Every debug view, recorded over a picture of `format`; what wgpu objects to.

@@ -9,7 +9,10 @@ use crate::{
 };
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
-use tresses::light::{ShadingModel, ShadingRate};
+use tresses::{
+    glam::Vec3,
+    light::{Directional, ShadingModel, ShadingRate, ShadowMethod},
+};
 
 use super::report::Run;
 use serde::Serialize;
@@ -63,6 +66,8 @@ pub fn variants() -> Vec<Variant> {
         quality: quality(samples, ssaa, mode, layers),
         set: |_| {},
     };
+    let shadows =
+        |name, set| Variant { topic: "shadows", name, quality: quality(SAMPLES, 1, Mode::Mask, None), set };
     vec![
         shading("fibre, per strand vertex", |_| {}),
         shading("Kajiya–Kay, per strand vertex", |scene| {
@@ -72,6 +77,17 @@ pub fn variants() -> Vec<Variant> {
         shading("Kajiya–Kay, per pixel", |scene| {
             let look = scene.look_mut();
             (look.hair.model, look.shading) = (ShadingModel::KajiyaKay, ShadingRate::PerPixel);
+        }),
+        shadows("deep opacity maps", |_| {}),
+        shadows("absorption", |scene| scene.look_mut().shadows.method = ShadowMethod::Absorption),
+        shadows("opaque", |scene| scene.look_mut().shadows.method = ShadowMethod::Opaque),
+        shadows("deep opacity maps, four lights", |scene| {
+            let light = |x, z| Directional { direction: Vec3::new(x, 0.5, z), irradiance: Vec3::ONE };
+            scene.add_lights([light(1.0, 0.3), light(-1.0, -0.3)]);
+        }),
+        shadows("deep opacity maps, per pixel", |scene| {
+            scene.look_mut().shading = ShadingRate::PerPixel;
+            scene.look_mut().shadows.per_pixel = true;
         }),
         samples("4×MSAA", 4, 1),
         samples("1 sample", 1, 1),

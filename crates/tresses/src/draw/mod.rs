@@ -10,17 +10,30 @@
 //! shader from the shared strand buffer. One 16-bit index list for as many strands as it reaches
 //! is drawn again and again with another base vertex (see `hair.rs`).
 //!
-//! **Width.** Hair is mostly thinner than a pixel. A strip is drawn at least
-//! [`min_width`](crate::light::HairMaterial::min_width) pixels wide, so that it meets samples
-//! everywhere along its way, and covers only the share `width / drawn width` of the samples. Which
-//! samples is a property of the strand: strands that overlap then add up as independent things do,
-//! and there is no noise along a strand. With a single sample per pixel the share becomes a
-//! probability that the strand is there at all: it ends where it has become too thin for its hash,
-//! only half of its taper counted, so that not too many end early.
+//! **Coverage.** Hair is mostly thinner than a pixel. [`Coverage`] names three ways to cover as much
+//! as it does; `docs/appearance/edges.md` holds them against each other.
 //!
-//! Not taken: alpha blending (needs sorting), alpha to coverage (the same samples for every
-//! strand, so that overlapping thin hairs hide behind each other). Untried: analytic coverage in a
-//! compute rasteriser, for which `light::shade`'s output is ready.
+//! ```text
+//! SampleMask       strips ≥ min_width px ─► depth, colour of the strand's own samples
+//! AlphaToCoverage  strips + 1 px ─► depth of samples made from alpha ─► colour where depth is equal
+//! DepthPeeling     body ─► depth ─┬─► layer 1 ─► under ─► layer 2 ─► under ... ─► front ──────┐
+//!                                 └─► what lies behind the last layer, in any order ─► rest ─┴─► present
+//! ```
+//!
+//! With masks, a strip is drawn at least [`min_width`](crate::light::HairMaterial::min_width) pixels
+//! wide, so that it meets samples everywhere along its way, and covers only the share
+//! `width / drawn width` of the samples. Which samples is a property of the strand: strands that
+//! overlap then add up as independent things do, and there is no noise along a strand. With a single
+//! sample per pixel the share becomes a probability that the strand is there at all.
+//!
+//! The two others draw a strip as wide as it is and a pixel more, and ask each pixel which share of it
+//! the strand covers (`coverage.wesl`): exact for a pixel that is a square, so that nothing need be
+//! widened. Peeling (`peel.rs`) blends strands in order, as many as there are layers; what is behind
+//! them has its mean colour, and hides as much as it does in any order.
+//!
+//! Not taken: linked lists of fragments (memory without bound, atomics per fragment), sorting strands
+//! (they cross), moments of transmittance. Untried: analytic coverage in a compute rasteriser, for
+//! which `light::shade`'s output is ready; peeling several layers per pass.
 
 pub mod background;
 pub mod body;

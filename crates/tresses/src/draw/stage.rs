@@ -26,8 +26,9 @@ pub struct DrawOptions {
     pub samples: u32,
     /// How strands cover pixels.
     pub coverage: Coverage,
-    /// Texels along each edge of a shadow map, brought into 8 to 2048; of a deep opacity map a third, or fewer where shadows
-    /// are to be soft. Five maps take 45 bytes per texel ([`DrawStage::shadow_bytes`]).
+    /// Texels along each edge of a shadow map, brought into 4 to 2048; of a deep opacity map a third,
+    /// or fewer where shadows are to be soft. Five maps take 43 bytes per texel
+    /// ([`DrawStage::shadow_bytes`]).
     pub shadow_resolution: u32,
     /// Format of what `present` writes to.
     pub output: wgpu::TextureFormat,
@@ -142,9 +143,15 @@ impl DrawStage {
         strands: &StrandBuffers,
         shaded: &wgpu::Buffer,
     ) -> wgpu::BindGroup {
-        let [maps, comparison, hair, blocks] = self.shadow_maps.resources();
-        let (view, lights) = (self.view.as_entire_binding(), self.lights.as_entire_binding());
+        let view = self.view.as_entire_binding();
+        let [lights, maps, comparison, hair, blocks] = self.light_resources();
         self.shade.bind(device, [view, lights, maps, comparison, hair, blocks], strands, uniform, shaded)
+    }
+
+    /// What the light stage offers to those that ask for light.
+    pub(crate) fn light_resources(&self) -> [wgpu::BindingResource<'_>; 5] {
+        let [maps, comparison, hair, blocks] = self.shadow_maps.resources();
+        [self.lights.as_entire_binding(), maps, comparison, hair, blocks]
     }
 
     pub(crate) fn bind_splat(

@@ -63,7 +63,8 @@ impl Targets {
         };
         let (wide, high) = (width * ssaa, height * ssaa);
         let hdr = texture("hdr", wide, high, samples, HDR_FORMAT, wgpu::TextureUsages::TEXTURE_BINDING);
-        let depth = texture("depth", wide, high, samples, DEPTH_FORMAT, wgpu::TextureUsages::COPY_SRC);
+        let read = wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING;
+        let depth = texture("depth", wide, high, samples, DEPTH_FORMAT, read);
         let picture = texture("picture", width, height, 1, PICTURE_FORMAT, wgpu::TextureUsages::COPY_SRC);
         let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
         Ok(Self {

@@ -147,8 +147,8 @@ pub struct LightsUniform {
     pub resolution: u32,
     /// [`Sky::ground`].
     pub ground: Vec3,
-    /// Texels of a map along the edge of a deep opacity map's texel.
-    pub deep_texels: u32,
+    /// Texels of a map along the edge of a texel of the hair's.
+    pub hair_texels: u32,
     /// Depth of the shadow maps, metres.
     pub range: f32,
     /// Twice [`Sphere::radius`], the width of a shadow map, metres.
@@ -181,7 +181,7 @@ impl Lights {
     /// With maps of `resolution`² texels that cover `focus`.
     pub(crate) fn uniform(&self, shadows: &Shadows, focus: &Sphere, resolution: u32) -> LightsUniform {
         // Maps move in steps; a step's room keeps the focus inside.
-        let step = shadows.snap(2.0 * focus.radius.max(1e-6) / resolution as f32);
+        let step = shadows.hair_texels(2.0 * focus.radius.max(1e-6) / resolution as f32);
         let radius =
             focus.radius.max(1e-6) * resolution as f32 / resolution.saturating_sub(step).max(1) as f32;
         let focus = &Sphere { radius, ..*focus };
@@ -202,7 +202,7 @@ impl Lights {
             horizon: self.sky.horizon,
             ground: self.sky.ground,
             resolution,
-            deep_texels: step,
+            hair_texels: step,
             range: 2.0 * focus.radius,
             width: 2.0 * focus.radius,
             hair_radius: shadows.hair_radius,

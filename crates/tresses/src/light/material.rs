@@ -161,7 +161,7 @@ impl HairMaterial {
             primary: 1.0,
             secondary: 1.4,
             transmission: 1.9,
-            opacity: 0.1625,
+            opacity: 0.2,
             secondary_color: Vec3::new(0.80, 0.62, 0.36),
             fiber: FiberMaterial::natural(melanin(0.25, 0.05)),
             ..Self::colored(Vec3::new(0.36, 0.235, 0.12))
@@ -182,7 +182,7 @@ impl HairMaterial {
         Self {
             primary: 0.8,
             secondary: 1.0,
-            opacity: 0.2,
+            opacity: 0.24,
             secondary_color: Vec3::new(0.55, 0.27, 0.05),
             fiber: FiberMaterial::natural(melanin(0.12, 1.5)),
             ..Self::colored(Vec3::new(0.19, 0.078, 0.026))
@@ -195,7 +195,7 @@ impl HairMaterial {
             primary: 1.1,
             secondary: 0.5,
             transmission: 0.2,
-            opacity: 0.35,
+            opacity: 0.4,
             fiber: FiberMaterial::natural(melanin(6.0, 0.3)),
             ..Self::colored(Vec3::new(0.012, 0.010, 0.009))
         }
@@ -224,7 +224,7 @@ impl HairMaterial {
             transmission_exponent: 40.0,
             shift_spread: 0.12,
             shift_noise: 0.05,
-            opacity: 0.3 - 0.19 * lightness,
+            opacity: 0.36 - 0.22 * lightness,
             saturation: 0.8,
             min_width: 1.0,
             model: ShadingModel::default(),

@@ -1,22 +1,35 @@
 //! Light on hair: how much of it arrives, and what comes back.
 //!
 //! ```text
-//! strand vertices ─┬─► shadow maps (key, rim, above) ─► transmittance ─► shading ─► shaded
-//! body ────────────┘   depth, one layer per light       per vertex       per vertex
-//!                                                                        or per pixel
+//! strand vertices ─┬─► hair maps (sky, then each light that is on) ─► fibres ─► shading ─► shaded
+//! body ────────────┴─► depth maps, a layer each ──────────────────► solid    per vertex   per vertex
+//!                                                                             or per pixel
 //! ```
 //!
-//! **Shadow** ([`ShadowMaps`]): one orthographic map per light. The body is rasterised into a depth
-//! texture; hair, which is thinner than a texel, is walked into a buffer by a kernel, one thread
-//! per segment, with an atomic maximum. What is stored is the surface nearest the light; hair
-//! behind hair passes `exp(-absorption * way)` of the light, averaged over a disk (Halen's
-//! absorption-weighted filter), hair behind the body none. For the body, blocks of texels hold how
-//! much hair there is and how high: smooth skin wants smooth shadows. The third map looks down
-//! from the zenith and, with the two others, tells how open the sky is.
+//! **Lights** ([`Lights`]): four from afar and a sky. What is off has neither a map nor a turn of a loop.
 //!
-//! **Shade** ([`Shade`]): one thread per strand vertex evaluates the three transmittances and,
-//! unless pixels are to be shaded, the whole radiance. Both are interpolated along the strand,
-//! which hides the texels of the maps. Eight bytes per vertex.
+//! **Shadow** ([`ShadowMaps`]): one orthographic map per light, and one from the zenith. The body is
+//! rasterised into a depth texture; hair, which is thinner than a texel, is walked into a buffer by
+//! kernels, one thread per segment. What comes out is a count, not a share: the mean number of fibres
+//! between a light and a point, so that every model of shading may take of each what it needs
+//! (`transmittance.wesl`). Bodies in between are a factor of their own. Three methods
+//! ([`ShadowMethod`]) answer, all from the same buffer:
+//!
+//! - *Deep opacity maps*: `splat` leaves the nearest hair in each texel, `front` smooths it into a
+//!   front that no single hair moves, `cover` adds width times length over area of every segment, in
+//!   fixed point, to the layer behind the front that it is in, `stack` sums the layers up. A lookup is a
+//!   quadratic B-spline over three by three texels. `deep.wesl` has the layers: eight, 4 mm and thicker
+//!   with the distance behind the front (Yuksel and Keyser take powers of a given depth; logarithms
+//!   need no depth and erred less).
+//! - *Absorption* and *opaque*: `splat` alone; a spline over nine by nine texels, each of which passes
+//!   `exp(-density * way behind the hair nearest the light)`, the density a given one (Halen) or that of
+//!   something solid. For the body `blocks` sums the texels up.
+//!
+//! The hair's texels are as large as the shadow is soft, and every texel under the filter is met: that
+//! is why shadows do not crawl when a light turns (`tests/shadows`), and why the maps are small.
+//!
+//! **Shade** ([`Shade`]): one thread per strand vertex asks for all lights and, unless pixels are to be
+//! shaded, evaluates the whole radiance. Both are interpolated along the strand. Eight bytes per vertex.
 //!
 //! **Shading** (`shading.wesl`): two models, chosen by [`ShadingModel`], from the same fibre, eye, light and
 //! count of fibres, so that a kernel and a fragment shader share them. *Fiber* refracts, absorbs and
@@ -26,12 +39,16 @@
 //! **Surroundings** ([`Environment`], [`Sky`]): three colours by elevation, or a picture as spherical
 //! harmonics; its small bright parts become directional lights, with shadows.
 //!
-//! Not taken: deep opacity maps (a chapter of their own; the seam is `hair_transmittance`).
+//! Not taken: filters of a few turned taps (they trembled twelve times as much as hair in a turning
+//! light truly does), uniform slices (48 of them hardly erred less than these eight). Untried: a grid of
+//! the hair's density for the sky, whose openness is guessed from the zenith and the lights that are on;
+//! moments instead of layers.
 
 pub mod environment;
 pub mod fiber;
 pub mod lights;
 pub mod material;
+pub mod probe;
 pub mod shade;
 pub mod shadow;
 pub mod shadows;
@@ -39,6 +56,7 @@ pub mod shadows;
 pub use environment::Environment;
 pub use lights::{Directional, Lights, MAX_LIGHTS, Sky, Sphere};
 pub use material::{FiberMaterial, HairMaterial, ShadingModel, ShadingRate};
+pub use probe::{Shadow, ShadowProbe};
 pub use shade::Shade;
 pub use shadow::ShadowMaps;
 pub use shadows::{ShadowMethod, Shadows};

@@ -58,7 +58,7 @@ pub struct ShadowMaps {
 impl ShadowMaps {
     /// Maps of `resolution`² texels. `body` is the layout of [`Body`]'s bind group.
     pub(crate) fn new(device: &wgpu::Device, resolution: u32, body: &wgpu::BindGroupLayout) -> Self {
-        let resolution = resolution.clamp(BLOCK, MOST).next_multiple_of(BLOCK);
+        let resolution = resolution.clamp(BLOCK, MOST);
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("shadow maps"),
             size: wgpu::Extent3d {
@@ -147,7 +147,7 @@ impl ShadowMaps {
         };
         let hair =
             buffer("hair in shadow maps", map_words(ShadowMethod::DeepOpacity, resolution, DEEP_FINEST));
-        let blocks = buffer("hair blocks", u64::from(resolution / BLOCK).pow(2));
+        let blocks = buffer("hair blocks", u64::from(resolution.div_ceil(BLOCK)).pow(2));
         let comparison = device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("shadow comparison"),
             mag_filter: wgpu::FilterMode::Linear,
@@ -238,7 +238,7 @@ impl ShadowMaps {
             }
         }
         let Shadows { method, .. } = scene.shadows;
-        let across = scene.shadows.snap(2.0 * scene.focus.radius.max(1e-6) / self.resolution as f32);
+        let across = scene.shadows.hair_texels(2.0 * scene.focus.radius.max(1e-6) / self.resolution as f32);
         let words = maps as u64 * map_words(method, self.resolution, across);
         encoder.clear_buffer(&self.hair, 0, Some(4 * words));
         let Some(hair) = hair else {
@@ -263,17 +263,17 @@ impl ShadowMaps {
                 run(stack, texels);
             }
             ShadowMethod::Opaque | ShadowMethod::Absorption => {
-                run(&self.summary, maps as u64 * u64::from(self.resolution / BLOCK).pow(2));
+                run(&self.summary, maps as u64 * u64::from(self.resolution.div_ceil(across * BLOCK)).pow(2));
             }
         }
     }
 }
 
-/// Words that the hair takes in one map of `resolution`²; a deep opacity map's texels are `across` of
-/// the map's wide.
+/// Words that the hair takes in one map of `resolution`², whose own texels are `across` of the map's wide.
 fn map_words(method: ShadowMethod, resolution: u32, across: u32) -> u64 {
-    match method {
-        ShadowMethod::Opaque | ShadowMethod::Absorption => u64::from(resolution).pow(2),
-        ShadowMethod::DeepOpacity => u64::from(resolution.div_ceil(across)).pow(2) * u64::from(DEEP_WORDS),
-    }
+    let words = match method {
+        ShadowMethod::Opaque | ShadowMethod::Absorption => 1,
+        ShadowMethod::DeepOpacity => u64::from(DEEP_WORDS),
+    };
+    u64::from(resolution.div_ceil(across)).pow(2) * words
 }

@@ -1,13 +1,11 @@
 //! How shadows are made: the method, how soft, how dense.
 
-use crate::constants::SHADOW_BLOCK;
-
 /// How hair before other hair is counted. Every method answers with the mean number of fibres
 /// between a light and a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u32)]
 pub enum ShadowMethod {
-    /// As if hair were solid: the share of a disk of taps that sees no hair before the point
+    /// As if hair were solid: the share of 81 taps that see no hair before the point
     /// (percentage-closer filtering). Hair in the second row is black.
     Opaque,
     /// Each tap counts the fibres on the way behind the hair nearest the light, as if all hair were
@@ -24,8 +22,8 @@ pub enum ShadowMethod {
 pub struct Shadows {
     /// How hair is counted.
     pub method: ShadowMethod,
-    /// Radius of the disk over which the shadow on hair is averaged, metres. Deep opacity maps are
-    /// as fine as that, but a texel is no smaller than three of the depth maps'.
+    /// Radius of the disk over which the shadow on hair is averaged, metres. The hair's maps are as
+    /// fine as that takes; a texel of a deep opacity map is no smaller than three of a depth map.
     pub hair_radius: f32,
     /// Radius over which the shadow of the body on itself is averaged, metres.
     pub body_radius: f32,
@@ -48,7 +46,7 @@ impl Default for Shadows {
             hair_radius: 0.003,
             body_radius: 0.004,
             density: 400.0,
-            body_opacity: 0.6,
+            body_opacity: 1.0,
             bias: 0.0015,
             per_pixel: false,
         }
@@ -56,19 +54,16 @@ impl Default for Shadows {
 }
 
 impl Shadows {
-    /// Texels of a depth map along the edge of one of a deep opacity map, where a depth map's texel
-    /// is `texel` metres. A deep opacity map is read through a spline over three by three texels; a
-    /// texel of 0.866 radii makes that as wide as the disk.
-    pub(crate) fn deep_texels(&self, texel: f32) -> u32 {
-        ((0.866 * self.hair_radius / texel).round() as u32).clamp(DEEP_FINEST, 64)
-    }
-
-    /// Texels between the places of a shadow map that moves with the hair: whole texels of whatever
-    /// is read from it.
-    pub(crate) fn snap(&self, texel: f32) -> u32 {
+    /// Texels of a depth map along the edge of a texel of the hair's, where a depth map's is `texel`
+    /// metres: the hair's maps are only as fine as its shadow is soft, and a filter that meets all of
+    /// their texels leaves nothing to flicker. Deep opacity maps are read through a spline over three by
+    /// three texels: 0.866 radii make that as wide as the disk. The depths of the nearest hair are read
+    /// through one over nine by nine.
+    pub(crate) fn hair_texels(&self, texel: f32) -> u32 {
+        let texels = |share: f32| (share * self.hair_radius / texel).round() as u32;
         match self.method {
-            ShadowMethod::DeepOpacity => self.deep_texels(texel),
-            _ => SHADOW_BLOCK,
+            ShadowMethod::DeepOpacity => texels(0.866).clamp(DEEP_FINEST, 64),
+            ShadowMethod::Opaque | ShadowMethod::Absorption => texels(0.333).clamp(1, 64),
         }
     }
 }

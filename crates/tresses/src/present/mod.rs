@@ -72,10 +72,10 @@ pub struct Present {
 impl Present {
     /// For targets of `samples` with hair in them by `coverage`, and an output of `format`.
     pub fn new(device: &wgpu::Device, samples: u32, coverage: Coverage, format: wgpu::TextureFormat) -> Self {
-        use Binding::{Texture2d, TextureMultisampled, Uniform};
+        use Binding::{Depth, Texture2d, TextureMultisampled, Uniform};
         let (module, bindings): (_, &[_]) = match (coverage, samples) {
             (Coverage::DepthPeeling { .. }, _) => {
-                ("present::layers", &[Uniform, Texture2d, Texture2d, Texture2d, Texture2d])
+                ("present::layers", &[Uniform, Texture2d, Texture2d, Texture2d, Texture2d, Depth])
             }
             (_, 1) => ("present::single", &[Uniform, Texture2d]),
             _ => ("present::resolve", &[Uniform, TextureMultisampled]),
@@ -142,6 +142,7 @@ impl Present {
         let mut resources = vec![self.uniform.as_entire_binding(), TextureView(&targets.hdr)];
         if let Some(layers) = &targets.layers {
             resources.extend(layers.presented().map(TextureView));
+            resources.push(TextureView(&targets.depth));
         }
         let group = group(device, "present", &self.layout, &resources);
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {

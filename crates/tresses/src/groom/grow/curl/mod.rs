@@ -122,10 +122,23 @@ impl Curls {
         // A drawn curve that is stretched over the strand has the turns that it was drawn with.
         let repeats = match &self.curve {
             Some(curve) if curve.stretched => 1.0,
-            _ => length / self.wavelength.max(1e-6),
+            _ => self.path(length) / self.wavelength.max(1e-6),
         };
-        let turns = self.curve.as_ref().map_or(1.0, CurlCurve::turns);
+        let turns = self.turns();
         vertices.saturating_sub(1) as f32 / (repeats * turns).max(1e-6)
+    }
+
+    /// Turns in a wavelength.
+    fn turns(&self) -> f32 {
+        self.curve.as_ref().map_or(1.0, CurlCurve::turns)
+    }
+
+    /// What is left of a path of `length` metres when curls shrink it: as much as for a helix, or a wave
+    /// of the same mean slope.
+    fn path(&self, length: f32) -> f32 {
+        let round = (0.5 * (1.0 + (1.0 - self.flatness).powi(2))).sqrt();
+        let slope = std::f32::consts::TAU * self.radius * round * self.turns() / self.wavelength.max(1e-6);
+        length * (1.0 + self.shrink * (1.0 / (1.0 + slope * slope).sqrt() - 1.0))
     }
 
     /// The fewest vertices that make a turn.
@@ -155,12 +168,12 @@ impl Curls {
         if !self.any() || self.vertices_per_turn(length, vertices) >= Self::LEAST {
             return Ok(());
         }
-        let turns = self.curve.as_ref().map_or(1.0, CurlCurve::turns);
+        let (turns, path) = (self.turns(), self.path(length));
         Err(Error::Groom(format!(
             "{vertices} vertices are too few for curls of {:.0} mm on strands of {:.0} cm: from {:.0} mm on they hold",
             self.wavelength * 1e3,
             length * 1e2,
-            (Self::LEAST * turns * length / vertices.saturating_sub(1).max(1) as f32 * 1e3).ceil(),
+            (Self::LEAST * turns * path / vertices.saturating_sub(1).max(1) as f32 * 1e3).ceil(),
         )))
     }
 }

@@ -185,6 +185,8 @@ fn curls_finer_than_the_vertices_are_refused() {
     let error = coils.fits(0.3, 64).unwrap_err().to_string();
     assert!(error.contains("13 mm") && error.contains("30 cm") && error.contains("15 mm"), "{error}");
     assert!(Curls { wavelength: 0.015, ..coils.clone() }.fits(0.3, 64).is_ok());
+    // Hair that shrinks has a shorter way to go.
+    assert!(Curls { shrink: 1.0, ..coils.clone() }.fits(0.3, 64).is_ok());
     assert!(Curls::default().fits(9.0, 2).is_ok());
     assert_eq!(Curls { wavelength: 0.01, ..coils }.vertices_per_turn(0.1, 61), 6.0);
 }

@@ -1,0 +1,38 @@
+//! Edges: how much of a picture hair covers, what peeling makes of it, and how quiet it is in
+//! motion, each against an answer by brute force.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod coverage;
+mod groom;
+mod motion;
+mod oracle;
+mod peeling;
+mod picture;
+mod reference;
+
+use tresses::draw::Coverage;
+
+/// A way to draw edges.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Mode {
+    name: &'static str,
+    samples: u32,
+    coverage: Coverage,
+    ssaa: u32,
+}
+
+const fn mode(name: &'static str, samples: u32, coverage: Coverage, ssaa: u32) -> Mode {
+    Mode { name, samples, coverage, ssaa }
+}
+
+const MASK_1: Mode = mode("masks, 1 sample", 1, Coverage::SampleMask, 1);
+const MASK_4: Mode = mode("masks, 4×MSAA", 4, Coverage::SampleMask, 1);
+const MASK_2X: Mode = mode("masks, 2× SSAA", 1, Coverage::SampleMask, 2);
+const MASK_4_2X: Mode = mode("masks, 4×MSAA, 2× SSAA", 4, Coverage::SampleMask, 2);
+const ALPHA_4: Mode = mode("alpha to coverage, 4×MSAA", 4, Coverage::AlphaToCoverage, 1);
+const ALPHA_4_2X: Mode = mode("alpha to coverage, 4×MSAA, 2× SSAA", 4, Coverage::AlphaToCoverage, 2);
+const PEEL: Mode = mode("4 layers, 1 sample", 1, Coverage::PEELING, 1);
+const PEEL_2X: Mode = mode("4 layers, 2× SSAA", 1, Coverage::PEELING, 2);
+const MODES: [Mode; 8] = [MASK_4, MASK_1, MASK_2X, MASK_4_2X, ALPHA_4, ALPHA_4_2X, PEEL, PEEL_2X];
