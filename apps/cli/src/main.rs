@@ -10,6 +10,7 @@ mod convert;
 mod debug;
 mod demo;
 mod edge_args;
+mod environment_args;
 mod hair_hair_args;
 mod info;
 mod interrupt;

@@ -6,6 +6,7 @@ use crate::{
     camera::{Camera, View},
     debug,
     edge_args::EdgeArgs,
+    environment_args::EnvironmentArgs,
     hair_hair_args::HairHairArgs,
     interrupt,
     motion::Motion,
@@ -61,6 +62,8 @@ pub struct Args {
     #[command(flatten)]
     pub shading: ShadingArgs,
     #[command(flatten)]
+    pub environment: EnvironmentArgs,
+    #[command(flatten)]
     pub shadows: ShadowArgs,
     #[command(flatten)]
     pub debug: debug::DebugArgs,
@@ -87,20 +90,22 @@ pub fn run(args: &Args) -> Result<()> {
     args.hair_hair.apply(&mut physics, args.debug.debug == Some(debug::Subject::Density));
     args.wind.apply(&mut physics);
     args.debug.check(&physics)?;
-    let lights = args.shadows.lights()?;
+    let more_lights = args.shadows.lights()?;
     args.shading.check()?;
     ensure!(
         args.source.color.is_none() || args.shading.melanin.is_none(),
         "--color and --melanin both say what colour the hair has: give one"
     );
+    let lights = args.environment.lights()?;
     let start = progress::spinner("preparing");
     let quality =
         Quality { shadow_resolution: args.shadows.resolution(), ..Quality::new(args.size, args.edges) };
     let mut scene = Scene::open(&args.source, quality)?;
     scene.set_shadows(args.shadows.shadows());
-    scene.add_lights(lights);
+    scene.add_lights(more_lights);
     *scene.physics_mut() = physics;
     scene.set_avoid(args.avoid);
+    scene.set_lights(lights);
     let look = scene.look_mut();
     args.shading.apply(&mut look.hair, &mut look.shading);
     scene.show(&args.debug);

@@ -71,6 +71,8 @@ pub struct Scene {
     /// From timestamps where there are some that mean something, else by the clock.
     timings: Timings,
     scene: draw::Scene,
+    /// Lights that stay where they are, instead of the photographer's.
+    lights: Option<Lights>,
     physics: SimulationParams,
     colliders: Colliders,
     /// Seconds since the hair was put to rest.
@@ -152,6 +154,7 @@ impl Scene {
             targets,
             timings,
             scene,
+            lights: None,
             physics: options.simulation,
             colliders,
             time: 0.0,
@@ -183,6 +186,11 @@ impl Scene {
     /// Lights besides the two that go with the camera, from here on; these stay where they are.
     pub fn add_lights(&mut self, lights: [Directional; 2]) {
         self.more_lights = lights;
+    }
+
+    /// Lights that stay where they are; `None` for a photographer's, which go with the camera.
+    pub fn set_lights(&mut self, lights: Option<Lights>) {
+        self.lights = lights;
     }
 
     /// What a portrait must show, metres.
@@ -374,12 +382,17 @@ impl Scene {
         Ok(rows)
     }
 
-    /// Camera and lights: these go with it, as a photographer's do.
+    /// Camera and lights: these go with it, as a photographer's do, unless there are others.
     fn look_from(&mut self, camera: &Camera) {
         self.scene.view = View::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, self.targets.size);
         let back = camera.eye - camera.target;
-        self.scene.lights = Lights::around(back.x.atan2(back.z));
-        self.scene.lights.directional[2..].copy_from_slice(&self.more_lights);
+        self.scene.lights = self.lights.unwrap_or_else(|| Lights::around(back.x.atan2(back.z)));
+        for (place, light) in self.scene.lights.directional[2..].iter_mut().zip(self.more_lights) {
+            // The surroundings may have lit it already.
+            if light.irradiance != Vec3::ZERO {
+                *place = light;
+            }
+        }
     }
 
     fn record_advance(

@@ -153,6 +153,10 @@ impl StyleArgs {
         material.lightness_spread = self.lightness_spread.unwrap_or(material.lightness_spread);
         material.warmth_spread = self.warmth_spread.unwrap_or(material.warmth_spread);
         material.shift_spread = self.highlight_spread.unwrap_or(material.shift_spread);
+        let fiber = &mut material.fiber;
+        fiber.melanin_spread = self.lightness_spread.unwrap_or(fiber.melanin_spread);
+        // Half as wide as the shift of the softer highlights of the other model.
+        fiber.tilt_spread = self.highlight_spread.map_or(fiber.tilt_spread, |spread| 0.25 * spread);
     }
 
     /// What the user should know of curls on `groom`.

@@ -4,7 +4,7 @@ use tresses::{
     draw::{Background, DrawOptions, DrawStage, HairSet, Scene, Targets, View},
     glam::{Mat4, Vec3},
     gpu::{Gpu, readback},
-    light::{HairMaterial, ShadingRate, ShadowMethod, Sphere},
+    light::{HairMaterial, ShadingModel, ShadingRate, ShadowMethod, Sphere},
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
 };
 
@@ -134,14 +134,15 @@ fn light_is_finite_and_bounded() {
         .collect();
     let hair = HairSet::new(&gpu.device, &stage, &upload(&gpu, 4e-5, &strands)).expect("fits");
     let targets = Targets::new(&gpu.device, 16, 16, 1, 1).expect("fits");
-    for name in HairMaterial::NAMES {
+    let models = [ShadingModel::KajiyaKay, ShadingModel::Fiber];
+    for (name, model) in HairMaterial::NAMES.iter().flat_map(|name| models.map(|model| (name, model))) {
         let mut brightest = 0f32;
         for eye in [Vec3::Z, Vec3::X, Vec3::NEG_Z, Vec3::Y * 0.99 + Vec3::Z * 0.1, Vec3::new(-0.5, 0.6, 0.4)]
         {
             let mut scene = Scene {
                 view: View::look_at(eye, Vec3::ZERO, 0.6, [16, 16]),
                 focus: Sphere { center: Vec3::ZERO, radius: 0.3 },
-                hair: HairMaterial::named(name).expect("a preset"),
+                hair: HairMaterial { model, ..HairMaterial::named(name).expect("a preset") },
                 shading: ShadingRate::PerVertex,
                 ..Default::default()
             };
@@ -158,7 +159,7 @@ fn light_is_finite_and_bounded() {
                 assert!((half(texel[3]) - 0.04).abs() < 1e-3, "radius {}", half(texel[3]));
             }
         }
-        println!("{name}: brightest {brightest}");
+        println!("{name}, {model:?}: brightest {brightest}");
         assert!(brightest > 0.01 && brightest < 25.0, "{name}: {brightest}");
     }
 }

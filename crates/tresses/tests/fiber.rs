@@ -8,7 +8,7 @@ use tresses::{
     glam::{DVec3, Mat3, Vec3},
     gpu::{Gpu, readback},
     light::{
-        Directional, FiberMaterial, HairMaterial, Lights, MAX_LIGHTS, ShadingModel, Sky, Sphere,
+        Directional, Environment, FiberMaterial, HairMaterial, Lights, MAX_LIGHTS, ShadingModel, Sky, Sphere,
         fiber::{FarField, FiberShape, bsdf},
     },
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
@@ -139,8 +139,11 @@ fn on_gpu(gpu: &Gpu, view: &View1, material: FiberMaterial) -> Vec<Vec3> {
     queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&info));
     let hair = HairSet::new(device, &stage, &strands).expect("fits");
     let targets = Targets::new(device, 16, 16, 1, 1).expect("fits");
-    let black = Sky { zenith: Vec3::ZERO, horizon: Vec3::ZERO, ground: Vec3::ZERO };
-    let mut lights = Lights { directional: [Directional::OFF; MAX_LIGHTS], sky: black };
+    let mut lights = Lights {
+        directional: [Directional::OFF; MAX_LIGHTS],
+        sky: Sky::default(),
+        environment: Environment::default(),
+    };
     lights.directional[0] = Directional { direction: to_light, irradiance: Vec3::ONE };
     let scene = Scene {
         view: View::look_at(Vec3::ZERO, Vec3::Z, 1.0, [16, 16]),

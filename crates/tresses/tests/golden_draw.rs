@@ -7,7 +7,7 @@ use tresses::{
     glam::Vec3,
     gpu::Gpu,
     groom::TriMesh,
-    light::{HairMaterial, Sphere},
+    light::{FiberMaterial, HairMaterial, ShadingModel, Sphere},
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
 };
 
@@ -116,8 +116,24 @@ fn hair_on_a_ball_looks_as_it_did() {
         // Others place samples and round differently; this is about changes of our own.
         return println!("skipped: the picture was made by the software driver");
     }
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/ball.png");
-    let now = picture(&gpu, HairMaterial::brown());
+    let brown = HairMaterial { model: ShadingModel::KajiyaKay, ..HairMaterial::brown() };
+    let lighter = HairMaterial { diffuse: 1.3 * brown.diffuse, ..brown };
+    let flat = HairMaterial { opacity: 0.0, ..brown };
+    compare(&gpu, "ball.png", brown, &[lighter, flat]);
+
+    let brown = HairMaterial { model: ShadingModel::Fiber, ..brown };
+    let fiber = |fiber: FiberMaterial| HairMaterial { fiber, ..brown };
+    let lighter = fiber(FiberMaterial { root_absorption: 0.7 * brown.fiber.root_absorption, ..brown.fiber });
+    let mut smooth = brown.fiber;
+    smooth.shape.longitudinal = 0.2;
+    let alone = fiber(FiberMaterial { density_forward: 0.0, density_back: 0.0, ..brown.fiber });
+    compare(&gpu, "ball-fiber.png", brown, &[lighter, fiber(smooth), alone]);
+}
+
+/// Holds `material` against the picture `name`, and makes sure that the others do not look like it.
+fn compare(gpu: &Gpu, name: &str, material: HairMaterial, others: &[HairMaterial]) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
+    let now = picture(gpu, material);
     if std::env::var_os("TRESSES_WRITE_GOLDEN").is_some() {
         let file = std::fs::File::create(&path).expect("a writable tree");
         let mut encoder = png::Encoder::new(file, SIZE[0], SIZE[1]);
@@ -128,13 +144,12 @@ fn hair_on_a_ball_looks_as_it_did() {
     let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().expect("a PNG");
     let mut golden = vec![0; reader.output_buffer_size().expect("a small picture")];
     reader.next_frame(&mut golden).expect("a PNG");
-    assert!(agree(&now, &golden), "the picture has changed");
+    assert!(agree(&now, &golden), "{name} has changed");
 
-    // The comparison sees a slightly different hair colour, and a missing shadow.
-    let lighter = HairMaterial { diffuse: 1.3 * HairMaterial::brown().diffuse, ..HairMaterial::brown() };
-    assert!(!agree(&picture(&gpu, lighter), &golden));
-    let flat = HairMaterial { opacity: 0.0, ..HairMaterial::brown() };
-    assert!(!agree(&picture(&gpu, flat), &golden));
+    // The comparison sees a slightly different hair colour, and what is missing.
+    for other in others {
+        assert!(!agree(&picture(gpu, *other), &golden), "{other:?}");
+    }
     // The same bits twice.
-    assert_eq!(difference(&now, &picture(&gpu, HairMaterial::brown())), (0.0, 0));
+    assert_eq!(difference(&now, &picture(gpu, material)), (0.0, 0));
 }

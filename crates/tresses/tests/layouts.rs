@@ -266,6 +266,7 @@ fn lights() {
         _pad_a,
         _pad_b,
         _pad_c,
+        environment,
     });
     assert_eq!(wgsl_layout("LightsUniform"), rust);
 }

@@ -69,12 +69,14 @@ pub fn variants() -> Vec<Variant> {
     let shadows =
         |name, set| Variant { topic: "shadows", name, quality: quality(SAMPLES, 1, Mode::Mask, None), set };
     vec![
-        shading("per strand vertex", |_| {}),
-        shading("per pixel", |scene| scene.look_mut().shading = ShadingRate::PerPixel),
-        shading("fibre, per strand vertex", |scene| scene.look_mut().hair.model = ShadingModel::Fiber),
-        shading("fibre, per pixel", |scene| {
+        shading("fibre, per strand vertex", |_| {}),
+        shading("Kajiya–Kay, per strand vertex", |scene| {
+            scene.look_mut().hair.model = ShadingModel::KajiyaKay;
+        }),
+        shading("fibre, per pixel", |scene| scene.look_mut().shading = ShadingRate::PerPixel),
+        shading("Kajiya–Kay, per pixel", |scene| {
             let look = scene.look_mut();
-            (look.hair.model, look.shading) = (ShadingModel::Fiber, ShadingRate::PerPixel);
+            (look.hair.model, look.shading) = (ShadingModel::KajiyaKay, ShadingRate::PerPixel);
         }),
         shadows("deep opacity maps", |_| {}),
         shadows("absorption", |scene| scene.look_mut().shadows.method = ShadowMethod::Absorption),

@@ -142,7 +142,11 @@ impl Stage {
                 camera.vertical_fov_degrees.to_radians(),
                 camera.resolution,
             ),
-            lights: Lights { directional, sky: Sky { zenith: sky, horizon: sky, ground: sky } },
+            lights: Lights {
+                directional,
+                sky: Sky { zenith: sky, horizon: sky, ground: sky },
+                ..Default::default()
+            },
             focus: self.focus,
             hair: HairMaterial { file_colors: false, ..material(view.material)? },
             body: BodyMaterial { gloss: 0.0, wrap: 0.0, ..Default::default() },

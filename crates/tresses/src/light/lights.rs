@@ -2,9 +2,9 @@
 
 #[cfg(doc)]
 use super::shadows::ShadowMethod;
-use super::shadows::Shadows;
+use super::{environment::Environment, shadows::Shadows};
 use bytemuck::{Pod, Zeroable};
-use glam::{Mat4, Vec3};
+use glam::{Mat4, Vec3, Vec4};
 
 /// A light so far away that its rays are parallel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,8 +20,8 @@ impl Directional {
     pub const OFF: Self = Self { direction: Vec3::Y, irradiance: Vec3::ZERO };
 }
 
-/// The radiance that comes from everywhere else: three colours, blended by elevation.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The radiance that comes from everywhere else: three colours, blended by elevation. Black by default.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sky {
     /// From straight above, linear radiance.
     pub zenith: Vec3,
@@ -41,6 +41,8 @@ pub struct Lights {
     pub directional: [Directional; MAX_LIGHTS],
     /// The rest.
     pub sky: Sky,
+    /// Light from everywhere beside the sky's: a picture of the surroundings.
+    pub environment: Environment,
 }
 
 impl Default for Lights {
@@ -77,6 +79,7 @@ impl Lights {
                 horizon: Vec3::new(0.24, 0.24, 0.25),
                 ground: Vec3::new(0.13, 0.12, 0.11),
             },
+            environment: Environment::default(),
         }
     }
 
@@ -170,6 +173,8 @@ pub struct LightsUniform {
     pub _pad_b: u32,
     /// Unused.
     pub _pad_c: u32,
+    /// [`Environment::coefficients`].
+    pub environment: [Vec4; 9],
 }
 
 impl Lights {
@@ -210,6 +215,7 @@ impl Lights {
             _pad_a: 0,
             _pad_b: 0,
             _pad_c: 0,
+            environment: self.environment.coefficients.map(|c| c.extend(0.0)),
         }
     }
 }

@@ -22,10 +22,10 @@ pub enum ShadingRate {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ShadingModel {
     /// Kajiya and Kay's fibre with two highlights, set by eye: colours are albedos.
-    #[default]
     KajiyaKay,
     /// Light refracted, absorbed and mirrored in fibres, and scattered among them: colours follow from
     /// melanin ([`fiber`](super::fiber)).
+    #[default]
     Fiber,
 }
 

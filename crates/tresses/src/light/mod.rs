@@ -31,16 +31,20 @@
 //! **Shade** ([`Shade`]): one thread per strand vertex asks for all lights and, unless pixels are to be
 //! shaded, evaluates the whole radiance. Both are interpolated along the strand. Eight bytes per vertex.
 //!
-//! **Shading** (`shading.wesl`): Kajiya and Kay's fibre with two highlights whose tangents are
-//! shifted per lock and per strand, sharp glints in the first, a lobe of light that shines through from
-//! behind, and the sky. Functions of tangent, light, eye and strand only, so that a kernel and a
-//! fragment shader share them.
+//! **Shading** (`shading.wesl`): two models, chosen by [`ShadingModel`], from the same fibre, eye, light and
+//! count of fibres, so that a kernel and a fragment shader share them. *Fiber* refracts, absorbs and
+//! scatters: see [`fiber`]. *Kajiya and Kay* is set by eye: two highlights whose tangents are shifted per
+//! lock and per strand, sharp glints in the first, a lobe of light that shines through from behind.
+//!
+//! **Surroundings** ([`Environment`], [`Sky`]): three colours by elevation, or a picture as spherical
+//! harmonics; its small bright parts become directional lights, with shadows.
 //!
 //! Not taken: filters of a few turned taps (they trembled twelve times as much as hair in a turning
 //! light truly does), uniform slices (48 of them hardly erred less than these eight). Untried: a grid of
 //! the hair's density for the sky, whose openness is guessed from the zenith and the lights that are on;
 //! moments instead of layers.
 
+pub mod environment;
 pub mod fiber;
 pub mod lights;
 pub mod material;
@@ -49,6 +53,7 @@ pub mod shade;
 pub mod shadow;
 pub mod shadows;
 
+pub use environment::Environment;
 pub use lights::{Directional, Lights, MAX_LIGHTS, Sky, Sphere};
 pub use material::{FiberMaterial, HairMaterial, ShadingModel, ShadingRate};
 pub use probe::{Shadow, ShadowProbe};

@@ -1,0 +1,180 @@
+//! Light from everywhere, as a picture of the surroundings tells it: what is smooth as spherical
+//! harmonics, what is small and bright as lights from afar, which cast shadows.
+
+use super::{Directional, lights::MAX_LIGHTS};
+use glam::Vec3;
+use std::f32::consts::{PI, TAU};
+
+/// Radiance from all directions, as real spherical harmonics up to the second band.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Environment {
+    /// The coefficients of 1, y, z, x, xy, yz, 3z² - 1, xz, x² - y², linear radiance.
+    pub coefficients: [Vec3; 9],
+}
+
+/// The harmonics in a unit direction.
+fn basis(d: Vec3) -> [f32; 9] {
+    [
+        0.282_095,
+        0.488_603 * d.y,
+        0.488_603 * d.z,
+        0.488_603 * d.x,
+        1.092_548 * d.x * d.y,
+        1.092_548 * d.y * d.z,
+        0.315_392 * (3.0 * d.z * d.z - 1.0),
+        1.092_548 * d.x * d.z,
+        0.546_274 * (d.x * d.x - d.y * d.y),
+    ]
+}
+
+/// How far around the brightest pixel a light from afar is collected: its cosine, of 8 degrees.
+const CONE: f32 = 0.990_268;
+
+/// A light from afar is one that gives at least this share of all light.
+const STRONG: f32 = 0.08;
+
+impl Environment {
+    /// The same radiance from everywhere.
+    pub fn uniform(radiance: Vec3) -> Self {
+        let mut coefficients = [Vec3::ZERO; 9];
+        coefficients[0] = radiance / 0.282_095;
+        Self { coefficients }
+    }
+
+    /// Mean radiance over the hemisphere around `normal` (unit), weighted by the cosine: twin of
+    /// `environment::surroundings`, without the sky (Ramamoorthi and Hanrahan 2001).
+    pub fn around(&self, normal: Vec3) -> Vec3 {
+        let band = |i: usize| [1.0, 2.0 / 3.0, 0.25][(i > 0) as usize + (i > 3) as usize];
+        let sum: Vec3 =
+            basis(normal).iter().enumerate().map(|(i, y)| self.coefficients[i] * *y * band(i)).sum();
+        sum.max(Vec3::ZERO)
+    }
+
+    /// Reads an equirectangular picture of `width` × `height` pixels of linear radiance, from the top
+    /// left, row by row: up is at the top, its middle lies towards +Z, its right edge and its left edge
+    /// towards -Z, and what lies at +X is left of the middle (as one sees it who looks along +Z).
+    /// `turn` turns the surroundings about the vertical, radians, from +Z towards +X.
+    ///
+    /// At most [`MAX_LIGHTS`] small bright parts become lights from afar; nothing is lost or doubled.
+    /// Pixels that are not finite count as black. `None` when the sizes do not fit or are 0.
+    pub fn from_equirectangular(
+        width: usize,
+        height: usize,
+        pixels: &[[f32; 3]],
+        turn: f32,
+    ) -> Option<(Self, Vec<Directional>)> {
+        if width == 0 || height == 0 || pixels.len() != width.checked_mul(height)? {
+            return None;
+        }
+        let direction = |i: usize| {
+            let (x, y) = ((i % width) as f32 + 0.5, (i / width) as f32 + 0.5);
+            let elevation = PI * (0.5 - y / height as f32);
+            let azimuth = turn + TAU * (0.5 - x / width as f32);
+            let (sin, cos) = azimuth.sin_cos();
+            Vec3::new(sin * elevation.cos(), elevation.sin(), cos * elevation.cos())
+        };
+        let area = |i: usize| {
+            let edge = |y: usize| (PI * y as f32 / height as f32).cos();
+            let y = i / width;
+            (edge(y) - edge(y + 1)) * TAU / width as f32
+        };
+        let radiance = |p: &[f32; 3]| {
+            let v = Vec3::from(*p).max(Vec3::ZERO);
+            if v.is_finite() { v } else { Vec3::ZERO }
+        };
+        let mut left: Vec<Vec3> = pixels.iter().map(radiance).collect();
+        let total: f32 = left.iter().enumerate().map(|(i, v)| v.element_sum() * area(i)).sum();
+        let mut lights = Vec::new();
+        while lights.len() < MAX_LIGHTS {
+            let brightest =
+                (0..left.len()).max_by(|a, b| left[*a].element_sum().total_cmp(&left[*b].element_sum()))?;
+            let middle = direction(brightest);
+            let cone: Vec<usize> = (0..left.len()).filter(|i| direction(*i).dot(middle) > CONE).collect();
+            // What is around the light goes on behind it.
+            let mut ring: Vec<f32> = cone.iter().map(|i| left[*i].element_sum()).collect();
+            ring.sort_by(f32::total_cmp);
+            let common = ring[ring.len() / 2];
+            let (mut sum, mut to) = (Vec3::ZERO, Vec3::ZERO);
+            let mut rest = left.clone();
+            for i in cone {
+                let bright = left[i].element_sum();
+                let excess = left[i] * (1.0 - (common / bright.max(1e-20)).min(1.0));
+                sum += excess * area(i);
+                to += direction(i) * (excess.element_sum() * area(i));
+                rest[i] -= excess;
+            }
+            if sum.element_sum() <= STRONG * total {
+                break;
+            }
+            left = rest;
+            lights.push(Directional { direction: to.normalize_or(middle), irradiance: sum });
+        }
+        let mut environment = Self::default();
+        for (i, v) in left.iter().enumerate() {
+            let weight = *v * area(i);
+            for (sum, y) in environment.coefficients.iter_mut().zip(basis(direction(i))) {
+                *sum += weight * y;
+            }
+        }
+        Some((environment, lights))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn picture(f: impl Fn(f32, f32) -> f32) -> Vec<[f32; 3]> {
+        (0..64 * 128).map(|i| [f((i % 128) as f32 + 0.5, (i / 128) as f32 + 0.5); 3]).collect()
+    }
+
+    #[test]
+    fn a_uniform_picture_is_uniform() {
+        let (made, lights) = Environment::from_equirectangular(128, 64, &picture(|_, _| 0.25), 0.4).unwrap();
+        assert!(lights.is_empty());
+        for normal in [Vec3::X, Vec3::NEG_Y, Vec3::new(0.6, 0.0, -0.8)] {
+            assert!((made.around(normal) - 0.25).abs().max_element() < 1e-3);
+            assert!((Environment::uniform(Vec3::splat(0.25)).around(normal) - 0.25).length() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn halves_are_where_they_should_be() {
+        // White above; then white left of the middle, which is +X.
+        let (above, _) =
+            Environment::from_equirectangular(128, 64, &picture(|_, y| f32::from(y < 32.0)), 0.0).unwrap();
+        assert!(above.around(Vec3::Y).x > 0.9 && above.around(Vec3::NEG_Y).x < 0.1);
+        // A plane that stands upright sees half of it.
+        assert!((above.around(Vec3::Z).x - 0.5).abs() < 0.01);
+        let left = picture(|x, _| f32::from(x < 64.0));
+        let (left, _) = Environment::from_equirectangular(128, 64, &left, 0.0).unwrap();
+        assert!(left.around(Vec3::X).x > 0.9 && left.around(Vec3::NEG_X).x < 0.1);
+        // Turned by a quarter from +Z to +X, what was at +X is at -Z.
+        let left = picture(|x, _| f32::from(x < 64.0));
+        let (turned, _) = Environment::from_equirectangular(128, 64, &left, 0.5 * PI).unwrap();
+        assert!(turned.around(Vec3::NEG_Z).x > 0.9);
+    }
+
+    #[test]
+    fn a_sun_is_a_light_and_no_light_is_lost() {
+        let sun = |x: f32, y: f32| if (x - 40.0).abs() < 2.0 && (y - 20.0).abs() < 2.0 { 500.0 } else { 0.3 };
+        let (rest, lights) = Environment::from_equirectangular(128, 64, &picture(sun), 0.0).unwrap();
+        assert_eq!(lights.len(), 1);
+        let elevation = PI * (0.5 - 20.0 / 64.0);
+        let azimuth = TAU * (0.5 - 40.0 / 128.0);
+        let to = Vec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos());
+        assert!(lights[0].direction.dot(to) > 0.9995, "{}", lights[0].direction);
+        // 16 pixels of (π/64)² cos(elevation).
+        let flux = 499.7 * 16.0 * (PI / 64.0).powi(2) * elevation.cos();
+        assert!((lights[0].irradiance.x / flux - 1.0).abs() < 0.02, "{}", lights[0].irradiance.x / flux);
+        assert!((rest.around(Vec3::Y).x - 0.3).abs() < 2e-3);
+    }
+
+    #[test]
+    fn nonsense_is_none() {
+        assert!(Environment::from_equirectangular(0, 4, &[], 0.0).is_none());
+        assert!(Environment::from_equirectangular(4, 4, &[[0.0; 3]; 15], 0.0).is_none());
+        let (black, lights) = Environment::from_equirectangular(2, 2, &[[f32::NAN; 3]; 4], 0.0).unwrap();
+        assert!(lights.is_empty() && black.around(Vec3::Y) == Vec3::ZERO);
+    }
+}
