@@ -33,7 +33,7 @@ pub enum ShadingModel {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FiberMaterial {
     /// Absorption per fibre radius at the root, of red, green and blue light:
-    /// [`melanin`](super::fiber::bsdf::melanin) or [`absorption_of`](super::fiber::bsdf::absorption_of).
+    /// [`melanin`] or [`absorption_of`].
     pub root_absorption: Vec3,
     /// Absorption at the tip.
     pub tip_absorption: Vec3,
