@@ -1,5 +1,6 @@
 //! What hair looks like: colours, highlights, how much light gets through.
 
+use crate::strands::Drawn;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -159,8 +160,8 @@ impl HairMaterial {
     pub(crate) fn uniform(
         &self,
         shading: ShadingRate,
-        count: u32,
-        vertex_count: u32,
+        drawn: &Drawn,
+        rest_count: u32,
         splat: [u32; 2],
     ) -> HairUniform {
         HairUniform {
@@ -185,11 +186,15 @@ impl HairMaterial {
             saturation: self.saturation,
             min_width: self.min_width.max(0.0),
             file_colors: u32::from(self.file_colors),
-            count,
-            vertex_count,
+            count: drawn.count,
+            vertex_count: drawn.vertex_count,
             per_vertex: u32::from(shading == ShadingRate::PerVertex),
             splat_stride: splat[0],
             splat_segments: splat[1],
+            rest_count,
+            stride: drawn.stride,
+            _pad_a: 0,
+            _pad_b: 0,
         }
     }
 }
@@ -226,9 +231,9 @@ pub struct HairUniform {
     pub saturation: f32,
     pub min_width: f32,
     pub file_colors: u32,
-    /// Number of strands.
+    /// Number of drawn strands.
     pub count: u32,
-    /// Vertices per strand.
+    /// Vertices of each.
     pub vertex_count: u32,
     /// Whether `light::shade` writes radiance (1) or transmittances (0).
     pub per_vertex: u32,
@@ -236,4 +241,10 @@ pub struct HairUniform {
     pub splat_stride: u32,
     /// Segments per strand in the shadow maps.
     pub splat_segments: u32,
+    /// Vertices of a strand's rest curve: how finely noise along strands is cut, at any level of detail.
+    pub rest_count: u32,
+    /// See [`crate::strands::Drawn::stride`].
+    pub stride: f32,
+    pub _pad_a: u32,
+    pub _pad_b: u32,
 }

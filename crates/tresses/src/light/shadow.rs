@@ -127,7 +127,7 @@ impl ShadowMaps {
         let splat = Kernel::new(
             device,
             "light::splat",
-            &[Binding::Uniform, Binding::Uniform, Binding::Storage, Binding::StorageMut],
+            &[Binding::Uniform, Binding::Uniform, Binding::Storage, Binding::StorageMut, Binding::Storage],
         );
         let texels = u64::from(SHADOW_LAYERS) * u64::from(resolution) * u64::from(resolution);
         let buffer = |label, count| {
@@ -188,7 +188,7 @@ impl ShadowMaps {
         uniform: &wgpu::Buffer,
         strands: &StrandBuffers,
     ) -> wgpu::BindGroup {
-        let buffers = [lights, uniform, &strands.vertices, &self.nearest];
+        let buffers = [lights, uniform, &strands.vertices, &self.nearest, &strands.widening];
         self.splat.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()))
     }
 
