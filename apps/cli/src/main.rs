@@ -5,6 +5,7 @@ mod avoid_args;
 mod bench;
 mod camera;
 mod colliders;
+mod compare;
 mod convert;
 mod debug;
 mod demo;
@@ -43,6 +44,8 @@ enum Command {
     Convert(convert::Args),
     /// Measure every stage on this machine's GPU
     Bench(bench::Args),
+    /// Hold our pictures against path-traced ones of the same hair, camera and lights
+    Compare(compare::Args),
 }
 
 fn main() -> ExitCode {
@@ -57,6 +60,7 @@ fn main() -> ExitCode {
         Command::Info(args) => info::run(args),
         Command::Convert(args) => convert::run(args),
         Command::Bench(args) => bench::run(&args),
+        Command::Compare(args) => compare::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -162,6 +162,11 @@ impl Scene {
         &mut self.physics
     }
 
+    /// Camera-independent looks of the next pictures; the lights go with the camera.
+    pub fn look_mut(&mut self) -> &mut draw::Scene {
+        &mut self.scene
+    }
+
     /// What a portrait must show, metres.
     pub fn subject(&self) -> Bounds {
         self.subject

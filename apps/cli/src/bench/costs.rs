@@ -1,7 +1,7 @@
 //! What the parts of the simulation cost, held against each other in one run: 1,000 guides of 32
 //! vertices, chosen among the strands of the built-in long style, in motion.
 
-use super::{report::Adapter, statistics::Summary};
+use super::statistics::Summary;
 use crate::{
     args::{Guides, Source},
     interrupt,
@@ -228,7 +228,7 @@ impl Rig {
 }
 
 /// Measures all of it.
-pub fn measure(frames: u32, bar: &ProgressBar) -> Result<(Costs, Adapter)> {
+pub fn measure(frames: u32, bar: &ProgressBar) -> Result<Costs> {
     let rig = Rig::new(frames)?;
     let groom = &rig.character.groom;
     let mut costs = Costs {
@@ -277,5 +277,5 @@ pub fn measure(frames: u32, bar: &ProgressBar) -> Result<(Costs, Adapter)> {
         let name = format!("distance field of the head ({triangles} triangles), {resolution}³");
         costs.part(&name, rig.field(resolution)?);
     }
-    Ok((costs, Adapter::of(&rig.gpu)))
+    Ok(costs)
 }

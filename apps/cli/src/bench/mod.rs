@@ -4,6 +4,7 @@
 //! given because a software driver shares its cores with everything else; the 95th percentile says
 //! how far to trust them.
 
+mod appearance;
 mod costs;
 mod report;
 mod statistics;
@@ -11,8 +12,9 @@ mod workload;
 
 use crate::{interrupt, progress, say};
 use anyhow::Result;
-use report::Report;
+use report::{Adapter, Report};
 use std::path::PathBuf;
+use tresses::gpu::Gpu;
 
 /// The options of `tresses bench`.
 #[derive(clap::Args, Debug)]
@@ -32,6 +34,9 @@ pub struct Args {
     /// Measure only the parts of the simulation, against each other
     #[arg(long)]
     pub costs: bool,
+    /// Measure only the ways to light, shade and draw hair, against each other
+    #[arg(long, conflicts_with = "costs")]
+    pub appearance: bool,
     /// Print JSON instead of tables
     #[arg(long)]
     pub json: bool,
@@ -45,22 +50,35 @@ impl Args {
 
 /// Runs `tresses bench`.
 pub fn run(args: &Args) -> Result<()> {
-    let mut report = Report::default();
+    let gpu = pollster::block_on(Gpu::open())?;
+    let mut report = Report { adapter: Adapter::of(&gpu), ..Report::default() };
+    drop(gpu);
     let mut groups = Vec::new();
     let mut counts = Vec::new();
-    if !args.costs {
+    let mut looks = Vec::new();
+    if args.appearance || !args.costs {
+        looks.extend(appearance::variants());
+    }
+    if !args.costs && !args.appearance {
         groups.extend(workload::seed());
         groups.extend(workload::peer(args));
         counts.extend(workload::strand_counts(args.quick));
     }
     let frames = args.frames();
     let scenes: usize = groups.iter().map(|group| group.runs.len()).sum();
-    let runs = scenes as u64 + counts.len() as u64 + costs::RUNS;
+    let costs = if args.appearance { 0 } else { costs::RUNS };
+    let runs = scenes as u64 + counts.len() as u64 + looks.len() as u64 + costs;
     let bar = progress::frames("measuring", runs * u64::from(frames));
     for group in &groups {
         report.groups.push(workload::measure(group, frames, &bar)?);
     }
-    (report.costs, report.adapter) = costs::measure(frames, &bar)?;
+    if costs > 0 {
+        report.costs = costs::measure(frames, &bar)?;
+    }
+    for variant in &looks {
+        interrupt::check()?;
+        report.looks.push(appearance::measure(variant, frames, &bar)?);
+    }
     for strands in counts {
         interrupt::check()?;
         report.line.push(workload::point(strands, frames, &bar)?);

@@ -149,7 +149,8 @@ pub fn point(strands: u32, frames: u32, bar: &ProgressBar) -> Result<Point> {
     Ok(Point { strands: scene.facts().strands, gpu: run.gpu, frame: run.frame })
 }
 
-fn run(
+/// Measures `scene` in a motion.
+pub fn run(
     scene: &mut Scene,
     state: &str,
     motion: &str,

@@ -35,7 +35,40 @@ impl Picture {
         Ok(bytes)
     }
 
-    fn rgb(&self) -> Vec<u8> {
+    /// Reads a PNG file.
+    pub fn read(path: &Path) -> Result<Self> {
+        let read = || -> Result<Self> {
+            let mut decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path)?));
+            decoder.set_transformations(
+                png::Transformations::normalize_to_color8() | png::Transformations::ALPHA,
+            );
+            let mut reader = decoder.read_info()?;
+            let mut bytes = vec![0; reader.output_buffer_size().context("the picture is too large")?];
+            let info = reader.next_frame(&mut bytes)?;
+            let pixel = |p: &[u8]| match p {
+                [grey, alpha] => [*grey, *grey, *grey, *alpha],
+                _ => [p[0], p[1], p[2], p[3]],
+            };
+            let rows = bytes[..info.buffer_size()].chunks_exact(info.color_type.samples());
+            Ok(Self { width: info.width, height: info.height, rgba: rows.flat_map(pixel).collect() })
+        };
+        read().with_context(|| path.display().to_string())
+    }
+
+    /// Pictures of one height, from left to right.
+    pub fn beside(pictures: &[&Self]) -> Self {
+        let height = pictures.iter().map(|p| p.height).min().unwrap_or(0);
+        let row = |picture: &Self, y: u32| {
+            let width = 4 * picture.width as usize;
+            let from = y as usize * width;
+            picture.rgba[from..from + width].to_vec()
+        };
+        let rgba = (0..height).flat_map(|y| pictures.iter().flat_map(move |p| row(p, y))).collect();
+        Self { width: pictures.iter().map(|p| p.width).sum(), height, rgba }
+    }
+
+    /// Without alpha: three bytes per pixel.
+    pub fn rgb(&self) -> Vec<u8> {
         self.rgba.as_chunks::<4>().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect()
     }
 

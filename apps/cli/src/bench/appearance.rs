@@ -1,0 +1,76 @@
+//! What the ways to light, shade and draw hair cost, held against each other: one character, one
+//! camera, one motion.
+
+use super::workload;
+use crate::{
+    args::{Size, Source},
+    scene::{Quality, Scene},
+};
+use anyhow::{Context, Result};
+use indicatif::ProgressBar;
+use tresses::light::ShadingRate;
+
+use super::report::Run;
+use serde::Serialize;
+
+/// Pixels.
+const SIZE: Size = Size { width: 1280, height: 720 };
+/// Drawn strands.
+const STRANDS: u32 = 20_000;
+/// Samples per pixel where samples are not what is compared.
+const SAMPLES: u32 = 4;
+
+/// One way to draw the character.
+pub struct Variant {
+    /// What is compared: a heading.
+    topic: &'static str,
+    /// Which of its ways.
+    name: &'static str,
+    quality: Quality,
+    set: fn(&mut Scene),
+}
+
+/// What one way costs.
+#[derive(Debug, Serialize)]
+pub struct Look {
+    /// What is compared.
+    pub topic: String,
+    /// Which of its ways.
+    pub name: String,
+    /// Times.
+    pub run: Run,
+}
+
+fn quality(samples: u32, ssaa: u32) -> Quality {
+    Quality { size: SIZE, samples: Some(samples), at_most: true, ssaa }
+}
+
+/// All that are measured, topic by topic; the first of a topic is the default.
+pub fn variants() -> Vec<Variant> {
+    let shading = |name, set| Variant { topic: "shading", name, quality: quality(SAMPLES, 1), set };
+    let samples = |name, samples, ssaa| Variant {
+        topic: "samples",
+        name,
+        quality: quality(samples, ssaa),
+        set: |_| {},
+    };
+    vec![
+        shading("per strand vertex", |_| {}),
+        shading("per pixel", |scene| scene.look_mut().shading = ShadingRate::PerPixel),
+        samples("4×MSAA", 4, 1),
+        samples("1 sample", 1, 1),
+        samples("8×MSAA", 8, 1),
+        samples("2×2 SSAA", 1, 2),
+        samples("4×MSAA and 2×2 SSAA", 4, 2),
+    ]
+}
+
+/// Measures one of them.
+pub fn measure(variant: &Variant, frames: u32, bar: &ProgressBar) -> Result<Look> {
+    let source = Source { style: Some("long".into()), strands: Some(STRANDS), ..Source::default() };
+    let mut scene = Scene::open(&source, variant.quality)
+        .with_context(|| format!("{}, {}", variant.topic, variant.name))?;
+    (variant.set)(&mut scene);
+    let run = workload::run(&mut scene, "in motion", "turn", SIZE, frames, bar)?;
+    Ok(Look { topic: variant.topic.into(), name: variant.name.into(), run })
+}

@@ -1,0 +1,86 @@
+//! How far two pictures are apart.
+
+use crate::picture::Picture;
+use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8};
+use serde::Serialize;
+
+/// The mean FLIP difference (Andersson et al. 2020), 0 for equal and 1 for opposite pictures, as
+/// seen with 67 pixels to a degree.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Difference {
+    /// Over the whole picture.
+    pub picture: f64,
+    /// Over the pixels of hair.
+    pub hair: f64,
+}
+
+/// Radiance: rows from the top, linear red, green and blue.
+pub struct Linear(pub Vec<[f32; 3]>);
+
+/// The indices of the pixels in which `mask` is more than half.
+fn hair(mask: &Picture) -> impl Iterator<Item = usize> {
+    mask.rgba.as_chunks::<4>().0.iter().enumerate().filter(|(_, rgba)| rgba[0] > 127).map(|(i, _)| i)
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
+    sum / f64::from(count.max(1))
+}
+
+/// The difference of `test` from `reference`, and a map of it.
+pub fn flip(reference: &Picture, test: &Picture, mask: &Picture) -> (Difference, Picture) {
+    let (width, height) = (reference.width, reference.height);
+    let image = |picture: &Picture| FlipImageRgb8::with_data(width, height, &picture.rgb());
+    let errors = nv_flip::flip(image(reference), image(test), DEFAULT_PIXELS_PER_DEGREE);
+    let map = errors.apply_color_lut(&nv_flip::magma_lut()).to_vec();
+    let rgba = map.as_chunks::<3>().0.iter().flat_map(|[r, g, b]| [*r, *g, *b, 255]).collect();
+    let errors = errors.to_vec();
+    let difference = Difference {
+        picture: mean(errors.iter().map(|e| f64::from(*e))),
+        hair: mean(hair(mask).map(|i| f64::from(errors[i]))),
+    };
+    (difference, Picture { width, height, rgba })
+}
+
+/// The mean luminance (Rec. 709) over the pixels of hair.
+pub fn luminance(picture: &Linear, mask: &Picture) -> f64 {
+    mean(hair(mask).map(|i| {
+        let [r, g, b] = picture.0[i].map(f64::from);
+        0.2126 * r + 0.7152 * g + 0.0722 * b
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn flat(left: u8, right: u8) -> Picture {
+        let (width, height) = (64, 32);
+        let grey = |x| if x < 32 { left } else { right };
+        let rgba =
+            (0..height).flat_map(|_| (0..width).flat_map(|x| [grey(x), grey(x), grey(x), 255])).collect();
+        Picture { width, height, rgba }
+    }
+
+    #[test]
+    fn equal_pictures_do_not_differ_and_others_do() {
+        let mask = flat(255, 0);
+        let (same, _) = flip(&flat(90, 90), &flat(90, 90), &mask);
+        assert_eq!(same, Difference { picture: 0.0, hair: 0.0 });
+        let (left, map) = flip(&flat(90, 90), &flat(140, 90), &mask);
+        assert!(left.hair > 0.05 && left.hair > 1.5 * left.picture, "{left:?}");
+        assert_eq!((map.width, map.height), (64, 32));
+        let (right, _) = flip(&flat(90, 90), &flat(90, 140), &mask);
+        assert!(right.hair < 0.3 * left.hair, "{right:?} {left:?}");
+        let (opposite, _) = flip(&flat(0, 0), &flat(255, 255), &mask);
+        assert!(opposite.picture > 0.9, "{opposite:?}");
+    }
+
+    #[test]
+    fn luminance_is_that_of_the_hair() {
+        let mut pixels = vec![[0.0, 1.0, 0.0]; 64 * 32];
+        pixels.iter_mut().enumerate().filter(|(i, _)| i % 64 >= 32).for_each(|(_, p)| *p = [9.0; 3]);
+        let light = luminance(&Linear(pixels), &flat(255, 0));
+        assert!((light - 0.7152).abs() < 1e-9, "{light}");
+    }
+}

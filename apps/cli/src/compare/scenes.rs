@@ -1,0 +1,243 @@
+//! The description of the reference pictures, and where what it names lies.
+
+use crate::picture::Picture;
+use anyhow::{Context, Result, bail, ensure};
+use serde::Deserialize;
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
+
+/// All of it.
+#[derive(Debug, Deserialize)]
+pub struct Scenes {
+    /// Behind everything, linear.
+    pub background_linear: f32,
+    /// From everywhere, linear.
+    pub environment_radiance_rgb: [f32; 3],
+    grooms: BTreeMap<String, Groom>,
+    pictures: BTreeMap<String, Shot>,
+}
+
+/// One groom on its head, in its own unit.
+#[derive(Debug, Deserialize)]
+pub struct Groom {
+    scale_note: String,
+    strand_file: String,
+    /// Of every strand.
+    pub radius: Radius,
+    /// Where the picture is taken from.
+    pub camera: Camera,
+    /// By name.
+    pub lights: BTreeMap<String, Light>,
+    /// What is drawn with the hair.
+    pub head_parts: Vec<Part>,
+}
+
+/// Linear in the vertex index.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct Radius {
+    /// In the groom's unit.
+    pub root: f32,
+    /// In the groom's unit.
+    pub tip: f32,
+}
+
+/// A pinhole camera, upright.
+#[derive(Debug, Deserialize)]
+pub struct Camera {
+    /// Where it is.
+    pub origin: [f32; 3],
+    /// What it looks at.
+    pub target: [f32; 3],
+    /// Degrees.
+    pub vertical_fov_degrees: f32,
+    /// Width and height, pixels.
+    pub resolution: [u32; 2],
+}
+
+/// A light with parallel rays.
+#[derive(Debug, Deserialize)]
+pub struct Light {
+    /// Unit.
+    pub direction_to_light: [f32; 3],
+    /// On a plane that faces it, linear.
+    pub irradiance_rgb: [f32; 3],
+}
+
+/// A matt mesh.
+#[derive(Debug, Deserialize)]
+pub struct Part {
+    /// Beside the description.
+    pub file: PathBuf,
+    /// Linear.
+    pub reflectance_rgb: [f32; 3],
+    /// Its place, in the groom's unit.
+    pub to_world_row_major: [[f32; 4]; 4],
+}
+
+#[derive(Debug, Deserialize)]
+struct Shot {
+    groom: Option<String>,
+    material: Option<String>,
+    #[serde(default)]
+    lights: Vec<String>,
+    #[serde(default)]
+    environment: bool,
+    #[serde(default)]
+    mean_luminance_hair_pixels: f64,
+}
+
+/// One picture that can be compared.
+pub struct View<'a> {
+    /// Of the picture.
+    pub name: &'a str,
+    /// Of the groom.
+    pub groom_name: &'a str,
+    /// The groom.
+    pub groom: &'a Groom,
+    /// Name of the hair's material.
+    pub material: &'a str,
+    /// Names of the lights that are on.
+    pub lights: &'a [String],
+    /// Whether the environment is.
+    pub environment: bool,
+    /// Mean linear luminance of the hair's pixels.
+    pub luminance: f64,
+}
+
+impl Scenes {
+    /// Reads a description.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = std::fs::read(path).with_context(|| path.display().to_string())?;
+        serde_json::from_slice(&text).with_context(|| format!("{}: no description of scenes", path.display()))
+    }
+
+    /// The named pictures, or all with light from everywhere; groom by groom.
+    pub fn views(&self, only: &[String]) -> Result<Vec<View<'_>>> {
+        if let Some(name) = only.iter().find(|name| !self.pictures.contains_key(*name)) {
+            let names: Vec<_> = self.pictures.keys().map(String::as_str).collect();
+            bail!("there is no picture {name}; choose {}", names.join(", "));
+        }
+        let mut views = Vec::new();
+        for (name, shot) in &self.pictures {
+            let wanted = if only.is_empty() { shot.environment } else { only.contains(name) };
+            if !wanted {
+                continue;
+            }
+            let (Some(groom_name), Some(material)) = (&shot.groom, &shot.material) else {
+                ensure!(only.is_empty(), "{name} shows no shaded hair");
+                continue;
+            };
+            views.push(View {
+                name,
+                groom_name,
+                groom: self
+                    .grooms
+                    .get(groom_name)
+                    .with_context(|| format!("{name}: no groom {groom_name}"))?,
+                material,
+                lights: &shot.lights,
+                environment: shot.environment,
+                luminance: shot.mean_luminance_hair_pixels,
+            });
+        }
+        views.sort_by_key(|view| view.groom_name);
+        Ok(views)
+    }
+}
+
+impl Groom {
+    /// Metres per unit, from what the description says about it.
+    pub fn unit(&self) -> Result<f32> {
+        let words: Vec<_> = self.scale_note.split_whitespace().collect();
+        let found = words.windows(2).find_map(|pair| {
+            let size = match pair[1].trim_end_matches(|c: char| !c.is_alphabetic()) {
+                "mm" => 1e-3,
+                "cm" => 1e-2,
+                "m" => 1.0,
+                _ => return None,
+            };
+            Some(pair[0].parse::<f32>().ok()? * size)
+        });
+        found.with_context(|| format!("no unit in \"{}\"", self.scale_note))
+    }
+
+    /// Where the strands are.
+    pub fn strands(&self, folders: &Folders<'_>) -> Result<PathBuf> {
+        // The path is followed by remarks in brackets.
+        let path = self.strand_file.split(" (").next().unwrap_or_default();
+        match path.strip_prefix("asset ") {
+            None => Ok(folders.beside(Path::new(path))),
+            Some(path) => {
+                let assets =
+                    folders.assets.context("the grooms are assets: give their folder with --assets")?;
+                Ok(assets.join(path))
+            }
+        }
+    }
+}
+
+/// Where things lie.
+pub struct Folders<'a> {
+    /// The description.
+    pub scenes: &'a Path,
+    /// The grooms.
+    pub assets: Option<&'a Path>,
+}
+
+impl Folders<'_> {
+    /// A file that lies beside the description.
+    pub fn beside(&self, path: &Path) -> PathBuf {
+        self.scenes.parent().unwrap_or(Path::new("")).join(path)
+    }
+
+    /// A picture that lies there.
+    pub fn picture(&self, name: &str) -> Result<Picture> {
+        Picture::read(&self.beside(Path::new(&format!("{name}.png"))))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn groom(scale_note: &str) -> Groom {
+        Groom {
+            scale_note: scale_note.into(),
+            strand_file: "asset a/b.tfx (all strands)".into(),
+            radius: Radius { root: 1.0, tip: 1.0 },
+            camera: Camera {
+                origin: [0.0; 3],
+                target: [0.0; 3],
+                vertical_fov_degrees: 30.0,
+                resolution: [960, 600],
+            },
+            lights: BTreeMap::new(),
+            head_parts: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn notes_tell_the_unit() {
+        for (note, unit) in [
+            ("1 unit = 1 m", 1.0),
+            ("1 unit is about 3.7 mm (bald head)", 3.7e-3),
+            ("1 unit is about 4.2 mm; file is Z-up", 4.2e-3),
+        ] {
+            let found: f32 = groom(note).unit().unwrap();
+            assert!((found / unit - 1.0).abs() < 1e-6, "{note}: {found}");
+        }
+        assert!(groom("unknown").unit().is_err());
+    }
+
+    #[test]
+    fn strands_lie_among_the_assets_or_beside() {
+        let folders = Folders { scenes: Path::new("ref/scenes.json"), assets: Some(Path::new("assets")) };
+        let mut groom = groom("");
+        assert_eq!(groom.strands(&folders).unwrap(), Path::new("assets/a/b.tfx"));
+        assert!(groom.strands(&Folders { assets: None, ..folders }).is_err());
+        groom.strand_file = "geometry/c.tfx (float32)".into();
+        assert_eq!(groom.strands(&folders).unwrap(), Path::new("ref/geometry/c.tfx"));
+    }
+}

@@ -1,0 +1,252 @@
+//! A groom of the reference on the GPU, and its pictures.
+
+use super::{
+    metrics::Linear,
+    scenes::{Folders, Groom as Description, Radius, Scenes, View},
+};
+use crate::{camera, picture::Picture};
+use anyhow::{Context, Result, ensure};
+use half::f16;
+use tresses::{
+    Hair, HairOptions, HairRenderer, Pose,
+    collide::ColliderPoses,
+    draw::{Background, Body, BodyMaterial, DrawOptions, Scene, Targets, View as Projection},
+    frame::{Frame, Recorder},
+    glam::{Affine3A, Mat4, Vec3},
+    gpu::{Gpu, readback},
+    groom::{
+        BindOptions, Strands, TriMesh, bind,
+        import::{self, ImportOptions},
+        orient::{Axis, Choice, Unit},
+    },
+    light::{Directional, HairMaterial, Lights, Sky, Sphere},
+    present::ToneMap,
+    simulate::SimulationParams,
+};
+
+/// What the pictures are read from.
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+/// Exposure at which no highlight reaches the tone curve's shoulder.
+const DIM: f32 = 1.0 / 64.0;
+/// Points of the curve per segment of its control polygon.
+const FINER: usize = 2;
+
+/// A groom of the reference, at rest.
+pub struct Stage {
+    name: String,
+    gpu: Gpu,
+    renderer: HairRenderer,
+    hair: Hair,
+    body: Body,
+    targets: Targets,
+    output: wgpu::Texture,
+    /// Metres per unit of the description.
+    unit: f32,
+    focus: Sphere,
+}
+
+impl Stage {
+    /// Brings the groom of `view` to the GPU.
+    pub fn new(view: &View<'_>, folders: &Folders<'_>, samples: Option<u32>) -> Result<Self> {
+        let gpu = pollster::block_on(Gpu::open())?;
+        let most = gpu.tier.max_samples;
+        let samples = samples.unwrap_or(most.min(8));
+        ensure!(
+            samples <= most,
+            "--samples is {samples}, but {} offers at most {most} per pixel",
+            gpu.info.name
+        );
+        let (device, queue) = (&gpu.device, &gpu.queue);
+        let options = DrawOptions { samples, output: FORMAT, ..Default::default() };
+        let renderer = HairRenderer::new(device, &options);
+        let unit = view.groom.unit()?;
+        let orient =
+            Choice { unit: Some(Unit(unit)), up: Some(Axis::Y), front: Some(Axis::Z), mirror: Some(false) };
+        let options = ImportOptions { orient, orient_head: orient, lenient: false, unrepaired: true };
+        let (strands, _) = import::read(&[view.groom.strands(folders)?], &options)?;
+        let strands = curves(&strands, view.groom, unit);
+        let vertices = strands.range(0).len() as u32;
+        let groom = bind(&strands, &BindOptions { strand_vertices: Some(vertices), ..Default::default() })?;
+        let head = head(view.groom, folders, &options, unit)?;
+        let hair = Hair::new(device, queue, &renderer, &groom, &HairOptions::default(), None)?;
+        let body = Body::new(device, &renderer.draw, &head);
+        let hair_bounds = groom.bounds().context("the groom is empty")?;
+        let subject = camera::subject(hair_bounds, head.bounds());
+        let [width, height] = view.groom.camera.resolution;
+        let targets = Targets::new(device, width, height, samples, 1)?;
+        let output = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("compared"),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: FORMAT,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let name = view.groom_name.to_owned();
+        let focus = Sphere::around(subject.0, subject.1);
+        Ok(Self { name, renderer, hair, body, targets, output, unit, focus, gpu })
+    }
+
+    /// Name of the groom.
+    pub fn groom(&self) -> &str {
+        &self.name
+    }
+
+    /// The picture as the reference's PNG files are made, and the radiance before black.
+    pub fn draw(&mut self, view: &View<'_>, scenes: &Scenes) -> Result<(Picture, Linear)> {
+        let mut scene = self.scene(view, scenes)?;
+        let shown = self.pixels(&scene)?;
+        scene.background = Background::flat(Vec3::ZERO);
+        scene.tone = ToneMap { exposure: DIM, shoulder: 0.99, desaturation: 0.0 };
+        let dim = self.pixels(&scene)?;
+        let [width, height] = self.targets.size;
+        let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+        let rgba = shown.iter().flat_map(|[r, g, b]| [byte(*r), byte(*g), byte(*b), 255]).collect();
+        let linear = |v: f32| {
+            let v = if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) };
+            v / DIM
+        };
+        let radiance = dim.iter().map(|rgb| rgb.map(linear)).collect();
+        Ok((Picture { width, height, rgba }, Linear(radiance)))
+    }
+
+    fn scene(&self, view: &View<'_>, scenes: &Scenes) -> Result<Scene> {
+        let camera = &view.groom.camera;
+        let place = |p: [f32; 3]| Vec3::from(p) * self.unit;
+        let (eye, target) = (place(camera.origin), place(camera.target));
+        let light = |name: &str| -> Result<Directional> {
+            let on = view.lights.iter().any(|light| light == name);
+            let light = view.groom.lights.get(name).with_context(|| format!("no light {name}"))?;
+            Ok(Directional {
+                direction: light.direction_to_light.into(),
+                irradiance: if on { light.irradiance_rgb.into() } else { Vec3::ZERO },
+            })
+        };
+        if let Some(other) = view.lights.iter().find(|name| !["key", "rim"].contains(&name.as_str())) {
+            anyhow::bail!("{} is lit by {other}, which is neither its key nor its rim light", view.name);
+        }
+        let sky = if view.environment { scenes.environment_radiance_rgb.into() } else { Vec3::ZERO };
+        Ok(Scene {
+            view: Projection::look_at(
+                eye,
+                target,
+                camera.vertical_fov_degrees.to_radians(),
+                camera.resolution,
+            ),
+            lights: Lights {
+                key: light("key")?,
+                rim: light("rim")?,
+                sky: Sky { zenith: sky, horizon: sky, ground: sky },
+            },
+            focus: self.focus,
+            hair: HairMaterial { file_colors: false, ..material(view.material)? },
+            body: BodyMaterial { gloss: 0.0, wrap: 0.0, ..Default::default() },
+            background: Background::flat(Vec3::splat(scenes.background_linear)),
+            ..Default::default()
+        })
+    }
+
+    /// Draws `scene`; sRGB, from 0 to 1.
+    fn pixels(&mut self, scene: &Scene) -> Result<Vec<[f32; 3]>> {
+        let Gpu { device, queue, .. } = &self.gpu;
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let mut recorder =
+            Recorder { renderer: &self.renderer, device, queue, encoder: &mut encoder, timings: None };
+        let frame = Frame {
+            dt: 0.0,
+            head: Pose::default(),
+            colliders: &ColliderPoses::default(),
+            simulation: &SimulationParams::default(),
+        };
+        recorder.advance(&mut self.hair, &frame)?;
+        let view = self.output.create_view(&Default::default());
+        recorder.draw(&self.hair, Some(&self.body), scene, &self.targets, &view);
+        queue.submit([encoder.finish()]);
+        let bytes = readback::texture(device, queue, &self.output)?;
+        let halves: Vec<f16> = bytemuck::pod_collect_to_vec(&bytes);
+        Ok(halves
+            .as_chunks::<4>()
+            .0
+            .iter()
+            .map(|[r, g, b, _]| [r.to_f32(), g.to_f32(), b.to_f32()])
+            .collect())
+    }
+}
+
+/// Ours that comes closest to a material of the reference.
+fn material(name: &str) -> Result<HairMaterial> {
+    let name = if name == "brunette" { "brown" } else { name };
+    HairMaterial::named(name).with_context(|| format!("there is no material {name}"))
+}
+
+/// The strands as the reference draws them: uniform cubic B-splines from the first to the last
+/// vertex, the end points mirrored, with radii that fall evenly. Metres.
+fn curves(strands: &Strands, groom: &Description, unit: f32) -> Strands {
+    let mut finer = Strands::default();
+    for strand in strands.iter() {
+        let last = strand.len() - 1;
+        let at = |i: isize| match usize::try_from(i) {
+            Err(_) => 2.0 * strand[0] - strand[1],
+            Ok(i) if i > last => 2.0 * strand[last] - strand[last - 1],
+            Ok(i) => strand[i],
+        };
+        let points: Vec<Vec3> = (0..=last * FINER)
+            .map(|k| {
+                let (i, t) = ((k / FINER) as isize, (k % FINER) as f32 / FINER as f32);
+                let s = 1.0 - t;
+                let weights = [
+                    s * s * s,
+                    3.0 * t * t * t - 6.0 * t * t + 4.0,
+                    3.0 * s * s * s - 6.0 * s * s + 4.0,
+                    t * t * t,
+                ];
+                (0..4).map(|j| at(i + j - 1) * weights[j as usize]).sum::<Vec3>() / 6.0
+            })
+            .collect();
+        let count = points.len() as f32 - 1.0;
+        finer.push(&points);
+        let Radius { root, tip } = groom.radius;
+        finer.radii.extend((0..points.len()).map(|i| unit * (root + (tip - root) * i as f32 / count)));
+    }
+    finer
+}
+
+/// The head of the reference, each part in its colour.
+fn head(groom: &Description, folders: &Folders<'_>, options: &ImportOptions, unit: f32) -> Result<TriMesh> {
+    let parts = groom.head_parts.iter().map(|part| {
+        let (mut mesh, _) = import::read_head(&[folders.beside(&part.file)], options)?;
+        mesh.colors = vec![part.reflectance_rgb.into(); mesh.positions.len()];
+        let mut place = Mat4::from_cols_array_2d(&part.to_world_row_major).transpose();
+        place.w_axis = (place.w_axis.truncate() * unit).extend(1.0);
+        mesh.transform_affine(Affine3A::from_mat4(place));
+        anyhow::Ok(mesh)
+    });
+    Ok(TriMesh::merge(&parts.collect::<Result<Vec<_>>>()?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn curves_begin_and_end_at_the_strands_ends() {
+        let mut strands = Strands::default();
+        strands.push(&[Vec3::ZERO, Vec3::X, Vec3::new(2.0, 1.0, 0.0), Vec3::new(2.0, 2.0, 0.0)]);
+        let groom: Description = serde_json::from_value(serde_json::json!({
+            "scale_note": "1 unit = 1 m", "strand_file": "", "lights": {}, "head_parts": [],
+            "radius": { "root": 2.0, "tip": 1.0 },
+            "camera": { "origin": [0, 0, 0], "target": [0, 0, 1], "vertical_fov_degrees": 30, "resolution": [1, 1] },
+        }))
+        .unwrap();
+        let curves = curves(&strands, &groom, 0.5);
+        let line = curves.strand(0);
+        assert_eq!(line.len(), 7);
+        assert!(line[0].length() < 1e-6 && line[6].distance(strands.positions[3]) < 1e-6);
+        // A B-spline's knot is a sixth, two thirds and a sixth of its neighbours.
+        let knot = (strands.positions[0] + 4.0 * strands.positions[1] + strands.positions[2]) / 6.0;
+        assert!(line[2].distance(knot) < 1e-6);
+        assert_eq!((curves.radii[0], curves.radii[6]), (1.0, 0.5));
+    }
+}
