@@ -41,6 +41,10 @@ pub struct Source {
     /// quarter as stiff, white four times, middle grey as it was
     #[arg(long, value_name = "IMAGE")]
     pub stiffness_map: Option<PathBuf>,
+    /// Painted levels of detail: a .json file of sizes in pixels, each with grey pictures over the scalp of
+    /// density and thickness, {"levels": [{"size": 300}, {"size": 40, "density": "d.png", "thickness": "t.png"}]}
+    #[arg(long, value_name = "FILE", help_heading = "Level of detail")]
+    pub lod_maps: Option<PathBuf>,
     #[command(flatten)]
     pub orientation: OrientArgs,
 }

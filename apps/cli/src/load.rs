@@ -1,6 +1,9 @@
 //! From options to a character: a groom with its head, from files or built in.
 
-use crate::args::{Guides, Source};
+use crate::{
+    args::{Guides, Source},
+    lod_args,
+};
 use anyhow::{Context, Result};
 use std::{fs::File, io::BufReader, path::Path, str::FromStr};
 use tresses::{
@@ -13,6 +16,7 @@ use tresses::{
         mesh::sdf::{self, SdfOptions},
         styles::{self, Style},
     },
+    lod::LodLevel,
     simulate::Simulate,
 };
 
@@ -32,8 +36,17 @@ pub struct Character {
     pub field: Option<SdfGrid>,
     /// The neck joint, metres.
     pub neck: Vec3,
+    /// Painted levels of detail.
+    pub levels: Vec<LodLevel>,
     /// What the user should know, a sentence each.
     pub notes: Vec<String>,
+}
+
+impl Character {
+    /// The middle of the braincase, metres.
+    pub fn skull(&self) -> Vec3 {
+        self.neck + SKULL_ABOVE_NECK
+    }
 }
 
 /// Reads or grows the character that `source` names; what is grown is draped on `gpu`.
@@ -42,13 +55,21 @@ pub fn load(source: &Source, gpu: &Gpu, simulate: &Simulate) -> Result<Character
     let mut character =
         if source.grooms.is_empty() { built_in(source, gpu, simulate)? } else { imported(source)? };
     if let Some(map) = map {
-        character.groom.guides.stiffen(&map, character.neck + SKULL_ABOVE_NECK);
+        character.groom.guides.stiffen(&map, character.skull());
+    }
+    if let Some(path) = &source.lod_maps {
+        character.levels = lod_args::levels(path)?;
     }
     Ok(character)
 }
 
 /// The factors that the grey picture at `path` stands for.
 fn stiffness_map(path: &Path) -> Result<ScalpMap> {
+    grey_map(path, &|grey| 4f32.powf(2.0 * grey - 1.0))
+}
+
+/// What `value` makes of the greys, 0 to 1, of the picture at `path`.
+pub fn grey_map(path: &Path, value: &dyn Fn(f32) -> f32) -> Result<ScalpMap> {
     let read = || -> Result<ScalpMap> {
         let mut decoder = png::Decoder::new(BufReader::new(File::open(path)?));
         decoder.set_transformations(png::Transformations::normalize_to_color8());
@@ -60,13 +81,12 @@ fn stiffness_map(path: &Path) -> Result<ScalpMap> {
         // The mean of the colours, without alpha.
         let colors = if info.color_type.samples() < 3 { 1 } else { 3 };
         let grey = |pixel: &[u8]| pixel[..colors].iter().map(|v| f32::from(*v)).sum::<f32>() / colors as f32;
-        let factor = |grey: f32| 4f32.powf(2.0 * grey / 255.0 - 1.0);
         // Pictures start at the top, scalp maps at the back of the head.
         let rows = bytes[..info.buffer_size()].chunks_exact(info.line_size).rev();
         let values = rows.flat_map(|row| {
             row[..width * info.color_type.samples()]
                 .chunks_exact(info.color_type.samples())
-                .map(|pixel| factor(grey(pixel)))
+                .map(|pixel| value(grey(pixel) / 255.0))
         });
         Ok(ScalpMap::new(width, height, values.collect())?)
     };
@@ -97,7 +117,7 @@ fn imported(source: &Source) -> Result<Character> {
     let groom = bind(&strands, &BindOptions { guides, ..Default::default() })?;
     let mut notes = report.placement.doubts;
     notes.extend(report.head_placement.into_iter().flat_map(|placement| placement.doubts));
-    Ok(Character { groom, head, field, neck, notes })
+    Ok(Character { groom, head, field, neck, levels: Vec::new(), notes })
 }
 
 fn built_in(source: &Source, gpu: &Gpu, simulate: &Simulate) -> Result<Character> {
@@ -111,6 +131,7 @@ fn built_in(source: &Source, gpu: &Gpu, simulate: &Simulate) -> Result<Character
         head: Some(built.mesh),
         field: Some(built.field),
         neck: built.neck,
+        levels: Vec::new(),
         notes: Vec::new(),
     })
 }

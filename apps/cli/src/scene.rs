@@ -20,6 +20,7 @@ use tresses::{
     gpu::{Gpu, Timings},
     groom::{SdfGrid, TriMesh},
     light::{HairMaterial, Lights, Sphere},
+    lod::{Detail, LodMode, LodOptions},
     simulate::SimulationParams,
 };
 
@@ -77,6 +78,8 @@ pub struct Scene {
     neck: Vec3,
     field: Option<SdfGrid>,
     debug: Option<Debug>,
+    /// Who looks, for whom the level of detail is chosen.
+    watcher: Option<Camera>,
 }
 
 impl Scene {
@@ -120,7 +123,10 @@ impl Scene {
         let fields = builder.as_ref().map(|builder| colliders.fields(builder)).unwrap_or_default();
         let (head, list) = (character.field.as_ref(), colliders.list.as_slice());
         let what = ColliderDescriptor { head, fields: &fields, colliders: list };
-        let hair = Hair::with_colliders(device, queue, &renderer, &character.groom, &options, &what)?;
+        let mut hair = Hair::with_colliders(device, queue, &renderer, &character.groom, &options, &what)?;
+        // Full detail, unless somebody asks for less.
+        hair.lod.options.mode = LodMode::Off;
+        hair.paint_levels(queue, &character.groom, &character.levels, character.skull())?;
         let body = character.head.as_ref().map(|head| Body::new(device, &renderer.draw, head));
         let Size { width, height } = quality.size;
         let targets = Targets::new(device, width, height, samples, quality.ssaa)?;
@@ -148,6 +154,7 @@ impl Scene {
             neck: character.neck,
             field: character.field.clone(),
             debug: None,
+            watcher: None,
             gpu,
         })
     }
@@ -165,6 +172,23 @@ impl Scene {
     /// Camera-independent looks of the next pictures; the lights go with the camera.
     pub fn look_mut(&mut self) -> &mut draw::Scene {
         &mut self.scene
+    }
+
+    /// How much of the hair is drawn from here on.
+    pub fn set_lod(&mut self, options: LodOptions) -> Result<()> {
+        options.check()?;
+        self.hair.lod.options = options;
+        Ok(())
+    }
+
+    /// The level of detail of the last frame.
+    pub fn detail(&self) -> &Detail {
+        self.hair.lod.current()
+    }
+
+    /// From here on `camera` looks: frames are made for it.
+    pub fn watch(&mut self, camera: &Camera) {
+        self.watcher = Some(*camera);
     }
 
     /// What a portrait must show, metres.
@@ -266,10 +290,12 @@ impl Scene {
         camera: &Camera,
     ) -> Result<(f64, Vec<(&'static str, f64)>)> {
         if self.gpu.tier.software {
+            self.watch(camera);
             let start = Instant::now();
             let stages = self.stage_by_stage(pose, seconds, camera)?;
             return Ok((start.elapsed().as_secs_f64() * 1e3, stages));
         }
+        self.watch(camera);
         let start = Instant::now();
         let mut timings = std::mem::replace(&mut self.timings, Timings::by_the_clock());
         let mut timed = self.gpu.tier.timestamps.then_some(&mut timings);
@@ -364,6 +390,10 @@ impl Scene {
     ) -> Result<()> {
         self.scene.pose = *pose;
         self.time += f64::from(seconds);
+        if let Some(camera) = &self.watcher {
+            let view = View::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, self.targets.size);
+            self.hair.look_from(&self.gpu.device, &self.gpu.queue, &view, pose);
+        }
         let poses = self.colliders.poses(self.time);
         let frame = Frame { dt: seconds, head: *pose, colliders: &poses, simulation: &self.physics };
         let Gpu { device, queue, .. } = &self.gpu;

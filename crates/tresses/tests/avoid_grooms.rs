@@ -12,6 +12,7 @@ use tresses::{
     glam::Vec3,
     gpu::Gpu,
     groom::{BindOptions, BoundStrands, GuideCount, Strands, bind, import, mesh::sdf, styles},
+    lod,
     strands::StrandVertex,
 };
 
