@@ -267,6 +267,15 @@ impl Scene {
         Ok(picture)
     }
 
+    /// How many pixels of the picture the hair covers, whatever is before it. Blocks.
+    pub fn hair_pixels(&mut self, camera: &Camera) -> Result<f64> {
+        let body = self.body.take();
+        let background = std::mem::replace(&mut self.scene.background, draw::Background::transparent());
+        let picture = self.picture(camera);
+        (self.body, self.scene.background) = (body, background);
+        Ok(picture?.rgba.as_chunks::<4>().0.iter().map(|[.., alpha]| f64::from(*alpha) / 255.0).sum())
+    }
+
     /// Makes the body anew with the colliders where they are drawn.
     fn place_colliders(&mut self) {
         if self.colliders.list.is_empty() {

@@ -1,5 +1,6 @@
 //! What wider strands cover: more than as many thin ones of the same area, where they reach over gaps
-//! and outlines. The factors on their widths that take it back are measured on the CPU at load.
+//! and outlines. So do strips that are never drawn narrower than a pixel, however little of it they cover.
+//! The factors on the widths that take both back are measured on the CPU at load.
 
 use super::curve::{CurveTable, resample};
 use crate::{groom::BoundStrands, strands::Strand};
@@ -11,12 +12,28 @@ const GRID: usize = 192;
 const MOST: usize = 6000;
 /// The narrowest that strands are made.
 const NARROWEST: f32 = 0.5;
+/// The widest.
+const WIDEST: f32 = 1.2;
 
 /// The factors of a groom on the widths of fewer strands.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoverTable {
-    /// Share of the strands and the factor that belongs to it, shares falling from 1.
-    points: Vec<(f32, f32)>,
+    /// Share of the strands and the factor that belongs to it, shares falling from 1: in a picture as fine
+    /// as can be, and with the pixel of [`CoverLevel`].
+    points: [Vec<(f32, f32)>; 2],
+}
+
+/// A level of detail whose coverage is measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoverLevel {
+    /// Share of the strands.
+    pub fraction: f32,
+    /// The factor on their widths that keeps their area.
+    pub widening: f32,
+    /// Their segments.
+    pub segments: f32,
+    /// The pixel at which that level is chosen, metres.
+    pub pixel: f32,
 }
 
 /// A strand that is splatted.
@@ -38,17 +55,16 @@ struct View {
 impl CoverTable {
     /// Nothing known: as wide as their area wants.
     pub fn none() -> Self {
-        Self { points: vec![(1.0, 1.0)] }
+        Self { points: [vec![(1.0, 1.0)], vec![(1.0, 1.0)]] }
     }
 
     /// For `strands` in the order of [`arrange`](super::arrange) with the radii of `infos`, inside the sphere
-    /// of `radius` metres around `middle`. `levels` has shares of strands, falling, with the widening
-    /// and the segments that belong to each.
+    /// of `radius` metres around `middle`, at `levels` with falling shares.
     pub fn new(
         strands: &BoundStrands,
         infos: &[Strand],
         (middle, radius): (Vec3, f32),
-        levels: &[(f32, f32, f32)],
+        levels: &[CoverLevel],
     ) -> Self {
         let mut table = Self::none();
         let base = infos.len().min(MOST);
@@ -59,47 +75,46 @@ impl CoverTable {
         let lines: Vec<Line> = (0..base).map(|i| line(strands, infos, i)).collect();
         let mut views = views(middle, radius);
         // Where the base is not all strands it stands for them, a little wider.
-        let full = covered(&mut views, &lines, share.recip(), None);
-        for (fraction, widening, segments) in levels {
-            let count = (fraction * infos.len() as f32).ceil() as usize;
+        let full = covered(&mut views, &lines, share.recip(), 0.0, None);
+        for level in levels {
+            let count = (level.fraction * infos.len() as f32).ceil() as usize;
             if count >= base {
                 continue;
             }
-            let mut cover = |factor: f32| {
-                covered(&mut views, &lines[..count.max(1)], widening * factor, Some(*segments))
-            };
-            // Two steps of the secant method: coverage grows smoothly with the width.
-            let (mut a, mut b) = (1.0, 0.85);
-            let (mut at_a, mut at_b) = (cover(a), cover(b));
-            for _ in 0..2 {
+            let lines = &lines[..count.max(1)];
+            for (points, pixel) in table.points.iter_mut().zip([0.0, level.pixel]) {
+                let mut cover = |factor: f32| {
+                    covered(&mut views, lines, level.widening * factor, pixel, Some(level.segments))
+                };
+                // The secant method: coverage grows smoothly with the width.
+                let (a, b) = (1.0, 0.85);
+                let (at_a, at_b) = (cover(a), cover(b));
                 let slope = (at_a - at_b) / (a - b);
-                if slope.abs() < 1e-9 {
-                    break;
-                }
-                let next = (b + (full - at_b) / slope).clamp(NARROWEST, 1.5);
-                (a, at_a, b) = (b, at_b, next);
-                if a == b {
-                    break;
-                }
-                at_b = cover(b);
+                let factor = if slope > 1e-6 { b + (full - at_b) / slope } else { 1.0 };
+                points.push((level.fraction, factor.clamp(NARROWEST, WIDEST)));
             }
-            table.points.push((*fraction, b));
         }
         table
     }
 
-    /// The factor where the share `fraction` of the strands is drawn.
-    pub fn factor(&self, fraction: f32) -> f32 {
-        let Some(k) = self.points.iter().position(|(at, _)| *at <= fraction) else {
-            return self.points.last().map_or(1.0, |(_, factor)| *factor);
-        };
-        if k == 0 {
-            return self.points[0].1;
-        }
-        let ((many, a), (few, b)) = (self.points[k - 1], self.points[k]);
-        let t = (many / fraction).ln() / (many / few).ln();
-        a + (b - a) * t
+    /// The factor where the share `fraction` of the strands is drawn, and the pixel is that at which the
+    /// share `automatic` would be.
+    pub fn factor(&self, fraction: f32, automatic: f32) -> f32 {
+        let [fine, coarse] = &self.points;
+        at(fine, fraction) * (at(coarse, automatic) / at(fine, automatic))
     }
+}
+
+/// Between `points` by the logarithm of the share, constant beyond them.
+fn at(points: &[(f32, f32)], fraction: f32) -> f32 {
+    let Some(k) = points.iter().position(|(at, _)| *at <= fraction) else {
+        return points.last().map_or(1.0, |(_, factor)| *factor);
+    };
+    if k == 0 {
+        return points[0].1;
+    }
+    let ((many, a), (few, b)) = (points[k - 1], points[k]);
+    a + (b - a) * (many / fraction).ln() / (many / few).ln()
 }
 
 fn line(strands: &BoundStrands, infos: &[Strand], i: usize) -> Line {
@@ -121,16 +136,16 @@ fn views(middle: Vec3, radius: f32) -> [View; 3] {
     })
 }
 
-/// The mean share of the views that `lines` cover, each `widening` times as wide as it is, and drawn with
-/// so many segments.
-fn covered(views: &mut [View], lines: &[Line], widening: f32, segments: Option<f32>) -> f32 {
+/// The mean share of the views that `lines` cover, each `widening` times as wide as it is and drawn with
+/// so many segments, in a picture with pixels of `pixel` metres.
+fn covered(views: &mut [View], lines: &[Line], widening: f32, pixel: f32, segments: Option<f32>) -> f32 {
     let mut sum = 0.0;
     for view in views.iter_mut() {
         view.passes.fill(1.0);
         for line in lines {
             match segments {
-                None => view.splat(&line.points, &line.radii, widening),
-                Some(s) => view.splat(&resample(&line.points, s), &line.radii, widening),
+                None => view.splat(&line.points, &line.radii, widening, pixel),
+                Some(s) => view.splat(&resample(&line.points, s), &line.radii, widening, pixel),
             }
         }
         sum += view.passes.iter().map(|passes| 1.0 - passes).sum::<f32>() / view.passes.len() as f32;
@@ -139,7 +154,7 @@ fn covered(views: &mut [View], lines: &[Line], widening: f32, segments: Option<f
 }
 
 impl View {
-    fn splat(&mut self, points: &[Vec3], radii: &[f32], widening: f32) {
+    fn splat(&mut self, points: &[Vec3], radii: &[f32], widening: f32, pixel: f32) {
         let scale = self.cell.recip();
         let at = |p: Vec3| (Vec2::new(p.dot(self.right), p.dot(self.up)) - self.corner) * scale;
         let last = (points.len() - 1) as f32;
@@ -153,10 +168,11 @@ impl View {
             let across = way.perp() / length;
             let steps = length.ceil();
             let along = (k as f32 + 0.5) / last * (radii.len() - 1) as f32;
-            let width = 2.0 * radii[along as usize] * widening * scale;
+            let real = 2.0 * radii[along as usize] * widening * scale;
+            let width = real.max(pixel * scale);
             let lanes = width.ceil().max(1.0);
             // The share of a cell that a patch of the strip covers.
-            let patch = 1.0 - (length / steps * (width / lanes)).min(1.0);
+            let patch = 1.0 - (length / steps * (real / lanes)).min(1.0);
             for i in 0..steps as u32 {
                 let middle = a + way * ((i as f32 + 0.5) / steps);
                 for lane in 0..lanes as u32 {
@@ -171,19 +187,58 @@ impl View {
     }
 }
 
-/// The levels that [`CoverTable::new`] looks at: half octaves down to `least`.
+/// The levels that [`CoverTable::new`] looks at: octaves down to the share `least`. At full detail the pixel
+/// is `limit`; the functions tell the widening of a share, and the segments at a pixel.
 pub fn levels(
     least: f32,
+    limit: f32,
     curve: &CurveTable,
     widening: impl Fn(f32) -> f32,
     segments: impl Fn(f32) -> f32,
-) -> Vec<(f32, f32, f32)> {
+) -> Vec<CoverLevel> {
     let mut levels = Vec::new();
     let mut fraction = 0.5f32;
     while fraction >= least {
-        let segments = segments(fraction);
-        levels.push((fraction, widening(fraction) / curve.length(segments), segments));
-        fraction *= std::f32::consts::FRAC_1_SQRT_2;
+        let pixel = limit / fraction;
+        let segments = segments(pixel);
+        let widening = widening(fraction) / curve.length(segments);
+        levels.push(CoverLevel { fraction, widening, segments, pixel });
+        fraction *= 0.5;
     }
     levels
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::groom::Influence;
+
+    /// `count` strands of a millimetre that fall side by side, a metre long, over 20 cm.
+    fn curtain(count: u32) -> (BoundStrands, Vec<Strand>) {
+        let mut strands = BoundStrands::new(2);
+        for i in 0..count {
+            let x = (i.reverse_bits() as f32 / 2f32.powi(32) - 0.5) * 0.2;
+            let influence = Influence { guide: 0, weight: 1.0, scale: 1.0 };
+            let strand = Strand { radius: 5e-4, seed: i, root_color: 0, tip_color: 0 };
+            let line = [Vec3::new(x, 0.5, 0.01 * x), Vec3::new(x, -0.5, 0.01 * x)];
+            strands.push(strand, &line, &[1.0; 2], &[influence]);
+        }
+        let infos = strands.strands.clone();
+        (strands, infos)
+    }
+
+    #[test]
+    fn wide_strands_reach_over_the_edges() {
+        // So dense that all is covered but what lies beyond the edges.
+        let (strands, infos) = curtain(1024);
+        let level = |fraction: f32, pixel| CoverLevel { fraction, widening: 1.0 / fraction, segments: 1.0, pixel };
+        let levels = [level(0.25, 0.0), level(0.0625, 0.06)];
+        let table = CoverTable::new(&strands, &infos, (Vec3::ZERO, 0.55), &levels);
+        assert_eq!(table.factor(1.0, 1.0), 1.0);
+        assert!(table.factor(0.0625, 1.0) < 1.0, "{}", table.factor(0.0625, 1.0));
+        // A coarse pixel more so.
+        assert!(table.factor(0.0625, 0.0625) < table.factor(0.0625, 1.0) - 0.01);
+        assert!(table.factor(0.1, 1.0) > table.factor(0.0625, 1.0));
+        assert_eq!(CoverTable::none().factor(0.1, 0.01), 1.0);
+    }
 }

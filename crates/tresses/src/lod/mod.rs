@@ -17,7 +17,8 @@
 //! on the verge fades in by width, as a whole, so that nothing pops at any number.
 //!
 //! **Wider strands.** What is drawn is widened by the area of all strands over the area of those drawn,
-//! so that the total area is the same at any level. The kernel `widths` writes the radius of every drawn
+//! so that the total area is the same at any level, times a little less than 1: wide strands reach over gaps
+//! and outlines, which [`CoverTable`] measures at load. The kernel `widths` writes the radius of every drawn
 //! strand; shading, strips and shadows read that radius.
 //!
 //! **Fewer segments.** At load [`CurveTable`] measures how far strands stray when they are drawn with fewer
@@ -38,16 +39,17 @@
 //! would vary as random numbers do; van der Corput's order keeps them even.
 //!
 //! **Known limits.** All guides are simulated and tessellated whatever the level. The table of curves knows the
-//! rest shape. The clumps' gaps close a little when strands are wider than they are: see
-//! `docs/appearance/lod.md` for figures.
+//! rest shape.
 //!
 //! **Untried.** Strands with an aggregated BSDF per width; fewer guides.
 
+mod cover;
 mod curve;
 mod maps;
 mod order;
 mod widths;
 
+pub use cover::{CoverLevel, CoverTable};
 pub use curve::{CurveTable, resample};
 pub use maps::{LodLevel, MAX_LEVELS, MAX_THICKNESS};
 pub use order::{BUCKET_RATIO, arrange, buckets};
@@ -97,8 +99,8 @@ impl Default for LodOptions {
         Self {
             mode: LodMode::Auto,
             bias: 0.0,
-            strand_width: 0.3,
-            curve_error: 0.3,
+            strand_width: 0.2,
+            curve_error: 0.15,
             slowest: 2.0,
             slow_pixel: 2e-3,
         }
@@ -144,8 +146,9 @@ pub struct Detail {
     pub levels: [f32; MAX_LEVELS],
 }
 
-/// Strands of the first bucket: fewer are never drawn, only narrower ones.
-const LEAST: u32 = 128;
+/// The most strands of the first bucket: fewer than it has are never drawn. With a few hundred, how light
+/// they happen to be would show.
+const LEAST: u32 = 1000;
 
 /// A last segment shorter than this share of the others is left out: rounding would turn it about.
 const LEAST_REST: f32 = 0.02;
@@ -157,6 +160,8 @@ pub struct Lod {
     pub options: LodOptions,
     /// What fewer segments cost.
     pub curve: CurveTable,
+    /// What wider strands cost.
+    pub cover: CoverTable,
     /// Around the hair at rest: middle (groom space) and radius, metres.
     pub sphere: (Vec3, f32),
     /// Mean diameter of the strands, metres.
@@ -207,9 +212,10 @@ impl Lod {
                 areas.push(area);
             }
         }
-        let lod = Self {
+        let mut lod = Self {
             options: LodOptions::default(),
             curve: CurveTable::new(strands),
+            cover: CoverTable::none(),
             sphere: (0.5 * (lo + hi), 0.5 * lo.distance(hi)),
             diameter: (area / length.max(1e-12)).max(1e-9) as f32,
             painted: Painted::none(infos.len()),
@@ -232,6 +238,9 @@ impl Lod {
             ends,
             areas,
         };
+        let least = (lod.ends[0] as f32 / buffers.count as f32).max(0.005);
+        let levels = cover::levels(least, lod.limit(), &lod.curve, |f| lod.widening(f), |p| lod.segments(p));
+        lod.cover = CoverTable::new(strands, infos, lod.sphere, &levels);
         lod.buffers.upload(queue, &lod.strands, &lod.ends, &lod.painted);
         lod.buffers.prepare(queue, &lod.detail);
         Ok(lod)
@@ -257,8 +266,7 @@ impl Lod {
     /// The level of detail where a pixel is `pixel` metres high and the hair `size` pixels large.
     pub fn detail(&self, pixel: f32, size: f32) -> Detail {
         let options = &self.options;
-        // The pixel at which strands begin to be left out.
-        let limit = self.diameter / options.strand_width.max(1e-6);
+        let limit = self.limit();
         let (fraction, coarse) = match options.mode {
             LodMode::Off => (1.0, 0.0),
             LodMode::Auto => {
@@ -271,7 +279,7 @@ impl Lod {
             }
         };
         let levels = self.painted.weights(size);
-        let segments = self.whole(self.curve.segments(options.curve_error * (coarse - limit).max(0.0)));
+        let segments = self.segments(coarse);
         let step = match options.mode {
             LodMode::Auto => (coarse / options.slow_pixel.max(1e-9)).clamp(1.0, options.slowest.max(1.0)),
             LodMode::Off | LodMode::Fixed(_) => 1.0,
@@ -281,11 +289,28 @@ impl Lod {
             size,
             fraction,
             strands: self.ends[self.bucket(fraction * self.painted.most(&levels))],
-            width: self.widening(fraction) / self.curve.length(segments),
+            width: match options.mode {
+                LodMode::Off => 1.0,
+                _ => {
+                    let automatic = (limit / pixel.max(1e-12)).min(1.0);
+                    self.widening(fraction) * self.cover.factor(fraction, automatic)
+                        / self.curve.length(segments)
+                }
+            },
             segments,
             step,
             levels,
         }
+    }
+
+    /// The pixel at which strands begin to be left out, metres.
+    fn limit(&self) -> f32 {
+        self.diameter / self.options.strand_width.max(1e-6)
+    }
+
+    /// The number of segments where a pixel is `pixel` metres high.
+    fn segments(&self, pixel: f32) -> f32 {
+        self.whole(self.curve.segments(self.options.curve_error * (pixel - self.limit()).max(0.0)))
     }
 
     /// `segments` without a last one that is too short to point anywhere.
