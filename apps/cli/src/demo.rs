@@ -3,6 +3,7 @@
 use crate::{
     args::{Size, Source},
     camera::{Camera, Shot, View},
+    edge_args::EdgeArgs,
     interrupt,
     motion::Motion,
     picture::Output,
@@ -30,6 +31,8 @@ pub struct Args {
     /// A built-in hairstyle: long, bob, curly or short
     #[arg(long, value_name = "NAME", default_value = "long")]
     pub style: String,
+    #[command(flatten)]
+    pub edges: EdgeArgs,
 }
 
 /// Runs `tresses demo`.
@@ -38,7 +41,7 @@ pub fn run(args: &Args) -> Result<()> {
     let motion = Motion::named("turn").context("the built-in motions hold a turn")?;
 
     let spinner = progress::spinner("growing and draping the hair, drawing a picture");
-    let mut scene = Scene::open(&source, Quality::new(PICTURE, None))?;
+    let mut scene = Scene::open(&source, Quality::new(PICTURE, args.edges))?;
     eprintln!("Drawing on {}.", scene.adapter_name());
     let camera = Camera::portrait(View::ThreeQuarter, scene.subject(), PICTURE.aspect(), 1.0);
     let mut output = Output::create(&args.out.join("demo.png"), (PICTURE.width, PICTURE.height), 1, 1.0)?;

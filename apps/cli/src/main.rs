@@ -9,6 +9,7 @@ mod compare;
 mod convert;
 mod debug;
 mod demo;
+mod edge_args;
 mod hair_hair_args;
 mod info;
 mod interrupt;

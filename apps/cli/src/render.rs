@@ -5,6 +5,7 @@ use crate::{
     avoid_args::Avoid,
     camera::{Camera, Shot, View},
     debug,
+    edge_args::EdgeArgs,
     hair_hair_args::HairHairArgs,
     interrupt,
     lod_args::{self, LodArgs},
@@ -38,9 +39,6 @@ pub struct Args {
     /// Width and height, pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720")]
     pub size: Size,
-    /// Samples per pixel: 1, 4, 8 or 16 [default: 8, or as many as the adapter offers]
-    #[arg(long, value_name = "N", value_parser = args::samples)]
-    pub samples: Option<u32>,
     /// From where
     #[arg(long, value_name = "NAME", value_enum, default_value_t)]
     pub camera: View,
@@ -56,6 +54,8 @@ pub struct Args {
     /// Where to: one .png, a folder of numbered frames, or an animation (.webp, .gif, .apng)
     #[arg(long, value_name = "PATH", default_value = "out/render.png")]
     pub out: PathBuf,
+    #[command(flatten)]
+    pub edges: EdgeArgs,
     #[command(flatten)]
     pub hair_hair: HairHairArgs,
     #[command(flatten)]
@@ -91,7 +91,7 @@ pub fn run(args: &Args) -> Result<()> {
     args.wind.apply(&mut physics);
     args.debug.check(&physics)?;
     let start = progress::spinner("preparing");
-    let mut scene = Scene::open(&args.source, Quality::new(args.size, args.samples))?;
+    let mut scene = Scene::open(&args.source, Quality::new(args.size, args.edges))?;
     *scene.physics_mut() = physics;
     scene.set_avoid(args.avoid);
     scene.set_lod(args.lod.options())?;

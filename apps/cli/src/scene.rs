@@ -6,6 +6,7 @@ use crate::{
     camera::{self, Bounds, Camera},
     colliders::Colliders,
     debug::{self, Debug},
+    edge_args::EdgeArgs,
     load::{self, Character},
     picture::Picture,
 };
@@ -29,18 +30,16 @@ use tresses::{
 pub struct Quality {
     /// Pixels.
     pub size: Size,
-    /// Samples per pixel; `None` for what suits the adapter.
-    pub samples: Option<u32>,
+    /// Samples and the rest of antialiasing.
+    pub edges: EdgeArgs,
     /// Whether fewer samples will do where the adapter offers no more.
     pub at_most: bool,
-    /// Pixels drawn per pixel shown, along each axis.
-    pub ssaa: u32,
 }
 
 impl Quality {
-    /// One pixel drawn per pixel shown, exactly as many samples as given.
-    pub fn new(size: Size, samples: Option<u32>) -> Self {
-        Self { size, samples, at_most: false, ssaa: 1 }
+    /// Exactly as many samples as asked for.
+    pub fn new(size: Size, edges: EdgeArgs) -> Self {
+        Self { size, edges, at_most: false }
     }
 }
 
@@ -88,14 +87,14 @@ impl Scene {
         let gpu = pollster::block_on(Gpu::open())?;
         let device = &gpu.device;
         let most = gpu.tier.max_samples;
-        let samples = quality.samples.unwrap_or(most.min(8));
+        let (samples, coverage) = quality.edges.choose(most)?;
         ensure!(
             samples <= most || quality.at_most,
             "--samples is {samples}, but {} offers at most {most} per pixel",
             gpu.info.name
         );
         let samples = samples.min(most);
-        let renderer = HairRenderer::new(device, &DrawOptions { samples, ..Default::default() });
+        let renderer = HairRenderer::new(device, &DrawOptions { samples, coverage, ..Default::default() });
         let character = load::load(source, &gpu, &renderer.simulate)?;
         for note in &character.notes {
             eprintln!("note: {note}");
@@ -104,7 +103,7 @@ impl Scene {
             Some(path) => Colliders::read(path)?,
             None => Colliders::default(),
         };
-        Self::new(character, colliders, source.color.as_ref(), gpu, renderer, (quality, samples))
+        Self::new(character, colliders, source.color.as_ref(), gpu, renderer, quality)
     }
 
     fn new(
@@ -113,7 +112,7 @@ impl Scene {
         color: Option<&Color>,
         gpu: Gpu,
         renderer: HairRenderer,
-        (quality, samples): (Quality, u32),
+        quality: Quality,
     ) -> Result<Self> {
         let hair_bounds = character.groom.bounds().context("the groom is empty")?;
         let head_bounds = character.head.as_ref().and_then(|head| head.bounds());
@@ -129,7 +128,7 @@ impl Scene {
         hair.paint_levels(queue, &character.groom, &character.levels, character.skull())?;
         let body = character.head.as_ref().map(|head| Body::new(device, &renderer.draw, head));
         let Size { width, height } = quality.size;
-        let targets = Targets::new(device, width, height, samples, quality.ssaa)?;
+        let targets = renderer.draw.targets(device, width, height, quality.edges.ssaa)?;
         let timings = match gpu.tier.timestamps && !gpu.tier.software {
             true => Timings::new(device, queue),
             false => Timings::by_the_clock(),
@@ -224,8 +223,8 @@ impl Scene {
 
     /// Pictures of another size from here on.
     pub fn resize(&mut self, size: Size) -> Result<()> {
-        let (samples, ssaa) = (self.targets.samples, self.targets.ssaa);
-        self.targets = Targets::new(&self.gpu.device, size.width, size.height, samples, ssaa)?;
+        let ssaa = self.targets.ssaa;
+        self.targets = self.renderer.draw.targets(&self.gpu.device, size.width, size.height, ssaa)?;
         Ok(())
     }
 
@@ -366,16 +365,16 @@ impl Scene {
             drawing.shade(encoder, None, &hair.set);
             Ok(())
         })?;
-        stage("draw hair", &mut |encoder| {
-            drawing.draw_hair(encoder, None, scene, targets, set);
-            Ok(())
-        })?;
-        stage("draw body", &mut |encoder| {
-            if let Some(body) = body {
-                drawing.draw_body(encoder, None, targets, body);
-            }
-            Ok(())
-        })?;
+        for is_body in [drawing.body_first(), !drawing.body_first()] {
+            stage(if is_body { "draw body" } else { "draw hair" }, &mut |encoder| {
+                if is_body {
+                    drawing.draw_body(encoder, None, targets, body);
+                } else {
+                    drawing.draw_hair(encoder, None, scene, targets, set);
+                }
+                Ok(())
+            })?;
+        }
         stage("present", &mut |encoder| {
             drawing.present(device, encoder, None, targets, targets.picture());
             Ok(())

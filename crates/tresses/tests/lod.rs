@@ -10,7 +10,7 @@ use tresses::{
     frame::{Frame, Recorder},
     glam::{Quat, Vec3},
     gpu::{Gpu, readback},
-    groom::{Groom, SdfGrid, bind, grow::ScalpMap, import, mesh::sdf, styles},
+    groom::{Groom, SdfGrid, bind, grow::ScalpMap, import, styles},
     light::Sphere,
     lod::{Detail, LodLevel, LodMode, arrange},
     present::ToneMap,

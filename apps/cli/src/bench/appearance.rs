@@ -4,6 +4,7 @@
 use super::workload;
 use crate::{
     args::{Size, Source},
+    edge_args::{EdgeArgs, Mode},
     scene::{Quality, Scene},
 };
 use anyhow::{Context, Result};
@@ -41,17 +42,24 @@ pub struct Look {
     pub run: Run,
 }
 
-fn quality(samples: u32, ssaa: u32) -> Quality {
-    Quality { size: SIZE, samples: Some(samples), at_most: true, ssaa }
+fn quality(samples: u32, ssaa: u32, coverage: Mode, layers: Option<u32>) -> Quality {
+    let edges = EdgeArgs { samples: Some(samples), ssaa, coverage: Some(coverage), layers };
+    Quality { size: SIZE, edges, at_most: true }
 }
 
 /// All that are measured, topic by topic; the first of a topic is the default.
 pub fn variants() -> Vec<Variant> {
-    let shading = |name, set| Variant { topic: "shading", name, quality: quality(SAMPLES, 1), set };
+    let shading = |name, set| Variant { topic: "shading", name, quality: quality(SAMPLES, 1, Mode::Mask, None), set };
     let samples = |name, samples, ssaa| Variant {
         topic: "samples",
         name,
-        quality: quality(samples, ssaa),
+        quality: quality(samples, ssaa, Mode::Mask, None),
+        set: |_| {},
+    };
+    let coverage = |name, samples, ssaa, mode, layers| Variant {
+        topic: "coverage",
+        name,
+        quality: quality(samples, ssaa, mode, layers),
         set: |_| {},
     };
     vec![
@@ -62,6 +70,12 @@ pub fn variants() -> Vec<Variant> {
         samples("8×MSAA", 8, 1),
         samples("2×2 SSAA", 1, 2),
         samples("4×MSAA and 2×2 SSAA", 4, 2),
+        coverage("masks, 4×MSAA", 4, 1, Mode::Mask, None),
+        coverage("alpha to coverage, 4×MSAA", 4, 1, Mode::Alpha, None),
+        coverage("1 peeled layer", 1, 1, Mode::Peel, Some(1)),
+        coverage("4 peeled layers", 1, 1, Mode::Peel, Some(4)),
+        coverage("8 peeled layers", 1, 1, Mode::Peel, Some(8)),
+        coverage("4 peeled layers and 2×2 SSAA", 1, 2, Mode::Peel, Some(4)),
     ]
 }
 

@@ -8,6 +8,7 @@ use super::{
 use crate::{
     args::{Guides, Size, Source},
     camera::{Camera, View},
+    edge_args::{EdgeArgs, Mode},
     interrupt, load,
     motion::Motion,
     scene::{Quality, Scene},
@@ -42,7 +43,9 @@ pub struct Workload {
 }
 
 fn quality(size: Size, samples: u32, ssaa: u32) -> Quality {
-    Quality { size, samples: Some(samples), at_most: true, ssaa }
+    // Figures of others are those of samples alone.
+    let edges = EdgeArgs { samples: Some(samples), ssaa, coverage: Some(Mode::Mask), layers: None };
+    Quality { size, edges, at_most: true }
 }
 
 fn style(strands: Option<u32>) -> Source {

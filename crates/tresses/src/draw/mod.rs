@@ -24,15 +24,20 @@
 
 pub mod background;
 pub mod body;
+pub mod coverage;
 pub mod debug;
 pub mod hair;
+pub(crate) mod peel;
+pub(crate) mod pipeline;
 pub mod scene;
 pub mod stage;
+pub(crate) mod strips;
 pub mod targets;
 pub mod view;
 
 pub use background::Background;
 pub use body::{Body, BodyMaterial};
+pub use coverage::Coverage;
 pub use hair::HairSet;
 pub use scene::Scene;
 pub use stage::{DrawOptions, DrawStage};

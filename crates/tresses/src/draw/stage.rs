@@ -1,27 +1,31 @@
 //! The pipelines of everything from the lights to the picture, and the order to record them in.
 
 use super::{
-    Body, HairSet, Scene, Targets,
+    Body, Coverage, HairSet, Scene, Targets,
     body::BodyUniform,
-    targets::{DEPTH_FORMAT, HDR_FORMAT},
+    peel::Layers,
+    pipeline::Recipe,
+    strips::{ByRate, Strips},
     view::ViewUniform,
 };
 use crate::{
+    Result,
     gpu::{
         Binding, Timings,
         bindings::{self, group, layout},
     },
-    light::{Shade, ShadingRate, ShadowMaps, lights::LightsUniform},
+    light::{Shade, ShadowMaps, lights::LightsUniform},
     present::Present,
-    shaders,
     strands::StrandBuffers,
 };
 
 /// How a [`DrawStage`] is built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DrawOptions {
-    /// Samples per pixel: 1, 4, 8 or 16, as the adapter offers.
+    /// Samples per pixel: 1, 4, 8 or 16, as the adapter offers and [`Coverage::check`] allows.
     pub samples: u32,
+    /// How strands cover pixels.
+    pub coverage: Coverage,
     /// Texels along each edge of a shadow map.
     pub shadow_resolution: u32,
     /// Format of what `present` writes to.
@@ -30,7 +34,12 @@ pub struct DrawOptions {
 
 impl Default for DrawOptions {
     fn default() -> Self {
-        Self { samples: 4, shadow_resolution: 1024, output: super::targets::PICTURE_FORMAT }
+        Self {
+            samples: 4,
+            coverage: Coverage::default(),
+            shadow_resolution: 1024,
+            output: super::targets::PICTURE_FORMAT,
+        }
     }
 }
 
@@ -48,8 +57,8 @@ pub struct DrawStage {
     hair_layout: wgpu::BindGroupLayout,
     body_layout: wgpu::BindGroupLayout,
     body: wgpu::RenderPipeline,
-    hair_per_vertex: wgpu::RenderPipeline,
-    hair_per_pixel: wgpu::RenderPipeline,
+    strips: Strips,
+    samples: u32,
 }
 
 impl DrawStage {
@@ -69,55 +78,22 @@ impl DrawStage {
         let [maps, comparison, nearest, blocks] = shadow_maps.resources();
         let frame = [view.as_entire_binding(), lights.as_entire_binding(), maps, comparison, nearest, blocks];
         let frame_group = group(device, "frame", &frame_layout, &frame);
-        let pipeline = |module: &'static str, vertex: &str, fragment: &str, geometry, buffers: &[_]| {
-            let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some(module),
-                source: wgpu::ShaderSource::Wgsl(shaders::source(module).into()),
-            });
-            device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some(vertex),
-                layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                    label: Some(vertex),
-                    bind_group_layouts: &[Some(&frame_layout), Some(geometry)],
-                    immediate_size: 0,
-                })),
-                vertex: wgpu::VertexState {
-                    module: &shader,
-                    entry_point: Some(vertex),
-                    compilation_options: Default::default(),
-                    buffers,
-                },
-                // Meshes in the wild are open and turned either way; strips face the camera.
-                primitive: wgpu::PrimitiveState::default(),
-                depth_stencil: Some(wgpu::DepthStencilState {
-                    format: DEPTH_FORMAT,
-                    depth_write_enabled: Some(true),
-                    depth_compare: Some(wgpu::CompareFunction::Greater),
-                    stencil: Default::default(),
-                    bias: Default::default(),
-                }),
-                multisample: wgpu::MultisampleState { count: options.samples, ..Default::default() },
-                fragment: Some(wgpu::FragmentState {
-                    module: &shader,
-                    entry_point: Some(fragment),
-                    compilation_options: Default::default(),
-                    targets: &[Some(HDR_FORMAT.into())],
-                }),
-                multiview_mask: None,
-                cache: None,
-            })
-        };
-        let [shaded, raw] = if options.samples == 1 {
-            ["hair_shaded_single", "hair_raw_single"]
-        } else {
-            ["hair_shaded_multi", "hair_raw_multi"]
+        let body = Recipe {
+            module: "draw::body",
+            entry: ["body_vertex", "body_fragment"],
+            layouts: &[Some(&frame_layout), Some(&body_layout)],
+            buffers: &[Some(Body::LAYOUT)],
+            targets: &[Some(super::targets::HDR_FORMAT.into())],
+            depth: Some((true, wgpu::CompareFunction::Greater)),
+            samples: options.samples,
+            alpha_to_coverage: false,
         };
         Self {
             shade: Shade::new(device),
-            present: Present::new(device, options.samples, options.output),
-            body: pipeline("draw::body", "body_vertex", "body_fragment", &body_layout, &[Some(Body::LAYOUT)]),
-            hair_per_vertex: pipeline("draw::hair", "hair_shaded", shaded, &hair_layout, &[]),
-            hair_per_pixel: pipeline("draw::hair", "hair_raw", raw, &hair_layout, &[]),
+            present: Present::new(device, options.samples, options.coverage, options.output),
+            body: body.build(device),
+            strips: Strips::new(device, options, &frame_layout, &hair_layout),
+            samples: options.samples,
             shadow_maps,
             view,
             lights,
@@ -190,7 +166,7 @@ impl DrawStage {
         body: Option<&Body>,
     ) {
         let write = |buffer, bytes: &[u8]| queue.write_buffer(buffer, 0, bytes);
-        let view = scene.view.uniform(targets.samples, targets.ssaa);
+        let view = scene.view.uniform(targets.samples, targets.ssaa, &scene.tone);
         let lights = scene.lights.uniform(&scene.shadows, &scene.focus, self.shadow_maps.resolution);
         write(&self.view, bytemuck::bytes_of(&view));
         write(&self.lights, bytemuck::bytes_of(&lights));
@@ -222,8 +198,25 @@ impl DrawStage {
         self.shade.record(encoder, timings, hair);
     }
 
-    /// Records hair and body into `targets`, a pass each, so that each has its own time. Hair
-    /// first: the body's shading costs more per pixel, and most of the scalp is hidden.
+    /// Targets that fit the stage, for a picture of `width` × `height` pixels, supersampled by
+    /// `ssaa` (1, 2 or 4) along each axis.
+    ///
+    /// # Errors
+    /// As [`Targets::new`].
+    pub fn targets(&self, device: &wgpu::Device, width: u32, height: u32, ssaa: u32) -> Result<Targets> {
+        let targets = Targets::new(device, width, height, self.samples, ssaa)?;
+        Ok(match &self.strips {
+            Strips::Peeled(peel) => targets.with_layers(device, |texture| {
+                Layers::new(device, peel, texture)
+            }),
+            _ => targets,
+        })
+    }
+
+    /// Records hair and body into `targets`, a pass each, so that each has its own time.
+    ///
+    /// # Panics
+    /// When the stage peels and [`targets`](Self::targets) has not made `targets`.
     pub fn draw(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -233,42 +226,70 @@ impl DrawStage {
         hair: Option<&HairSet>,
         body: Option<&Body>,
     ) {
-        self.draw_hair(encoder, timings.as_deref_mut(), scene, targets, hair);
-        if let Some(body) = body {
+        if self.body_first() {
+            self.draw_body(encoder, timings.as_deref_mut(), targets, body);
+            self.draw_hair(encoder, timings, scene, targets, hair);
+        } else {
+            self.draw_hair(encoder, timings.as_deref_mut(), scene, targets, hair);
             self.draw_body(encoder, timings, targets, body);
         }
     }
 
-    /// Clears `targets` and records the hair.
+    /// Whether the body is to be drawn before the hair: when this is blended. Else after it: the
+    /// body's shading costs more per pixel, and most of the scalp is hidden.
+    pub fn body_first(&self) -> bool {
+        matches!(self.strips, Strips::Peeled(_))
+    }
+
+    /// Records the hair; clears `targets` unless the [body comes first](Self::body_first).
     pub fn draw_hair(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        timings: Option<&mut Timings>,
+        mut timings: Option<&mut Timings>,
         scene: &Scene,
         targets: &Targets,
         hair: Option<&HairSet>,
     ) {
-        let mut pass = self.pass(encoder, timings, "hair", true, targets);
-        if let Some(hair) = hair {
-            pass.set_pipeline(match scene.shading {
-                ShadingRate::PerVertex => &self.hair_per_vertex,
-                ShadingRate::PerPixel => &self.hair_per_pixel,
-            });
+        let Some(hair) = hair else {
+            match &self.strips {
+                Strips::Peeled(peel) => peel.clear(encoder, targets),
+                _ => drop(self.pass(encoder, timings, "hair", true, targets)),
+            }
+            return;
+        };
+        let mut strips = |pipelines: &ByRate, clear| {
+            let mut pass = self.pass(encoder, timings.as_deref_mut(), "hair", clear, targets);
+            pass.set_pipeline(pipelines.of(scene.shading));
             hair.record_strips(&mut pass);
+        };
+        match &self.strips {
+            Strips::Once(all) => strips(all, true),
+            Strips::DepthFirst { depth, color } => {
+                strips(depth, true);
+                strips(color, false);
+            }
+            Strips::Peeled(peel) => {
+                peel.record(encoder, timings, &self.frame_group, scene.shading, targets, hair);
+            }
         }
     }
 
-    /// Records the body into `targets`, where the hair already is.
+    /// Records the body; clears `targets` when it [comes first](Self::body_first).
     pub fn draw_body(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         timings: Option<&mut Timings>,
         targets: &Targets,
-        body: &Body,
+        body: Option<&Body>,
     ) {
-        let mut pass = self.pass(encoder, timings, "body", false, targets);
-        pass.set_pipeline(&self.body);
-        body.record(&mut pass);
+        if body.is_none() && !self.body_first() {
+            return;
+        }
+        let mut pass = self.pass(encoder, timings, "body", self.body_first(), targets);
+        if let Some(body) = body {
+            pass.set_pipeline(&self.body);
+            body.record(&mut pass);
+        }
     }
 
     /// A pass into the HDR target with the frame's group bound.

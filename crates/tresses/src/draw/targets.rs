@@ -1,6 +1,10 @@
 //! The textures that a picture is drawn into.
 
+use super::peel::Layers;
 use crate::{Error, Result, gpu::readback};
+
+/// Label, format and usage of a texture of the linear target's size.
+pub(crate) type TextureKind = (&'static str, wgpu::TextureFormat, wgpu::TextureUsages);
 
 /// The linear target.
 pub const HDR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -20,6 +24,9 @@ pub struct Targets {
     pub ssaa: u32,
     pub(crate) hdr: wgpu::TextureView,
     pub(crate) depth: wgpu::TextureView,
+    pub(crate) depth_texture: wgpu::Texture,
+    /// Of a stage that peels.
+    pub(crate) layers: Option<Layers>,
     picture: wgpu::Texture,
     pub(crate) picture_view: wgpu::TextureView,
     bytes: u64,
@@ -27,7 +34,8 @@ pub struct Targets {
 
 impl Targets {
     /// Textures for a picture of `width` × `height` pixels with `samples` (1, 4, 8 or 16; as many
-    /// as the stage was built for) and supersampling by `ssaa` (1 or 2) along each axis.
+    /// as the stage was built for) and supersampling by `ssaa` (1, 2 or 4) along each axis. A stage
+    /// that peels needs more: [`DrawStage::targets`](super::DrawStage::targets) fits any.
     ///
     /// # Errors
     /// [`Error::Parameter`] when the size is 0 or more than the device allows.
@@ -55,7 +63,7 @@ impl Targets {
         };
         let (wide, high) = (width * ssaa, height * ssaa);
         let hdr = texture("hdr", wide, high, samples, HDR_FORMAT, wgpu::TextureUsages::TEXTURE_BINDING);
-        let depth = texture("depth", wide, high, samples, DEPTH_FORMAT, wgpu::TextureUsages::empty());
+        let depth = texture("depth", wide, high, samples, DEPTH_FORMAT, wgpu::TextureUsages::COPY_SRC);
         let picture = texture("picture", width, height, 1, PICTURE_FORMAT, wgpu::TextureUsages::COPY_SRC);
         let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
         Ok(Self {
@@ -64,11 +72,36 @@ impl Targets {
             ssaa,
             hdr: view(&hdr),
             depth: view(&depth),
+            depth_texture: depth,
+            layers: None,
             picture_view: view(&picture),
             picture,
             bytes: u64::from(wide) * u64::from(high) * u64::from(samples) * 12
                 + u64::from(width) * u64::from(height) * 4,
         })
+    }
+
+    /// Adds the textures of depth peeling, made by `layers` from a maker of textures.
+    pub(crate) fn with_layers(
+        mut self,
+        device: &wgpu::Device,
+        layers: impl FnOnce(&dyn Fn(TextureKind) -> wgpu::Texture) -> Layers,
+    ) -> Self {
+        let size = self.depth_texture.size();
+        self.layers = Some(layers(&|(label, format, usage)| {
+            device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size,
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: usage | wgpu::TextureUsages::RENDER_ATTACHMENT,
+                view_formats: &[],
+            })
+        }));
+        self.bytes += u64::from(size.width) * u64::from(size.height) * Layers::BYTES;
+        self
     }
 
     /// The finished picture as a view to present into.

@@ -3,6 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec2, Vec3};
 
+use crate::present::ToneMap;
+
 /// A camera and the size of its picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
@@ -57,7 +59,7 @@ impl View {
         2.0 / (self.projection.y_axis.y.abs() * self.size[1].max(1) as f32)
     }
 
-    pub(crate) fn uniform(&self, samples: u32, ssaa: u32) -> ViewUniform {
+    pub(crate) fn uniform(&self, samples: u32, ssaa: u32, tone: &ToneMap) -> ViewUniform {
         ViewUniform {
             view_projection: self.projection * self.view,
             eye: self.eye(),
@@ -65,6 +67,10 @@ impl View {
             size: Vec2::new(self.size[0] as f32, self.size[1] as f32),
             samples,
             ssaa,
+            exposure: tone.exposure,
+            shoulder: tone.shoulder.clamp(0.0, 0.99),
+            desaturation: tone.desaturation,
+            _pad: 0.0,
         }
     }
 }
@@ -85,6 +91,14 @@ pub struct ViewUniform {
     pub samples: u32,
     /// Target pixels per picture pixel along each axis.
     pub ssaa: u32,
+    /// [`ToneMap::exposure`]: peeled hair is tone mapped where it is drawn.
+    pub exposure: f32,
+    /// [`ToneMap::shoulder`].
+    pub shoulder: f32,
+    /// [`ToneMap::desaturation`].
+    pub desaturation: f32,
+    /// Unused.
+    pub _pad: f32,
 }
 
 #[cfg(test)]

@@ -10,6 +10,8 @@ use glam::{Vec2, Vec3};
 const GRID: usize = 192;
 /// At most so many strands stand for all of them.
 const MOST: usize = 6000;
+/// The smallest share of strands that is looked at.
+const LEAST: f32 = 0.004;
 /// The narrowest that strands are made.
 const NARROWEST: f32 = 0.5;
 /// The widest.
@@ -28,6 +30,8 @@ pub struct CoverTable {
 pub struct CoverLevel {
     /// Share of the strands.
     pub fraction: f32,
+    /// The share that is there at least, those that are narrower for it included.
+    pub drawn: f32,
     /// The factor on their widths that keeps their area.
     pub widening: f32,
     /// Their segments.
@@ -77,7 +81,7 @@ impl CoverTable {
         // Where the base is not all strands it stands for them, a little wider.
         let full = covered(&mut views, &lines, share.recip(), 0.0, None);
         for level in levels {
-            let count = (level.fraction * infos.len() as f32).ceil() as usize;
+            let count = (level.drawn * infos.len() as f32).ceil() as usize;
             if count >= base {
                 continue;
             }
@@ -187,10 +191,10 @@ impl View {
     }
 }
 
-/// The levels that [`CoverTable::new`] looks at: octaves down to the share `least`. At full detail the pixel
+/// The levels that [`CoverTable::new`] looks at: octaves. The share `first` is always drawn. At full detail the pixel
 /// is `limit`; the functions tell the widening of a share, and the segments at a pixel.
 pub fn levels(
-    least: f32,
+    first: f32,
     limit: f32,
     curve: &CurveTable,
     widening: impl Fn(f32) -> f32,
@@ -198,11 +202,12 @@ pub fn levels(
 ) -> Vec<CoverLevel> {
     let mut levels = Vec::new();
     let mut fraction = 0.5f32;
-    while fraction >= least {
+    while fraction >= LEAST {
         let pixel = limit / fraction;
         let segments = segments(pixel);
-        let widening = widening(fraction) / curve.length(segments);
-        levels.push(CoverLevel { fraction, widening, segments, pixel });
+        let drawn = fraction.max(first);
+        let widening = widening(drawn) / curve.length(segments);
+        levels.push(CoverLevel { fraction, drawn, widening, segments, pixel });
         fraction *= 0.5;
     }
     levels
@@ -231,7 +236,7 @@ mod tests {
     fn wide_strands_reach_over_the_edges() {
         // So dense that all is covered but what lies beyond the edges.
         let (strands, infos) = curtain(1024);
-        let level = |fraction: f32, pixel| CoverLevel { fraction, widening: 1.0 / fraction, segments: 1.0, pixel };
+        let level = |fraction: f32, pixel| CoverLevel { fraction, drawn: fraction, widening: 1.0 / fraction, segments: 1.0, pixel };
         let levels = [level(0.25, 0.0), level(0.0625, 0.06)];
         let table = CoverTable::new(&strands, &infos, (Vec3::ZERO, 0.55), &levels);
         assert_eq!(table.factor(1.0, 1.0), 1.0);

@@ -238,8 +238,8 @@ impl Lod {
             ends,
             areas,
         };
-        let least = (lod.ends[0] as f32 / buffers.count as f32).max(0.005);
-        let levels = cover::levels(least, lod.limit(), &lod.curve, |f| lod.widening(f), |p| lod.segments(p));
+        let first = span(&lod.ends, 0)[1];
+        let levels = cover::levels(first, lod.limit(), &lod.curve, |f| lod.widening(f), |p| lod.segments(p));
         lod.cover = CoverTable::new(strands, infos, lod.sphere, &levels);
         lod.buffers.upload(queue, &lod.strands, &lod.ends, &lod.painted);
         lod.buffers.prepare(queue, &lod.detail);

@@ -2,15 +2,18 @@
 //!
 //! Every sample is composed with the background and tone mapped on its own; their mean is the
 //! pixel. Averaging first would let a single bright sample decide a pixel, which sparkles and
-//! undoes the antialiasing of a highlight's edge. With supersampling the mean is over the samples
-//! of a square of pixels. A single sample per pixel is blended with its neighbours along the
-//! strand or edge that it belongs to, which the structure tensor of its neighbourhood finds.
+//! undoes the antialiasing of a highlight's edge. With twofold supersampling the mean is over the
+//! texels that the original's five bilinear samples read (`taps.wesl`), a little wider than the
+//! pixel; with more, over the pixel's square. A single sample per pixel is blended with its
+//! neighbours along the strand or edge that it belongs to, which the structure tensor of its
+//! neighbourhood finds. Peeled hair is tone mapped where it is drawn and lies over the rest
+//! (`layers.wesl`).
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec2;
 
 use crate::{
-    draw::{Background, Scene, Targets},
+    draw::{Background, Coverage, Scene, Targets},
     gpu::{
         Binding, Timings,
         bindings::{group, layout},
@@ -67,18 +70,27 @@ pub struct Present {
 }
 
 impl Present {
-    /// For targets of `samples` and an output of `format`.
-    pub fn new(device: &wgpu::Device, samples: u32, format: wgpu::TextureFormat) -> Self {
-        let (module, hdr) = match samples {
-            1 => ("present::single", Binding::Texture2d),
-            _ => ("present::resolve", Binding::TextureMultisampled),
+    /// For targets of `samples` with hair in them by `coverage`, and an output of `format`.
+    pub fn new(
+        device: &wgpu::Device,
+        samples: u32,
+        coverage: Coverage,
+        format: wgpu::TextureFormat,
+    ) -> Self {
+        use Binding::{Texture2d, TextureMultisampled, Uniform};
+        let (module, bindings): (_, &[_]) = match (coverage, samples) {
+            (Coverage::DepthPeeling { .. }, _) => {
+                ("present::layers", &[Uniform, Texture2d, Texture2d, Texture2d, Texture2d])
+            }
+            (_, 1) => ("present::single", &[Uniform, Texture2d]),
+            _ => ("present::resolve", &[Uniform, TextureMultisampled]),
         };
         let name = module.rsplit("::").next().unwrap_or(module);
         let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(module),
             source: wgpu::ShaderSource::Wgsl(shaders::source(module).into()),
         });
-        let layout = layout(device, module, wgpu::ShaderStages::FRAGMENT, &[Binding::Uniform, hdr]);
+        let layout = layout(device, module, wgpu::ShaderStages::FRAGMENT, bindings);
         let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(module),
             layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -131,7 +143,11 @@ impl Present {
         targets: &Targets,
         output: &wgpu::TextureView,
     ) {
-        let resources = [self.uniform.as_entire_binding(), wgpu::BindingResource::TextureView(&targets.hdr)];
+        use wgpu::BindingResource::TextureView;
+        let mut resources = vec![self.uniform.as_entire_binding(), TextureView(&targets.hdr)];
+        if let Some(layers) = &targets.layers {
+            resources.extend(layers.presented().map(TextureView));
+        }
         let group = group(device, "present", &self.layout, &resources);
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("present"),
