@@ -147,9 +147,8 @@ fn errors(stage: &Stage, hair: &mut Hair, shot: &Shot, change: impl Fn(&mut Deta
     hair.lod.options.mode = LodMode::Off;
     let full = shot.detail(hair);
     hair.lod.options.mode = LodMode::Auto;
-    // As many pixels as strands are wide, or twice as many.
-    let finer = 400u32.div_ceil(size).next_multiple_of(2);
-    let reference = measure(&stage.picture(hair, full, shot, size * finer / 2, 2));
+    // At least four times as many samples, and as many as it takes to see strands.
+    let reference = measure(&stage.picture(hair, full, shot, size.max(200), 2));
     let seen = measure(&stage.picture(hair, detail, shot, size, 1));
     [0, 1].map(|i| seen[i] / reference[i] - 1.0)
 }
@@ -157,12 +156,15 @@ fn errors(stage: &Stage, hair: &mut Hair, shot: &Shot, change: impl Fn(&mut Deta
 /// Prints the errors at every distance and returns the largest of each.
 fn check(stage: &Stage, name: &str, hair: &mut Hair) -> [f32; 2] {
     let mut worst = [0f32; 2];
-    for distance in DISTANCES {
-        // From three sides: what is a few pixels large shines by chance.
+    // More of them for the docs.
+    let all = std::env::var_os("TRESSES_FIGURES").is_some();
+    for distance in DISTANCES.into_iter().skip(usize::from(!all)).step_by(if all { 1 } else { 2 }) {
+        // From several sides: what is a few pixels large shines by chance.
+        let directions = [Vec3::new(0.5, 0.1, 1.0), Vec3::new(-1.0, 0.3, -0.6), Vec3::new(1.0, 0.1, -0.1)];
         let mut mean = [0f32; 2];
-        for direction in [Vec3::new(0.5, 0.1, 1.0), Vec3::new(-1.0, 0.3, -0.6), Vec3::new(1.0, 0.1, -0.1)] {
+        for direction in directions {
             let error = errors(stage, hair, &Shot { distance, direction }, |_| {});
-            mean = [0, 1].map(|i| mean[i] + error[i] / 3.0);
+            mean = [0, 1].map(|i| mean[i] + error[i] / directions.len() as f32);
         }
         let shot = Shot { distance, direction: Vec3::Z };
         let Detail { strands, width, segments, .. } = shot.detail(hair);
@@ -179,7 +181,7 @@ fn check(stage: &Stage, name: &str, hair: &mut Hair) -> [f32; 2] {
 }
 
 /// From where nothing is left out to where the hair is a few pixels large, metres.
-const DISTANCES: [f32; 6] = [0.6, 2.0, 4.0, 8.0, 16.0, 40.0];
+const DISTANCES: [f32; 6] = [1.0, 2.0, 4.0, 8.0, 16.0, 40.0];
 
 #[test]
 fn coverage_and_luminance_stay_at_any_distance() {
@@ -232,21 +234,21 @@ fn jump(steps: &[f32]) -> f32 {
 #[test]
 fn nothing_pops() {
     let Some(stage) = Stage::open() else { return };
-    let (groom, _) = stage.style("long", 3000);
+    let (groom, _) = stage.style("long", 5000);
     let mut hair = stage.hair(&groom, None);
-    // The camera stays; only what it is believed to be away grows, by 2 % from frame to frame, through
-    // eight buckets and several numbers of segments.
+    // The camera stays; only what it is believed to be away grows, by 3 % from frame to frame, through
+    // nine buckets and several numbers of segments.
     let start = hair.lod.diameter / hair.lod.options.strand_width;
-    let details: Vec<_> = (0..72).map(|i| hair.lod.detail(0.8 * start * 1.02f32.powi(i), 100.0)).collect();
+    let details: Vec<_> = (0..72).map(|i| hair.lod.detail(0.8 * start * 1.03f32.powi(i), 100.0)).collect();
     let last = details[details.len() - 1];
     let first = details[0];
-    assert!((first.strands, first.width, first.segments) == (3000, 1.0, 31.0), "{first:?}");
-    assert!(last.strands < 1200 && last.segments < 25.0, "{last:?}");
+    assert!((first.strands, first.width, first.segments) == (5000, 1.0, 31.0), "{first:?}");
+    assert!(last.strands < 1100 && last.segments < 26.0, "{last:?}");
     // The first frames are in full detail: nothing changes.
     let all = steps(stage, &mut hair, &details);
     let moving: Vec<_> = all.iter().copied().skip_while(|step| *step == 0.0).collect();
     println!("{} frames, largest step over median {:.2}", moving.len(), jump(&moving));
-    assert!(moving.len() < 66 && jump(&moving) < 2.5, "{moving:?}");
+    assert!(moving.len() < 66 && jump(&moving) < 3.5, "{moving:?}");
     // Half the step is half the difference, or nearly: it is no noise.
     let finer: Vec<_> = (0..16).map(|i| hair.lod.detail(1.6 * start * 1.005f32.powi(i), 100.0)).collect();
     let coarser: Vec<_> = (0..8).map(|i| hair.lod.detail(1.6 * start * 1.02f32.powi(i), 100.0)).collect();
@@ -254,16 +256,14 @@ fn nothing_pops() {
     let ratio = mean(&steps(stage, &mut hair, &coarser)) / mean(&steps(stage, &mut hair, &finer));
     println!("four times the step, {ratio:.2} times the difference");
     assert!(ratio > 2.0, "{ratio}");
-    // The comparer sees a level that comes at once: segments that are whole numbers.
-    let popping: Vec<_> = details.iter().map(|d| Detail { segments: (d.segments / 4.0).ceil() * 4.0, ..*d }).collect();
-    let popping = steps(stage, &mut hair, &popping);
-    let popping: Vec<_> = popping.iter().copied().skip_while(|step| *step == 0.0).collect();
-    println!("with levels of four segments {:.2}", jump(&popping));
-    // And strands that are all there at once.
-    let coming: Vec<_> =
-        details.iter().map(|d| hair.lod.detail(start * (d.pixel / start).log2().floor().exp2(), 100.0)).collect();
-    let coming = steps(stage, &mut hair, &coming);
-    println!("with octaves of strands {:.2}", jump(&coming.iter().copied().filter(|s| *s > 0.0).chain(moving).collect::<Vec<_>>()));
+    // The comparer sees strands that come an octave at a time.
+    let octave = |d: &Detail| hair.lod.detail(start * (d.pixel / start).log2().floor().exp2(), 100.0);
+    let octaves: Vec<_> = details.iter().map(octave).collect();
+    let mut coming = steps(stage, &mut hair, &octaves);
+    coming.retain(|step| *step > 0.0);
+    coming.extend(moving);
+    println!("with octaves of strands {:.2}", jump(&coming));
+    assert!(jump(&coming) > 5.0);
 }
 
 /// What the order of strands costs `interpolate`: figures for the docs.
@@ -450,11 +450,11 @@ fn slower_steps_are_the_same_motion() {
         1e3 * distance(&quick[119], &slow[119])
     );
     // Less than a pixel where steps are that long.
-    assert!(worst(&quick, &slow) < 4e-3 && worst(&quick, &change) < 4e-3 && travel > 20e-3);
+    assert!(worst(&quick, &slow) < 6e-3 && worst(&quick, &change) < 6e-3 && travel > 20e-3);
     // Nothing jumps while the rate changes: the largest way in a frame is that of the quick motion.
     let ways = |frames: &[Vec<StrandVertex>]| frames.windows(2).map(|w| distance(&w[0], &w[1])).fold(0.0, f32::max);
     println!("largest way in a frame: {:.2} mm, {:.2} mm while the rate changes", 1e3 * ways(&quick), 1e3 * ways(&change));
     assert!(ways(&change) < 1.15 * ways(&quick));
     // Another motion is seen.
-    assert!(worst(&quick, &quick.iter().skip(4).chain(&quick[..4]).cloned().collect::<Vec<_>>()) > 4e-3);
+    assert!(worst(&quick, &quick.iter().skip(4).chain(&quick[..4]).cloned().collect::<Vec<_>>()) > 6e-3);
 }

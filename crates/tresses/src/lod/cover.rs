@@ -90,12 +90,22 @@ impl CoverTable {
                 let mut cover = |factor: f32| {
                     covered(&mut views, lines, level.widening * factor, pixel, Some(level.segments))
                 };
-                // The secant method: coverage grows smoothly with the width.
-                let (a, b) = (1.0, 0.85);
-                let (at_a, at_b) = (cover(a), cover(b));
-                let slope = (at_a - at_b) / (a - b);
-                let factor = if slope > 1e-6 { b + (full - at_b) / slope } else { 1.0 };
-                points.push((level.fraction, factor.clamp(NARROWEST, WIDEST)));
+                // The secant method: coverage grows smoothly, and ever slower, with the width.
+                let (mut a, mut b) = (1.0, 0.85);
+                let (mut at_a, mut at_b) = (cover(a), cover(b));
+                for _ in 0..3 {
+                    let slope = (at_a - at_b) / (a - b);
+                    if !slope.is_finite() || slope < 1e-6 {
+                        break;
+                    }
+                    let next = (b + (full - at_b) / slope).clamp(NARROWEST, WIDEST);
+                    (a, at_a, b) = (b, at_b, next);
+                    if (a - b).abs() < 2e-3 {
+                        break;
+                    }
+                    at_b = cover(b);
+                }
+                points.push((level.fraction, b));
             }
         }
         table

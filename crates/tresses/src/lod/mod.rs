@@ -102,7 +102,7 @@ impl Default for LodOptions {
             strand_width: 0.2,
             curve_error: 0.15,
             slowest: 2.0,
-            slow_pixel: 2e-3,
+            slow_pixel: 3e-3,
         }
     }
 }
