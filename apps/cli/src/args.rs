@@ -1,6 +1,6 @@
 //! What the options of several subcommands mean, and the sentences for values that make no sense.
 
-use crate::orient_args::OrientArgs;
+use crate::{orient_args::OrientArgs, style_args::StyleArgs};
 use std::{path::PathBuf, str::FromStr};
 use tresses::{
     glam::Vec3,
@@ -37,16 +37,14 @@ pub struct Source {
     /// More that hair collides with, and how it moves: a file of capsules, ellipsoids and meshes (.json)
     #[arg(long, value_name = "FILE")]
     pub colliders: Option<PathBuf>,
-    /// A grey .png over the scalp, the front at the top and the head's left at the right: black hair is a
-    /// quarter as stiff, white four times, middle grey as it was
-    #[arg(long, value_name = "IMAGE")]
-    pub stiffness_map: Option<PathBuf>,
     /// Painted levels of detail: a .json file of sizes in pixels, each with grey pictures over the scalp of
     /// density and thickness, {"levels": [{"size": 300}, {"size": 40, "density": "d.png", "thickness": "t.png"}]}
     #[arg(long, value_name = "FILE", help_heading = "Level of detail")]
     pub lod_maps: Option<PathBuf>,
     #[command(flatten)]
     pub orientation: OrientArgs,
+    #[command(flatten)]
+    pub shape: StyleArgs,
 }
 
 /// A hair colour.

@@ -11,6 +11,7 @@ use crate::{
     render::{Times, animate},
     say,
     scene::{Quality, Scene},
+    style_args::StyleArgs,
 };
 use anyhow::{Context, Result};
 use std::{path::PathBuf, time::Instant};
@@ -33,11 +34,13 @@ pub struct Args {
     pub style: String,
     #[command(flatten)]
     pub edges: EdgeArgs,
+    #[command(flatten)]
+    pub shape: StyleArgs,
 }
 
 /// Runs `tresses demo`.
 pub fn run(args: &Args) -> Result<()> {
-    let source = Source { style: Some(args.style.clone()), ..Source::default() };
+    let source = Source { style: Some(args.style.clone()), shape: args.shape.clone(), ..Source::default() };
     let motion = Motion::named("turn").context("the built-in motions hold a turn")?;
 
     let spinner = progress::spinner("growing and draping the hair, drawing a picture");

@@ -3,15 +3,17 @@
 use crate::{
     args::{Guides, Source},
     lod_args,
+    style_args::StyleArgs,
 };
 use anyhow::{Context, Result};
-use std::{fs::File, io::BufReader, path::Path, str::FromStr};
+use std::str::FromStr;
 use tresses::{
+    constants::MAX_STRAND_VERTICES,
     glam::Vec3,
     gpu::Gpu,
     groom::{
         BindOptions, Groom, GuideCount, SdfGrid, Strands, TriMesh, bind,
-        grow::{Growth, ScalpMap},
+        grow::{Growth, Paint},
         import,
         mesh::sdf::{self, SdfOptions},
         styles::{self, Style},
@@ -51,7 +53,7 @@ impl Character {
 
 /// Reads or grows the character that `source` names; what is grown is draped on `gpu`.
 pub fn load(source: &Source, gpu: &Gpu, simulate: &Simulate) -> Result<Character> {
-    let map = source.stiffness_map.as_deref().map(stiffness_map).transpose()?;
+    let map = source.shape.stiffness()?;
     let mut character =
         if source.grooms.is_empty() { built_in(source, gpu, simulate)? } else { imported(source)? };
     if let Some(map) = map {
@@ -61,36 +63,6 @@ pub fn load(source: &Source, gpu: &Gpu, simulate: &Simulate) -> Result<Character
         character.levels = lod_args::levels(path)?;
     }
     Ok(character)
-}
-
-/// The factors that the grey picture at `path` stands for.
-fn stiffness_map(path: &Path) -> Result<ScalpMap> {
-    grey_map(path, &|grey| 4f32.powf(2.0 * grey - 1.0))
-}
-
-/// What `value` makes of the greys, 0 to 1, of the picture at `path`.
-pub fn grey_map(path: &Path, value: &dyn Fn(f32) -> f32) -> Result<ScalpMap> {
-    let read = || -> Result<ScalpMap> {
-        let mut decoder = png::Decoder::new(BufReader::new(File::open(path)?));
-        decoder.set_transformations(png::Transformations::normalize_to_color8());
-        let mut reader = decoder.read_info()?;
-        let size = reader.output_buffer_size().context("the picture is too large")?;
-        let mut bytes = vec![0; size];
-        let info = reader.next_frame(&mut bytes)?;
-        let (width, height) = (info.width as usize, info.height as usize);
-        // The mean of the colours, without alpha.
-        let colors = if info.color_type.samples() < 3 { 1 } else { 3 };
-        let grey = |pixel: &[u8]| pixel[..colors].iter().map(|v| f32::from(*v)).sum::<f32>() / colors as f32;
-        // Pictures start at the top, scalp maps at the back of the head.
-        let rows = bytes[..info.buffer_size()].chunks_exact(info.line_size).rev();
-        let values = rows.flat_map(|row| {
-            row[..width * info.color_type.samples()]
-                .chunks_exact(info.color_type.samples())
-                .map(|pixel| value(grey(pixel) / 255.0))
-        });
-        Ok(ScalpMap::new(width, height, values.collect())?)
-    };
-    read().with_context(|| path.display().to_string())
 }
 
 fn imported(source: &Source) -> Result<Character> {
@@ -114,15 +86,27 @@ fn imported(source: &Source) -> Result<Character> {
     };
     let guides = source.guides.map_or(BindOptions::default().guides, count);
     let neck = neck(&strands, head.as_ref());
-    let groom = bind(&strands, &BindOptions { guides, ..Default::default() })?;
+    let skull = neck + SKULL_ABOVE_NECK;
+    let paint = source.shape.paint()?;
+    let strands = if paint == Paint::default() { strands } else { paint.apply(&strands, skull, 1)? };
+    let restyle = source.shape.restyle()?;
+    // Curls need as many vertices as there may be.
+    let strand_vertices = restyle.as_ref().and_then(|r| r.curls.any().then_some(MAX_STRAND_VERTICES));
+    let mut groom = bind(&strands, &BindOptions { guides, strand_vertices, ..Default::default() })?;
     let mut notes = report.placement.doubts;
+    if let Some(restyle) = restyle {
+        restyle.apply(&mut groom, skull)?;
+        notes.extend(StyleArgs::note(&restyle.curls, &groom));
+    }
     notes.extend(report.head_placement.into_iter().flat_map(|placement| placement.doubts));
     Ok(Character { groom, head, field, neck, levels: Vec::new(), notes })
 }
 
 fn built_in(source: &Source, gpu: &Gpu, simulate: &Simulate) -> Result<Character> {
     let style = Style::from_str(source.style.as_deref().unwrap_or("long"))?;
-    let built = styles::character(&gpu.device, &gpu.queue, simulate, &style, source.strands)?;
+    let growth = source.shape.growth(&style, source.strands)?;
+    let built = styles::character_with(&gpu.device, &gpu.queue, simulate, &style, &growth)?;
+    let notes = StyleArgs::note(&growth.curls, &built.groom).into_iter().collect();
     Ok(Character {
         groom: match source.guides {
             None => built.groom,
@@ -132,7 +116,7 @@ fn built_in(source: &Source, gpu: &Gpu, simulate: &Simulate) -> Result<Character
         field: Some(built.field),
         neck: built.neck,
         levels: Vec::new(),
-        notes: Vec::new(),
+        notes,
     })
 }
 
@@ -203,24 +187,6 @@ fn neck(strands: &Strands, head: Option<&TriMesh>) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn grey_means_stiffness() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("map.png");
-        let mut encoder = png::Encoder::new(File::create(&path).unwrap(), 2, 2);
-        encoder.set_color(png::ColorType::Rgb);
-        let pixels = [[0u8; 3], [255; 3], [255; 3], [255; 3]];
-        encoder.write_header().unwrap().write_image_data(&pixels.concat()).unwrap();
-        let map = stiffness_map(&path).unwrap();
-        // The first pixel is at the front on the head's right.
-        assert_eq!(map.sample(tresses::glam::Vec2::new(0.0, 1.0)), 0.25);
-        assert_eq!(map.sample(tresses::glam::Vec2::new(0.0, 0.0)), 4.0);
-        assert_eq!(map.sample(tresses::glam::Vec2::new(1.0, 1.0)), 4.0);
-        std::fs::write(&path, "no picture").unwrap();
-        let error = format!("{:#}", stiffness_map(&path).unwrap_err());
-        assert!(error.contains("map.png") && !error.contains('\n'), "{error}");
-    }
 
     #[test]
     fn thinning_keeps_strands_whole() {

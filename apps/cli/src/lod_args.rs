@@ -1,12 +1,9 @@
 //! The options for how much of the hair is drawn, and files of painted levels.
 
-use crate::load::grey_map;
-use anyhow::{Context, Result};
+use crate::scalp_map::MapSource;
+use anyhow::{Context, Error, Result};
 use serde::Deserialize;
-use std::{
-    path::{Path, PathBuf},
-    str::FromStr,
-};
+use std::{path::Path, str::FromStr};
 use tresses::lod::{LodLevel, LodMode, LodOptions};
 
 /// How much of the hair is drawn.
@@ -68,14 +65,14 @@ struct File {
     levels: Vec<Level>,
 }
 
-/// One of them; pictures lie beside the file.
+/// One of them: names of maps, or pictures beside the file.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Level {
     /// Pixels.
     size: f32,
-    density: Option<PathBuf>,
-    thickness: Option<PathBuf>,
+    density: Option<String>,
+    thickness: Option<String>,
 }
 
 /// The painted levels that the .json file at `path` names: black draws no strand, white all; black is a
@@ -84,8 +81,15 @@ pub fn levels(path: &Path) -> Result<Vec<LodLevel>> {
     let read = || -> Result<Vec<LodLevel>> {
         let file: File = serde_json::from_slice(&std::fs::read(path)?)?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let map = |name: &Option<PathBuf>, value: &dyn Fn(f32) -> f32| {
-            name.as_ref().map(|name| grey_map(&folder.join(name), value)).transpose()
+        let map = |name: &Option<String>, value: &dyn Fn(f32) -> f32| {
+            let read = |name: &String| {
+                let source = match name.parse().map_err(Error::msg)? {
+                    MapSource::Picture(path, channel) => MapSource::Picture(folder.join(path), channel),
+                    named => named,
+                };
+                anyhow::Ok(source.read()?.map(value))
+            };
+            name.as_ref().map(read).transpose()
         };
         file.levels
             .iter()

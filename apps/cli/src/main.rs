@@ -20,7 +20,9 @@ mod orient_args;
 mod picture;
 mod progress;
 mod render;
+mod scalp_map;
 mod scene;
+mod style_args;
 mod wind_args;
 
 use clap::Parser;

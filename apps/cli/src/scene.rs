@@ -103,7 +103,9 @@ impl Scene {
             Some(path) => Colliders::read(path)?,
             None => Colliders::default(),
         };
-        Self::new(character, colliders, source.color.as_ref(), gpu, renderer, quality)
+        let mut scene = Self::new(character, colliders, source.color.as_ref(), gpu, renderer, quality)?;
+        source.shape.apply_to_material(&mut scene.scene.hair);
+        Ok(scene)
     }
 
     fn new(

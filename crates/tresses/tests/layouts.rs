@@ -246,7 +246,18 @@ fn a_swapped_member_is_seen() {
 
 #[test]
 fn view() {
-    let rust = rust_layout!(ViewUniform { view_projection, eye, pixel, size, samples, ssaa, exposure, shoulder, desaturation, _pad });
+    let rust = rust_layout!(ViewUniform {
+        view_projection,
+        eye,
+        pixel,
+        size,
+        samples,
+        ssaa,
+        exposure,
+        shoulder,
+        desaturation,
+        _pad
+    });
     assert_eq!(wgsl_layout("ViewUniform"), rust);
 }
 

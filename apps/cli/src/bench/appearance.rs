@@ -49,7 +49,8 @@ fn quality(samples: u32, ssaa: u32, coverage: Mode, layers: Option<u32>) -> Qual
 
 /// All that are measured, topic by topic; the first of a topic is the default.
 pub fn variants() -> Vec<Variant> {
-    let shading = |name, set| Variant { topic: "shading", name, quality: quality(SAMPLES, 1, Mode::Mask, None), set };
+    let shading =
+        |name, set| Variant { topic: "shading", name, quality: quality(SAMPLES, 1, Mode::Mask, None), set };
     let samples = |name, samples, ssaa| Variant {
         topic: "samples",
         name,

@@ -194,22 +194,16 @@ impl Layers {
     pub const BYTES: u64 = 2 * 4 + 3 * 8 + 2;
 
     /// Textures that `texture` makes, bound for `peel`.
-    pub fn new(
-        device: &wgpu::Device,
-        peel: &Peel,
-        texture: impl Fn(TextureKind) -> wgpu::Texture,
-    ) -> Self {
+    pub fn new(device: &wgpu::Device, peel: &Peel, texture: impl Fn(TextureKind) -> wgpu::Texture) -> Self {
         use wgpu::{BindingResource::TextureView, TextureUsages as Usages};
         let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
         let color = |label, format| view(&texture((label, format, Usages::TEXTURE_BINDING)));
-        let depth =
-            |label| texture((label, DEPTH_FORMAT, Usages::TEXTURE_BINDING | Usages::COPY_DST));
+        let depth = |label| texture((label, DEPTH_FORMAT, Usages::TEXTURE_BINDING | Usages::COPY_DST));
         let depths = [depth("layer depth, even"), depth("layer depth, odd")];
         let depth_views = [view(&depths[0]), view(&depths[1])];
         let layer = color("layer", HDR_FORMAT);
-        let behind = [0, 1].map(|i| {
-            group(device, "peel", &peel.peel_layout, &[TextureView(&depth_views[i])])
-        });
+        let behind =
+            [0, 1].map(|i| group(device, "peel", &peel.peel_layout, &[TextureView(&depth_views[i])]));
         Self {
             front: color("layers", HDR_FORMAT),
             rest: color("hair behind the layers", HDR_FORMAT),

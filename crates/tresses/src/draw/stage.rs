@@ -206,9 +206,7 @@ impl DrawStage {
     pub fn targets(&self, device: &wgpu::Device, width: u32, height: u32, ssaa: u32) -> Result<Targets> {
         let targets = Targets::new(device, width, height, self.samples, ssaa)?;
         Ok(match &self.strips {
-            Strips::Peeled(peel) => targets.with_layers(device, |texture| {
-                Layers::new(device, peel, texture)
-            }),
+            Strips::Peeled(peel) => targets.with_layers(device, |texture| Layers::new(device, peel, texture)),
             _ => targets,
         })
     }

@@ -47,7 +47,10 @@ impl Strips {
         frame: &wgpu::BindGroupLayout,
         hair: &wgpu::BindGroupLayout,
     ) -> Self {
-        use wgpu::{ColorWrites, CompareFunction::{Equal, Greater}};
+        use wgpu::{
+            ColorWrites,
+            CompareFunction::{Equal, Greater},
+        };
         let recipe = Recipe {
             module: "draw::hair",
             entry: ["", ""],

@@ -71,12 +71,7 @@ pub struct Present {
 
 impl Present {
     /// For targets of `samples` with hair in them by `coverage`, and an output of `format`.
-    pub fn new(
-        device: &wgpu::Device,
-        samples: u32,
-        coverage: Coverage,
-        format: wgpu::TextureFormat,
-    ) -> Self {
+    pub fn new(device: &wgpu::Device, samples: u32, coverage: Coverage, format: wgpu::TextureFormat) -> Self {
         use Binding::{Texture2d, TextureMultisampled, Uniform};
         let (module, bindings): (_, &[_]) = match (coverage, samples) {
             (Coverage::DepthPeeling { .. }, _) => {

@@ -156,7 +156,8 @@ impl DebugStage {
         output: &wgpu::TextureView,
         layers: &[Layer<'_>],
     ) -> Result<()> {
-        let uniform = constant(device, "debug view", &scene.view.uniform(targets.samples, targets.ssaa, &scene.tone));
+        let uniform =
+            constant(device, "debug view", &scene.view.uniform(targets.samples, targets.ssaa, &scene.tone));
         let view = group(device, "debug view", &self.view_layout, &[uniform.as_entire_binding()]);
         let [width, height] = targets.size;
         let depth = device

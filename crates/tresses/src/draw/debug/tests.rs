@@ -83,7 +83,7 @@ fn points(gpu: &Gpu, record: impl FnOnce(&mut Canvas<'_>) -> wgpu::Buffer) -> Ve
     let draw = DrawStage::new(device, &DrawOptions { samples: 1, ..Default::default() });
     let debug = DebugStage::new(device, &draw, crate::draw::targets::PICTURE_FORMAT);
     let targets = Targets::new(device, 16, 16, 1, 1).unwrap();
-    let uniform = constant(device, "view", &view().uniform(1, 1));
+    let uniform = constant(device, "view", &view().uniform(1, 1, &Default::default()));
     let group = group(device, "view", &debug.view_layout, &[uniform.as_entire_binding()]);
     let mut encoder = device.create_command_encoder(&Default::default());
     let buffer = record(&mut Canvas {

@@ -212,6 +212,11 @@ fn smooth(line: &[Vec3]) -> Vec<Vec3> {
 /// Two directions across the line at each of its points, carried from edge to edge by the
 /// smallest rotation.
 pub(crate) fn frames(line: &[Vec3]) -> Vec<[Vec3; 2]> {
+    frames_from(line, Vec3::ZERO)
+}
+
+/// The same, the second direction at the root as near to `out` as can be.
+pub(crate) fn frames_from(line: &[Vec3], outward: Vec3) -> Vec<[Vec3; 2]> {
     let mut out = Vec::with_capacity(line.len());
     let mut normal = Vec3::ZERO;
     let mut last = Vec3::ZERO;
@@ -220,7 +225,7 @@ pub(crate) fn frames(line: &[Vec3]) -> Vec<[Vec3; 2]> {
             - line[if i + 1 < line.len() { i } else { i.saturating_sub(1) }];
         let tangent = edge.normalize_or(if i == 0 { Vec3::Y } else { last });
         if i == 0 {
-            normal = tangent.any_orthonormal_vector();
+            normal = outward.cross(tangent).try_normalize().unwrap_or(tangent.any_orthonormal_vector());
         } else {
             normal = glam::Quat::from_rotation_arc(last, tangent) * normal;
             normal = (normal - tangent * normal.dot(tangent)).normalize_or(tangent.any_orthonormal_vector());

@@ -35,6 +35,15 @@ impl ScalpMap {
         Self { width: size, height: size, values: (0..size * size).map(|i| value(at(i)).max(0.0)).collect() }
     }
 
+    /// The map with every value changed by `change`; what is not finite or negative becomes 0.
+    #[must_use]
+    pub fn map(mut self, change: impl Fn(f32) -> f32) -> Self {
+        for value in &mut self.values {
+            *value = Some(change(*value)).filter(|v| v.is_finite()).unwrap_or(0.0).max(0.0);
+        }
+        self
+    }
+
     /// The value at `uv`: linear between the middles of the pixels, constant beyond them.
     pub fn sample(&self, uv: Vec2) -> f32 {
         let axis = |v: f32, n: usize| {

@@ -11,21 +11,30 @@
 //! centre, more so towards the tip. *Single strands*: lengths, a fine unrest, and flyaways.
 //!
 //! ```text
-//! roots ─► binding ─► blend or clump ─► lock ─► clump centre ─► spiral ─► unrest ─► clear of the head
+//! roots ─► binding ─► blend or clump ─► lock ─► clump centre ─► curl ─► unrest ─► clear of the head
 //! ```
 
 mod avoid;
 mod bind;
 mod cells;
 mod count;
+mod curl;
 mod map;
+mod named;
+mod paint;
 mod params;
 mod seed;
 mod shape;
 mod triangles;
+mod unrest;
 
+pub(crate) use bind::frames_from;
+pub use curl::{CurlCurve, Curls};
+pub(crate) use curl::{Strand as CurlStrand, Twist};
 pub use map::ScalpMap;
+pub use paint::{ColorMap, Paint};
 pub use params::{Clumps, Growth, Kind, Unrest};
+pub(crate) use unrest::unrest;
 
 use super::styles::random::Rng;
 use super::styles::{Scalp, StyledGuides};
@@ -48,6 +57,8 @@ pub struct GrownStrand {
     pub seed: u32,
     /// Scalp coordinates of the root.
     pub root_uv: Vec2,
+    /// Painted colours of root and tip, packed as in [`Strand`](crate::strands::Strand); 0 for none.
+    pub colors: [u32; 2],
 }
 
 /// Grown strands at rest.
@@ -80,23 +91,30 @@ pub fn grow(styled: &StyledGuides, growth: &Growth, scalp: &dyn Scalp) -> Result
     growth.check()?;
     let scaffold = bind::Scaffold::new(styled, scalp);
     let totals = count::totals(&scaffold, styled, growth, scalp);
+    growth.curls.fits(median_length(styled), growth.vertices)?;
     let seeds = seed::seeds(&scaffold, styled, growth, scalp, totals)?;
     let n = seeds.len();
-    let diameter = growth.diameter_for(n);
+    // Hair that is thinned out is no thicker for it.
+    let diameter = growth.diameter_for(totals[0] + totals[1]);
     let shaper = shape::Shaper::new(&scaffold, styled, growth, scalp, &seeds);
 
     let vertices = growth.vertices as usize;
     let mut out = GrownStrands {
         vertex_count: vertices,
         strands: Vec::with_capacity(n),
-        positions: vec![Vec3::ZERO; n * vertices],
+        positions: Vec::with_capacity(n * vertices),
         radii: Vec::with_capacity(n * vertices),
     };
-    for (i, (seed, line)) in seeds.iter().zip(out.positions.chunks_exact_mut(vertices)).enumerate() {
+    let mut line = vec![Vec3::ZERO; vertices];
+    for (i, seed) in seeds.iter().enumerate() {
+        let Some([length, painted]) = seed.paint else { continue };
+        let seed = &seed::Seed { fraction: seed.fraction * length, ..*seed };
         let id = pcg(growth.seed ^ pcg(i as u32 ^ 0x5eed));
         let mut rng = Rng::new(id, 1);
-        let fineness = shaper.fill(i, seed, &mut rng, line);
-        let width = seed.thickness * fineness * (1.0 + growth.width_variation * rng.bell().clamp(-2.0, 2.0));
+        let filled = shaper.fill(i, seed, &mut rng, &mut line);
+        out.positions.extend_from_slice(&line);
+        let width =
+            seed.thickness * filled.fineness * (1.0 + growth.width_variation * rng.bell().clamp(-2.0, 2.0));
         let taper = (growth.taper_start + 0.1 * rng.bell()).clamp(0.1, 0.95);
         out.radii.extend((0..vertices).map(|k| {
             let s = k as f32 / (vertices - 1) as f32;
@@ -106,13 +124,21 @@ pub fn grow(styled: &StyledGuides, growth: &Growth, scalp: &dyn Scalp) -> Result
         out.strands.push(GrownStrand {
             guides: seed.bound.guides,
             weights: seed.bound.weights,
-            scale: [seed.fraction; 3],
-            radius: 0.5 * diameter * width.max(0.2),
+            scale: [filled.fraction; 3],
+            radius: 0.5 * diameter * width.max(0.2) * painted,
             seed: id,
             root_uv: seed.uv,
+            colors: growth.paint.color.as_ref().map_or([0; 2], |map| map.strand(seed.uv)),
         });
     }
     Ok(out)
+}
+
+/// The median length of the guides, metres.
+fn median_length(styled: &StyledGuides) -> f32 {
+    let mut lengths: Vec<f32> = (0..styled.guides.len()).map(|i| styled.guides.length(i)).collect();
+    lengths.sort_by(f32::total_cmp);
+    lengths.get(lengths.len() / 2).copied().unwrap_or(0.0)
 }
 
 #[cfg(test)]

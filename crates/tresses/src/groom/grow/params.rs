@@ -1,8 +1,9 @@
 //! The parameters of growth.
 
-use super::ScalpMap;
+use super::{Curls, Paint, ScalpMap};
+use crate::constants::MAX_STRAND_VERTICES;
 use crate::groom::bound::covering_radius;
-use crate::groom::styles::Style;
+use crate::groom::styles::{Curly, Style};
 use crate::{Error, Result};
 
 /// More strands than any adapter holds today, and few enough to be grown in memory.
@@ -35,12 +36,28 @@ pub struct Clumps {
     pub tip_spread: f32,
 }
 
+impl Clumps {
+    /// Clumps that curl as `curls` do. Round curls show when a lock of a centimetre or so, no thicker than
+    /// the curl is wide, winds as one from near its root; waves run through and change little.
+    pub fn curled(self, curls: &Curls) -> Self {
+        let round = 1.0 - curls.flatness;
+        let mix = |a: f32, b: f32| a + (b - a) * round;
+        Self {
+            spacing: mix(self.spacing.max(0.007), (1.45 * curls.radius).clamp(0.005, 0.016)),
+            strength: mix(self.strength.max(0.7), 0.97),
+            start: mix(self.start, -0.4),
+            lock: mix(self.lock, 0.1),
+            tip_spread: mix(self.tip_spread, 0.8),
+        }
+    }
+}
+
 /// How single strands differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unrest {
     /// Amplitude of the fine waves that every strand has, metres.
     pub frizz: f32,
-    /// Share of strands that stray a little at the tip.
+    /// Share of strands that stray a little, at the tip alone.
     pub strays: f32,
     /// How far they stray, metres.
     pub stray: f32,
@@ -58,7 +75,7 @@ pub struct Unrest {
 pub struct Growth {
     /// Which kinds of strands.
     pub kind: Kind,
-    /// The exact number of strands; `None` for what the counts and maps give.
+    /// The exact number of strands, before [`paint`](Self::paint) thins them out; `None` for what the counts and maps give.
     pub strand_count: Option<u32>,
     /// Share of clump-based strands where the total is given and both kinds grow.
     pub clump_share: f32,
@@ -86,6 +103,11 @@ pub struct Growth {
     pub tip_width: f32,
     /// Clumps and locks.
     pub clumps: Clumps,
+    /// Curls of all strands; their locks are the clumps.
+    pub curls: Curls,
+    /// Maps on top of the above. They take away: the number of strands is that before the painted
+    /// density.
+    pub paint: Paint,
     /// Differences between single strands.
     pub unrest: Unrest,
     /// Smallest distance of strands from the skin, metres.
@@ -126,6 +148,8 @@ impl Growth {
                 flyaway: 0.016,
                 shorter: 0.11,
             },
+            curls: Curls::default(),
+            paint: Paint::default(),
             clearance: 0.001,
             seed: style.recipe().seed,
         };
@@ -136,8 +160,9 @@ impl Growth {
                 unrest: Unrest { frizz: 0.0003, stray: 0.0025, flyaway: 0.01, shorter: 0.06, ..base.unrest },
                 ..base
             },
-            Style::Curly(_) => Self {
+            Style::Curly(Curly { diameter, .. }) => Self {
                 vertices: 64,
+                curls: Curls { radius: 0.5 * diameter, ..Curls::ringlets() },
                 clump_share: 0.2,
                 clumps: Clumps { spacing: 0.013, strength: 0.97, start: -0.4, lock: 0.1, tip_spread: 0.8 },
                 unrest: Unrest { frizz: 0.0005, flyaways: 0.05, flyaway: 0.014, shorter: 0.2, ..base.unrest },
@@ -152,6 +177,17 @@ impl Growth {
                 ..base
             },
         }
+    }
+
+    /// The same growth with curls, and with the clumps that suit them: locks that hold together from
+    /// near the root on, and as many vertices as there may be.
+    pub fn with_curls(mut self, curls: Curls) -> Self {
+        if curls.any() {
+            self.vertices = MAX_STRAND_VERTICES;
+            self.clumps = self.clumps.curled(&curls);
+        }
+        self.curls = curls;
+        self
     }
 
     /// The same growth with exactly `count` strands.
@@ -195,6 +231,7 @@ impl Growth {
         fraction("share of strays", self.unrest.strays)?;
         fraction("share of flyaways", self.unrest.flyaways)?;
         fraction("shortening", self.unrest.shorter)?;
+        self.curls.check()?;
         length("clump spacing", self.clumps.spacing)?;
         length("frizz", self.unrest.frizz)?;
         length("stray", self.unrest.stray)?;

@@ -23,6 +23,9 @@ pub(crate) struct Seed {
     pub(crate) fraction: f32,
     /// Width against the usual one.
     pub(crate) thickness: f32,
+    /// Painted factors of length and width; `None` where there is to be no strand. It is still in the list,
+    /// so that the others stay where and what they are whatever is painted.
+    pub(crate) paint: Option<[f32; 2]>,
 }
 
 /// Distance from the whorl below which strands follow one guide, metres.
@@ -47,8 +50,8 @@ pub(crate) fn seeds(
     let mut seeds = Vec::with_capacity(total);
     let mut left = [clumps, multis];
     for i in 0..(total as u64 + 1000) * PATIENCE {
-        if seeds.len() == total {
-            return Ok(seeds);
+        if left == [0, 0] {
+            break;
         }
         let Ok(i) = u32::try_from(i) else { break };
         let mut rng = Rng::new(growth.seed ^ 0x77, i);
@@ -86,6 +89,7 @@ pub(crate) fn seeds(
         let bound = if single { scaffold.single(root) } else { scaffold.blend(root) };
         let Some(bound) = bound else { continue };
         left[usize::from(!clump)] -= 1;
+        let fraction = fraction(growth, edge, &mut rng);
         seeds.push(Seed {
             root,
             uv,
@@ -93,15 +97,19 @@ pub(crate) fn seeds(
             side,
             beside,
             clump: single,
-            fraction: fraction(growth, edge, &mut rng),
+            fraction,
+            paint: growth.paint.strand(uv, rng.unit()),
             thickness: growth
                 .thickness_map
                 .as_ref()
                 .map_or_else(|| 0.55 + 0.45 * smoothstep(0.0, 0.012, edge), |map| map.sample(uv)),
         });
     }
-    if seeds.len() == total {
-        return Ok(seeds);
+    if left == [0, 0] {
+        return match total > 0 && seeds.iter().all(|seed| seed.paint.is_none()) {
+            true => Err(Error::Groom("the maps leave no strand: they are black wherever hair grows".into())),
+            false => Ok(seeds),
+        };
     }
     Err(Error::Parameter {
         name: "number of strands",

@@ -1,20 +1,38 @@
 //! The rest curve of a strand.
 
-use super::Growth;
 use super::avoid::Keeper;
-use super::bind::{Scaffold, frames};
+use super::bind::{Scaffold, frames_from};
 use super::cells::Cells;
 use super::seed::Seed;
+use super::unrest::unrest;
+use super::{CurlStrand, Curls, Growth, Twist};
 use crate::groom::styles::random::{Rng, lerp, smoothstep};
 use crate::groom::styles::{Scalp, StyledGuides, stereographic};
-use glam::{Quat, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 
 /// Points of the curve of a clump's centre.
 const CENTRE_POINTS: usize = 33;
 
+/// How a clump curls.
+#[derive(Clone, Copy, Debug)]
+struct ClumpTwist {
+    twist: Twist,
+    /// The length of its centre, metres.
+    length: f32,
+    /// The fraction of its path that it takes.
+    fraction: f32,
+}
+
+/// What came of a strand.
+pub(crate) struct Filled {
+    /// Width against the usual one.
+    pub(crate) fineness: f32,
+    /// Fraction of the guides at which it ends.
+    pub(crate) fraction: f32,
+}
+
 pub(crate) struct Shaper<'a> {
     scaffold: &'a Scaffold<'a>,
-    styled: &'a StyledGuides,
     growth: &'a Growth,
     keeper: Keeper<'a>,
     /// The clump of each strand.
@@ -23,6 +41,8 @@ pub(crate) struct Shaper<'a> {
     centres: Vec<Vec3>,
     /// Two directions across it at each of its points.
     across: Vec<[Vec3; 2]>,
+    /// How each clump curls, where hair curls.
+    twists: Vec<ClumpTwist>,
 }
 
 impl<'a> Shaper<'a> {
@@ -36,12 +56,12 @@ impl<'a> Shaper<'a> {
         let skull = scalp.landmarks().skull;
         let mut shaper = Self {
             scaffold,
-            styled,
             growth,
             keeper: Keeper::new(scalp, styled.face, growth.clearance),
             clump: vec![0; seeds.len()],
             centres: Vec::new(),
             across: Vec::new(),
+            twists: Vec::new(),
         };
         // A scalp has about 0.065 square metres. The first strands are as evenly spread as all.
         let wanted = (0.065 / growth.clumps.spacing.max(5e-4).powi(2)) as usize;
@@ -66,7 +86,15 @@ impl<'a> Shaper<'a> {
         for (seed, line) in seeds.iter().zip(centres.as_chunks_mut::<CENTRE_POINTS>().0) {
             shaper.base(&Seed { fraction: 1.0, ..*seed }, line);
         }
-        shaper.across = centres.as_chunks::<CENTRE_POINTS>().0.iter().flat_map(|line| frames(line)).collect();
+        if growth.curls.any() {
+            for (i, (seed, line)) in seeds.iter().zip(centres.as_chunks::<CENTRE_POINTS>().0).enumerate() {
+                shaper.across.extend(frames_from(line, seed.root - skull));
+                let twist = Twist::new(&growth.curls, growth.seed, i as u32, seed.root);
+                let length: f32 = line.windows(2).map(|w| w[0].distance(w[1])).sum();
+                let fraction = twist.fraction(&growth.curls, growth.paint.curl(seed.uv), length);
+                shaper.twists.push(ClumpTwist { twist, length, fraction });
+            }
+        }
         shaper.centres = centres;
         shaper
     }
@@ -112,18 +140,20 @@ impl<'a> Shaper<'a> {
     }
 
     /// Writes the rest curve of strand `index` and returns its width against the usual one.
-    pub(crate) fn fill(&self, index: usize, seed: &Seed, rng: &mut Rng, line: &mut [Vec3]) -> f32 {
-        self.base(seed, line);
+    pub(crate) fn fill(&self, index: usize, seed: &Seed, rng: &mut Rng, line: &mut [Vec3]) -> Filled {
         let clump = self.clump[index];
+        let twist = self.twists.get(clump as usize);
+        let seed = &Seed { fraction: seed.fraction * twist.map_or(1.0, |t| t.fraction), ..*seed };
+        self.base(seed, line);
         let stray = rng.unit();
         let flyaway = stray < self.growth.unrest.flyaways;
         self.gather(clump, seed, if flyaway { 0.3 } else { 1.0 }, rng, line);
-        if self.styled.curl.radius > 0.0 {
-            self.wind(clump, seed, flyaway, rng, line);
+        if let Some(twist) = twist {
+            self.wind(clump, twist, seed, flyaway, rng, line);
         }
-        self.unrest(stray, rng, line);
+        unrest(&self.growth.unrest, stray, rng, line);
         self.keeper.keep(line, rng);
-        if flyaway { 0.65 } else { 1.0 }
+        Filled { fineness: if flyaway { 0.65 } else { 1.0 }, fraction: seed.fraction }
     }
 
     /// Draws the strand to the centre of its clump.
@@ -147,55 +177,29 @@ impl<'a> Shaper<'a> {
 
     /// Winds the strand around its path. The strands of a clump turn together: they share the way
     /// along the clump's centre and the directions across it.
-    fn wind(&self, clump: u32, seed: &Seed, flyaway: bool, rng: &mut Rng, line: &mut [Vec3]) {
+    fn wind(
+        &self,
+        clump: u32,
+        clump_twist: &ClumpTwist,
+        seed: &Seed,
+        loose: bool,
+        rng: &mut Rng,
+        line: &mut [Vec3],
+    ) {
         let at = clump as usize * CENTRE_POINTS;
-        let Some(centre) = self.centres.get(at..at + CENTRE_POINTS) else { return };
         let across = &self.across[at..at + CENTRE_POINTS];
-        let curl = self.styled.curl;
-        let mut shared = Rng::new(self.growth.seed ^ 0xcafe, clump);
-        let radius = curl.radius * shared.range(0.75, 1.25) * (1.0 + 0.1 * rng.bell());
-        let pitch = curl.pitch * shared.range(0.8, 1.25);
-        let hand = if shared.unit() < 0.5 { 1.0 } else { -1.0 };
-        let spread = if flyaway { 1.0 } else { 0.2 };
-        let phase = shared.range(0.0, std::f32::consts::TAU) + spread * rng.bell();
-        let length: f32 = centre.windows(2).map(|w| w[0].distance(w[1])).sum();
+        let curls: &Curls = &self.growth.curls;
+        let strength = self.growth.paint.curl(seed.uv);
+        let own = CurlStrand::new(curls, loose, rng);
         let last = (line.len() - 1) as f32;
         for (k, p) in line.iter_mut().enumerate().skip(1) {
             let t = k as f32 / last * seed.fraction;
             let x = t * (CENTRE_POINTS - 1) as f32;
             let i = (x as usize).min(CENTRE_POINTS - 2);
             let [u, v] = [0, 1].map(|a| across[i][a].lerp(across[i + 1][a], x - i as f32));
-            let arc = t * length;
-            let angle = hand * std::f32::consts::TAU * arc / pitch.max(1e-3) + phase;
-            *p += (u * angle.cos() + v * angle.sin()) * radius * smoothstep(0.0, 0.035, arc);
-        }
-    }
-
-    /// Fine waves in every strand, and a slow drift away from the path in some.
-    fn unrest(&self, stray: f32, rng: &mut Rng, line: &mut [Vec3]) {
-        let unrest = self.growth.unrest;
-        let reach = if stray < unrest.flyaways {
-            unrest.flyaway * rng.range(0.5, 1.3)
-        } else if stray < unrest.flyaways + unrest.strays {
-            unrest.stray * rng.range(0.3, 1.2)
-        } else {
-            0.0006
-        };
-        let length: f32 = line.windows(2).map(|w| w[0].distance(w[1])).sum();
-        let drift = rng.bell3().normalize_or(Vec3::X) * reach;
-        let turn = Quat::from_axis_angle(rng.bell3().normalize_or(Vec3::Y), rng.range(0.0, 2.5));
-        let begin = rng.range(0.0, 0.6);
-        let (a, b) = (rng.bell3(), rng.bell3());
-        let waves = length / rng.range(0.03, 0.08);
-        let phase = rng.range(0.0, 6.3);
-        let last = (line.len() - 1) as f32;
-        for (k, p) in line.iter_mut().enumerate().skip(1) {
-            let s = k as f32 / last;
-            let away = smoothstep(begin, 1.15, s);
-            let turned = Quat::IDENTITY.lerp(turn, s) * drift;
-            let angle = phase + s * waves * std::f32::consts::TAU;
-            let fine = (a * angle.sin() + b * (1.7 * angle).cos()) * unrest.frizz * smoothstep(0.0, 0.25, s);
-            *p += turned * away + fine;
+            let o =
+                clump_twist.twist.offset(curls, &own, t * clump_twist.length, clump_twist.length) * strength;
+            *p += u * o.x + v * o.y + u.cross(v) * o.z;
         }
     }
 }

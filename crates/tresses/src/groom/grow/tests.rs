@@ -112,7 +112,7 @@ fn strands_start_on_the_scalp_and_keep_clear() {
 
 #[test]
 fn strands_are_as_long_as_their_guides_say() {
-    for style in styles().into_iter().filter(|style| style.recipe().curl.radius == 0.0) {
+    for style in styles().into_iter().filter(|style| !Growth::for_style(style).curls.any()) {
         let styled = guides(&style, head());
         let grown = grow(&styled, &some(&style, 1500), head()).unwrap();
         let ratio = |i: usize, stretch: f32| {
@@ -198,5 +198,163 @@ fn parameters_are_checked() {
     ];
     for growth in bad {
         assert!(grow(&styled, &growth, head()).is_err());
+    }
+}
+
+/// Multi-strands that nothing but curls leads from the blend of their guides.
+fn smooth_growth(style: &Style, count: u32, curls: Curls) -> Growth {
+    let mut growth = Growth { kind: Kind::Multi, clearance: 0.0, ..some(style, count) }.with_curls(curls);
+    growth.vertices = 64;
+    growth.clumps = Clumps { strength: 0.0, lock: 0.0, spacing: 0.03, ..growth.clumps };
+    growth.unrest =
+        Unrest { frizz: 0.0, strays: 0.0, stray: 0.0, flyaways: 0.0, shorter: 0.0, ..growth.unrest };
+    growth
+}
+
+fn regular() -> Curls {
+    Curls { irregularity: 0.0, coherence: 1.0, neighbours: 0.0, ..Curls::ringlets() }
+}
+
+/// How far every vertex of curled hair is from where it is without curls, strand by strand.
+fn offsets(style: &Style, count: u32, curls: &Curls) -> (Vec<f32>, Vec<Vec<Vec3>>) {
+    let styled = guides(style, head());
+    let straight = grow(&styled, &smooth_growth(style, count, Curls::default()), head()).unwrap();
+    let curled = grow(&styled, &smooth_growth(style, count, curls.clone()), head()).unwrap();
+    let length = |i: usize| straight.strand(i).windows(2).map(|w| w[0].distance(w[1])).sum();
+    let off = |i: usize| curled.strand(i).iter().zip(straight.strand(i)).map(|(a, b)| *a - *b).collect();
+    ((0..count as usize).map(length).collect(), (0..count as usize).map(off).collect())
+}
+
+#[test]
+fn grown_strands_have_the_radius_and_wavelength_of_their_curls() {
+    let (lengths, off) = offsets(&Style::default(), 400, &regular());
+    let mut radii: Vec<f32> = off.iter().flat_map(|o| o[24..].iter().map(|o| o.length())).collect();
+    radii.sort_by(f32::total_cmp);
+    // Away from the head, which pushes: the median and what is above it.
+    let (middle, high) = (radii[radii.len() / 2], radii[radii.len() * 9 / 10]);
+    assert!((middle / 0.009 - 1.0).abs() < 0.02 && (high / 0.009 - 1.0).abs() < 0.05, "{middle} {high}");
+    // The angle that offsets turn by over the lower half, in wavelengths.
+    let mut waves: Vec<f32> = off
+        .iter()
+        .zip(&lengths)
+        .map(|(o, length)| {
+            let turned: f32 = o[32..].windows(2).map(|w| w[0].angle_between(w[1])).sum();
+            length * 31.0 / 63.0 / (turned / std::f32::consts::TAU)
+        })
+        .filter(|wave| wave.is_finite())
+        .collect();
+    waves.sort_by(f32::total_cmp);
+    let wave = waves[waves.len() / 2];
+    assert!((wave / 0.034 - 1.0).abs() < 0.06, "{wave}");
+}
+
+#[test]
+fn neighbours_in_a_lock_curl_together() {
+    let style = Style::default();
+    let likeness = |coherence: f32| {
+        let (_, off) = offsets(&style, 1500, &Curls { coherence, ..regular() });
+        let styled = guides(&style, head());
+        let grown = grow(&styled, &smooth_growth(&style, 1500, Curls::default()), head()).unwrap();
+        let mut sum = (0.0, 0);
+        for i in (0..1500).step_by(5) {
+            let root = grown.strand(i)[0];
+            let near = (0..1500).filter(|k| *k != i).min_by(|a, b| {
+                grown.strand(*a)[0].distance(root).total_cmp(&grown.strand(*b)[0].distance(root))
+            });
+            let (a, b) = (off[i][40], off[near.unwrap()][40]);
+            sum = (sum.0 + a.normalize_or_zero().dot(b.normalize_or_zero()), sum.1 + 1);
+        }
+        sum.0 / sum.1 as f32
+    };
+    // Some neighbours are of different locks.
+    let (together, apart) = (likeness(1.0), likeness(0.0));
+    assert!(together > 0.6 && apart.abs() < 0.2, "{together} {apart}");
+}
+
+#[test]
+fn shrunken_curls_keep_the_lengths_of_strands() {
+    let style = Style::default();
+    let styled = guides(&style, head());
+    let mean = |curls: Curls| {
+        let grown = grow(&styled, &smooth_growth(&style, 300, curls), head()).unwrap();
+        let length = |i: usize| grown.strand(i).windows(2).map(|w| w[0].distance(w[1])).sum::<f32>();
+        let reach = grown.strands.iter().map(|s| s.scale[0]).sum::<f32>() / 300.0;
+        ((0..300).map(length).sum::<f32>() / 300.0, reach)
+    };
+    let straight = mean(Curls::default());
+    let shrunken = mean(Curls { shrink: 1.0, ..regular() });
+    let kept = mean(regular());
+    assert!((shrunken.0 / straight.0 - 1.0).abs() < 0.06, "{shrunken:?} {straight:?}");
+    assert!(shrunken.1 < 0.65 * straight.1 && kept.1 == straight.1 && kept.0 > 1.5 * straight.0, "{kept:?}");
+}
+
+#[test]
+fn paint_acts_where_it_is_and_takes_away() {
+    let style = Style::default();
+    let styled = guides(&style, head());
+    let map = |low: f32| Some(ScalpMap::from_fn(64, move |uv| if uv.x > 0.5 { 1.0 } else { low }));
+    let plain = grow(&styled, &some(&style, 2000), head()).unwrap();
+    let painted = |paint: Paint| grow(&styled, &Growth { paint, ..some(&style, 2000) }, head()).unwrap();
+    // The mean over strands rooted well to the left of the head and to the right, and their numbers.
+    let sides = |grown: &GrownStrands, value: &dyn Fn(usize) -> f32| {
+        [true, false].map(|left| {
+            let there: Vec<f32> = (0..grown.strands.len())
+                .filter(|i| (grown.strands[*i].root_uv.x - 0.5).abs() > 0.03)
+                .filter(|i| (grown.strands[*i].root_uv.x > 0.5) == left)
+                .map(value)
+                .collect();
+            (there.iter().sum::<f32>() / there.len().max(1) as f32, there.len() as f32)
+        })
+    };
+    let usual = sides(&plain, &|i| plain.strands[i].radius);
+    let thin = painted(Paint { density: map(0.3), ..Paint::default() });
+    let now = sides(&thin, &|i| thin.strands[i].radius);
+    let good = |l: f32, r: f32| l == 1.0 && (r - 0.3).abs() < 0.06;
+    let kept = [0, 1].map(|k| now[k].1 / usual[k].1);
+    assert!(good(kept[0], kept[1]) && !good(kept[1], kept[0]), "{kept:?}");
+    // Hair that is thinned out is no thicker for it.
+    assert!((now[0].0 / usual[0].0 - 1.0).abs() < 1e-4);
+
+    let fine = painted(Paint { thickness: map(0.5), ..Paint::default() });
+    let now = sides(&fine, &|i| fine.strands[i].radius);
+    assert!((now[0].0 / usual[0].0 - 1.0).abs() < 1e-4 && (now[1].0 / usual[1].0 - 0.5).abs() < 1e-4);
+
+    let cut = painted(Paint { length: map(0.4), ..Paint::default() });
+    let [was, now] = [&plain, &cut].map(|grown| sides(grown, &|i| grown.strands[i].scale[0]));
+    assert!(now[0].0 == was[0].0 && (now[1].0 / was[1].0 - 0.4).abs() < 1e-4, "{was:?} {now:?}");
+
+    let grey = ScalpMap::from_fn(2, |_| 0.1);
+    let color = ColorMap { channels: [map(0.0).unwrap(), grey.clone(), grey] };
+    let red = painted(Paint { color: Some(color), ..Paint::default() });
+    let roots = sides(&red, &|i| (red.strands[i].colors[0] & 255) as f32);
+    assert!((roots[0].0 - 0.8f32.sqrt() * 255.0).abs() < 1.0 && roots[1].0 == 0.0, "{roots:?}");
+    assert!(plain.strands.iter().all(|s| s.colors == [0; 2]));
+
+    let black = Some(ScalpMap::from_fn(4, |_| 0.0));
+    let growth = Growth { paint: Paint { density: black, ..Paint::default() }, ..some(&style, 50) };
+    assert!(grow(&styled, &growth, head()).is_err());
+}
+
+#[test]
+fn any_curls_grow_finite_hair() {
+    let styled = guides(&Style::default(), head());
+    let mut rng = crate::groom::styles::random::Rng::new(5, 5);
+    for _ in 0..12 {
+        let curls = Curls {
+            radius: rng.range(0.0, 0.05),
+            wavelength: rng.range(0.016, 0.2),
+            flatness: rng.unit(),
+            start: rng.unit(),
+            tip: rng.range(0.0, 3.0),
+            irregularity: rng.unit(),
+            coherence: rng.unit(),
+            neighbours: rng.unit(),
+            shrink: rng.unit(),
+            curve: None,
+        };
+        let growth = some(&Style::default(), 60).with_curls(curls.clone());
+        let grown = grow(&styled, &growth, head()).unwrap();
+        assert!(grown.positions.iter().all(|p| p.is_finite() && p.length() < 5.0), "{curls:?}");
+        assert!(grown.strands.iter().all(|s| s.scale[0] > 0.0 && s.scale[0] <= 1.0), "{curls:?}");
     }
 }

@@ -47,14 +47,30 @@ pub fn character(
     style: &Style,
     strands: Option<u32>,
 ) -> Result<Character> {
+    let growth = Growth::for_style(style);
+    let growth = match strands {
+        Some(count) => growth.with_strands(count),
+        None => growth,
+    };
+    character_with(device, queue, simulate, style, &growth)
+}
+
+/// The same with strands that grow as `growth` says. Blocks.
+///
+/// # Errors
+/// [`Error::Parameter`](crate::Error::Parameter) and [`Error::Groom`](crate::Error::Groom) for a style or a
+/// growth that cannot be, [`Error::Gpu`](crate::Error::Gpu) when the device is lost.
+pub fn character_with(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    simulate: &Simulate,
+    style: &Style,
+    growth: &Growth,
+) -> Result<Character> {
     let scalp = GridScalp::mannequin(FIELD_RESOLUTION);
     let mut styled = guides(style, &scalp);
     settle(device, queue, simulate, &mut styled, &scalp.field)?;
-    let mut growth = Growth::for_style(style);
-    if let Some(count) = strands {
-        growth = growth.with_strands(count);
-    }
-    let grown = grow::grow(&styled, &growth, &scalp)?;
+    let grown = grow::grow(&styled, growth, &scalp)?;
     Ok(Character {
         groom: bound(&styled, &grown),
         mesh: mannequin::mesh(mannequin::RESOLUTION),
@@ -133,7 +149,8 @@ pub fn bound(styled: &StyledGuides, grown: &GrownStrands) -> Groom {
             load[influence.guide as usize] += influence.weight;
         }
         let radii = &grown.radii[i * grown.vertex_count..(i + 1) * grown.vertex_count];
-        let header = Strand { radius: strand.radius, seed: strand.seed, ..Default::default() };
+        let [root_color, tip_color] = strand.colors;
+        let header = Strand { radius: strand.radius, seed: strand.seed, root_color, tip_color };
         strands.push(header, grown.strand(i), radii, &influences);
     }
     guides.strands = load;

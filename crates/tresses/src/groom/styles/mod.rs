@@ -8,9 +8,10 @@
 //!
 //! The shapes are close to where gravity and the head would leave them; [`settle`] lets the
 //! simulation finish them, with as much hold as the style needs to keep its volume and its wave
-//! ([`Hold`]), and [`character`] makes the whole mannequin with its hair. Spirals are not part of the guides, as three spirals of different phase
-//! have no sensible mean; [`StyledGuides::curl`] says how [`grow`](crate::groom::grow) winds the
-//! drawn strands around them.
+//! ([`Hold`]), and [`character`] makes the whole mannequin with its hair. Spirals are not part of the
+//! guides, as three spirals of different phase have no sensible mean;
+//! [`Curls`](crate::groom::grow::Curls) says how [`grow`](crate::groom::grow) winds the drawn strands
+//! around them.
 
 mod character;
 mod face;
@@ -22,11 +23,11 @@ mod roots;
 mod scalp;
 mod trace;
 
-pub use character::{Character, bound, character, settle};
+pub use character::{Character, bound, character, character_with, settle};
 pub use face::Face;
 pub use hairline::Hairline;
 pub use parting::Parting;
-pub use recipe::{Bob, Curl, Curly, Hold, Long, LowTop, Recipe, Short, Style};
+pub use recipe::{Bob, Curly, Hold, Long, LowTop, Recipe, Short, Style};
 pub use scalp::{GridScalp, Landmarks, Scalp, scalp_direction, scalp_uv};
 pub(crate) use scalp::{spread_direction, stereographic};
 
@@ -44,8 +45,6 @@ pub struct StyledGuides {
     pub guides: Strands,
     /// Multiplier of the simulation's stiffness, one per guide.
     pub stiffness: Vec<f32>,
-    /// Spirals of the drawn strands.
-    pub curl: Curl,
     /// Where hair grows.
     pub hairline: Hairline,
     /// The parting, if there is one.
@@ -96,16 +95,7 @@ pub fn guides_of(recipe: &Recipe, scalp: &dyn Scalp) -> StyledGuides {
         stiffness.push(recipe.stiffness.at(field.layer(root)));
     }
     let (face, whorl) = ((!recipe.fringe).then_some(field.face), field.whorl);
-    StyledGuides {
-        guides: strands,
-        stiffness,
-        curl: recipe.curl,
-        hairline,
-        parting,
-        whorl,
-        face,
-        recipe: *recipe,
-    }
+    StyledGuides { guides: strands, stiffness, hairline, parting, whorl, face, recipe: *recipe }
 }
 
 #[cfg(test)]

@@ -23,15 +23,6 @@ impl LowTop {
     }
 }
 
-/// Spirals around the path of a strand.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Curl {
-    /// Radius of the spiral, metres; 0 for none.
-    pub radius: f32,
-    /// Advance along the path for one turn, metres.
-    pub pitch: f32,
-}
-
 /// What holds a style while it is draped, as a hairdresser's spray does; without it every style
 /// would hang from the head as wet hair. Both are multiplied by the guide's stiffness.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,8 +89,6 @@ pub struct Recipe {
     pub stiffness: LowTop,
     /// What holds the style while it falls into place.
     pub hold: Hold,
-    /// Spirals of the drawn strands around the guides.
-    pub curl: Curl,
 }
 
 /// Long hair with a soft wave, parted at the side; the default.
@@ -271,7 +260,6 @@ impl Style {
             fringe: false,
             stiffness: LowTop::new(1.0, 1.0),
             hold: Hold { bending: 6.0, root: 1200.0, tip: 60.0 },
-            curl: Curl::default(),
         };
         match *self {
             Self::Long(Long { guides, seed, length, parting, wave }) => Recipe {
@@ -300,7 +288,7 @@ impl Style {
                 stiffness: LowTop::new(1.5, 1.5),
                 ..base
             },
-            Self::Curly(Curly { guides, seed, length, diameter }) => Recipe {
+            Self::Curly(Curly { guides, seed, length, .. }) => Recipe {
                 guides,
                 seed,
                 parting: Some(-0.018),
@@ -317,7 +305,6 @@ impl Style {
                 wavelength: 0.07,
                 tousle: 0.3,
                 stiffness: LowTop::new(1.5, 1.5),
-                curl: Curl { radius: diameter * 0.5, pitch: 0.034 },
                 ..base
             },
             Self::Short(Short { guides, seed, top, sides }) => Recipe {
