@@ -124,7 +124,8 @@ mod tests {
     #[test]
     fn levels_are_read_beside_their_file() {
         let folder = tempfile::tempdir().unwrap();
-        let mut encoder = png::Encoder::new(std::fs::File::create(folder.path().join("d.png")).unwrap(), 1, 1);
+        let mut encoder =
+            png::Encoder::new(std::fs::File::create(folder.path().join("d.png")).unwrap(), 1, 1);
         encoder.set_color(png::ColorType::Grayscale);
         encoder.write_header().unwrap().write_image_data(&[51]).unwrap();
         let path = folder.path().join("levels.json");

@@ -87,7 +87,9 @@ impl Recorder<'_> {
     /// The strands' vertices between those curves, some of them in obstacles.
     pub fn interpolate(&mut self, hair: &Hair) {
         let renderer = self.renderer;
-        self.stage(Stage::Interpolate, |pass| hair.record_interpolate(pass, &renderer.interpolate, &renderer.widths));
+        self.stage(Stage::Interpolate, |pass| {
+            hair.record_interpolate(pass, &renderer.interpolate, &renderer.widths)
+        });
     }
 
     /// Strands that entered an obstacle leave it. Once after each [`interpolate`](Self::interpolate):

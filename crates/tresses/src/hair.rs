@@ -289,7 +289,8 @@ impl Hair {
     ) -> Result<u32> {
         frame.simulation.check()?;
         let slow = self.lod.current().step;
-        let physics = &SimulationParams { step: (frame.simulation.step * slow).min(0.1), ..*frame.simulation };
+        let physics =
+            &SimulationParams { step: (frame.simulation.step * slow).min(0.1), ..*frame.simulation };
         self.windy = physics.wind.blows();
         if self.windy {
             self.make_air(device, queue, renderer, &physics.wind)?;

@@ -41,8 +41,7 @@ impl Stage {
     fn style(&self, name: &str, strands: u32) -> (Groom, SdfGrid) {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         let style = name.parse().unwrap();
-        let built =
-            styles::character(device, queue, &self.renderer.simulate, &style, Some(strands)).unwrap();
+        let built = styles::character(device, queue, &self.renderer.simulate, &style, Some(strands)).unwrap();
         (built.groom, built.field)
     }
 
@@ -282,7 +281,8 @@ fn orders() {
         let n = groom.strands.vertex_count;
         let mut arranged = groom.strands.clone();
         arrange(&mut arranged);
-        let guides = GuideBuffers::new(device, groom.guides.len() as u32, groom.guides.vertex_count, n).unwrap();
+        let guides =
+            GuideBuffers::new(device, groom.guides.len() as u32, groom.guides.vertex_count, n).unwrap();
         let runs = [&groom.strands, &arranged].map(|strands| {
             let buffers = StrandBuffers::new(device, strands.len() as u32, n).unwrap();
             queue.write_buffer(&buffers.bindings, 0, bytemuck::cast_slice(&strands.bindings));
@@ -311,7 +311,9 @@ fn orders() {
             times.sort_by(f64::total_cmp);
             [times[0], times[12]]
         });
-        println!("{name}, {count} strands: as they come {file:.2?} ms, arranged {sampled:.2?} ms (least, median)");
+        println!(
+            "{name}, {count} strands: as they come {file:.2?} ms, arranged {sampled:.2?} ms (least, median)"
+        );
     }
 }
 
@@ -369,7 +371,11 @@ fn strands_that_come_back_have_forgotten() {
     hair.set_detail(device, queue, full);
     stage.advance(&mut hair, turn(41.0 / 60.0), 1.0 / 60.0);
     let after = amounts(&hair);
-    println!("largest amount {} of those that come back, {} of others", most(&after[300..]), most(&after[..300]));
+    println!(
+        "largest amount {} of those that come back, {} of others",
+        most(&after[300..]),
+        most(&after[..300])
+    );
     assert!(most(&after[300..]) < 0.5 && most(&after[..300]) > 0.9);
 }
 
@@ -380,7 +386,8 @@ fn painted_levels_act_where_they_are_painted() {
     arrange(&mut groom.strands);
     let mut hair = stage.hair(&groom, None);
     let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
-    let side = |left: f32, right: f32| Some(ScalpMap::from_fn(64, move |uv| if uv.x > 0.5 { left } else { right }));
+    let side =
+        |left: f32, right: f32| Some(ScalpMap::from_fn(64, move |uv| if uv.x > 0.5 { left } else { right }));
     let levels = [
         LodLevel { size: 400.0, ..Default::default() },
         LodLevel { size: 100.0, density: side(0.0, 1.0), thickness: side(1.0, 2.0) },
@@ -452,8 +459,13 @@ fn slower_steps_are_the_same_motion() {
     // Less than a pixel where steps are that long.
     assert!(worst(&quick, &slow) < 6e-3 && worst(&quick, &change) < 6e-3 && travel > 20e-3);
     // Nothing jumps while the rate changes: the largest way in a frame is that of the quick motion.
-    let ways = |frames: &[Vec<StrandVertex>]| frames.windows(2).map(|w| distance(&w[0], &w[1])).fold(0.0, f32::max);
-    println!("largest way in a frame: {:.2} mm, {:.2} mm while the rate changes", 1e3 * ways(&quick), 1e3 * ways(&change));
+    let ways =
+        |frames: &[Vec<StrandVertex>]| frames.windows(2).map(|w| distance(&w[0], &w[1])).fold(0.0, f32::max);
+    println!(
+        "largest way in a frame: {:.2} mm, {:.2} mm while the rate changes",
+        1e3 * ways(&quick),
+        1e3 * ways(&change)
+    );
     assert!(ways(&change) < 1.15 * ways(&quick));
     // Another motion is seen.
     assert!(worst(&quick, &quick.iter().skip(4).chain(&quick[..4]).cloned().collect::<Vec<_>>()) > 6e-3);

@@ -4,13 +4,14 @@
 use super::{
     report::{count, ms, table},
     statistics::Summary,
+    workload,
 };
 use crate::{
     args::{Size, Source},
     camera::{Camera, View},
     interrupt,
     motion::Motion,
-    scene::{Quality, Scene},
+    scene::Scene,
 };
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
@@ -65,8 +66,7 @@ pub struct Times {
 /// Measures the long style in motion at all distances.
 pub fn measure(frames: u32, bar: &ProgressBar) -> Result<Vec<Point>> {
     let source = Source { style: Some("long".into()), strands: Some(STRANDS), ..Source::default() };
-    let quality = Quality { size: SIZE, samples: Some(SAMPLES), at_most: true, ssaa: 1 };
-    let mut scene = Scene::open(&source, quality).context("levels of detail")?;
+    let mut scene = Scene::open(&source, workload::quality(SIZE, SAMPLES, 1)).context("levels of detail")?;
     let near = Camera::portrait(View::ThreeQuarter, scene.subject(), SIZE.aspect(), 1.0);
     DISTANCES.iter().map(|distance| point(&mut scene, &near.moved(*distance), frames, bar)).collect()
 }
@@ -116,8 +116,16 @@ fn point(scene: &mut Scene, camera: &Camera, frames: u32, bar: &ProgressBar) -> 
 /// As a table.
 pub fn text(points: &[Point]) -> String {
     let head = [
-        "metres", "pixels", "strands", "segments", "strand stages: full", "level", "guide stages: full", "level",
-        "frame: full", "level",
+        "metres",
+        "pixels",
+        "strands",
+        "segments",
+        "strand stages: full",
+        "level",
+        "guide stages: full",
+        "level",
+        "frame: full",
+        "level",
     ];
     let mut rows = vec![head.map(String::from).to_vec()];
     for Point { distance, pixels, full, lod } in points {

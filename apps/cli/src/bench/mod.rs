@@ -71,7 +71,10 @@ pub fn run(args: &Args) -> Result<()> {
     let frames = args.frames();
     let scenes: usize = groups.iter().map(|group| group.runs.len()).sum();
     let costs = if args.appearance || args.lod { 0 } else { costs::RUNS };
-    let runs = scenes as u64 + counts.len() as u64 + looks.len() as u64 + costs
+    let runs = scenes as u64
+        + counts.len() as u64
+        + looks.len() as u64
+        + costs
         + if args.lod { 2 * lod::DISTANCES.len() as u64 } else { 0 };
     let bar = progress::frames("measuring", runs * u64::from(frames));
     for group in &groups {

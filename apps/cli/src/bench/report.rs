@@ -1,9 +1,9 @@
 //! What was measured, as tables for people and as JSON for machines.
 
 use super::{
-    lod,
     appearance::Look,
     costs::Costs,
+    lod,
     statistics::{Summary, line},
 };
 use serde::Serialize;

@@ -138,7 +138,9 @@ impl HairSet {
 
     /// Bytes of GPU memory, without the strands' own buffers.
     pub fn bytes(&self) -> u64 {
-        self.shaded.size() + self.uniform.size() + self.strips.values().map(|chunks| chunks.indices.size()).sum::<u64>()
+        self.shaded.size()
+            + self.uniform.size()
+            + self.strips.values().map(|chunks| chunks.indices.size()).sum::<u64>()
     }
 
     /// Triangles of the strips.

@@ -246,7 +246,13 @@ mod tests {
     fn wide_strands_reach_over_the_edges() {
         // So dense that all is covered but what lies beyond the edges.
         let (strands, infos) = curtain(1024);
-        let level = |fraction: f32, pixel| CoverLevel { fraction, drawn: fraction, widening: 1.0 / fraction, segments: 1.0, pixel };
+        let level = |fraction: f32, pixel| CoverLevel {
+            fraction,
+            drawn: fraction,
+            widening: 1.0 / fraction,
+            segments: 1.0,
+            pixel,
+        };
         let levels = [level(0.25, 0.0), level(0.0625, 0.06)];
         let table = CoverTable::new(&strands, &infos, (Vec3::ZERO, 0.55), &levels);
         assert_eq!(table.factor(1.0, 1.0), 1.0);

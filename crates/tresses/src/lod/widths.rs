@@ -61,11 +61,7 @@ pub(super) struct WidthBuffers {
 }
 
 impl WidthBuffers {
-    pub fn new(
-        device: &wgpu::Device,
-        stage: &Widths,
-        buffers: &StrandBuffers,
-    ) -> Result<Self> {
+    pub fn new(device: &wgpu::Device, stage: &Widths, buffers: &StrandBuffers) -> Result<Self> {
         let params = bindings::uniform(device, "widths", size_of::<WidthParams>());
         let lods = storage::<StrandLod>(device, "strand levels of detail", buffers.count.into())?;
         let all = [&params, &lods, &buffers.strands, &buffers.widening];
