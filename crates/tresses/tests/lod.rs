@@ -100,8 +100,8 @@ impl Stage {
             if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
         };
         let bytes = targets.read(device, queue).unwrap();
-        let pixel = |p: &[u8]| [linear(p[0]), linear(p[1]), linear(p[2]), f32::from(p[3]) / 255.0];
-        bytes.chunks_exact(4).map(pixel).collect()
+        let pixel = |p: &[u8; 4]| [linear(p[0]), linear(p[1]), linear(p[2]), f32::from(p[3]) / 255.0];
+        bytes.as_chunks::<4>().0.iter().map(pixel).collect()
     }
 }
 
