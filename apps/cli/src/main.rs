@@ -22,6 +22,8 @@ mod progress;
 mod render;
 mod scalp_map;
 mod scene;
+mod shading_args;
+mod shadow_args;
 mod style_args;
 mod wind_args;
 
@@ -41,7 +43,7 @@ enum Command {
     /// Draw a groom or a built-in style: a picture, numbered frames, or an animation
     Render(Box<render::Args>),
     /// Show the built-in character with moving hair: out/demo.png and out/demo.webp
-    Demo(demo::Args),
+    Demo(Box<demo::Args>),
     /// Report what is in a groom and what is wrong with it
     Info(info::Args),
     /// Write a groom in another format

@@ -13,6 +13,8 @@ use crate::{
     picture::{Kind, Output},
     progress, say,
     scene::{Quality, Scene},
+    shading_args::ShadingArgs,
+    shadow_args::ShadowArgs,
     wind_args::WindArgs,
 };
 use anyhow::{Result, ensure};
@@ -66,6 +68,10 @@ pub struct Args {
     #[command(flatten)]
     pub lod: LodArgs,
     #[command(flatten)]
+    pub shading: ShadingArgs,
+    #[command(flatten)]
+    pub shadows: ShadowArgs,
+    #[command(flatten)]
     pub debug: debug::DebugArgs,
 }
 
@@ -90,11 +96,21 @@ pub fn run(args: &Args) -> Result<()> {
     args.hair_hair.apply(&mut physics, args.debug.debug == Some(debug::Subject::Density));
     args.wind.apply(&mut physics);
     args.debug.check(&physics)?;
+    args.shading.check()?;
+    ensure!(
+        args.source.color.is_none() || args.shading.melanin.is_none(),
+        "--color and --melanin both say what colour the hair has: give one"
+    );
     let start = progress::spinner("preparing");
-    let mut scene = Scene::open(&args.source, Quality::new(args.size, args.edges))?;
+    let quality =
+        Quality { shadow_resolution: args.shadows.resolution(), ..Quality::new(args.size, args.edges) };
+    let mut scene = Scene::open(&args.source, quality)?;
+    scene.set_shadows(args.shadows.shadows());
     *scene.physics_mut() = physics;
     scene.set_avoid(args.avoid);
     scene.set_lod(args.lod.options())?;
+    let look = scene.look_mut();
+    args.shading.apply(&mut look.hair, &mut look.shading);
     scene.show(&args.debug);
     start.finish_and_clear();
     let camera = Camera::portrait(args.camera, scene.subject(), args.size.aspect(), args.zoom);

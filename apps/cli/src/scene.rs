@@ -9,6 +9,7 @@ use crate::{
     edge_args::EdgeArgs,
     load::{self, Character},
     picture::Picture,
+    shading_args::material,
 };
 use anyhow::{Context, Result, ensure};
 use std::time::Instant;
@@ -20,7 +21,7 @@ use tresses::{
     glam::Vec3,
     gpu::{Gpu, Timings},
     groom::{SdfGrid, TriMesh},
-    light::{HairMaterial, Lights, Sphere},
+    light::{Lights, ShadingRate, Shadows, Sphere},
     lod::{Detail, LodMode, LodOptions},
     simulate::SimulationParams,
 };
@@ -34,12 +35,14 @@ pub struct Quality {
     pub edges: EdgeArgs,
     /// Whether fewer samples will do where the adapter offers no more.
     pub at_most: bool,
+    /// Texels along each edge of a shadow map.
+    pub shadow_resolution: u32,
 }
 
 impl Quality {
     /// Exactly as many samples as asked for.
     pub fn new(size: Size, edges: EdgeArgs) -> Self {
-        Self { size, edges, at_most: false }
+        Self { size, edges, at_most: false, shadow_resolution: 1024 }
     }
 }
 
@@ -94,7 +97,9 @@ impl Scene {
             gpu.info.name
         );
         let samples = samples.min(most);
-        let renderer = HairRenderer::new(device, &DrawOptions { samples, coverage, ..Default::default() });
+        let shadow_resolution = quality.shadow_resolution;
+        let options = DrawOptions { samples, coverage, shadow_resolution, ..Default::default() };
+        let renderer = HairRenderer::new(device, &options);
         let character = load::load(source, &gpu, &renderer.simulate)?;
         for note in &character.notes {
             eprintln!("note: {note}");
@@ -235,6 +240,14 @@ impl Scene {
         self.hair.avoidance.options.mode = avoid.into();
     }
 
+    /// How shadows are made, from here on. Where they are looked up for every pixel, hair is shaded so.
+    pub fn set_shadows(&mut self, shadows: Shadows) {
+        self.scene.shadows = shadows;
+        if shadows.per_pixel {
+            self.scene.shading = ShadingRate::PerPixel;
+        }
+    }
+
     /// The hair at rest on a head at `pose`.
     pub fn reset(&mut self, pose: &Pose) -> Result<()> {
         self.hair.reset();
@@ -360,7 +373,7 @@ impl Scene {
         let set = Some(&hair.set);
         stage("shadow", &mut |encoder| {
             drawing.prepare(queue, scene, targets, set, body);
-            drawing.shadow(encoder, None, set, body);
+            drawing.shadow(encoder, None, scene, set, body);
             Ok(())
         })?;
         stage("shade", &mut |encoder| {
@@ -424,7 +437,7 @@ impl Scene {
         if self.debug.as_ref().is_some_and(Debug::hides_hair) {
             let (stage, scene) = (&self.renderer.draw, &self.scene);
             stage.prepare(queue, scene, targets, None, body);
-            stage.shadow(recorder.encoder, None, None, body);
+            stage.shadow(recorder.encoder, None, scene, None, body);
             stage.draw(recorder.encoder, None, scene, targets, None, body);
             stage.present(device, recorder.encoder, None, targets, targets.picture());
             return;
@@ -437,14 +450,4 @@ impl Scene {
         self.gpu.device.poll(wgpu::PollType::wait_indefinitely()).context("the GPU was lost")?;
         Ok(())
     }
-}
-
-/// The look of the hair: the file's colours where it has some and none is asked for.
-fn material(color: Option<&Color>) -> HairMaterial {
-    let material = match color {
-        None => return HairMaterial::default(),
-        Some(Color::Preset(name)) => HairMaterial::named(name).unwrap_or_default(),
-        Some(Color::Srgb(srgb)) => HairMaterial::colored(Color::linear(*srgb)),
-    };
-    HairMaterial { file_colors: false, ..material }
 }

@@ -11,6 +11,9 @@ pub const SHARED: &[(&str, u32)] = &[
     ("MAX_STRAND_VERTICES", MAX_STRAND_VERTICES),
     ("MAX_COLLIDERS", MAX_COLLIDERS),
     ("BUILD_WORKGROUP", BUILD_WORKGROUP),
+    ("MAX_LIGHTS", MAX_LIGHTS),
+    ("SHADOW_BLOCK", SHADOW_BLOCK),
+    ("DEEP_LAYERS", DEEP_LAYERS),
 ];
 /// Threads of one workgroup of the passes that run once per guide.
 pub const GUIDE_WORKGROUP: u32 = 32;
@@ -26,3 +29,9 @@ pub const MAX_STRAND_VERTICES: u32 = 64;
 pub const MAX_COLLIDERS: u32 = 128;
 /// Threads of one workgroup of the kernels that make distance fields.
 pub const BUILD_WORKGROUP: u32 = 64;
+/// The most directional lights of a scene.
+pub const MAX_LIGHTS: u32 = 4;
+/// Edge of a block of shadow map texels, which hold how much hair there is and how high.
+pub const SHADOW_BLOCK: u32 = 8;
+/// Layers of a deep opacity map.
+pub const DEEP_LAYERS: u32 = 8;

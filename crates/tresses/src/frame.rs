@@ -111,7 +111,7 @@ impl Recorder<'_> {
     ) {
         let (stage, set) = (&self.renderer.draw, &hair.set);
         stage.prepare(self.queue, scene, targets, Some(set), body);
-        stage.shadow(self.encoder, self.timings.as_deref_mut(), Some(set), body);
+        stage.shadow(self.encoder, self.timings.as_deref_mut(), scene, Some(set), body);
         stage.shade(self.encoder, self.timings.as_deref_mut(), set);
         stage.draw(self.encoder, self.timings.as_deref_mut(), scene, targets, Some(set), body);
         stage.present(self.device, self.encoder, self.timings.as_deref_mut(), targets, output);

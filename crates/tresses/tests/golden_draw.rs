@@ -83,7 +83,7 @@ fn picture(gpu: &Gpu, hair_material: HairMaterial) -> Vec<u8> {
     };
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     stage.prepare(&gpu.queue, &scene, &targets, Some(&hair), Some(&body));
-    stage.shadow(&mut encoder, None, Some(&hair), Some(&body));
+    stage.shadow(&mut encoder, None, &scene, Some(&hair), Some(&body));
     stage.shade(&mut encoder, None, &hair);
     stage.draw(&mut encoder, None, &scene, &targets, Some(&hair), Some(&body));
     stage.present(&gpu.device, &mut encoder, None, &targets, targets.picture());
@@ -133,7 +133,7 @@ fn hair_on_a_ball_looks_as_it_did() {
     // The comparison sees a slightly different hair colour, and a missing shadow.
     let lighter = HairMaterial { diffuse: 1.3 * HairMaterial::brown().diffuse, ..HairMaterial::brown() };
     assert!(!agree(&picture(&gpu, lighter), &golden));
-    let flat = HairMaterial { absorption: 0.0, ..HairMaterial::brown() };
+    let flat = HairMaterial { opacity: 0.0, ..HairMaterial::brown() };
     assert!(!agree(&picture(&gpu, flat), &golden));
     // The same bits twice.
     assert_eq!(difference(&now, &picture(&gpu, HairMaterial::brown())), (0.0, 0));

@@ -4,7 +4,10 @@ use wgpu::naga;
 
 use tresses::{
     draw::{Background, body::BodyUniform, view::ViewUniform},
-    light::{lights::LightsUniform, material::HairUniform},
+    light::{
+        lights::{LightUniform, LightsUniform},
+        material::HairUniform,
+    },
     present::PresentUniform,
 };
 
@@ -263,22 +266,29 @@ fn view() {
 
 #[test]
 fn lights() {
+    let light = rust_layout!(LightUniform { direction, _pad_a, irradiance, _pad_b });
+    assert_eq!(wgsl_layout("LightUniform"), light);
     let rust = rust_layout!(LightsUniform {
         shadow,
-        key_direction,
-        range,
-        key_irradiance,
-        width,
-        rim_direction,
-        hair_radius,
-        rim_irradiance,
-        body_radius,
+        directional,
         zenith,
-        bias,
+        count,
         horizon,
         resolution,
         ground,
-        body_absorption,
+        deep_texels,
+        range,
+        width,
+        hair_radius,
+        body_radius,
+        bias,
+        density,
+        body_opacity,
+        method,
+        per_pixel,
+        _pad_a,
+        _pad_b,
+        _pad_c,
     });
     assert_eq!(wgsl_layout("LightsUniform"), rust);
 }
@@ -303,7 +313,7 @@ fn hair() {
         transmission_exponent,
         shift_spread,
         shift_noise,
-        absorption,
+        opacity,
         saturation,
         min_width,
         file_colors,
@@ -312,6 +322,17 @@ fn hair() {
         per_vertex,
         splat_stride,
         splat_segments,
+        variances,
+        turn_sin,
+        turn_cos,
+        root_absorption,
+        model,
+        tip_absorption,
+        melanin_spread,
+        tilt_spread,
+        density_forward,
+        density_back,
+        color_fit,
         rest_count,
         stride,
         _pad_a,

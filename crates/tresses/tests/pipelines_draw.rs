@@ -20,7 +20,7 @@ fn frame(samples: u32, target_samples: u32) -> Option<wgpu::Error> {
         let scene = Scene { shading, ..Default::default() };
         let mut encoder = device.create_command_encoder(&Default::default());
         stage.prepare(&queue, &scene, &targets, Some(&hair), Some(&body));
-        stage.shadow(&mut encoder, None, Some(&hair), Some(&body));
+        stage.shadow(&mut encoder, None, &scene, Some(&hair), Some(&body));
         stage.shade(&mut encoder, None, &hair);
         stage.draw(&mut encoder, None, &scene, &targets, Some(&hair), Some(&body));
         stage.present(&device, &mut encoder, None, &targets, targets.picture());

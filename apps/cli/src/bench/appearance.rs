@@ -9,7 +9,7 @@ use crate::{
 };
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
-use tresses::light::ShadingRate;
+use tresses::light::{ShadingModel, ShadingRate};
 
 use super::report::Run;
 use serde::Serialize;
@@ -44,7 +44,7 @@ pub struct Look {
 
 fn quality(samples: u32, ssaa: u32, coverage: Mode, layers: Option<u32>) -> Quality {
     let edges = EdgeArgs { samples: Some(samples), ssaa, coverage: Some(coverage), layers };
-    Quality { size: SIZE, edges, at_most: true }
+    Quality { at_most: true, ..Quality::new(SIZE, edges) }
 }
 
 /// All that are measured, topic by topic; the first of a topic is the default.
@@ -66,6 +66,11 @@ pub fn variants() -> Vec<Variant> {
     vec![
         shading("per strand vertex", |_| {}),
         shading("per pixel", |scene| scene.look_mut().shading = ShadingRate::PerPixel),
+        shading("fibre, per strand vertex", |scene| scene.look_mut().hair.model = ShadingModel::Fiber),
+        shading("fibre, per pixel", |scene| {
+            let look = scene.look_mut();
+            (look.hair.model, look.shading) = (ShadingModel::Fiber, ShadingRate::PerPixel);
+        }),
         samples("4×MSAA", 4, 1),
         samples("1 sample", 1, 1),
         samples("8×MSAA", 8, 1),

@@ -46,7 +46,7 @@ pub struct Workload {
 pub fn quality(size: Size, samples: u32, ssaa: u32) -> Quality {
     // Figures of others are those of samples alone.
     let edges = EdgeArgs { samples: Some(samples), ssaa, coverage: Some(Mode::Mask), layers: None };
-    Quality { size, edges, at_most: true }
+    Quality { at_most: true, ..Quality::new(size, edges) }
 }
 
 fn style(strands: Option<u32>) -> Source {

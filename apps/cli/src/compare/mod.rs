@@ -8,7 +8,7 @@ mod metrics;
 mod scenes;
 mod stage;
 
-use crate::{args, interrupt, picture::Picture, progress, say};
+use crate::{args, interrupt, picture::Picture, progress, say, shading_args::ShadingArgs};
 use anyhow::{Context, Result, bail, ensure};
 use metrics::Difference;
 use scenes::{Folders, Scenes};
@@ -31,6 +31,8 @@ pub struct Args {
     /// Samples per pixel: 1, 4, 8 or 16 [default: 8, or as many as the adapter offers]
     #[arg(long, value_name = "N", value_parser = args::samples)]
     pub samples: Option<u32>,
+    #[command(flatten)]
+    pub shading: ShadingArgs,
     /// Folder for ours, the reference and the map of the difference side by side, a picture each
     #[arg(long, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
@@ -52,6 +54,7 @@ struct Row {
 
 /// Runs `tresses compare`.
 pub fn run(args: &Args) -> Result<()> {
+    args.shading.check()?;
     let assets = args.assets.clone().or_else(|| std::env::var_os("TRESSES_ASSETS").map(PathBuf::from));
     let folders = Folders { scenes: &args.scenes, assets: assets.as_deref() };
     let scenes = Scenes::read(&args.scenes)?;
@@ -67,7 +70,7 @@ pub fn run(args: &Args) -> Result<()> {
             stage = Some(Stage::new(&view, &folders, args.samples)?);
         }
         let Some(stage) = &mut stage else { bail!("no stage") };
-        let (ours, linear) = stage.draw(&view, &scenes)?;
+        let (ours, linear) = stage.draw(&view, &scenes, &args.shading)?;
         let reference = folders.picture(view.name)?;
         let mask = folders.picture(&format!("{}_hairmask", view.groom_name))?;
         ensure!(

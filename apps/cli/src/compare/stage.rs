@@ -4,7 +4,7 @@ use super::{
     metrics::Linear,
     scenes::{Folders, Groom as Description, Radius, Scenes, View},
 };
-use crate::{camera, picture::Picture};
+use crate::{camera, picture::Picture, shading_args::ShadingArgs};
 use anyhow::{Context, Result, ensure};
 use half::f16;
 use tresses::{
@@ -19,7 +19,7 @@ use tresses::{
         import::{self, ImportOptions},
         orient::{Axis, Choice, Unit},
     },
-    light::{Directional, HairMaterial, Lights, Sky, Sphere},
+    light::{Directional, HairMaterial, Lights, MAX_LIGHTS, Sky, Sphere},
     present::ToneMap,
     simulate::SimulationParams,
 };
@@ -95,8 +95,14 @@ impl Stage {
     }
 
     /// The picture as the reference's PNG files are made, and the radiance before black.
-    pub fn draw(&mut self, view: &View<'_>, scenes: &Scenes) -> Result<(Picture, Linear)> {
+    pub fn draw(
+        &mut self,
+        view: &View<'_>,
+        scenes: &Scenes,
+        shading: &ShadingArgs,
+    ) -> Result<(Picture, Linear)> {
         let mut scene = self.scene(view, scenes)?;
+        shading.apply(&mut scene.hair, &mut scene.shading);
         let shown = self.pixels(&scene)?;
         scene.background = Background::flat(Vec3::ZERO);
         scene.tone = ToneMap { exposure: DIM, shoulder: 0.99, desaturation: 0.0 };
@@ -117,15 +123,16 @@ impl Stage {
         let place = |p: [f32; 3]| Vec3::from(p) * self.unit;
         let (eye, target) = (place(camera.origin), place(camera.target));
         let light = |name: &str| -> Result<Directional> {
-            let on = view.lights.iter().any(|light| light == name);
             let light = view.groom.lights.get(name).with_context(|| format!("no light {name}"))?;
             Ok(Directional {
                 direction: light.direction_to_light.into(),
-                irradiance: if on { light.irradiance_rgb.into() } else { Vec3::ZERO },
+                irradiance: light.irradiance_rgb.into(),
             })
         };
-        if let Some(other) = view.lights.iter().find(|name| !["key", "rim"].contains(&name.as_str())) {
-            anyhow::bail!("{} is lit by {other}, which is neither its key nor its rim light", view.name);
+        ensure!(view.lights.len() <= MAX_LIGHTS, "{} has more lights than can be drawn", view.name);
+        let mut directional = [Directional::OFF; MAX_LIGHTS];
+        for (place, name) in directional.iter_mut().zip(view.lights) {
+            *place = light(name)?;
         }
         let sky = if view.environment { scenes.environment_radiance_rgb.into() } else { Vec3::ZERO };
         Ok(Scene {
@@ -135,11 +142,7 @@ impl Stage {
                 camera.vertical_fov_degrees.to_radians(),
                 camera.resolution,
             ),
-            lights: Lights {
-                key: light("key")?,
-                rim: light("rim")?,
-                sky: Sky { zenith: sky, horizon: sky, ground: sky },
-            },
+            lights: Lights { directional, sky: Sky { zenith: sky, horizon: sky, ground: sky } },
             focus: self.focus,
             hair: HairMaterial { file_colors: false, ..material(view.material)? },
             body: BodyMaterial { gloss: 0.0, wrap: 0.0, ..Default::default() },

@@ -3,7 +3,7 @@
 use super::DrawStage;
 use crate::{
     Result,
-    light::material::HairUniform,
+    light::{fiber::FiberTables, material::HairUniform},
     strands::{Drawn, StrandBuffers, buffers::storage},
 };
 use std::collections::BTreeMap;
@@ -76,9 +76,9 @@ pub struct HairSet {
     pub(crate) uniform: wgpu::Buffer,
     shaded: wgpu::Buffer,
     pub(crate) group: wgpu::BindGroup,
+    pub(crate) fiber: FiberTables,
     pub(crate) shade_group: wgpu::BindGroup,
     pub(crate) splat_group: wgpu::BindGroup,
-    pub(crate) block_group: wgpu::BindGroup,
 }
 
 impl HairSet {
@@ -106,7 +106,7 @@ impl HairSet {
             rest_count: vertex_count,
             strips: BTreeMap::new(),
             splat: [1; 2],
-            block_group: stage.bind_blocks(device),
+            fiber: FiberTables::new(device, stage.fiber_layout()),
             splat_group: stage.bind_splat(device, &uniform, strands),
             group: stage.bind_hair(device, &uniform, strands, &shaded),
             shade_group: stage.bind_shade(device, &uniform, strands, &shaded),
@@ -130,8 +130,8 @@ impl HairSet {
             .or_insert_with(|| Chunks::of(device, count, drawn.vertex_count));
     }
 
-    /// What `light::shade` wrote: four half floats per strand vertex, radiance (or the three
-    /// transmittances) and the radius in millimetres.
+    /// What `light::shade` wrote: four half floats per strand vertex, radiance and the radius in
+    /// millimetres, or, when pixels are shaded, eight bytes of what arrives of the light.
     pub fn shaded(&self) -> &wgpu::Buffer {
         &self.shaded
     }
@@ -139,6 +139,7 @@ impl HairSet {
     /// Bytes of GPU memory, without the strands' own buffers.
     pub fn bytes(&self) -> u64 {
         self.shaded.size()
+            + self.fiber.bytes()
             + self.uniform.size()
             + self.strips.values().map(|chunks| chunks.indices.size()).sum::<u64>()
     }
@@ -150,6 +151,7 @@ impl HairSet {
 
     pub(crate) fn record_strips(&self, pass: &mut wgpu::RenderPass<'_>) {
         pass.set_bind_group(1, &self.group, &[]);
+        pass.set_bind_group(2, &self.fiber.group, &[]);
         if let Some(strips) = self.strips.get(&self.vertex_count) {
             strips.record(pass, self.count);
         }

@@ -32,8 +32,7 @@ impl Peel {
     pub fn new(
         device: &wgpu::Device,
         layers: u32,
-        frame: &wgpu::BindGroupLayout,
-        hair: &wgpu::BindGroupLayout,
+        [frame, hair, fiber]: [&wgpu::BindGroupLayout; 3],
     ) -> Self {
         use wgpu::{BlendFactor as Factor, CompareFunction::Greater};
         let fragment = wgpu::ShaderStages::FRAGMENT;
@@ -45,7 +44,7 @@ impl Peel {
                 Recipe {
                     module: "draw::alpha",
                     entry: [&vertex, &fragment],
-                    layouts: &[Some(frame), Some(hair), Some(&peel_layout)],
+                    layouts: &[frame, hair, fiber, &peel_layout].map(Some),
                     buffers: &[],
                     targets,
                     depth: Some((write, Greater)),
@@ -114,7 +113,7 @@ impl Peel {
             let mut pass = begin(encoder, timed, &[(&layers.layer, clear)], depth);
             pass.set_pipeline(self.layer.of(rate));
             pass.set_bind_group(0, frame, &[]);
-            pass.set_bind_group(2, &layers.behind[(i + 1) % 2], &[]);
+            pass.set_bind_group(3, &layers.behind[(i + 1) % 2], &[]);
             hair.record_strips(&mut pass);
             drop(pass);
             let timed = timings.as_deref_mut();
@@ -127,7 +126,7 @@ impl Peel {
         let mut pass = begin(encoder, timings, &colors, Some((&targets.depth, None)));
         pass.set_pipeline(self.rest.of(rate));
         pass.set_bind_group(0, frame, &[]);
-        pass.set_bind_group(2, &layers.behind[(self.layers as usize + 1) % 2], &[]);
+        pass.set_bind_group(3, &layers.behind[(self.layers as usize + 1) % 2], &[]);
         hair.record_strips(&mut pass);
     }
 

@@ -14,7 +14,7 @@ use crate::{
         Binding, Timings,
         bindings::{self, group, layout},
     },
-    light::{Shade, ShadowMaps, lights::LightsUniform},
+    light::{Shade, ShadingModel, ShadowMaps, fiber::FiberTables, lights::LightsUniform},
     present::Present,
     strands::StrandBuffers,
 };
@@ -26,7 +26,8 @@ pub struct DrawOptions {
     pub samples: u32,
     /// How strands cover pixels.
     pub coverage: Coverage,
-    /// Texels along each edge of a shadow map.
+    /// Texels along each edge of a shadow map, brought into 8 to 2048; of a deep opacity map a third, or fewer where shadows
+    /// are to be soft. Five maps take 45 bytes per texel ([`DrawStage::shadow_bytes`]).
     pub shadow_resolution: u32,
     /// Format of what `present` writes to.
     pub output: wgpu::TextureFormat,
@@ -55,6 +56,7 @@ pub struct DrawStage {
     lights: wgpu::Buffer,
     frame_group: wgpu::BindGroup,
     hair_layout: wgpu::BindGroupLayout,
+    fiber_layout: wgpu::BindGroupLayout,
     body_layout: wgpu::BindGroupLayout,
     body: wgpu::RenderPipeline,
     strips: Strips,
@@ -74,9 +76,10 @@ impl DrawStage {
             layout(device, "frame", both, &[Uniform, Uniform, DepthArray, Comparison, Storage, Storage]);
         let hair_layout = layout(device, "hair", both, &[Uniform, Storage, Storage, Storage]);
         let body_layout = layout(device, "body", both, &[Uniform]);
+        let fiber_layout = FiberTables::layout(device);
         let shadow_maps = ShadowMaps::new(device, options.shadow_resolution, &body_layout);
-        let [maps, comparison, nearest, blocks] = shadow_maps.resources();
-        let frame = [view.as_entire_binding(), lights.as_entire_binding(), maps, comparison, nearest, blocks];
+        let [maps, comparison, hair, blocks] = shadow_maps.resources();
+        let frame = [view.as_entire_binding(), lights.as_entire_binding(), maps, comparison, hair, blocks];
         let frame_group = group(device, "frame", &frame_layout, &frame);
         let body = Recipe {
             module: "draw::body",
@@ -89,22 +92,27 @@ impl DrawStage {
             alpha_to_coverage: false,
         };
         Self {
-            shade: Shade::new(device),
+            shade: Shade::new(device, &fiber_layout),
             present: Present::new(device, options.samples, options.coverage, options.output),
             body: body.build(device),
-            strips: Strips::new(device, options, &frame_layout, &hair_layout),
+            strips: Strips::new(device, options, [&frame_layout, &hair_layout, &fiber_layout]),
             samples: options.samples,
             shadow_maps,
             view,
             lights,
             frame_group,
             hair_layout,
+            fiber_layout,
             body_layout,
         }
     }
 
     pub(crate) fn body_layout(&self) -> &wgpu::BindGroupLayout {
         &self.body_layout
+    }
+
+    pub(crate) fn fiber_layout(&self) -> &wgpu::BindGroupLayout {
+        &self.fiber_layout
     }
 
     pub(crate) fn bind_hair(
@@ -134,13 +142,9 @@ impl DrawStage {
         strands: &StrandBuffers,
         shaded: &wgpu::Buffer,
     ) -> wgpu::BindGroup {
-        let [maps, comparison, nearest, _] = self.shadow_maps.resources();
+        let [maps, comparison, hair, blocks] = self.shadow_maps.resources();
         let (view, lights) = (self.view.as_entire_binding(), self.lights.as_entire_binding());
-        self.shade.bind(device, [view, lights, maps, comparison, nearest], strands, uniform, shaded)
-    }
-
-    pub(crate) fn bind_blocks(&self, device: &wgpu::Device) -> wgpu::BindGroup {
-        self.shadow_maps.bind_blocks(device, &self.lights)
+        self.shade.bind(device, [view, lights, maps, comparison, hair, blocks], strands, uniform, shaded)
     }
 
     pub(crate) fn bind_splat(
@@ -175,6 +179,9 @@ impl DrawStage {
         if let Some(hair) = hair {
             let uniform = scene.hair.uniform(scene.shading, &hair.drawn, hair.rest_count, hair.splat);
             write(&hair.uniform, bytemuck::bytes_of(&uniform));
+            if scene.hair.model == ShadingModel::Fiber {
+                hair.fiber.fill(queue, &scene.hair.fiber.shape, scene.hair.fiber.density_back);
+            }
         }
         if let Some(body) = body {
             let uniform: BodyUniform = scene.body.uniform(&scene.pose);
@@ -182,15 +189,21 @@ impl DrawStage {
         }
     }
 
-    /// Records the shadow maps.
+    /// Records the shadow maps of the lights of `scene` that are on.
     pub fn shadow(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         timings: Option<&mut Timings>,
+        scene: &Scene,
         hair: Option<&HairSet>,
         body: Option<&Body>,
     ) {
-        self.shadow_maps.record(encoder, timings, hair, body);
+        self.shadow_maps.record(encoder, timings, scene, hair, body);
+    }
+
+    /// Bytes of GPU memory of the shadow maps.
+    pub fn shadow_bytes(&self) -> u64 {
+        self.shadow_maps.bytes()
     }
 
     /// Records the shading of strand vertices.

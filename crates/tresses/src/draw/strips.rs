@@ -40,13 +40,8 @@ pub(crate) enum Strips {
 }
 
 impl Strips {
-    /// For the frame's and the hair's bind groups, and the uniform of `present`.
-    pub fn new(
-        device: &wgpu::Device,
-        options: &DrawOptions,
-        frame: &wgpu::BindGroupLayout,
-        hair: &wgpu::BindGroupLayout,
-    ) -> Self {
+    /// For the bind groups of the frame, of the hair and of its fibre's tables.
+    pub fn new(device: &wgpu::Device, options: &DrawOptions, groups: [&wgpu::BindGroupLayout; 3]) -> Self {
         use wgpu::{
             ColorWrites,
             CompareFunction::{Equal, Greater},
@@ -54,7 +49,7 @@ impl Strips {
         let recipe = Recipe {
             module: "draw::hair",
             entry: ["", ""],
-            layouts: &[Some(frame), Some(hair)],
+            layouts: &groups.map(Some),
             buffers: &[],
             targets: &[hdr(ColorWrites::ALL)],
             depth: Some((true, Greater)),
@@ -90,7 +85,7 @@ impl Strips {
                 }
             }
             Coverage::DepthPeeling { .. } => {
-                Self::Peeled(Peel::new(device, options.coverage.layers(), frame, hair))
+                Self::Peeled(Peel::new(device, options.coverage.layers(), groups))
             }
         }
     }

@@ -15,6 +15,8 @@ pub enum Binding {
     StorageMut,
     /// `texture_2d<f32>` of a filterable format.
     Texture2d,
+    /// `texture_2d_array<f32>` of a filterable format.
+    Texture2dArray,
     /// `texture_multisampled_2d<f32>`.
     TextureMultisampled,
     /// `texture_3d<f32>` of a filterable format.
@@ -51,6 +53,7 @@ impl Binding {
             Self::Storage => buffer(BufferBindingType::Storage { read_only: true }, false),
             Self::StorageMut => buffer(BufferBindingType::Storage { read_only: false }, false),
             Self::Texture2d => texture(filterable, TextureViewDimension::D2, false),
+            Self::Texture2dArray => texture(filterable, TextureViewDimension::D2Array, false),
             Self::TextureMultisampled => {
                 texture(TextureSampleType::Float { filterable: false }, TextureViewDimension::D2, true)
             }

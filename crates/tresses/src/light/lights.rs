@@ -1,5 +1,8 @@
-//! The lights: a key light, a rim light and a sky, in linear units.
+//! The lights: up to four from afar and a sky, in linear units.
 
+#[cfg(doc)]
+use super::shadows::ShadowMethod;
+use super::shadows::Shadows;
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 
@@ -10,6 +13,11 @@ pub struct Directional {
     pub direction: Vec3,
     /// Irradiance on a plane that faces the light, linear; 0 switches the light off.
     pub irradiance: Vec3,
+}
+
+impl Directional {
+    /// No light.
+    pub const OFF: Self = Self { direction: Vec3::Y, irradiance: Vec3::ZERO };
 }
 
 /// The radiance that comes from everywhere else: three colours, blended by elevation.
@@ -23,13 +31,14 @@ pub struct Sky {
     pub ground: Vec3,
 }
 
+/// The most directional lights of a scene.
+pub const MAX_LIGHTS: usize = crate::constants::MAX_LIGHTS as usize;
+
 /// All light in a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lights {
-    /// The main light, from the upper side.
-    pub key: Directional,
-    /// The light from behind that traces the outline.
-    pub rim: Directional,
+    /// Lights from afar, each with a shadow. One without irradiance is off and costs nothing.
+    pub directional: [Directional; MAX_LIGHTS],
     /// The rest.
     pub sky: Sky,
 }
@@ -42,20 +51,27 @@ impl Default for Lights {
 }
 
 impl Lights {
+    /// The main light of [`around`](Self::around), from the upper side.
+    pub const KEY: usize = 0;
+    /// The light of [`around`](Self::around) from behind, which traces the outline.
+    pub const RIM: usize = 1;
+
     /// A photographer's lights, which move with the camera: a warm key light from its upper left,
-    /// a cooler rim light from behind on its right, a quiet sky. `azimuth` is the camera's turn
-    /// about the head, radians, from before the face (+Z) towards the head's left (+X).
+    /// a cooler rim light from behind on its right, a quiet sky; the others are off. `azimuth` is the
+    /// camera's turn about the head, radians, from before the face (+Z) towards the head's left (+X).
     pub fn around(azimuth: f32) -> Self {
         let turn = glam::Quat::from_rotation_y(azimuth);
+        let mut directional = [Directional::OFF; MAX_LIGHTS];
+        directional[Self::KEY] = Directional {
+            direction: turn * Vec3::new(-0.42, 0.62, 0.66).normalize(),
+            irradiance: Vec3::new(5.6, 5.3, 4.85),
+        };
+        directional[Self::RIM] = Directional {
+            direction: turn * Vec3::new(0.45, 0.5, -0.74).normalize(),
+            irradiance: Vec3::new(3.1, 3.25, 3.5),
+        };
         Self {
-            key: Directional {
-                direction: turn * Vec3::new(-0.42, 0.62, 0.66).normalize(),
-                irradiance: Vec3::new(5.6, 5.3, 4.85),
-            },
-            rim: Directional {
-                direction: turn * Vec3::new(0.45, 0.5, -0.74).normalize(),
-                irradiance: Vec3::new(3.1, 3.25, 3.5),
-            },
+            directional,
             sky: Sky {
                 zenith: Vec3::new(0.30, 0.31, 0.33),
                 horizon: Vec3::new(0.24, 0.24, 0.25),
@@ -63,28 +79,10 @@ impl Lights {
             },
         }
     }
-}
 
-/// The number of shadow maps: key, rim, and one from above for the sky.
-pub const SHADOW_LAYERS: u32 = 3;
-
-/// How shadows are made.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shadows {
-    /// Radius over which the shadow on hair is averaged, metres.
-    pub hair_radius: f32,
-    /// Radius over which the shadow of the body on itself is averaged, metres.
-    pub body_radius: f32,
-    /// How much of a light hair takes from the body behind it, per metre of distance, 1/m: small
-    /// values fade the shadow in with the distance.
-    pub body_absorption: f32,
-    /// How far a surface is lifted towards the light before it is compared, metres.
-    pub bias: f32,
-}
-
-impl Default for Shadows {
-    fn default() -> Self {
-        Self { hair_radius: 0.003, body_radius: 0.004, body_absorption: 240.0, bias: 0.0015 }
+    /// The lights that are on.
+    pub fn active(&self) -> impl Iterator<Item = &Directional> {
+        self.directional.iter().filter(|light| light.irradiance.max_element() > 0.0)
     }
 }
 
@@ -111,76 +109,120 @@ impl Sphere {
     }
 }
 
+/// The number of shadow maps there may be: one per light, and the first from above for the sky.
+pub const SHADOW_MAPS: usize = MAX_LIGHTS + 1;
+
+/// What the shaders know of a light that is on.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct LightUniform {
+    /// Towards the light.
+    pub direction: Vec3,
+    /// Unused.
+    pub _pad_a: u32,
+    /// [`Directional::irradiance`].
+    pub irradiance: Vec3,
+    /// Unused.
+    pub _pad_b: u32,
+}
+
 /// What the shaders know of [`Lights`] and [`Shadows`].
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct LightsUniform {
-    /// World to the clip space of each shadow map; depth 0 is nearest the light.
-    pub shadow: [Mat4; SHADOW_LAYERS as usize],
-    /// Towards the key light.
-    pub key_direction: Vec3,
-    /// Depth of the shadow maps, metres.
-    pub range: f32,
-    /// Irradiance of the key light.
-    pub key_irradiance: Vec3,
-    /// Twice [`Sphere::radius`], the width of a shadow map, metres.
-    pub width: f32,
-    /// Towards the rim light.
-    pub rim_direction: Vec3,
-    /// [`Shadows::hair_radius`].
-    pub hair_radius: f32,
-    /// Irradiance of the rim light.
-    pub rim_irradiance: Vec3,
-    /// [`Shadows::body_radius`].
-    pub body_radius: f32,
+    /// World to the clip space of each shadow map, the sky's first; depth 0 is nearest the light.
+    pub shadow: [Mat4; SHADOW_MAPS],
+    /// The lights that are on; light `i` has the map `i + 1`.
+    pub directional: [LightUniform; MAX_LIGHTS],
     /// [`Sky::zenith`].
     pub zenith: Vec3,
-    /// [`Shadows::bias`].
-    pub bias: f32,
+    /// How many lights are on.
+    pub count: u32,
     /// [`Sky::horizon`].
     pub horizon: Vec3,
     /// Texels along each edge of a map.
     pub resolution: u32,
     /// [`Sky::ground`].
     pub ground: Vec3,
-    /// [`Shadows::body_absorption`].
-    pub body_absorption: f32,
+    /// Texels of a map along the edge of a deep opacity map's texel.
+    pub deep_texels: u32,
+    /// Depth of the shadow maps, metres.
+    pub range: f32,
+    /// Twice [`Sphere::radius`], the width of a shadow map, metres.
+    pub width: f32,
+    /// [`Shadows::hair_radius`].
+    pub hair_radius: f32,
+    /// [`Shadows::body_radius`].
+    pub body_radius: f32,
+    /// [`Shadows::bias`].
+    pub bias: f32,
+    /// [`Shadows::density`].
+    pub density: f32,
+    /// [`Shadows::body_opacity`].
+    pub body_opacity: f32,
+    /// [`ShadowMethod`] by its place.
+    pub method: u32,
+    /// [`Shadows::per_pixel`].
+    pub per_pixel: u32,
+    /// Unused.
+    pub _pad_a: u32,
+    /// Unused.
+    pub _pad_b: u32,
+    /// Unused.
+    pub _pad_c: u32,
 }
 
 impl Lights {
     /// With maps of `resolution`² texels that cover `focus`.
     pub(crate) fn uniform(&self, shadows: &Shadows, focus: &Sphere, resolution: u32) -> LightsUniform {
-        let directions = [self.key.direction, self.rim.direction, Vec3::Y];
+        // Maps move in steps; a step's room keeps the focus inside.
+        let step = shadows.snap(2.0 * focus.radius.max(1e-6) / resolution as f32);
+        let radius =
+            focus.radius.max(1e-6) * resolution as f32 / resolution.saturating_sub(step).max(1) as f32;
+        let focus = &Sphere { radius, ..*focus };
+        let texel = 2.0 * radius / resolution as f32;
+        let fit = |direction| fit(direction, focus, step as f32 * texel);
+        let mut shadow = [fit(Vec3::Y); SHADOW_MAPS];
+        let mut directional = [LightUniform::zeroed(); MAX_LIGHTS];
+        for (i, light) in self.active().enumerate() {
+            shadow[i + 1] = fit(light.direction);
+            directional[i].direction = light.direction.normalize_or(Vec3::Y);
+            directional[i].irradiance = light.irradiance;
+        }
         LightsUniform {
-            shadow: directions.map(|direction| fit(direction, focus, resolution)),
-            key_direction: self.key.direction.normalize_or(Vec3::Y),
-            range: 2.0 * focus.radius,
-            key_irradiance: self.key.irradiance,
-            width: 2.0 * focus.radius,
-            rim_direction: self.rim.direction.normalize_or(Vec3::Y),
-            hair_radius: shadows.hair_radius,
-            rim_irradiance: self.rim.irradiance,
-            body_radius: shadows.body_radius,
+            shadow,
+            directional,
+            count: self.active().count() as u32,
             zenith: self.sky.zenith,
-            bias: shadows.bias,
             horizon: self.sky.horizon,
-            resolution,
             ground: self.sky.ground,
-            body_absorption: shadows.body_absorption,
+            resolution,
+            deep_texels: step,
+            range: 2.0 * focus.radius,
+            width: 2.0 * focus.radius,
+            hair_radius: shadows.hair_radius,
+            body_radius: shadows.body_radius,
+            bias: shadows.bias,
+            density: shadows.density.max(0.0),
+            body_opacity: shadows.body_opacity.max(0.0),
+            method: shadows.method as u32,
+            per_pixel: u32::from(shadows.per_pixel),
+            _pad_a: 0,
+            _pad_b: 0,
+            _pad_c: 0,
         }
     }
 }
 
 /// World to clip space of a shadow map that looks against `direction` at `focus`. The map moves
-/// with the focus in whole texels, so that shadows do not crawl.
-fn fit(direction: Vec3, focus: &Sphere, resolution: u32) -> Mat4 {
+/// with the focus in steps of `step` metres, so that shadows do not crawl.
+fn fit(direction: Vec3, focus: &Sphere, step: f32) -> Mat4 {
     let z = direction.normalize_or(Vec3::Y);
     let x = (if z.y.abs() > 0.99 { Vec3::Z } else { Vec3::Y }).cross(z).normalize();
     let y = z.cross(x);
     let radius = focus.radius.max(1e-6);
-    let texel = 2.0 * radius / resolution as f32;
-    let snap = |v: f32| (v / texel).round() * texel;
-    let at = Vec3::new(snap(focus.center.dot(x)), snap(focus.center.dot(y)), snap(focus.center.dot(z)));
+    let snap = |v: f32| (v / step).round() * step;
+    let at = Vec3::new(snap(focus.center.dot(x)), snap(focus.center.dot(y)), focus.center.dot(z));
     // Rows of the transform: the axes scaled to -1..1; depth 0 at the light's end of the sphere.
     let row = |axis: Vec3, scale: f32, offset: f32| (axis * scale).extend(offset);
     Mat4::from_cols(
@@ -200,7 +242,7 @@ mod tests {
     fn the_focus_fills_the_map() {
         let focus = Sphere { center: Vec3::new(0.3, 1.5, -0.2), radius: 0.25 };
         for direction in [Vec3::Y, Vec3::new(0.3, 0.5, 0.8), Vec3::NEG_Y] {
-            let matrix = fit(direction, &focus, 1024);
+            let matrix = fit(direction, &focus, 0.5 / 1024.0);
             let unit = direction.normalize();
             let center = matrix.project_point3(focus.center);
             assert!((center - Vec3::new(0.0, 0.0, 0.5)).length() < 3e-3, "{center}");
@@ -216,7 +258,7 @@ mod tests {
             let (right, back) =
                 (Vec3::new(azimuth.cos(), 0.0, -azimuth.sin()), Vec3::new(azimuth.sin(), 0.0, azimuth.cos()));
             let lights = Lights::around(azimuth);
-            for (seen, first) in [(lights.key, front.key), (lights.rim, front.rim)] {
+            for (seen, first) in lights.active().zip(front.active()) {
                 let (seen, first) = (seen.direction, first.direction);
                 assert!((seen.length() - 1.0).abs() < 1e-5);
                 let at = Vec3::new(seen.dot(right), seen.y, seen.dot(back));
@@ -227,9 +269,10 @@ mod tests {
 
     #[test]
     fn the_map_moves_in_whole_texels() {
+        // Along z the map may move freely: depth is not made of texels.
         let at = |x: f32| {
             let focus = Sphere { center: Vec3::new(x, 1.5, 0.0), radius: 0.25 };
-            fit(Vec3::new(0.2, 0.6, 0.7), &focus, 1024).project_point3(Vec3::ZERO).truncate() * 512.0
+            fit(Vec3::new(0.2, 0.6, 0.7), &focus, 0.5 / 1024.0).project_point3(Vec3::ZERO).truncate() * 512.0
         };
         for i in 0..50 {
             let moved = at(0.0) - at(i as f32 * 1.3e-4);

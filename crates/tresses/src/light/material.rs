@@ -1,8 +1,12 @@
 //! What hair looks like: colours, highlights, how much light gets through.
 
+use super::fiber::{
+    FiberShape,
+    bsdf::{absorption_of, color_fit, melanin},
+};
 use crate::strands::Drawn;
 use bytemuck::{Pod, Zeroable};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 /// Where hair is shaded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -13,6 +17,64 @@ pub enum ShadingRate {
     /// size or its samples.
     #[default]
     PerVertex,
+}
+
+/// How light on hair is computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ShadingModel {
+    /// Kajiya and Kay's fibre with two highlights, set by eye: colours are albedos.
+    #[default]
+    KajiyaKay,
+    /// Light refracted, absorbed and mirrored in fibres, and scattered among them: colours follow from
+    /// melanin ([`fiber`](super::fiber)).
+    Fiber,
+}
+
+/// Hair as [`ShadingModel::Fiber`] sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FiberMaterial {
+    /// Absorption per fibre radius at the root, of red, green and blue light:
+    /// [`melanin`](super::fiber::bsdf::melanin) or [`absorption_of`](super::fiber::bsdf::absorption_of).
+    pub root_absorption: Vec3,
+    /// Absorption at the tip.
+    pub tip_absorption: Vec3,
+    /// Roughness, scales and refraction.
+    pub shape: FiberShape,
+    /// Spread of the melanin over the strands: 0.3 is ±30 %, half of it from lock to lock.
+    pub melanin_spread: f32,
+    /// Spread of the tilt of the scales over strands and locks, radians: breaks highlights up.
+    pub tilt_spread: f32,
+    /// Zinke's d_f: the share of the light scattered on that meets other hair or the eye.
+    pub density_forward: f32,
+    /// Zinke's d_b: the share of the light scattered back that does.
+    pub density_back: f32,
+}
+
+impl FiberMaterial {
+    /// Hair of one absorption per radius, each strand like the others.
+    pub fn uniform(absorption: Vec3) -> Self {
+        Self {
+            root_absorption: absorption,
+            tip_absorption: absorption,
+            shape: FiberShape::default(),
+            melanin_spread: 0.0,
+            tilt_spread: 0.0,
+            density_forward: 0.7,
+            density_back: 0.7,
+        }
+    }
+
+    /// Hair of one absorption per radius, varied as hair is: bleached towards the tips, no two strands
+    /// alike.
+    pub fn natural(absorption: Vec3) -> Self {
+        Self {
+            root_absorption: absorption * 1.05,
+            tip_absorption: absorption * 0.9,
+            melanin_spread: 0.25,
+            tilt_spread: 0.03,
+            ..Self::uniform(absorption)
+        }
+    }
 }
 
 /// The look of hair.
@@ -54,13 +116,18 @@ pub struct HairMaterial {
     pub shift_spread: f32,
     /// Noise of the shifts along a strand and per pixel.
     pub shift_noise: f32,
-    /// How much light is lost per metre of hair it passes, 1/m: the product of density and
-    /// absorption in the shadow.
-    pub absorption: f32,
+    /// The share of the light that each fibre on its way takes: hair in shadow gets `exp(-opacity n)`
+    /// behind `n` fibres. Less than what one fibre takes in truth, since most of that is passed on.
+    pub opacity: f32,
     /// How much more the colours that the hair itself has less of are lost on that way.
     pub saturation: f32,
     /// The least width that is drawn, pixels; thinner hair is drawn this wide and as much sparser.
     pub min_width: f32,
+    /// Which model shades it. `file_colors`, `warmth_spread` and `min_width` mean the same for both, the
+    /// rest above is [`ShadingModel::KajiyaKay`]'s.
+    pub model: ShadingModel,
+    /// The look under [`ShadingModel::Fiber`].
+    pub fiber: FiberMaterial,
 }
 
 /// An sRGB colour from the usual six hexadecimal digits, made linear.
@@ -95,15 +162,20 @@ impl HairMaterial {
             primary: 1.0,
             secondary: 1.4,
             transmission: 1.9,
-            absorption: 65.0,
+            opacity: 0.1625,
             secondary_color: Vec3::new(0.80, 0.62, 0.36),
+            fiber: FiberMaterial::natural(melanin(0.25, 0.05)),
             ..Self::colored(Vec3::new(0.36, 0.235, 0.12))
         }
     }
 
     /// Brown.
     pub fn brown() -> Self {
-        Self { secondary_color: Vec3::new(0.33, 0.18, 0.075), ..Self::colored(Vec3::new(0.07, 0.038, 0.021)) }
+        Self {
+            secondary_color: Vec3::new(0.33, 0.18, 0.075),
+            fiber: FiberMaterial::natural(melanin(1.3, 0.2)),
+            ..Self::colored(Vec3::new(0.07, 0.038, 0.021))
+        }
     }
 
     /// Copper red.
@@ -111,8 +183,9 @@ impl HairMaterial {
         Self {
             primary: 0.8,
             secondary: 1.0,
-            absorption: 80.0,
+            opacity: 0.2,
             secondary_color: Vec3::new(0.55, 0.27, 0.05),
+            fiber: FiberMaterial::natural(melanin(0.12, 1.5)),
             ..Self::colored(Vec3::new(0.19, 0.078, 0.026))
         }
     }
@@ -123,7 +196,8 @@ impl HairMaterial {
             primary: 1.1,
             secondary: 0.5,
             transmission: 0.2,
-            absorption: 140.0,
+            opacity: 0.35,
+            fiber: FiberMaterial::natural(melanin(6.0, 0.3)),
             ..Self::colored(Vec3::new(0.012, 0.010, 0.009))
         }
     }
@@ -151,9 +225,11 @@ impl HairMaterial {
             transmission_exponent: 40.0,
             shift_spread: 0.12,
             shift_noise: 0.05,
-            absorption: 120.0 - 75.0 * lightness,
+            opacity: 0.3 - 0.19 * lightness,
             saturation: 0.8,
             min_width: 1.0,
+            model: ShadingModel::default(),
+            fiber: FiberMaterial::natural(absorption_of(albedo, FiberShape::default().azimuthal)),
         }
     }
 
@@ -164,6 +240,10 @@ impl HairMaterial {
         rest_count: u32,
         splat: [u32; 2],
     ) -> HairUniform {
+        let fiber = &self.fiber;
+        let shape = fiber.shape.clamped();
+        let four = |values: [f64; 4]| Vec4::from_array(values.map(|v| v as f32));
+        let turns = four(shape.turns());
         HairUniform {
             root_color: self.root_color,
             lightness_spread: self.lightness_spread,
@@ -182,7 +262,7 @@ impl HairMaterial {
             transmission_exponent: self.transmission_exponent.max(1.0),
             shift_spread: self.shift_spread,
             shift_noise: self.shift_noise,
-            absorption: self.absorption.max(0.0),
+            opacity: self.opacity.max(0.0),
             saturation: self.saturation,
             min_width: self.min_width.max(0.0),
             file_colors: u32::from(self.file_colors),
@@ -191,6 +271,17 @@ impl HairMaterial {
             per_vertex: u32::from(shading == ShadingRate::PerVertex),
             splat_stride: splat[0],
             splat_segments: splat[1],
+            variances: four(shape.variances()),
+            turn_sin: turns.map(f32::sin),
+            turn_cos: turns.map(f32::cos),
+            root_absorption: fiber.root_absorption.max(Vec3::ZERO),
+            model: u32::from(self.model == ShadingModel::Fiber),
+            tip_absorption: fiber.tip_absorption.max(Vec3::ZERO),
+            melanin_spread: fiber.melanin_spread,
+            tilt_spread: fiber.tilt_spread,
+            density_forward: fiber.density_forward.clamp(0.0, 1.0),
+            density_back: fiber.density_back.clamp(0.0, 1.0),
+            color_fit: color_fit(shape.azimuthal).powi(-2),
             rest_count,
             stride: drawn.stride,
             _pad_a: 0,
@@ -227,7 +318,7 @@ pub struct HairUniform {
     pub transmission_exponent: f32,
     pub shift_spread: f32,
     pub shift_noise: f32,
-    pub absorption: f32,
+    pub opacity: f32,
     pub saturation: f32,
     pub min_width: f32,
     pub file_colors: u32,
@@ -235,12 +326,28 @@ pub struct HairUniform {
     pub count: u32,
     /// Vertices of each.
     pub vertex_count: u32,
-    /// Whether `light::shade` writes radiance (1) or transmittances (0).
+    /// Whether `light::shade` writes radiance (1) or the light that arrives (0).
     pub per_vertex: u32,
     /// Every how manyth vertex the shadow maps get.
     pub splat_stride: u32,
     /// Segments per strand in the shadow maps.
     pub splat_segments: u32,
+    /// [`FiberShape::variances`].
+    pub variances: Vec4,
+    /// Sines of [`FiberShape::turns`].
+    pub turn_sin: Vec4,
+    /// Their cosines.
+    pub turn_cos: Vec4,
+    pub root_absorption: Vec3,
+    /// [`ShadingModel`]: 0 Kajiya and Kay, 1 fibre.
+    pub model: u32,
+    pub tip_absorption: Vec3,
+    pub melanin_spread: f32,
+    pub tilt_spread: f32,
+    pub density_forward: f32,
+    pub density_back: f32,
+    /// The square of a colour's logarithm times this is its absorption.
+    pub color_fit: f32,
     /// Vertices of a strand's rest curve: how finely noise along strands is cut, at any level of detail.
     pub rest_count: u32,
     /// See [`crate::strands::Drawn::stride`].

@@ -25,12 +25,15 @@
 //! Not taken: deep opacity maps (a chapter of their own; the seam is `hair_transmittance`), dual
 //! scattering (needs a count of fibres, not a way through them).
 
+pub mod fiber;
 pub mod lights;
 pub mod material;
 pub mod shade;
 pub mod shadow;
+pub mod shadows;
 
-pub use lights::{Directional, Lights, Shadows, Sky, Sphere};
-pub use material::{HairMaterial, ShadingRate};
+pub use lights::{Directional, Lights, MAX_LIGHTS, Sky, Sphere};
+pub use material::{FiberMaterial, HairMaterial, ShadingModel, ShadingRate};
 pub use shade::Shade;
 pub use shadow::ShadowMaps;
+pub use shadows::{ShadowMethod, Shadows};

@@ -3,30 +3,45 @@
 use crate::{
     constants::STRAND_WORKGROUP,
     draw::HairSet,
-    gpu::{Binding, Kernel, Timings},
+    gpu::{
+        Binding, Kernel, Timings,
+        bindings::{group, layout},
+    },
     strands::StrandBuffers,
 };
 
 /// The kernel `light::shade`.
 #[derive(Debug)]
-pub struct Shade(Kernel);
+pub struct Shade {
+    kernel: Kernel,
+    /// Nothing: the fibres' tables are `@group(2)`, as in the pipelines that draw.
+    gap: wgpu::BindGroup,
+}
 
 impl Shade {
-    /// Builds the kernel.
-    pub fn new(device: &wgpu::Device) -> Self {
+    /// Builds the kernel. `fiber` is the layout of the fibres' tables.
+    pub fn new(device: &wgpu::Device, fiber: &wgpu::BindGroupLayout) -> Self {
         use Binding::*;
-        Self(Kernel::new(
-            device,
-            "light::shade",
-            &[Uniform, Uniform, DepthArray, Comparison, Storage, Uniform, Storage, Storage, StorageMut],
-        ))
+        let nothing = layout(device, "nothing", wgpu::ShaderStages::COMPUTE, &[]);
+        Self {
+            gap: group(device, "nothing", &nothing, &[]),
+            kernel: Kernel::beside(
+                device,
+                "light::shade",
+                &[
+                    Uniform, Uniform, DepthArray, Comparison, Storage, Storage, Uniform, Storage, Storage,
+                    StorageMut,
+                ],
+                &[&nothing, fiber],
+            ),
+        }
     }
 
-    /// `frame` is the first five resources: view, lights and what the shadow maps offer.
+    /// `frame` is the first six resources: view, lights and what the shadow maps offer.
     pub(crate) fn bind(
         &self,
         device: &wgpu::Device,
-        frame: [wgpu::BindingResource<'_>; 5],
+        frame: [wgpu::BindingResource<'_>; 6],
         strands: &StrandBuffers,
         uniform: &wgpu::Buffer,
         shaded: &wgpu::Buffer,
@@ -34,7 +49,7 @@ impl Shade {
         let hair = [uniform, &strands.vertices, &strands.strands, shaded];
         let resources: Vec<_> =
             frame.into_iter().chain(hair.map(|buffer| buffer.as_entire_binding())).collect();
-        self.0.bind(device, &resources)
+        self.kernel.bind(device, &resources)
     }
 
     /// Records the kernel for all vertices of `hair`.
@@ -44,6 +59,8 @@ impl Shade {
             timestamp_writes: timings.and_then(|timings| timings.compute("shade")),
         });
         let workgroups = (hair.count * hair.vertex_count).div_ceil(STRAND_WORKGROUP);
-        self.0.record(&mut pass, &hair.shade_group, &[], workgroups);
+        pass.set_bind_group(1, &self.gap, &[]);
+        pass.set_bind_group(2, &hair.fiber.group, &[]);
+        self.kernel.record(&mut pass, &hair.shade_group, &[], workgroups);
     }
 }

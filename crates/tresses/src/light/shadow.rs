@@ -1,17 +1,19 @@
 //! The shadow maps and the passes that draw them: the body as triangles into depth textures, the
-//! hair by a kernel into a buffer.
+//! hair by kernels into a buffer.
 //!
-//! Hair is thinner than a texel, so that a line walk with an atomic maximum is all the
-//! rasterisation it needs. It reads each vertex once for all maps, has no triangles to set up (a
-//! software driver does that on one thread), and keeps hair and body apart: hair lets light
-//! through, the body does not.
+//! Hair is thinner than a texel, so that a line walk with an atomic is all the rasterisation it
+//! needs. It reads each vertex once for all maps, has no triangles to set up (a software driver does
+//! that on one thread), and keeps hair and body apart: hair lets light through, the body does not.
 
 use glam::Mat4;
 
-use super::lights::{LightsUniform, SHADOW_LAYERS};
+use super::{
+    lights::{LightsUniform, SHADOW_MAPS},
+    shadows::{DEEP_FINEST, ShadowMethod, Shadows},
+};
 use crate::{
-    constants::STRAND_WORKGROUP,
-    draw::{Body, HairSet},
+    constants::{DEEP_LAYERS, SHADOW_BLOCK as BLOCK, STRAND_WORKGROUP},
+    draw::{Body, HairSet, Scene},
     gpu::{
         Binding, Kernel, Timings,
         bindings::{group, layout},
@@ -22,8 +24,10 @@ use crate::{
 
 /// Depth of the shadow maps.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-/// Edge of a block of texels, as in `light::lights`.
-const BLOCK: u32 = 8;
+/// The most texels along an edge: the maps stay within the 128 MiB that any device binds.
+const MOST: u32 = 2048;
+/// Words of a texel of a deep opacity map, as in `light::deep`.
+const DEEP_WORDS: u32 = DEEP_LAYERS + 2;
 /// Distance between the matrices of two layers: the largest offset alignment WebGPU asks for.
 const STEP: u64 = 256;
 
@@ -37,12 +41,16 @@ pub struct ShadowMaps {
     layers: Vec<wgpu::TextureView>,
     matrices: wgpu::Buffer,
     layer_group: wgpu::BindGroup,
+    /// The hair nearest the light.
     splat: Kernel,
-    /// Height of the hair nearest the light, one per texel and layer.
-    nearest: wgpu::Buffer,
-    /// The same in blocks of texels: how much hair, and how high.
+    /// The same in blocks of texels.
+    summary: Kernel,
+    /// Deep opacity maps: where the hair's front is, hair into the layers, sums over the layers.
+    deep: [Kernel; 3],
+    /// Per map, heights of the hair nearest the light or a deep opacity map.
+    hair: wgpu::Buffer,
+    /// Per map, how much hair and how high in blocks of texels.
     blocks: wgpu::Buffer,
-    block_kernel: Kernel,
     comparison: wgpu::Sampler,
     body: wgpu::RenderPipeline,
 }
@@ -50,13 +58,13 @@ pub struct ShadowMaps {
 impl ShadowMaps {
     /// Maps of `resolution`² texels. `body` is the layout of [`Body`]'s bind group.
     pub(crate) fn new(device: &wgpu::Device, resolution: u32, body: &wgpu::BindGroupLayout) -> Self {
-        let resolution = resolution.clamp(BLOCK, 8192).next_multiple_of(BLOCK);
+        let resolution = resolution.clamp(BLOCK, MOST).next_multiple_of(BLOCK);
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("shadow maps"),
             size: wgpu::Extent3d {
                 width: resolution,
                 height: resolution,
-                depth_or_array_layers: SHADOW_LAYERS,
+                depth_or_array_layers: SHADOW_MAPS as u32,
             },
             mip_level_count: 1,
             sample_count: 1,
@@ -65,7 +73,7 @@ impl ShadowMaps {
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
         });
-        let layers = (0..SHADOW_LAYERS)
+        let layers = (0..SHADOW_MAPS as u32)
             .map(|layer| {
                 texture.create_view(&wgpu::TextureViewDescriptor {
                     dimension: Some(wgpu::TextureViewDimension::D2),
@@ -77,7 +85,7 @@ impl ShadowMaps {
             .collect();
         let matrices = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("shadow matrices"),
-            size: STEP * u64::from(SHADOW_LAYERS),
+            size: STEP * SHADOW_MAPS as u64,
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
@@ -124,24 +132,23 @@ impl ShadowMaps {
             multiview_mask: None,
             cache: None,
         });
-        let splat = Kernel::new(
-            device,
-            "light::splat",
-            &[Binding::Uniform, Binding::Uniform, Binding::Storage, Binding::StorageMut, Binding::Storage],
-        );
-        let texels = u64::from(SHADOW_LAYERS) * u64::from(resolution) * u64::from(resolution);
+        use Binding::{Storage, StorageMut, Uniform};
+        // One group for all: those that need less of it leave the rest alone.
+        let kernel = |module| {
+            let entries = [Uniform, Uniform, Storage, Storage, StorageMut, StorageMut, Storage];
+            Kernel::new(device, module, &entries)
+        };
         let buffer = |label, count| {
             device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
-                size: 4 * count,
+                size: 4 * SHADOW_MAPS as u64 * count,
                 usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             })
         };
-        let nearest = buffer("nearest hair", texels);
-        let blocks = buffer("hair blocks", texels / u64::from(BLOCK * BLOCK));
-        let block_kernel =
-            Kernel::new(device, "light::blocks", &[Binding::Uniform, Binding::Storage, Binding::StorageMut]);
+        let hair =
+            buffer("hair in shadow maps", map_words(ShadowMethod::DeepOpacity, resolution, DEEP_FINEST));
+        let blocks = buffer("hair blocks", u64::from(resolution / BLOCK).pow(2));
         let comparison = device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("shadow comparison"),
             mag_filter: wgpu::FilterMode::Linear,
@@ -156,31 +163,33 @@ impl ShadowMaps {
             layers,
             matrices,
             layer_group,
-            splat,
-            nearest,
+            splat: kernel("light::splat"),
+            summary: kernel("light::blocks"),
+            deep: ["light::front", "light::cover", "light::stack"].map(kernel),
+            hair,
             blocks,
-            block_kernel,
             comparison,
             body,
         }
     }
 
-    /// What shaders need to ask for light: body maps, their sampler, nearest hair, its blocks.
+    /// What shaders need to ask for light: body maps, their sampler, the hair's maps, its blocks.
     pub(crate) fn resources(&self) -> [wgpu::BindingResource<'_>; 4] {
         [
             wgpu::BindingResource::TextureView(&self.view),
             wgpu::BindingResource::Sampler(&self.comparison),
-            self.nearest.as_entire_binding(),
+            self.hair.as_entire_binding(),
             self.blocks.as_entire_binding(),
         ]
     }
 
-    /// The group of the pass that sums up blocks.
-    pub(crate) fn bind_blocks(&self, device: &wgpu::Device, lights: &wgpu::Buffer) -> wgpu::BindGroup {
-        let buffers = [lights, &self.nearest, &self.blocks];
-        self.block_kernel.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()))
+    /// Bytes of GPU memory.
+    pub(crate) fn bytes(&self) -> u64 {
+        let depth = 4 * SHADOW_MAPS as u64 * u64::from(self.resolution).pow(2);
+        depth + self.hair.size() + self.blocks.size() + self.matrices.size()
     }
 
+    /// The group of all kernels.
     pub(crate) fn bind_splat(
         &self,
         device: &wgpu::Device,
@@ -188,7 +197,8 @@ impl ShadowMaps {
         uniform: &wgpu::Buffer,
         strands: &StrandBuffers,
     ) -> wgpu::BindGroup {
-        let buffers = [lights, uniform, &strands.vertices, &self.nearest, &strands.widening];
+        let StrandBuffers { vertices, strands, widening, .. } = strands;
+        let buffers = [lights, uniform, vertices, strands, &self.hair, &self.blocks, widening];
         self.splat.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()))
     }
 
@@ -198,15 +208,17 @@ impl ShadowMaps {
         }
     }
 
-    /// Records the passes, one per layer.
-    pub fn record(
+    /// Records the maps of the sky and of the lights of `scene` that are on.
+    pub(crate) fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         mut timings: Option<&mut Timings>,
+        scene: &Scene,
         hair: Option<&HairSet>,
         body: Option<&Body>,
     ) {
-        for (i, layer) in self.layers.iter().enumerate() {
+        let maps = 1 + scene.lights.active().count();
+        for (i, layer) in self.layers[..maps].iter().enumerate() {
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("shadow"),
                 color_attachments: &[],
@@ -227,19 +239,43 @@ impl ShadowMaps {
                 body.record(&mut pass);
             }
         }
-        encoder.clear_buffer(&self.nearest, 0, None);
-        if hair.is_none() {
+        let Shadows { method, .. } = scene.shadows;
+        let across = scene.shadows.snap(2.0 * scene.focus.radius.max(1e-6) / self.resolution as f32);
+        let words = maps as u64 * map_words(method, self.resolution, across);
+        encoder.clear_buffer(&self.hair, 0, Some(4 * words));
+        let Some(hair) = hair else {
             encoder.clear_buffer(&self.blocks, 0, None);
+            return;
+        };
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("shadow"),
+            timestamp_writes: timings.and_then(|timings| timings.compute("shadow")),
+        });
+        let pass = &mut pass;
+        let mut run = |kernel: &Kernel, threads: u64| {
+            kernel.record(pass, &hair.splat_group, &[], threads.div_ceil(u64::from(STRAND_WORKGROUP)) as u32);
+        };
+        run(&self.splat, u64::from(hair.count) * u64::from(hair.splat[1]));
+        match method {
+            ShadowMethod::DeepOpacity => {
+                let texels = words / u64::from(DEEP_WORDS);
+                let [front, cover, stack] = &self.deep;
+                run(front, texels);
+                run(cover, u64::from(hair.count) * u64::from(hair.vertex_count.saturating_sub(1)));
+                run(stack, texels);
+            }
+            ShadowMethod::Opaque | ShadowMethod::Absorption => {
+                run(&self.summary, maps as u64 * u64::from(self.resolution / BLOCK).pow(2));
+            }
         }
-        if let Some(hair) = hair {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: Some("shadow"),
-                timestamp_writes: timings.and_then(|timings| timings.compute("shadow")),
-            });
-            let workgroups = (hair.count * hair.splat[1]).div_ceil(STRAND_WORKGROUP);
-            self.splat.record(&mut pass, &hair.splat_group, &[], workgroups);
-            let blocks = (self.blocks.size() / 4) as u32;
-            self.block_kernel.record(&mut pass, &hair.block_group, &[], blocks.div_ceil(STRAND_WORKGROUP));
-        }
+    }
+}
+
+/// Words that the hair takes in one map of `resolution`²; a deep opacity map's texels are `across` of
+/// the map's wide.
+fn map_words(method: ShadowMethod, resolution: u32, across: u32) -> u64 {
+    match method {
+        ShadowMethod::Opaque | ShadowMethod::Absorption => u64::from(resolution).pow(2),
+        ShadowMethod::DeepOpacity => u64::from(resolution.div_ceil(across)).pow(2) * u64::from(DEEP_WORDS),
     }
 }

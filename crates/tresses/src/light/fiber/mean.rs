@@ -1,0 +1,142 @@
+//! What many fibres do on average: the quantities of dual scattering (Zinke, Yuksel, Weber, Keyser,
+//! *Dual Scattering Approximation for Fast Multiple Scattering in Hair*, 2008), integrated from the
+//! same lobes that a single fibre is shaded with.
+
+use super::{
+    bsdf::LOBES,
+    far::{AZIMUTHS, COSINES, FarField, HUES, azimuth, cosine},
+};
+use std::f64::consts::PI;
+
+/// Averages of light that meets fibres from a half circle of azimuths.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Mean {
+    /// Share scattered on, into the half circle opposite.
+    pub forward: f32,
+    /// Share scattered back.
+    pub backward: f32,
+    /// Variance along the fibre of what is scattered on.
+    pub forward_variance: f32,
+    /// Variance along the fibre of what is scattered back.
+    pub backward_variance: f32,
+    /// Share that much hair around a fibre throws back, by one or three backward scatterings among
+    /// any number of forward ones (Zinke, equations 13 to 15).
+    pub local: f32,
+    /// Variance along the fibre of that light (equation 17).
+    pub local_variance: f32,
+    /// By how much it is turned towards the root, radians (equation 16).
+    pub local_turn: f32,
+    /// Share of the last lobe.
+    pub rest: f32,
+}
+
+impl Mean {
+    /// From the share of each lobe that is scattered on and back. `density` is Zinke's d_b.
+    fn new(
+        forward: [f64; LOBES],
+        backward: [f64; LOBES],
+        variances: [f64; LOBES],
+        turns: [f64; LOBES],
+        density: f64,
+        rest: f64,
+    ) -> Self {
+        let sum = |shares: &[f64; LOBES]| shares.iter().sum::<f64>();
+        let mean = |shares: &[f64; LOBES], of: &[f64; LOBES]| {
+            shares.iter().zip(of).map(|(a, v)| a * v).sum::<f64>() / sum(shares).max(1e-9)
+        };
+        // A fibre that passed all light on would let it travel for ever.
+        let (f, b) = (sum(&forward).min(0.99), sum(&backward));
+        let (f2, b2) = (f * f, b * b);
+        let left = 1.0 - f2;
+        let local = b * f2 / left + b * b2 * f2 / left.powi(3);
+        let (vf, vb) = (mean(&forward, &variances), mean(&backward, &variances));
+        let deviation = (1.0 + density * f2)
+            * (b * (2.0 * vf + vb).sqrt() + b * b2 * (2.0 * vf + 3.0 * vb).sqrt())
+            / (b + b * b2 * (2.0 * vf.sqrt() + 3.0 * vb.sqrt())).max(1e-9);
+        let turn = mean(&backward, &turns) * (1.0 - 2.0 * b2 / (left * left))
+            + mean(&forward, &turns) * (2.0 * left * left + 4.0 * f2 * b2) / left.powi(3);
+        Self {
+            forward: f as f32,
+            backward: b as f32,
+            forward_variance: vf as f32,
+            backward_variance: vb as f32,
+            local: local as f32,
+            local_variance: (deviation * deviation) as f32,
+            local_turn: turn.clamp(-0.5, 0.5) as f32,
+            rest: rest as f32,
+        }
+    }
+}
+
+/// A table of [`Mean`]s, indexed `hue * COSINES + cosine`.
+pub fn table(far: &FarField, density: f32) -> Vec<Mean> {
+    let (variances, turns) = (far.shape().variances(), far.shape().turns());
+    let mut table = Vec::with_capacity((HUES * COSINES) as usize);
+    for u in 0..HUES {
+        let sigma = -2.0 * (f64::from(u) / f64::from(HUES - 1)).max(1e-6).ln();
+        for c in 0..COSINES {
+            let rest = f64::from(far.rest[(u * COSINES + c) as usize]);
+            let (mut forward, mut backward) = ([0.0; LOBES], [0.0; LOBES]);
+            for i in 0..AZIMUTHS {
+                let at = &far.direct[(c * AZIMUTHS + i) as usize];
+                // Both sides of the circle; its two ends are met once.
+                let ends = if i == 0 || i + 1 == AZIMUTHS { 1.0 } else { 2.0 };
+                let step = ends * PI / f64::from(AZIMUTHS - 1);
+                // Light from anywhere in a half circle, turned by π - φ, stays in the opposite one
+                // with the probability φ/π.
+                let on = azimuth(i) / PI;
+                for (p, n) in at.densities(sigma, rest).into_iter().enumerate() {
+                    forward[p] += n * step * on;
+                    backward[p] += n * step * (1.0 - on);
+                }
+            }
+            debug_assert!(cosine(c) > 0.0);
+            table.push(Mean::new(forward, backward, variances, turns, density.into(), rest));
+        }
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light::fiber::FiberShape;
+
+    #[test]
+    fn fibres_share_out_all_light() {
+        let far = FarField::new(&FiberShape::default());
+        let table = table(&far, 0.7);
+        let white = &table[((HUES - 1) * COSINES) as usize..];
+        for (c, mean) in white.iter().enumerate().skip(1) {
+            assert!((mean.forward + mean.backward - 1.0).abs() < 0.01, "{c} {mean:?}");
+        }
+        // Most light goes on, and absorption takes from it; what mirrors stays.
+        let level = |u: u32| table[(u * COSINES + COSINES - 1) as usize];
+        assert!(level(HUES - 1).forward > 0.6);
+        for u in 1..HUES {
+            assert!(level(u).forward > level(u - 1).forward && level(u).local >= level(u - 1).local);
+        }
+        assert!(level(0).backward > 0.02 && level(0).local < 0.01);
+        assert!(table.iter().all(|m| m.local_variance.is_finite() && m.local_variance >= 0.0));
+    }
+
+    /// The formulas at values worked out by hand.
+    #[test]
+    fn zinkes_formulas() {
+        let m = Mean::new(
+            [0.0, 0.5, 0.0, 0.0],
+            [0.2, 0.0, 0.0, 0.0],
+            [0.09, 0.04, 0.0, 0.0],
+            [-0.1, 0.05, 0.0, 0.0],
+            0.7,
+            0.0,
+        );
+        let local = 0.2 * 0.25 / 0.75 + 0.008 * 0.25 / 0.421_875;
+        assert!((m.local - local).abs() < 1e-6);
+        let turn = -0.1 * (1.0 - 2.0 * 0.04 / 0.5625) + 0.05 * (2.0 * 0.5625 + 4.0 * 0.25 * 0.04) / 0.421_875;
+        assert!((m.local_turn - turn).abs() < 1e-6);
+        let deviation =
+            1.175 * (0.2 * 0.17_f32.sqrt() + 0.008 * 0.35_f32.sqrt()) / (0.2 + 0.008 * (0.4 + 0.9));
+        assert!((m.local_variance - deviation * deviation).abs() < 1e-5);
+    }
+}

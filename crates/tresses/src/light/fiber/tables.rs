@@ -1,0 +1,114 @@
+//! The tables on the GPU.
+
+use super::{
+    FiberShape,
+    far::{AZIMUTHS, Around, COSINES, FarField, HUES},
+    mean,
+};
+use crate::gpu::{
+    Binding,
+    bindings::{self, group, layout},
+};
+use half::f16;
+use std::sync::Mutex;
+
+/// What the tables depend on.
+type Key = (FiberShape, f32);
+
+/// Two textures and the group they are bound with. They are filled when first needed, and again when
+/// the fibre's shape changes: some 30 ms on the CPU.
+#[derive(Debug)]
+pub struct FiberTables {
+    around: wgpu::Texture,
+    mean: wgpu::Texture,
+    pub(crate) group: wgpu::BindGroup,
+    filled: Mutex<Option<Key>>,
+}
+
+impl FiberTables {
+    /// The layout of [`FiberTables`]'s group, `@group(2)` wherever hair is shaded.
+    pub(crate) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+        let stages = wgpu::ShaderStages::FRAGMENT | wgpu::ShaderStages::COMPUTE;
+        let entries = [Binding::Texture2dArray, Binding::Texture2dArray, Binding::Sampler];
+        layout(device, "fiber", stages, &entries)
+    }
+
+    /// Empty tables.
+    pub(crate) fn new(device: &wgpu::Device, layout: &wgpu::BindGroupLayout) -> Self {
+        let texture = |label, width, height, layers| {
+            device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: layers },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Rgba16Float,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+                view_formats: &[],
+            })
+        };
+        let around = texture("lobes around a fibre", AZIMUTHS, COSINES, 4);
+        let mean = texture("means of fibres", COSINES, HUES, 2);
+        let view = |texture: &wgpu::Texture| {
+            texture.create_view(&wgpu::TextureViewDescriptor {
+                dimension: Some(wgpu::TextureViewDimension::D2Array),
+                ..Default::default()
+            })
+        };
+        let group = group(
+            device,
+            "fiber",
+            layout,
+            &[
+                wgpu::BindingResource::TextureView(&view(&around)),
+                wgpu::BindingResource::TextureView(&view(&mean)),
+                wgpu::BindingResource::Sampler(&bindings::linear(device)),
+            ],
+        );
+        Self { around, mean, group, filled: Mutex::new(None) }
+    }
+
+    /// Fills the tables for fibres of `shape` among which the share `density` (Zinke's d_b) of what is
+    /// scattered back meets others; does nothing when they already are.
+    pub(crate) fn fill(&self, queue: &wgpu::Queue, shape: &FiberShape, density: f32) {
+        let shape = shape.clamped();
+        // A panic elsewhere leaves the key whole.
+        let mut filled = self.filled.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if *filled == Some((shape, density)) {
+            return;
+        }
+        let far = FarField::new(&shape);
+        let ways = |table: &[Around]| {
+            let first = table.iter().flat_map(|a| [a.weight[0], a.weight[1], a.weight[2], a.path[0]]);
+            let second = table.iter().flat_map(|a| [a.path[1], a.spread[0], a.spread[1], 0.0]);
+            first.chain(second).collect::<Vec<_>>()
+        };
+        write(queue, &self.around, [ways(&far.direct), ways(&far.wide)].concat());
+        let means = mean::table(&far, density);
+        let first = means.iter().flat_map(|m| [m.forward, m.forward_variance, m.local, m.local_variance]);
+        let second = means.iter().flat_map(|m| [m.local_turn, m.rest, m.backward, m.backward_variance]);
+        write(queue, &self.mean, first.chain(second).collect());
+        *filled = Some((shape, density));
+    }
+
+    /// Bytes of GPU memory.
+    pub fn bytes(&self) -> u64 {
+        8 * u64::from(AZIMUTHS * COSINES * 4 + COSINES * HUES * 2)
+    }
+}
+
+/// Fills a texture of four half floats per texel.
+fn write(queue: &wgpu::Queue, texture: &wgpu::Texture, values: Vec<f32>) {
+    let halves: Vec<u16> = values.into_iter().map(|v| f16::from_f32(v).to_bits()).collect();
+    let size = texture.size();
+    queue.write_texture(
+        texture.as_image_copy(),
+        bytemuck::cast_slice(&halves),
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(8 * size.width),
+            rows_per_image: Some(size.height),
+        },
+        size,
+    );
+}
