@@ -174,6 +174,11 @@ fn check(stage: &Stage, name: &str, hair: &mut Hair) -> [f32; 2] {
             100.0 * mean[0],
             100.0 * mean[1]
         );
+        if distance > 20.0 {
+            // Not reached there: hair 17 pixels large shines by chance, and strips of a pixel reach far.
+            assert!(mean.iter().all(|error| error.abs() < 0.08), "{mean:?}");
+            continue;
+        }
         worst = [0, 1].map(|i| worst[i].max(mean[i].abs()));
     }
     worst
