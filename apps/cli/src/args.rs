@@ -37,6 +37,10 @@ pub struct Source {
     /// More that hair collides with, and how it moves: a file of capsules, ellipsoids and meshes (.json)
     #[arg(long, value_name = "FILE")]
     pub colliders: Option<PathBuf>,
+    /// Painted levels of detail: a .json file of sizes in pixels, each with grey pictures over the scalp of
+    /// density and thickness, {"levels": [{"size": 300}, {"size": 40, "density": "d.png", "thickness": "t.png"}]}
+    #[arg(long, value_name = "FILE", help_heading = "Level of detail")]
+    pub lod_maps: Option<PathBuf>,
     #[command(flatten)]
     pub orientation: OrientArgs,
     #[command(flatten)]

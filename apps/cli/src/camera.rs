@@ -89,6 +89,43 @@ impl Camera {
             .fold(0.05, f32::max);
         Self { eye: target + back * (distance / zoom), target }
     }
+
+    /// How far it is from what it looks at, metres.
+    pub fn distance(&self) -> f32 {
+        self.eye.distance(self.target)
+    }
+
+    /// The same view from `distance` metres.
+    pub fn moved(&self, distance: f32) -> Self {
+        let back = (self.eye - self.target).normalize_or(Vec3::Z);
+        Self { eye: self.target + back * distance, ..*self }
+    }
+}
+
+/// A camera that may move away from what it looks at, or towards it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shot {
+    from: Camera,
+    /// Metres.
+    to: f32,
+}
+
+impl Shot {
+    /// One that stays.
+    pub fn still(camera: Camera) -> Self {
+        Self { to: camera.distance(), from: camera }
+    }
+
+    /// One that ends `to` metres away.
+    pub fn moving(camera: Camera, to: f32) -> Self {
+        Self { from: camera, to }
+    }
+
+    /// At the time `t` of the shot, 0 to 1: in equal times the distance changes by equal factors.
+    pub fn at(&self, t: f32) -> Camera {
+        let from = self.from.distance();
+        if from == self.to { self.from } else { self.from.moved(from * (self.to / from).powf(t)) }
+    }
 }
 
 #[cfg(test)]
@@ -129,6 +166,18 @@ mod tests {
                 assert!(x.abs() < 1e-5 && y.abs() < 1e-5);
             }
         }
+    }
+
+    #[test]
+    fn shots_move_by_equal_factors() {
+        let camera = Camera::portrait(View::Side, HAIR, 1.6, 1.0).moved(0.5);
+        assert!((camera.distance() - 0.5).abs() < 1e-6 && camera.eye.x > 0.3);
+        let shot = Shot::moving(camera, 8.0);
+        for (t, distance) in [(0.0, 0.5), (0.5, 2.0), (1.0, 8.0)] {
+            assert!((shot.at(t).distance() / distance - 1.0).abs() < 1e-4);
+            assert_eq!(shot.at(t).target, camera.target);
+        }
+        assert_eq!(Shot::still(camera).at(0.7), camera);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::{
     args::{Size, Source},
-    camera::{Camera, View},
+    camera::{Camera, Shot, View},
     edge_args::EdgeArgs,
     interrupt,
     motion::Motion,
@@ -64,7 +64,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut output = Output::create(&path, (LOOP.width, LOOP.height), frames, LOOP_FPS)?;
     let times = Times { frames, fps: LOOP_FPS, lead: -motion.duration() };
     let camera = Camera::portrait(View::ThreeQuarter, scene.subject(), LOOP.aspect(), 0.95);
-    animate(&mut scene, &camera, &motion, times, &mut output)?;
+    animate(&mut scene, &Shot::still(camera), &motion, times, &mut output)?;
     say!("{picture}");
     say!("{}", output.finish()?);
     Ok(())

@@ -2,6 +2,7 @@
 
 use crate::{
     args::{Guides, Source},
+    lod_args,
     style_args::StyleArgs,
 };
 use anyhow::{Context, Result};
@@ -17,6 +18,7 @@ use tresses::{
         mesh::sdf::{self, SdfOptions},
         styles::{self, Style},
     },
+    lod::LodLevel,
     simulate::Simulate,
 };
 
@@ -36,8 +38,17 @@ pub struct Character {
     pub field: Option<SdfGrid>,
     /// The neck joint, metres.
     pub neck: Vec3,
+    /// Painted levels of detail.
+    pub levels: Vec<LodLevel>,
     /// What the user should know, a sentence each.
     pub notes: Vec<String>,
+}
+
+impl Character {
+    /// The middle of the braincase, metres.
+    pub fn skull(&self) -> Vec3 {
+        self.neck + SKULL_ABOVE_NECK
+    }
 }
 
 /// Reads or grows the character that `source` names; what is grown is draped on `gpu`.
@@ -46,7 +57,10 @@ pub fn load(source: &Source, gpu: &Gpu, simulate: &Simulate) -> Result<Character
     let mut character =
         if source.grooms.is_empty() { built_in(source, gpu, simulate)? } else { imported(source)? };
     if let Some(map) = map {
-        character.groom.guides.stiffen(&map, character.neck + SKULL_ABOVE_NECK);
+        character.groom.guides.stiffen(&map, character.skull());
+    }
+    if let Some(path) = &source.lod_maps {
+        character.levels = lod_args::levels(path)?;
     }
     Ok(character)
 }
@@ -85,7 +99,7 @@ fn imported(source: &Source) -> Result<Character> {
         notes.extend(StyleArgs::note(&restyle.curls, &groom));
     }
     notes.extend(report.head_placement.into_iter().flat_map(|placement| placement.doubts));
-    Ok(Character { groom, head, field, neck, notes })
+    Ok(Character { groom, head, field, neck, levels: Vec::new(), notes })
 }
 
 fn built_in(source: &Source, gpu: &Gpu, simulate: &Simulate) -> Result<Character> {
@@ -101,6 +115,7 @@ fn built_in(source: &Source, gpu: &Gpu, simulate: &Simulate) -> Result<Character
         head: Some(built.mesh),
         field: Some(built.field),
         neck: built.neck,
+        levels: Vec::new(),
         notes,
     })
 }

@@ -15,6 +15,7 @@ mod hair_hair_args;
 mod info;
 mod interrupt;
 mod load;
+mod lod_args;
 mod motion;
 mod orient_args;
 mod picture;

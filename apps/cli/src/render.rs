@@ -3,12 +3,13 @@
 use crate::{
     args::{self, Size, Source},
     avoid_args::Avoid,
-    camera::{Camera, View},
+    camera::{Camera, Shot, View},
     debug,
     edge_args::EdgeArgs,
     environment_args::EnvironmentArgs,
     hair_hair_args::HairHairArgs,
     interrupt,
+    lod_args::{self, LodArgs},
     motion::Motion,
     picture::{Kind, Output},
     progress, say,
@@ -19,7 +20,7 @@ use crate::{
 };
 use anyhow::{Result, ensure};
 use std::path::PathBuf;
-use tresses::{light::MAX_LIGHTS, simulate::SimulationParams};
+use tresses::simulate::SimulationParams;
 
 /// The longest animation, frames.
 const MAX_FRAMES: u32 = 100_000;
@@ -47,6 +48,12 @@ pub struct Args {
     /// How near: close, normal, far, or a factor
     #[arg(long, value_name = "FACTOR", default_value = "normal", value_parser = args::zoom)]
     pub zoom: f32,
+    /// How far the camera is from the middle of what it looks at, metres; instead of --zoom
+    #[arg(long, value_name = "METRES", value_parser = lod_args::distance, conflicts_with = "zoom")]
+    pub distance: Option<f32>,
+    /// How far it is in the last frame: it moves away, or nearer, by equal factors in equal times
+    #[arg(long, value_name = "METRES", value_parser = lod_args::distance)]
+    pub distance_to: Option<f32>,
     /// Where to: one .png, a folder of numbered frames, or an animation (.webp, .gif, .apng)
     #[arg(long, value_name = "PATH", default_value = "out/render.png")]
     pub out: PathBuf,
@@ -59,6 +66,8 @@ pub struct Args {
     /// What drawn strands do where they would enter the head
     #[arg(long, value_name = "MODE", value_enum, default_value_t, help_heading = "Simulation")]
     pub avoid: Avoid,
+    #[command(flatten)]
+    pub lod: LodArgs,
     #[command(flatten)]
     pub shading: ShadingArgs,
     #[command(flatten)]
@@ -90,38 +99,36 @@ pub fn run(args: &Args) -> Result<()> {
     args.hair_hair.apply(&mut physics, args.debug.debug == Some(debug::Subject::Density));
     args.wind.apply(&mut physics);
     args.debug.check(&physics)?;
-    let lights = args.shadows.lights()?;
+    let more_lights = args.shadows.lights()?;
     args.shading.check()?;
     ensure!(
         args.source.color.is_none() || args.shading.melanin.is_none(),
         "--color and --melanin both say what colour the hair has: give one"
     );
-    let surroundings = args.environment.lights()?;
-    let more = lights.iter().filter(|light| light.irradiance.max_element() > 0.0).count();
-    ensure!(
-        surroundings.is_none_or(|own| own.active().count() + more <= MAX_LIGHTS),
-        "the surroundings and --light have more than {MAX_LIGHTS} lights together: give fewer --light"
-    );
+    let lights = args.environment.lights()?;
     let start = progress::spinner("preparing");
     let quality =
         Quality { shadow_resolution: args.shadows.resolution(), ..Quality::new(args.size, args.edges) };
     let mut scene = Scene::open(&args.source, quality)?;
     scene.set_shadows(args.shadows.shadows());
-    scene.add_lights(lights);
+    scene.add_lights(more_lights);
     *scene.physics_mut() = physics;
     scene.set_avoid(args.avoid);
-    scene.set_lights(surroundings);
+    scene.set_lights(lights);
+    scene.set_lod(args.lod.options())?;
     let look = scene.look_mut();
     args.shading.apply(&mut look.hair, &mut look.shading);
     scene.show(&args.debug);
     start.finish_and_clear();
     let camera = Camera::portrait(args.camera, scene.subject(), args.size.aspect(), args.zoom);
-    let written = record(&mut scene, &camera, &motion, frames, args)?;
+    let camera = args.distance.map_or(camera, |distance| camera.moved(distance));
+    let shot = args.distance_to.map_or(Shot::still(camera), |distance| Shot::moving(camera, distance));
+    let written = record(&mut scene, &shot, &motion, frames, args)?;
     say!("{written}");
     Ok(())
 }
 
-fn record(scene: &mut Scene, camera: &Camera, motion: &Motion, frames: u32, args: &Args) -> Result<String> {
+fn record(scene: &mut Scene, shot: &Shot, motion: &Motion, frames: u32, args: &Args) -> Result<String> {
     let size = (args.size.width, args.size.height);
     let mut output = Output::create(&args.out, size, frames, args.fps)?;
     // A whole run of a repeating motion is a loop: the hair must start as it ends.
@@ -130,7 +137,7 @@ fn record(scene: &mut Scene, camera: &Camera, motion: &Motion, frames: u32, args
         && motion.repeats()
         && (f64::from(frames) / args.fps - period).abs() < 0.5 / args.fps;
     let lead = if is_loop { -period } else { 0.0 };
-    animate(scene, camera, motion, Times { frames, fps: args.fps, lead }, &mut output)?;
+    animate(scene, shot, motion, Times { frames, fps: args.fps, lead }, &mut output)?;
     output.finish()
 }
 
@@ -148,7 +155,7 @@ pub struct Times {
 /// Moves the head, and hands every frame to `output`.
 pub fn animate(
     scene: &mut Scene,
-    camera: &Camera,
+    shot: &Shot,
     motion: &Motion,
     times: Times,
     output: &mut Output,
@@ -156,6 +163,9 @@ pub fn animate(
     let pivot = scene.pivot();
     let step = 1.0 / times.fps;
     let mut time = times.lead;
+    let last = times.frames.max(2) - 1;
+    let at = |frame: u32| shot.at(if times.frames == 1 { 1.0 } else { frame as f32 / last as f32 });
+    scene.watch(&at(0));
     scene.reset(&motion.pose(time, pivot))?;
     let lead_frames = (-times.lead * times.fps).round().max(0.0) as u64;
     let bar = progress::frames("drawing", lead_frames + u64::from(times.frames));
@@ -167,11 +177,13 @@ pub fn animate(
     }
     for frame in 0..times.frames {
         interrupt::check()?;
+        let camera = at(frame);
         if frame > 0 {
+            scene.watch(&camera);
             scene.advance(&motion.pose(f64::from(frame) * step, pivot), step as f32)?;
         }
         if !output.keeps_only_last() || frame + 1 == times.frames {
-            output.add(scene.picture(camera)?)?;
+            output.add(scene.picture(&camera)?)?;
         }
         bar.inc(1);
     }

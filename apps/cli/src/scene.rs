@@ -22,6 +22,7 @@ use tresses::{
     gpu::{Gpu, Timings},
     groom::{SdfGrid, TriMesh},
     light::{Directional, Lights, ShadingRate, Shadows, Sphere},
+    lod::{Detail, LodMode, LodOptions},
     simulate::SimulationParams,
 };
 
@@ -83,6 +84,8 @@ pub struct Scene {
     field: Option<SdfGrid>,
     debug: Option<Debug>,
     more_lights: [Directional; 2],
+    /// Who looks, for whom the level of detail is chosen.
+    watcher: Option<Camera>,
 }
 
 impl Scene {
@@ -134,7 +137,10 @@ impl Scene {
         let fields = builder.as_ref().map(|builder| colliders.fields(builder)).unwrap_or_default();
         let (head, list) = (character.field.as_ref(), colliders.list.as_slice());
         let what = ColliderDescriptor { head, fields: &fields, colliders: list };
-        let hair = Hair::with_colliders(device, queue, &renderer, &character.groom, &options, &what)?;
+        let mut hair = Hair::with_colliders(device, queue, &renderer, &character.groom, &options, &what)?;
+        // Full detail, unless somebody asks for less.
+        hair.lod.options.mode = LodMode::Off;
+        hair.paint_levels(queue, &character.groom, &character.levels, character.skull())?;
         let body = character.head.as_ref().map(|head| Body::new(device, &renderer.draw, head));
         let Size { width, height } = quality.size;
         let targets = renderer.draw.targets(device, width, height, quality.edges.ssaa)?;
@@ -164,6 +170,7 @@ impl Scene {
             field: character.field.clone(),
             debug: None,
             more_lights: [Directional::OFF; 2],
+            watcher: None,
             gpu,
         })
     }
@@ -183,14 +190,31 @@ impl Scene {
         &mut self.scene
     }
 
+    /// Lights besides the two that go with the camera, from here on; these stay where they are.
+    pub fn add_lights(&mut self, lights: [Directional; 2]) {
+        self.more_lights = lights;
+    }
+
     /// Lights that stay where they are; `None` for a photographer's, which go with the camera.
     pub fn set_lights(&mut self, lights: Option<Lights>) {
         self.lights = lights;
     }
 
-    /// Lights besides the two that go with the camera, from here on; these stay where they are.
-    pub fn add_lights(&mut self, lights: [Directional; 2]) {
-        self.more_lights = lights;
+    /// How much of the hair is drawn from here on.
+    pub fn set_lod(&mut self, options: LodOptions) -> Result<()> {
+        options.check()?;
+        self.hair.lod.options = options;
+        Ok(())
+    }
+
+    /// The level of detail of the last frame.
+    pub fn detail(&self) -> &Detail {
+        self.hair.lod.current()
+    }
+
+    /// From here on `camera` looks: frames are made for it.
+    pub fn watch(&mut self, camera: &Camera) {
+        self.watcher = Some(*camera);
     }
 
     /// What a portrait must show, metres.
@@ -277,6 +301,15 @@ impl Scene {
         Ok(picture)
     }
 
+    /// How many pixels of the picture the hair covers, whatever is before it. Blocks.
+    pub fn hair_pixels(&mut self, camera: &Camera) -> Result<f64> {
+        let body = self.body.take();
+        let background = std::mem::replace(&mut self.scene.background, draw::Background::transparent());
+        let picture = self.picture(camera);
+        (self.body, self.scene.background) = (body, background);
+        Ok(picture?.rgba.as_chunks::<4>().0.iter().map(|[.., alpha]| f64::from(*alpha) / 255.0).sum())
+    }
+
     /// Makes the body anew with the colliders where they are drawn.
     fn place_colliders(&mut self) {
         if self.colliders.list.is_empty() {
@@ -300,10 +333,12 @@ impl Scene {
         camera: &Camera,
     ) -> Result<(f64, Vec<(&'static str, f64)>)> {
         if self.gpu.tier.software {
+            self.watch(camera);
             let start = Instant::now();
             let stages = self.stage_by_stage(pose, seconds, camera)?;
             return Ok((start.elapsed().as_secs_f64() * 1e3, stages));
         }
+        self.watch(camera);
         let start = Instant::now();
         let mut timings = std::mem::replace(&mut self.timings, Timings::by_the_clock());
         let mut timed = self.gpu.tier.timestamps.then_some(&mut timings);
@@ -386,13 +421,13 @@ impl Scene {
     fn look_from(&mut self, camera: &Camera) {
         self.scene.view = View::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, self.targets.size);
         let back = camera.eye - camera.target;
-        let mut lights = self.lights.unwrap_or_else(|| Lights::around(back.x.atan2(back.z)));
-        // Others take the places that are free.
-        let free = lights.directional.iter_mut().filter(|light| light.irradiance == Vec3::ZERO);
-        for (place, light) in free.zip(&self.more_lights) {
-            *place = *light;
+        self.scene.lights = self.lights.unwrap_or_else(|| Lights::around(back.x.atan2(back.z)));
+        for (place, light) in self.scene.lights.directional[2..].iter_mut().zip(self.more_lights) {
+            // The surroundings may have lit it already.
+            if light.irradiance != Vec3::ZERO {
+                *place = light;
+            }
         }
-        self.scene.lights = lights;
     }
 
     fn record_advance(
@@ -404,6 +439,10 @@ impl Scene {
     ) -> Result<()> {
         self.scene.pose = *pose;
         self.time += f64::from(seconds);
+        if let Some(camera) = &self.watcher {
+            let view = View::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, self.targets.size);
+            self.hair.look_from(&self.gpu.device, &self.gpu.queue, &view, pose);
+        }
         let poses = self.colliders.poses(self.time);
         let frame = Frame { dt: seconds, head: *pose, colliders: &poses, simulation: &self.physics };
         let Gpu { device, queue, .. } = &self.gpu;

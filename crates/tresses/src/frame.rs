@@ -71,14 +71,14 @@ impl Recorder<'_> {
 
     /// The drawn strands follow the guides: [`tessellate`](Self::tessellate),
     /// [`interpolate`](Self::interpolate), [`avoid`](Self::avoid).
-    pub fn follow(&mut self, hair: &Hair, frame: &Frame<'_>) {
+    pub fn follow(&mut self, hair: &mut Hair, frame: &Frame<'_>) {
         self.tessellate(hair, frame);
         self.interpolate(hair);
         self.avoid(hair);
     }
 
     /// The guides' smooth curves for the head's pose now.
-    pub fn tessellate(&mut self, hair: &Hair, frame: &Frame<'_>) {
+    pub fn tessellate(&mut self, hair: &mut Hair, frame: &Frame<'_>) {
         hair.prepare(self.queue, &frame.head, frame.dt);
         let renderer = self.renderer;
         self.stage(Stage::Tessellate, |pass| hair.record_tessellate(pass, &renderer.tessellate));
@@ -87,7 +87,9 @@ impl Recorder<'_> {
     /// The strands' vertices between those curves, some of them in obstacles.
     pub fn interpolate(&mut self, hair: &Hair) {
         let renderer = self.renderer;
-        self.stage(Stage::Interpolate, |pass| hair.record_interpolate(pass, &renderer.interpolate));
+        self.stage(Stage::Interpolate, |pass| {
+            hair.record_interpolate(pass, &renderer.interpolate, &renderer.widths)
+        });
     }
 
     /// Strands that entered an obstacle leave it. Once after each [`interpolate`](Self::interpolate):

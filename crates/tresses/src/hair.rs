@@ -5,11 +5,12 @@ use crate::{
     Error, Pose, Result,
     avoid::{self, Avoid, AvoidOptions, Avoidance},
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
-    draw::{DrawOptions, DrawStage, HairSet},
+    draw::{DrawOptions, DrawStage, HairSet, View},
     frame::Frame,
     gpu::bindings,
-    groom::{Groom, SdfGrid},
+    groom::{BoundStrands, Groom, SdfGrid},
     interpolate::{Interpolate, InterpolateParams},
+    lod::{self, Detail, Lod, LodLevel, Widths},
     math::hash::pcg,
     simulate::{
         Clock, Forces, GuideTraits, Mode, RestOptions, RestShape, Simulate, Simulation, SimulationParams,
@@ -38,6 +39,8 @@ pub struct HairRenderer {
     pub interpolate: Interpolate,
     /// Strands leave obstacles.
     pub avoid: Avoid,
+    /// Widths of strands at a level of detail.
+    pub widths: Widths,
     /// Lights to picture.
     pub draw: DrawStage,
 }
@@ -52,6 +55,7 @@ impl HairRenderer {
             tessellate: Tessellate::new(device),
             interpolate: Interpolate::new(device),
             avoid: Avoid::new(device),
+            widths: Widths::new(device),
             draw: DrawStage::new(device, options),
         }
     }
@@ -95,6 +99,8 @@ pub struct Hair {
     pub set: HairSet,
     /// How drawn strands avoid obstacles, and what is remembered of it from frame to frame.
     pub avoidance: Avoidance,
+    /// How much of it is drawn.
+    pub lod: Lod,
     /// What it collides with.
     pub colliders: ColliderSet,
     /// Density and velocity of the hair around the head.
@@ -138,7 +144,8 @@ impl Hair {
         Self::with_colliders(device, queue, renderer, groom, options, &colliders)
     }
 
-    /// Brings `groom` to the GPU, at rest, the head at the origin, among `colliders`.
+    /// Brings `groom` to the GPU, at rest, the head at the origin, among `colliders`. The strands are put
+    /// in the order of [`lod::arrange`].
     ///
     /// # Errors
     /// [`Error::Limit`] when the adapter cannot hold it, [`Error::Groom`] and [`Error::Parameter`]
@@ -155,6 +162,8 @@ impl Hair {
         if groom.guides.is_empty() || groom.strands.is_empty() {
             return Err(Error::Groom("the groom has no strands".into()));
         }
+        let mut arranged = groom.strands.clone();
+        lod::arrange(&mut arranged);
         let vertex_count = groom.guides.vertex_count;
         let sample_count = vertex_count.max(groom.strands.vertex_count);
         let guides = GuideBuffers::new(device, count(groom.guides.len())?, vertex_count, sample_count)?;
@@ -181,14 +190,15 @@ impl Hair {
             .map(|p| p.extend(0.0).to_array())
             .collect();
         queue.write_buffer(&guides.sample_rest, 0, bytemuck::cast_slice(&sample_rest));
-        queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&with_locks(groom)));
-        queue.write_buffer(&strands.bindings, 0, bytemuck::cast_slice(&groom.strands.bindings));
+        let infos = with_locks(&arranged);
+        queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&infos));
+        queue.write_buffer(&strands.bindings, 0, bytemuck::cast_slice(&arranged.bindings));
         match head {
             Some(head) => {
-                let rest = avoid::sunk(&groom.strands, head, options.clearance);
+                let rest = avoid::sunk(&arranged, head, options.clearance);
                 queue.write_buffer(&strands.rest, 0, bytemuck::cast_slice(&rest));
             }
-            None => queue.write_buffer(&strands.rest, 0, bytemuck::cast_slice(&groom.strands.rest)),
+            None => queue.write_buffer(&strands.rest, 0, bytemuck::cast_slice(&arranged.rest)),
         }
 
         let colliders = ColliderSet::new(device, queue, colliders)?;
@@ -199,6 +209,7 @@ impl Hair {
         let interpolate_params = uniform("interpolate", size_of::<InterpolateParams>());
         Ok(Self {
             set: HairSet::new(device, &renderer.draw, &strands)?,
+            lod: Lod::new(device, queue, &renderer.widths, &arranged, &infos, &strands)?,
             tessellate_group: renderer.tessellate.bind(device, &tessellate_params, &guides),
             interpolate_group: renderer.interpolate.bind(device, &interpolate_params, &guides, &strands),
             forces: Forces::new(device, &renderer.simulate, &guides, &volume, None),
@@ -233,6 +244,41 @@ impl Hair {
         self.clock.reset();
     }
 
+    /// The frames from here on are drawn at the level of detail that [`Lod::options`](crate::lod::Lod::options)
+    /// have for what `view` sees on a head at `head`. Call it before a frame is recorded; without it hair
+    /// is drawn in full detail.
+    pub fn look_from(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, view: &View, head: &Pose) {
+        self.set_detail(device, queue, self.lod.seen(view, head));
+    }
+
+    /// The frames from here on are drawn as `detail` says, which comes from [`Lod::detail`](crate::lod::Lod::detail).
+    pub fn set_detail(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, detail: Detail) {
+        self.lod.set(queue, &mut self.strands, detail);
+        self.set.show(device, &self.strands.drawn);
+    }
+
+    /// Paints levels of detail: at most [`lod::MAX_LEVELS`], their sizes falling; none takes them away.
+    /// `groom` is the one the hair was made from, `skull` the middle of its braincase (groom space, metres;
+    /// [`SKULL_CENTRE`](crate::groom::mannequin::SKULL_CENTRE) for the built-in head). They act from the
+    /// next [`look_from`](Self::look_from) on.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] when the levels make no sense, [`Error::Groom`] when it is another groom.
+    pub fn paint_levels(
+        &mut self,
+        queue: &wgpu::Queue,
+        groom: &Groom,
+        levels: &[LodLevel],
+        skull: Vec3,
+    ) -> Result<()> {
+        if groom.strands.len() != self.strands.count as usize {
+            return Err(Error::Groom("levels of detail must be painted on the groom of the hair".into()));
+        }
+        let mut arranged = groom.strands.clone();
+        lod::arrange(&mut arranged);
+        self.lod.paint(queue, &arranged, levels, skull)
+    }
+
     /// Begins a frame: writes what its fixed steps read and returns how many are due.
     pub(crate) fn begin(
         &mut self,
@@ -241,8 +287,10 @@ impl Hair {
         renderer: &HairRenderer,
         frame: &Frame<'_>,
     ) -> Result<u32> {
-        let physics = frame.simulation;
-        physics.check()?;
+        frame.simulation.check()?;
+        let slow = self.lod.current().step;
+        let physics =
+            &SimulationParams { step: (frame.simulation.step * slow).min(0.1), ..*frame.simulation };
         self.windy = physics.wind.blows();
         if self.windy {
             self.make_air(device, queue, renderer, &physics.wind)?;
@@ -340,6 +388,7 @@ impl Hair {
         self.guides.bytes()
             + self.strands.bytes()
             + self.set.bytes()
+            + self.lod.bytes()
             + self.avoidance.bytes()
             + self.simulation.bytes()
             + self.colliders.bytes()
@@ -350,19 +399,15 @@ impl Hair {
 
     /// Writes the uniforms of the stages that follow the guides: the head is at `head`, `dt` seconds
     /// after the last frame.
-    pub(crate) fn prepare(&self, queue: &wgpu::Queue, head: &Pose, dt: f32) {
+    pub(crate) fn prepare(&mut self, queue: &wgpu::Queue, head: &Pose, dt: f32) {
         let (previous, current, blend) = self.states;
         let params = TessellateParams::new(&self.guides, &previous, &current, head, blend);
         queue.write_buffer(&self.tessellate_params, 0, bytemuck::bytes_of(&params));
-        let params = InterpolateParams {
-            strand_count: self.strands.count,
-            vertex_count: self.strands.vertex_count,
-            sample_count: self.guides.sample_count,
-            ..Default::default()
-        };
+        let params = InterpolateParams::new(&self.guides, &self.strands);
         queue.write_buffer(&self.interpolate_params, 0, bytemuck::bytes_of(&params));
         let counts = (&self.guides, &self.strands);
-        self.avoidance.prepare(queue, counts, dt, self.moved_away);
+        let fresh = self.lod.begin();
+        self.avoidance.prepare(queue, counts, dt, self.moved_away, fresh);
     }
 
     /// Step `i` of the guides: what the grids do to them, then the step itself.
@@ -388,7 +433,13 @@ impl Hair {
         stage.record(pass, &self.tessellate_group, &self.guides);
     }
 
-    pub(crate) fn record_interpolate(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Interpolate) {
+    pub(crate) fn record_interpolate(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        stage: &Interpolate,
+        widths: &Widths,
+    ) {
+        self.lod.record(pass, widths);
         stage.record(pass, &self.interpolate_group, &self.strands);
     }
 
@@ -413,8 +464,8 @@ fn count(n: usize) -> Result<u32> {
 }
 
 /// The strands with the upper half of their seeds shared by all that hang on the same first guide.
-fn with_locks(groom: &Groom) -> Vec<Strand> {
-    let strands = groom.strands.strands.iter().zip(&groom.strands.bindings);
+fn with_locks(strands: &BoundStrands) -> Vec<Strand> {
+    let strands = strands.strands.iter().zip(&strands.bindings);
     strands
         .map(|(strand, binding)| Strand {
             seed: (pcg(binding.guides[0]) & 0xffff_0000) | (strand.seed & 0xffff),

@@ -20,6 +20,8 @@ pub mod avoid;
 
 pub mod light;
 
+pub mod lod;
+
 pub mod draw;
 
 pub mod present;

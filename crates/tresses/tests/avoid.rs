@@ -33,10 +33,13 @@ impl Stage {
     /// A sphere with so few guides that what lies between them enters it.
     fn new() -> Option<Self> {
         let gpu = common::gpu()?;
+        let mut groom = bind(&common::hanging(600, 16, 0.16), &BindOptions::default()).unwrap();
+        // As the hair has them.
+        tresses::lod::arrange(&mut groom.strands);
         Some(Self {
             renderer: HairRenderer::new(&gpu.device, &Default::default()),
             character: Character {
-                groom: bind(&common::hanging(600, 16, 0.16), &BindOptions::default()).unwrap(),
+                groom,
                 field: SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), 64, |p| p.length() - HEAD),
                 neck: Vec3::new(0.0, 0.0, -0.02),
             },

@@ -12,6 +12,7 @@ use tresses::{
     glam::Vec3,
     gpu::Gpu,
     groom::{BindOptions, BoundStrands, GuideCount, Strands, bind, import, mesh::sdf, styles},
+    lod,
     strands::StrandVertex,
 };
 
@@ -73,7 +74,9 @@ fn check(name: &str, gpu: &Gpu, renderer: &HairRenderer, character: &Character, 
 
 fn style(gpu: &Gpu, renderer: &HairRenderer, name: &str) -> Character {
     let style = name.parse().unwrap();
-    let built = styles::character(&gpu.device, &gpu.queue, &renderer.simulate, &style, Some(1200)).unwrap();
+    let mut built =
+        styles::character(&gpu.device, &gpu.queue, &renderer.simulate, &style, Some(1200)).unwrap();
+    lod::arrange(&mut built.groom.strands);
     Character { groom: built.groom, field: built.field, neck: built.neck }
 }
 
@@ -120,12 +123,14 @@ fn a_real_groom_is_served_too() {
     // One guide to each strand, then fewer and fewer; of what is drawn every fourth strand will do.
     let mut few = Strands::default();
     (0..strands.len()).step_by(16).for_each(|i| few.push(strands.strand(i)));
-    let own = bind(&few, &BindOptions { guides: GuideCount::All, ..Default::default() }).unwrap();
+    let mut own = bind(&few, &BindOptions { guides: GuideCount::All, ..Default::default() }).unwrap();
+    lod::arrange(&mut own.strands);
     check("Sintel, all guides", &gpu, &renderer, &Character { groom: own, field: field.clone(), neck }, 0.0);
     for (share, least) in [(16, 0.0), (64, 0.0005)] {
         let guides = GuideCount::OneIn(share);
         let mut groom = bind(&strands, &BindOptions { guides, ..Default::default() }).unwrap();
         thin(&mut groom.strands, 4);
+        lod::arrange(&mut groom.strands);
         let character = Character { groom, field: field.clone(), neck };
         check(&format!("Sintel, one guide in {share}"), &gpu, &renderer, &character, least);
     }

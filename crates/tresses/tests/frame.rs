@@ -32,9 +32,12 @@ impl Stage {
 
     fn new() -> Option<Self> {
         let gpu = common::gpu()?;
+        let mut groom = bind(&common::hanging(300, 16, 0.12), &BindOptions::default()).unwrap();
+        // As the hair has them.
+        tresses::lod::arrange(&mut groom.strands);
         Some(Self {
             renderer: HairRenderer::new(&gpu.device, &Default::default()),
-            groom: bind(&common::hanging(300, 16, 0.12), &BindOptions::default()).unwrap(),
+            groom,
             field: SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), 64, |p| p.length() - HEAD),
             gpu,
         })

@@ -58,12 +58,7 @@ fn draw(
     };
     let params = TessellateParams::new(&guides, &now, &now, &now, blend);
     let tessellate_params = uniform(bytemuck::bytes_of(&params));
-    let interpolate_params = uniform(bytemuck::bytes_of(&InterpolateParams {
-        strand_count: strands.count,
-        vertex_count: strands.vertex_count,
-        sample_count: guides.sample_count,
-        ..Default::default()
-    }));
+    let interpolate_params = uniform(bytemuck::bytes_of(&InterpolateParams::new(&guides, &strands)));
     let (tessellate, interpolate) = (Tessellate::new(device), Interpolate::new(device));
     let tessellate_group = tessellate.bind(device, &tessellate_params, &guides);
     let interpolate_group = interpolate.bind(device, &interpolate_params, &guides, &strands);

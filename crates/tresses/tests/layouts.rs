@@ -188,7 +188,16 @@ fn interpolate() {
     assert_eq!(wgsl_layout("Strand"), rust_layout!(Strand { radius, seed, root_color, tip_color }));
     assert_eq!(
         wgsl_layout("InterpolateParams"),
-        rust_layout!(InterpolateParams { strand_count, vertex_count, sample_count, _pad })
+        rust_layout!(InterpolateParams {
+            strand_count,
+            vertex_count,
+            sample_count,
+            rest_count,
+            stride,
+            _pad_a,
+            _pad_b,
+            _pad_c,
+        })
     );
 }
 
@@ -206,12 +215,26 @@ fn avoid() {
             strand_count,
             vertex_count,
             sample_count,
-            _pad,
+            fresh,
             keep,
             rise,
             fall,
             shift,
+            rest_count,
+            stride,
+            _pad_a,
+            _pad_b,
         })
+    );
+}
+
+#[test]
+fn lod() {
+    use tresses::lod::{StrandLod, WidthParams};
+    assert_eq!(wgsl_layout("StrandLod"), rust_layout!(StrandLod { radius, span, density, thickness }));
+    assert_eq!(
+        wgsl_layout("WidthParams"),
+        rust_layout!(WidthParams { weights, fraction, width, count, _pad })
     );
 }
 
@@ -311,6 +334,10 @@ fn hair() {
         density_forward,
         density_back,
         color_fit,
+        rest_count,
+        stride,
+        _pad_a,
+        _pad_b,
     });
     assert_eq!(wgsl_layout("HairUniform"), rust);
 }

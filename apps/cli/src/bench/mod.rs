@@ -6,6 +6,7 @@
 
 mod appearance;
 mod costs;
+mod lod;
 mod report;
 mod statistics;
 mod workload;
@@ -37,6 +38,9 @@ pub struct Args {
     /// Measure only the ways to light, shade and draw hair, against each other
     #[arg(long, conflicts_with = "costs")]
     pub appearance: bool,
+    /// Measure only what a frame costs at a distance, in full detail and at its level of detail
+    #[arg(long, conflicts_with_all = ["costs", "appearance"])]
+    pub lod: bool,
     /// Print JSON instead of tables
     #[arg(long)]
     pub json: bool,
@@ -56,24 +60,31 @@ pub fn run(args: &Args) -> Result<()> {
     let mut groups = Vec::new();
     let mut counts = Vec::new();
     let mut looks = Vec::new();
-    if args.appearance || !args.costs {
+    if args.appearance || !(args.costs || args.lod) {
         looks.extend(appearance::variants());
     }
-    if !args.costs && !args.appearance {
+    if !args.costs && !args.appearance && !args.lod {
         groups.extend(workload::seed());
         groups.extend(workload::peer(args));
         counts.extend(workload::strand_counts(args.quick));
     }
     let frames = args.frames();
     let scenes: usize = groups.iter().map(|group| group.runs.len()).sum();
-    let costs = if args.appearance { 0 } else { costs::RUNS };
-    let runs = scenes as u64 + counts.len() as u64 + looks.len() as u64 + costs;
+    let costs = if args.appearance || args.lod { 0 } else { costs::RUNS };
+    let runs = scenes as u64
+        + counts.len() as u64
+        + looks.len() as u64
+        + costs
+        + if args.lod { 2 * lod::DISTANCES.len() as u64 } else { 0 };
     let bar = progress::frames("measuring", runs * u64::from(frames));
     for group in &groups {
         report.groups.push(workload::measure(group, frames, &bar)?);
     }
     if costs > 0 {
         report.costs = costs::measure(frames, &bar)?;
+    }
+    if args.lod {
+        report.lod = lod::measure(frames, &bar)?;
     }
     for variant in &looks {
         interrupt::check()?;

@@ -3,6 +3,7 @@
 use super::{
     appearance::Look,
     costs::Costs,
+    lod,
     statistics::{Summary, line},
 };
 use serde::Serialize;
@@ -20,6 +21,8 @@ pub struct Report {
     pub costs: Costs,
     /// The ways to light, shade and draw hair.
     pub looks: Vec<Look>,
+    /// Cost against distance.
+    pub lod: Vec<lod::Point>,
     /// Cost against the number of strands.
     pub line: Vec<Point>,
 }
@@ -147,6 +150,9 @@ impl Report {
         }
         if !self.looks.is_empty() {
             self.write_looks(&mut text);
+        }
+        if !self.lod.is_empty() {
+            text += &lod::text(&self.lod);
         }
         if !self.line.is_empty() {
             self.write_line(&mut text);
@@ -276,7 +282,7 @@ impl Group {
 }
 
 /// Milliseconds with three significant digits or so.
-fn ms(value: f64) -> String {
+pub fn ms(value: f64) -> String {
     let digits = if value < 1.0 {
         3
     } else if value < 10.0 {
@@ -288,7 +294,7 @@ fn ms(value: f64) -> String {
 }
 
 /// With a comma between thousands.
-fn count(value: u64) -> String {
+pub fn count(value: u64) -> String {
     let digits = value.to_string();
     let mut text = String::new();
     for (i, digit) in digits.chars().enumerate() {
@@ -301,7 +307,7 @@ fn count(value: u64) -> String {
 }
 
 /// Columns of equal width: the first to the left, the others to the right.
-fn table(rows: &[Vec<String>]) -> String {
+pub fn table(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |c: usize| rows.iter().filter_map(|row| row.get(c)).map(|v| v.chars().count()).max();
     let widths: Vec<_> = (0..columns).map(|c| width(c).unwrap_or(0)).collect();

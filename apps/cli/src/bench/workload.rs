@@ -42,7 +42,8 @@ pub struct Workload {
     pub runs: Vec<(&'static str, &'static str)>,
 }
 
-fn quality(size: Size, samples: u32, ssaa: u32) -> Quality {
+/// What is measured at `size` with `samples` and supersampling by `ssaa`.
+pub fn quality(size: Size, samples: u32, ssaa: u32) -> Quality {
     // Figures of others are those of samples alone.
     let edges = EdgeArgs { samples: Some(samples), ssaa, coverage: Some(Mode::Mask), layers: None };
     Quality { at_most: true, ..Quality::new(size, edges) }

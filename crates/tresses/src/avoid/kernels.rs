@@ -74,7 +74,7 @@ impl Avoid {
         strands: &StrandBuffers,
     ) {
         pass.set_bind_group(1, colliders.group(), &[]);
-        let vertices = u64::from(strands.count) * u64::from(strands.vertex_count);
+        let vertices = u64::from(strands.drawn.count) * u64::from(strands.drawn.vertex_count);
         let workgroups = vertices.div_ceil(STRAND_WORKGROUP.into()) as u32;
         self.first_hit.record(pass, &groups.first_hit, &[], workgroups);
     }
@@ -94,6 +94,6 @@ impl Avoid {
             AvoidMode::ChangeOver => (&self.change_over, &groups.change_over),
         };
         self.record_first_hit(pass, groups, colliders, strands);
-        kernel.record(pass, group, &[], strands.count.div_ceil(STRAND_WORKGROUP));
+        kernel.record(pass, group, &[], strands.drawn.count.div_ceil(STRAND_WORKGROUP));
     }
 }

@@ -94,12 +94,12 @@ pub struct AvoidParams {
     pub tightness: f32,
     /// Number of strands.
     pub strand_count: u32,
-    /// Vertices per strand, at least 2.
+    /// Vertices of a drawn strand, at least 2.
     pub vertex_count: u32,
     /// Samples per guide, at least 2.
     pub sample_count: u32,
-    /// Unused.
-    pub _pad: u32,
+    /// The first strand that was not drawn in the frame before: what is remembered of it is out of date.
+    pub fresh: u32,
     /// 0 to forget what was, else 1.
     pub keep: f32,
     /// By how much a change-over that is needed grows, 0..=2, where 2 is at once.
@@ -108,6 +108,14 @@ pub struct AvoidParams {
     pub fall: f32,
     /// How far it moves along the strand at most, metres.
     pub shift: f32,
+    /// Vertices of a strand's rest curve, at least 2.
+    pub rest_count: u32,
+    /// See [`crate::strands::Drawn::stride`].
+    pub stride: f32,
+    /// Unused.
+    pub _pad_a: u32,
+    /// Unused.
+    pub _pad_b: u32,
 }
 
 /// What is remembered of one strand.
@@ -161,13 +169,14 @@ impl Avoidance {
         Ok(Self { options, clearance, params, states, groups })
     }
 
-    /// Writes the uniform of a frame of `dt` seconds; `forget` starts anew.
+    /// Writes the uniform of a frame of `dt` seconds; `forget` starts anew, as strands from `fresh` on do.
     pub(crate) fn prepare(
         &self,
         queue: &wgpu::Queue,
         (guides, strands): (&GuideBuffers, &StrandBuffers),
         dt: f32,
         forget: bool,
+        fresh: u32,
     ) {
         let [rise, fall, shift] = if forget { [2.0, 2.0, f32::MAX] } else { self.options.per_frame(dt) };
         let params = AvoidParams {
@@ -175,14 +184,18 @@ impl Avoidance {
             tolerance: self.options.tolerance,
             zone: self.options.zone,
             tightness: self.options.tightness,
-            strand_count: strands.count,
-            vertex_count: strands.vertex_count,
+            strand_count: strands.drawn.count,
+            vertex_count: strands.drawn.vertex_count,
             sample_count: guides.sample_count,
-            _pad: 0,
+            fresh,
             keep: if forget { 0.0 } else { 1.0 },
             rise,
             fall,
             shift,
+            rest_count: strands.vertex_count,
+            stride: strands.drawn.stride,
+            _pad_a: 0,
+            _pad_b: 0,
         };
         queue.write_buffer(&self.params, 0, bytemuck::bytes_of(&params));
     }

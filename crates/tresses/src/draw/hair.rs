@@ -4,8 +4,9 @@ use super::DrawStage;
 use crate::{
     Result,
     light::{fiber::FiberTables, material::HairUniform},
-    strands::{StrandBuffers, buffers::storage},
+    strands::{Drawn, StrandBuffers, buffers::storage},
 };
+use std::collections::BTreeMap;
 
 /// The most vertices that a 16-bit index reaches.
 const REACH: u32 = 1 << 16;
@@ -39,6 +40,14 @@ impl Chunks {
         Self { indices, strands_per_chunk, indices_per_strand: strand.len() as u32, vertices_per_strand }
     }
 
+    /// For strips of strands with `vertex_count` vertices, strip after strip.
+    fn of(device: &wgpu::Device, count: u32, vertex_count: u32) -> Self {
+        let strip: Vec<u16> = (0..vertex_count.saturating_sub(1) as u16)
+            .flat_map(|i| [0, 1, 2, 2, 1, 3].map(|corner| 2 * i + corner))
+            .collect();
+        Self::new(device, count, &strip, 2 * vertex_count.max(1))
+    }
+
     fn record(&self, pass: &mut wgpu::RenderPass<'_>, count: u32) {
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
         for first in (0..count).step_by(self.strands_per_chunk as usize) {
@@ -52,11 +61,16 @@ impl Chunks {
 /// A groom as the drawing stages need it. It reads the [`StrandBuffers`] it was made for.
 #[derive(Debug)]
 pub struct HairSet {
-    /// Number of strands.
+    /// Number of drawn strands.
     pub count: u32,
-    /// Vertices per strand.
+    /// Vertices of each.
     pub vertex_count: u32,
-    strips: Chunks,
+    pub(crate) drawn: Drawn,
+    /// Strands and their vertices at full detail.
+    full_count: u32,
+    pub(crate) rest_count: u32,
+    /// By their number of vertices, made when a level of detail first asks for it.
+    strips: BTreeMap<u32, Chunks>,
     /// Stride and number of the segments in the shadow maps.
     pub(crate) splat: [u32; 2],
     pub(crate) uniform: wgpu::Buffer,
@@ -84,24 +98,36 @@ impl HairSet {
         }
         let shaded = storage::<[u32; 2]>(device, "shaded strands", vertices)?;
         let uniform = crate::gpu::bindings::uniform(device, "hair", size_of::<HairUniform>());
-        let strip: Vec<u16> = (0..vertex_count.saturating_sub(1) as u16)
-            .flat_map(|i| [0, 1, 2, 2, 1, 3].map(|corner| 2 * i + corner))
-            .collect();
-        // The maps' texels are coarse: about eight segments per strand are enough.
-        let last = vertex_count.saturating_sub(1).max(1);
-        let stride = (last / 8).max(1);
-        Ok(Self {
+        let mut set = Self {
             count,
             vertex_count,
-            strips: Chunks::new(device, count, &strip, 2 * vertex_count.max(1)),
-            splat: [stride, last.div_ceil(stride)],
+            drawn: strands.drawn,
+            full_count: count,
+            rest_count: vertex_count,
+            strips: BTreeMap::new(),
+            splat: [1; 2],
             fiber: FiberTables::new(device, stage.fiber_layout()),
             splat_group: stage.bind_splat(device, &uniform, strands),
             group: stage.bind_hair(device, &uniform, strands, &shaded),
             shade_group: stage.bind_shade(device, &uniform, strands, &shaded),
             uniform,
             shaded,
-        })
+        };
+        set.show(device, &strands.drawn);
+        Ok(set)
+    }
+
+    /// From here on only what `drawn` says of the strands it was made for is shaded, splatted and drawn.
+    pub(crate) fn show(&mut self, device: &wgpu::Device, drawn: &Drawn) {
+        (self.count, self.vertex_count, self.drawn) = (drawn.count, drawn.vertex_count, *drawn);
+        // The maps' texels are coarse: about eight segments per strand are enough.
+        let last = drawn.vertex_count.saturating_sub(1).max(1);
+        let stride = (last / 8).max(1);
+        self.splat = [stride, last.div_ceil(stride)];
+        let count = self.full_count;
+        self.strips
+            .entry(drawn.vertex_count)
+            .or_insert_with(|| Chunks::of(device, count, drawn.vertex_count));
     }
 
     /// What `light::shade` wrote: four half floats per strand vertex, radiance and the radius in
@@ -112,7 +138,10 @@ impl HairSet {
 
     /// Bytes of GPU memory, without the strands' own buffers.
     pub fn bytes(&self) -> u64 {
-        self.shaded.size() + self.fiber.bytes() + self.uniform.size() + self.strips.indices.size()
+        self.shaded.size()
+            + self.fiber.bytes()
+            + self.uniform.size()
+            + self.strips.values().map(|chunks| chunks.indices.size()).sum::<u64>()
     }
 
     /// Triangles of the strips.
@@ -123,6 +152,8 @@ impl HairSet {
     pub(crate) fn record_strips(&self, pass: &mut wgpu::RenderPass<'_>) {
         pass.set_bind_group(1, &self.group, &[]);
         pass.set_bind_group(2, &self.fiber.group, &[]);
-        self.strips.record(pass, self.count);
+        if let Some(strips) = self.strips.get(&self.vertex_count) {
+            strips.record(pass, self.count);
+        }
     }
 }

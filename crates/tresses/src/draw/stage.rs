@@ -184,7 +184,7 @@ impl DrawStage {
         self.shadow_maps.prepare(queue, &lights);
         self.present.prepare(queue, scene, targets);
         if let Some(hair) = hair {
-            let uniform = scene.hair.uniform(scene.shading, hair.count, hair.vertex_count, hair.splat);
+            let uniform = scene.hair.uniform(scene.shading, &hair.drawn, hair.rest_count, hair.splat);
             write(&hair.uniform, bytemuck::bytes_of(&uniform));
             if scene.hair.model == ShadingModel::Fiber {
                 hair.fiber.fill(queue, &scene.hair.fiber.shape, scene.hair.fiber.density_back);

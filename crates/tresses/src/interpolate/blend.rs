@@ -13,12 +13,34 @@ use bytemuck::{Pod, Zeroable};
 pub struct InterpolateParams {
     /// Number of strands.
     pub strand_count: u32,
-    /// Vertices per strand, at least 2.
+    /// Vertices of a drawn strand, at least 2.
     pub vertex_count: u32,
     /// Samples per guide, at least 2.
     pub sample_count: u32,
+    /// Vertices of a strand's rest curve, at least 2.
+    pub rest_count: u32,
+    /// See [`crate::strands::Drawn::stride`].
+    pub stride: f32,
     /// Unused.
-    pub _pad: u32,
+    pub _pad_a: u32,
+    /// Unused.
+    pub _pad_b: u32,
+    /// Unused.
+    pub _pad_c: u32,
+}
+
+impl InterpolateParams {
+    /// For what is drawn of `strands`.
+    pub fn new(guides: &GuideBuffers, strands: &StrandBuffers) -> Self {
+        Self {
+            strand_count: strands.drawn.count,
+            vertex_count: strands.drawn.vertex_count,
+            sample_count: guides.sample_count,
+            rest_count: strands.vertex_count,
+            stride: strands.drawn.stride,
+            ..Self::default()
+        }
+    }
 }
 
 /// The pipeline of the stage.
@@ -64,6 +86,6 @@ impl Interpolate {
 
     /// Records the dispatch: one thread per strand.
     pub fn record(&self, pass: &mut wgpu::ComputePass<'_>, group: &wgpu::BindGroup, strands: &StrandBuffers) {
-        self.kernel.record(pass, group, &[], strands.count.div_ceil(STRAND_WORKGROUP));
+        self.kernel.record(pass, group, &[], strands.drawn.count.div_ceil(STRAND_WORKGROUP));
     }
 }

@@ -4,6 +4,7 @@ use super::fiber::{
     FiberShape,
     bsdf::{absorption_of, color_fit, melanin},
 };
+use crate::strands::Drawn;
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
 
@@ -33,7 +34,7 @@ pub enum ShadingModel {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FiberMaterial {
     /// Absorption per fibre radius at the root, of red, green and blue light:
-    /// [`melanin`](super::fiber::bsdf::melanin) or [`absorption_of`](super::fiber::bsdf::absorption_of).
+    /// [`melanin`] or [`absorption_of`].
     pub root_absorption: Vec3,
     /// Absorption at the tip.
     pub tip_absorption: Vec3,
@@ -235,8 +236,8 @@ impl HairMaterial {
     pub(crate) fn uniform(
         &self,
         shading: ShadingRate,
-        count: u32,
-        vertex_count: u32,
+        drawn: &Drawn,
+        rest_count: u32,
         splat: [u32; 2],
     ) -> HairUniform {
         let fiber = &self.fiber;
@@ -265,8 +266,8 @@ impl HairMaterial {
             saturation: self.saturation,
             min_width: self.min_width.max(0.0),
             file_colors: u32::from(self.file_colors),
-            count,
-            vertex_count,
+            count: drawn.count,
+            vertex_count: drawn.vertex_count,
             per_vertex: u32::from(shading == ShadingRate::PerVertex),
             splat_stride: splat[0],
             splat_segments: splat[1],
@@ -281,6 +282,10 @@ impl HairMaterial {
             density_forward: fiber.density_forward.clamp(0.0, 1.0),
             density_back: fiber.density_back.clamp(0.0, 1.0),
             color_fit: color_fit(shape.azimuthal).powi(-2),
+            rest_count,
+            stride: drawn.stride,
+            _pad_a: 0,
+            _pad_b: 0,
         }
     }
 }
@@ -317,9 +322,9 @@ pub struct HairUniform {
     pub saturation: f32,
     pub min_width: f32,
     pub file_colors: u32,
-    /// Number of strands.
+    /// Number of drawn strands.
     pub count: u32,
-    /// Vertices per strand.
+    /// Vertices of each.
     pub vertex_count: u32,
     /// Whether `light::shade` writes radiance (1) or the light that arrives (0).
     pub per_vertex: u32,
@@ -343,4 +348,10 @@ pub struct HairUniform {
     pub density_back: f32,
     /// The square of a colour's logarithm times this is its absorption.
     pub color_fit: f32,
+    /// Vertices of a strand's rest curve: how finely noise along strands is cut, at any level of detail.
+    pub rest_count: u32,
+    /// See [`crate::strands::Drawn::stride`].
+    pub stride: f32,
+    pub _pad_a: u32,
+    pub _pad_b: u32,
 }

@@ -135,7 +135,8 @@ impl ShadowMaps {
         use Binding::{Storage, StorageMut, Uniform};
         // One group for all: those that need less of it leave the rest alone.
         let kernel = |module| {
-            Kernel::new(device, module, &[Uniform, Uniform, Storage, Storage, StorageMut, StorageMut])
+            let entries = [Uniform, Uniform, Storage, Storage, StorageMut, StorageMut, Storage];
+            Kernel::new(device, module, &entries)
         };
         let buffer = |label, count| {
             device.create_buffer(&wgpu::BufferDescriptor {
@@ -196,7 +197,8 @@ impl ShadowMaps {
         uniform: &wgpu::Buffer,
         strands: &StrandBuffers,
     ) -> wgpu::BindGroup {
-        let buffers = [lights, uniform, &strands.vertices, &strands.strands, &self.hair, &self.blocks];
+        let StrandBuffers { vertices, strands, widening, .. } = strands;
+        let buffers = [lights, uniform, vertices, strands, &self.hair, &self.blocks, widening];
         self.splat.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()))
     }
 

@@ -48,8 +48,37 @@ pub struct StrandBuffers {
     pub bindings: wgpu::Buffer,
     /// [`PackedRest`], indexed `strand * vertex_count + vertex`.
     pub rest: wgpu::Buffer,
-    /// [`StrandVertex`], indexed as `rest`.
+    /// [`StrandVertex`], indexed `strand * drawn.vertex_count + vertex`.
     pub vertices: wgpu::Buffer,
+    /// By how much each strand is wider than it would be at full detail, as a fraction: 0 for not at all,
+    /// -1 for one that is not there.
+    pub widening: wgpu::Buffer,
+    /// What of it is drawn: less than all where level of detail says so.
+    pub drawn: Drawn,
+}
+
+/// The strands and vertices that the stages after the guides work on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drawn {
+    /// The first so many strands.
+    pub count: u32,
+    /// Vertices of each of them.
+    pub vertex_count: u32,
+    /// Segments of the rest curve that a drawn segment spans; the last one may be shorter.
+    pub stride: f32,
+}
+
+impl Drawn {
+    /// The first `count` strands, of `vertex_count` rest vertices each, drawn with `segments` segments,
+    /// which need not be a whole number.
+    pub fn new(count: u32, vertex_count: u32, segments: f32) -> Self {
+        let last = vertex_count.saturating_sub(1).max(1);
+        if segments >= last as f32 {
+            return Self { count, vertex_count, stride: 1.0 };
+        }
+        let segments = segments.max(1.0);
+        Self { count, vertex_count: segments.ceil() as u32 + 1, stride: last as f32 / segments }
+    }
 }
 
 /// Makes a storage buffer for `count` values of `T`, or says that the adapter cannot hold it.
@@ -128,11 +157,16 @@ impl StrandBuffers {
             bindings: storage::<StrandBinding>(device, "strand bindings", count.into())?,
             rest: storage::<PackedRest>(device, "strand rest", vertices)?,
             vertices: storage::<StrandVertex>(device, "strand vertices", vertices)?,
+            widening: storage::<f32>(device, "strand widening", count.into())?,
+            drawn: Drawn::new(count, vertex_count, f32::INFINITY),
         })
     }
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        [&self.strands, &self.bindings, &self.rest, &self.vertices].iter().map(|buffer| buffer.size()).sum()
+        [&self.strands, &self.bindings, &self.rest, &self.vertices, &self.widening]
+            .iter()
+            .map(|buffer| buffer.size())
+            .sum()
     }
 }

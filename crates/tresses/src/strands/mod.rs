@@ -23,7 +23,7 @@ pub mod strand;
 pub mod vertex;
 
 pub use binding::{PackedRest, StrandBinding};
-pub use buffers::{GuideBuffers, StrandBuffers};
+pub use buffers::{Drawn, GuideBuffers, StrandBuffers};
 pub use force::{Force, GuideForce};
 pub use guide::{Guide, GuideRest, GuideSample, GuideShape};
 pub use strand::Strand;

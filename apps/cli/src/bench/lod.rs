@@ -1,0 +1,152 @@
+//! What a frame costs at a distance, in full detail and at the level of detail that goes with it, with the
+//! pixels that the hair covers.
+
+use super::{
+    report::{count, ms, table},
+    statistics::Summary,
+    workload,
+};
+use crate::{
+    args::{Size, Source},
+    camera::{Camera, View},
+    interrupt,
+    motion::Motion,
+    scene::Scene,
+};
+use anyhow::{Context, Result};
+use indicatif::ProgressBar;
+use serde::Serialize;
+use tresses::lod::{LodMode, LodOptions};
+
+/// Pixels.
+const SIZE: Size = Size { width: 1280, height: 720 };
+/// Drawn strands in full detail.
+const STRANDS: u32 = 20_000;
+/// Samples per pixel.
+const SAMPLES: u32 = 4;
+/// Metres.
+pub const DISTANCES: [f32; 6] = [0.8, 2.0, 4.0, 8.0, 16.0, 40.0];
+/// Frames before the first that counts.
+const WARM_UP: u32 = 2;
+/// Frames per second.
+const FPS: f64 = 60.0;
+/// The stages that simulate, whose work is that of the guides.
+const MOVING: [&str; 4] = ["volume", "wind", "simulate", "tessellate"];
+/// The stages that only the picture's size and the head matter to.
+const OTHERS: [&str; 2] = ["draw body", "present"];
+
+/// One distance.
+#[derive(Debug, Serialize)]
+pub struct Point {
+    /// Metres.
+    pub distance: f32,
+    /// What the hair covers.
+    pub pixels: f64,
+    /// All of it.
+    pub full: Times,
+    /// At its level of detail.
+    pub lod: Times,
+}
+
+/// What it costs.
+#[derive(Debug, Serialize)]
+pub struct Times {
+    /// Drawn.
+    pub strands: u32,
+    /// Of each strand.
+    pub segments: f32,
+    /// Milliseconds of the stages that work on strands.
+    pub strand_stages: Summary,
+    /// Milliseconds of those that work on guides, mean per frame.
+    pub guide_stages: f64,
+    /// Milliseconds of a whole frame.
+    pub frame: Summary,
+}
+
+/// Measures the long style in motion at all distances.
+pub fn measure(frames: u32, bar: &ProgressBar) -> Result<Vec<Point>> {
+    let source = Source { style: Some("long".into()), strands: Some(STRANDS), ..Source::default() };
+    let mut scene = Scene::open(&source, workload::quality(SIZE, SAMPLES, 1)).context("levels of detail")?;
+    let near = Camera::portrait(View::ThreeQuarter, scene.subject(), SIZE.aspect(), 1.0);
+    DISTANCES.iter().map(|distance| point(&mut scene, &near.moved(*distance), frames, bar)).collect()
+}
+
+fn point(scene: &mut Scene, camera: &Camera, frames: u32, bar: &ProgressBar) -> Result<Point> {
+    let motion = Motion::named("turn").context("a built-in motion")?;
+    let pivot = scene.pivot();
+    let way = |mode| LodOptions { mode, ..LodOptions::default() };
+    let mut rows = Vec::new();
+    for mode in [LodMode::Off, LodMode::Auto] {
+        scene.set_lod(way(mode))?;
+        scene.watch(camera);
+        scene.reset(&motion.pose(0.0, pivot))?;
+        let (mut strands, mut guides, mut whole) = (Vec::new(), Vec::new(), Vec::new());
+        for frame in 0..WARM_UP + frames {
+            interrupt::check()?;
+            let pose = motion.pose(f64::from(frame + 1) / FPS, pivot);
+            let (wall, times) = scene.measured_frame(&pose, (1.0 / FPS) as f32, camera)?;
+            if frame < WARM_UP {
+                continue;
+            }
+            bar.inc(1);
+            let sum = |wanted: &dyn Fn(&str) -> bool| {
+                times.iter().filter(|(name, _)| wanted(name)).map(|(_, ms)| ms).sum::<f64>()
+            };
+            strands.push(sum(&|name| !MOVING.contains(&name) && !OTHERS.contains(&name)));
+            guides.push(sum(&|name| MOVING.contains(&name)));
+            whole.push(wall);
+        }
+        let detail = scene.detail();
+        rows.push(Times {
+            strands: detail.strands,
+            segments: detail.segments,
+            strand_stages: Summary::of(strands),
+            guide_stages: guides.iter().sum::<f64>() / f64::from(frames.max(1)),
+            frame: Summary::of(whole),
+        });
+    }
+    scene.set_lod(way(LodMode::Off))?;
+    scene.reset(&motion.pose(0.0, pivot))?;
+    let pixels = scene.hair_pixels(camera)?;
+    let lod = rows.pop().context("two ways")?;
+    let full = rows.pop().context("two ways")?;
+    Ok(Point { distance: camera.distance(), pixels, full, lod })
+}
+
+/// As a table.
+pub fn text(points: &[Point]) -> String {
+    let head = [
+        "metres",
+        "pixels",
+        "strands",
+        "segments",
+        "strand stages: full",
+        "level",
+        "guide stages: full",
+        "level",
+        "frame: full",
+        "level",
+    ];
+    let mut rows = vec![head.map(String::from).to_vec()];
+    for Point { distance, pixels, full, lod } in points {
+        rows.push(vec![
+            format!("{distance:.1}"),
+            count(*pixels as u64),
+            count(lod.strands.into()),
+            format!("{:.1}", lod.segments),
+            ms(full.strand_stages.median),
+            ms(lod.strand_stages.median),
+            ms(full.guide_stages),
+            ms(lod.guide_stages),
+            ms(full.frame.median),
+            ms(lod.frame.median),
+        ]);
+    }
+    format!(
+        "\nLevel of detail (style long in motion, {} strands, {} × {}, {SAMPLES}×MSAA), medians, guide stages means\n{}",
+        count(STRANDS.into()),
+        SIZE.width,
+        SIZE.height,
+        table(&rows)
+    )
+}

@@ -1,0 +1,387 @@
+//! Level of detail: the cost of hair follows the pixels it covers, not the strands in its file.
+//!
+//! What (S37 to S39): once per frame the CPU decides from the size of a pixel at the hair's distance how
+//! many strands are drawn, with how many segments, how much wider, and how fast the physics steps. Every
+//! stage behind the guides then works on so many strands and vertices and no more. Nothing is read back.
+//!
+//! ```text
+//! view, bounding sphere ─► Lod::detail ─► Detail ─┬─► StrandBuffers::drawn ─► interpolate, avoid, light, draw
+//! curve table, areas ──────┘    ▲                 ├─► widths (kernel) ─► Strand::radius, widening
+//! painted levels ───────────────┘                 └─► length of a fixed step
+//! ```
+//!
+//! **Fewer strands** (Cook et al., "Stochastic simplification of aggregate detail", SIGGRAPH 2007). When hair
+//! is brought to the GPU its strands are put in an order of which any first part is an even sample
+//! ([`arrange`]). A share of the strands is drawn such that, once widened, they are about
+//! [`LodOptions::strand_width`] pixels wide. Strands come in buckets of a fourth of an octave; the bucket
+//! on the verge fades in by width, as a whole, so that nothing pops at any number.
+//!
+//! **Wider strands.** What is drawn is widened by the area of all strands over the area of those drawn,
+//! so that the total area is the same at any level, times a little less than 1: wide strands reach over gaps
+//! and outlines, which [`CoverTable`] measures at load. The kernel `widths` writes the radius of every drawn
+//! strand; shading, strips and shadows read that radius.
+//!
+//! **Fewer segments.** At load [`CurveTable`] measures how far strands stray when they are drawn with fewer
+//! segments, and how much shorter they get (which widens them in turn). A frame takes the number for which
+//! they stray a fraction of a pixel. The number need not be whole: vertices lie at equal steps of the
+//! strand's parameter, the last step being what is left. As the number changes all vertices slide along
+//! the strand; a new one grows out of the tip.
+//!
+//! **Slower physics.** Far away the fixed step grows continuously up to twice its length, the grids' with
+//! it; what is drawn is always interpolated between two steps.
+//!
+//! **Painted levels** ([`LodLevel`]). Factors on density and width at every root for up to four projected
+//! sizes, eight bytes per strand; the kernel blends between them.
+//!
+//! **Why not levels in the file?** They pop, or are drawn twice while they blend. **Why not decide on the
+//! GPU, strand by strand?** The counts of every dispatch would have to come from there; a head is small
+//! against its distance. **Why not a random order by hash alone?** The number of strands of each lock
+//! would vary as random numbers do; van der Corput's order keeps them even.
+//!
+//! **Known limits.** All guides are simulated and tessellated whatever the level. The table of curves knows the
+//! rest shape.
+//!
+//! **Untried.** Strands with an aggregated BSDF per width; fewer guides.
+
+mod cover;
+mod curve;
+mod maps;
+mod order;
+mod widths;
+
+pub use cover::{CoverLevel, CoverTable};
+pub use curve::{CurveTable, resample};
+pub use maps::{LodLevel, MAX_LEVELS, MAX_THICKNESS};
+pub use order::{BUCKET_RATIO, arrange, buckets};
+pub use widths::{StrandLod, WidthParams, Widths};
+
+use crate::{
+    Error, Pose, Result,
+    draw::View,
+    groom::BoundStrands,
+    strands::{Drawn, Strand, StrandBuffers},
+};
+use glam::Vec3;
+use maps::Painted;
+use widths::WidthBuffers;
+
+/// How the level of detail is chosen.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum LodMode {
+    /// Full detail at any distance.
+    Off,
+    /// By the size of a pixel at the hair.
+    #[default]
+    Auto,
+    /// This share of the strands at any distance, above 0 and at most 1, and segments to suit.
+    Fixed(f32),
+}
+
+/// Level of detail, as a user sets it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LodOptions {
+    /// How it is chosen.
+    pub mode: LodMode,
+    /// 1 draws as if the hair were twice as far away, -1 half as far; -8 to 8.
+    pub bias: f32,
+    /// Strands are left out until the others are this wide, pixels.
+    pub strand_width: f32,
+    /// How far strands may stray from their full shape, pixels.
+    pub curve_error: f32,
+    /// The largest factor on the length of a fixed step, 1 to 4; 1 keeps the rate at any distance.
+    pub slowest: f32,
+    /// The size of a pixel from which on steps grow, metres; at twice that they are twice as long.
+    pub slow_pixel: f32,
+}
+
+impl Default for LodOptions {
+    fn default() -> Self {
+        Self {
+            mode: LodMode::Auto,
+            bias: 0.0,
+            strand_width: 0.2,
+            curve_error: 0.15,
+            slowest: 2.0,
+            slow_pixel: 3e-3,
+        }
+    }
+}
+
+impl LodOptions {
+    /// Checks that every value is in its range.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] names the first that is not.
+    pub fn check(&self) -> Result<()> {
+        let test = Error::unless_within;
+        if let LodMode::Fixed(fraction) = self.mode {
+            test("level of detail", fraction, 1e-4, 1.0, "a share of the strands from 0.0001 to 1")?;
+        }
+        test("bias of the level of detail", self.bias, -8.0, 8.0, "from -8 to 8")?;
+        test("least strand width", self.strand_width, 1e-3, 10.0, "from 0.001 to 10 pixels")?;
+        test("curve error", self.curve_error, 0.0, 100.0, "from 0 to 100 pixels")?;
+        test("slowest step", self.slowest, 1.0, 4.0, "from 1 to 4")?;
+        test("pixel of slower steps", self.slow_pixel, 1e-6, 10.0, "from 1e-6 to 10 m")
+    }
+}
+
+/// The level of detail of a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Detail {
+    /// The height of a pixel at the near side of the hair, metres.
+    pub pixel: f32,
+    /// Diameter of the hair's bounding sphere, pixels.
+    pub size: f32,
+    /// The share of the strands that are drawn.
+    pub fraction: f32,
+    /// How many strands that are at most, those that just appear included.
+    pub strands: u32,
+    /// The factor on their widths.
+    pub width: f32,
+    /// The number of segments per strand, not always whole.
+    pub segments: f32,
+    /// The factor on the length of a fixed step.
+    pub step: f32,
+    /// How much each painted level counts.
+    pub levels: [f32; MAX_LEVELS],
+}
+
+/// The most strands of the first bucket: fewer than it has are never drawn. With a few hundred, how light
+/// they happen to be would show.
+const LEAST: u32 = 1000;
+
+/// A last segment shorter than this share of the others is left out: rounding would turn it about.
+const LEAST_REST: f32 = 0.02;
+
+/// What level of detail knows of one groom.
+#[derive(Debug)]
+pub struct Lod {
+    /// How it is chosen; [`LodOptions::check`] says what is allowed.
+    pub options: LodOptions,
+    /// What fewer segments cost.
+    pub curve: CurveTable,
+    /// What wider strands cost.
+    pub cover: CoverTable,
+    /// Around the hair at rest: middle (groom space) and radius, metres.
+    pub sphere: (Vec3, f32),
+    /// Mean diameter of the strands, metres.
+    pub diameter: f32,
+    /// How many strands each bucket ends with.
+    ends: Vec<u32>,
+    /// The area of the strands up to there, m².
+    areas: Vec<f64>,
+    strands: Vec<Strand>,
+    painted: Painted,
+    segments: u32,
+    buffers: WidthBuffers,
+    detail: Detail,
+    /// Strands that were drawn in the frame before.
+    before: u32,
+    /// Whether widths have to be set anew, and whether this frame does it.
+    stale: bool,
+    sets: bool,
+}
+
+impl Lod {
+    /// For `strands`, which [`arrange`] has put in order and of which `infos` are those on the GPU.
+    ///
+    /// # Errors
+    /// [`Error::Limit`].
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        stage: &Widths,
+        strands: &BoundStrands,
+        infos: &[Strand],
+        buffers: &StrandBuffers,
+    ) -> Result<Self> {
+        let ends = buckets(buffers.count, LEAST);
+        let n = strands.vertex_count as usize;
+        let (mut areas, mut area, mut length) = (Vec::new(), 0.0f64, 0.0f64);
+        let (mut lo, mut hi) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for (i, info) in infos.iter().enumerate() {
+            let rest = strands.rest[i * n..(i + 1) * n].iter();
+            let points: Vec<_> = rest.map(|rest| rest.unpack(&strands.bindings[i])).collect();
+            for w in points.windows(2) {
+                let edge = f64::from(w[0].0.distance(w[1].0));
+                length += edge;
+                area += edge * f64::from((w[0].1 + w[1].1) * info.radius);
+            }
+            (lo, hi) = points.iter().fold((lo, hi), |(lo, hi), (p, _)| (lo.min(*p), hi.max(*p)));
+            if ends[areas.len()] == i as u32 + 1 {
+                areas.push(area);
+            }
+        }
+        let mut lod = Self {
+            options: LodOptions::default(),
+            curve: CurveTable::new(strands),
+            cover: CoverTable::none(),
+            sphere: (0.5 * (lo + hi), 0.5 * lo.distance(hi)),
+            diameter: (area / length.max(1e-12)).max(1e-9) as f32,
+            painted: Painted::none(infos.len()),
+            segments: strands.vertex_count.saturating_sub(1).max(1),
+            buffers: WidthBuffers::new(device, stage, buffers)?,
+            detail: Detail {
+                pixel: 0.0,
+                size: f32::INFINITY,
+                fraction: 1.0,
+                strands: buffers.count,
+                width: 1.0,
+                segments: (strands.vertex_count.saturating_sub(1).max(1)) as f32,
+                step: 1.0,
+                levels: [1.0, 0.0, 0.0, 0.0],
+            },
+            before: buffers.count,
+            stale: false,
+            sets: false,
+            strands: infos.to_vec(),
+            ends,
+            areas,
+        };
+        let first = span(&lod.ends, 0)[1];
+        let levels = cover::levels(first, lod.limit(), &lod.curve, |f| lod.widening(f), |p| lod.segments(p));
+        lod.cover = CoverTable::new(strands, infos, lod.sphere, &levels);
+        lod.buffers.upload(queue, &lod.strands, &lod.ends, &lod.painted);
+        lod.buffers.prepare(queue, &lod.detail);
+        Ok(lod)
+    }
+
+    /// The level of detail of the frame that is being recorded.
+    pub fn current(&self) -> &Detail {
+        &self.detail
+    }
+
+    /// The level of detail of hair that `view` sees on a head at `head`.
+    pub fn seen(&self, view: &View, head: &Pose) -> Detail {
+        let (middle, radius) = self.sphere;
+        let clip = view.projection * view.view;
+        let w = (clip * head.point(middle).extend(1.0)).w;
+        // A perspective camera's w is the distance, an orthographic one's is 1.
+        let per_metre = view.projection.z_axis.w.abs();
+        let nearest = if per_metre > 0.0 { (w - radius * per_metre).max(0.01) } else { w };
+        let pixel = view.pixel();
+        self.detail(pixel * nearest, 2.0 * radius / (pixel * w.max(nearest)))
+    }
+
+    /// The level of detail where a pixel is `pixel` metres high and the hair `size` pixels large.
+    pub fn detail(&self, pixel: f32, size: f32) -> Detail {
+        let options = &self.options;
+        let limit = self.limit();
+        let (fraction, coarse) = match options.mode {
+            LodMode::Off => (1.0, 0.0),
+            LodMode::Auto => {
+                let coarse = pixel * options.bias.exp2();
+                ((limit / coarse.max(1e-12)).min(1.0), coarse)
+            }
+            LodMode::Fixed(fraction) => {
+                let fraction = if fraction > 0.0 { fraction.min(1.0) } else { 1.0 };
+                (fraction, limit / fraction)
+            }
+        };
+        let levels = self.painted.weights(size);
+        let segments = self.segments(coarse);
+        let step = match options.mode {
+            LodMode::Auto => (coarse / options.slow_pixel.max(1e-9)).clamp(1.0, options.slowest.max(1.0)),
+            LodMode::Off | LodMode::Fixed(_) => 1.0,
+        };
+        Detail {
+            pixel,
+            size,
+            fraction,
+            strands: self.ends[self.bucket(fraction * self.painted.most(&levels))],
+            width: match options.mode {
+                LodMode::Off => 1.0,
+                _ => {
+                    let automatic = (limit / pixel.max(1e-12)).min(1.0);
+                    self.widening(fraction) * self.cover.factor(fraction, automatic)
+                        / self.curve.length(segments)
+                }
+            },
+            segments,
+            step,
+            levels,
+        }
+    }
+
+    /// The pixel at which strands begin to be left out, metres.
+    fn limit(&self) -> f32 {
+        self.diameter / self.options.strand_width.max(1e-6)
+    }
+
+    /// The number of segments where a pixel is `pixel` metres high.
+    fn segments(&self, pixel: f32) -> f32 {
+        self.whole(self.curve.segments(self.options.curve_error * (pixel - self.limit()).max(0.0)))
+    }
+
+    /// `segments` without a last one that is too short to point anywhere.
+    fn whole(&self, segments: f32) -> f32 {
+        let segments = segments.clamp(1.0, self.segments as f32);
+        if segments.fract() < LEAST_REST { segments.floor() } else { segments }
+    }
+
+    /// The bucket in which a share of the strands ends.
+    fn bucket(&self, fraction: f32) -> usize {
+        let last = self.ends.len() - 1;
+        (0..last).find(|b| span(&self.ends, *b)[1] >= fraction).unwrap_or(last)
+    }
+
+    /// The area of all strands over that of the share `fraction`.
+    fn widening(&self, fraction: f32) -> f32 {
+        if fraction >= 1.0 {
+            return 1.0;
+        }
+        let bucket = self.bucket(fraction);
+        let [from, to] = span(&self.ends, bucket);
+        let there = f64::from(((fraction - from) / (to - from)).clamp(0.0, 1.0));
+        let before = if bucket == 0 { 0.0 } else { self.areas[bucket - 1] };
+        let area = before + (self.areas[bucket] - before) * there;
+        let all = self.areas[self.areas.len() - 1];
+        if area > 0.0 { (all / area) as f32 } else { 1.0 }
+    }
+
+    /// From here on strands are as `detail` has them: what `buffers` is to draw.
+    pub(crate) fn set(&mut self, queue: &wgpu::Queue, buffers: &mut StrandBuffers, detail: Detail) {
+        self.stale |= self.detail != detail;
+        self.detail = detail;
+        self.buffers.prepare(queue, &detail);
+        buffers.drawn = Drawn::new(detail.strands, self.segments + 1, detail.segments);
+    }
+
+    /// Begins a frame: how many strands the last one drew.
+    pub(crate) fn begin(&mut self) -> u32 {
+        self.sets = std::mem::take(&mut self.stale);
+        std::mem::replace(&mut self.before, self.detail.strands)
+    }
+
+    /// Paints `levels`, at most [`MAX_LEVELS`] with falling sizes; none takes them away.
+    pub(crate) fn paint(
+        &mut self,
+        queue: &wgpu::Queue,
+        strands: &BoundStrands,
+        levels: &[LodLevel],
+        skull: Vec3,
+    ) -> Result<()> {
+        self.painted = Painted::bake(strands, levels, skull)?;
+        self.buffers.upload(queue, &self.strands, &self.ends, &self.painted);
+        self.stale = true;
+        Ok(())
+    }
+
+    pub(crate) fn record(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Widths) {
+        if self.sets {
+            self.buffers.record(pass, stage, self.detail.strands);
+        }
+    }
+
+    /// Bytes of GPU memory.
+    pub fn bytes(&self) -> u64 {
+        self.buffers.bytes()
+    }
+}
+
+/// The shares of the strands before and with a bucket.
+fn span(ends: &[u32], bucket: usize) -> [f32; 2] {
+    let all = ends[ends.len() - 1].max(1) as f32;
+    let from = if bucket == 0 { 0.0 } else { ends[bucket - 1] as f32 / all };
+    [from, ends[bucket] as f32 / all]
+}

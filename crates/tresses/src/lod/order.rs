@@ -1,0 +1,116 @@
+//! The order of strands: any first part of them is an even sample of all.
+
+use crate::{groom::BoundStrands, math::hash::pcg};
+
+/// By how much the number of strands grows from one bucket to the next: a bucket fades in as a whole.
+pub const BUCKET_RATIO: f64 = 1.189_207_115; // 2^(1/4)
+
+/// The numbers of strands at which buckets end, ascending, the last one `count`. The first bucket has at
+/// most `least` strands, and always is drawn.
+pub fn buckets(count: u32, least: u32) -> Vec<u32> {
+    let mut ends = vec![count];
+    let mut end = f64::from(count);
+    while end > f64::from(least.max(1)) {
+        end /= BUCKET_RATIO;
+        let next = end.ceil() as u32;
+        if ends.last().is_some_and(|last| next < *last) {
+            ends.push(next);
+        }
+    }
+    ends.reverse();
+    ends
+}
+
+/// Brings `strands` into the order in which level of detail drops them from the end: sorted by guide and,
+/// among those of a guide, by hash, every strand has a place; the places are taken as van der Corput's
+/// sequence takes them, so that the first `k` are spread evenly over all guides for any `k`. Within a
+/// bucket (see [`buckets`]), which appears as a whole, strands stay sorted by guide: neighbours in memory
+/// read the same guide samples. The order depends on nothing but the strands; to order what is in order
+/// changes nothing.
+pub fn arrange(strands: &mut BoundStrands) {
+    let order = order(strands);
+    let n = strands.vertex_count as usize;
+    strands.strands = order.iter().map(|i| strands.strands[*i as usize]).collect();
+    strands.bindings = order.iter().map(|i| strands.bindings[*i as usize]).collect();
+    let vertices = |i: &u32| &strands.rest[*i as usize * n..(*i as usize + 1) * n];
+    strands.rest = order.iter().flat_map(vertices).copied().collect();
+}
+
+/// For each place in the new order the index of the strand that takes it.
+fn order(strands: &BoundStrands) -> Vec<u32> {
+    let count = strands.len() as u32;
+    let key = |i: &u32| {
+        let binding = &strands.bindings[*i as usize];
+        let origin = binding.origin.to_array().iter().fold(0, |hash, x| pcg(hash ^ x.to_bits()));
+        // Twins stay as they are: the sort is stable.
+        (binding.guides[0], pcg(origin ^ strands.strands[*i as usize].seed), origin)
+    };
+    let mut sorted: Vec<u32> = (0..count).collect();
+    sorted.sort_by_cached_key(key);
+    let mut places: Vec<u32> = (0..count).collect();
+    places.sort_unstable_by_key(|place| place.reverse_bits());
+    let mut begin = 0;
+    for end in buckets(count, 1) {
+        places[begin as usize..end as usize].sort_unstable();
+        begin = end;
+    }
+    places.iter().map(|place| sorted[*place as usize]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{groom::Influence, strands::Strand};
+    use glam::Vec3;
+
+    /// 2,000 strands on 100 guides, the first guides with the most.
+    fn strands() -> BoundStrands {
+        let mut strands = BoundStrands::new(2);
+        for i in 0..2000u32 {
+            let x = (i as f32 / 2000.0).powi(2);
+            let influence = Influence { guide: (x * 100.0) as u32, weight: 1.0, scale: 1.0 };
+            let root = Vec3::new(x, pcg(i) as f32 * 1e-10, 0.0);
+            let strand = Strand { radius: 1e-4, seed: i, root_color: 0, tip_color: 0 };
+            strands.push(strand, &[root, root + Vec3::Y], &[1.0; 2], &[influence]);
+        }
+        strands
+    }
+
+    /// The largest difference between the shares of the first `k` strands and of all of them that hang on
+    /// the first so many guides.
+    fn unevenness(strands: &BoundStrands, k: usize) -> f32 {
+        let share = |k: usize, g: u32| {
+            strands.bindings[..k].iter().filter(|b| b.guides[0] < g).count() as f32 / k as f32
+        };
+        (0..100).map(|g| (share(k, g) - share(strands.len(), g)).abs()).fold(0.0, f32::max)
+    }
+
+    #[test]
+    fn the_first_are_an_even_sample() {
+        let mut arranged = strands();
+        assert!(unevenness(&arranged, 500) > 0.2, "as it comes it is none");
+        arrange(&mut arranged);
+        for k in buckets(2000, 16) {
+            // A random sample would be off by about 0.8 / sqrt(k).
+            let most = 0.05f32.max(3.0 / k as f32);
+            assert!(unevenness(&arranged, k as usize) < most, "{k}: {}", unevenness(&arranged, k as usize));
+        }
+        let mut again = arranged.clone();
+        arrange(&mut again);
+        assert_eq!(again, arranged);
+        let mut seeds: Vec<_> = arranged.strands.iter().map(|s| s.seed).collect();
+        seeds.sort_unstable();
+        assert!(seeds.iter().enumerate().all(|(i, seed)| i as u32 == *seed));
+    }
+
+    #[test]
+    fn buckets_grow_by_a_ratio() {
+        for count in [1, 2, 7, 100, 16_000, 1_000_000] {
+            let ends = buckets(count, 128);
+            assert_eq!(*ends.last().unwrap(), count);
+            assert!(ends[0] <= 128 && ends.windows(2).all(|w| w[0] < w[1]), "{ends:?}");
+            let steep = |w: &[u32]| f64::from(w[1]) / f64::from(w[0]) > BUCKET_RATIO + 0.02;
+            assert!(!ends.windows(2).any(|w| w[0] > 100 && steep(w)), "{ends:?}");
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! Host side of `widths.wesl`.
+
+use super::{Detail, maps::Painted};
+use crate::{
+    Result,
+    constants::STRAND_WORKGROUP,
+    gpu::{Binding, Kernel, bindings},
+    strands::{Strand, StrandBuffers, buffers::storage},
+};
+use bytemuck::{Pod, Zeroable};
+use glam::Vec4;
+
+/// What level of detail knows of one strand.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct StrandLod {
+    /// At full detail, metres.
+    pub radius: f32,
+    /// Two half floats: the shares of strands drawn at which it begins to appear and is all there.
+    pub span: u32,
+    /// A byte per painted level: the factor on the share of strands drawn, 255 is 1.
+    pub density: u32,
+    /// A byte per painted level: the factor on the width, 63 is 1.
+    pub thickness: u32,
+}
+
+/// The uniform of the kernel.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct WidthParams {
+    /// How much each painted level counts.
+    pub weights: Vec4,
+    /// The share of strands that are drawn.
+    pub fraction: f32,
+    /// The factor on their widths.
+    pub width: f32,
+    /// How many are drawn.
+    pub count: u32,
+    /// Unused.
+    pub _pad: u32,
+}
+
+/// The pipeline that sets strands' widths.
+#[derive(Debug)]
+pub struct Widths(Kernel);
+
+impl Widths {
+    /// Builds the pipeline.
+    pub fn new(device: &wgpu::Device) -> Self {
+        let entries = [Binding::Uniform, Binding::Storage, Binding::StorageMut, Binding::StorageMut];
+        Self(Kernel::new(device, "lod::widths", &entries))
+    }
+}
+
+/// One groom's share.
+#[derive(Debug)]
+pub(super) struct WidthBuffers {
+    params: wgpu::Buffer,
+    lods: wgpu::Buffer,
+    group: wgpu::BindGroup,
+}
+
+impl WidthBuffers {
+    pub fn new(device: &wgpu::Device, stage: &Widths, buffers: &StrandBuffers) -> Result<Self> {
+        let params = bindings::uniform(device, "widths", size_of::<WidthParams>());
+        let lods = storage::<StrandLod>(device, "strand levels of detail", buffers.count.into())?;
+        let all = [&params, &lods, &buffers.strands, &buffers.widening];
+        let group = stage.0.bind(device, &all.map(|buffer| buffer.as_entire_binding()));
+        Ok(Self { params, lods, group })
+    }
+
+    /// Writes what is constant while levels change.
+    pub fn upload(&self, queue: &wgpu::Queue, strands: &[Strand], ends: &[u32], painted: &Painted) {
+        let mut bucket = 0;
+        let lods: Vec<_> = strands
+            .iter()
+            .enumerate()
+            .map(|(i, strand)| {
+                bucket += usize::from(i as u32 >= ends[bucket]);
+                StrandLod {
+                    radius: strand.radius,
+                    span: span(ends, bucket),
+                    density: painted.density[i],
+                    thickness: painted.thickness[i],
+                }
+            })
+            .collect();
+        queue.write_buffer(&self.lods, 0, bytemuck::cast_slice(&lods));
+    }
+
+    pub fn prepare(&self, queue: &wgpu::Queue, detail: &Detail) {
+        let params = WidthParams {
+            weights: Vec4::from_array(detail.levels),
+            fraction: detail.fraction,
+            width: detail.width,
+            count: detail.strands,
+            _pad: 0,
+        };
+        queue.write_buffer(&self.params, 0, bytemuck::bytes_of(&params));
+    }
+
+    pub fn record(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Widths, count: u32) {
+        stage.0.record(pass, &self.group, &[], count.div_ceil(STRAND_WORKGROUP));
+    }
+
+    pub fn bytes(&self) -> u64 {
+        self.params.size() + self.lods.size()
+    }
+}
+
+/// Of the strands of a bucket, packed.
+fn span(ends: &[u32], bucket: usize) -> u32 {
+    let [from, to] = super::span(ends, bucket);
+    u32::from(half(from)) | u32::from(half(to)) << 16
+}
+
+/// A number from 0 to 1 as half float, rounded to nearest.
+fn half(value: f32) -> u16 {
+    debug_assert!((0.0..=1.0).contains(&value));
+    if value < 6.2e-5 {
+        return (value * 16_777_216.0 + 0.5) as u16;
+    }
+    let bits = value.to_bits() + 0x1000;
+    ((bits >> 13) - (112 << 10)) as u16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn halves_are_near() {
+        let back = |bits: u16| match bits >> 10 {
+            0 => f32::from(bits & 1023) / 16_777_216.0,
+            e => (1.0 + f32::from(bits & 1023) / 1024.0) * 2f32.powi(i32::from(e) - 15),
+        };
+        for i in 0..=10_000 {
+            let value = (i as f32 / 10_000.0).powi(3);
+            assert!((back(half(value)) - value).abs() <= value * 5e-4 + 3.1e-8, "{value}");
+        }
+        assert_eq!((half(0.0), half(1.0)), (0, 0x3c00));
+    }
+}
