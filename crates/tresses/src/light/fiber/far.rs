@@ -97,7 +97,7 @@ fn entries() -> impl Iterator<Item = (f64, f64)> {
 }
 
 impl FarField {
-    /// Integrates over the fibre's width: some 20 ms.
+    /// Integrates over the fibre's width: tens of milliseconds.
     pub fn new(shape: &FiberShape) -> Self {
         let shape = shape.clamped();
         let (mut direct, mut wide, mut rest) = (Vec::new(), Vec::new(), Vec::new());

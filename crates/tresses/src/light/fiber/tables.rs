@@ -16,7 +16,7 @@ use std::sync::Mutex;
 type Key = (FiberShape, f32);
 
 /// Two textures and the group they are bound with. They are filled when first needed, and again when
-/// the fibre's shape changes: some 30 ms on the CPU.
+/// the fibre's shape changes: tens of milliseconds on the CPU.
 #[derive(Debug)]
 pub struct FiberTables {
     around: wgpu::Texture,
