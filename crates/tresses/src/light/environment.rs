@@ -30,6 +30,9 @@ fn basis(d: Vec3) -> [f32; 9] {
 /// How far around the brightest pixel a light from afar is collected: its cosine, of 8 degrees.
 const CONE: f32 = 0.990_268;
 
+/// And how far what is around it: 16 degrees.
+const RING: f32 = 0.961_262;
+
 /// A light from afar is one that gives at least this share of all light.
 const STRONG: f32 = 0.08;
 
@@ -88,12 +91,18 @@ impl Environment {
         while lights.len() < MAX_LIGHTS {
             let brightest =
                 (0..left.len()).max_by(|a, b| left[*a].element_sum().total_cmp(&left[*b].element_sum()))?;
-            let middle = direction(brightest);
-            let cone: Vec<usize> = (0..left.len()).filter(|i| direction(*i).dot(middle) > CONE).collect();
+            // Its brightest pixel may lie on a light's edge.
+            let near = (0..left.len()).filter(|i| direction(*i).dot(direction(brightest)) > CONE);
+            let middle = near.map(|i| direction(i) * (left[i].element_sum() * area(i))).sum::<Vec3>();
+            let middle = middle.normalize_or(direction(brightest));
+            let towards = |i: usize| direction(i).dot(middle);
+            let cone: Vec<usize> = (0..left.len()).filter(|i| towards(*i) > CONE).collect();
             // What is around the light goes on behind it.
-            let mut ring: Vec<f32> = cone.iter().map(|i| left[*i].element_sum()).collect();
+            let around = (0..left.len()).filter(|i| (RING..=CONE).contains(&towards(*i)));
+            let mut ring: Vec<f32> = around.map(|i| left[i].element_sum()).collect();
             ring.sort_by(f32::total_cmp);
-            let common = ring[ring.len() / 2];
+            // Too coarse a picture tells no light from its surroundings.
+            let Some(common) = ring.get(ring.len() / 2).copied() else { break };
             let (mut sum, mut to) = (Vec3::ZERO, Vec3::ZERO);
             let mut rest = left.clone();
             for i in cone {
