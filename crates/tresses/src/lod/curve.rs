@@ -139,6 +139,13 @@ mod tests {
     fn curls_keep_their_segments_longer() {
         let (arc, curls) = (CurveTable::new(&bent(0.0)), CurveTable::new(&bent(0.005)));
         assert!(arc.segments(1e-3) < 8.0 && curls.segments(1e-3) > 16.0);
-        assert!(curls.length(2.0) < 0.7 && arc.length(2.0) > 0.97);
+        // Two chords: of the arc, and from the helix' outside to its inside and back.
+        let chord = |a: f32, b: f32| (a * a + b * b - 2.0 * a * b * std::f32::consts::FRAC_PI_4.cos()).sqrt();
+        let left = |curl: f32| {
+            let full = length(&bent(curl).rest_positions(0).collect::<Vec<_>>());
+            2.0 * chord(0.1 + curl, 0.1 - curl) / full
+        };
+        assert!((arc.length(2.0) - left(0.0)).abs() < 2e-3, "{} {}", arc.length(2.0), left(0.0));
+        assert!((curls.length(2.0) - left(0.005)).abs() < 2e-3, "{} {}", curls.length(2.0), left(0.005));
     }
 }
