@@ -14,7 +14,7 @@ const MOST: usize = 6000;
 const LEAST: f32 = 0.004;
 /// How wide a strip that is drawn a pixel wide is for its coverage, pixels: found by comparing pictures of
 /// hair a few pixels large. Its mask leaves out samples, the more so where strips agree.
-const STRIP: f32 = 0.85;
+const STRIP: f32 = 0.95;
 /// The narrowest that strands are made.
 const NARROWEST: f32 = 0.5;
 /// The widest.
