@@ -5,7 +5,7 @@ use tresses::{
     draw::{Background, Coverage, Scene, View},
     glam::{DVec2, DVec3, Mat4, Vec3},
     gpu::readback,
-    light::{HairMaterial, ShadingRate, Sphere},
+    light::{HairMaterial, ShadingModel, ShadingRate, Sphere},
     math::hash::pcg,
 };
 
@@ -46,7 +46,9 @@ fn scene() -> Scene {
         focus: Sphere { center: Vec3::splat(half), radius: SIZE as f32 },
         background: Background::flat(Vec3::splat(BACKGROUND as f32)),
         shading: ShadingRate::PerVertex,
+        // Plain colours, which differ.
         hair: HairMaterial {
+            model: ShadingModel::KajiyaKay,
             lightness_spread: 0.9,
             opacity: 0.0,
             primary: 0.0,
