@@ -7,7 +7,10 @@ use std::{
     path::{Path, PathBuf},
     str::FromStr,
 };
-use tresses::groom::grow::{ColorMap, ScalpMap};
+use tresses::{
+    groom::grow::{ColorMap, ScalpMap},
+    light::material::linear,
+};
 
 /// Where the values of a map come from.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,11 +80,6 @@ impl ColorSource {
         let channel = |c: usize| picture.map(|pixel| linear(pixel[c.min(pixel.len() - 1)]));
         Ok(ColorMap { channels: [channel(0)?, channel(1)?, channel(2)?] })
     }
-}
-
-/// sRGB made linear.
-fn linear(v: f32) -> f32 {
-    if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
 }
 
 fn is_png(path: &str) -> bool {

@@ -140,7 +140,9 @@ impl Scene {
         let mut hair = Hair::with_colliders(device, queue, &renderer, &character.groom, &options, &what)?;
         // Full detail, unless somebody asks for less.
         hair.lod.options.mode = LodMode::Off;
-        hair.paint_levels(queue, &character.groom, &character.levels, character.skull())?;
+        if !character.levels.is_empty() {
+            hair.paint_levels(queue, &character.groom, &character.levels, character.skull())?;
+        }
         let body = character.head.as_ref().map(|head| Body::new(device, &renderer.draw, head));
         let Size { width, height } = quality.size;
         let targets = renderer.draw.targets(device, width, height, quality.edges.ssaa)?;
@@ -332,13 +334,12 @@ impl Scene {
         seconds: f32,
         camera: &Camera,
     ) -> Result<(f64, Vec<(&'static str, f64)>)> {
+        self.watch(camera);
         if self.gpu.tier.software {
-            self.watch(camera);
             let start = Instant::now();
             let stages = self.stage_by_stage(pose, seconds, camera)?;
             return Ok((start.elapsed().as_secs_f64() * 1e3, stages));
         }
-        self.watch(camera);
         let start = Instant::now();
         let mut timings = std::mem::replace(&mut self.timings, Timings::by_the_clock());
         let mut timed = self.gpu.tier.timestamps.then_some(&mut timings);

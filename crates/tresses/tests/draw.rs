@@ -1,23 +1,15 @@
 //! What is drawn covers what it should, and its light is sane.
 
+mod common;
+
+use common::{gpu, metre_is_pixel, picture};
 use tresses::{
     draw::{Background, DrawOptions, DrawStage, HairSet, Scene, Targets, View},
-    glam::{Mat4, Vec3},
+    glam::Vec3,
     gpu::{Gpu, readback},
     light::{HairMaterial, ShadingModel, ShadingRate, ShadowMethod, Sphere},
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
 };
-
-fn gpu() -> Option<Gpu> {
-    match pollster::block_on(Gpu::open()) {
-        Ok(gpu) => Some(gpu),
-        Err(error) if std::env::var("TRESSES_REQUIRE_GPU").as_deref() == Ok("1") => panic!("{error}"),
-        Err(error) => {
-            println!("skipped: {error}");
-            None
-        }
-    }
-}
 
 fn upload(gpu: &Gpu, radius: f32, strands: &[[Vec3; 2]]) -> StrandBuffers {
     let buffers = StrandBuffers::new(&gpu.device, strands.len() as u32, 2).expect("fits");
@@ -37,14 +29,7 @@ fn upload(gpu: &Gpu, radius: f32, strands: &[[Vec3; 2]]) -> StrandBuffers {
 }
 
 fn render(gpu: &Gpu, stage: &DrawStage, scene: &Scene, hair: &HairSet, targets: &Targets) -> Vec<u8> {
-    let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    stage.prepare(&gpu.queue, scene, targets, Some(hair), None);
-    stage.shadow(&mut encoder, None, scene, Some(hair), None);
-    stage.shade(&mut encoder, None, hair);
-    stage.draw(&mut encoder, None, scene, targets, Some(hair), None);
-    stage.present(&gpu.device, &mut encoder, None, targets, targets.picture());
-    gpu.queue.submit([encoder.finish()]);
-    targets.read(&gpu.device, &gpu.queue).expect("a picture")
+    picture(gpu, stage, scene, hair, None, targets)
 }
 
 const SIZE: u32 = 512;
@@ -75,17 +60,7 @@ fn coverage(gpu: &Gpu, width: f32, samples: u32, ssaa: u32) -> (f64, f64) {
     let targets = Targets::new(&gpu.device, SIZE, SIZE, samples, ssaa).expect("fits");
     let half = SIZE as f32 * 0.5;
     let scene = Scene {
-        view: View {
-            view: Mat4::from_translation(Vec3::new(-half, -half, -1e4)),
-            // Orthographic, depth reversed.
-            projection: Mat4::from_cols_array_2d(&[
-                [1.0 / half, 0.0, 0.0, 0.0],
-                [0.0, 1.0 / half, 0.0, 0.0],
-                [0.0, 0.0, 5e-5, 0.0],
-                [0.0, 0.0, 1.0, 1.0],
-            ]),
-            size: [SIZE, SIZE],
-        },
+        view: metre_is_pixel(SIZE),
         focus: Sphere { center: Vec3::new(half, half, 0.0), radius: SIZE as f32 },
         background: Background::transparent(),
         ..Default::default()

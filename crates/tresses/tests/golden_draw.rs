@@ -1,6 +1,8 @@
 //! A small picture of hair on a ball, compared with the one that was judged good.
 //! `TRESSES_WRITE_GOLDEN=1` writes it anew: look at it before committing it.
 
+mod common;
+
 use std::path::Path;
 use tresses::{
     draw::{Body, DrawOptions, DrawStage, HairSet, Scene, Targets, View},
@@ -81,14 +83,7 @@ fn picture(gpu: &Gpu, hair_material: HairMaterial) -> Vec<u8> {
         hair: hair_material,
         ..Default::default()
     };
-    let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    stage.prepare(&gpu.queue, &scene, &targets, Some(&hair), Some(&body));
-    stage.shadow(&mut encoder, None, &scene, Some(&hair), Some(&body));
-    stage.shade(&mut encoder, None, &hair);
-    stage.draw(&mut encoder, None, &scene, &targets, Some(&hair), Some(&body));
-    stage.present(&gpu.device, &mut encoder, None, &targets, targets.picture());
-    gpu.queue.submit([encoder.finish()]);
-    targets.read(&gpu.device, &gpu.queue).expect("a picture")
+    common::picture(gpu, &stage, &scene, &hair, Some(&body), &targets)
 }
 
 /// Mean and 99th percentile of the differences of all channels, in steps of 1/255.
@@ -107,11 +102,7 @@ fn agree(a: &[u8], b: &[u8]) -> bool {
 
 #[test]
 fn hair_on_a_ball_looks_as_it_did() {
-    let gpu = match pollster::block_on(Gpu::open()) {
-        Ok(gpu) => gpu,
-        Err(error) if std::env::var("TRESSES_REQUIRE_GPU").as_deref() == Ok("1") => panic!("{error}"),
-        Err(error) => return println!("skipped: {error}"),
-    };
+    let Some(gpu) = common::gpu() else { return };
     if !gpu.tier.software {
         // Others place samples and round differently; this is about changes of our own.
         return println!("skipped: the picture was made by the software driver");

@@ -11,7 +11,7 @@ use tresses::{
     glam::{Quat, Vec3},
     gpu::{Gpu, readback},
     groom::{Groom, SdfGrid, bind, grow::ScalpMap, import, styles},
-    light::Sphere,
+    light::{Sphere, material::linear},
     lod::{Detail, LodLevel, LodMode, arrange},
     present::ToneMap,
     simulate::SimulationParams,
@@ -99,10 +99,7 @@ impl Stage {
             targets.picture(),
         );
         queue.submit([encoder.finish()]);
-        let linear = |byte: u8| {
-            let v = f32::from(byte) / 255.0;
-            if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
-        };
+        let linear = |byte: u8| linear(f32::from(byte) / 255.0);
         let bytes = targets.read(device, queue).unwrap();
         let pixel = |p: &[u8; 4]| [linear(p[0]), linear(p[1]), linear(p[2]), f32::from(p[3]) / 255.0];
         bytes.as_chunks::<4>().0.iter().map(pixel).collect()

@@ -1,21 +1,19 @@
 //! What the ways to light, shade and draw hair cost, held against each other: one character, one
 //! camera, one motion.
 
-use super::workload;
+use super::{report::Run, workload};
 use crate::{
-    args::{Size, Source},
+    args::Size,
     edge_args::{EdgeArgs, Mode},
     scene::{Quality, Scene},
 };
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
+use serde::Serialize;
 use tresses::{
     glam::Vec3,
     light::{Directional, ShadingModel, ShadingRate, ShadowMethod},
 };
-
-use super::report::Run;
-use serde::Serialize;
 
 /// Pixels.
 const SIZE: Size = Size { width: 1280, height: 720 };
@@ -52,12 +50,13 @@ fn quality(samples: u32, ssaa: u32, coverage: Mode, layers: Option<u32>) -> Qual
 
 /// All that are measured, topic by topic; the first of a topic is the default.
 pub fn variants() -> Vec<Variant> {
-    let shading =
-        |name, set| Variant { topic: "shading", name, quality: quality(SAMPLES, 1, Mode::Mask, None), set };
+    let light = |topic, name, set| Variant { topic, name, quality: workload::quality(SIZE, SAMPLES, 1), set };
+    let shading = |name, set| light("shading", name, set);
+    let shadows = |name, set| light("shadows", name, set);
     let samples = |name, samples, ssaa| Variant {
         topic: "samples",
         name,
-        quality: quality(samples, ssaa, Mode::Mask, None),
+        quality: workload::quality(SIZE, samples, ssaa),
         set: |_| {},
     };
     let coverage = |name, samples, ssaa, mode, layers| Variant {
@@ -66,8 +65,6 @@ pub fn variants() -> Vec<Variant> {
         quality: quality(samples, ssaa, mode, layers),
         set: |_| {},
     };
-    let shadows =
-        |name, set| Variant { topic: "shadows", name, quality: quality(SAMPLES, 1, Mode::Mask, None), set };
     vec![
         shading("fibre, per strand vertex", |_| {}),
         shading("Kajiya–Kay, per strand vertex", |scene| {
@@ -105,8 +102,7 @@ pub fn variants() -> Vec<Variant> {
 
 /// Measures one of them.
 pub fn measure(variant: &Variant, frames: u32, bar: &ProgressBar) -> Result<Look> {
-    let source = Source { style: Some("long".into()), strands: Some(STRANDS), ..Source::default() };
-    let mut scene = Scene::open(&source, variant.quality)
+    let mut scene = Scene::open(&workload::style(Some(STRANDS)), variant.quality)
         .with_context(|| format!("{}, {}", variant.topic, variant.name))?;
     (variant.set)(&mut scene);
     let run = workload::run(&mut scene, "in motion", "turn", SIZE, frames, bar)?;

@@ -4,10 +4,10 @@
 use super::{
     report::{count, ms, table},
     statistics::Summary,
-    workload,
+    workload::{self, FPS, WARM_UP},
 };
 use crate::{
-    args::{Size, Source},
+    args::Size,
     camera::{Camera, View},
     interrupt,
     motion::Motion,
@@ -26,10 +26,6 @@ const STRANDS: u32 = 20_000;
 const SAMPLES: u32 = 4;
 /// Metres.
 pub const DISTANCES: [f32; 6] = [0.8, 2.0, 4.0, 8.0, 16.0, 40.0];
-/// Frames before the first that counts.
-const WARM_UP: u32 = 2;
-/// Frames per second.
-const FPS: f64 = 60.0;
 /// The stages that simulate, whose work is that of the guides.
 const MOVING: [&str; 4] = ["volume", "wind", "simulate", "tessellate"];
 /// The stages that only the picture's size and the head matter to.
@@ -65,8 +61,8 @@ pub struct Times {
 
 /// Measures the long style in motion at all distances.
 pub fn measure(frames: u32, bar: &ProgressBar) -> Result<Vec<Point>> {
-    let source = Source { style: Some("long".into()), strands: Some(STRANDS), ..Source::default() };
-    let mut scene = Scene::open(&source, workload::quality(SIZE, SAMPLES, 1)).context("levels of detail")?;
+    let mut scene = Scene::open(&workload::style(Some(STRANDS)), workload::quality(SIZE, SAMPLES, 1))
+        .context("levels of detail")?;
     let near = Camera::portrait(View::ThreeQuarter, scene.subject(), SIZE.aspect(), 1.0);
     DISTANCES.iter().map(|distance| point(&mut scene, &near.moved(*distance), frames, bar)).collect()
 }

@@ -60,17 +60,18 @@ pub fn run(args: &Args) -> Result<()> {
     let mut groups = Vec::new();
     let mut counts = Vec::new();
     let mut looks = Vec::new();
-    if args.appearance || !(args.costs || args.lod) {
+    let all = !(args.costs || args.appearance || args.lod);
+    if all || args.appearance {
         looks.extend(appearance::variants());
     }
-    if !args.costs && !args.appearance && !args.lod {
+    if all {
         groups.extend(workload::seed());
         groups.extend(workload::peer(args));
         counts.extend(workload::strand_counts(args.quick));
     }
     let frames = args.frames();
     let scenes: usize = groups.iter().map(|group| group.runs.len()).sum();
-    let costs = if args.appearance || args.lod { 0 } else { costs::RUNS };
+    let costs = if all || args.costs { costs::RUNS } else { 0 };
     let runs = scenes as u64
         + counts.len() as u64
         + looks.len() as u64

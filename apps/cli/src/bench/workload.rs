@@ -18,7 +18,7 @@ use indicatif::ProgressBar;
 use std::{path::PathBuf, time::Instant};
 
 /// Frames before the first that counts: shaders are compiled, caches and clocks are warm.
-const WARM_UP: u32 = 2;
+pub const WARM_UP: u32 = 2;
 
 /// After this many seconds and at least [`LEAST`] frames no more are measured: a software driver's
 /// frames take seconds.
@@ -26,7 +26,7 @@ const LONG: f64 = 10.0;
 const LEAST: usize = 5;
 
 /// Frames per second of the motion that is measured.
-const FPS: f64 = 60.0;
+pub const FPS: f64 = 60.0;
 
 /// One scene to measure.
 pub struct Workload {
@@ -49,7 +49,8 @@ pub fn quality(size: Size, samples: u32, ssaa: u32) -> Quality {
     Quality { at_most: true, ..Quality::new(size, edges) }
 }
 
-fn style(strands: Option<u32>) -> Source {
+/// The built-in long style, with as many strands as it has or as are asked for.
+pub fn style(strands: Option<u32>) -> Source {
     Source { style: Some("long".into()), strands, ..Source::default() }
 }
 

@@ -9,7 +9,7 @@ mod scenes;
 mod stage;
 
 use crate::{args, interrupt, picture::Picture, progress, say, shading_args::ShadingArgs};
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use metrics::Difference;
 use scenes::{Folders, Scenes};
 use serde::Serialize;
@@ -66,10 +66,10 @@ pub fn run(args: &Args) -> Result<()> {
     for view in views {
         interrupt::check()?;
         // Pictures of one groom follow each other.
-        if stage.as_ref().is_none_or(|stage| stage.groom() != view.groom_name) {
-            stage = Some(Stage::new(&view, &folders, args.samples)?);
-        }
-        let Some(stage) = &mut stage else { bail!("no stage") };
+        let stage = match &mut stage {
+            Some(stage) if stage.groom() == view.groom_name => stage,
+            other => other.insert(Stage::new(&view, &folders, args.samples)?),
+        };
         let (ours, linear) = stage.draw(&view, &scenes, &args.shading)?;
         let reference = folders.picture(view.name)?;
         let mask = folders.picture(&format!("{}_hairmask", view.groom_name))?;

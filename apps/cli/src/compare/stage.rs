@@ -19,7 +19,7 @@ use tresses::{
         import::{self, ImportOptions},
         orient::{Axis, Choice, Unit},
     },
-    light::{Directional, HairMaterial, Lights, MAX_LIGHTS, Sky, Sphere},
+    light::{Directional, HairMaterial, Lights, MAX_LIGHTS, Sky, Sphere, material::linear},
     present::ToneMap,
     simulate::SimulationParams,
 };
@@ -73,7 +73,7 @@ impl Stage {
         let hair_bounds = groom.bounds().context("the groom is empty")?;
         let subject = camera::subject(hair_bounds, head.bounds());
         let [width, height] = view.groom.camera.resolution;
-        let targets = Targets::new(device, width, height, samples, 1)?;
+        let targets = renderer.draw.targets(device, width, height, 1)?;
         let output = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("compared"),
             size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
@@ -110,11 +110,7 @@ impl Stage {
         let [width, height] = self.targets.size;
         let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
         let rgba = shown.iter().flat_map(|[r, g, b]| [byte(*r), byte(*g), byte(*b), 255]).collect();
-        let linear = |v: f32| {
-            let v = if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) };
-            v / DIM
-        };
-        let radiance = dim.iter().map(|rgb| rgb.map(linear)).collect();
+        let radiance = dim.iter().map(|rgb| rgb.map(|v| linear(v) / DIM)).collect();
         Ok((Picture { width, height, rgba }, Linear(radiance)))
     }
 

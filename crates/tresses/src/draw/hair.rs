@@ -61,11 +61,8 @@ impl Chunks {
 /// A groom as the drawing stages need it. It reads the [`StrandBuffers`] it was made for.
 #[derive(Debug)]
 pub struct HairSet {
-    /// Number of drawn strands.
-    pub count: u32,
-    /// Vertices of each.
-    pub vertex_count: u32,
-    pub(crate) drawn: Drawn,
+    /// What of the strands is drawn.
+    pub drawn: Drawn,
     /// Strands and their vertices at full detail.
     full_count: u32,
     pub(crate) rest_count: u32,
@@ -99,8 +96,6 @@ impl HairSet {
         let shaded = storage::<[u32; 2]>(device, "shaded strands", vertices)?;
         let uniform = crate::gpu::bindings::uniform(device, "hair", size_of::<HairUniform>());
         let mut set = Self {
-            count,
-            vertex_count,
             drawn: strands.drawn,
             full_count: count,
             rest_count: vertex_count,
@@ -119,7 +114,7 @@ impl HairSet {
 
     /// From here on only what `drawn` says of the strands it was made for is shaded, splatted and drawn.
     pub(crate) fn show(&mut self, device: &wgpu::Device, drawn: &Drawn) {
-        (self.count, self.vertex_count, self.drawn) = (drawn.count, drawn.vertex_count, *drawn);
+        self.drawn = *drawn;
         // The maps' texels are coarse: about eight segments per strand are enough.
         let last = drawn.vertex_count.saturating_sub(1).max(1);
         let stride = (last / 8).max(1);
@@ -146,14 +141,14 @@ impl HairSet {
 
     /// Triangles of the strips.
     pub fn triangles(&self) -> u64 {
-        u64::from(self.count) * 2 * u64::from(self.vertex_count.saturating_sub(1))
+        u64::from(self.drawn.count) * 2 * u64::from(self.drawn.vertex_count.saturating_sub(1))
     }
 
     pub(crate) fn record_strips(&self, pass: &mut wgpu::RenderPass<'_>) {
         pass.set_bind_group(1, &self.group, &[]);
         pass.set_bind_group(2, &self.fiber.group, &[]);
-        if let Some(strips) = self.strips.get(&self.vertex_count) {
-            strips.record(pass, self.count);
+        if let Some(strips) = self.strips.get(&self.drawn.vertex_count) {
+            strips.record(pass, self.drawn.count);
         }
     }
 }

@@ -130,12 +130,14 @@ pub struct HairMaterial {
     pub fiber: FiberMaterial,
 }
 
+/// A value of sRGB, 0 to 1, made linear.
+pub fn linear(v: f32) -> f32 {
+    if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+}
+
 /// An sRGB colour from the usual six hexadecimal digits, made linear.
 pub fn srgb(rgb: u32) -> Vec3 {
-    let channel = |shift: u32| {
-        let v = (rgb >> shift & 0xff) as f32 / 255.0;
-        if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
-    };
+    let channel = |shift: u32| linear((rgb >> shift & 0xff) as f32 / 255.0);
     Vec3::new(channel(16), channel(8), channel(0))
 }
 

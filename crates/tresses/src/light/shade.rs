@@ -58,7 +58,7 @@ impl Shade {
             label: Some("shade"),
             timestamp_writes: timings.and_then(|timings| timings.compute("shade")),
         });
-        let workgroups = (hair.count * hair.vertex_count).div_ceil(STRAND_WORKGROUP);
+        let workgroups = (hair.drawn.count * hair.drawn.vertex_count).div_ceil(STRAND_WORKGROUP);
         pass.set_bind_group(1, &self.gap, &[]);
         pass.set_bind_group(2, &hair.fiber.group, &[]);
         self.kernel.record(&mut pass, &hair.shade_group, &[], workgroups);

@@ -255,13 +255,16 @@ impl ShadowMaps {
         let mut run = |kernel: &Kernel, threads: u64| {
             kernel.record(pass, &hair.splat_group, &[], threads.div_ceil(u64::from(STRAND_WORKGROUP)) as u32);
         };
-        run(&self.splat, u64::from(hair.count) * u64::from(hair.splat[1]));
+        run(&self.splat, u64::from(hair.drawn.count) * u64::from(hair.splat[1]));
         match method {
             ShadowMethod::DeepOpacity => {
                 let texels = words / u64::from(DEEP_WORDS);
                 let [front, cover, stack] = &self.deep;
                 run(front, texels);
-                run(cover, u64::from(hair.count) * u64::from(hair.vertex_count.saturating_sub(1)));
+                run(
+                    cover,
+                    u64::from(hair.drawn.count) * u64::from(hair.drawn.vertex_count.saturating_sub(1)),
+                );
                 run(stack, texels);
             }
             ShadowMethod::Opaque | ShadowMethod::Absorption => {

@@ -2,7 +2,8 @@
 #![allow(dead_code)]
 
 use tresses::{
-    glam::Vec3,
+    draw::{Body, DrawStage, HairSet, Scene, Targets, View},
+    glam::{Mat4, Vec3},
     gpu::Gpu,
     groom::{Groom, Strands, TriMesh},
 };
@@ -56,5 +57,40 @@ pub fn cube(half: f32) -> TriMesh {
         positions,
         triangles,
         ..Default::default()
+    }
+}
+
+/// The picture of `scene`: RGBA, rows from the top.
+pub fn picture(
+    gpu: &Gpu,
+    stage: &DrawStage,
+    scene: &Scene,
+    hair: &HairSet,
+    body: Option<&Body>,
+    targets: &Targets,
+) -> Vec<u8> {
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    stage.prepare(&gpu.queue, scene, targets, Some(hair), body);
+    stage.shadow(&mut encoder, None, scene, Some(hair), body);
+    stage.shade(&mut encoder, None, hair);
+    stage.draw(&mut encoder, None, scene, targets, Some(hair), body);
+    stage.present(&gpu.device, &mut encoder, None, targets, targets.picture());
+    gpu.queue.submit([encoder.finish()]);
+    targets.read(&gpu.device, &gpu.queue).expect("a picture")
+}
+
+/// An orthographic view, depth reversed, of `size`² pixels, in which a metre is a pixel: the origin is
+/// the lower left corner.
+pub fn metre_is_pixel(size: u32) -> View {
+    let half = size as f32 * 0.5;
+    View {
+        view: Mat4::from_translation(Vec3::new(-half, -half, -1e4)),
+        projection: Mat4::from_cols_array_2d(&[
+            [1.0 / half, 0.0, 0.0, 0.0],
+            [0.0, 1.0 / half, 0.0, 0.0],
+            [0.0, 0.0, 5e-5, 0.0],
+            [0.0, 0.0, 1.0, 1.0],
+        ]),
+        size: [size, size],
     }
 }

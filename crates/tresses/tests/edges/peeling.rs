@@ -2,8 +2,8 @@
 
 use super::{common, groom::Groom, mode, picture::Studio};
 use tresses::{
-    draw::{Background, Coverage, Scene, View},
-    glam::{DVec2, DVec3, Mat4, Vec3},
+    draw::{Background, Coverage, Scene},
+    glam::{DVec2, DVec3, Vec3},
     gpu::readback,
     light::{HairMaterial, ShadingModel, ShadingRate, Sphere},
     math::hash::pcg,
@@ -33,16 +33,7 @@ fn straws() -> Groom {
 fn scene() -> Scene {
     let half = SIZE as f32 * 0.5;
     let mut scene = Scene {
-        view: View {
-            view: Mat4::from_translation(Vec3::new(-half, -half, -1e4)),
-            projection: Mat4::from_cols_array_2d(&[
-                [1.0 / half, 0.0, 0.0, 0.0],
-                [0.0, 1.0 / half, 0.0, 0.0],
-                [0.0, 0.0, 5e-5, 0.0],
-                [0.0, 0.0, 1.0, 1.0],
-            ]),
-            size: [SIZE, SIZE],
-        },
+        view: common::metre_is_pixel(SIZE),
         focus: Sphere { center: Vec3::splat(half), radius: SIZE as f32 },
         background: Background::flat(Vec3::splat(BACKGROUND as f32)),
         shading: ShadingRate::PerVertex,

@@ -1,6 +1,6 @@
 //! Strands to pictures.
 
-use super::Mode;
+use super::{Mode, common};
 use tresses::{
     draw::{DrawOptions, DrawStage, HairSet, Scene, Targets},
     gpu::Gpu,
@@ -43,15 +43,8 @@ impl<'a> Studio<'a> {
 
     /// RGBA of `hair` alone, rows from the top.
     pub fn picture(&self, scene: &Scene, hair: &HairSet) -> Vec<[u8; 4]> {
-        let (gpu, stage, targets) = (self.gpu, &self.stage, &self.targets);
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        stage.prepare(&gpu.queue, scene, targets, Some(hair), None);
-        stage.shadow(&mut encoder, None, scene, Some(hair), None);
-        stage.shade(&mut encoder, None, hair);
-        stage.draw(&mut encoder, None, scene, targets, Some(hair), None);
-        stage.present(&gpu.device, &mut encoder, None, targets, targets.picture());
-        gpu.queue.submit([encoder.finish()]);
-        targets.read(&gpu.device, &gpu.queue).expect("a picture").as_chunks().0.to_vec()
+        let bytes = common::picture(self.gpu, &self.stage, scene, hair, None, &self.targets);
+        bytes.as_chunks().0.to_vec()
     }
 }
 

@@ -147,10 +147,7 @@ impl Curls {
     /// # Errors
     /// [`Error::Parameter`] for a value out of range.
     pub fn check(&self) -> Result<()> {
-        let within = |name, v: f32, lo: f32, hi: f32, range| match (lo..=hi).contains(&v) {
-            true => Ok(()),
-            false => Err(Error::Parameter { name, value: v.to_string(), range }),
-        };
+        let within = Error::unless_within;
         within("radius of curls", self.radius, 0.0, 0.2, "from 0 to 0.2 metres")?;
         within("wavelength of curls", self.wavelength, 1e-3, 1.0, "from 0.001 to 1 metre")?;
         within("flatness of curls", self.flatness, 0.0, 1.0, "from 0 to 1")?;
