@@ -105,7 +105,8 @@ fn imported(source: &Source) -> Result<Character> {
 fn built_in(source: &Source, gpu: &Gpu, simulate: &Simulate) -> Result<Character> {
     let style = Style::from_str(source.style.as_deref().unwrap_or("long"))?;
     let growth = source.shape.growth(&style, source.strands)?;
-    let built = styles::character_with(&gpu.device, &gpu.queue, simulate, &style, &growth)?;
+    let built =
+        pollster::block_on(styles::character_with(&gpu.device, &gpu.queue, simulate, &style, &growth, &()))?;
     let notes = StyleArgs::note(&growth.curls, &built.groom).into_iter().collect();
     Ok(Character {
         groom: match source.guides {

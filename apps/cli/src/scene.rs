@@ -294,7 +294,7 @@ impl Scene {
             let (body, wind) = (self.body.as_ref(), self.physics.wind.velocity);
             debug.draw(&self.gpu, &self.scene, &self.targets, &self.hair, body, wind)?;
         }
-        let rgba = self.targets.read(&self.gpu.device, &self.gpu.queue)?;
+        let rgba = pollster::block_on(self.targets.read(&self.gpu.device, &self.gpu.queue))?;
         let [width, height] = self.targets.size;
         let mut picture = Picture { width, height, rgba };
         if let Some(debug) = &self.debug {
@@ -350,7 +350,7 @@ impl Scene {
         self.submit(encoder)?;
         let wall = start.elapsed().as_secs_f64() * 1e3;
         self.timings = timings;
-        Ok((wall, self.timings.read(&self.gpu.device, &self.gpu.queue)?))
+        Ok((wall, pollster::block_on(self.timings.read(&self.gpu.device, &self.gpu.queue))?))
     }
 
     /// The milliseconds of the stages that move the hair by a frame: by timestamps, or each stage
@@ -362,7 +362,7 @@ impl Scene {
         timings.resolve(&mut encoder);
         self.submit(encoder)?;
         self.timings = timings;
-        Ok(self.timings.read(&self.gpu.device, &self.gpu.queue)?)
+        Ok(pollster::block_on(self.timings.read(&self.gpu.device, &self.gpu.queue))?)
     }
 
     /// The stages of a frame, each submitted and waited for alone, and its milliseconds by the clock.

@@ -150,7 +150,9 @@ impl Debug {
         let grid = self.grid(scene, hair);
         let max = match (self.max, &grid) {
             (Some(max), _) => max,
-            (None, Some(grid)) => legend::rounded_up(self.peak.measure(&gpu.device, &gpu.queue, grid)?),
+            (None, Some(grid)) => {
+                legend::rounded_up(pollster::block_on(self.peak.measure(&gpu.device, &gpu.queue, grid))?)
+            }
             // The speed of hair on a head that is shaken.
             (None, None) => 1.0,
         };
