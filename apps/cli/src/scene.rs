@@ -288,12 +288,8 @@ impl Scene {
     pub fn picture(&mut self, camera: &Camera) -> Result<Picture> {
         self.place_colliders();
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.record_draw(&mut encoder, None, camera);
+        self.record_draw(&mut encoder, None, camera)?;
         self.gpu.queue.submit([encoder.finish()]);
-        if let Some(debug) = &mut self.debug {
-            let (body, wind) = (self.body.as_ref(), self.physics.wind.velocity);
-            debug.draw(&self.gpu, &self.scene, &self.targets, &self.hair, body, wind)?;
-        }
         let rgba = self.targets.read(&self.gpu.device, &self.gpu.queue)?;
         let [width, height] = self.targets.size;
         let mut picture = Picture { width, height, rgba };
@@ -345,7 +341,7 @@ impl Scene {
         let mut timed = self.gpu.tier.timestamps.then_some(&mut timings);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         self.record_advance(&mut encoder, timed.as_deref_mut(), pose, seconds)?;
-        self.record_draw(&mut encoder, timed, camera);
+        self.record_draw(&mut encoder, timed, camera)?;
         timings.resolve(&mut encoder);
         self.submit(encoder)?;
         let wall = start.elapsed().as_secs_f64() * 1e3;
@@ -456,20 +452,22 @@ impl Scene {
         encoder: &mut wgpu::CommandEncoder,
         timings: Option<&mut Timings>,
         camera: &Camera,
-    ) {
+    ) -> Result<()> {
         self.look_from(camera);
+        if let Some(debug) = &mut self.debug {
+            debug.prepare(&self.gpu, &self.scene, &self.hair, self.physics.wind.velocity)?;
+        }
         let Gpu { device, queue, .. } = &self.gpu;
         let mut recorder = Recorder { renderer: &self.renderer, device, queue, encoder, timings };
         let (body, targets) = (self.body.as_ref(), &self.targets);
-        if self.debug.as_ref().is_some_and(Debug::hides_hair) {
-            let (stage, scene) = (&self.renderer.draw, &self.scene);
-            stage.prepare(queue, scene, targets, None, body);
-            stage.shadow(recorder.encoder, None, scene, None, body);
-            stage.draw(recorder.encoder, None, scene, targets, None, body);
-            stage.present(device, recorder.encoder, None, targets, targets.picture());
-            return;
+        let (hair, scene, output) = (&self.hair, &self.scene, targets.picture());
+        match &mut self.debug {
+            Some(Debug { shown, views, .. }) => {
+                recorder.draw_view(views, shown, hair, body, scene, targets, output)?;
+            }
+            None => recorder.draw(hair, body, scene, targets, output),
         }
-        recorder.draw(&self.hair, body, &self.scene, targets, targets.picture());
+        Ok(())
     }
 
     fn submit(&self, encoder: wgpu::CommandEncoder) -> Result<()> {
