@@ -18,7 +18,7 @@ use crate::{
 };
 use anyhow::{Result, ensure};
 use std::path::PathBuf;
-use tresses::simulate::SimulationParams;
+use tresses::{draw::debug::DebugView, simulate::SimulationParams};
 use tresses_scene::{Camera, Motion, Shot, camera::View};
 
 /// The longest animation, frames.
@@ -95,7 +95,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     // What can be refused is refused before anything is opened or made.
     let mut physics = SimulationParams::default();
-    args.hair_hair.apply(&mut physics, args.debug.debug == Some(debug::Subject::Density));
+    args.hair_hair.apply(&mut physics, args.debug.debug == Some(DebugView::Density));
     args.wind.apply(&mut physics);
     args.debug.check(&physics)?;
     let more_lights = args.shadows.lights()?;

@@ -104,27 +104,24 @@ impl Scene {
 
     /// From here on pictures show what `args` ask for.
     pub fn show(&mut self, args: &debug::DebugArgs) {
-        let Stage { gpu, renderer, field, .. } = &self.stage;
-        self.debug = Debug::new(gpu, &renderer.draw, args, field.as_ref());
-        self.stage.hide_hair = self.debug.as_ref().is_some_and(Debug::hides_hair);
+        self.debug = Debug::new(&mut self.stage, args);
     }
 
     /// The picture as it is now. Blocks.
     pub fn picture(&mut self, camera: &Camera) -> Result<Picture> {
         let stage = &mut self.stage;
         stage.place_colliders();
-        let mut encoder = stage.gpu.device.create_command_encoder(&Default::default());
-        stage.record_draw(&mut encoder, None, camera);
-        stage.gpu.queue.submit([encoder.finish()]);
         if let Some(debug) = &mut self.debug {
-            let (body, wind) = (stage.body.as_ref(), stage.physics.wind.velocity);
-            debug.draw(&stage.gpu, &stage.look, &stage.targets, &stage.hair, body, wind)?;
+            debug.prepare(stage)?;
         }
+        let mut encoder = stage.gpu.device.create_command_encoder(&Default::default());
+        stage.record_draw(&mut encoder, None, camera)?;
+        stage.gpu.queue.submit([encoder.finish()]);
         let rgba = stage.targets.read(&stage.gpu.device, &stage.gpu.queue)?;
         let [width, height] = stage.targets.size;
         let mut picture = Picture { width, height, rgba };
-        if let Some(debug) = &self.debug {
-            debug.label(&mut picture);
+        if let (Some(debug), Some(shown)) = (&self.debug, self.stage.shown()) {
+            debug.label(&shown, &mut picture);
         }
         Ok(picture)
     }

@@ -28,7 +28,7 @@ impl Stage {
         let mut timed = self.gpu.tier.timestamps.then_some(&mut timings);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         self.record_advance(&mut encoder, timed.as_deref_mut(), pose, seconds)?;
-        self.record_draw(&mut encoder, timed, camera);
+        self.record_draw(&mut encoder, timed, camera)?;
         timings.resolve(&mut encoder);
         self.submit(encoder)?;
         let wall = start.elapsed().as_secs_f64() * 1e3;

@@ -11,7 +11,11 @@ use tresses::{
     Hair, HairOptions, HairRenderer, Pose,
     avoid::AvoidMode,
     collide::{ColliderDescriptor, FieldBuilder},
-    draw::{self, Body, Coverage, DrawOptions, Targets, View},
+    draw::{
+        self, Body, Coverage, DrawOptions, Targets, View,
+        debug::{DebugViews, Shown},
+        targets::PICTURE_FORMAT,
+    },
     frame::{Frame, Recorder},
     glam::Vec3,
     gpu::{Gpu, Timings},
@@ -90,8 +94,10 @@ pub struct Stage {
     pub field: Option<SdfGrid>,
     /// From timestamps where there are some that mean something, else by the clock.
     pub(crate) timings: Timings,
-    /// Whether something is shown that the hair would hide.
-    pub hide_hair: bool,
+    /// What is shown instead of hair as it looks.
+    shown: Option<Shown>,
+    /// The pipelines for that, once there was something.
+    views: Option<DebugViews>,
     /// Lights that stay where they are, instead of the photographer's.
     lights: Option<Lights>,
     more_lights: [Directional; 2],
@@ -150,7 +156,8 @@ impl Stage {
             body,
             targets,
             timings,
-            hide_hair: false,
+            shown: None,
+            views: None,
             look,
             lights: None,
             more_lights: [Directional::OFF; 2],
@@ -186,6 +193,21 @@ impl Stage {
     /// The level of detail of the last frame.
     pub fn detail(&self) -> &Detail {
         self.hair.lod.current()
+    }
+
+    /// From here on pictures show `shown` instead of hair as it looks.
+    pub fn show(&mut self, shown: Option<Shown>) {
+        if shown.is_some() && self.views.is_none() {
+            let mut views = DebugViews::new(&self.gpu.device, &self.renderer.draw, PICTURE_FORMAT);
+            views.set_head(self.field.as_ref());
+            self.views = Some(views);
+        }
+        self.shown = shown;
+    }
+
+    /// What pictures show instead of hair as it looks.
+    pub fn shown(&self) -> Option<Shown> {
+        self.shown
     }
 
     /// From here on `camera` looks: frames are made for it.
@@ -310,25 +332,27 @@ impl Stage {
     }
 
     /// Records the picture that `camera` sees.
+    ///
+    /// # Errors
+    /// When the adapter cannot hold what a view needs.
     pub fn record_draw(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         timings: Option<&mut Timings>,
         camera: &Camera,
-    ) {
+    ) -> Result<()> {
         self.look_from(camera);
-        let Gpu { device, queue, .. } = &self.gpu;
-        let mut recorder = Recorder { renderer: &self.renderer, device, queue, encoder, timings };
-        let (body, targets) = (self.body.as_ref(), &self.targets);
-        if self.hide_hair {
-            let (stage, scene) = (&self.renderer.draw, &self.look);
-            stage.prepare(queue, scene, targets, None, body);
-            stage.shadow(recorder.encoder, None, scene, None, body);
-            stage.draw(recorder.encoder, None, scene, targets, None, body);
-            stage.present(device, recorder.encoder, None, targets, targets.picture());
-            return;
+        let Self { gpu: Gpu { device, queue, .. }, renderer, hair, targets, look, .. } = self;
+        let mut recorder = Recorder { renderer, device, queue, encoder, timings };
+        let (body, output) = (self.body.as_ref(), targets.picture());
+        match (&mut self.shown, &mut self.views) {
+            (Some(shown), Some(views)) => {
+                shown.wind = self.physics.wind.velocity;
+                recorder.draw_view(views, shown, hair, body, look, targets, output)?;
+            }
+            _ => recorder.draw(hair, body, look, targets, output),
         }
-        recorder.draw(&self.hair, body, &self.look, targets, targets.picture());
+        Ok(())
     }
 
     pub(crate) fn submit(&self, encoder: wgpu::CommandEncoder) -> Result<()> {
