@@ -1,2 +1,17 @@
-//! What the command and the studio share: a character from files or built in, its settings, how its
-//! head moves and who looks at it. The library `tresses` knows nothing of it.
+//! What the command and the studio share: a character from files or built in, how its head moves and
+//! who looks at it, and all of it on the GPU. The library `tresses` knows nothing of it.
+
+pub mod camera;
+pub mod character;
+pub mod colliders;
+mod measure;
+pub mod motion;
+pub mod progress;
+pub mod stage;
+
+pub use camera::{Bounds, Camera, Shot};
+pub use character::{Base, Character, Styling};
+pub use colliders::Colliders;
+pub use motion::Motion;
+pub use progress::Progress;
+pub use stage::{Facts, Quality, Stage};

@@ -4,9 +4,7 @@
 use super::statistics::Summary;
 use crate::{
     args::{Guides, Source},
-    interrupt,
-    load::{self, Character},
-    motion::Motion,
+    interrupt, load,
 };
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
@@ -23,6 +21,7 @@ use tresses::{
     volume::{HairHair, VolumeOptions},
     wind::Wind,
 };
+use tresses_scene::{Character, Motion};
 
 /// Guides of the measured hair.
 const GUIDES: u32 = 1000;

@@ -6,17 +6,12 @@ use super::{
     statistics::Summary,
     workload::{self, FPS, WARM_UP},
 };
-use crate::{
-    args::Size,
-    camera::{Camera, View},
-    interrupt,
-    motion::Motion,
-    scene::Scene,
-};
+use crate::{args::Size, interrupt, scene::Scene};
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use serde::Serialize;
 use tresses::lod::{LodMode, LodOptions};
+use tresses_scene::{Camera, Motion, camera::View};
 
 /// Pixels.
 const SIZE: Size = Size { width: 1280, height: 720 };
@@ -80,7 +75,7 @@ fn point(scene: &mut Scene, camera: &Camera, frames: u32, bar: &ProgressBar) -> 
         for frame in 0..WARM_UP + frames {
             interrupt::check()?;
             let pose = motion.pose(f64::from(frame + 1) / FPS, pivot);
-            let (wall, times) = scene.measured_frame(&pose, (1.0 / FPS) as f32, camera)?;
+            let (wall, times) = pollster::block_on(scene.measured_frame(&pose, (1.0 / FPS) as f32, camera))?;
             if frame < WARM_UP {
                 continue;
             }

@@ -4,7 +4,7 @@ use super::{
     metrics::Linear,
     scenes::{Folders, Groom as Description, Radius, Scenes, View},
 };
-use crate::{camera, picture::Picture, shading_args::ShadingArgs};
+use crate::{picture::Picture, shading_args::ShadingArgs};
 use anyhow::{Context, Result, ensure};
 use half::f16;
 use tresses::{
@@ -23,6 +23,7 @@ use tresses::{
     present::ToneMap,
     simulate::SimulationParams,
 };
+use tresses_scene::camera;
 
 /// What the pictures are read from.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;

@@ -55,6 +55,7 @@ pub struct DrawStage {
     present: Present,
     view: wgpu::Buffer,
     lights: wgpu::Buffer,
+    frame_layout: wgpu::BindGroupLayout,
     frame_group: wgpu::BindGroup,
     hair_layout: wgpu::BindGroupLayout,
     fiber_layout: wgpu::BindGroupLayout,
@@ -62,6 +63,7 @@ pub struct DrawStage {
     body: wgpu::RenderPipeline,
     strips: Strips,
     samples: u32,
+    coverage: Coverage,
 }
 
 impl DrawStage {
@@ -98,9 +100,11 @@ impl DrawStage {
             body: body.build(device),
             strips: Strips::new(device, options, [&frame_layout, &hair_layout, &fiber_layout]),
             samples: options.samples,
+            coverage: options.coverage,
             shadow_maps,
             view,
             lights,
+            frame_layout,
             frame_group,
             hair_layout,
             fiber_layout,
@@ -110,6 +114,17 @@ impl DrawStage {
 
     pub(crate) fn body_layout(&self) -> &wgpu::BindGroupLayout {
         &self.body_layout
+    }
+
+    /// How strands cover pixels.
+    pub fn coverage(&self) -> Coverage {
+        self.coverage
+    }
+
+    /// What pipelines that draw strips bind: the frame's group, and the layouts of it, of hair and of its
+    /// fibres' tables.
+    pub(crate) fn hair_groups(&self) -> (&wgpu::BindGroup, [&wgpu::BindGroupLayout; 3]) {
+        (&self.frame_group, [&self.frame_layout, &self.hair_layout, &self.fiber_layout])
     }
 
     pub(crate) fn fiber_layout(&self) -> &wgpu::BindGroupLayout {
@@ -263,7 +278,7 @@ impl DrawStage {
     pub fn draw_hair(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        mut timings: Option<&mut Timings>,
+        timings: Option<&mut Timings>,
         scene: &Scene,
         targets: &Targets,
         hair: Option<&HairSet>,
@@ -275,15 +290,39 @@ impl DrawStage {
             }
             return;
         };
+        self.record_hair(encoder, timings, scene, targets, hair, true);
+    }
+
+    /// Records the hair over what is in `targets`. A stage that peels has no use for it.
+    pub(crate) fn draw_hair_over(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        timings: Option<&mut Timings>,
+        scene: &Scene,
+        targets: &Targets,
+        hair: &HairSet,
+    ) {
+        self.record_hair(encoder, timings, scene, targets, hair, false);
+    }
+
+    fn record_hair(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        mut timings: Option<&mut Timings>,
+        scene: &Scene,
+        targets: &Targets,
+        hair: &HairSet,
+        clear: bool,
+    ) {
         let mut strips = |pipelines: &ByRate, clear| {
             let mut pass = self.pass(encoder, timings.as_deref_mut(), "hair", clear, targets);
             pass.set_pipeline(pipelines.of(scene.shading));
             hair.record_strips(&mut pass);
         };
         match &self.strips {
-            Strips::Once(all) => strips(all, true),
+            Strips::Once(all) => strips(all, clear),
             Strips::DepthFirst { depth, color } => {
-                strips(depth, true);
+                strips(depth, clear);
                 strips(color, false);
             }
             Strips::Peeled(peel) => {
@@ -311,7 +350,7 @@ impl DrawStage {
     }
 
     /// A pass into the HDR target with the frame's group bound.
-    fn pass<'e>(
+    pub(crate) fn pass<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
         timings: Option<&mut Timings>,
