@@ -4,7 +4,7 @@
 use crate::{
     Error, Pose, Result,
     avoid::{self, Avoid, AvoidOptions, Avoidance},
-    collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
+    collide::{Collider, ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     draw::{DrawOptions, DrawStage, HairSet, View},
     frame::Frame,
     gpu::bindings,
@@ -13,8 +13,8 @@ use crate::{
     lod::{self, Detail, Lod, LodLevel, Widths},
     math::hash::pcg,
     simulate::{
-        Clock, Forces, Grab, GuideTraits, Mode, Ray, RestOptions, RestShape, Simulate, Simulation, SimulationParams,
-        Step, Target, rest,
+        Clock, Forces, Grab, GuideTraits, Mode, Ray, RestOptions, RestShape, Simulate, Simulation,
+        SimulationParams, Step, Target, rest,
     },
     strands::{GuideBuffers, Strand, StrandBuffers},
     tessellate::{Tessellate, TessellateParams, rest_samples},
@@ -244,6 +244,20 @@ impl Hair {
     /// Puts the hair to rest at the next frame, wherever the head is then.
     pub fn reset(&mut self) {
         self.clock.reset();
+    }
+
+    /// From the next frame on these are the obstacles besides the head's field, whose poses the frames give:
+    /// a ball can come, change and go. See [`ColliderSet::replace`].
+    ///
+    /// # Errors
+    /// As [`ColliderSet::replace`].
+    pub fn set_colliders(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        colliders: &[Collider],
+    ) -> Result<()> {
+        self.colliders.replace(device, queue, colliders)
     }
 
     /// Grabs the lock that `ray` (world space, from the eye through the cursor: [`View::ray`]) meets

@@ -58,7 +58,8 @@ impl View {
         let [width, height] = self.size.map(|side| side.max(1) as f32);
         let inverse = (self.projection * self.view).inverse();
         // Depth is reversed, and 0 may be at infinity.
-        let at = |depth| inverse.project_point3(Vec3::new(2.0 * x / width - 1.0, 1.0 - 2.0 * y / height, depth));
+        let at =
+            |depth| inverse.project_point3(Vec3::new(2.0 * x / width - 1.0, 1.0 - 2.0 * y / height, depth));
         let (near, far) = (at(1.0), at(0.5));
         Ray { origin: near, direction: (far - near).normalize_or(Vec3::NEG_Z) }
     }

@@ -72,10 +72,8 @@ impl Terms {
 
     /// Records the kernel for all vertices of `hair`, in the place of [`super::Shade::record`].
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder, hair: &HairSet, term: Term) {
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some("terms"),
-            ..Default::default()
-        });
+        let mut pass = encoder
+            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("terms"), ..Default::default() });
         let workgroups = (hair.drawn.count * hair.drawn.vertex_count).div_ceil(STRAND_WORKGROUP);
         pass.set_bind_group(1, &self.groups[term as usize], &[]);
         pass.set_bind_group(2, &hair.fiber.group, &[]);

@@ -216,8 +216,12 @@ impl DebugStage {
                 Layer::Distance(colliders, grid, slices) => {
                     let field = self.field.get_or_insert_with(|| field::FieldKernel::new(device));
                     field.record(&mut canvas, grid, colliders);
-                    let grid =
-                        Grid { texture: &field.texture, quantity: Quantity::Channel(0), turns: false, ..*grid };
+                    let grid = Grid {
+                        texture: &field.texture,
+                        quantity: Quantity::Channel(0),
+                        turns: false,
+                        ..*grid
+                    };
                     for (paint, slices) in slices {
                         self.slices.record(&mut canvas, &grid, paint, slices);
                     }

@@ -68,12 +68,8 @@ impl Overdraw {
             multiview_mask: None,
             cache: None,
         });
-        let layout = layout(
-            device,
-            "overdraw",
-            wgpu::ShaderStages::FRAGMENT,
-            &[Binding::Uniform, Binding::Texture2d],
-        );
+        let layout =
+            layout(device, "overdraw", wgpu::ShaderStages::FRAGMENT, &[Binding::Uniform, Binding::Texture2d]);
         let topology = wgpu::PrimitiveTopology::TriangleList;
         let show = overlay(device, "draw::debug::overdraw", &[&layout], format, topology, false);
         Self { count, show, layout, frame: frame.clone() }

@@ -100,36 +100,48 @@ impl DebugView {
             Self::Tangents => {
                 ["tangents", "Tangents", "Directions: red to the character's left, green up, blue forward"]
             }
-            Self::FirstHit => {
-                ["first-hit", "First hit", "Strands changed by an obstacle, by how far from the root; others grey"]
-            }
+            Self::FirstHit => [
+                "first-hit",
+                "First hit",
+                "Strands changed by an obstacle, by how far from the root; others grey",
+            ],
             Self::Detail => {
                 ["lod", "Level of detail", "How much wider strands are for those left out; segments as bands"]
             }
             Self::Overdraw => {
                 ["overdraw", "Overdraw", "How many strips are drawn over each pixel, whatever is nearest"]
             }
-            Self::Density => ["density", "Density", "How dense the hair is: a volume, and slices through its middle"],
+            Self::Density => {
+                ["density", "Density", "How dense the hair is: a volume, and slices through its middle"]
+            }
             Self::Push => ["push", "Push", "How hair that is denser than at rest is pushed"],
             Self::Wind => ["wind", "Wind", "How the air flows: streamlines, and slices of its speed"],
             Self::Colliders => {
                 ["colliders", "Colliders", "The surface that hair collides with, as contour lines 1 cm apart"]
             }
-            Self::Distance => {
-                ["sdf", "Distance to obstacles", "Slices through the distance field, a line per cm, white at 0"]
-            }
-            Self::Reflection => {
-                ["reflection", "Reflection (R)", "Light mirrored by the scales; Kajiya and Kay: first highlight"]
-            }
+            Self::Distance => [
+                "sdf",
+                "Distance to obstacles",
+                "Slices through the distance field, a line per cm, white at 0",
+            ],
+            Self::Reflection => [
+                "reflection",
+                "Reflection (R)",
+                "Light mirrored by the scales; Kajiya and Kay: first highlight",
+            ],
             Self::Transmission => {
                 ["transmission", "Transmission (TT)", "Light straight through fibres, seen against it"]
             }
-            Self::Inner => {
-                ["inner", "Inner reflection (TRT)", "Light reflected inside; Kajiya and Kay: second highlight"]
-            }
-            Self::Multiple => {
-                ["multiple", "Multiple scattering", "Light by way of other fibres; Kajiya and Kay: matt light"]
-            }
+            Self::Inner => [
+                "inner",
+                "Inner reflection (TRT)",
+                "Light reflected inside; Kajiya and Kay: second highlight",
+            ],
+            Self::Multiple => [
+                "multiple",
+                "Multiple scattering",
+                "Light by way of other fibres; Kajiya and Kay: matt light",
+            ],
             Self::Sky => ["sky", "Light of the sky", "The surroundings alone"],
             Self::Direct => ["direct", "Light of the lights", "The directional lights alone"],
             Self::Shadow => ["shadow", "Shadow", "The share of the direct light that arrives"],
@@ -164,7 +176,7 @@ impl DebugView {
             Self::Strain => scale("strain", 0.01),
             Self::FirstHit => scale("from the root, m", 0.25),
             Self::Detail => scale("doublings of the width", 4.0),
-            Self::Overdraw => scale("strips per pixel", 50.0),
+            Self::Overdraw => scale("strips per pixel", 100.0),
             Self::Density => scale("density, km/m³", 5.0),
             Self::Push => scale("push, m/s²", 50.0),
             Self::Wind => scale("speed of the air, m/s", 10.0),

@@ -39,7 +39,7 @@ mod kernels;
 
 pub(crate) use kernels::GrabKernels;
 
-use super::{MAX_STEPS, Mode, SimulationParams, Simulate, Step};
+use super::{MAX_STEPS, Mode, Simulate, SimulationParams, Step};
 use crate::{
     Error, Result,
     collide::ColliderSet,
@@ -194,11 +194,7 @@ impl Grab {
             Target::Ray(ray) => Target::Ray(unit(ray)?),
             Target::Point(point) if point.is_finite() => Target::Point(*point),
             Target::Point(point) => {
-                return Err(Error::Parameter {
-                    name: "a target",
-                    value: point.to_string(),
-                    range: "finite",
-                });
+                return Err(Error::Parameter { name: "a target", value: point.to_string(), range: "finite" });
             }
         };
         if self.ray.is_some() {
@@ -290,8 +286,7 @@ impl Grab {
         if self.picks {
             queue.write_buffer(&buffers.marks, 0, bytemuck::cast_slice(&[u32::MAX; 2]));
         }
-        self.threads =
-            [strands.drawn.count * strands.drawn.vertex_count, guides.count * guides.vertex_count];
+        self.threads = [strands.drawn.count * strands.drawn.vertex_count, guides.count * guides.vertex_count];
         Ok(true)
     }
 
@@ -329,8 +324,11 @@ impl Buffers {
         });
         let marks = storage::<u32>(device, "grab marks", 4)?;
         let state = storage::<GrabState>(device, "grab state", 1)?;
-        let holds =
-            storage::<[f32; 4]>(device, "grab holds", u64::from(guides.count) * u64::from(guides.vertex_count))?;
+        let holds = storage::<[f32; 4]>(
+            device,
+            "grab holds",
+            u64::from(guides.count) * u64::from(guides.vertex_count),
+        )?;
         let groups = kernels.bind(device, [&uniforms, &marks, &state, &holds], guides, strands);
         Ok(Self { uniforms, marks, state, holds, groups })
     }
