@@ -4,14 +4,13 @@
 pub mod camera;
 pub mod character;
 pub mod colliders;
+#[cfg(not(target_arch = "wasm32"))]
 mod measure;
 pub mod motion;
-pub mod progress;
 pub mod stage;
 
 pub use camera::{Bounds, Camera, Shot};
-pub use character::{Base, Character, Styling};
+pub use character::{Base, Character, Files, Styling};
 pub use colliders::Colliders;
 pub use motion::Motion;
-pub use progress::Progress;
 pub use stage::{Facts, Quality, Stage};
