@@ -4,7 +4,7 @@ use super::{arrows::ArrowsKernel, guides::GuidesKernel, streams::StreamsKernel, 
 use crate::{
     Pose,
     draw::{Background, DrawOptions, View},
-    gpu::{Gpu, for_tests as gpu, readback},
+    gpu::{Gpu, for_tests as gpu, readback::blocking as readback},
     groom::TriMesh,
     strands::{GuideSample, GuideShape},
 };
@@ -62,7 +62,7 @@ fn view() -> View {
 fn picture(gpu: &Gpu, layers: &[Layer<'_>], body: Option<&TriMesh>) -> Vec<[u8; 4]> {
     let Gpu { device, queue, .. } = gpu;
     let draw = DrawStage::new(device, &DrawOptions { samples: 1, ..Default::default() });
-    let debug = DebugStage::new(device, &draw, crate::draw::targets::PICTURE_FORMAT);
+    let mut debug = DebugStage::new(device, &draw, crate::draw::targets::PICTURE_FORMAT);
     let targets = Targets::new(device, SIZE, SIZE, 1, 1).unwrap();
     let body = body.map(|mesh| Body::new(device, &draw, mesh));
     let scene = Scene { view: view(), background: Background::transparent(), ..Default::default() };
@@ -74,7 +74,7 @@ fn picture(gpu: &Gpu, layers: &[Layer<'_>], body: Option<&TriMesh>) -> Vec<[u8; 
         .record(device, &mut encoder, None, &scene, &targets, body.as_ref(), targets.picture(), layers)
         .unwrap();
     queue.submit([encoder.finish()]);
-    targets.read(device, queue).unwrap().as_chunks().0.to_vec()
+    pollster::block_on(targets.read(device, queue)).unwrap().as_chunks().0.to_vec()
 }
 
 /// What `record` leaves in its buffer.
@@ -198,7 +198,7 @@ fn slices_show_the_right_place() {
     for channel in 0..3 {
         let grid = grid(&texture, Pose::IDENTITY, Quantity::Channel(channel));
         // Seen along z the other two planes are lines.
-        let seen = picture(&gpu, &[Layer::Slices(grid, paint, Slices { at, panels: None })], None);
+        let seen = picture(&gpu, &[Layer::Slices(grid, paint, Slices { at, ..Default::default() })], None);
         // The middle of a pixel of the panels, which are 32 pixels wide.
         let (u, v) = (22.5 / 32.0, 6.5 / 32.0);
         let found = pixel(&seen, (u - 0.5) * 0.2, (v - 0.5) * 0.2);
@@ -208,7 +208,7 @@ fn slices_show_the_right_place() {
         assert_eq!(pixel(&seen, 0.12, 0.0)[3], 0, "outside of the box");
         // Panels: left and top of the picture, 0.5 high in clip space, 0.625 apart.
         let panel = Vec4::new(-0.9375, 0.375, 0.5, 0.625);
-        let slices = Slices { at, panels: Some(panel) };
+        let slices = Slices { at, panels: Some(panel), ..Default::default() };
         let seen = picture(&gpu, &[Layer::Slices(grid, paint, slices)], None);
         for axis in 0..3 {
             let (x, y) = (panel.x + u * panel.z, panel.y - axis as f32 * panel.w + v * panel.z);
@@ -225,7 +225,7 @@ fn panels_name_the_plane() {
     let Some(gpu) = gpu() else { return };
     let texture = texture(&gpu, 8, |_| Vec4::ONE);
     let paint = Paint { low: 0.0, high: 1.0, opacity: 0.5 };
-    let slices = Slices { at: Vec3::splat(0.5), panels: Some(Vec4::new(-1.0, 0.5, 0.5, 0.6)) };
+    let slices = Slices { panels: Some(Vec4::new(-1.0, 0.5, 0.5, 0.6)), ..Default::default() };
     let layer = Layer::Slices(grid(&texture, Pose::IDENTITY, Quantity::Length), paint, slices);
     let seen = picture(&gpu, &[layer], None);
     let covered: f64 = seen.iter().map(|p| f64::from(p[3]) / 255.0).sum::<f64>() / f64::from(SIZE * SIZE);
@@ -398,7 +398,9 @@ fn the_peak_is_found() {
         Vec4::new(0.5, 0.0, 0.0, if here { 7.0 } else { -1.0 })
     });
     let peak = Peak::new(&gpu.device);
-    let measure = |q| peak.measure(&gpu.device, &gpu.queue, &grid(&texture, Pose::IDENTITY, q)).unwrap();
+    let measure = |q| {
+        pollster::block_on(peak.measure(&gpu.device, &gpu.queue, &grid(&texture, Pose::IDENTITY, q))).unwrap()
+    };
     assert_eq!(measure(Quantity::Channel(3)), 7.0);
     assert_eq!(measure(Quantity::Length), 0.5);
     assert_eq!(measure(Quantity::Channel(1)), 0.0);
