@@ -2,10 +2,8 @@
 
 use crate::{
     args::{Size, Source},
-    camera::{Camera, Shot, View},
     edge_args::EdgeArgs,
     interrupt,
-    motion::Motion,
     picture::Output,
     progress,
     render::{Times, animate},
@@ -15,6 +13,7 @@ use crate::{
 };
 use anyhow::{Context, Result};
 use std::{path::PathBuf, time::Instant};
+use tresses_scene::{Camera, Motion, Shot, camera::View};
 
 /// The size of the picture.
 const PICTURE: Size = Size { width: 1920, height: 1200 };
@@ -49,7 +48,8 @@ pub fn run(args: &Args) -> Result<()> {
     let camera = Camera::portrait(View::ThreeQuarter, scene.subject(), PICTURE.aspect(), 1.0);
     let mut output = Output::create(&args.out.join("demo.png"), (PICTURE.width, PICTURE.height), 1, 1.0)?;
     let start = Instant::now();
-    scene.reset(&motion.pose(0.0, scene.pivot()))?;
+    let pivot = scene.pivot();
+    scene.reset(&motion.pose(0.0, pivot))?;
     output.add(scene.picture(&camera)?)?;
     let seconds = start.elapsed().as_secs_f64();
     let picture = output.finish()?;
@@ -59,7 +59,7 @@ pub fn run(args: &Args) -> Result<()> {
     let frames = (motion.duration() * LOOP_FPS).round() as u32;
     let share = f64::from(LOOP.width * LOOP.height) / f64::from(PICTURE.width * PICTURE.height);
     eprintln!("Drawing a loop of {frames} frames; about {:.0} s.", f64::from(frames) * seconds * share + 5.0);
-    scene.resize(LOOP)?;
+    scene.resize([LOOP.width, LOOP.height])?;
     let path = args.out.join("demo.webp");
     let mut output = Output::create(&path, (LOOP.width, LOOP.height), frames, LOOP_FPS)?;
     let times = Times { frames, fps: LOOP_FPS, lead: -motion.duration() };

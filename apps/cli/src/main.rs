@@ -3,8 +3,6 @@
 mod args;
 mod avoid_args;
 mod bench;
-mod camera;
-mod colliders;
 mod compare;
 mod convert;
 mod debug;
@@ -16,7 +14,6 @@ mod info;
 mod interrupt;
 mod load;
 mod lod_args;
-mod motion;
 mod orient_args;
 mod picture;
 mod progress;

@@ -3,14 +3,12 @@
 use crate::{
     args::{self, Size, Source},
     avoid_args::Avoid,
-    camera::{Camera, Shot, View},
     debug,
     edge_args::EdgeArgs,
     environment_args::EnvironmentArgs,
     hair_hair_args::HairHairArgs,
     interrupt,
     lod_args::{self, LodArgs},
-    motion::Motion,
     picture::{Kind, Output},
     progress, say,
     scene::{Quality, Scene},
@@ -21,6 +19,7 @@ use crate::{
 use anyhow::{Result, ensure};
 use std::path::PathBuf;
 use tresses::{draw::debug::DebugView, simulate::SimulationParams};
+use tresses_scene::{Camera, Motion, Shot, camera::View};
 
 /// The longest animation, frames.
 const MAX_FRAMES: u32 = 100_000;
@@ -112,11 +111,11 @@ pub fn run(args: &Args) -> Result<()> {
     let mut scene = Scene::open(&args.source, quality)?;
     scene.set_shadows(args.shadows.shadows());
     scene.add_lights(more_lights);
-    *scene.physics_mut() = physics;
-    scene.set_avoid(args.avoid);
+    scene.physics = physics;
+    scene.set_avoid(args.avoid.into());
     scene.set_lights(lights);
     scene.set_lod(args.lod.options())?;
-    let look = scene.look_mut();
+    let look = &mut scene.look;
     args.shading.apply(&mut look.hair, &mut look.shading);
     scene.show(&args.debug);
     start.finish_and_clear();

@@ -5,15 +5,12 @@ use anyhow::Result;
 use std::{path::PathBuf, str::FromStr};
 use tresses::{
     groom::{
-        Groom, Restyle, curve,
+        Restyle,
         grow::{Clumps, CurlCurve, Curls, Growth, Paint, ScalpMap, Unrest},
         styles::Style,
     },
     light::HairMaterial,
 };
-
-/// Vertices per turn below which curls are seen to be made of straight pieces.
-const SMOOTH: f32 = 6.0;
 
 /// Shape, maps and variation of the strands.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -157,22 +154,6 @@ impl StyleArgs {
         fiber.melanin_spread = self.lightness_spread.unwrap_or(fiber.melanin_spread);
         // Half as wide as the shift of the softer highlights of the other model.
         fiber.tilt_spread = self.highlight_spread.map_or(fiber.tilt_spread, |spread| 0.25 * spread);
-    }
-
-    /// What the user should know of curls on `groom`.
-    pub fn note(curls: &Curls, groom: &Groom) -> Option<String> {
-        let mut lengths: Vec<f32> =
-            (0..groom.guides.len()).map(|i| curve::length(groom.guides.guide(i))).collect();
-        lengths.sort_by(f32::total_cmp);
-        let length = *lengths.get(lengths.len() / 2)?;
-        let vertices = curls.vertices_per_turn(length, groom.strands.vertex_count);
-        (curls.any() && vertices < SMOOTH).then(|| {
-            format!(
-                "curls of {:.0} mm on strands of {:.0} cm have {vertices:.1} vertices per turn and look angular",
-                curls.wavelength * 1e3,
-                length * 1e2
-            )
-        })
     }
 
     fn curls(&self, base: Curls) -> Result<Curls> {

@@ -2,7 +2,7 @@
 //! as a groom is shown ([`Hair`]), parameters for a frame ([`crate::frame::Frame`]).
 
 use crate::{
-    Error, Pose, Result,
+    Error, Pose, Progress, Result,
     avoid::{self, Avoid, AvoidOptions, Avoidance},
     collide::{Collider, ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     draw::{DrawOptions, DrawStage, HairSet, View},
@@ -12,6 +12,7 @@ use crate::{
     interpolate::{Interpolate, InterpolateParams},
     lod::{self, Detail, Lod, LodLevel, Widths},
     math::hash::pcg,
+    progress::at_once,
     simulate::{
         Clock, Forces, Grab, GuideTraits, Mode, Ray, RestOptions, RestShape, Simulate, Simulation,
         SimulationParams, Step, Target, rest,
@@ -159,7 +160,24 @@ impl Hair {
         options: &HairOptions,
         colliders: &ColliderDescriptor<'_>,
     ) -> Result<Self> {
+        at_once(Self::with_progress(device, queue, renderer, groom, options, colliders, &()))
+    }
+
+    /// The same, telling `progress`.
+    ///
+    /// # Errors
+    /// As [`with_colliders`](Self::with_colliders).
+    pub async fn with_progress(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        renderer: &HairRenderer,
+        groom: &Groom,
+        options: &HairOptions,
+        colliders: &ColliderDescriptor<'_>,
+        progress: &impl Progress,
+    ) -> Result<Self> {
         let head = colliders.head;
+        progress.step("preparing the strands", 0.0).await;
         if groom.guides.is_empty() || groom.strands.is_empty() {
             return Err(Error::Groom("the groom has no strands".into()));
         }
@@ -210,7 +228,7 @@ impl Hair {
         let interpolate_params = uniform("interpolate", size_of::<InterpolateParams>());
         Ok(Self {
             set: HairSet::new(device, &renderer.draw, &strands)?,
-            lod: Lod::new(device, queue, &renderer.widths, &arranged, &infos, &strands)?,
+            lod: Lod::new(device, queue, &renderer.widths, &arranged, &infos, &strands, progress).await?,
             tessellate_group: renderer.tessellate.bind(device, &tessellate_params, &guides),
             interpolate_group: renderer.interpolate.bind(device, &interpolate_params, &guides, &strands),
             forces: Forces::new(device, &renderer.simulate, &guides, &volume, None),

@@ -68,23 +68,23 @@ pub fn variants() -> Vec<Variant> {
     vec![
         shading("fibre, per strand vertex", |_| {}),
         shading("Kajiya–Kay, per strand vertex", |scene| {
-            scene.look_mut().hair.model = ShadingModel::KajiyaKay;
+            scene.look.hair.model = ShadingModel::KajiyaKay;
         }),
-        shading("fibre, per pixel", |scene| scene.look_mut().shading = ShadingRate::PerPixel),
+        shading("fibre, per pixel", |scene| scene.look.shading = ShadingRate::PerPixel),
         shading("Kajiya–Kay, per pixel", |scene| {
-            let look = scene.look_mut();
+            let look = &mut scene.look;
             (look.hair.model, look.shading) = (ShadingModel::KajiyaKay, ShadingRate::PerPixel);
         }),
         shadows("deep opacity maps", |_| {}),
-        shadows("absorption", |scene| scene.look_mut().shadows.method = ShadowMethod::Absorption),
-        shadows("opaque", |scene| scene.look_mut().shadows.method = ShadowMethod::Opaque),
+        shadows("absorption", |scene| scene.look.shadows.method = ShadowMethod::Absorption),
+        shadows("opaque", |scene| scene.look.shadows.method = ShadowMethod::Opaque),
         shadows("deep opacity maps, four lights", |scene| {
             let light = |x, z| Directional { direction: Vec3::new(x, 0.5, z), irradiance: Vec3::ONE };
             scene.add_lights([light(1.0, 0.3), light(-1.0, -0.3)]);
         }),
         shadows("deep opacity maps, per pixel", |scene| {
-            scene.look_mut().shading = ShadingRate::PerPixel;
-            scene.look_mut().shadows.per_pixel = true;
+            scene.look.shading = ShadingRate::PerPixel;
+            scene.look.shadows.per_pixel = true;
         }),
         samples("4×MSAA", 4, 1),
         samples("1 sample", 1, 1),

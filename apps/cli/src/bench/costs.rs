@@ -4,9 +4,7 @@
 use super::statistics::Summary;
 use crate::{
     args::{Guides, Source},
-    interrupt,
-    load::{self, Character},
-    motion::Motion,
+    interrupt, load,
 };
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
@@ -23,6 +21,7 @@ use tresses::{
     volume::{HairHair, VolumeOptions},
     wind::Wind,
 };
+use tresses_scene::{Character, Motion};
 
 /// Guides of the measured hair.
 const GUIDES: u32 = 1000;
@@ -176,7 +175,7 @@ impl Rig {
                 timings.resolve(&mut encoder);
                 queue.submit([encoder.finish()]);
                 device.poll(wgpu::PollType::wait_indefinitely()).context("the GPU was lost")?;
-                let times = timings.read(device, queue)?;
+                let times = pollster::block_on(timings.read(device, queue))?;
                 if frame >= WARM_UP {
                     rows.add(times);
                     bar.inc(1);

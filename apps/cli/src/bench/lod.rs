@@ -6,17 +6,12 @@ use super::{
     statistics::Summary,
     workload::{self, FPS, WARM_UP},
 };
-use crate::{
-    args::Size,
-    camera::{Camera, View},
-    interrupt,
-    motion::Motion,
-    scene::Scene,
-};
+use crate::{args::Size, interrupt, scene::Scene};
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use serde::Serialize;
 use tresses::lod::{LodMode, LodOptions};
+use tresses_scene::{Camera, Motion, camera::View};
 
 /// Pixels.
 const SIZE: Size = Size { width: 1280, height: 720 };

@@ -7,15 +7,14 @@ use super::{
 };
 use crate::{
     args::{Guides, Size, Source},
-    camera::{Camera, View},
     edge_args::{EdgeArgs, Mode},
-    interrupt, load,
-    motion::Motion,
+    interrupt,
     scene::{Quality, Scene},
 };
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use std::{path::PathBuf, time::Instant};
+use tresses_scene::{Camera, Motion, camera::View, character::strands_for};
 
 /// Frames before the first that counts: shaders are compiled, caches and clocks are warm.
 pub const WARM_UP: u32 = 2;
@@ -119,7 +118,7 @@ pub fn strand_counts(quick: bool) -> Vec<u32> {
 pub fn measure(workload: &Workload, frames: u32, bar: &ProgressBar) -> Result<Group> {
     let mut source = workload.source.clone();
     if let Some(triangles) = workload.triangles {
-        source.strands = Some(load::strands_for(triangles));
+        source.strands = Some(strands_for(triangles));
     }
     let mut scene = Scene::open(&source, quality(workload.size, workload.samples, workload.ssaa))
         .with_context(|| workload.name.to_owned())?;

@@ -7,17 +7,11 @@ use anyhow::{Result, ensure};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use legend::Legend;
 use tresses::{
-    Hair,
-    draw::{
-        DrawStage, Scene,
-        debug::{DebugView, DebugViews, Peak, Shown, panels},
-    },
-    glam::Vec3,
-    gpu::Gpu,
-    groom::SdfGrid,
+    draw::debug::{DebugView, Peak, Shown, panels},
     simulate::SimulationParams,
     volume::HairHairMode,
 };
+use tresses_scene::Stage;
 
 /// The options of debug views.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
@@ -59,42 +53,38 @@ fn positive(text: &str) -> Result<f32, String> {
     }
 }
 
-/// Makes pictures that show a view.
+/// What belongs to a view besides what the stage draws: the range of its colours, and its legend.
 pub struct Debug {
-    /// What they show.
-    pub shown: Shown,
-    /// How.
-    pub views: DebugViews,
     peak: Peak,
 }
 
 impl Debug {
-    /// The view that `args` ask for, in pictures that `draw` makes of hair that collides with `field`.
-    pub fn new(gpu: &Gpu, draw: &DrawStage, args: &DebugArgs, field: Option<&SdfGrid>) -> Option<Self> {
+    /// Makes `stage` show what `args` ask for, if anything.
+    pub fn new(stage: &mut Stage, args: &DebugArgs) -> Option<Self> {
         let view = args.debug?;
-        let mut views = DebugViews::new(&gpu.device, draw, tresses::draw::targets::PICTURE_FORMAT);
-        views.set_head(field);
-        let shown = Shown { high: args.debug_max, ..Shown::new(view) };
-        Some(Self { shown, views, peak: Peak::new(&gpu.device) })
+        stage.show(Some(Shown { high: args.debug_max, ..Shown::new(view) }));
+        Some(Self { peak: Peak::new(&stage.gpu.device) })
     }
 
-    /// Before a picture: the mean `wind`, m/s, and, for the first one, the range of the colours. Blocks.
-    pub fn prepare(&mut self, gpu: &Gpu, scene: &Scene, hair: &Hair, wind: Vec3) -> Result<()> {
-        self.shown.wind = wind;
-        if let (None, Some(grid)) = (self.shown.high, self.shown.view.grid(scene, hair)) {
-            let peak = self.peak.measure(&gpu.device, &gpu.queue, &grid)?;
-            self.shown.high = Some(legend::rounded_up(peak));
+    /// Before a picture: for the first one, the range of the colours. Blocks.
+    pub fn prepare(&mut self, stage: &mut Stage) -> Result<()> {
+        let Some(mut shown) = stage.shown() else { return Ok(()) };
+        let Stage { gpu, look, hair, .. } = &*stage;
+        if let (None, Some(grid)) = (shown.high, shown.view.grid(look, hair)) {
+            let peak = pollster::block_on(self.peak.measure(&gpu.device, &gpu.queue, &grid))?;
+            shown.high = Some(legend::rounded_up(peak));
+            stage.show(Some(shown));
         }
         Ok(())
     }
 
-    /// Adds the legend to a picture.
-    pub fn label(&self, picture: &mut Picture) {
-        if let Some(scale) = self.shown.scale() {
+    /// Adds the legend of `shown` to a picture.
+    pub fn label(&self, shown: &Shown, picture: &mut Picture) {
+        if let Some(scale) = shown.scale() {
             Legend { title: scale.title.into(), min: scale.low, max: scale.high }.draw(picture);
         }
         use DebugView::{Density, Distance, Push, Wind};
-        if matches!(self.shown.view, Density | Push | Wind | Distance) {
+        if matches!(shown.view, Density | Push | Wind | Distance) {
             let size = [picture.width as f32, picture.height as f32];
             let panel = panels([picture.width, picture.height]);
             for (i, caption) in ["from the left", "from above", "from the front"].into_iter().enumerate() {
