@@ -93,6 +93,7 @@ pub struct Stage {
     /// The head's distance field, groom space.
     pub field: Option<SdfGrid>,
     /// From timestamps where there are some that mean something, else by the clock.
+    #[cfg(not(target_arch = "wasm32"))]
     pub(crate) timings: Timings,
     /// What is shown instead of hair as it looks.
     shown: Option<Shown>,
@@ -145,6 +146,7 @@ impl Stage {
         let body = character.head.as_ref().map(|head| Body::new(device, &renderer.draw, head));
         let [width, height] = quality.size;
         let targets = renderer.draw.targets(device, width, height, quality.ssaa)?;
+        #[cfg(not(target_arch = "wasm32"))]
         let timings = match gpu.tier.timestamps && !gpu.tier.software {
             true => Timings::new(device, queue),
             false => Timings::by_the_clock(),
@@ -159,6 +161,7 @@ impl Stage {
             hair,
             body,
             targets,
+            #[cfg(not(target_arch = "wasm32"))]
             timings,
             shown: None,
             views: None,
