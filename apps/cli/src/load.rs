@@ -11,7 +11,7 @@ use tresses::{
     groom::{GuideCount, styles::Style},
     simulate::Simulate,
 };
-use tresses_scene::{Base, Character, Styling, progress::Silent};
+use tresses_scene::{Base, Character, Files, Styling};
 
 /// Reads or grows the character that `source` names; what is grown is draped on `gpu`.
 pub fn load(source: &Source, gpu: &Gpu, simulate: &Simulate) -> Result<Character> {
@@ -23,16 +23,17 @@ pub fn load(source: &Source, gpu: &Gpu, simulate: &Simulate) -> Result<Character
         levels: source.lod_maps.as_ref().map(|path| lod_args::levels(path)).transpose()?.unwrap_or_default(),
         ..Styling::default()
     };
-    if source.grooms.is_empty() {
+    let base = if source.grooms.is_empty() {
         let style = Style::from_str(source.style.as_deref().unwrap_or("long"))?;
         styling.growth = Some(source.shape.growth(&style, source.strands)?);
-        pollster::block_on(Base::built_in(&style, gpu, simulate, &Silent))?.dress(&styling)
+        pollster::block_on(Base::built_in(&style, gpu, simulate, &()))?
     } else {
         styling.paint = source.shape.paint()?;
         styling.restyle = source.shape.restyle()?;
-        let options = source.orientation.options();
-        pollster::block_on(Base::imported(&source.grooms, &source.head, &options, &Silent))?.dress(&styling)
-    }
+        let files = Files::Disk { grooms: &source.grooms, heads: &source.head };
+        pollster::block_on(Base::imported(&files, &source.orientation.options(), &()))?
+    };
+    pollster::block_on(base.dress(&styling, &()))
 }
 
 fn count(guides: Guides) -> GuideCount {

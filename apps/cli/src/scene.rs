@@ -96,7 +96,7 @@ impl Scene {
             Some(path) => Colliders::read(path)?,
             None => Colliders::default(),
         };
-        let mut stage = Stage::new(gpu, renderer, character, colliders, &quality)?;
+        let mut stage = pollster::block_on(Stage::new(gpu, renderer, character, colliders, &quality, &()))?;
         stage.look.hair = material(source.color.as_ref());
         source.shape.apply_to_material(&mut stage.look.hair);
         Ok(Self { stage, debug: None })
@@ -117,7 +117,7 @@ impl Scene {
         let mut encoder = stage.gpu.device.create_command_encoder(&Default::default());
         stage.record_draw(&mut encoder, None, camera)?;
         stage.gpu.queue.submit([encoder.finish()]);
-        let rgba = stage.targets.read(&stage.gpu.device, &stage.gpu.queue)?;
+        let rgba = pollster::block_on(stage.targets.read(&stage.gpu.device, &stage.gpu.queue))?;
         let [width, height] = stage.targets.size;
         let mut picture = Picture { width, height, rgba };
         if let (Some(debug), Some(shown)) = (&self.debug, self.stage.shown()) {

@@ -1,12 +1,12 @@
-//! How long a stage's frames take, stage by stage.
+//! How long a stage's frames take, stage by stage. Waits for them: not for a browser.
 
 use crate::{camera::Camera, stage::Stage};
 use anyhow::{Context, Result};
+use std::time::Instant;
 use tresses::{
     Pose,
     gpu::{Gpu, Timings},
 };
-use web_time::Instant;
 
 impl Stage {
     /// A whole frame, waited for: its milliseconds from recording to completion, and those of its
@@ -33,7 +33,7 @@ impl Stage {
         self.submit(encoder)?;
         let wall = start.elapsed().as_secs_f64() * 1e3;
         self.timings = timings;
-        Ok((wall, self.timings.read(&self.gpu.device, &self.gpu.queue)?))
+        Ok((wall, self.read_timings()?))
     }
 
     /// The milliseconds of the stages that move the hair by a frame: by timestamps, or each stage
@@ -45,7 +45,7 @@ impl Stage {
         timings.resolve(&mut encoder);
         self.submit(encoder)?;
         self.timings = timings;
-        Ok(self.timings.read(&self.gpu.device, &self.gpu.queue)?)
+        self.read_timings()
     }
 
     /// The stages of a frame, each submitted and waited for alone, and its milliseconds by the clock.
@@ -97,5 +97,10 @@ impl Stage {
             Ok(())
         })?;
         Ok(rows)
+    }
+
+    /// The rows of the frame that was waited for.
+    fn read_timings(&mut self) -> Result<Vec<(&'static str, f64)>> {
+        Ok(pollster::block_on(self.timings.read(&self.gpu.device, &self.gpu.queue))?)
     }
 }

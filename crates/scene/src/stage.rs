@@ -8,7 +8,7 @@ use crate::{
 use anyhow::{Context, Result};
 use std::sync::Arc;
 use tresses::{
-    Hair, HairOptions, HairRenderer, Pose,
+    Hair, HairOptions, HairRenderer, Pose, Progress,
     avoid::AvoidMode,
     collide::{ColliderDescriptor, FieldBuilder},
     draw::{
@@ -93,6 +93,7 @@ pub struct Stage {
     /// The head's distance field, groom space.
     pub field: Option<SdfGrid>,
     /// From timestamps where there are some that mean something, else by the clock.
+    #[cfg(not(target_arch = "wasm32"))]
     pub(crate) timings: Timings,
     /// What is shown instead of hair as it looks.
     shown: Option<Shown>,
@@ -117,12 +118,13 @@ impl Stage {
     ///
     /// # Errors
     /// One sentence, when the adapter cannot hold it or the character makes no sense.
-    pub fn new(
+    pub async fn new(
         gpu: Gpu,
         renderer: Arc<HairRenderer>,
         character: Character,
         colliders: Colliders,
         quality: &Quality,
+        progress: &impl Progress,
     ) -> Result<Self> {
         let hair_bounds = character.groom.bounds().context("the groom is empty")?;
         let head_bounds = character.head.as_ref().and_then(|head| head.bounds());
@@ -132,7 +134,9 @@ impl Stage {
         let fields = builder.as_ref().map(|builder| colliders.fields(builder)).unwrap_or_default();
         let (head, list) = (character.field.as_ref(), colliders.list.as_slice());
         let what = ColliderDescriptor { head, fields: &fields, colliders: list };
-        let mut hair = Hair::with_colliders(device, queue, &renderer, &character.groom, &options, &what)?;
+        let groom = &character.groom;
+        let hair = Hair::with_progress(device, queue, &renderer, groom, &options, &what, progress);
+        let mut hair = hair.await?;
         // Full detail, unless somebody asks for less.
         hair.lod.options.mode = LodMode::Off;
         if !character.levels.is_empty() {
@@ -141,6 +145,7 @@ impl Stage {
         let body = character.head.as_ref().map(|head| Body::new(device, &renderer.draw, head));
         let [width, height] = quality.size;
         let targets = renderer.draw.targets(device, width, height, quality.ssaa)?;
+        #[cfg(not(target_arch = "wasm32"))]
         let timings = match gpu.tier.timestamps && !gpu.tier.software {
             true => Timings::new(device, queue),
             false => Timings::by_the_clock(),
@@ -155,6 +160,7 @@ impl Stage {
             hair,
             body,
             targets,
+            #[cfg(not(target_arch = "wasm32"))]
             timings,
             shown: None,
             views: None,

@@ -175,7 +175,7 @@ impl Rig {
                 timings.resolve(&mut encoder);
                 queue.submit([encoder.finish()]);
                 device.poll(wgpu::PollType::wait_indefinitely()).context("the GPU was lost")?;
-                let times = timings.read(device, queue)?;
+                let times = pollster::block_on(timings.read(device, queue))?;
                 if frame >= WARM_UP {
                     rows.add(times);
                     bar.inc(1);

@@ -13,7 +13,7 @@ use tresses::{
     draw::{Background, Body, BodyMaterial, DrawOptions, Scene, Targets, View as Projection},
     frame::{Frame, Recorder},
     glam::{Affine3A, Mat4, Vec3},
-    gpu::{Gpu, readback},
+    gpu::{Gpu, readback::blocking as readback},
     groom::{
         BindOptions, Strands, TriMesh, bind,
         import::{self, ImportOptions},

@@ -71,7 +71,7 @@ impl Debug {
         let Some(mut shown) = stage.shown() else { return Ok(()) };
         let Stage { gpu, look, hair, .. } = &*stage;
         if let (None, Some(grid)) = (shown.high, shown.view.grid(look, hair)) {
-            let peak = self.peak.measure(&gpu.device, &gpu.queue, &grid)?;
+            let peak = pollster::block_on(self.peak.measure(&gpu.device, &gpu.queue, &grid))?;
             shown.high = Some(legend::rounded_up(peak));
             stage.show(Some(shown));
         }

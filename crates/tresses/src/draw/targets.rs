@@ -110,12 +110,12 @@ impl Targets {
         &self.picture_view
     }
 
-    /// The finished picture: sRGB, RGBA, rows from the top. Blocks.
+    /// The finished picture: sRGB, RGBA, rows from the top.
     ///
     /// # Errors
     /// [`Error::Gpu`] when the device is lost.
-    pub fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<u8>> {
-        readback::texture(device, queue, &self.picture)
+    pub async fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<u8>> {
+        readback::texture(device, queue, &self.picture).await
     }
 
     /// Bytes of GPU memory.

@@ -4,7 +4,7 @@ use super::{arrows::ArrowsKernel, guides::GuidesKernel, streams::StreamsKernel, 
 use crate::{
     Pose,
     draw::{Background, DrawOptions, View},
-    gpu::{Gpu, for_tests as gpu, readback},
+    gpu::{Gpu, for_tests as gpu, readback::blocking as readback},
     groom::TriMesh,
     strands::{GuideSample, GuideShape},
 };
@@ -74,7 +74,7 @@ fn picture(gpu: &Gpu, layers: &[Layer<'_>], body: Option<&TriMesh>) -> Vec<[u8; 
         .record(device, &mut encoder, None, &scene, &targets, body.as_ref(), targets.picture(), layers)
         .unwrap();
     queue.submit([encoder.finish()]);
-    targets.read(device, queue).unwrap().as_chunks().0.to_vec()
+    pollster::block_on(targets.read(device, queue)).unwrap().as_chunks().0.to_vec()
 }
 
 /// What `record` leaves in its buffer.
@@ -398,7 +398,9 @@ fn the_peak_is_found() {
         Vec4::new(0.5, 0.0, 0.0, if here { 7.0 } else { -1.0 })
     });
     let peak = Peak::new(&gpu.device);
-    let measure = |q| peak.measure(&gpu.device, &gpu.queue, &grid(&texture, Pose::IDENTITY, q)).unwrap();
+    let measure = |q| {
+        pollster::block_on(peak.measure(&gpu.device, &gpu.queue, &grid(&texture, Pose::IDENTITY, q))).unwrap()
+    };
     assert_eq!(measure(Quantity::Channel(3)), 7.0);
     assert_eq!(measure(Quantity::Length), 0.5);
     assert_eq!(measure(Quantity::Channel(1)), 0.0);
