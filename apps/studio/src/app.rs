@@ -3,6 +3,7 @@
 use crate::{
     device,
     dialog::{Answer, Dialogs},
+    files::Files,
     head,
     job::{Job, Order, Source},
     options::Options,
@@ -19,22 +20,18 @@ use crate::{
 use anyhow::{Context, Result};
 use eframe::{egui, egui_wgpu::RenderState};
 use std::{
-    path::PathBuf,
     sync::{Arc, Mutex, PoisonError},
     time::Duration,
 };
-use tresses::{
-    HairRenderer, Pose,
-    draw::debug,
-    glam::Vec3,
-    gpu::Gpu,
-    groom::import::ImportOptions,
-};
+use tresses::{HairRenderer, Pose, draw::debug, glam::Vec3, gpu::Gpu, groom::import::ImportOptions};
 use tresses_scene::{Base, History, Settings, camera::View};
 use web_time::Instant;
 
 /// The longest stretch of hair's time that one frame moves on by, seconds: on a GPU, on a software driver.
 const LONGEST: (f32, f32) = (0.1, 1.0 / 30.0);
+
+/// How long hair that was touched swings while time stands still, seconds.
+const AWAKE: f32 = 2.0;
 
 /// What is shown and what is known of it.
 pub struct Shown {
@@ -78,6 +75,8 @@ pub struct Studio {
     lost: Arc<Mutex<Option<String>>>,
     /// Something has changed that the picture does not show yet.
     pub(crate) dirty: bool,
+    /// Seconds for which hair that was touched goes on to move although time stands still.
+    awake: f32,
     /// The size that the picture should have, pixels.
     pub(crate) wanted: [u32; 2],
     /// When the last frame of the hair was begun, while time goes by.
@@ -99,7 +98,8 @@ impl Studio {
         let source = if options.grooms.is_empty() {
             Source::Style(options.style.unwrap_or_else(|| "long".into()))
         } else {
-            Source::Files { grooms: options.grooms, heads: options.heads, options: Box::new(options.import) }
+            let files = Files::Disk { grooms: options.grooms, heads: options.heads };
+            Source::Files { files, options: Box::new(options.import) }
         };
         let settings = Settings::default();
         let order = Order { source, base: None, renderer: None, settings: settings.clone(), keep: false };
@@ -126,6 +126,7 @@ impl Studio {
             error: None,
             lost,
             dirty: true,
+            awake: 0.0,
             wanted: [0; 2],
             last: None,
             panels: panels::Panels::default(),
@@ -144,25 +145,23 @@ impl Studio {
         self.job = Some(Job::start(context, device::gpu(&self.state), order));
     }
 
-    /// Opens files: a groom, a head for the groom that is shown, or both.
-    pub(crate) fn open_files(&mut self, context: &egui::Context, paths: Vec<PathBuf>) {
-        if let [path] = paths.as_slice()
-            && path.extension().is_some_and(|extension| extension == "toml")
-        {
-            self.open_preset(context, path);
-            return;
-        }
-        let (mut heads, mut grooms): (Vec<_>, Vec<_>) = paths.into_iter().partition(|path| is_head(path));
+    /// Opens a groom, a head for the groom that is shown, or both.
+    fn open_files(&mut self, context: &egui::Context, mut files: Files) {
         let mut choice = Box::<ImportOptions>::default();
-        if grooms.is_empty() {
-            let Some(Shown { source: Source::Files { grooms: shown, options, .. }, .. }) = &self.shown else {
+        if let Files::Disk { grooms, .. } = &mut files
+            && grooms.is_empty()
+        {
+            let Some(Shown {
+                source: Source::Files { files: Files::Disk { grooms: shown, .. }, options },
+                ..
+            }) = &self.shown
+            else {
                 self.error = Some("a head needs a groom: open a groom first, or both together".into());
                 return;
             };
-            (grooms, choice) = (shown.clone(), options.clone());
+            (*grooms, choice) = (shown.clone(), options.clone());
         }
-        heads.sort();
-        self.open(context, Source::Files { grooms, heads, options: choice });
+        self.open(context, Source::Files { files, options: choice });
     }
 
     /// The pose of the head now.
@@ -181,6 +180,11 @@ impl Studio {
         self.lost.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
+    /// Whether somebody has his hands on head or hair, or had until just now.
+    fn is_live(&self) -> bool {
+        self.awake > 0.0 || !self.hand.is_still()
+    }
+
     /// What long work has come to, and what was dropped on the window.
     fn receive(&mut self, context: &egui::Context) {
         if let Some(done) = self.job.as_ref().and_then(Job::take) {
@@ -192,15 +196,15 @@ impl Studio {
         }
         for answer in self.dialogs.take() {
             match answer {
-                Answer::Open(paths) => self.open_files(context, paths),
-                Answer::Preset(path) => self.open_preset(context, &path),
+                Answer::Open(files) => self.open_files(context, files),
+                Answer::Preset(path, text) => self.open_preset(context, &path, &text),
                 Answer::Wrote(sentence) => self.said = Some(sentence),
                 Answer::Failed(sentence) => self.error = Some(sentence),
             }
         }
         let dropped = context.input(|input| input.raw.dropped_files.clone());
         if !dropped.is_empty() {
-            self.open_files(context, dropped.iter().map(|file| file.path().to_path_buf()).collect());
+            self.dialogs.dropped(context, dropped);
         }
     }
 
@@ -227,12 +231,17 @@ impl Studio {
             self.orbit.advance(seconds);
             self.dirty = true;
         }
-        let due = self.dirty || self.play.is_due() || !self.hand.is_still();
+        let due = self.dirty || self.play.is_due() || self.is_live();
         if !due {
             self.last = None;
         }
         if self.lost().is_some() || self.wanted[0] == 0 {
             return;
+        }
+        if !self.hand.is_still()
+            || self.show.as_ref().is_some_and(|show| show.stage.hair.grabbed().is_active())
+        {
+            self.awake = AWAKE;
         }
         let Some(show) = &mut self.show else { return };
         let (busy, landed) = show.landed();
@@ -254,8 +263,9 @@ impl Studio {
         }
         let most = if self.gpu.tier.software { LONGEST.1 } else { LONGEST.0 };
         // A hand moves in its own time: it shakes hair that stands still otherwise.
-        let hand = if self.hand.is_still() { 0.0 } else { real.min(most) };
+        let hand = if self.is_live() { real.min(most) } else { 0.0 };
         self.hand.advance(hand);
+        self.awake -= hand;
         let seconds = self.play.advance(real, most).max(hand);
         self.dress();
         let (pose, camera) = (self.pose(), self.orbit.camera());
@@ -275,7 +285,7 @@ impl Studio {
             frames: show.map_or(0, |show| show.frames),
             strands: show.map_or(0, |show| show.facts().strands),
             file: self.shown.as_ref().map(|shown| shown.source.name()).unwrap_or_default(),
-            step: self.job.as_ref().map(Job::step).unwrap_or_default(),
+            step: self.job.as_ref().map(Job::step).unwrap_or_default().into(),
             error: self.error.clone().or_else(|| self.lost()).unwrap_or_default(),
             playing: self.play.playing,
             time: self.play.time,
@@ -320,7 +330,9 @@ fn listen(device: &wgpu::Device, context: &egui::Context, lost: &Arc<Mutex<Optio
             let first = message.lines().next().unwrap_or_default().to_owned();
             let mut lost = lost.lock().unwrap_or_else(PoisonError::into_inner);
             // What comes first is the cause.
-            lost.get_or_insert_with(|| if first.is_empty() { sentence.clone() } else { format!("{sentence}: {first}") });
+            lost.get_or_insert_with(|| {
+                if first.is_empty() { sentence.clone() } else { format!("{sentence}: {first}") }
+            });
             context.request_repaint();
         }
     };
@@ -336,14 +348,4 @@ fn listen(device: &wgpu::Device, context: &egui::Context, lost: &Arc<Mutex<Optio
         eprintln!("{error}");
         wrong(error.to_string());
     }));
-}
-
-/// Whether a file is a head rather than a groom: by its name, and an OBJ by whether it has faces.
-fn is_head(path: &std::path::Path) -> bool {
-    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-    match extension.as_str() {
-        "gltf" | "glb" | "tfxmesh" => true,
-        "obj" => std::fs::read_to_string(path).is_ok_and(|text| text.lines().any(|line| line.starts_with("f "))),
-        _ => false,
-    }
 }

@@ -100,7 +100,8 @@ impl Hand {
     /// `pose`, as the hand has it; turns are about `pivot` (groom space, metres).
     pub fn apply(&self, pose: &Pose, pivot: Vec3) -> Pose {
         let [yaw, pitch, _] = self.turn.at.to_array();
-        let turned = pose.after(&Pose::about(pivot, Quat::from_rotation_y(yaw) * Quat::from_rotation_x(pitch)));
+        let turned =
+            pose.after(&Pose::about(pivot, Quat::from_rotation_y(yaw) * Quat::from_rotation_x(pitch)));
         Pose { translation: turned.translation + self.shift.at, ..turned }
     }
 }

@@ -1,26 +1,21 @@
 //! Long work, beside the window: pipelines, then a character on the GPU.
 
-use crate::{task, turn};
+use crate::{files::Files, task, turn};
 use anyhow::Result;
 use eframe::egui;
-use std::{
-    path::PathBuf,
-    pin::Pin,
-    sync::{Arc, Mutex, MutexGuard, PoisonError},
-};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tresses::{
-    HairRenderer, Pose,
+    HairRenderer, Pose, Progress,
     draw::{DrawOptions, DrawStage},
     gpu::Gpu,
-    groom::{
-        import::ImportOptions,
-        styles::Style,
-    },
+    groom::{import::ImportOptions, styles::Style},
 };
-use tresses_scene::{Base, Colliders, Progress, Quality, Settings, Stage};
+use tresses_scene::{Base, Colliders, Quality, Settings, Stage};
 
 /// Size of the very first picture, which nobody sees, pixels.
 const FIRST: [u32; 2] = [64, 64];
+/// How long work goes on before the window gets its turn.
+const PATIENCE: std::time::Duration = std::time::Duration::from_millis(40);
 
 /// What is to be shown.
 #[derive(Clone, Debug)]
@@ -29,10 +24,8 @@ pub enum Source {
     Style(String),
     /// The files of one groom, and of the head it grows on if there are any.
     Files {
-        /// The groom.
-        grooms: Vec<PathBuf>,
-        /// The head.
-        heads: Vec<PathBuf>,
+        /// Which.
+        files: Files,
         /// What is known of units and axes.
         options: Box<ImportOptions>,
     },
@@ -43,11 +36,7 @@ impl Source {
     pub fn name(&self) -> String {
         match self {
             Self::Style(name) => name.clone(),
-            Self::Files { grooms, .. } => {
-                let name = |path: &PathBuf| path.file_name().map(|n| n.to_string_lossy().into_owned());
-                let first = grooms.first().and_then(name).unwrap_or_default();
-                if grooms.len() > 1 { format!("{first} and {} more", grooms.len() - 1) } else { first }
-            }
+            Self::Files { files, .. } => files.name(),
         }
     }
 }
@@ -83,7 +72,10 @@ pub struct Ready {
 /// How far it is.
 #[derive(Default)]
 struct Inbox {
-    step: String,
+    step: &'static str,
+    fraction: f32,
+    /// When the window had its turn last.
+    breath: Option<web_time::Instant>,
     done: Option<Result<Box<Ready>>>,
 }
 
@@ -107,13 +99,22 @@ fn lock(inbox: &Mutex<Inbox>) -> MutexGuard<'_, Inbox> {
 }
 
 impl Progress for Teller {
-    fn tell(&self, what: &str) {
-        lock(&self.inbox).step = what.into();
-        self.context.request_repaint();
-    }
-
-    fn give_way(&self) -> Pin<Box<dyn Future<Output = ()> + '_>> {
-        Box::pin(task::breathe())
+    async fn step(&self, task: &'static str, fraction: f32) {
+        let now = web_time::Instant::now();
+        let waits = {
+            let mut inbox = lock(&self.inbox);
+            let other = inbox.step != task;
+            (inbox.step, inbox.fraction) = (task, fraction);
+            let due = inbox.breath.is_none_or(|last| now.duration_since(last) > PATIENCE);
+            if other || due {
+                inbox.breath = Some(now);
+            }
+            other || due
+        };
+        if waits {
+            self.context.request_repaint();
+            task::breathe().await;
+        }
     }
 }
 
@@ -121,7 +122,8 @@ impl Job {
     /// Starts to make `order` ready.
     pub fn start(context: &egui::Context, gpu: Gpu, order: Order) -> Self {
         let inbox = Arc::<Mutex<Inbox>>::default();
-        let job = Self { inbox: inbox.clone(), source: order.source.clone(), begun: web_time::Instant::now() };
+        let job =
+            Self { inbox: inbox.clone(), source: order.source.clone(), begun: web_time::Instant::now() };
         let teller = Teller { inbox, context: context.clone() };
         task::spawn(move || async move {
             let done = ready(gpu, order, &teller).await;
@@ -132,8 +134,13 @@ impl Job {
     }
 
     /// What it does now, a few words.
-    pub fn step(&self) -> String {
-        lock(&self.inbox).step.clone()
+    pub fn step(&self) -> &'static str {
+        lock(&self.inbox).step
+    }
+
+    /// How much of that is done, 0 to 1.
+    pub fn fraction(&self) -> f32 {
+        lock(&self.inbox).fraction
     }
 
     /// What came of it, once.
@@ -142,7 +149,7 @@ impl Job {
     }
 }
 
-async fn ready(gpu: Gpu, order: Order, progress: &dyn Progress) -> Result<Ready> {
+async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready> {
     let Order { source, base, renderer, settings, keep } = order;
     let options = turn::draw_options(&settings, &gpu.tier)?;
     let renderer = match renderer {
@@ -154,14 +161,12 @@ async fn ready(gpu: Gpu, order: Order, progress: &dyn Progress) -> Result<Ready>
         (None, Source::Style(name)) => {
             Arc::new(Base::built_in(&name.parse::<Style>()?, &gpu, &renderer.simulate, progress).await?)
         }
-        (None, Source::Files { grooms, heads, options }) => {
-            Arc::new(Base::imported(grooms, heads, options, progress).await?)
+        (None, Source::Files { files, options }) => {
+            Arc::new(Base::imported(&files.borrowed(), options, progress).await?)
         }
     };
-    say(progress, "growing the strands").await;
-    let mut character = base.dress(&turn::styling(&settings, &source)?)?;
+    let mut character = base.dress(&turn::styling(&settings, &source)?, progress).await?;
     let notes = std::mem::take(&mut character.notes);
-    say(progress, "bringing the hair to the GPU").await;
     let quality = Quality {
         samples: options.samples,
         coverage: options.coverage,
@@ -169,24 +174,19 @@ async fn ready(gpu: Gpu, order: Order, progress: &dyn Progress) -> Result<Ready>
         ssaa: settings.edges.ssaa,
         ..Quality::new(FIRST)
     };
-    let mut stage = Stage::new(gpu, renderer, character, Colliders::default(), &quality)?;
+    let mut stage = Stage::new(gpu, renderer, character, Colliders::default(), &quality, progress).await?;
     settings.apply(&mut stage.look);
-    say(progress, "drawing the first picture").await;
+    progress.step("drawing the first picture", 0.0).await;
     first_picture(&mut stage)?;
     Ok(Ready { stage, source, base, notes, keep })
 }
 
-async fn say(progress: &dyn Progress, what: &str) {
-    progress.tell(what);
-    progress.give_way().await;
-}
-
 /// All pipelines, one kind after the other.
-async fn pipelines(gpu: &Gpu, options: &DrawOptions, progress: &dyn Progress) -> HairRenderer {
+async fn pipelines(gpu: &Gpu, options: &DrawOptions, progress: &impl Progress) -> HairRenderer {
     let device = &gpu.device;
     macro_rules! kind {
         ($number:literal, $make:expr) => {{
-            say(progress, concat!("compiling shaders, ", $number, " of 8")).await;
+            progress.step("compiling shaders", $number as f32 / 8.0).await;
             $make
         }};
     }

@@ -15,6 +15,7 @@
 pub mod app;
 pub mod device;
 pub mod dialog;
+pub mod files;
 pub mod head;
 pub mod job;
 #[cfg(not(target_arch = "wasm32"))]

@@ -145,8 +145,8 @@ impl Orbit {
             pitch: mix(now.pitch, goal.pitch),
             distance: mix(now.distance, goal.distance),
         };
-        let near = (self.now.yaw - goal.yaw).abs() + (self.now.pitch - goal.pitch).abs()
-            < 2e-4 && self.now.target.distance(goal.target) + (self.now.distance - goal.distance).abs() < 2e-4;
+        let near = (self.now.yaw - goal.yaw).abs() + (self.now.pitch - goal.pitch).abs() < 2e-4
+            && self.now.target.distance(goal.target) + (self.now.distance - goal.distance).abs() < 2e-4;
         if near {
             self.now = goal;
         }

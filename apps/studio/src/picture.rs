@@ -1,10 +1,10 @@
 //! The picture as a file.
 
-use crate::app::Studio;
-use anyhow::{Context, Result};
+use crate::{app::Studio, dialog::Answer, task};
+use anyhow::Result;
 use eframe::egui;
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
-use tresses::gpu::readback;
+use tresses::gpu::readback::Pending;
 
 impl Studio {
     /// Saves the picture, if somebody wants it.
@@ -12,17 +12,18 @@ impl Studio {
         if !std::mem::take(&mut self.wants_picture) {
             return;
         }
-        match self.png() {
-            Ok(bytes) => self.dialogs.save(context, "Save the picture", "tresses.png", bytes),
-            Err(error) => self.error = Some(format!("{error:#}")),
-        }
-    }
-
-    fn png(&self) -> Result<Vec<u8>> {
-        let show = self.show.as_ref().context("there is no picture yet")?;
-        let (gpu, targets) = (&self.gpu, &show.stage.targets);
-        let rgba = readback::texture(&gpu.device, &gpu.queue, targets.picture().texture())?;
-        encode(targets.size, &rgba)
+        let Some(show) = &self.show else { return };
+        let (device, targets) = (self.gpu.device.clone(), &show.stage.targets);
+        let size = targets.size;
+        let copy = Pending::texture(&device, &self.gpu.queue, targets.picture().texture());
+        let (dialogs, context) = (self.dialogs.clone(), context.clone());
+        task::spawn(move || async move {
+            let done = async { encode(size, &copy?.wait(&device).await?) };
+            match done.await {
+                Ok(bytes) => dialogs.save(&context, "Save the picture", "tresses.png", bytes),
+                Err(error) => dialogs.tell(&context, Answer::Failed(format!("{error:#}"))),
+            }
+        });
     }
 }
 

@@ -29,7 +29,15 @@ pub struct Play {
 impl Default for Play {
     fn default() -> Self {
         let name = "turn";
-        Self { playing: true, speed: 1.0, name: name.into(), motion: Motion::named(name), time: 0.0, steps: 0, reset: false }
+        Self {
+            playing: true,
+            speed: 1.0,
+            name: name.into(),
+            motion: Motion::named(name),
+            time: 0.0,
+            steps: 0,
+            reset: false,
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::{
     app::Studio,
+    files::Files,
     job::{Order, Source},
 };
 use eframe::egui;
@@ -26,16 +27,24 @@ impl Studio {
     }
 
     /// Takes all parameters from the preset at `path`, and the hair that it is for.
-    pub(crate) fn open_preset(&mut self, context: &egui::Context, path: &std::path::Path) {
-        match Preset::open(path) {
+    pub(crate) fn open_preset(&mut self, context: &egui::Context, path: &std::path::Path, text: &str) {
+        match Preset::read(text, &path.display().to_string()) {
             Ok(Preset { source, settings, .. }) => {
                 self.said = Some(format!("{} is applied", path.display()));
                 self.change(context, settings, "Preset");
+                // Names of files in it are relative to it.
+                let source = source.inside(path.parent().unwrap_or(std::path::Path::new("")));
                 if let Some(style) = source.style {
                     self.open(context, Source::Style(style));
                 } else if !source.grooms.is_empty() {
                     let options = Box::new(source.orientation);
-                    self.open(context, Source::Files { grooms: source.grooms, heads: source.heads, options });
+                    self.open(
+                        context,
+                        Source::Files {
+                            files: Files::Disk { grooms: source.grooms, heads: source.heads },
+                            options,
+                        },
+                    );
                 }
             }
             Err(error) => self.error = Some(error.to_string()),
@@ -83,7 +92,10 @@ impl Studio {
         let (source, base) = (shown.source.clone(), Some(shown.base.clone()));
         let renderer = self.renderer.clone().filter(|_| !self.rebuild);
         (self.regrow, self.rebuild) = (false, false);
-        self.start(context, Order { source, base, renderer, settings: self.settings.now().clone(), keep: true });
+        self.start(
+            context,
+            Order { source, base, renderer, settings: self.settings.now().clone(), keep: true },
+        );
     }
 
     /// Gives the stage the settings as they are; before each frame.
@@ -124,5 +136,11 @@ pub fn styling(settings: &Settings, source: &Source) -> anyhow::Result<Styling> 
         Source::Style(name) => growth = Some(settings.style.growth(&name.parse()?, &maps)?),
         Source::Files { .. } => restyle = settings.style.restyle(&maps)?,
     }
-    Ok(Styling { growth, restyle, guides: settings.style.guides(), strands: settings.style.strands, ..Default::default() })
+    Ok(Styling {
+        growth,
+        restyle,
+        guides: settings.style.guides(),
+        strands: settings.style.strands,
+        ..Default::default()
+    })
 }

@@ -4,13 +4,18 @@ use crate::{app::Studio, head, panels, theme, tool::Tool};
 use eframe::egui::{
     self, Align2, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui, pos2, vec2,
 };
-use tresses::glam::{Vec2, Vec3};
+use tresses::{
+    glam::{Vec2, Vec3},
+    simulate::grab::{Ray, Target},
+};
 use tresses_scene::camera::View;
 
 /// Zoom per point of a wheel.
 const WHEEL: f32 = 0.0025;
 /// Radians of the head per point of a drag.
 const TURN: f32 = 0.008;
+/// Radius of a lock that is pulled, metres.
+const LOCK: f32 = 0.02;
 /// Smallest picture, pixels.
 const LEAST: u32 = 16;
 
@@ -88,6 +93,8 @@ fn pointer(studio: &mut Studio, ui: &Ui, response: &Response) {
                 let by: Vec3 = (right * delta.x - up * delta.y) * metres;
                 studio.hand.drag(by);
             }
+        } else if studio.tool == Tool::Lock {
+            // See `lock`.
         } else if shift {
             studio.orbit.pan(delta, rect.height());
         } else {
@@ -101,6 +108,7 @@ fn pointer(studio: &mut Studio, ui: &Ui, response: &Response) {
         studio.orbit.pan(delta, rect.height());
         studio.dirty = true;
     }
+    lock(studio, ui, response, press);
     if studio.hand.held().is_some() && !response.dragged_by(PointerButton::Primary) {
         studio.hand.release();
     }
@@ -109,6 +117,31 @@ fn pointer(studio: &mut Studio, ui: &Ui, response: &Response) {
         studio.dirty = true;
     }
     hover(studio, ui, response);
+}
+
+/// Pulls a lock.
+fn lock(studio: &mut Studio, ui: &Ui, response: &Response, press: Option<Pos2>) {
+    let rect = response.rect;
+    let ray = |studio: &Studio, at: Pos2| {
+        let (origin, direction) = studio.orbit.ray(place(rect, at));
+        Ray { origin, direction }
+    };
+    let begins = studio.tool == Tool::Lock && response.drag_started_by(PointerButton::Primary);
+    let from = press.map(|at| ray(studio, at));
+    let to = ui.input(|input| input.pointer.latest_pos()).map(|at| ray(studio, at));
+    let Some(hair) = studio.show.as_mut().map(|show| &mut show.stage.hair) else { return };
+    if !response.dragged_by(PointerButton::Primary) {
+        hair.release();
+        return;
+    }
+    let done = match (begins.then_some(from).flatten(), to) {
+        (Some(from), _) => hair.grab(&from, LOCK),
+        (None, Some(to)) => hair.drag_to(&Target::Ray(to)),
+        (None, None) => Ok(()),
+    };
+    if let Err(error) = done {
+        studio.error = Some(error.to_string());
+    }
 }
 
 fn hover(studio: &mut Studio, ui: &Ui, response: &Response) {

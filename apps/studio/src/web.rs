@@ -8,9 +8,8 @@ use wasm_bindgen::{JsCast, JsValue, prelude::*};
 pub async fn start(canvas: web_sys::HtmlCanvasElement) -> Result<(), JsValue> {
     expose()?;
     let options = eframe::WebOptions { wgpu_options: device::configuration(), ..Default::default() };
-    let create: eframe::AppCreator<'static> = Box::new(|context| {
-        Ok(Box::new(Studio::new(context, Options::default())?) as Box<dyn eframe::App>)
-    });
+    let create: eframe::AppCreator<'static> =
+        Box::new(|context| Ok(Box::new(Studio::new(context, Options::default())?) as Box<dyn eframe::App>));
     eframe::WebRunner::new().start(canvas, options, create).await
 }
 

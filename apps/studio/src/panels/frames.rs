@@ -37,7 +37,8 @@ impl Frames {
         let width = rect.width() / MANY as f32;
         for (i, ms) in self.0.iter().enumerate() {
             let left = rect.right() - (self.0.len() - i) as f32 * width;
-            let bar = Rect::from_min_max(pos2(left, high(*ms)), pos2(left + (width - 0.5).max(0.5), rect.bottom()));
+            let bar =
+                Rect::from_min_max(pos2(left, high(*ms)), pos2(left + (width - 0.5).max(0.5), rect.bottom()));
             let color = if *ms > budget { theme::ACCENT } else { Color32::from_rgb(0x6b, 0x8f, 0xa8) };
             painter.rect_filled(bar, 0.0, color);
         }

@@ -21,11 +21,11 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
         ui.separator();
         findings(report, ui);
         ui.separator();
-        let Source::Files { grooms, heads, options } = &shown.source else { return };
+        let Source::Files { files, options } = &shown.source else { return };
         let mut changed = options.clone();
         orientation(&mut changed, report, ui);
         if changed != *options {
-            let source = Source::Files { grooms: grooms.clone(), heads: heads.clone(), options: changed };
+            let source = Source::Files { files: files.clone(), options: changed };
             studio.open(ui.ctx(), source);
         }
     });
@@ -40,7 +40,11 @@ fn facts(studio: &Studio, ui: &mut Ui) {
             ("Vertices per strand", facts.vertices_per_strand.to_string(), "Points along each of them"),
             ("Triangles", grouped(facts.triangles), "What the picture is made of now"),
             ("Guides", grouped(facts.guides.into()), "Strands that are simulated; the others follow them"),
-            ("GPU memory", format!("{:.1} MB", facts.bytes as f64 / 1e6), "Of the groom, without the picture"),
+            (
+                "GPU memory",
+                format!("{:.1} MB", facts.bytes as f64 / 1e6),
+                "Of the groom, without the picture",
+            ),
         ] {
             ui.label(RichText::new(name).color(theme::QUIET)).on_hover_text(help);
             ui.label(value);
@@ -62,8 +66,11 @@ fn findings(report: &ImportReport, ui: &mut Ui) {
             Severity::Warning => theme::ACCENT,
             Severity::Note => theme::QUIET,
         };
-        ui.label(RichText::new(format!("{} ({})", finding.kind.name(), grouped(finding.count as u64))).color(color))
-            .on_hover_text(format!("{}\n{}", finding.detail, finding.action));
+        ui.label(
+            RichText::new(format!("{} ({})", finding.kind.name(), grouped(finding.count as u64)))
+                .color(color),
+        )
+        .on_hover_text(format!("{}\n{}", finding.detail, finding.action));
     }
 }
 
@@ -80,7 +87,14 @@ fn placement(title: &str, choice: &mut Choice, found: &Placement, ui: &mut Ui) {
     ui.label(RichText::new(title).strong()).on_hover_text(found.reasons.join("\n"));
     Grid::new(("placement", title)).num_columns(2).spacing([16.0, 4.0]).show(ui, |ui| {
         ui.label(RichText::new("Unit").color(theme::QUIET));
-        pick(ui, (title, "unit"), &mut choice.unit, found.unit, &Unit::KNOWN.map(|known| Unit(known.1)), |u| u.name());
+        pick(
+            ui,
+            (title, "unit"),
+            &mut choice.unit,
+            found.unit,
+            &Unit::KNOWN.map(|known| Unit(known.1)),
+            |u| u.name(),
+        );
         ui.end_row();
         ui.label(RichText::new("Up").color(theme::QUIET));
         pick(ui, (title, "up"), &mut choice.up, found.up, &Axis::ALL, |axis| axis.name().into());

@@ -40,7 +40,11 @@ const GROUPS: [(&str, &[DebugView]); 4] = [
 pub fn show(studio: &mut Studio, ui: &mut Ui) {
     let now = studio.view.map(|shown| shown.view);
     let mut chosen = None;
-    if ui.selectable_label(now.is_none(), "Hair as it looks").on_hover_text("No view: the finished picture").clicked() {
+    if ui
+        .selectable_label(now.is_none(), "Hair as it looks")
+        .on_hover_text("No view: the finished picture")
+        .clicked()
+    {
         chosen = Some(None);
     }
     ui.add_space(4.0);
@@ -75,7 +79,9 @@ fn scale(studio: &mut Studio, ui: &mut Ui) {
     ui.label(RichText::new(format!("{}: {} to", scale.title, scale.low)).color(theme::QUIET));
     let mut high = scale.high;
     let slider = Slider::new(&mut high, 0.01 * usual.high..=100.0 * usual.high).logarithmic(true);
-    let slider = ui.add(slider).on_hover_text("The number that is drawn brightest. A double click gives the usual one.");
+    let slider = ui
+        .add(slider)
+        .on_hover_text("The number that is drawn brightest. A double click gives the usual one.");
     if slider.changed() {
         (shown.high, studio.dirty) = (Some(high), true);
     }

@@ -1,8 +1,12 @@
 //! Every parameter, as the table of `tresses_scene::knobs` has it.
 
-use crate::{app::Studio, theme};
+use crate::{
+    app::Studio,
+    panels::icons::{self, Icon},
+    theme,
+};
 use eframe::egui::{
-    self, Button, CollapsingHeader, ComboBox, Label, RichText, ScrollArea, Sense, Slider, TextEdit, Ui,
+    self, CollapsingHeader, ComboBox, Label, RichText, ScrollArea, Sense, Slider, TextEdit, Ui,
 };
 use tresses_scene::{
     Settings,
@@ -10,7 +14,7 @@ use tresses_scene::{
 };
 
 /// Width of the names, points.
-const NAMES: f32 = 118.0;
+const NAMES: f32 = 122.0;
 
 /// Shows them.
 pub fn show(studio: &mut Studio, ui: &mut Ui) {
@@ -19,7 +23,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
         let width = ui.available_width() - if clear { 30.0 } else { 0.0 };
         let edit = TextEdit::singleline(&mut studio.panels.search).hint_text("Search").desired_width(width);
         ui.add(edit).on_hover_text("Shows the parameters whose name or hint has these words");
-        if clear && ui.small_button("×").on_hover_text("Shows all parameters").clicked() {
+        if clear && ui.small_button("x").on_hover_text("Shows all parameters").clicked() {
             studio.panels.search.clear();
         }
     });
@@ -35,7 +39,11 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
                 continue;
             }
             let turned = section.knobs.iter().filter(|knob| !knob.is_default(&settings)).count();
-            let title = if turned > 0 { format!("{} ({turned} changed)", section.title) } else { section.title.into() };
+            let title = if turned > 0 {
+                format!("{} ({turned} changed)", section.title)
+            } else {
+                section.title.into()
+            };
             CollapsingHeader::new(RichText::new(title).strong())
                 .id_salt(section.key)
                 .default_open(section.key == "wind")
@@ -87,7 +95,7 @@ fn row(knob: &Knob, settings: &mut Settings, resolved: &Settings, ui: &mut Ui) -
         }
         if !default {
             let text = format!("Back to {}", knob.text(knob.default()));
-            if ui.add(Button::new("↺").frame(false)).on_hover_text(text).clicked() {
+            if icons::small(ui, Icon::Undo).on_hover_text(text).clicked() {
                 new = Some(knob.default());
             }
         }
@@ -99,7 +107,10 @@ fn row(knob: &Knob, settings: &mut Settings, resolved: &Settings, ui: &mut Ui) -
 
 fn help(knob: &Knob) -> String {
     let (range, default) = (knob.range(), knob.text(knob.default()));
-    format!("{}\n\nAllowed: {range}. By default: {default}.\nA double click on the name gives the default.\n{}", knob.hint, knob.path)
+    format!(
+        "{}\n\nAllowed: {range}. By default: {default}.\nA double click on the name gives the default.\n{}",
+        knob.hint, knob.path
+    )
 }
 
 /// What is turned; the new value while it is. `auto` when the value is not the user's.
@@ -114,7 +125,7 @@ fn widget(knob: &Knob, value: Value, auto: bool, ui: &mut Ui) -> Option<Value> {
         (unit, false) => format!(" {unit}"),
         (unit, true) => format!(" {unit} auto"),
     };
-    ui.spacing_mut().slider_width = (ui.available_width() - 100.0).max(40.0);
+    ui.spacing_mut().slider_width = (ui.available_width() - 114.0).max(40.0);
     match (knob.kind, value) {
         (Kind::Number { unit, least, most, scale }, Value::Number(number)) => {
             let mut shown = knob.shown(number);
@@ -122,6 +133,7 @@ fn widget(knob: &Knob, value: Value, auto: bool, ui: &mut Ui) -> Option<Value> {
                 .logarithmic(scale == Scale::Log)
                 .smallest_positive((most * 1e-5).max(1e-9))
                 .max_decimals(4)
+                .custom_formatter(|shown, _| short(shown))
                 .suffix(mark(unit.symbol));
             let turned = ui.add(slider).on_hover_text(knob.hint).changed();
             turned.then(|| Value::Number(knob.inner(shown.clamp(least, most))))
@@ -142,14 +154,30 @@ fn widget(knob: &Knob, value: Value, auto: bool, ui: &mut Ui) -> Option<Value> {
         }
         (Kind::Choice(names), value) => choice(knob, names, value, auto, ui),
         // What is chosen by itself and unknown: a file has its own.
-        (kind, _) => ui.button("auto").on_hover_text("As the file or the style has it; press to choose").clicked().then(|| match kind {
-            Kind::Number { least, most, .. } => Value::Number(knob.inner((least * most.max(0.0)).sqrt().clamp(least, most))),
-            Kind::Integer { least, .. } => Value::Integer(least),
-            Kind::Toggle => Value::Toggle(true),
-            Kind::Color => Value::Color([128, 96, 64]),
-            Kind::Choice(names) => Value::Choice(names[0]),
-        }),
+        (kind, _) => ui
+            .button("auto")
+            .on_hover_text("As the file or the style has it; press to choose")
+            .clicked()
+            .then(|| match kind {
+                Kind::Number { least, most, .. } => {
+                    Value::Number(knob.inner((least * most.max(0.0)).sqrt().clamp(least, most)))
+                }
+                Kind::Integer { least, .. } => Value::Integer(least),
+                Kind::Toggle => Value::Toggle(true),
+                Kind::Color => Value::Color([128, 96, 64]),
+                Kind::Choice(names) => Value::Choice(names[0]),
+            }),
     }
+}
+
+/// A number with three digits that count.
+fn short(number: f64) -> String {
+    if number == 0.0 {
+        return "0".into();
+    }
+    let before = number.abs().log10().floor() as i32 + 1;
+    let text = format!("{number:.*}", (3 - before).clamp(0, 9) as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
 }
 
 fn choice(knob: &Knob, names: &[&'static str], value: Value, auto: bool, ui: &mut Ui) -> Option<Value> {
@@ -176,4 +204,26 @@ fn choice(knob: &Knob, names: &[&'static str], value: Value, auto: bool, ui: &mu
         .response
         .on_hover_text(knob.hint);
     chosen
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        for (number, text) in
+            [(0.0, "0"), (9.81, "9.81"), (12.0, "12"), (0.0035, "0.0035"), (1234.6, "1235"), (20.04, "20")]
+        {
+            assert_eq!(short(number), text);
+        }
+    }
+
+    #[test]
+    fn words_are_found_in_names_and_hints() {
+        let section = &SECTIONS[0];
+        let knob = &section.knobs[0];
+        assert!(matches(knob, section, "") && matches(knob, section, &knob.label.to_lowercase()));
+        assert!(!matches(knob, section, "xyzzy"));
+    }
 }

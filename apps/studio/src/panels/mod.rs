@@ -2,6 +2,7 @@
 
 pub mod frames;
 pub mod groom;
+pub mod icons;
 pub mod inside;
 pub mod keys;
 pub mod knobs;

@@ -1,6 +1,12 @@
 //! What lies on the picture: the palette, the views, what is being done, what went wrong.
 
-use crate::{app::Studio, panels::{self, keys::VIEWS}, theme, tool::Tool, viewport::plate};
+use crate::{
+    app::Studio,
+    panels::{self, keys::VIEWS},
+    theme,
+    tool::Tool,
+    viewport::plate,
+};
 use eframe::egui::{Align, Align2, Area, Id, Layout, Order, Rect, RichText, Spinner, Ui, vec2};
 
 /// Distance from the picture's edges, points.
@@ -16,11 +22,14 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, rect: Rect) {
             .constrain_to(rect)
     };
     if studio.show.is_some() {
-        at("tools", Align2::LEFT_TOP, vec2(0.0, 0.0)).show(ui.ctx(), |ui| plate().show(ui, |ui| tools(studio, ui)));
-        at("views", Align2::RIGHT_TOP, vec2(0.0, 0.0)).show(ui.ctx(), |ui| plate().show(ui, |ui| views(studio, ui)));
+        at("tools", Align2::LEFT_TOP, vec2(0.0, 0.0))
+            .show(ui.ctx(), |ui| plate().show(ui, |ui| tools(studio, ui)));
+        at("views", Align2::RIGHT_TOP, vec2(0.0, 0.0))
+            .show(ui.ctx(), |ui| plate().show(ui, |ui| views(studio, ui)));
     }
     if studio.show.is_some() {
-        at("wind", Align2::LEFT_BOTTOM, vec2(0.0, 0.0)).show(ui.ctx(), |ui| plate().show(ui, |ui| wind(studio, ui)));
+        at("wind", Align2::LEFT_BOTTOM, vec2(0.0, 0.0))
+            .show(ui.ctx(), |ui| plate().show(ui, |ui| wind(studio, ui)));
     }
     if studio.job.is_some() {
         let (anchor, offset) = if studio.show.is_some() {
@@ -84,6 +93,10 @@ fn job(studio: &Studio, ui: &mut Ui) {
     ui.horizontal(|ui| {
         ui.add(Spinner::new().size(14.0).color(theme::ACCENT));
         ui.label(format!("{}: {}", job.source.name(), job.step()));
+        let percent = 100.0 * job.fraction();
+        if percent > 0.0 {
+            ui.label(RichText::new(format!("{percent:.0} %")).color(theme::QUIET));
+        }
         ui.label(RichText::new(format!("{:.0} s", job.begun.elapsed().as_secs_f32())).color(theme::QUIET));
     });
 }

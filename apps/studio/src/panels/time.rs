@@ -11,11 +11,9 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
         ui.label(RichText::new("Time of a frame").color(theme::QUIET));
         ui.label(text);
     });
-    studio
-        .panels
-        .frames
-        .plot(ui, budget)
-        .on_hover_text(format!("Milliseconds of the last frames, from handing in to done; the line is at {budget:.0} ms"));
+    studio.panels.frames.plot(ui, budget).on_hover_text(format!(
+        "Milliseconds of the last frames, from handing in to done; the line is at {budget:.0} ms"
+    ));
     let mut automatic = studio.pace.automatic;
     let help = "Lowers resolution and strands until a frame fits, and raises them when there is room";
     if ui.checkbox(&mut automatic, "Keep frames short").on_hover_text(help).changed() {

@@ -34,7 +34,8 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
 }
 
 fn source(studio: &mut Studio, ui: &mut Ui) {
-    let shown = studio.job.as_ref().map(|job| &job.source).or(studio.shown.as_ref().map(|shown| &shown.source));
+    let shown =
+        studio.job.as_ref().map(|job| &job.source).or(studio.shown.as_ref().map(|shown| &shown.source));
     let name = shown.map(Source::name).unwrap_or_default();
     let built_in = matches!(shown, Some(Source::Style(_)));
     let mut chosen = None;
@@ -56,10 +57,16 @@ fn source(studio: &mut Studio, ui: &mut Ui) {
 }
 
 fn history(studio: &mut Studio, ui: &mut Ui) {
-    let (undoes, redoes) = (studio.settings.undoes().map(str::to_owned), studio.settings.redoes().map(str::to_owned));
+    let (undoes, redoes) =
+        (studio.settings.undoes().map(str::to_owned), studio.settings.redoes().map(str::to_owned));
     let mut button = |text: &str, what: &Option<String>, key: &str| {
-        let help = what.as_ref().map_or_else(|| format!("Nothing to {}", text.to_lowercase()), |what| format!("{text}: {what}"));
-        ui.add_enabled(what.is_some(), egui::Button::new(text)).on_hover_text(format!("{help}\n{key}")).on_disabled_hover_text(help).clicked()
+        let help = what
+            .as_ref()
+            .map_or_else(|| format!("Nothing to {}", text.to_lowercase()), |what| format!("{text}: {what}"));
+        ui.add_enabled(what.is_some(), egui::Button::new(text))
+            .on_hover_text(format!("{help}\n{key}"))
+            .on_disabled_hover_text(help)
+            .clicked()
     };
     // From right to left.
     let (redo, undo) = (button("Redo", &redoes, "Ctrl Shift Z"), button("Undo", &undoes, "Ctrl Z"));
@@ -78,6 +85,11 @@ fn presets(studio: &mut Studio, ui: &mut Ui) {
     }
     if ui.button("Save preset…").on_hover_text("All parameters into a readable file").clicked() {
         let preset = Preset { settings: studio.settings.now().clone(), ..Default::default() };
-        studio.dialogs.save(ui.ctx(), "Save the preset", "preset.toml", preset.write(Extent::Changed).into_bytes());
+        studio.dialogs.save(
+            ui.ctx(),
+            "Save the preset",
+            "preset.toml",
+            preset.write(Extent::Changed).into_bytes(),
+        );
     }
 }

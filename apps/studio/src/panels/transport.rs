@@ -1,6 +1,11 @@
 //! Time: play, step, reset, the speed, and the motion.
 
-use crate::{app::Studio, play::SPEEDS, theme};
+use crate::{
+    app::Studio,
+    panels::icons::{self, Icon},
+    play::SPEEDS,
+    theme,
+};
 use eframe::egui::{self, Panel, RichText, Slider, Ui};
 use tresses_scene::motion::NAMES;
 
@@ -10,15 +15,20 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
     Panel::bottom("transport").frame(frame).show(ui, |ui| {
         ui.horizontal(|ui| {
             let play = &mut studio.play;
-            let (icon, help) = if play.playing { ("⏸", "Pause") } else { ("▶", "Play") };
-            let big = |icon: &str| egui::Button::new(RichText::new(icon).size(15.0)).min_size(egui::vec2(34.0, 26.0));
-            if ui.add(big(icon)).on_hover_text(format!("{help}\nKey Space")).clicked() {
+            let (icon, help) = if play.playing { (Icon::Pause, "Pause") } else { (Icon::Play, "Play") };
+            if icons::button(ui, icon).on_hover_text(format!("{help}\nKey Space")).clicked() {
                 play.playing = !play.playing;
             }
-            if ui.add(big("⏭")).on_hover_text("One step of 1/60 s, then stand still\nKey . (period)").clicked() {
+            if icons::button(ui, Icon::Step)
+                .on_hover_text("One step of 1/60 s, then stand still\nKey . (period)")
+                .clicked()
+            {
                 play.step();
             }
-            if ui.add(big("⏮")).on_hover_text("The hair at rest, the motion at its begin\nKey R").clicked() {
+            if icons::button(ui, Icon::Rewind)
+                .on_hover_text("The hair at rest, the motion at its begin\nKey R")
+                .clicked()
+            {
                 play.reset();
             }
             ui.separator();
@@ -37,8 +47,11 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
             }
             ui.separator();
             ui.label(RichText::new("Speed").color(theme::QUIET));
-            let slider = Slider::new(&mut play.speed, SPEEDS).logarithmic(true).fixed_decimals(2).suffix(" ×");
-            let slider = ui.add(slider).on_hover_text("Seconds of hair per second of the clock. A double click gives 1.");
+            let slider =
+                Slider::new(&mut play.speed, SPEEDS).logarithmic(true).fixed_decimals(2).suffix(" ×");
+            let slider = ui
+                .add(slider)
+                .on_hover_text("Seconds of hair per second of the clock. A double click gives 1.");
             if slider.double_clicked() {
                 play.speed = 1.0;
             }

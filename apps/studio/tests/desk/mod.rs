@@ -40,7 +40,8 @@ impl Shot {
     pub fn share(&self, is: impl Fn(usize, [u8; 3]) -> bool) -> f64 {
         let (xs, ys) = self.picture();
         let all = xs.len() * ys.len();
-        let count = ys.flat_map(|y| xs.clone().map(move |x| y * self.width + x)).filter(|&i| is(i, self.pixels[i]));
+        let count =
+            ys.flat_map(|y| xs.clone().map(move |x| y * self.width + x)).filter(|&i| is(i, self.pixels[i]));
         count.count() as f64 / all as f64
     }
 
@@ -67,7 +68,13 @@ impl Shot {
 
 /// Why there is no display, if there is none.
 pub fn missing() -> Option<String> {
-    Command::new("Xvfb").arg("-help").stderr(Stdio::null()).stdout(Stdio::null()).status().err().map(|e| format!("Xvfb: {e}"))
+    Command::new("Xvfb")
+        .arg("-help")
+        .stderr(Stdio::null())
+        .stdout(Stdio::null())
+        .status()
+        .err()
+        .map(|e| format!("Xvfb: {e}"))
 }
 
 impl Desk {
@@ -116,7 +123,8 @@ impl Desk {
         let tree = self.connection.query_tree(self.root).ok()?.reply().ok()?;
         tree.children.into_iter().find(|&window| {
             let name = self.connection.get_property(false, window, AtomEnum::WM_NAME, AtomEnum::ANY, 0, 64);
-            let named = name.ok().and_then(|n| n.reply().ok()).is_some_and(|n| n.value.starts_with(b"Tresses"));
+            let named =
+                name.ok().and_then(|n| n.reply().ok()).is_some_and(|n| n.value.starts_with(b"Tresses"));
             let seen = self.connection.get_window_attributes(window).ok().and_then(|a| a.reply().ok());
             named && seen.is_some_and(|a| a.map_state == xproto::MapState::VIEWABLE)
         })
@@ -170,7 +178,8 @@ impl Desk {
         let (first, count) = (setup.min_keycode, setup.max_keycode - setup.min_keycode + 1);
         let map = self.connection.get_keyboard_mapping(first, count).unwrap().reply().unwrap();
         let each = usize::from(map.keysyms_per_keycode);
-        let at = map.keysyms.chunks(each).position(|symbols| symbols.contains(&symbol)).expect("a key for it");
+        let at =
+            map.keysyms.chunks(each).position(|symbols| symbols.contains(&symbol)).expect("a key for it");
         let code = first + at as u8;
         self.connection.set_input_focus(xproto::InputFocus::PARENT, self.window, 0u32).unwrap();
         self.fake(xproto::KEY_PRESS_EVENT, code, 0, 0);
@@ -186,7 +195,8 @@ impl Desk {
 
     /// Closes the window as a desktop does, and waits for the studio to end.
     pub fn close(mut self) -> ExitStatus {
-        let atom = |name: &[u8]| -> Atom { self.connection.intern_atom(false, name).unwrap().reply().unwrap().atom };
+        let atom =
+            |name: &[u8]| -> Atom { self.connection.intern_atom(false, name).unwrap().reply().unwrap().atom };
         let (protocols, delete) = (atom(b"WM_PROTOCOLS"), atom(b"WM_DELETE_WINDOW"));
         let event = xproto::ClientMessageEvent::new(32, self.window, protocols, [delete, 0, 0, 0, 0]);
         self.connection.send_event(false, self.window, xproto::EventMask::NO_EVENT, event).unwrap();
