@@ -26,6 +26,7 @@ mod scene;
 mod settings_args;
 mod shading_args;
 mod shadow_args;
+mod studio;
 mod style_args;
 mod wind_args;
 
@@ -46,6 +47,8 @@ enum Command {
     Render(Box<render::Args>),
     /// Show the built-in character with moving hair: out/demo.png and out/demo.webp
     Demo(Box<demo::Args>),
+    /// Open the window: move hair with the mouse, see inside, change everything
+    Studio(studio::Args),
     /// Report what is in a groom and what is wrong with it
     Info(info::Args),
     /// Write a groom in another format
@@ -65,10 +68,14 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return refuse(&error),
     };
-    interrupt::listen();
+    if !matches!(cli.command, Command::Studio(_)) {
+        // A window simply ends.
+        interrupt::listen();
+    }
     let result = match cli.command {
         Command::Render(args) => render::run(&args),
         Command::Demo(args) => demo::run(&args),
+        Command::Studio(args) => studio::run(args),
         Command::Info(args) => info::run(args),
         Command::Convert(args) => convert::run(args),
         Command::Preset(args) => preset::run(&args),
