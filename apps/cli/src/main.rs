@@ -12,14 +12,18 @@ mod environment_args;
 mod hair_hair_args;
 mod info;
 mod interrupt;
+mod knobs;
 mod load;
 mod lod_args;
 mod orient_args;
 mod picture;
+mod preset;
+mod preset_args;
 mod progress;
 mod render;
 mod scalp_map;
 mod scene;
+mod settings_args;
 mod shading_args;
 mod shadow_args;
 mod studio;
@@ -49,6 +53,10 @@ enum Command {
     Info(info::Args),
     /// Write a groom in another format
     Convert(convert::Args),
+    /// Print what options come to, as a preset
+    Preset(Box<preset::Args>),
+    /// List every parameter with its range and what it does
+    Knobs(knobs::Args),
     /// Measure every stage on this machine's GPU
     Bench(bench::Args),
     /// Hold our pictures against path-traced ones of the same hair, camera and lights
@@ -70,6 +78,8 @@ fn main() -> ExitCode {
         Command::Studio(args) => studio::run(args),
         Command::Info(args) => info::run(args),
         Command::Convert(args) => convert::run(args),
+        Command::Preset(args) => preset::run(&args),
+        Command::Knobs(args) => knobs::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Compare(args) => compare::run(&args),
     };

@@ -69,7 +69,7 @@ fn absurd_options_are_refused() {
 #[test]
 fn unknown_names_list_the_choices() {
     refuses(&["render", "--camera", "top"], "front, three-quarter, side, back");
-    refuses(&["render", "--debug", "all"], "density, push, wind, colliders, guides");
+    refuses(&["render", "--debug", "all"], "guides, speed, strain, locks, strands, tangents, first-hit");
     refuses(&["render", "--hair-hair", "sticky"], "off, fixed, gradient");
     refuses(&["render", "--avoid", "some"], "off, vertices, strands");
     refuses(&["render", "--motion", "dance"], "still, nod, turn, shake");
@@ -155,7 +155,7 @@ fn debug_views_show_what_the_simulation_holds() {
     };
     let Some(plain) = picture("plain", &[]) else { return };
     let mut seen = vec![plain];
-    for name in ["density", "push", "wind", "colliders", "guides"] {
+    for name in ["density", "push", "wind", "colliders", "guides", "locks", "sdf", "inner", "overdraw"] {
         seen.push(picture(name, &["--debug", name]).expect("there was a GPU just now"));
     }
     let again = picture("again", &["--debug", "wind"]).expect("there was a GPU just now");

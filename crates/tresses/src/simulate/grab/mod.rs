@@ -54,7 +54,7 @@ pub const ASIDE: f32 = 3.0;
 /// Time in which a held vertex makes good a third of what it has stayed behind, s; but no less than two steps.
 pub const SETTLE: f32 = 0.03;
 /// The strongest pull on a guide vertex, m/s².
-pub const STRONGEST: f32 = 400.0;
+pub const STRONGEST: f32 = 2000.0;
 
 /// A half line, world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
