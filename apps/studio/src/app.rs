@@ -312,7 +312,7 @@ impl eframe::App for Studio {
         self.draw(&context);
         if self.job.is_some() {
             // Seconds are counted.
-            context.request_repaint_after(Duration::from_millis(100));
+            context.request_repaint_after(Duration::from_millis(500));
         }
         self.publish();
     }

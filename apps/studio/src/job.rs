@@ -8,12 +8,14 @@ use tresses::{
     HairRenderer, Pose, Progress,
     draw::{DrawOptions, DrawStage},
     gpu::Gpu,
-    groom::{import::ImportOptions, styles::Style},
+    groom::{import::ImportOptions, mannequin, styles::Style},
 };
 use tresses_scene::{Base, Colliders, Quality, Settings, Stage};
 
 /// Size of the very first picture, which nobody sees, pixels.
-const FIRST: [u32; 2] = [64, 64];
+const FIRST: [u32; 2] = [487, 305];
+/// Cells along the mannequin's mesh on a software driver.
+const COARSE: u32 = 80;
 /// How long work goes on before the window gets its turn.
 const PATIENCE: std::time::Duration = std::time::Duration::from_millis(40);
 
@@ -167,6 +169,10 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready
     };
     let mut character = base.dress(&turn::styling(&settings, &source)?, progress).await?;
     let notes = std::mem::take(&mut character.notes);
+    if gpu.tier.software && matches!(source, Source::Style(_)) {
+        // Shadow maps draw it again and again, and here each of its corners takes its time.
+        character.head = Some(mannequin::mesh_with(COARSE, progress).await);
+    }
     let quality = Quality {
         samples: options.samples,
         coverage: options.coverage,

@@ -123,7 +123,7 @@ pub fn draw_options(settings: &Settings, tier: &Tier) -> tresses::Result<DrawOpt
         return settings.draw_options(tier.max_samples);
     }
     let shadow_resolution =
-        if tier.software { settings.shadow_resolution.min(512) } else { settings.shadow_resolution };
+        if tier.software { settings.shadow_resolution.min(384) } else { settings.shadow_resolution };
     let samples = if tier.software { 1 } else { 4 };
     Ok(DrawOptions { samples, coverage: Coverage::SampleMask, shadow_resolution, ..Default::default() })
 }

@@ -7,7 +7,7 @@ use crate::{
     tool::Tool,
     viewport::plate,
 };
-use eframe::egui::{Align, Align2, Area, Id, Layout, Order, Rect, RichText, Spinner, Ui, vec2};
+use eframe::egui::{Align, Align2, Area, Id, Layout, Order, ProgressBar, Rect, RichText, Ui, vec2};
 
 /// Distance from the picture's edges, points.
 const GAP: f32 = 12.0;
@@ -91,12 +91,10 @@ fn wind(studio: &mut Studio, ui: &mut Ui) {
 fn job(studio: &Studio, ui: &mut Ui) {
     let Some(job) = &studio.job else { return };
     ui.horizontal(|ui| {
-        ui.add(Spinner::new().size(14.0).color(theme::ACCENT));
+        // Nothing that moves by itself: on a software driver it would take the time of the work.
+        let bar = ProgressBar::new(job.fraction()).desired_width(90.0).desired_height(6.0).fill(theme::ACCENT);
+        ui.add(bar);
         ui.label(format!("{}: {}", job.source.name(), job.step()));
-        let percent = 100.0 * job.fraction();
-        if percent > 0.0 {
-            ui.label(RichText::new(format!("{percent:.0} %")).color(theme::QUIET));
-        }
         ui.label(RichText::new(format!("{:.0} s", job.begun.elapsed().as_secs_f32())).color(theme::QUIET));
     });
 }
