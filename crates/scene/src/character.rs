@@ -1,17 +1,17 @@
 //! A groom on a head, from files or built in: first the [`Base`], which is slow to make, then the
 //! [`Character`] whose strands are grown or restyled on it.
 
-use crate::progress::{Progress, step};
 use anyhow::{Context, Result};
 use std::{borrow::Cow, path::PathBuf};
 use tresses::{
+    Progress,
     constants::MAX_STRAND_VERTICES,
     glam::Vec3,
     gpu::Gpu,
     groom::{
         BindOptions, Groom, GuideCount, Restyle, SdfGrid, Strands, TriMesh, bind, curve,
         grow::{self, Curls, Growth, Paint, ScalpMap},
-        import::{self, ImportOptions, ImportReport},
+        import::{self, Given, ImportOptions, ImportReport},
         mannequin,
         mesh::sdf::{self, SdfOptions},
         styles::{self, GridScalp, Style, StyledGuides},
@@ -75,6 +75,33 @@ impl Character {
     }
 }
 
+/// Where the files of a groom and its head are.
+#[derive(Clone, Debug)]
+pub enum Files<'a> {
+    /// On the disk.
+    Disk {
+        /// Joined into one groom.
+        grooms: &'a [PathBuf],
+        /// Joined into one head; there may be none.
+        heads: &'a [PathBuf],
+    },
+    /// Their bytes, sorted by what they are: [`import::read_given`].
+    Given(&'a [Given<'a>]),
+}
+
+impl Files<'_> {
+    fn head_name(&self) -> String {
+        let name = match self {
+            Self::Disk { heads, .. } => heads.first(),
+            Self::Given(files) => files
+                .iter()
+                .find(|(name, bytes)| import::kind(name, bytes) == Some(import::Kind::Mesh))
+                .map(|(name, _)| name),
+        };
+        name.map(|name| name.display().to_string()).unwrap_or_default()
+    }
+}
+
 /// Everything of a character that does not depend on how its strands are styled.
 #[derive(Debug)]
 pub struct Base {
@@ -104,14 +131,12 @@ impl Base {
         style: &Style,
         gpu: &Gpu,
         simulate: &Simulate,
-        progress: &dyn Progress,
+        progress: &impl Progress,
     ) -> Result<Self> {
-        step(progress, "shaping the head").await;
-        let scalp = GridScalp::mannequin(FIELD_RESOLUTION);
-        let head = mannequin::mesh(mannequin::RESOLUTION);
-        step(progress, "combing the guides").await;
-        let mut styled = styles::guides(style, &scalp);
-        step(progress, "letting the hair fall into place").await;
+        let scalp = GridScalp::of_mannequin(mannequin::sdf_with(FIELD_RESOLUTION, progress).await);
+        let head = mannequin::mesh_with(mannequin::RESOLUTION, progress).await;
+        let mut styled = styles::guides_with(&style.recipe(), &scalp, progress).await;
+        progress.step("letting the hair fall", 0.0).await;
         styles::settle(&gpu.device, &gpu.queue, simulate, &mut styled, &scalp.field).await?;
         Ok(Self {
             head: Some(head),
@@ -122,29 +147,31 @@ impl Base {
         })
     }
 
-    /// The groom of the files `grooms`, on the head of the files `heads` if there are any.
+    /// The groom of `files`, on their head if they have one.
     ///
     /// # Errors
     /// One sentence that names the file, when one cannot be read or makes no sense.
     pub async fn imported(
-        grooms: &[PathBuf],
-        heads: &[PathBuf],
+        files: &Files<'_>,
         options: &ImportOptions,
-        progress: &dyn Progress,
+        progress: &impl Progress,
     ) -> Result<Self> {
-        step(progress, "reading the groom").await;
-        let (strands, head, report) = if heads.is_empty() {
-            let (strands, report) = import::read(grooms, options)?;
-            (strands, None, report)
-        } else {
-            let (strands, head, report) = import::read_with_head(grooms, heads, options)?;
-            (strands, Some(head), report)
+        progress.step("reading the groom", 0.0).await;
+        let (strands, head, report) = match files {
+            Files::Disk { grooms, heads: [] } => {
+                let (strands, report) = import::read(grooms, options)?;
+                (strands, None, report)
+            }
+            Files::Disk { grooms, heads } => {
+                let (strands, head, report) = import::read_with_head(grooms, heads, options)?;
+                (strands, Some(head), report)
+            }
+            Files::Given(files) => import::read_given(files, options)?,
         };
         let field = match &head {
             Some(head) => {
-                step(progress, "measuring distances to the head").await;
-                let name = || heads.first().map(|path| path.display().to_string()).unwrap_or_default();
-                Some(sdf::build(head, &SdfOptions::default()).with_context(name)?)
+                let built = sdf::build_with(head, &SdfOptions::default(), progress).await;
+                Some(built.with_context(|| files.head_name())?)
             }
             None => None,
         };
@@ -166,13 +193,13 @@ impl Base {
     ///
     /// # Errors
     /// One sentence, when that makes no sense.
-    pub fn dress(&self, styling: &Styling) -> Result<Character> {
+    pub async fn dress(&self, styling: &Styling, progress: &impl Progress) -> Result<Character> {
         let skull = self.neck + SKULL_ABOVE_NECK;
         let mut notes = self.notes.clone();
         let (mut groom, field) = match &self.hair {
             Hair::BuiltIn { style, styled, scalp } => {
                 let growth = styling.growth.clone().unwrap_or_else(|| Growth::for_style(style));
-                let grown = grow::grow(styled, &growth, scalp)?;
+                let grown = grow::grow_with(styled, &growth, scalp, progress).await?;
                 let groom = styles::bound(styled, &grown);
                 let groom = match styling.guides {
                     None => groom,

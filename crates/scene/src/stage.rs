@@ -4,12 +4,12 @@ use crate::{
     camera::{self, Bounds, Camera},
     character::Character,
     colliders::Colliders,
+    settings::{LightSettings, Settings},
 };
 use anyhow::{Context, Result};
 use std::sync::Arc;
 use tresses::{
-    Hair, HairOptions, HairRenderer, Pose,
-    avoid::AvoidMode,
+    Hair, HairOptions, HairRenderer, Pose, Progress,
     collide::{ColliderDescriptor, FieldBuilder},
     draw::{
         self, Body, Coverage, DrawOptions, Targets, View,
@@ -20,7 +20,7 @@ use tresses::{
     glam::Vec3,
     gpu::{Gpu, Timings},
     groom::{SdfGrid, TriMesh},
-    light::{Directional, Lights, ShadingRate, Shadows, Sphere},
+    light::{Lights, Sphere},
     lod::{Detail, LodMode, LodOptions},
     simulate::SimulationParams,
 };
@@ -93,6 +93,7 @@ pub struct Stage {
     /// The head's distance field, groom space.
     pub field: Option<SdfGrid>,
     /// From timestamps where there are some that mean something, else by the clock.
+    #[cfg(not(target_arch = "wasm32"))]
     pub(crate) timings: Timings,
     /// What is shown instead of hair as it looks.
     shown: Option<Shown>,
@@ -100,7 +101,8 @@ pub struct Stage {
     views: Option<DebugViews>,
     /// Lights that stay where they are, instead of the photographer's.
     lights: Option<Lights>,
-    more_lights: [Directional; 2],
+    /// Key, rim, sky and lamps.
+    pub lighting: LightSettings,
     colliders: Colliders,
     /// Seconds since the hair was put to rest.
     time: f64,
@@ -117,12 +119,13 @@ impl Stage {
     ///
     /// # Errors
     /// One sentence, when the adapter cannot hold it or the character makes no sense.
-    pub fn new(
+    pub async fn new(
         gpu: Gpu,
         renderer: Arc<HairRenderer>,
         character: Character,
         colliders: Colliders,
         quality: &Quality,
+        progress: &impl Progress,
     ) -> Result<Self> {
         let hair_bounds = character.groom.bounds().context("the groom is empty")?;
         let head_bounds = character.head.as_ref().and_then(|head| head.bounds());
@@ -132,7 +135,9 @@ impl Stage {
         let fields = builder.as_ref().map(|builder| colliders.fields(builder)).unwrap_or_default();
         let (head, list) = (character.field.as_ref(), colliders.list.as_slice());
         let what = ColliderDescriptor { head, fields: &fields, colliders: list };
-        let mut hair = Hair::with_colliders(device, queue, &renderer, &character.groom, &options, &what)?;
+        let groom = &character.groom;
+        let hair = Hair::with_progress(device, queue, &renderer, groom, &options, &what, progress);
+        let mut hair = hair.await?;
         // Full detail, unless somebody asks for less.
         hair.lod.options.mode = LodMode::Off;
         if !character.levels.is_empty() {
@@ -141,6 +146,7 @@ impl Stage {
         let body = character.head.as_ref().map(|head| Body::new(device, &renderer.draw, head));
         let [width, height] = quality.size;
         let targets = renderer.draw.targets(device, width, height, quality.ssaa)?;
+        #[cfg(not(target_arch = "wasm32"))]
         let timings = match gpu.tier.timestamps && !gpu.tier.software {
             true => Timings::new(device, queue),
             false => Timings::by_the_clock(),
@@ -155,12 +161,13 @@ impl Stage {
             hair,
             body,
             targets,
+            #[cfg(not(target_arch = "wasm32"))]
             timings,
             shown: None,
             views: None,
             look,
             lights: None,
-            more_lights: [Directional::OFF; 2],
+            lighting: LightSettings::default(),
             physics: options.simulation,
             colliders,
             time: 0.0,
@@ -173,12 +180,22 @@ impl Stage {
         })
     }
 
-    /// Lights besides the two that go with the camera, from here on; these stay where they are.
-    pub fn add_lights(&mut self, lights: [Directional; 2]) {
-        self.more_lights = lights;
+    /// Everything that `settings` have for the frames from here on; strands, pipelines and targets stay
+    /// as they are.
+    ///
+    /// # Errors
+    /// The first parameter that is out of its range.
+    pub fn apply(&mut self, settings: &Settings) -> Result<()> {
+        settings.check()?;
+        self.physics = settings.physics();
+        self.hair.avoidance.options = settings.interpolation;
+        self.hair.lod.options = settings.lod.options();
+        self.lighting = settings.lights;
+        settings.apply(&mut self.look);
+        Ok(())
     }
 
-    /// Lights that stay where they are; `None` for a photographer's, which go with the camera.
+    /// The light of the surroundings; `None` for a photographer's, as the settings have it.
     pub fn set_lights(&mut self, lights: Option<Lights>) {
         self.lights = lights;
     }
@@ -253,19 +270,6 @@ impl Stage {
         Ok(())
     }
 
-    /// What drawn strands do where they would enter the head, from here on.
-    pub fn set_avoid(&mut self, mode: AvoidMode) {
-        self.hair.avoidance.options.mode = mode;
-    }
-
-    /// How shadows are made, from here on. Where they are looked up for every pixel, hair is shaded so.
-    pub fn set_shadows(&mut self, shadows: Shadows) {
-        self.look.shadows = shadows;
-        if shadows.per_pixel {
-            self.look.shading = ShadingRate::PerPixel;
-        }
-    }
-
     /// The hair at rest on a head at `pose`.
     pub fn reset(&mut self, pose: &Pose) -> Result<()> {
         self.hair.reset();
@@ -298,13 +302,7 @@ impl Stage {
     pub(crate) fn look_from(&mut self, camera: &Camera) {
         self.look.view = View::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, self.targets.size);
         let back = camera.eye - camera.target;
-        self.look.lights = self.lights.unwrap_or_else(|| Lights::around(back.x.atan2(back.z)));
-        for (place, light) in self.look.lights.directional[2..].iter_mut().zip(self.more_lights) {
-            // The surroundings may have lit it already.
-            if light.irradiance != Vec3::ZERO {
-                *place = light;
-            }
-        }
+        self.look.lights = self.lighting.lights(back.x.atan2(back.z), self.lights.as_ref());
     }
 
     /// Records what moves the head to `pose` in `seconds`, and the hair with it.

@@ -84,6 +84,34 @@ fn simulate() {
 }
 
 #[test]
+fn grab() {
+    use tresses::simulate::grab::{GrabState, GrabUniform};
+    assert_eq!(
+        wgsl_layout("GrabUniform"),
+        rust_layout!(GrabUniform {
+            origin,
+            radius,
+            direction,
+            share,
+            target_at,
+            step,
+            toward,
+            settle,
+            guide_count,
+            vertex_count,
+            strand_count,
+            strand_vertices,
+            forced,
+            moment,
+            aside,
+            strongest,
+        })
+    );
+    let state = rust_layout!(GrabState { hit, held, at, _pad_a, velocity, _pad_b });
+    assert_eq!(wgsl_layout("GrabState"), state);
+}
+
+#[test]
 fn volume() {
     use tresses::{strands::GuideForce, volume::params::VolumeUniforms};
     assert_eq!(wgsl_layout("GuideForce"), rust_layout!(GuideForce { xy, z_rate, tangent, along }));
@@ -428,7 +456,7 @@ fn wind() {
         },
     };
     assert_eq!(wgsl_layout("GustMode"), rust_layout!(GustMode { wave, phase, amplitude, _pad }));
-    assert_eq!(wgsl_layout("Half"), rust_layout!(Half { color, keep_own, keep_other, _pad }));
+    assert_eq!(wgsl_layout("Half"), rust_layout!(Half { color, keep_own, keep_other, relaxation }));
     assert_eq!(
         wgsl_layout("WindUniforms"),
         rust_layout!(WindUniforms {
@@ -448,9 +476,9 @@ fn wind() {
             gust_count,
             drag,
             reynolds,
-            relaxation,
             one,
             plain,
+            _pad,
             gusts,
         })
     );
