@@ -1,14 +1,15 @@
 //! `tresses demo`: the built-in character, as a picture and as a loop.
 
 use crate::{
-    args::{Size, Source},
+    args::{Size, SourceArgs},
     edge_args::EdgeArgs,
     interrupt,
     picture::Output,
+    preset_args::PresetArgs,
     progress,
     render::{Times, animate},
     say,
-    scene::{Quality, Scene},
+    scene::Scene,
     style_args::StyleArgs,
 };
 use anyhow::{Context, Result};
@@ -28,9 +29,11 @@ pub struct Args {
     /// The folder that receives demo.png and demo.webp
     #[arg(long, value_name = "FOLDER", default_value = "out")]
     pub out: PathBuf,
-    /// A built-in hairstyle: long, bob, curly or short
-    #[arg(long, value_name = "NAME", default_value = "long")]
-    pub style: String,
+    /// A built-in hairstyle: long, bob, curly or short [default: long]
+    #[arg(long, value_name = "NAME")]
+    pub style: Option<String>,
+    #[command(flatten)]
+    pub preset: PresetArgs,
     #[command(flatten)]
     pub shape: StyleArgs,
     #[command(flatten)]
@@ -39,11 +42,15 @@ pub struct Args {
 
 /// Runs `tresses demo`.
 pub fn run(args: &Args) -> Result<()> {
-    let source = Source { style: Some(args.style.clone()), shape: args.shape.clone(), ..Source::default() };
+    let mut preset = args.preset.open()?;
+    let source = SourceArgs { style: args.style.clone(), shape: args.shape.clone(), ..Default::default() };
+    source.apply(&mut preset)?;
+    args.edges.apply(&mut preset.settings)?;
+    args.preset.finish(&mut preset)?;
     let motion = Motion::named("turn").context("the built-in motions hold a turn")?;
 
     let spinner = progress::spinner("growing and draping the hair, drawing a picture");
-    let mut scene = Scene::open(&source, Quality::new(PICTURE, args.edges))?;
+    let mut scene = Scene::open(&preset, PICTURE)?;
     eprintln!("Drawing on {}.", scene.adapter_name());
     let camera = Camera::portrait(View::ThreeQuarter, scene.subject(), PICTURE.aspect(), 1.0);
     let mut output = Output::create(&args.out.join("demo.png"), (PICTURE.width, PICTURE.height), 1, 1.0)?;

@@ -1,44 +1,70 @@
-//! From options to a character: a groom with its head, from files or built in.
+//! From a preset to a character: a groom with its head, from files or built in.
 
 use crate::{
-    args::{Guides, Source},
     lod_args,
+    scalp_map::{ColorSource, MapSource},
 };
-use anyhow::Result;
-use std::str::FromStr;
+use anyhow::{Error, Result, ensure};
+use std::{path::Path, str::FromStr};
 use tresses::{
     gpu::Gpu,
-    groom::{GuideCount, styles::Style},
+    groom::{
+        grow::{CurlCurve, Paint},
+        styles::Style,
+    },
     simulate::Simulate,
 };
-use tresses_scene::{Base, Character, Files, Styling};
+use tresses_scene::{
+    Base, Character, Files, Preset,
+    preset::Source,
+    settings::{HairColor, Maps},
+};
 
-/// Reads or grows the character that `source` names; what is grown is draped on `gpu`.
-pub fn load(source: &Source, gpu: &Gpu, simulate: &Simulate) -> Result<Character> {
+/// Reads or grows the character of `preset`; what is grown is draped on `gpu`.
+pub fn load(preset: &Preset, gpu: &Gpu, simulate: &Simulate) -> Result<Character> {
     // What can be refused is refused before anything is made.
-    let mut styling = Styling {
-        strands: source.strands,
-        guides: source.guides.map(count),
-        stiffness: source.shape.stiffness()?,
-        levels: source.lod_maps.as_ref().map(|path| lod_args::levels(path)).transpose()?.unwrap_or_default(),
-        ..Styling::default()
+    let source = &preset.source;
+    ensure!(
+        source.color_map.is_none() || preset.settings.look.color == HairColor::File,
+        "a map of colours shows with shading.color on file only"
+    );
+    let maps = maps(source)?;
+    let style = match source.grooms.is_empty() {
+        true => Some(Style::from_str(source.style.as_deref().unwrap_or("long"))?),
+        false => None,
     };
-    let base = if source.grooms.is_empty() {
-        let style = Style::from_str(source.style.as_deref().unwrap_or("long"))?;
-        styling.growth = Some(source.shape.growth(&style, source.strands)?);
-        pollster::block_on(Base::built_in(&style, gpu, simulate, &()))?
-    } else {
-        styling.paint = source.shape.paint()?;
-        styling.restyle = source.shape.restyle()?;
-        let files = Files::Disk { grooms: &source.grooms, heads: &source.head };
-        pollster::block_on(Base::imported(&files, &source.orientation.options(), &()))?
+    let styling = preset.settings.styling(style.as_ref(), &maps)?;
+    let base = match &style {
+        Some(style) => pollster::block_on(Base::built_in(style, gpu, simulate, &()))?,
+        None => {
+            let files = Files::Disk { grooms: &source.grooms, heads: &source.heads };
+            pollster::block_on(Base::imported(&files, &source.orientation, &()))?
+        }
     };
     pollster::block_on(base.dress(&styling, &()))
 }
 
-fn count(guides: Guides) -> GuideCount {
-    match guides {
-        Guides::All => GuideCount::All,
-        Guides::Count(count) => GuideCount::Count(count),
-    }
+fn maps(source: &Source) -> Result<Maps> {
+    let read = |name: &Option<String>| {
+        let read = |name: &String| name.parse::<MapSource>().map_err(Error::msg)?.read();
+        name.as_ref().map(read).transpose()
+    };
+    let color = |name: &String| name.parse::<ColorSource>().map_err(Error::msg)?.read();
+    // Black hair is a quarter as stiff, white four times.
+    let stiffness = read(&source.stiffness_map)?.map(|map| map.map(|grey| 4f32.powf(2.0 * grey - 1.0)));
+    Ok(Maps {
+        paint: Paint {
+            density: read(&source.density_map)?,
+            thickness: read(&source.thickness_map)?,
+            length: read(&source.length_map)?,
+            curl: read(&source.curl_map)?,
+            color: source.color_map.as_ref().map(color).transpose()?,
+        },
+        stiffness,
+        curl: source.curl_curve.as_ref().map(|path| CurlCurve::read(Path::new(path))).transpose()?,
+        levels: match &source.lod_maps {
+            Some(path) => lod_args::levels(Path::new(path))?,
+            None => Vec::new(),
+        },
+    })
 }

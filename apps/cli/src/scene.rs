@@ -1,62 +1,20 @@
 //! A character that is photographed.
 
 use crate::{
-    args::{Size, Source},
+    args::Size,
     debug::{self, Debug},
-    edge_args::EdgeArgs,
+    environment_args::surroundings,
     load,
     picture::Picture,
-    shading_args::material,
 };
 use anyhow::{Result, ensure};
 use std::{
     ops::{Deref, DerefMut},
+    path::Path,
     sync::Arc,
 };
-use tresses::{
-    draw::{Background, DrawOptions},
-    gpu::Gpu,
-};
-use tresses_scene::{Camera, Colliders, Stage};
-
-/// The size of a picture and how finely it is sampled, as the options say.
-#[derive(Clone, Copy, Debug)]
-pub struct Quality {
-    /// Pixels.
-    pub size: Size,
-    /// Samples and the rest of antialiasing.
-    pub edges: EdgeArgs,
-    /// Whether fewer samples will do where the adapter offers no more.
-    pub at_most: bool,
-    /// Texels along each edge of a shadow map.
-    pub shadow_resolution: u32,
-}
-
-impl Quality {
-    /// Exactly as many samples as asked for.
-    pub fn new(size: Size, edges: EdgeArgs) -> Self {
-        let shadow_resolution = DrawOptions::default().shadow_resolution;
-        Self { size, edges, at_most: false, shadow_resolution }
-    }
-
-    /// What it comes to on `gpu`; refuses what that does not offer.
-    fn on(&self, gpu: &Gpu) -> Result<tresses_scene::Quality> {
-        let most = gpu.tier.max_samples;
-        let (samples, coverage) = self.edges.choose(most)?;
-        ensure!(
-            samples <= most || self.at_most,
-            "--samples is {samples}, but {} offers at most {most} per pixel",
-            gpu.info.name
-        );
-        Ok(tresses_scene::Quality {
-            size: [self.size.width, self.size.height],
-            samples: samples.min(most),
-            coverage,
-            ssaa: self.edges.ssaa,
-            shadow_resolution: self.shadow_resolution,
-        })
-    }
-}
+use tresses::{draw::Background, gpu::Gpu};
+use tresses_scene::{Camera, Colliders, Preset, Stage};
 
 /// A stage, and what is shown over its pictures.
 pub struct Scene {
@@ -79,26 +37,42 @@ impl DerefMut for Scene {
 }
 
 impl Scene {
-    /// Opens the GPU, reads or grows the character and brings it there.
-    pub fn open(source: &Source, quality: Quality) -> Result<Self> {
-        ensure!(
-            source.color.is_none() || source.shape.color_map.is_none(),
-            "--color gives all hair one colour and --color-map many; give one of them"
-        );
+    /// Opens the GPU, reads or grows the character of `preset` and brings it there.
+    pub fn open(preset: &Preset, size: Size) -> Result<Self> {
+        Self::with_samples(preset, size, false)
+    }
+
+    /// The same with fewer samples per pixel where the adapter offers no more.
+    pub fn with_samples_at_most(preset: &Preset, size: Size) -> Result<Self> {
+        Self::with_samples(preset, size, true)
+    }
+
+    fn with_samples(preset: &Preset, size: Size, fewer: bool) -> Result<Self> {
+        let settings = &preset.settings;
+        settings.check()?;
+        let surroundings = surroundings(preset)?;
         let gpu = pollster::block_on(Gpu::open())?;
-        let quality = quality.on(&gpu)?;
+        let most = gpu.tier.max_samples;
+        let mut quality = settings.quality([size.width, size.height], most)?;
+        ensure!(
+            quality.samples <= most || fewer,
+            "there are to be {} samples per pixel, but {} offers at most {most}",
+            quality.samples,
+            gpu.info.name
+        );
+        quality.samples = quality.samples.min(most);
         let renderer = Arc::new(quality.renderer(&gpu.device));
-        let character = load::load(source, &gpu, &renderer.simulate)?;
+        let character = load::load(preset, &gpu, &renderer.simulate)?;
         for note in &character.notes {
             eprintln!("note: {note}");
         }
-        let colliders = match &source.colliders {
-            Some(path) => Colliders::read(path)?,
+        let colliders = match &preset.source.colliders {
+            Some(path) => Colliders::read(Path::new(path))?,
             None => Colliders::default(),
         };
         let mut stage = pollster::block_on(Stage::new(gpu, renderer, character, colliders, &quality, &()))?;
-        stage.look.hair = material(source.color.as_ref());
-        source.shape.apply_to_material(&mut stage.look.hair);
+        stage.apply(settings)?;
+        stage.set_lights(surroundings);
         Ok(Self { stage, debug: None })
     }
 

@@ -4,12 +4,12 @@ use crate::{
     camera::{self, Bounds, Camera},
     character::Character,
     colliders::Colliders,
+    settings::{LightSettings, Settings},
 };
 use anyhow::{Context, Result};
 use std::sync::Arc;
 use tresses::{
     Hair, HairOptions, HairRenderer, Pose, Progress,
-    avoid::AvoidMode,
     collide::{ColliderDescriptor, FieldBuilder},
     draw::{
         self, Body, Coverage, DrawOptions, Targets, View,
@@ -20,7 +20,7 @@ use tresses::{
     glam::Vec3,
     gpu::{Gpu, Timings},
     groom::{SdfGrid, TriMesh},
-    light::{Directional, Lights, ShadingRate, Shadows, Sphere},
+    light::{Lights, Sphere},
     lod::{Detail, LodMode, LodOptions},
     simulate::SimulationParams,
 };
@@ -101,7 +101,8 @@ pub struct Stage {
     views: Option<DebugViews>,
     /// Lights that stay where they are, instead of the photographer's.
     lights: Option<Lights>,
-    more_lights: [Directional; 2],
+    /// Key, rim, sky and lamps.
+    pub lighting: LightSettings,
     colliders: Colliders,
     /// Seconds since the hair was put to rest.
     time: f64,
@@ -166,7 +167,7 @@ impl Stage {
             views: None,
             look,
             lights: None,
-            more_lights: [Directional::OFF; 2],
+            lighting: LightSettings::default(),
             physics: options.simulation,
             colliders,
             time: 0.0,
@@ -179,12 +180,22 @@ impl Stage {
         })
     }
 
-    /// Lights besides the two that go with the camera, from here on; these stay where they are.
-    pub fn add_lights(&mut self, lights: [Directional; 2]) {
-        self.more_lights = lights;
+    /// Everything that `settings` have for the frames from here on; strands, pipelines and targets stay
+    /// as they are.
+    ///
+    /// # Errors
+    /// The first parameter that is out of its range.
+    pub fn apply(&mut self, settings: &Settings) -> Result<()> {
+        settings.check()?;
+        self.physics = settings.physics();
+        self.hair.avoidance.options = settings.interpolation;
+        self.hair.lod.options = settings.lod.options();
+        self.lighting = settings.lights;
+        settings.apply(&mut self.look);
+        Ok(())
     }
 
-    /// Lights that stay where they are; `None` for a photographer's, which go with the camera.
+    /// The light of the surroundings; `None` for a photographer's, as the settings have it.
     pub fn set_lights(&mut self, lights: Option<Lights>) {
         self.lights = lights;
     }
@@ -259,19 +270,6 @@ impl Stage {
         Ok(())
     }
 
-    /// What drawn strands do where they would enter the head, from here on.
-    pub fn set_avoid(&mut self, mode: AvoidMode) {
-        self.hair.avoidance.options.mode = mode;
-    }
-
-    /// How shadows are made, from here on. Where they are looked up for every pixel, hair is shaded so.
-    pub fn set_shadows(&mut self, shadows: Shadows) {
-        self.look.shadows = shadows;
-        if shadows.per_pixel {
-            self.look.shading = ShadingRate::PerPixel;
-        }
-    }
-
     /// The hair at rest on a head at `pose`.
     pub fn reset(&mut self, pose: &Pose) -> Result<()> {
         self.hair.reset();
@@ -304,13 +302,7 @@ impl Stage {
     pub(crate) fn look_from(&mut self, camera: &Camera) {
         self.look.view = View::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, self.targets.size);
         let back = camera.eye - camera.target;
-        self.look.lights = self.lights.unwrap_or_else(|| Lights::around(back.x.atan2(back.z)));
-        for (place, light) in self.look.lights.directional[2..].iter_mut().zip(self.more_lights) {
-            // The surroundings may have lit it already.
-            if light.irradiance != Vec3::ZERO {
-                *place = light;
-            }
-        }
+        self.look.lights = self.lighting.lights(back.x.atan2(back.z), self.lights.as_ref());
     }
 
     /// Records what moves the head to `pose` in `seconds`, and the hair with it.

@@ -450,7 +450,7 @@ fn wind() {
         },
     };
     assert_eq!(wgsl_layout("GustMode"), rust_layout!(GustMode { wave, phase, amplitude, _pad }));
-    assert_eq!(wgsl_layout("Half"), rust_layout!(Half { color, keep_own, keep_other, _pad }));
+    assert_eq!(wgsl_layout("Half"), rust_layout!(Half { color, keep_own, keep_other, relaxation }));
     assert_eq!(
         wgsl_layout("WindUniforms"),
         rust_layout!(WindUniforms {
@@ -470,9 +470,9 @@ fn wind() {
             gust_count,
             drag,
             reynolds,
-            relaxation,
             one,
             plain,
+            _pad,
             gusts,
         })
     );

@@ -103,7 +103,7 @@ impl Stage {
         shading: &ShadingArgs,
     ) -> Result<(Picture, Linear)> {
         let mut scene = self.scene(view, scenes)?;
-        shading.apply(&mut scene.hair, &mut scene.shading);
+        shading.vary(&mut scene.hair, &mut scene.shading);
         let shown = self.pixels(&scene)?;
         scene.background = Background::flat(Vec3::ZERO);
         scene.tone = ToneMap { exposure: DIM, shoulder: 0.99, desaturation: 0.0 };

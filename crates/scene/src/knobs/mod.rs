@@ -146,6 +146,24 @@ pub fn find(path: &str) -> Option<&'static Knob> {
     all().find(|knob| knob.path == path)
 }
 
+/// The one of this path.
+///
+/// # Errors
+/// One sentence that names the nearest, where there is none.
+pub fn named(path: &str) -> Result<&'static Knob, String> {
+    if let Some(knob) = find(path) {
+        return Ok(knob);
+    }
+    let key = path.rsplit_once('.').map_or(path, |(_, key)| key);
+    // One that only stands in another section is nearer than any other.
+    let elsewhere = all().find(|knob| knob.key() == key);
+    let by_letters = || all().min_by_key(|knob| strsim::damerau_levenshtein(path, knob.path));
+    Err(match elsewhere.or_else(by_letters) {
+        Some(knob) => format!("there is no {path}; the nearest is {}, {}", knob.path, knob.range()),
+        None => format!("there is no {path}"),
+    })
+}
+
 /// A row of the table: path, label, kind, cost, field, hint.
 macro_rules! knob {
     ($path:literal, $label:literal, $kind:expr, $cost:ident, $hint:literal, $($field:tt)+) => {

@@ -168,3 +168,10 @@ fn values_are_written_as_people_read_them() {
         }
     }
 }
+
+#[test]
+fn the_documentation_is_current() {
+    let page = include_str!("../../../../docs/knobs.md");
+    assert!(page == markdown(), "write docs/knobs.md anew: tresses knobs --markdown > docs/knobs.md");
+    assert!(page != markdown().replacen("from 0", "from 1", 1), "a change would be seen");
+}

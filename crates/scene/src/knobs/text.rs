@@ -3,7 +3,7 @@
 use super::{Kind, Knob, Refusal, Value};
 
 impl Knob {
-    /// `value` with its unit: `9 mm`, `on`, `#5a3b28`, `auto`.
+    /// `value` with its unit: `9 mm`, `true`, `#5a3b28`, `auto`.
     pub fn text(&self, value: Value) -> String {
         match (value, self.kind) {
             (Value::Number(v), Kind::Number { unit, .. }) => {
@@ -13,7 +13,7 @@ impl Knob {
             (Value::Integer(v), Kind::Integer { unit, .. }) => with_unit(&v.to_string(), unit.symbol),
             (Value::Integer(v), _) => v.to_string(),
             (Value::Auto, _) => "auto".into(),
-            (Value::Toggle(on), _) => if on { "on" } else { "off" }.into(),
+            (Value::Toggle(on), _) => on.to_string(),
             (Value::Choice(name), _) => name.into(),
             (Value::Color([r, g, b]), _) => format!("#{r:02x}{g:02x}{b:02x}"),
         }
@@ -31,7 +31,7 @@ impl Knob {
                 let multiple = if step > 1 { format!(", a multiple of {step}") } else { String::new() };
                 format!("a whole number {range}{multiple}{auto}")
             }
-            Kind::Toggle => "on or off".into(),
+            Kind::Toggle => "true or false".into(),
             Kind::Choice(names) => {
                 let auto = if self.automatic { "auto, " } else { "" };
                 format!("one of {auto}{}", names.join(", "))

@@ -98,9 +98,7 @@ fn stray(key: &str, found: &DeValue) -> String {
 fn section(key: &str, entries: &[Entry], settings: &mut Settings) -> Result<(), (Range<usize>, String)> {
     for (name, found, at) in entries {
         let path = format!("{key}.{name}");
-        let Some(knob) = knobs::find(&path) else {
-            return Err((at.clone(), unknown(&path, name)));
-        };
+        let knob = knobs::named(&path).map_err(|problem| (at.clone(), problem))?;
         let value = value(knob, found).and_then(|value| {
             knob.set(settings, value).ok()?;
             Some(())
@@ -110,18 +108,6 @@ fn section(key: &str, entries: &[Entry], settings: &mut Settings) -> Result<(), 
         }
     }
     Ok(())
-}
-
-/// What to say of a key that no knob has.
-fn unknown(path: &str, name: &str) -> String {
-    // One that only stands in the wrong table is nearer than any other.
-    let elsewhere = knobs::all().find(|knob| knob.key() == name);
-    let nearest =
-        elsewhere.or_else(|| nearest(path, knobs::all().map(|knob| knob.path)).and_then(knobs::find));
-    match nearest {
-        Some(knob) => format!("there is no {path}; the nearest is {}, {}", knob.path, knob.range()),
-        None => format!("there is no {path}"),
-    }
 }
 
 fn value(knob: &Knob, found: &DeValue) -> Option<Value> {

@@ -185,7 +185,8 @@ fn relative(to: &Path, from: &Path) -> PathBuf {
     };
     let (target, start) = (clean(to), clean(from));
     let common = target.iter().zip(&start).take_while(|(a, b)| a == b).count();
-    if common == 0 {
+    // Nothing but the root in common: the way there would say no more than the name.
+    if common <= 1 {
         return to.to_owned();
     }
     let up = start[common..].iter().map(|_| PathBuf::from(".."));
@@ -214,5 +215,7 @@ mod tests {
         assert_eq!(source.seen_from(Path::new("")).unwrap(), source);
         let far = Source { grooms: vec!["/far/a.tfx".into()], ..Default::default() };
         assert_eq!(far.inside(Path::new("presets")).grooms, far.grooms);
+        assert_eq!(far.seen_from(Path::new("/near")).unwrap(), far);
+        assert_eq!(far.seen_from(Path::new("/far/away")).unwrap().grooms, [PathBuf::from("../a.tfx")]);
     }
 }

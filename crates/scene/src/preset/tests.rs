@@ -190,6 +190,21 @@ fn files_are_found_beside_the_preset() {
 }
 
 #[test]
+fn shipped_presets_are_read() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../presets");
+    let mut count = 0;
+    for file in std::fs::read_dir(folder).unwrap() {
+        let path = file.unwrap().path();
+        let preset = Preset::open(&path).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(preset.name.as_deref(), path.file_stem().and_then(|name| name.to_str()));
+        assert!(preset.settings.changes(&Settings::default()).any());
+        assert!(preset.source.style.is_some(), "it can be shown without other files");
+        count += 1;
+    }
+    assert!(count >= 3);
+}
+
+#[test]
 fn costs_are_told_apart() {
     let before = Settings::default();
     let turned = |path: &str, value| {

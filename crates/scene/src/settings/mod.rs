@@ -24,7 +24,10 @@ pub use lod::{LodChoice, LodSettings};
 pub use look::{HairColor, LookSettings};
 pub use style::{Curl, Maps, StyleSettings};
 
-use crate::knobs::{self, Refusal};
+use crate::{
+    Quality, Styling,
+    knobs::{self, Refusal},
+};
 use tresses::{
     Result,
     avoid::AvoidOptions,
@@ -197,6 +200,31 @@ impl Settings {
         let (samples, coverage) = self.edges.choose(most)?;
         let shadow_resolution = self.shadow_resolution;
         Ok(DrawOptions { samples, coverage, shadow_resolution, ..Default::default() })
+    }
+
+    /// How pictures of `size` (pixels) are sampled where the adapter offers `most` samples per pixel.
+    ///
+    /// # Errors
+    /// As [`draw_options`](Self::draw_options).
+    pub fn quality(&self, size: [u32; 2], most: u32) -> Result<Quality> {
+        let DrawOptions { samples, coverage, shadow_resolution, .. } = self.draw_options(most)?;
+        Ok(Quality { size, samples, coverage, ssaa: self.edges.ssaa, shadow_resolution })
+    }
+
+    /// How strands become what is drawn: on a built-in style, or `None` for a groom from files.
+    ///
+    /// # Errors
+    /// Curls out of range.
+    pub fn styling(&self, style: Option<&Style>, maps: &Maps) -> Result<Styling> {
+        Ok(Styling {
+            growth: style.map(|style| self.style.growth(style, maps)).transpose()?,
+            strands: self.style.strands,
+            guides: self.style.guides(),
+            paint: maps.paint.clone(),
+            restyle: if style.is_none() { self.style.restyle(maps)? } else { None },
+            stiffness: maps.stiffness.clone(),
+            levels: maps.levels.clone(),
+        })
     }
 
     /// Puts hair colour, shading, shadows and exposure into `scene`; the lights, which may go with the

@@ -65,7 +65,7 @@ impl Targets {
         let hdr = texture("hdr", wide, high, samples, HDR_FORMAT, wgpu::TextureUsages::TEXTURE_BINDING);
         let read = wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING;
         let depth = texture("depth", wide, high, samples, DEPTH_FORMAT, read);
-        let picture = texture("picture", width, height, 1, PICTURE_FORMAT, wgpu::TextureUsages::COPY_SRC);
+        let picture = texture("picture", width, height, 1, PICTURE_FORMAT, read);
         let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
         Ok(Self {
             size: [width, height],
