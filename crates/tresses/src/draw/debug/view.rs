@@ -178,7 +178,7 @@ impl DebugView {
             Self::Detail => scale("doublings of the width", 4.0),
             Self::Overdraw => scale("strips per pixel", 100.0),
             Self::Density => scale("density, km/m³", 2000.0),
-            Self::Push => scale("push, m/s²", 50.0),
+            Self::Push => scale("push, m/s²", 5.0),
             Self::Wind => scale("speed of the air, m/s", 10.0),
             Self::Distance => Some(Scale { title: "distance, m", low: -0.1, high: 0.1 }),
             Self::Shadow => scale("share of the light", 1.0),
