@@ -1,11 +1,9 @@
 //! What the options of several subcommands mean, and the sentences for values that make no sense.
 
 use crate::{orient_args::OrientArgs, style_args::StyleArgs};
+use anyhow::{Result, ensure};
 use std::{path::PathBuf, str::FromStr};
-use tresses::{
-    glam::Vec3,
-    light::{HairMaterial, material::srgb},
-};
+use tresses_scene::{Preset, knobs::color, settings::HairColor};
 
 /// The widest or highest picture, pixels.
 const MAX_SIDE: u32 = 16_384;
@@ -15,7 +13,7 @@ const MAX_PIXELS: u64 = 7680 * 4320;
 
 /// Which hair on which head.
 #[derive(Clone, Debug, Default, clap::Args)]
-pub struct Source {
+pub struct SourceArgs {
     /// Groom files (.tfx, .hair, .obj), joined into one groom; without any, a built-in style
     #[arg(value_name = "GROOM")]
     pub grooms: Vec<PathBuf>,
@@ -47,11 +45,51 @@ pub struct Source {
     pub shape: StyleArgs,
 }
 
+impl SourceArgs {
+    /// Puts what is given into `preset`.
+    pub fn apply(&self, preset: &mut Preset) -> Result<()> {
+        ensure!(
+            self.color.is_none() || self.shape.color_map.is_none(),
+            "--color gives all hair one colour and --color-map many; give one of them"
+        );
+        let source = &mut preset.source;
+        if !self.grooms.is_empty() || self.style.is_some() {
+            // Another hair: the preset's head and axes are those of its own.
+            source.style.clone_from(&self.style);
+            source.grooms.clone_from(&self.grooms);
+            source.heads.clone_from(&self.head);
+            source.orientation = Default::default();
+        }
+        self.orientation.apply(&mut source.orientation);
+        let file = |path: &PathBuf| path.display().to_string();
+        source.colliders = self.colliders.as_ref().map(file).or(source.colliders.take());
+        source.lod_maps = self.lod_maps.as_ref().map(file).or(source.lod_maps.take());
+        let style = &mut preset.settings.style;
+        style.strands = self.strands.or(style.strands);
+        match self.guides {
+            None => {}
+            Some(Guides::All) => style.all_guides = true,
+            Some(Guides::Count(count)) => (style.guides, style.all_guides) = (Some(count), false),
+        }
+        let look = &mut preset.settings.look;
+        match self.color {
+            None => {}
+            Some(Color::Preset(color)) => look.color = color,
+            Some(Color::Srgb(srgb)) => (look.color, look.srgb) = (HairColor::Srgb, srgb),
+        }
+        if self.color.is_some() {
+            preset.source.color_map = None;
+        }
+        self.shape.apply(preset);
+        Ok(())
+    }
+}
+
 /// A hair colour.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Color {
     /// A preset by its name.
-    Preset(String),
+    Preset(HairColor),
     /// sRGB, 0 to 255.
     Srgb([u8; 3]),
 }
@@ -60,24 +98,14 @@ impl FromStr for Color {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        if HairMaterial::NAMES.contains(&text) {
-            return Ok(Self::Preset(text.into()));
-        }
-        let digits = text.strip_prefix('#').unwrap_or(text);
-        match u32::from_str_radix(digits, 16) {
-            Ok(rgb) if digits.len() == 6 && digits.bytes().all(|b| b.is_ascii_hexdigit()) => {
-                let [_, r, g, b] = rgb.to_be_bytes();
-                Ok(Self::Srgb([r, g, b]))
-            }
-            _ => Err(format!("choose {} or six hexadecimal digits RRGGBB", HairMaterial::NAMES.join(", "))),
-        }
-    }
-}
-
-impl Color {
-    /// Linear sRGB.
-    pub fn linear([r, g, b]: [u8; 3]) -> Vec3 {
-        srgb(u32::from_be_bytes([0, r, g, b]))
+        Ok(match (text, color(text)) {
+            ("blond", _) => Self::Preset(HairColor::Blond),
+            ("brown", _) => Self::Preset(HairColor::Brown),
+            ("red", _) => Self::Preset(HairColor::Red),
+            ("black", _) => Self::Preset(HairColor::Black),
+            (_, Some(srgb)) => Self::Srgb(srgb),
+            _ => return Err("choose blond, brown, red, black or six hexadecimal digits RRGGBB".into()),
+        })
     }
 }
 
@@ -177,8 +205,27 @@ mod tests {
         assert_eq!("all".parse(), Ok(Guides::All));
         assert_eq!("12".parse(), Ok(Guides::Count(12)));
         assert_eq!(zoom("normal"), Ok(1.0));
-        let linear = Color::linear([255, 128, 0]);
-        assert!(linear.x == 1.0 && (linear.y - 0.2158).abs() < 1e-3 && linear.z == 0.0);
+        assert_eq!("red".parse(), Ok(Color::Preset(HairColor::Red)));
+    }
+
+    #[test]
+    fn options_win_over_a_preset() {
+        let mut preset = Preset::default();
+        preset.source.grooms = vec!["a.tfx".into()];
+        preset.source.heads = vec!["head.obj".into()];
+        preset.source.orientation.orient.unit = "cm".parse().ok();
+        (preset.settings.style.guides, preset.settings.style.frizz) = (Some(40), Some(0.001));
+        let mut other = preset.clone();
+        SourceArgs::default().apply(&mut other).unwrap();
+        assert_eq!(other, preset, "nothing is given");
+        let args = SourceArgs { guides: Some(Guides::All), color: "red".parse().ok(), ..Default::default() };
+        args.apply(&mut other).unwrap();
+        assert!(other.settings.style.all_guides && other.settings.look.color == HairColor::Red);
+        assert_eq!((&other.source, other.settings.style.frizz), (&preset.source, Some(0.001)));
+        let args = SourceArgs { grooms: vec!["b.tfx".into()], ..Default::default() };
+        args.apply(&mut other).unwrap();
+        assert_eq!(other.source.grooms, args.grooms);
+        assert!(other.source.heads.is_empty() && other.source.orientation == Default::default());
     }
 
     #[test]

@@ -3,14 +3,13 @@
 use tresses::avoid::AvoidMode;
 
 /// What drawn strands do where they would enter the head.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Avoid {
     /// They enter it.
     Off,
     /// Only the vertices inside are moved out.
     Vertices,
     /// The strand follows its nearest guide from before there on.
-    #[default]
     Strands,
 }
 

@@ -1,20 +1,20 @@
 //! `tresses demo`: the built-in character, as a picture and as a loop.
 
 use crate::{
-    args::{Size, Source},
-    camera::{Camera, Shot, View},
+    args::{Size, SourceArgs},
     edge_args::EdgeArgs,
     interrupt,
-    motion::Motion,
     picture::Output,
+    preset_args::PresetArgs,
     progress,
     render::{Times, animate},
     say,
-    scene::{Quality, Scene},
+    scene::Scene,
     style_args::StyleArgs,
 };
 use anyhow::{Context, Result};
 use std::{path::PathBuf, time::Instant};
+use tresses_scene::{Camera, Motion, Shot, camera::View};
 
 /// The size of the picture.
 const PICTURE: Size = Size { width: 1920, height: 1200 };
@@ -29,9 +29,11 @@ pub struct Args {
     /// The folder that receives demo.png and demo.webp
     #[arg(long, value_name = "FOLDER", default_value = "out")]
     pub out: PathBuf,
-    /// A built-in hairstyle: long, bob, curly or short
-    #[arg(long, value_name = "NAME", default_value = "long")]
-    pub style: String,
+    /// A built-in hairstyle: long, bob, curly or short [default: long]
+    #[arg(long, value_name = "NAME")]
+    pub style: Option<String>,
+    #[command(flatten)]
+    pub preset: PresetArgs,
     #[command(flatten)]
     pub shape: StyleArgs,
     #[command(flatten)]
@@ -40,16 +42,21 @@ pub struct Args {
 
 /// Runs `tresses demo`.
 pub fn run(args: &Args) -> Result<()> {
-    let source = Source { style: Some(args.style.clone()), shape: args.shape.clone(), ..Source::default() };
+    let mut preset = args.preset.open()?;
+    let source = SourceArgs { style: args.style.clone(), shape: args.shape.clone(), ..Default::default() };
+    source.apply(&mut preset)?;
+    args.edges.apply(&mut preset.settings)?;
+    args.preset.finish(&mut preset)?;
     let motion = Motion::named("turn").context("the built-in motions hold a turn")?;
 
     let spinner = progress::spinner("growing and draping the hair, drawing a picture");
-    let mut scene = Scene::open(&source, Quality::new(PICTURE, args.edges))?;
+    let mut scene = Scene::open(&preset, PICTURE)?;
     eprintln!("Drawing on {}.", scene.adapter_name());
     let camera = Camera::portrait(View::ThreeQuarter, scene.subject(), PICTURE.aspect(), 1.0);
     let mut output = Output::create(&args.out.join("demo.png"), (PICTURE.width, PICTURE.height), 1, 1.0)?;
     let start = Instant::now();
-    scene.reset(&motion.pose(0.0, scene.pivot()))?;
+    let pivot = scene.pivot();
+    scene.reset(&motion.pose(0.0, pivot))?;
     output.add(scene.picture(&camera)?)?;
     let seconds = start.elapsed().as_secs_f64();
     let picture = output.finish()?;
@@ -59,7 +66,7 @@ pub fn run(args: &Args) -> Result<()> {
     let frames = (motion.duration() * LOOP_FPS).round() as u32;
     let share = f64::from(LOOP.width * LOOP.height) / f64::from(PICTURE.width * PICTURE.height);
     eprintln!("Drawing a loop of {frames} frames; about {:.0} s.", f64::from(frames) * seconds * share + 5.0);
-    scene.resize(LOOP)?;
+    scene.resize([LOOP.width, LOOP.height])?;
     let path = args.out.join("demo.webp");
     let mut output = Output::create(&path, (LOOP.width, LOOP.height), frames, LOOP_FPS)?;
     let times = Times { frames, fps: LOOP_FPS, lead: -motion.duration() };

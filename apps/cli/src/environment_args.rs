@@ -6,6 +6,7 @@ use tresses::{
     glam::Vec3,
     light::{Directional, Environment, Lights, MAX_LIGHTS, Sky},
 };
+use tresses_scene::Preset;
 
 /// The most pixels of a picture that is read: 16K by 8K.
 const MAX_PIXELS: u64 = 16_384 * 8_192;
@@ -22,11 +23,10 @@ pub struct EnvironmentArgs {
     #[arg(long, value_name = "FILE")]
     pub environment: Option<PathBuf>,
     /// By how much the surroundings are turned, towards the head's left, degrees [default: 0]
-    #[arg(long, value_name = "DEGREES", requires = "environment", allow_negative_numbers = true,
-        value_parser = turn)]
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = turn)]
     pub environment_turn: Option<f32>,
     /// What their light is multiplied by [default: 1]
-    #[arg(long, value_name = "FACTOR", requires = "environment", value_parser = strength)]
+    #[arg(long, value_name = "FACTOR", value_parser = strength)]
     pub environment_strength: Option<f32>,
 }
 
@@ -45,23 +45,39 @@ fn strength(text: &str) -> Result<f32, String> {
 }
 
 impl EnvironmentArgs {
-    /// The light of the picture, where one is given.
-    pub fn lights(&self) -> Result<Option<Lights>> {
-        let Some(path) = &self.environment else { return Ok(None) };
-        let (width, height, pixels) = read(path).with_context(|| path.display().to_string())?;
-        let turn = self.environment_turn.unwrap_or(0.0).to_radians();
-        let strength = self.environment_strength.unwrap_or(1.0);
-        let (mut environment, suns) = Environment::from_equirectangular(width, height, &pixels, turn)
-            .context("the picture has no pixels")?;
-        for coefficient in &mut environment.coefficients {
-            *coefficient *= strength;
+    /// Puts what is given into `preset`.
+    pub fn apply(&self, preset: &mut Preset) -> Result<()> {
+        if let Some(path) = &self.environment {
+            preset.source.environment = Some(path.display().to_string());
         }
-        let mut directional = [Directional::OFF; MAX_LIGHTS];
-        for (place, sun) in directional.iter_mut().zip(suns) {
-            *place = Directional { irradiance: sun.irradiance * strength, ..sun };
-        }
-        Ok(Some(Lights { directional, sky: Sky::default(), environment }))
+        ensure!(
+            preset.source.environment.is_some()
+                || self.environment_turn.is_none() && self.environment_strength.is_none(),
+            "there are no surroundings to turn or to strengthen: give --environment"
+        );
+        let lights = &mut preset.settings.lights;
+        lights.environment_turn = self.environment_turn.map_or(lights.environment_turn, f32::to_radians);
+        lights.environment_strength = self.environment_strength.unwrap_or(lights.environment_strength);
+        Ok(())
     }
+}
+
+/// The light of the surroundings of `preset`, where it names some.
+pub fn surroundings(preset: &Preset) -> Result<Option<Lights>> {
+    let Some(path) = &preset.source.environment else { return Ok(None) };
+    let (width, height, pixels) = read(Path::new(path)).with_context(|| path.clone())?;
+    let settings = &preset.settings.lights;
+    let (turn, strength) = (settings.environment_turn, settings.environment_strength);
+    let (mut environment, suns) = Environment::from_equirectangular(width, height, &pixels, turn)
+        .context("the picture has no pixels")?;
+    for coefficient in &mut environment.coefficients {
+        *coefficient *= strength;
+    }
+    let mut directional = [Directional::OFF; MAX_LIGHTS];
+    for (place, sun) in directional.iter_mut().zip(suns) {
+        *place = Directional { irradiance: sun.irradiance * strength, ..sun };
+    }
+    Ok(Some(Lights { directional, sky: Sky::default(), environment }))
 }
 
 /// Width, height and linear pixels of the picture at `path`, made small enough.
@@ -117,17 +133,23 @@ mod tests {
         (folder, EnvironmentArgs { environment: Some(path), ..Default::default() })
     }
 
+    fn lights(args: &EnvironmentArgs) -> Result<Option<Lights>> {
+        let mut preset = Preset::default();
+        args.apply(&mut preset)?;
+        surroundings(&preset)
+    }
+
     #[test]
     fn both_formats_are_read() {
         for name in ["sky.hdr", "sky.exr"] {
             let (_folder, mut args) = written(name, 64, 32);
-            let lights = args.lights().unwrap().unwrap();
+            let lights = lights(&args).unwrap().unwrap();
             assert_eq!(lights.active().count(), 1, "{name}");
             let (above, below) = (lights.environment.around(Vec3::Y), lights.environment.around(Vec3::NEG_Y));
             assert!((above - Vec3::new(0.5, 0.6, 0.8)).abs().max_element() < 0.05, "{name} {above}");
             assert!(below.x < 0.15);
             args.environment_strength = Some(2.0);
-            let brighter = args.lights().unwrap().unwrap();
+            let brighter = super::tests::lights(&args).unwrap().unwrap();
             assert!((brighter.environment.around(Vec3::Y) / above - 2.0).abs().max_element() < 1e-3);
             assert!(brighter.directional[0].irradiance.x > 1.9 * lights.directional[0].irradiance.x);
         }
@@ -136,11 +158,12 @@ mod tests {
     #[test]
     fn what_is_no_picture_of_surroundings_is_refused() {
         let (_folder, args) = written("square.hdr", 64, 64);
-        assert!(format!("{:#}", args.lights().unwrap_err()).contains("twice as wide"));
+        assert!(format!("{:#}", lights(&args).unwrap_err()).contains("twice as wide"));
         let missing = EnvironmentArgs { environment: Some("missing.hdr".into()), ..Default::default() };
-        assert!(missing.lights().is_err());
+        assert!(lights(&missing).is_err());
         let png = EnvironmentArgs { environment: Some(file!().into()), ..Default::default() };
-        assert!(png.lights().is_err());
+        assert!(lights(&png).is_err());
+        assert!(lights(&EnvironmentArgs { environment_turn: Some(20.0), ..Default::default() }).is_err());
         assert!(turn("400").is_err() && strength("0").is_err() && strength("NaN").is_err());
     }
 }

@@ -1,41 +1,34 @@
 //! The option that says what hairs do to each other.
 
-use tresses::{
-    simulate::SimulationParams,
-    volume::{HairHair, HairHairMode},
-};
+use tresses::volume::HairHairMode;
+use tresses_scene::Settings;
 
 /// What hairs do to each other.
 #[derive(clap::Args, Clone, Copy, Debug, Default)]
 pub struct HairHairArgs {
-    /// What hair does where it is denser than at rest
-    #[arg(long, value_name = "MODE", value_enum, default_value_t, help_heading = "Simulation")]
-    hair_hair: Choice,
+    /// What hair does where it is denser than at rest [default: gradient]
+    #[arg(long, value_name = "MODE", value_enum, help_heading = "Simulation")]
+    hair_hair: Option<Choice>,
 }
 
-#[derive(clap::ValueEnum, Clone, Copy, Debug, Default)]
+#[derive(clap::ValueEnum, Clone, Copy, Debug)]
 enum Choice {
     /// Nothing: hairs pass through each other
     Off,
     /// It is pushed out of dense cells by a fixed amount
     Fixed,
     /// It is pushed along the negative gradient of the density, with friction
-    #[default]
     Gradient,
 }
 
 impl HairHairArgs {
-    /// Puts the choice into `physics`. With `watched`, hair that passes through hair has a grid all the
-    /// same, which does nothing: so that its density can be looked at.
-    pub fn apply(self, physics: &mut SimulationParams, watched: bool) {
-        let mode = match self.hair_hair {
+    /// Puts what is given into `settings`.
+    pub fn apply(self, settings: &mut Settings) {
+        let Some(choice) = self.hair_hair else { return };
+        settings.simulation.hair_hair.mode = match choice {
             Choice::Off => HairHairMode::Off,
             Choice::Fixed => HairHairMode::Fixed,
             Choice::Gradient => HairHairMode::Gradient,
-        };
-        physics.hair_hair = match mode {
-            HairHairMode::Off if watched => HairHair { speed: 0.0, friction: 0.0, ..HairHair::default() },
-            mode => HairHair { mode, ..HairHair::default() },
         };
     }
 }

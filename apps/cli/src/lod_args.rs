@@ -4,25 +4,33 @@ use crate::scalp_map::MapSource;
 use anyhow::{Context, Error, Result};
 use serde::Deserialize;
 use std::{path::Path, str::FromStr};
-use tresses::lod::{LodLevel, LodMode, LodOptions};
+use tresses::lod::{LodLevel, LodMode};
+use tresses_scene::{Settings, settings::LodChoice};
 
 /// How much of the hair is drawn.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 #[command(next_help_heading = "Level of detail")]
 pub struct LodArgs {
     /// Strands that are drawn, those left being wider: `auto` by the size of a pixel, `off` for all at any
-    /// distance, or a share of them such as 0.25
-    #[arg(long = "lod", value_name = "auto|off|FRACTION", default_value = "auto")]
-    pub mode: Mode,
-    /// With `auto`: 1 draws as if the hair were twice as far away, -1 half as far
-    #[arg(long, value_name = "STEPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = bias)]
-    pub lod_bias: f32,
+    /// distance, or a share of them such as 0.25 [default: auto]
+    #[arg(long = "lod", value_name = "auto|off|FRACTION")]
+    pub mode: Option<Mode>,
+    /// With `auto`: 1 draws as if the hair were twice as far away, -1 half as far [default: 0]
+    #[arg(long, value_name = "STEPS", allow_negative_numbers = true, value_parser = bias)]
+    pub lod_bias: Option<f32>,
 }
 
 impl LodArgs {
-    /// As the library has them.
-    pub fn options(&self) -> LodOptions {
-        LodOptions { mode: self.mode.0, bias: self.lod_bias, ..LodOptions::default() }
+    /// Puts what is given into `settings`.
+    pub fn apply(&self, settings: &mut Settings) {
+        let lod = &mut settings.lod;
+        match self.mode.map(|mode| mode.0) {
+            None => {}
+            Some(LodMode::Auto) => lod.mode = LodChoice::Auto,
+            Some(LodMode::Off) => lod.mode = LodChoice::Off,
+            Some(LodMode::Fixed(fraction)) => (lod.mode, lod.fraction) = (LodChoice::Fixed, fraction),
+        }
+        lod.bias = self.lod_bias.unwrap_or(lod.bias);
     }
 }
 

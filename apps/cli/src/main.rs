@@ -3,8 +3,6 @@
 mod args;
 mod avoid_args;
 mod bench;
-mod camera;
-mod colliders;
 mod compare;
 mod convert;
 mod debug;
@@ -14,17 +12,21 @@ mod environment_args;
 mod hair_hair_args;
 mod info;
 mod interrupt;
+mod knobs;
 mod load;
 mod lod_args;
-mod motion;
 mod orient_args;
 mod picture;
+mod preset;
+mod preset_args;
 mod progress;
 mod render;
 mod scalp_map;
 mod scene;
+mod settings_args;
 mod shading_args;
 mod shadow_args;
+mod studio;
 mod style_args;
 mod wind_args;
 
@@ -45,10 +47,16 @@ enum Command {
     Render(Box<render::Args>),
     /// Show the built-in character with moving hair: out/demo.png and out/demo.webp
     Demo(Box<demo::Args>),
+    /// Open the window: move hair with the mouse, see inside, change everything
+    Studio(studio::Args),
     /// Report what is in a groom and what is wrong with it
     Info(info::Args),
     /// Write a groom in another format
     Convert(convert::Args),
+    /// Print what options come to, as a preset
+    Preset(Box<preset::Args>),
+    /// List every parameter with its range and what it does
+    Knobs(knobs::Args),
     /// Measure every stage on this machine's GPU
     Bench(bench::Args),
     /// Hold our pictures against path-traced ones of the same hair, camera and lights
@@ -60,12 +68,18 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return refuse(&error),
     };
-    interrupt::listen();
+    if !matches!(cli.command, Command::Studio(_)) {
+        // A window simply ends.
+        interrupt::listen();
+    }
     let result = match cli.command {
         Command::Render(args) => render::run(&args),
         Command::Demo(args) => demo::run(&args),
+        Command::Studio(args) => studio::run(args),
         Command::Info(args) => info::run(args),
         Command::Convert(args) => convert::run(args),
+        Command::Preset(args) => preset::run(&args),
+        Command::Knobs(args) => knobs::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Compare(args) => compare::run(&args),
     };

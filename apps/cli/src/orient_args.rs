@@ -2,7 +2,7 @@
 
 use tresses::groom::{
     import::ImportOptions,
-    orient::{Axis, Choice, Unit},
+    orient::{Axis, Unit},
 };
 
 /// Unit and axes of the files.
@@ -36,17 +36,22 @@ pub struct OrientArgs {
 }
 
 impl OrientArgs {
+    /// Puts what is given into `options`.
+    pub fn apply(&self, options: &mut ImportOptions) {
+        let (groom, head) = (&mut options.orient, &mut options.orient_head);
+        groom.unit = self.unit.or(groom.unit);
+        groom.up = self.up.or(groom.up);
+        groom.front = self.front.or(groom.front);
+        groom.mirror = self.mirror.or(groom.mirror);
+        head.unit = self.head_unit.or(head.unit);
+        head.up = self.head_up.or(head.up);
+        head.front = self.head_front.or(head.front);
+    }
+
     /// As the library takes them.
     pub fn options(&self) -> ImportOptions {
-        ImportOptions {
-            orient: Choice { unit: self.unit, up: self.up, front: self.front, mirror: self.mirror },
-            orient_head: Choice {
-                unit: self.head_unit,
-                up: self.head_up,
-                front: self.head_front,
-                mirror: None,
-            },
-            ..Default::default()
-        }
+        let mut options = ImportOptions::default();
+        self.apply(&mut options);
+        options
     }
 }

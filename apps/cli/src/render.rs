@@ -1,26 +1,20 @@
 //! `tresses render`: a picture, numbered frames, or an animation of a groom or a built-in style.
 
 use crate::{
-    args::{self, Size, Source},
-    avoid_args::Avoid,
-    camera::{Camera, Shot, View},
-    debug,
-    edge_args::EdgeArgs,
-    environment_args::EnvironmentArgs,
-    hair_hair_args::HairHairArgs,
-    interrupt,
-    lod_args::{self, LodArgs},
-    motion::Motion,
+    args::{self, Size},
+    debug, interrupt, lod_args,
     picture::{Kind, Output},
     progress, say,
-    scene::{Quality, Scene},
-    shading_args::ShadingArgs,
-    shadow_args::ShadowArgs,
-    wind_args::WindArgs,
+    scene::Scene,
+    settings_args::SettingsArgs,
 };
 use anyhow::{Result, ensure};
 use std::path::PathBuf;
-use tresses::simulate::SimulationParams;
+use tresses::{
+    draw::debug::DebugView,
+    volume::{HairHair, HairHairMode},
+};
+use tresses_scene::{Camera, Motion, Shot, camera::View};
 
 /// The longest animation, frames.
 const MAX_FRAMES: u32 = 100_000;
@@ -29,7 +23,7 @@ const MAX_FRAMES: u32 = 100_000;
 #[derive(clap::Args, Debug)]
 pub struct Args {
     #[command(flatten)]
-    pub source: Source,
+    pub settings: SettingsArgs,
     /// How the head moves: still, nod, turn, shake, or a keyframe file (.json)
     #[arg(long, value_name = "NAME", default_value = "still")]
     pub motion: String,
@@ -58,23 +52,6 @@ pub struct Args {
     #[arg(long, value_name = "PATH", default_value = "out/render.png")]
     pub out: PathBuf,
     #[command(flatten)]
-    pub edges: EdgeArgs,
-    #[command(flatten)]
-    pub hair_hair: HairHairArgs,
-    #[command(flatten)]
-    pub wind: WindArgs,
-    /// What drawn strands do where they would enter the head
-    #[arg(long, value_name = "MODE", value_enum, default_value_t, help_heading = "Simulation")]
-    pub avoid: Avoid,
-    #[command(flatten)]
-    pub lod: LodArgs,
-    #[command(flatten)]
-    pub shading: ShadingArgs,
-    #[command(flatten)]
-    pub environment: EnvironmentArgs,
-    #[command(flatten)]
-    pub shadows: ShadowArgs,
-    #[command(flatten)]
     pub debug: debug::DebugArgs,
 }
 
@@ -95,29 +72,15 @@ pub fn run(args: &Args) -> Result<()> {
         }
     };
     // What can be refused is refused before anything is opened or made.
-    let mut physics = SimulationParams::default();
-    args.hair_hair.apply(&mut physics, args.debug.debug == Some(debug::Subject::Density));
-    args.wind.apply(&mut physics);
-    args.debug.check(&physics)?;
-    let more_lights = args.shadows.lights()?;
-    args.shading.check()?;
-    ensure!(
-        args.source.color.is_none() || args.shading.melanin.is_none(),
-        "--color and --melanin both say what colour the hair has: give one"
-    );
-    let lights = args.environment.lights()?;
+    let mut preset = args.settings.preset()?;
+    let hair_hair = &mut preset.settings.simulation.hair_hair;
+    if args.debug.debug == Some(DebugView::Density) && hair_hair.mode == HairHairMode::Off {
+        // Hair that passes through hair has a grid all the same, which does nothing.
+        *hair_hair = HairHair { speed: 0.0, friction: 0.0, ..HairHair::default() };
+    }
+    args.debug.check(&preset.settings.physics())?;
     let start = progress::spinner("preparing");
-    let quality =
-        Quality { shadow_resolution: args.shadows.resolution(), ..Quality::new(args.size, args.edges) };
-    let mut scene = Scene::open(&args.source, quality)?;
-    scene.set_shadows(args.shadows.shadows());
-    scene.add_lights(more_lights);
-    *scene.physics_mut() = physics;
-    scene.set_avoid(args.avoid);
-    scene.set_lights(lights);
-    scene.set_lod(args.lod.options())?;
-    let look = scene.look_mut();
-    args.shading.apply(&mut look.hair, &mut look.shading);
+    let mut scene = Scene::open(&preset, args.size)?;
     scene.show(&args.debug);
     start.finish_and_clear();
     let camera = Camera::portrait(args.camera, scene.subject(), args.size.aspect(), args.zoom);

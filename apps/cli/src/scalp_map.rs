@@ -42,6 +42,18 @@ impl FromStr for MapSource {
     }
 }
 
+impl std::fmt::Display for MapSource {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Named(name) => f.write_str(name),
+            Self::Picture(path, None) => path.display().fmt(f),
+            Self::Picture(path, Some(channel)) => {
+                write!(f, "{}:{}", path.display(), ["r", "g", "b"][*channel])
+            }
+        }
+    }
+}
+
 impl MapSource {
     /// The map, values from 0 to 1.
     pub fn read(&self) -> Result<ScalpMap> {
@@ -70,6 +82,12 @@ impl FromStr for ColorSource {
 
     fn from_str(text: &str) -> Result<Self, String> {
         if is_png(text) { Ok(Self(text.into())) } else { Err("give a .png".into()) }
+    }
+}
+
+impl std::fmt::Display for ColorSource {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.0.display().fmt(f)
     }
 }
 
@@ -192,6 +210,9 @@ mod tests {
     fn names_and_nonsense() {
         assert_eq!("not-front".parse(), Ok(MapSource::Named("not-front".into())));
         assert!("front".parse::<MapSource>().unwrap().read().is_ok());
+        for text in ["not-front", "map.png", "deep/map.png:g"] {
+            assert_eq!(text.parse::<MapSource>().unwrap().to_string(), text);
+        }
         for text in ["", "top", "map.jpg", "map.png:a", "not-map"] {
             assert!(text.parse::<MapSource>().is_err(), "{text}");
         }

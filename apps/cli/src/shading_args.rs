@@ -1,8 +1,8 @@
 //! The options for how light on hair is computed.
 
-use crate::args::Color;
 use std::str::FromStr;
 use tresses::light::{FiberMaterial, HairMaterial, ShadingModel, ShadingRate, fiber::bsdf::melanin};
+use tresses_scene::settings::{HairColor, LookSettings};
 
 /// Which model shades hair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -99,8 +99,29 @@ impl ShadingArgs {
         Ok(())
     }
 
-    /// What they make of a look.
-    pub fn apply(&self, material: &mut HairMaterial, rate: &mut ShadingRate) {
+    /// Puts what is given into `look`.
+    pub fn apply(&self, look: &mut LookSettings) {
+        match self.shading {
+            Some(Model::KajiyaKay) => look.model = ShadingModel::KajiyaKay,
+            Some(Model::Fiber) => look.model = ShadingModel::Fiber,
+            None if self.melanin.is_some() || self.roughness.is_some() => look.model = ShadingModel::Fiber,
+            None => {}
+        }
+        if let Some(Melanin { eumelanin, pheomelanin }) = self.melanin {
+            (look.color, look.eumelanin, look.pheomelanin) = (HairColor::Melanin, eumelanin, pheomelanin);
+        }
+        if let Some(Roughness { longitudinal, azimuthal }) = self.roughness {
+            (look.roughness_along, look.roughness_around) = (longitudinal, azimuthal);
+        }
+        match self.shade_per {
+            Some(Per::Vertex) => look.rate = ShadingRate::PerVertex,
+            Some(Per::Pixel) => look.rate = ShadingRate::PerPixel,
+            None => {}
+        }
+    }
+
+    /// What they make of a material that follows from no settings.
+    pub fn vary(&self, material: &mut HairMaterial, rate: &mut ShadingRate) {
         match self.shading {
             Some(Model::KajiyaKay) => material.model = ShadingModel::KajiyaKay,
             Some(Model::Fiber) => material.model = ShadingModel::Fiber,
@@ -124,16 +145,6 @@ impl ShadingArgs {
     }
 }
 
-/// The look of hair of a colour that is asked for: the file's colours where it has some and none is.
-pub fn material(color: Option<&Color>) -> HairMaterial {
-    let material = match color {
-        None => return HairMaterial::default(),
-        Some(Color::Preset(name)) => HairMaterial::named(name).unwrap_or_default(),
-        Some(Color::Srgb(srgb)) => HairMaterial::colored(Color::linear(*srgb)),
-    };
-    HairMaterial { file_colors: false, ..material }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -154,12 +165,18 @@ mod tests {
 
     #[test]
     fn pigments_ask_for_fibres() {
-        let (mut material, mut rate) = (HairMaterial::black(), ShadingRate::default());
-        material.model = ShadingModel::KajiyaKay;
+        let mut look = LookSettings { model: ShadingModel::KajiyaKay, ..Default::default() };
         let args =
             ShadingArgs { melanin: "0,1".parse().ok(), shade_per: Some(Per::Pixel), ..Default::default() };
-        args.apply(&mut material, &mut rate);
-        assert_eq!((material.model, rate), (ShadingModel::Fiber, ShadingRate::PerPixel));
+        args.apply(&mut look);
+        let (mut varied, mut rate) = (HairMaterial::black(), ShadingRate::default());
+        args.vary(&mut varied, &mut rate);
+        let material = look.material();
+        assert_eq!(
+            (material.model, look.rate, rate),
+            (ShadingModel::Fiber, ShadingRate::PerPixel, look.rate)
+        );
+        assert_eq!(material.fiber, varied.fiber);
         let middle = 0.5 * (material.fiber.root_absorption + material.fiber.tip_absorption);
         assert!((middle / Vec3::new(0.187, 0.4, 1.05) - 1.0).abs().max_element() < 0.05);
         assert!(ShadingArgs { shading: Some(Model::KajiyaKay), ..args }.check().is_err());

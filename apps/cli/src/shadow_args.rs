@@ -2,35 +2,32 @@
 
 use anyhow::{Result, ensure};
 use std::str::FromStr;
-use tresses::{
-    glam::Vec3,
-    light::{Directional, ShadowMethod, Shadows},
-};
+use tresses::light::ShadowMethod;
+use tresses_scene::{Settings, settings::Lamp};
 
 /// How hair is counted in shadows.
-#[derive(clap::ValueEnum, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// Hair is solid: soft edges, black behind the first row
     Opaque,
     /// Hair takes light in proportion to the way behind the hair nearest the light
     Absorption,
     /// Fibres are counted where they are, in layers behind the hair's front
-    #[default]
     Deep,
 }
 
 /// Shadows.
-#[derive(clap::Args, Clone, Debug)]
+#[derive(clap::Args, Clone, Debug, Default)]
 pub struct ShadowArgs {
-    /// How hair shadows hair, head and body
-    #[arg(long, value_name = "METHOD", value_enum, default_value_t, help_heading = "Shadows")]
-    shadows: Method,
-    /// Texels along each edge of a shadow map, 64 to 2048
-    #[arg(long, value_name = "N", default_value = "1024", value_parser = clap::value_parser!(u32).range(64..=2048), help_heading = "Shadows")]
-    shadow_resolution: u32,
-    /// Radius over which shadows on hair are averaged, millimetres
-    #[arg(long, value_name = "MM", default_value = "3", value_parser = softness, help_heading = "Shadows")]
-    shadow_softness: f32,
+    /// How hair shadows hair, head and body [default: deep]
+    #[arg(long, value_name = "METHOD", value_enum, help_heading = "Shadows")]
+    shadows: Option<Method>,
+    /// Texels along each edge of a shadow map, 64 to 2048 [default: 1024]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(64..=2048), help_heading = "Shadows")]
+    shadow_resolution: Option<u32>,
+    /// Radius over which shadows on hair are averaged, millimetres [default: 3]
+    #[arg(long, value_name = "MM", value_parser = softness, help_heading = "Shadows")]
+    shadow_softness: Option<f32>,
     /// Shade hair, and look its shadows up, for every pixel, not only at the vertices of its strands
     #[arg(long, help_heading = "Shadows")]
     shadows_per_pixel: bool,
@@ -41,14 +38,14 @@ pub struct ShadowArgs {
         allow_hyphen_values = true,
         help_heading = "Shadows"
     )]
-    lights: Vec<Lamp>,
+    lights: Vec<Light>,
 }
 
 /// A light from afar.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Lamp(Directional);
+struct Light(Lamp);
 
-impl FromStr for Lamp {
+impl FromStr for Light {
     type Err = String;
 
     fn from_str(text: &str) -> std::result::Result<Self, String> {
@@ -62,42 +59,35 @@ impl FromStr for Lamp {
         if azimuth.abs() > 360.0 || elevation.abs() > 90.0 || !(0.0..=100.0).contains(&irradiance) {
             return Err("azimuths go to 360 degrees, elevations to 90, strengths from 0 to 100".into());
         }
-        let (sin, cos) = azimuth.to_radians().sin_cos();
-        let (up, level) = elevation.to_radians().sin_cos();
-        let direction = Vec3::new(sin * level, up, cos * level);
-        Ok(Self(Directional { direction, irradiance: Vec3::splat(irradiance) }))
+        Ok(Self(Lamp { azimuth: azimuth.to_radians(), elevation: elevation.to_radians(), irradiance }))
     }
 }
 
 impl ShadowArgs {
-    /// Texels along each edge of a shadow map.
-    pub fn resolution(&self) -> u32 {
-        self.shadow_resolution
-    }
-
-    /// The lights besides those that go with the camera.
-    pub fn lights(&self) -> Result<[Directional; 2]> {
+    /// Puts what is given into `settings`.
+    pub fn apply(&self, settings: &mut Settings) -> Result<()> {
         ensure!(
             self.lights.len() <= 2,
             "--light was given {} times, but at most 2 are possible",
             self.lights.len()
         );
-        let mut lights = [Directional::OFF; 2];
-        for (light, lamp) in lights.iter_mut().zip(&self.lights) {
-            *light = lamp.0;
+        if !self.lights.is_empty() {
+            settings.lights.lamps = Default::default();
+            for (lamp, light) in settings.lights.lamps.iter_mut().zip(&self.lights) {
+                *lamp = light.0;
+            }
         }
-        Ok(lights)
-    }
-
-    /// What the library is told.
-    pub fn shadows(&self) -> Shadows {
-        let method = match self.shadows {
-            Method::Opaque => ShadowMethod::Opaque,
-            Method::Absorption => ShadowMethod::Absorption,
-            Method::Deep => ShadowMethod::DeepOpacity,
-        };
-        let hair_radius = 1e-3 * self.shadow_softness;
-        Shadows { method, hair_radius, per_pixel: self.shadows_per_pixel, ..Default::default() }
+        let shadows = &mut settings.shadows;
+        match self.shadows {
+            Some(Method::Opaque) => shadows.method = ShadowMethod::Opaque,
+            Some(Method::Absorption) => shadows.method = ShadowMethod::Absorption,
+            Some(Method::Deep) => shadows.method = ShadowMethod::DeepOpacity,
+            None => {}
+        }
+        shadows.hair_radius = self.shadow_softness.map_or(shadows.hair_radius, |mm| 1e-3 * mm);
+        shadows.per_pixel |= self.shadows_per_pixel;
+        settings.shadow_resolution = self.shadow_resolution.unwrap_or(settings.shadow_resolution);
+        Ok(())
     }
 }
 
@@ -121,16 +111,19 @@ mod tests {
 
     #[test]
     fn options_reach_the_library() {
-        let parse = |line: &str| Command::try_parse_from(line.split(' ')).map(|command| command.shadows);
-        let default = parse("x").unwrap();
-        assert_eq!((default.shadows(), default.resolution()), (Shadows::default(), 1024));
-        let other =
-            parse("x --shadows opaque --shadow-resolution 512 --shadow-softness 5 --shadows-per-pixel");
-        let other = other.unwrap();
-        assert_eq!(other.resolution(), 512);
-        let shadows = other.shadows();
-        assert_eq!(shadows.method, ShadowMethod::Opaque);
-        assert!((shadows.hair_radius - 0.005).abs() < 1e-6 && shadows.per_pixel);
+        let parse = |line: &str| -> Result<Settings> {
+            let mut settings = Settings::default();
+            Command::try_parse_from(line.split(' '))?.shadows.apply(&mut settings)?;
+            Ok(settings)
+        };
+        assert_eq!(parse("x").unwrap(), Settings::default());
+        let line = "x --shadows opaque --shadow-resolution 512 --shadow-softness 5 --shadows-per-pixel --light 90,0,4";
+        let other = parse(line).unwrap();
+        assert_eq!(other.shadow_resolution, 512);
+        assert_eq!(other.shadows.method, ShadowMethod::Opaque);
+        assert!((other.shadows.hair_radius - 0.005).abs() < 1e-6 && other.shadows.per_pixel);
+        assert_eq!((other.lights.lamps[0].irradiance, other.lights.lamps[1].irradiance), (4.0, 0.0));
+        assert!(parse("x --light 1,2 --light 1,2 --light 1,2").is_err());
         for line in
             ["--shadows soft", "--shadow-resolution 9000", "--shadow-softness 0", "--shadow-softness nan"]
         {

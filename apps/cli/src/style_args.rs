@@ -1,19 +1,11 @@
 //! How hair grows: curls, clumps, stray hairs, widths, and maps on the scalp.
 
 use crate::scalp_map::{ColorSource, MapSource};
-use anyhow::Result;
 use std::{path::PathBuf, str::FromStr};
-use tresses::{
-    groom::{
-        Groom, Restyle, curve,
-        grow::{Clumps, CurlCurve, Curls, Growth, Paint, ScalpMap, Unrest},
-        styles::Style,
-    },
-    light::HairMaterial,
+use tresses_scene::{
+    Preset,
+    settings::{Curl, HairColor, StyleSettings},
 };
-
-/// Vertices per turn below which curls are seen to be made of straight pieces.
-const SMOOTH: f32 = 6.0;
 
 /// Shape, maps and variation of the strands.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -79,125 +71,43 @@ pub struct StyleArgs {
 }
 
 impl StyleArgs {
-    /// The growth of a built-in style.
-    pub fn growth(&self, style: &Style, strands: Option<u32>) -> Result<Growth> {
-        let mut growth = Growth::for_style(style);
-        if let Some(count) = strands {
-            growth = growth.with_strands(count);
-        }
-        if self.curl.is_some() || self.curl_curve.is_some() {
-            let curls = self.curls(growth.curls.clone())?;
-            growth = growth.with_curls(curls);
+    /// Puts what is given into `preset`.
+    pub fn apply(&self, preset: &mut Preset) {
+        let style = &mut preset.settings.style;
+        if let Some(spec) = &self.curl {
+            spec.apply(style);
         }
         if let Some(spec) = &self.clump {
-            spec.apply(&mut growth.clumps);
+            spec.apply(style);
         }
-        self.disturb(&mut growth.unrest);
-        growth.diameter = self.width.map(|width| width.0).or(growth.diameter);
-        growth.width_variation = self.width_variation.unwrap_or(growth.width_variation);
-        growth.tip_width = self.tip_width.unwrap_or(growth.tip_width);
-        growth.paint = self.paint()?;
-        Ok(growth)
-    }
-
-    /// What changes on an imported groom after it is bound; `None` for nothing.
-    pub fn restyle(&self) -> Result<Option<Restyle>> {
-        let plain = Growth::default();
-        let mut restyle = Restyle { seed: 1, ..Restyle::default() };
-        if self.curl.is_some() || self.curl_curve.is_some() {
-            restyle.curls = self.curls(Curls::default())?;
+        let put = |place: &mut Option<f32>, value: Option<f32>| *place = value.or(*place);
+        put(&mut style.frizz, self.frizz.map(|frizz| frizz.0));
+        put(&mut style.strays, self.strays.map(|strays| strays.share));
+        put(&mut style.stray_reach, self.strays.and_then(|strays| strays.reach));
+        put(&mut style.flyaways, self.flyaways.map(|flyaways| flyaways.share));
+        put(&mut style.flyaway_reach, self.flyaways.and_then(|flyaways| flyaways.reach));
+        put(&mut style.width, self.width.map(|width| width.0));
+        put(&mut style.width_variation, self.width_variation);
+        put(&mut style.tip_width, self.tip_width);
+        let look = &mut preset.settings.look;
+        put(&mut look.lightness_spread, self.lightness_spread);
+        put(&mut look.warmth_spread, self.warmth_spread);
+        put(&mut look.highlight_spread, self.highlight_spread);
+        let source = &mut preset.source;
+        let map = |place: &mut Option<String>, map: &Option<MapSource>| {
+            *place = map.as_ref().map(MapSource::to_string).or(place.take());
+        };
+        map(&mut source.density_map, &self.density_map);
+        map(&mut source.thickness_map, &self.thickness_map);
+        map(&mut source.length_map, &self.length_map);
+        map(&mut source.curl_map, &self.curl_map);
+        map(&mut source.stiffness_map, &self.stiffness_map);
+        if let Some(curve) = &self.curl_curve {
+            source.curl_curve = Some(curve.display().to_string());
         }
-        if let Some(spec) = &self.clump {
-            let mut clumps = match restyle.curls.any() {
-                true => plain.clumps.curled(&restyle.curls),
-                false => plain.clumps,
-            };
-            spec.apply(&mut clumps);
-            restyle.clumps = Some(clumps);
-        }
-        if self.frizz.is_some() || self.strays.is_some() || self.flyaways.is_some() {
-            // Only what is asked for: the file's strands stray by themselves.
-            let none = Unrest { frizz: 0.0, strays: 0.0, flyaways: 0.0, shorter: 0.0, ..plain.unrest };
-            restyle.unrest = Some(none).map(|mut unrest| {
-                self.disturb(&mut unrest);
-                unrest
-            });
-        }
-        restyle.diameter = self.width.map(|width| width.0);
-        restyle.width_variation = self.width_variation.unwrap_or(0.0);
-        restyle.tip_width = self.tip_width;
-        restyle.curl_map = self.curl_map.as_ref().map(MapSource::read).transpose()?;
-        Ok(restyle.any().then_some(restyle))
-    }
-
-    /// The maps that act before strands are made.
-    pub fn paint(&self) -> Result<Paint> {
-        let read = |source: &Option<MapSource>| source.as_ref().map(MapSource::read).transpose();
-        Ok(Paint {
-            density: read(&self.density_map)?,
-            thickness: read(&self.thickness_map)?,
-            length: read(&self.length_map)?,
-            curl: read(&self.curl_map)?,
-            color: self.color_map.as_ref().map(ColorSource::read).transpose()?,
-        })
-    }
-
-    /// Factors of the stiffness over the scalp.
-    pub fn stiffness(&self) -> Result<Option<ScalpMap>> {
-        let factor = |grey: f32| 4f32.powf(2.0 * grey - 1.0);
-        self.stiffness_map.as_ref().map(|source| Ok(source.read()?.map(factor))).transpose()
-    }
-
-    /// What differs from strand to strand in the light.
-    pub fn apply_to_material(&self, material: &mut HairMaterial) {
-        material.lightness_spread = self.lightness_spread.unwrap_or(material.lightness_spread);
-        material.warmth_spread = self.warmth_spread.unwrap_or(material.warmth_spread);
-        material.shift_spread = self.highlight_spread.unwrap_or(material.shift_spread);
-        let fiber = &mut material.fiber;
-        fiber.melanin_spread = self.lightness_spread.unwrap_or(fiber.melanin_spread);
-        // Half as wide as the shift of the softer highlights of the other model.
-        fiber.tilt_spread = self.highlight_spread.map_or(fiber.tilt_spread, |spread| 0.25 * spread);
-    }
-
-    /// What the user should know of curls on `groom`.
-    pub fn note(curls: &Curls, groom: &Groom) -> Option<String> {
-        let mut lengths: Vec<f32> =
-            (0..groom.guides.len()).map(|i| curve::length(groom.guides.guide(i))).collect();
-        lengths.sort_by(f32::total_cmp);
-        let length = *lengths.get(lengths.len() / 2)?;
-        let vertices = curls.vertices_per_turn(length, groom.strands.vertex_count);
-        (curls.any() && vertices < SMOOTH).then(|| {
-            format!(
-                "curls of {:.0} mm on strands of {:.0} cm have {vertices:.1} vertices per turn and look angular",
-                curls.wavelength * 1e3,
-                length * 1e2
-            )
-        })
-    }
-
-    fn curls(&self, base: Curls) -> Result<Curls> {
-        let spec = self.curl.clone().unwrap_or_default();
-        let mut curls = spec.curls(base);
-        if let Some(path) = &self.curl_curve {
-            let mut curve = CurlCurve::read(path)?;
-            match spec.wavelength {
-                Some(Wavelength::Whole) => curve.stretched = true,
-                Some(Wavelength::Length(_)) => {}
-                None => curls.wavelength = curve.length_for(curls.radius).clamp(1e-3, 1.0),
-            }
-            curls.curve = Some(curve);
-        }
-        curls.check()?;
-        Ok(curls)
-    }
-
-    fn disturb(&self, unrest: &mut Unrest) {
-        unrest.frizz = self.frizz.map_or(unrest.frizz, |frizz| frizz.0);
-        if let Some(Share { share, reach }) = self.strays {
-            (unrest.strays, unrest.stray) = (share, reach.unwrap_or(unrest.stray));
-        }
-        if let Some(Share { share, reach }) = self.flyaways {
-            (unrest.flyaways, unrest.flyaway) = (share, reach.unwrap_or(unrest.flyaway));
+        if let Some(map) = &self.color_map {
+            source.color_map = Some(map.to_string());
+            look.color = HairColor::File;
         }
     }
 }
@@ -299,11 +209,11 @@ pub struct ClumpSpec {
 }
 
 impl ClumpSpec {
-    fn apply(&self, clumps: &mut Clumps) {
-        clumps.strength = self.strength.unwrap_or(clumps.strength);
-        clumps.spacing = self.spacing.unwrap_or(clumps.spacing);
-        clumps.start = self.start.unwrap_or(clumps.start);
-        clumps.lock = self.lock.unwrap_or(clumps.lock);
+    fn apply(&self, style: &mut StyleSettings) {
+        style.clump = self.strength.or(style.clump);
+        style.clump_spacing = self.spacing.or(style.clump_spacing);
+        style.clump_start = self.start.or(style.clump_start);
+        style.clump_lock = self.lock.or(style.clump_lock);
     }
 }
 
@@ -345,7 +255,7 @@ enum Wavelength {
 /// What `--curl` says.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CurlSpec {
-    preset: Option<Curls>,
+    preset: Option<Curl>,
     radius: Option<f32>,
     wavelength: Option<Wavelength>,
     flatness: Option<f32>,
@@ -358,31 +268,32 @@ pub struct CurlSpec {
 }
 
 impl CurlSpec {
-    fn curls(&self, base: Curls) -> Curls {
-        let straight = Curls::default();
-        // Whoever gives a wavelength but no radius wants curls nevertheless.
-        let base = match &self.preset {
-            Some(preset) => preset.clone(),
-            None if base.any() => base,
-            None => Curls::ringlets(),
-        };
-        Curls {
-            radius: self.radius.unwrap_or(base.radius),
-            wavelength: match self.wavelength {
-                Some(Wavelength::Length(length)) => length,
-                // Unused by a stretched curve.
-                Some(Wavelength::Whole) => straight.wavelength,
-                None => base.wavelength,
-            },
-            flatness: self.flatness.unwrap_or(base.flatness),
-            start: self.start.unwrap_or(base.start),
-            tip: self.tip.unwrap_or(base.tip),
-            irregularity: self.irregularity.unwrap_or(base.irregularity),
-            coherence: self.coherence.unwrap_or(base.coherence),
-            neighbours: self.neighbours.unwrap_or(base.neighbours),
-            shrink: self.shrink.unwrap_or(base.shrink),
-            curve: None,
+    fn apply(&self, style: &mut StyleSettings) {
+        if self.preset.is_some() {
+            // Another kind of curl: what was varied on the one before does not suit it.
+            let StyleSettings { curl, curl_radius, curl_wavelength, curl_flatness, curl_start, .. } = style;
+            *curl = self.preset;
+            (*curl_radius, *curl_wavelength, *curl_flatness, *curl_start) = (None, None, None, None);
+            let StyleSettings { curl_tip, curl_irregularity, curl_coherence, .. } = style;
+            (*curl_tip, *curl_irregularity, *curl_coherence) = (None, None, None);
+            (style.curl_neighbours, style.curl_shrink) = (None, None);
         }
+        match self.wavelength {
+            None => {}
+            Some(Wavelength::Whole) => style.curl_stretch = true,
+            Some(Wavelength::Length(length)) => {
+                (style.curl_wavelength, style.curl_stretch) = (Some(length), false);
+            }
+        }
+        let put = |place: &mut Option<f32>, value: Option<f32>| *place = value.or(*place);
+        put(&mut style.curl_radius, self.radius);
+        put(&mut style.curl_flatness, self.flatness);
+        put(&mut style.curl_start, self.start);
+        put(&mut style.curl_tip, self.tip);
+        put(&mut style.curl_irregularity, self.irregularity);
+        put(&mut style.curl_coherence, self.coherence);
+        put(&mut style.curl_neighbours, self.neighbours);
+        put(&mut style.curl_shrink, self.shrink);
     }
 }
 
@@ -394,13 +305,16 @@ impl FromStr for CurlSpec {
         for part in text.split(',') {
             let Some((key, value)) = part.split_once('=') else {
                 spec.preset = match part.trim() {
-                    "none" => Some(Curls::default()),
-                    name => Some(Curls::named(name).ok_or_else(|| {
-                        format!(
-                            "choose {} or none, or give key=value as in radius=8mm",
-                            Curls::NAMES.join(", ")
-                        )
-                    })?),
+                    "none" => Some(Curl::None),
+                    "waves" => Some(Curl::Waves),
+                    "ringlets" => Some(Curl::Ringlets),
+                    "coils" => Some(Curl::Coils),
+                    _ => {
+                        return Err(
+                            "choose waves, ringlets, coils or none, or give key=value as in radius=8mm"
+                                .into(),
+                        );
+                    }
                 };
                 continue;
             };
@@ -440,10 +354,16 @@ impl FromStr for CurlSpec {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tresses::groom::{grow::Curls, styles::Style};
+    use tresses_scene::{Settings, settings::Maps};
 
     #[test]
     fn values_mean_what_they_say() {
-        let curls = |text: &str| text.parse::<CurlSpec>().unwrap().curls(Curls::default());
+        let curls = |text: &str| {
+            let mut settings = Settings::default();
+            text.parse::<CurlSpec>().unwrap().apply(&mut settings.style);
+            settings.style.growth(&Style::default(), &Maps::default()).unwrap().curls
+        };
         let own = curls("radius=8mm, wavelength=3cm,start=0.2");
         assert_eq!((own.radius, own.wavelength, own.start), (0.008, 0.03, 0.2));
         assert_eq!(curls("waves"), Curls::waves());

@@ -1,29 +1,32 @@
 //! The wind of `tresses render`.
 
 use std::str::FromStr;
-use tresses::{glam::Vec3, simulate::SimulationParams, wind::Wind};
+use tresses_scene::Settings;
 
 /// The wind.
-#[derive(clap::Args, Clone, Copy, Debug)]
+#[derive(clap::Args, Clone, Copy, Debug, Default)]
 pub struct WindArgs {
-    /// Wind: speed in m/s and where it comes from, degrees from the front (0) over the head's left (90) to the back (180)
-    #[arg(long, value_name = "SPEED[,DEGREES]", default_value = "0", help_heading = "Simulation")]
-    wind: Blow,
-    /// How gusty it is: standard deviation over mean speed; 0.1 over water, 0.2 over land, 0.4 between houses
-    #[arg(long, value_name = "INTENSITY", default_value = "0.2", value_parser = intensity, help_heading = "Simulation")]
-    gusts: f32,
-    /// Another number, other gusts
-    #[arg(long, value_name = "N", default_value = "1", help_heading = "Simulation")]
-    wind_seed: u32,
+    /// Wind: speed in m/s and where it comes from, degrees from the front (0) over the head's left (90) to the back (180) [default: 0]
+    #[arg(long, value_name = "SPEED[,DEGREES]", help_heading = "Simulation")]
+    wind: Option<Blow>,
+    /// How gusty it is: standard deviation over mean speed; 0.1 over water, 0.2 over land, 0.4 between houses [default: 0.2]
+    #[arg(long, value_name = "INTENSITY", value_parser = intensity, help_heading = "Simulation")]
+    gusts: Option<f32>,
+    /// Another number, other gusts [default: 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=9999), help_heading = "Simulation")]
+    wind_seed: Option<u32>,
 }
 
 impl WindArgs {
-    /// Makes it blow.
-    pub fn apply(&self, physics: &mut SimulationParams) {
-        let Blow { speed, degrees } = self.wind;
-        let (sin, cos) = degrees.to_radians().sin_cos();
-        let velocity = -speed * Vec3::new(sin, 0.0, cos);
-        physics.wind = Wind { velocity, turbulence: self.gusts, seed: self.wind_seed, ..physics.wind };
+    /// Puts what is given into `settings`.
+    pub fn apply(&self, settings: &mut Settings) {
+        if let Some(Blow { speed, degrees }) = self.wind {
+            settings.wind.speed = speed;
+            settings.wind.direction = degrees.map_or(settings.wind.direction, f32::to_radians);
+        }
+        let air = &mut settings.simulation.wind;
+        air.turbulence = self.gusts.unwrap_or(air.turbulence);
+        air.seed = self.wind_seed.unwrap_or(air.seed);
     }
 }
 
@@ -33,20 +36,23 @@ struct Blow {
     /// m/s.
     speed: f32,
     /// Where it comes from.
-    degrees: f32,
+    degrees: Option<f32>,
 }
 
 impl FromStr for Blow {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let (speed, degrees) = text.split_once(',').unwrap_or((text, "0"));
-        match (speed.trim().parse::<f32>(), degrees.trim().parse::<f32>()) {
-            (Ok(speed), Ok(degrees)) if (0.0..=100.0).contains(&speed) && degrees.abs() <= 360.0 => {
-                Ok(Self { speed, degrees })
-            }
-            _ => Err("give a speed from 0 to 100 m/s, or speed,degrees as in 8,45".into()),
-        }
+        let say = "give a speed from 0 to 100 m/s, or speed,degrees as in 8,45";
+        let number = |text: &str, least: f32, most: f32| match text.trim().parse() {
+            Ok(value) if (least..=most).contains(&value) => Ok(value),
+            _ => Err(say.to_owned()),
+        };
+        let (speed, degrees) = match text.split_once(',') {
+            Some((speed, degrees)) => (speed, Some(number(degrees, -360.0, 360.0)?)),
+            None => (text, None),
+        };
+        Ok(Self { speed: number(speed, 0.0, 100.0)?, degrees })
     }
 }
 
@@ -60,14 +66,14 @@ fn intensity(text: &str) -> Result<f32, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tresses::glam::Vec3;
 
     #[test]
     fn the_wind_comes_from_where_it_is_said() {
         let blow = |text: &str| {
-            let args = WindArgs { wind: text.parse().unwrap(), gusts: 0.2, wind_seed: 1 };
-            let mut physics = SimulationParams::default();
-            args.apply(&mut physics);
-            physics.wind.velocity
+            let mut settings = Settings::default();
+            WindArgs { wind: text.parse().ok(), ..Default::default() }.apply(&mut settings);
+            settings.physics().wind.velocity
         };
         assert_eq!(blow("0").length(), 0.0);
         assert!((blow("8") - Vec3::new(0.0, 0.0, -8.0)).length() < 1e-5, "from the front: towards the back");
@@ -75,5 +81,11 @@ mod tests {
         for text in ["", "fast", "-1", "8,", "101", "8,north", "nan"] {
             assert!(text.parse::<Blow>().is_err(), "{text}");
         }
+        // What is not given stays.
+        let mut settings = Settings::default();
+        (settings.wind.direction, settings.simulation.wind.turbulence) = (1.0, 0.5);
+        WindArgs { wind: "9".parse().ok(), ..Default::default() }.apply(&mut settings);
+        assert_eq!((settings.wind.speed, settings.wind.direction), (9.0, 1.0));
+        assert_eq!(settings.simulation.wind.turbulence, 0.5);
     }
 }

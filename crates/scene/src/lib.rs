@@ -1,2 +1,24 @@
-//! What the command and the studio share: a character from files or built in, its settings, how its
-//! head moves and who looks at it. The library `tresses` knows nothing of it.
+//! What the command and the studio share: a character from files or built in, its settings, how its head
+//! moves and who looks at it, and all of it on the GPU. The library `tresses` knows nothing of it.
+
+pub mod camera;
+pub mod character;
+pub mod colliders;
+pub mod history;
+pub mod knobs;
+#[cfg(not(target_arch = "wasm32"))]
+mod measure;
+pub mod motion;
+pub mod preset;
+pub mod settings;
+pub mod stage;
+
+pub use camera::{Bounds, Camera, Shot};
+pub use character::{Base, Character, Files, Styling};
+pub use colliders::Colliders;
+pub use history::History;
+pub use knobs::{Knob, Value};
+pub use motion::Motion;
+pub use preset::Preset;
+pub use settings::{Change, Changes, Settings};
+pub use stage::{Facts, Quality, Stage};

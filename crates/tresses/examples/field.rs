@@ -22,9 +22,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let options = SdfOptions { resolution, fill_cavities: false, ..Default::default() };
         // The first time the driver compiles the kernels.
         let coarse = SdfOptions { resolution: 8, ..options.clone() };
-        builder.grid(&device, &queue, &mesh, &coarse)?;
+        pollster::block_on(builder.grid(&device, &queue, &mesh, &coarse))?;
         let start = Instant::now();
-        let ours = builder.grid(&device, &queue, &mesh, &options)?;
+        let ours = pollster::block_on(builder.grid(&device, &queue, &mesh, &options))?;
         let gpu = start.elapsed().as_secs_f64() * 1e3;
         let start = Instant::now();
         let reference = sdf::build(&mesh, &options)?;

@@ -51,6 +51,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let mut encoder = png::Encoder::new(std::fs::File::create(picture)?, targets.size[0], targets.size[1]);
     encoder.set_color(png::ColorType::Rgba);
-    encoder.write_header()?.write_image_data(&targets.read(&device, &queue)?)?;
+    encoder.write_header()?.write_image_data(&pollster::block_on(targets.read(&device, &queue))?)?;
     Ok(())
 }

@@ -3,7 +3,10 @@
 use crate::{
     Hair, HairRenderer, Pose, Result,
     collide::ColliderPoses,
-    draw::{Body, Scene, Targets},
+    draw::{
+        Body, Scene, Targets,
+        debug::{DebugViews, Shown},
+    },
     gpu::Timings,
     simulate::SimulationParams,
     stage::Stage,
@@ -115,6 +118,38 @@ impl Recorder<'_> {
         stage.shade(self.encoder, self.timings.as_deref_mut(), set);
         stage.draw(self.encoder, self.timings.as_deref_mut(), scene, targets, Some(set), body);
         stage.present(self.device, self.encoder, self.timings.as_deref_mut(), targets, output);
+    }
+
+    /// As [`draw`](Self::draw), but the picture shows what `shown` asks for. Nothing is read back.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] when the device cannot hold what the view needs.
+    #[allow(clippy::too_many_arguments)]
+    pub fn draw_view(
+        &mut self,
+        views: &mut DebugViews,
+        shown: &Shown,
+        hair: &Hair,
+        body: Option<&Body>,
+        scene: &Scene,
+        targets: &Targets,
+        output: &wgpu::TextureView,
+    ) -> Result<()> {
+        let draw = &self.renderer.draw;
+        let timings = self.timings.as_deref_mut();
+        views.record(
+            draw,
+            self.device,
+            self.queue,
+            self.encoder,
+            timings,
+            shown,
+            hair,
+            body,
+            scene,
+            targets,
+            output,
+        )
     }
 
     /// A compute pass under the name of a stage.

@@ -2,9 +2,9 @@
 //! as a groom is shown ([`Hair`]), parameters for a frame ([`crate::frame::Frame`]).
 
 use crate::{
-    Error, Pose, Result,
+    Error, Pose, Progress, Result,
     avoid::{self, Avoid, AvoidOptions, Avoidance},
-    collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
+    collide::{Collider, ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     draw::{DrawOptions, DrawStage, HairSet, View},
     frame::Frame,
     gpu::bindings,
@@ -12,9 +12,10 @@ use crate::{
     interpolate::{Interpolate, InterpolateParams},
     lod::{self, Detail, Lod, LodLevel, Widths},
     math::hash::pcg,
+    progress::at_once,
     simulate::{
-        Clock, Forces, GuideTraits, Mode, RestOptions, RestShape, Simulate, Simulation, SimulationParams,
-        Step, rest,
+        Clock, Forces, Grab, GuideTraits, Mode, Ray, RestOptions, RestShape, Simulate, Simulation,
+        SimulationParams, Step, Target, rest,
     },
     strands::{GuideBuffers, Strand, StrandBuffers},
     tessellate::{Tessellate, TessellateParams, rest_samples},
@@ -114,6 +115,7 @@ pub struct Hair {
     windy: bool,
     /// Whether the grids act on the guides in this frame.
     forced: bool,
+    grab: Grab,
     pub(crate) simulation: Simulation,
     pub(crate) clock: Clock,
     /// Poses of the head before and after the last step, and the blend between them.
@@ -158,7 +160,24 @@ impl Hair {
         options: &HairOptions,
         colliders: &ColliderDescriptor<'_>,
     ) -> Result<Self> {
+        at_once(Self::with_progress(device, queue, renderer, groom, options, colliders, &()))
+    }
+
+    /// The same, telling `progress`.
+    ///
+    /// # Errors
+    /// As [`with_colliders`](Self::with_colliders).
+    pub async fn with_progress(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        renderer: &HairRenderer,
+        groom: &Groom,
+        options: &HairOptions,
+        colliders: &ColliderDescriptor<'_>,
+        progress: &impl Progress,
+    ) -> Result<Self> {
         let head = colliders.head;
+        progress.step("preparing the strands", 0.0).await;
         if groom.guides.is_empty() || groom.strands.is_empty() {
             return Err(Error::Groom("the groom has no strands".into()));
         }
@@ -209,7 +228,7 @@ impl Hair {
         let interpolate_params = uniform("interpolate", size_of::<InterpolateParams>());
         Ok(Self {
             set: HairSet::new(device, &renderer.draw, &strands)?,
-            lod: Lod::new(device, queue, &renderer.widths, &arranged, &infos, &strands)?,
+            lod: Lod::new(device, queue, &renderer.widths, &arranged, &infos, &strands, progress).await?,
             tessellate_group: renderer.tessellate.bind(device, &tessellate_params, &guides),
             interpolate_group: renderer.interpolate.bind(device, &interpolate_params, &guides, &strands),
             forces: Forces::new(device, &renderer.simulate, &guides, &volume, None),
@@ -218,6 +237,7 @@ impl Hair {
             extent: extent(groom),
             volume,
             forced: false,
+            grab: Grab::default(),
             avoidance: Avoidance::new(
                 device,
                 queue,
@@ -242,6 +262,50 @@ impl Hair {
     /// Puts the hair to rest at the next frame, wherever the head is then.
     pub fn reset(&mut self) {
         self.clock.reset();
+    }
+
+    /// From the next frame on these are the obstacles besides the head's field, whose poses the frames give:
+    /// a ball can come, change and go. See [`ColliderSet::replace`].
+    ///
+    /// # Errors
+    /// As [`ColliderSet::replace`].
+    pub fn set_colliders(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        colliders: &[Collider],
+    ) -> Result<()> {
+        self.colliders.replace(device, queue, colliders)
+    }
+
+    /// Grabs the lock that `ray` (world space, from the eye through the cursor: [`View::ray`]) meets
+    /// first: all of the hair that hangs on guide vertices within `radius` metres of there, or on the nearest. It
+    /// holds it until [`release`](Self::release), until the head jumps or until the hair is
+    /// [reset](Self::reset); a ray that meets no hair, or the head before it, holds nothing. See
+    /// [`crate::simulate::grab`].
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a ray without a direction, and a radius that is not from 1 mm to 1 m.
+    pub fn grab(&mut self, ray: &Ray, radius: f32) -> Result<()> {
+        self.grab.begin(ray, radius)
+    }
+
+    /// Where what is grabbed is to be at the next frame. Nothing when nothing is.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for what is not finite.
+    pub fn drag_to(&mut self, target: &Target) -> Result<()> {
+        self.grab.drag(target)
+    }
+
+    /// Lets go of what is grabbed.
+    pub fn release(&mut self) {
+        self.grab.end();
+    }
+
+    /// The hand: whether it holds, and what the GPU knows of it.
+    pub fn grabbed(&self) -> &Grab {
+        &self.grab
     }
 
     /// The frames from here on are drawn at the level of detail that [`Lod::options`](crate::lod::Lod::options)
@@ -311,7 +375,9 @@ impl Hair {
             // When the wind comes back it finds no traces of the last one.
             air.reset();
         }
-        self.simulation.prepare(queue, physics, &steps, self.forced)
+        let (stage, buffers) = (&renderer.simulate, (&self.guides, &self.strands));
+        let held = self.grab.prepare(device, queue, stage, physics, &steps, buffers, self.forced)?;
+        self.simulation.prepare(queue, physics, &steps, self.forced || held)
     }
 
     /// Makes the air for `wind` unless it is there.
@@ -394,6 +460,7 @@ impl Hair {
             + self.colliders.bytes()
             + self.volume.bytes()
             + self.forces.bytes()
+            + self.grab.bytes()
             + self.air.as_ref().map_or(0, Air::bytes)
     }
 
@@ -421,6 +488,7 @@ impl Hair {
         if self.forced {
             self.forces.record(stage, pass, i);
         }
+        self.grab.record(stage, pass, &self.colliders, i);
         self.simulation.record_step(stage, device, pass, &self.colliders, i);
     }
 

@@ -36,10 +36,12 @@ pub mod constants;
 pub mod error;
 pub mod gpu;
 pub mod math;
+pub mod progress;
 pub mod shaders;
 
 pub use error::{Error, Result};
 pub use glam;
 pub use hair::{Hair, HairOptions, HairRenderer};
 pub use math::pose::Pose;
+pub use progress::Progress;
 pub use wgpu;

@@ -74,8 +74,14 @@ fn check(name: &str, gpu: &Gpu, renderer: &HairRenderer, character: &Character, 
 
 fn style(gpu: &Gpu, renderer: &HairRenderer, name: &str) -> Character {
     let style = name.parse().unwrap();
-    let mut built =
-        styles::character(&gpu.device, &gpu.queue, &renderer.simulate, &style, Some(1200)).unwrap();
+    let mut built = pollster::block_on(styles::character(
+        &gpu.device,
+        &gpu.queue,
+        &renderer.simulate,
+        &style,
+        Some(1200),
+    ))
+    .unwrap();
     lod::arrange(&mut built.groom.strands);
     Character { groom: built.groom, field: built.field, neck: built.neck }
 }

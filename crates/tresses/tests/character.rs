@@ -6,7 +6,7 @@ use tresses::{
     Pose,
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     glam::Vec3,
-    gpu::{Gpu, readback},
+    gpu::{Gpu, readback::blocking as readback},
     groom::{
         SdfGrid,
         styles::{self, GUIDE_VERTICES, GridScalp, Style, StyledGuides},
@@ -22,7 +22,7 @@ use tresses::{
 fn settled(gpu: &Gpu, simulate: &Simulate, style: &Style, scalp: &GridScalp) -> (StyledGuides, StyledGuides) {
     let before = styles::guides(style, scalp);
     let mut after = before.clone();
-    styles::settle(&gpu.device, &gpu.queue, simulate, &mut after, &scalp.field).unwrap();
+    pollster::block_on(styles::settle(&gpu.device, &gpu.queue, simulate, &mut after, &scalp.field)).unwrap();
     (before, after)
 }
 
@@ -72,7 +72,9 @@ fn the_same_seed_gives_the_same_bits() {
     let Some(gpu) = common::gpu() else { return };
     let simulate = Simulate::new(&gpu.device);
     let style = Style::default();
-    let make = |style| styles::character(&gpu.device, &gpu.queue, &simulate, style, Some(500)).unwrap();
+    let make = |style| {
+        pollster::block_on(styles::character(&gpu.device, &gpu.queue, &simulate, style, Some(500))).unwrap()
+    };
     let (once, twice) = (make(&style), make(&style));
     assert_eq!(once.groom, twice.groom);
     assert_eq!((once.groom.guides.len(), once.groom.strands.len()), (166, 500));

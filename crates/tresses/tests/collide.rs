@@ -9,7 +9,7 @@ use tresses::{
     collide::{Collider, ColliderDescriptor, ColliderPoses, Shape, shape},
     frame::{Frame, Recorder},
     glam::{Quat, Vec3},
-    gpu::{Gpu, readback},
+    gpu::{Gpu, readback::blocking as readback},
     groom::{
         BindOptions, Groom, SdfGrid, bind, import,
         mesh::sdf,
@@ -31,7 +31,9 @@ struct Character {
 }
 
 fn built_in(gpu: &Gpu, renderer: &HairRenderer, style: Style) -> Character {
-    let built = styles::character(&gpu.device, &gpu.queue, &renderer.simulate, &style, Some(500)).unwrap();
+    let built =
+        pollster::block_on(styles::character(&gpu.device, &gpu.queue, &renderer.simulate, &style, Some(500)))
+            .unwrap();
     Character { groom: built.groom, field: built.field, neck: built.neck }
 }
 

@@ -53,7 +53,15 @@ fn curls_keep_their_shape_while_the_head_turns() {
     let style = Style::default();
     let curls = Curls { wavelength: 0.045, ..Curls::ringlets() };
     let growth = Growth::for_style(&style).with_strands(STRANDS).with_curls(curls);
-    let built = styles::character_with(&gpu.device, &gpu.queue, &renderer.simulate, &style, &growth).unwrap();
+    let built = pollster::block_on(styles::character_with(
+        &gpu.device,
+        &gpu.queue,
+        &renderer.simulate,
+        &style,
+        &growth,
+        &(),
+    ))
+    .unwrap();
     let character = Character { groom: built.groom, field: built.field, neck: built.neck };
     let mut hair = character.hair(&gpu, &renderer, AvoidOptions::default());
     let n = character.groom.strands.vertex_count as usize;

@@ -6,7 +6,7 @@ use common::{gpu, metre_is_pixel, picture};
 use tresses::{
     draw::{Background, DrawOptions, DrawStage, HairSet, Scene, Targets, View},
     glam::Vec3,
-    gpu::{Gpu, readback},
+    gpu::{Gpu, readback::blocking as readback},
     light::{HairMaterial, ShadingModel, ShadingRate, ShadowMethod, Sphere},
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
 };

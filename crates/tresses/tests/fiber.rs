@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use tresses::{
     draw::{DrawOptions, DrawStage, HairSet, Scene, Targets, View},
     glam::{DVec3, Mat3, Vec3},
-    gpu::{Gpu, readback},
+    gpu::{Gpu, readback::blocking as readback},
     light::{
         Directional, Environment, FiberMaterial, HairMaterial, Lights, MAX_LIGHTS, ShadingModel, Sky, Sphere,
         fiber::{FarField, FiberShape, bsdf},

@@ -8,7 +8,7 @@ use tresses::{
     collide::ColliderPoses,
     frame::{Frame, Recorder},
     glam::{Quat, Vec3},
-    gpu::{Gpu, readback},
+    gpu::{Gpu, readback::blocking as readback},
     groom::{BindOptions, Groom, SdfGrid, bind},
     simulate::SimulationParams,
     strands::StrandVertex,

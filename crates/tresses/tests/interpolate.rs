@@ -5,7 +5,7 @@ mod common;
 use tresses::{
     Pose,
     glam::{Quat, Vec3},
-    gpu::{Gpu, readback},
+    gpu::{Gpu, readback::blocking as readback},
     groom::{BindOptions, Groom, GuideCount, bind},
     interpolate::{Interpolate, InterpolateParams},
     strands::{GuideBuffers, StrandBuffers, StrandVertex, vertex::unpack_tangent},

@@ -84,6 +84,34 @@ fn simulate() {
 }
 
 #[test]
+fn grab() {
+    use tresses::simulate::grab::{GrabState, GrabUniform};
+    assert_eq!(
+        wgsl_layout("GrabUniform"),
+        rust_layout!(GrabUniform {
+            origin,
+            radius,
+            direction,
+            share,
+            target_at,
+            step,
+            toward,
+            settle,
+            guide_count,
+            vertex_count,
+            strand_count,
+            strand_vertices,
+            forced,
+            moment,
+            aside,
+            strongest,
+        })
+    );
+    let state = rust_layout!(GrabState { hit, held, at, _pad_a, velocity, _pad_b });
+    assert_eq!(wgsl_layout("GrabState"), state);
+}
+
+#[test]
 fn volume() {
     use tresses::{strands::GuideForce, volume::params::VolumeUniforms};
     assert_eq!(wgsl_layout("GuideForce"), rust_layout!(GuideForce { xy, z_rate, tangent, along }));
@@ -373,20 +401,28 @@ fn present() {
 fn debug_views() {
     use tresses::draw::debug::{
         ArrowsUniform, GridUniform, GuidesUniform, LinePoint, LinesUniform, PaintUniform, SliceUniform,
-        StreamsUniform,
+        StrandsUniform, StreamsUniform,
     };
     let paint = rust_layout!(PaintUniform { inverse, low, high, opacity, encode });
     assert_eq!(wgsl_layout("PaintUniform"), paint);
     let grid = rust_layout!(GridUniform { rotation, translation, quantity, scale, turns, bias, _pad });
     assert_eq!(wgsl_layout("GridUniform"), grid);
-    assert_eq!(wgsl_layout("SliceUniform"), rust_layout!(SliceUniform { at, panels, panel }));
-    assert_eq!(wgsl_layout("LinePoint"), rust_layout!(LinePoint { position, value, width, alpha, _pad }));
+    assert_eq!(
+        wgsl_layout("SliceUniform"),
+        rust_layout!(SliceUniform { at, panels, panel, contours, _pad_a, _pad_b, _pad_c })
+    );
+    assert_eq!(
+        wgsl_layout("LinePoint"),
+        rust_layout!(LinePoint { position, value, width, alpha, tint, _pad })
+    );
     assert_eq!(wgsl_layout("LinesUniform"), rust_layout!(LinesUniform { points, rim, _pad }));
     let arrows = rust_layout!(ArrowsUniform { first, seconds, step, longest, count, least });
     assert_eq!(wgsl_layout("ArrowsUniform"), arrows);
     assert_eq!(wgsl_layout("StreamsUniform"), rust_layout!(StreamsUniform { seeds, points, step, least }));
     let guides = rust_layout!(GuidesUniform { count, vertex_count, sample_count, quantity });
     assert_eq!(wgsl_layout("GuidesUniform"), guides);
+    let strands = rust_layout!(StrandsUniform { eye, quantity, high, _pad_a, _pad_b, _pad_c });
+    assert_eq!(wgsl_layout("StrandsUniform"), strands);
 }
 
 #[test]

@@ -9,7 +9,7 @@ use tresses::{
     draw::{Background, Coverage, DrawOptions, Scene, View},
     frame::{Frame, Recorder},
     glam::{Quat, Vec3},
-    gpu::{Gpu, readback},
+    gpu::{Gpu, readback::blocking as readback},
     groom::{Groom, SdfGrid, bind, grow::ScalpMap, import, styles},
     light::{Sphere, material::linear},
     lod::{Detail, LodLevel, LodMode, arrange},
@@ -42,7 +42,14 @@ impl Stage {
     fn style(&self, name: &str, strands: u32) -> (Groom, SdfGrid) {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         let style = name.parse().unwrap();
-        let built = styles::character(device, queue, &self.renderer.simulate, &style, Some(strands)).unwrap();
+        let built = pollster::block_on(styles::character(
+            device,
+            queue,
+            &self.renderer.simulate,
+            &style,
+            Some(strands),
+        ))
+        .unwrap();
         (built.groom, built.field)
     }
 
@@ -100,7 +107,7 @@ impl Stage {
         );
         queue.submit([encoder.finish()]);
         let linear = |byte: u8| linear(f32::from(byte) / 255.0);
-        let bytes = targets.read(device, queue).unwrap();
+        let bytes = pollster::block_on(targets.read(device, queue)).unwrap();
         let pixel = |p: &[u8; 4]| [linear(p[0]), linear(p[1]), linear(p[2]), f32::from(p[3]) / 255.0];
         bytes.as_chunks::<4>().0.iter().map(pixel).collect()
     }

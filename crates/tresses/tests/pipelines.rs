@@ -23,7 +23,10 @@ fn a_frame_is_recorded_on_baseline_webgpu() {
         collide::{
             Anchor, Collider, ColliderDescriptor, ColliderPoses, FieldBuilder, FieldId, FieldSource, Shape,
         },
-        draw::{Body, Scene, Targets},
+        draw::{
+            Body, Scene, Targets,
+            debug::{DebugView, DebugViews, Shown},
+        },
         frame::{Frame, Recorder},
         groom::{BindOptions, SdfGrid, TriMesh, bind},
         simulate::SimulationParams,
@@ -79,7 +82,21 @@ fn a_frame_is_recorded_on_baseline_webgpu() {
         timings: None,
     };
     recorder.advance(&mut hair, &input).unwrap();
-    recorder.draw(&hair, Some(&body), &Scene::default(), &targets, targets.picture());
+    let scene = Scene::default();
+    recorder.draw(&hair, Some(&body), &scene, &targets, targets.picture());
+    // A hand in it, and every view of it.
+    hair.grab(&scene.view.ray(20.0, 30.0), 0.02).unwrap();
+    recorder.advance(&mut hair, &input).unwrap();
+    hair.drag_to(&tresses::simulate::Target::Ray(scene.view.ray(30.0, 30.0))).unwrap();
+    recorder.advance(&mut hair, &input).unwrap();
+    assert!(hair.grabbed().is_active() && hair.grabbed().state().is_some());
+    let mut views = DebugViews::new(&device, &renderer.draw, tresses::draw::targets::PICTURE_FORMAT);
+    views.set_head(Some(&field));
+    for view in DebugView::ALL {
+        let shown = Shown { wind: glam::Vec3::X, ..Shown::new(view) };
+        let output = targets.picture();
+        recorder.draw_view(&mut views, &shown, &hair, Some(&body), &scene, &targets, output).unwrap();
+    }
     queue.submit([encoder.finish()]);
     assert!(hair.bytes() > 50 * 31 * 16);
 }

@@ -65,7 +65,7 @@ fn debug_views(format: wgpu::TextureFormat, output: wgpu::TextureFormat) -> Opti
     let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
     let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
     let stage = DrawStage::new(&device, &DrawOptions { samples: 4, ..Default::default() });
-    let debug = DebugStage::new(&device, &stage, format);
+    let mut debug = DebugStage::new(&device, &stage, format);
     let body = Body::new(&device, &stage, &TriMesh::default());
     let targets = Targets::new(&device, 64, 40, 4, 1).expect("a fair size");
     let texture = |dimension, format, depth_or_array_layers, usage| {

@@ -10,7 +10,7 @@ use tresses::{
     collide::ColliderPoses,
     frame::{Frame, Recorder},
     glam::{IVec3, Quat, Vec3},
-    gpu::{Gpu, readback},
+    gpu::{Gpu, readback::blocking as readback},
     groom::styles::{self, Character, Style},
     simulate::SimulationParams,
     strands::StrandVertex,
@@ -52,8 +52,14 @@ impl Stage {
         let gpu = common::gpu()?;
         let renderer = HairRenderer::new(&gpu.device, &Default::default());
         let style: Style = style.parse().unwrap();
-        let character =
-            styles::character(&gpu.device, &gpu.queue, &renderer.simulate, &style, Some(3000)).unwrap();
+        let character = pollster::block_on(styles::character(
+            &gpu.device,
+            &gpu.queue,
+            &renderer.simulate,
+            &style,
+            Some(3000),
+        ))
+        .unwrap();
         Some(Self { gpu, renderer, character })
     }
 

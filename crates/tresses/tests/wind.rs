@@ -6,7 +6,7 @@ use tresses::{
     Pose,
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     glam::Vec3,
-    gpu::{Gpu, readback},
+    gpu::{Gpu, readback::blocking as readback},
     groom::SdfGrid,
     simulate::{Mode, SimulationParams, Step},
     wind::{Air, Fluid, HairGrid, Wind},

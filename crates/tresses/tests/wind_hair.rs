@@ -7,7 +7,7 @@ use tresses::{
     collide::ColliderPoses,
     frame::{Frame, Recorder},
     glam::Vec3,
-    gpu::{Gpu, readback},
+    gpu::{Gpu, readback::blocking as readback},
     groom::{BindOptions, Groom, GuideCount, SdfGrid, bind, styles},
     simulate::SimulationParams,
     volume::VolumeOptions,
@@ -120,7 +120,9 @@ fn the_lee_side_of_the_long_style_moves_less() {
     let Some(stage) = Stage::open() else { return };
     let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
     let style = "long".parse().unwrap();
-    let built = styles::character(device, queue, &stage.renderer.simulate, &style, Some(2000)).unwrap();
+    let built =
+        pollster::block_on(styles::character(device, queue, &stage.renderer.simulate, &style, Some(2000)))
+            .unwrap();
     let mut hair = stage.hair(&built.groom, &built.field, 32);
     // From the head's left, +X.
     let physics = SimulationParams { wind: Wind::new(Vec3::X * -4.0), ..Default::default() };

@@ -1,13 +1,8 @@
 //! What the parts of the simulation cost, held against each other in one run: 1,000 guides of 32
 //! vertices, chosen among the strands of the built-in long style, in motion.
 
-use super::statistics::Summary;
-use crate::{
-    args::{Guides, Source},
-    interrupt,
-    load::{self, Character},
-    motion::Motion,
-};
+use super::{statistics::Summary, workload};
+use crate::{interrupt, load};
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use serde::Serialize;
@@ -23,6 +18,7 @@ use tresses::{
     volume::{HairHair, VolumeOptions},
     wind::Wind,
 };
+use tresses_scene::{Character, Motion, settings::Edges};
 
 /// Guides of the measured hair.
 const GUIDES: u32 = 1000;
@@ -134,13 +130,9 @@ impl Rig {
     fn new(frames: u32) -> Result<Self> {
         let gpu = pollster::block_on(Gpu::open())?;
         let renderer = HairRenderer::new(&gpu.device, &Default::default());
-        let source = Source {
-            style: Some("long".into()),
-            guides: Some(Guides::Count(GUIDES)),
-            strands: Some(STRANDS),
-            ..Source::default()
-        };
-        let character = load::load(&source, &gpu, &renderer.simulate)?;
+        let mut preset = workload::style(Some(STRANDS), Edges::default());
+        preset.settings.style.guides = Some(GUIDES);
+        let character = load::load(&preset, &gpu, &renderer.simulate)?;
         Ok(Self { gpu, renderer, character, frames })
     }
 
@@ -176,7 +168,7 @@ impl Rig {
                 timings.resolve(&mut encoder);
                 queue.submit([encoder.finish()]);
                 device.poll(wgpu::PollType::wait_indefinitely()).context("the GPU was lost")?;
-                let times = timings.read(device, queue)?;
+                let times = pollster::block_on(timings.read(device, queue))?;
                 if frame >= WARM_UP {
                     rows.add(times);
                     bar.inc(1);

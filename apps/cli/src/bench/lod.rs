@@ -6,24 +6,19 @@ use super::{
     statistics::Summary,
     workload::{self, FPS, WARM_UP},
 };
-use crate::{
-    args::Size,
-    camera::{Camera, View},
-    interrupt,
-    motion::Motion,
-    scene::Scene,
-};
+use crate::{args::Size, interrupt, scene::Scene};
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use serde::Serialize;
 use tresses::lod::{LodMode, LodOptions};
+use tresses_scene::{Camera, Motion, camera::View, settings::Samples};
 
 /// Pixels.
 const SIZE: Size = Size { width: 1280, height: 720 };
 /// Drawn strands in full detail.
 const STRANDS: u32 = 20_000;
 /// Samples per pixel.
-const SAMPLES: u32 = 4;
+const SAMPLES: Samples = Samples::Four;
 /// Metres.
 pub const DISTANCES: [f32; 6] = [0.8, 2.0, 4.0, 8.0, 16.0, 40.0];
 /// The stages that simulate, whose work is that of the guides.
@@ -61,8 +56,9 @@ pub struct Times {
 
 /// Measures the long style in motion at all distances.
 pub fn measure(frames: u32, bar: &ProgressBar) -> Result<Vec<Point>> {
-    let mut scene = Scene::open(&workload::style(Some(STRANDS)), workload::quality(SIZE, SAMPLES, 1))
-        .context("levels of detail")?;
+    let mut scene =
+        Scene::with_samples_at_most(&workload::style(Some(STRANDS), workload::masks(SAMPLES, 1)), SIZE)
+            .context("levels of detail")?;
     let near = Camera::portrait(View::ThreeQuarter, scene.subject(), SIZE.aspect(), 1.0);
     DISTANCES.iter().map(|distance| point(&mut scene, &near.moved(*distance), frames, bar)).collect()
 }
@@ -139,10 +135,11 @@ pub fn text(points: &[Point]) -> String {
         ]);
     }
     format!(
-        "\nLevel of detail (style long in motion, {} strands, {} × {}, {SAMPLES}×MSAA), medians, guide stages means\n{}",
+        "\nLevel of detail (style long in motion, {} strands, {} × {}, {}×MSAA), medians, guide stages means\n{}",
         count(STRANDS.into()),
         SIZE.width,
         SIZE.height,
+        SAMPLES as u32,
         table(&rows)
     )
 }

@@ -26,6 +26,9 @@ pub struct Args {
     /// The head of that groom
     #[arg(long, value_name = "MESH", requires = "grooms")]
     pub head: Vec<PathBuf>,
+    /// Measure only the hair and the settings of a preset, at 1280x720
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["grooms", "costs", "appearance", "lod"])]
+    pub preset: Option<PathBuf>,
     /// Measured frames per scene [default: 30, with --quick 8]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: Option<u32>,
@@ -54,13 +57,15 @@ impl Args {
 
 /// Runs `tresses bench`.
 pub fn run(args: &Args) -> Result<()> {
+    let own = args.preset.as_ref().map(workload::own).transpose()?;
     let gpu = pollster::block_on(Gpu::open())?;
     let mut report = Report { adapter: Adapter::of(&gpu), ..Report::default() };
     drop(gpu);
     let mut groups = Vec::new();
     let mut counts = Vec::new();
     let mut looks = Vec::new();
-    let all = !(args.costs || args.appearance || args.lod);
+    let all = !(args.costs || args.appearance || args.lod || own.is_some());
+    groups.extend(own);
     if all || args.appearance {
         looks.extend(appearance::variants());
     }

@@ -5,17 +5,17 @@ use super::{
     report::{Group, Point, Run, Stage},
     statistics::Summary,
 };
-use crate::{
-    args::{Guides, Size, Source},
-    camera::{Camera, View},
-    edge_args::{EdgeArgs, Mode},
-    interrupt, load,
-    motion::Motion,
-    scene::{Quality, Scene},
-};
+use crate::{args::Size, interrupt, preset_args, scene::Scene};
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use std::{path::PathBuf, time::Instant};
+use tresses_scene::{
+    Camera, Motion, Preset, Settings,
+    camera::View,
+    character::strands_for,
+    preset::Source,
+    settings::{CoverageMode, Edges, LodChoice, Samples},
+};
 
 /// Frames before the first that counts: shaders are compiled, caches and clocks are warm.
 pub const WARM_UP: u32 = 2;
@@ -30,28 +30,33 @@ pub const FPS: f64 = 60.0;
 
 /// One scene to measure.
 pub struct Workload {
-    name: &'static str,
+    name: String,
     others: &'static str,
-    source: Source,
+    preset: Preset,
     /// Draw as many strands as make about this many triangles.
     triangles: Option<u64>,
     size: Size,
-    samples: u32,
-    ssaa: u32,
     /// The names of states and of their motions.
     pub runs: Vec<(&'static str, &'static str)>,
 }
 
-/// What is measured at `size` with `samples` and supersampling by `ssaa`.
-pub fn quality(size: Size, samples: u32, ssaa: u32) -> Quality {
-    // Figures of others are those of samples alone.
-    let edges = EdgeArgs { samples: Some(samples), ssaa, coverage: Some(Mode::Mask), layers: None };
-    Quality { at_most: true, ..Quality::new(size, edges) }
+/// Antialiasing with `samples` and supersampling by `ssaa`; figures of others are those of samples alone.
+pub fn masks(samples: Samples, ssaa: u32) -> Edges {
+    Edges { samples: Some(samples), ssaa, coverage: Some(CoverageMode::Mask), ..Edges::default() }
+}
+
+/// What is measured of `source`: all of it at any distance, with those `edges`.
+pub fn preset(source: Source, edges: Edges) -> Preset {
+    let mut settings = Settings { edges, ..Settings::default() };
+    settings.lod.mode = LodChoice::Off;
+    Preset { source, settings, name: None }
 }
 
 /// The built-in long style, with as many strands as it has or as are asked for.
-pub fn style(strands: Option<u32>) -> Source {
-    Source { style: Some("long".into()), strands, ..Source::default() }
+pub fn style(strands: Option<u32>, edges: Edges) -> Preset {
+    let mut preset = preset(Source { style: Some("long".into()), ..Source::default() }, edges);
+    preset.settings.style.strands = strands;
+    preset
 }
 
 /// The seed's two scenes.
@@ -59,23 +64,19 @@ pub fn seed() -> Vec<Workload> {
     let runs = vec![("at rest", "still"), ("in motion", "turn")];
     vec![
         Workload {
-            name: "The seed's first scene",
+            name: "The seed's first scene".into(),
             others: "GeForce 8800 GTX, 2008, 8×MSAA: 15.6 ms at rest, 24.4 ms in motion",
-            source: style(None),
+            preset: style(None, masks(Samples::Eight, 1)),
             triangles: Some(990_000),
             size: Size { width: 1920, height: 1200 },
-            samples: 8,
-            ssaa: 1,
             runs: runs.clone(),
         },
         Workload {
-            name: "The seed's second scene",
+            name: "The seed's second scene".into(),
             others: "GeForce 8800 GTX, 2008, 8×MSAA: 41.7 ms at rest, 57.1 ms in motion",
-            source: style(None),
+            preset: style(None, masks(Samples::Eight, 2)),
             triangles: Some(2_100_000),
             size: Size { width: 1280, height: 1024 },
-            samples: 8,
-            ssaa: 2,
             runs,
         },
     ]
@@ -83,7 +84,7 @@ pub fn seed() -> Vec<Workload> {
 
 /// A groom with every strand simulated, at the size and samples of a WebGPU peer.
 pub fn peer(args: &Args) -> Option<Workload> {
-    let (grooms, head) = if args.grooms.is_empty() {
+    let (grooms, heads) = if args.grooms.is_empty() {
         let folder = PathBuf::from(std::env::var_os("TRESSES_ASSETS")?).join("sintel");
         let groom = folder.join("SintelHairOriginal-sintel_hair.16points.tfx");
         if !groom.exists() {
@@ -98,14 +99,29 @@ pub fn peer(args: &Args) -> Option<Workload> {
     } else {
         ""
     };
+    let source = Source { grooms, heads, ..Source::default() };
+    let mut preset = preset(source, masks(Samples::One, 1));
+    preset.settings.style.all_guides = true;
     Some(Workload {
-        name: "Every strand of a groom simulated",
+        name: "Every strand of a groom simulated".into(),
         others,
-        source: Source { grooms, head, guides: Some(Guides::All), ..Source::default() },
+        preset,
         triangles: None,
         size: Size { width: 1280, height: 720 },
-        samples: 1,
-        ssaa: 1,
+        runs: vec![("at rest", "still"), ("in motion", "turn")],
+    })
+}
+
+/// The hair and the settings of the preset at `path`.
+pub fn own(path: &PathBuf) -> Result<Workload> {
+    let preset = preset_args::open(Some(path))?;
+    let name = preset.name.clone().unwrap_or_else(|| path.display().to_string());
+    Ok(Workload {
+        name: format!("The preset {name}"),
+        others: "",
+        preset,
+        triangles: None,
+        size: Size { width: 1280, height: 720 },
         runs: vec![("at rest", "still"), ("in motion", "turn")],
     })
 }
@@ -117,12 +133,12 @@ pub fn strand_counts(quick: bool) -> Vec<u32> {
 
 /// Measures `workload` in each of its states.
 pub fn measure(workload: &Workload, frames: u32, bar: &ProgressBar) -> Result<Group> {
-    let mut source = workload.source.clone();
+    let mut preset = workload.preset.clone();
     if let Some(triangles) = workload.triangles {
-        source.strands = Some(load::strands_for(triangles));
+        preset.settings.style.strands = Some(strands_for(triangles));
     }
-    let mut scene = Scene::open(&source, quality(workload.size, workload.samples, workload.ssaa))
-        .with_context(|| workload.name.to_owned())?;
+    let mut scene =
+        Scene::with_samples_at_most(&preset, workload.size).with_context(|| workload.name.clone())?;
     let runs = workload
         .runs
         .iter()
@@ -130,11 +146,11 @@ pub fn measure(workload: &Workload, frames: u32, bar: &ProgressBar) -> Result<Gr
         .collect::<Result<_>>()?;
     let facts = scene.facts();
     Ok(Group {
-        name: workload.name.into(),
+        name: workload.name.clone(),
         others: workload.others.into(),
         size: [workload.size.width, workload.size.height],
         samples: scene.samples(),
-        ssaa: workload.ssaa,
+        ssaa: preset.settings.edges.ssaa,
         guides: facts.guides,
         strands: facts.strands,
         vertices_per_strand: facts.vertices_per_strand,
@@ -149,7 +165,7 @@ pub fn measure(workload: &Workload, frames: u32, bar: &ProgressBar) -> Result<Gr
 /// Measures the long style with `strands` strands.
 pub fn point(strands: u32, frames: u32, bar: &ProgressBar) -> Result<Point> {
     let size = Size { width: 1280, height: 720 };
-    let mut scene = Scene::open(&style(Some(strands)), quality(size, 1, 1))?;
+    let mut scene = Scene::with_samples_at_most(&style(Some(strands), masks(Samples::One, 1)), size)?;
     let run = run(&mut scene, "in motion", "turn", size, frames, bar)?;
     Ok(Point { strands: scene.facts().strands, gpu: run.gpu, frame: run.frame })
 }

@@ -4,7 +4,7 @@ use super::{
     metrics::Linear,
     scenes::{Folders, Groom as Description, Radius, Scenes, View},
 };
-use crate::{camera, picture::Picture, shading_args::ShadingArgs};
+use crate::{picture::Picture, shading_args::ShadingArgs};
 use anyhow::{Context, Result, ensure};
 use half::f16;
 use tresses::{
@@ -13,7 +13,7 @@ use tresses::{
     draw::{Background, Body, BodyMaterial, DrawOptions, Scene, Targets, View as Projection},
     frame::{Frame, Recorder},
     glam::{Affine3A, Mat4, Vec3},
-    gpu::{Gpu, readback},
+    gpu::{Gpu, readback::blocking as readback},
     groom::{
         BindOptions, Strands, TriMesh, bind,
         import::{self, ImportOptions},
@@ -23,6 +23,7 @@ use tresses::{
     present::ToneMap,
     simulate::SimulationParams,
 };
+use tresses_scene::camera;
 
 /// What the pictures are read from.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -102,7 +103,7 @@ impl Stage {
         shading: &ShadingArgs,
     ) -> Result<(Picture, Linear)> {
         let mut scene = self.scene(view, scenes)?;
-        shading.apply(&mut scene.hair, &mut scene.shading);
+        shading.vary(&mut scene.hair, &mut scene.shading);
         let shown = self.pixels(&scene)?;
         scene.background = Background::flat(Vec3::ZERO);
         scene.tone = ToneMap { exposure: DIM, shoulder: 0.99, desaturation: 0.0 };

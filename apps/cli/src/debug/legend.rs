@@ -17,7 +17,9 @@ use tresses::draw::debug::ramp;
 pub struct Legend {
     /// What is shown, with its unit.
     pub title: String,
-    /// The number drawn brightest; the darkest is 0.
+    /// The number drawn darkest.
+    pub min: f32,
+    /// The number drawn brightest.
     pub max: f32,
 }
 
@@ -61,7 +63,7 @@ impl Legend {
         };
         let (end, below) = (bar.width as i32, high / 2 + high + high / 4);
         text(&self.title, 0, -high / 2, Alignment::Left);
-        for (x, value) in [(0, 0.0), (end / 2, 0.5 * self.max), (end, self.max)] {
+        for (x, value) in [(0, self.min), (end / 2, 0.5 * (self.min + self.max)), (end, self.max)] {
             text(&number(value), x, below, Alignment::Center);
         }
         let column = Size::new(1, bar.height);
@@ -151,7 +153,7 @@ mod tests {
 
     #[test]
     fn it_is_drawn_where_there_is_room() {
-        let legend = Legend { title: "speed, m/s".into(), max: 2.0 };
+        let legend = Legend { title: "speed, m/s".into(), min: 0.0, max: 2.0 };
         let blank = |width, height| Picture { width, height, rgba: vec![100; (width * height * 4) as usize] };
         for (width, height) in [(640, 480), (320, 200)] {
             let mut picture = blank(width, height);

@@ -68,7 +68,7 @@ const JUMP: f32 = 0.3;
 const JUMP_ANGLE: f32 = 1.0;
 
 /// The motion of a set of colliders from frame to frame.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Track {
     anchors: Vec<Anchor>,
     /// Poses relative to their anchors at the end of the last step; none before the first.
@@ -83,17 +83,21 @@ pub(super) struct Track {
 }
 
 impl Track {
-    /// The first anchor is the head's where the set has its field.
-    pub fn new(anchors: Vec<Anchor>) -> Self {
-        let rest = vec![Pose::IDENTITY; anchors.len()];
-        Self {
-            anchors,
-            state: None,
-            before: rest.clone(),
-            after: rest.clone(),
-            moments: rest.clone(),
-            now: rest,
+    /// Other colliders from here on, but those whose places are in both lists go on from where they
+    /// are. The first anchor is the head's where the set has its field.
+    pub fn replace(&mut self, anchors: Vec<Anchor>) {
+        let count = anchors.len();
+        for poses in [&mut self.before, &mut self.after, &mut self.now] {
+            poses.resize(count, Pose::IDENTITY);
         }
+        // Those of the last frame are of other colliders.
+        self.moments = vec![Pose::IDENTITY; count];
+        if let Some(state) = &mut self.state {
+            // An anchor that is another one makes another collider of it.
+            let same = self.anchors.iter().zip(&anchors).take_while(|(a, b)| a == b).count();
+            state.truncate(same);
+        }
+        self.anchors = anchors;
     }
 
     /// Moves to where `poses` says the colliders are at the end of the frame.
@@ -117,6 +121,17 @@ impl Track {
             return Err(Error::Colliders(format!(
                 "the pose of collider {i} is no finite position and rotation"
             )));
+        }
+        if let Some(state) = &mut self.state {
+            // What is new has been where it is now.
+            for (i, pose) in own.iter().enumerate().skip(state.len()) {
+                state.push(*pose);
+                let relative = match self.anchors[i] {
+                    Anchor::Head => *pose,
+                    Anchor::World => frame.head.inverse().after(pose),
+                };
+                (self.before[i], self.after[i]) = (relative, relative);
+            }
         }
         let jump = frame.steps.iter().any(|s| s.mode != Mode::Step);
         let steps = frame.steps.len().max(1) as f32;
@@ -181,7 +196,8 @@ mod tests {
     /// Drives a track with a clock at `fps`; calls `see` after each frame.
     fn drive(fps: f32, seconds: f32, mut see: impl FnMut(&Track, &[Step], f32, Pose)) {
         let mut clock = Clock::default();
-        let mut track = Track::new(vec![Anchor::Head, Anchor::World]);
+        let mut track = Track::default();
+        track.replace(vec![Anchor::Head, Anchor::World]);
         let pose = |t: f32| Pose { rotation: Quat::from_rotation_y(t), translation: Vec3::X * 0.3 * t };
         for i in 0..=(seconds * fps) as u32 {
             let t = i as f32 / fps;
@@ -231,7 +247,8 @@ mod tests {
 
     #[test]
     fn jumps_have_no_speed_and_wrong_counts_are_refused() {
-        let mut track = Track::new(vec![Anchor::World]);
+        let mut track = Track::default();
+        track.replace(vec![Anchor::World]);
         let still = Pose::IDENTITY;
         let step = Step { mode: Mode::Step, begin: still, end: still, from: 0.0, to: 1.0 };
         let frame = Moments { steps: &[step], substeps: 2, step: 1.0 / 60.0, head: still, alpha: 1.0 };
@@ -247,5 +264,29 @@ mod tests {
         let error = track.advance(false, &ColliderPoses::default(), &frame).unwrap_err().to_string();
         assert!(error.contains("0 poses do not place 1"), "{error}");
         assert!(track.advance(false, &at(f32::NAN), &frame).is_err());
+    }
+
+    #[test]
+    fn colliders_come_and_go() {
+        let mut track = Track::default();
+        track.replace(vec![Anchor::World]);
+        let still = Pose::IDENTITY;
+        let steps = [Step { mode: Mode::Step, begin: still, end: still, from: 0.0, to: 1.0 }];
+        let frame = |steps| Moments { steps, substeps: 1, step: 1.0 / 60.0, head: still, alpha: 0.5 };
+        let at = |places: &[f32]| ColliderPoses {
+            head: None,
+            colliders: places.iter().map(|x| Pose { translation: Vec3::X * *x, ..still }).collect(),
+        };
+        track.advance(false, &at(&[0.0]), &frame(&steps)).unwrap();
+        track.replace(vec![Anchor::World; 2]);
+        // In a frame without steps it is drawn where it is.
+        track.advance(false, &at(&[0.1, 7.0]), &frame(&[])).unwrap();
+        assert_eq!(track.now[1].translation.x, 7.0);
+        track.advance(false, &at(&[0.1, 7.1]), &frame(&steps)).unwrap();
+        let x: Vec<_> = track.moments.iter().map(|p| p.translation.x).collect();
+        assert_eq!(x, [0.0, 7.0, 0.1, 7.1]);
+        track.replace(vec![Anchor::World]);
+        track.advance(false, &at(&[0.2]), &frame(&steps)).unwrap();
+        assert_eq!(track.moments.iter().map(|p| p.translation.x).collect::<Vec<_>>(), [0.1, 0.2]);
     }
 }

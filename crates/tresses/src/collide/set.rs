@@ -1,8 +1,8 @@
 //! The colliders of one groom on the GPU.
 
 use super::{
-    Anchor, ColliderDescriptor, ColliderPoses, FieldBuilder, FieldId, FieldSource, FieldVolume, Moments,
-    Place, Places, Shape, ShapeData, ShapeTable,
+    Anchor, Collider, ColliderDescriptor, ColliderPoses, FieldBuilder, FieldId, FieldSource, FieldVolume,
+    Moments, Place, Places, Shape, ShapeData, ShapeTable,
     atlas::{Atlas, pack},
     build::Plan,
     places::Track,
@@ -16,7 +16,6 @@ use crate::{
 };
 use bytemuck::Zeroable;
 use glam::{UVec3, Vec3};
-use wgpu::util::DeviceExt;
 
 /// What `nearest.wesl` binds, in order.
 const BINDINGS: [Binding; 4] = [Binding::Uniform, Binding::Storage, Binding::Texture3d, Binding::Sampler];
@@ -64,6 +63,16 @@ impl<'a> Field<'a> {
     }
 }
 
+/// A field in the atlas.
+#[derive(Clone, Copy, Debug)]
+struct Tile {
+    at: UVec3,
+    size: UVec3,
+    bias: Vec3,
+    scale: Vec3,
+    sphere: (Vec3, f32),
+}
+
 /// The colliders of one groom, and their state of motion.
 #[derive(Debug)]
 pub struct ColliderSet {
@@ -72,7 +81,10 @@ pub struct ColliderSet {
     spheres: Vec<(Vec3, f32)>,
     has_head: bool,
     count: u32,
-    bytes: u64,
+    atlas: Atlas,
+    /// Of all fields, the head's first.
+    tiles: Vec<Tile>,
+    table: wgpu::Buffer,
     places: wgpu::Buffer,
     group: wgpu::BindGroup,
 }
@@ -85,12 +97,8 @@ impl ColliderSet {
     /// are too large for a texture of the adapter; [`Error::Parameter`] for a size that is none.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, what: &ColliderDescriptor<'_>) -> Result<Self> {
         let has_head = what.head.is_some();
-        let count = what.colliders.len() + usize::from(has_head);
-        if count > MAX_COLLIDERS as usize {
-            return Err(Error::Colliders(format!(
-                "{count} are more than {MAX_COLLIDERS}, the head's included"
-            )));
-        }
+        // What is wrong with the list is said before fields are made.
+        total(has_head, what.colliders)?;
         let sources = what.head.map(FieldSource::Grid).into_iter().chain(what.fields.iter().copied());
         let fields = sources.map(Field::new).collect::<Result<Vec<_>>>()?;
         let sizes: Vec<_> = fields.iter().map(|f| f.size).collect();
@@ -102,58 +110,76 @@ impl ColliderSet {
                 Texels::Planned(builder, plan) => builder.write(device, queue, plan, &atlas.texture, *at)?,
             }
         }
+        let tiles = fields.iter().zip(tiles).map(|(field, at)| Tile {
+            at,
+            size: field.size,
+            bias: field.bias,
+            scale: field.scale,
+            sphere: field.sphere,
+        });
+        let table = bindings::uniform(device, "collider shapes", size_of::<ShapeTable>());
+        let places = storage::<Place>(device, "collider places", most_places(1))?;
+        let mut set = Self {
+            track: Track::default(),
+            spheres: Vec::new(),
+            has_head,
+            count: 0,
+            tiles: tiles.collect(),
+            group: bind(device, &table, &places, &atlas),
+            atlas,
+            table,
+            places,
+        };
+        set.replace(device, queue, what.colliders)?;
+        Ok(set)
+    }
+
+    /// From the next frame on these are the colliders, besides the head's field: they may be more or
+    /// fewer, of other shapes, and show the fields that there are. Each is known by its place in the list: one that
+    /// keeps it goes on from where it is, a new one is where its first pose says, without a speed. The frame's
+    /// [`ColliderPoses`] must place as many.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); the colliders are then those from before.
+    pub fn replace(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        colliders: &[Collider],
+    ) -> Result<()> {
+        let has_head = self.has_head;
+        let count = total(has_head, colliders)?;
         let mut table =
             Box::new(ShapeTable { count: count as u32, has_head: has_head.into(), ..ShapeTable::zeroed() });
         let mut anchors = Vec::with_capacity(count);
         let mut spheres = Vec::with_capacity(count);
         let first = usize::from(has_head);
-        let head = has_head.then(|| super::Collider {
-            anchor: Anchor::Head,
-            ..super::Collider::new(Shape::Field(FieldId(0)))
-        });
-        for (slot, collider) in head.iter().chain(what.colliders).enumerate() {
+        let head =
+            has_head.then(|| Collider { anchor: Anchor::Head, ..Collider::new(Shape::Field(FieldId(0))) });
+        for (slot, collider) in head.iter().chain(colliders).enumerate() {
             let data = &mut table.list[slot];
             *data = ShapeData::new(collider)?;
             anchors.push(collider.anchor);
             if let Shape::Field(FieldId(id)) = collider.shape {
                 // The head's field comes before those that are counted.
                 let at = if slot < first { 0 } else { id as usize + first };
-                let field = fields.get(at).ok_or_else(|| {
-                    Error::Colliders(format!("there is no field {id}, only {}", what.fields.len()))
+                let tile = self.tiles.get(at).ok_or_else(|| {
+                    Error::Colliders(format!("there is no field {id}, only {}", self.tiles.len() - first))
                 })?;
-                (data.center, data.bound) = field.sphere;
-                atlas.place(data, tiles[at], field.size, field.bias, field.scale);
+                (data.center, data.bound) = tile.sphere;
+                self.atlas.place(data, tile.at, tile.size, tile.bias, tile.scale);
             }
             spheres.push((data.center, data.bound));
         }
-        let table = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: Some("collider shapes"),
-            contents: bytemuck::bytes_of(&*table),
-            usage: wgpu::BufferUsages::UNIFORM,
-        });
-        let most = u64::from(MAX_STEPS * MAX_SUBSTEPS + 2) * count.max(1) as u64;
-        let places = storage::<Place>(device, "collider places", most + 1)?;
-        let sampler = bindings::linear(device);
-        let group = bindings::group(
-            device,
-            "colliders",
-            &layout(device),
-            &[
-                table.as_entire_binding(),
-                places.as_entire_binding(),
-                wgpu::BindingResource::TextureView(&atlas.texture.create_view(&Default::default())),
-                wgpu::BindingResource::Sampler(&sampler),
-            ],
-        );
-        Ok(Self {
-            track: Track::new(anchors),
-            spheres,
-            has_head,
-            count: count as u32,
-            bytes: atlas.bytes() + table.size() + places.size(),
-            places,
-            group,
-        })
+        let most = most_places(count);
+        if self.places.size() < most * size_of::<Place>() as u64 {
+            self.places = storage::<Place>(device, "collider places", most)?;
+            self.group = bind(device, &self.table, &self.places, &self.atlas);
+        }
+        queue.write_buffer(&self.table, 0, bytemuck::bytes_of(&*table));
+        self.track.replace(anchors);
+        (self.spheres, self.count) = (spheres, count as u32);
+        Ok(())
     }
 
     /// Moves the colliders by a frame, to where `poses` says they are at its end. Before the frame's kernels.
@@ -213,6 +239,40 @@ impl ColliderSet {
 
     /// Bytes of GPU memory; the distance fields have 8 per texel of their atlas.
     pub fn bytes(&self) -> u64 {
-        self.bytes
+        self.atlas.bytes() + self.table.size() + self.places.size()
     }
+}
+
+/// How many colliders there are with the head's field.
+fn total(has_head: bool, colliders: &[Collider]) -> Result<usize> {
+    let count = colliders.len() + usize::from(has_head);
+    if count > MAX_COLLIDERS as usize {
+        return Err(Error::Colliders(format!("{count} are more than {MAX_COLLIDERS}, the head's included")));
+    }
+    Ok(count)
+}
+
+/// Places of so many colliders at all moments of a frame and at drawing, and their header.
+fn most_places(count: usize) -> u64 {
+    u64::from(MAX_STEPS * MAX_SUBSTEPS + 2) * count.max(1) as u64 + 1
+}
+
+fn bind(
+    device: &wgpu::Device,
+    table: &wgpu::Buffer,
+    places: &wgpu::Buffer,
+    atlas: &Atlas,
+) -> wgpu::BindGroup {
+    let sampler = bindings::linear(device);
+    bindings::group(
+        device,
+        "colliders",
+        &layout(device),
+        &[
+            table.as_entire_binding(),
+            places.as_entire_binding(),
+            wgpu::BindingResource::TextureView(&atlas.texture.create_view(&Default::default())),
+            wgpu::BindingResource::Sampler(&sampler),
+        ],
+    )
 }

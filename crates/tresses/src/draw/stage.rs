@@ -55,6 +55,7 @@ pub struct DrawStage {
     present: Present,
     view: wgpu::Buffer,
     lights: wgpu::Buffer,
+    frame_layout: wgpu::BindGroupLayout,
     frame_group: wgpu::BindGroup,
     hair_layout: wgpu::BindGroupLayout,
     fiber_layout: wgpu::BindGroupLayout,
@@ -62,6 +63,7 @@ pub struct DrawStage {
     body: wgpu::RenderPipeline,
     strips: Strips,
     samples: u32,
+    coverage: Coverage,
 }
 
 impl DrawStage {
@@ -98,9 +100,11 @@ impl DrawStage {
             body: body.build(device),
             strips: Strips::new(device, options, [&frame_layout, &hair_layout, &fiber_layout]),
             samples: options.samples,
+            coverage: options.coverage,
             shadow_maps,
             view,
             lights,
+            frame_layout,
             frame_group,
             hair_layout,
             fiber_layout,
@@ -110,6 +114,17 @@ impl DrawStage {
 
     pub(crate) fn body_layout(&self) -> &wgpu::BindGroupLayout {
         &self.body_layout
+    }
+
+    /// How strands cover pixels.
+    pub fn coverage(&self) -> Coverage {
+        self.coverage
+    }
+
+    /// What pipelines that draw strips bind: the frame's group, and the layouts of it, of hair and of its
+    /// fibres' tables.
+    pub(crate) fn hair_groups(&self) -> (&wgpu::BindGroup, [&wgpu::BindGroupLayout; 3]) {
+        (&self.frame_group, [&self.frame_layout, &self.hair_layout, &self.fiber_layout])
     }
 
     pub(crate) fn fiber_layout(&self) -> &wgpu::BindGroupLayout {

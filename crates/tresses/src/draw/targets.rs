@@ -65,7 +65,7 @@ impl Targets {
         let hdr = texture("hdr", wide, high, samples, HDR_FORMAT, wgpu::TextureUsages::TEXTURE_BINDING);
         let read = wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING;
         let depth = texture("depth", wide, high, samples, DEPTH_FORMAT, read);
-        let picture = texture("picture", width, height, 1, PICTURE_FORMAT, wgpu::TextureUsages::COPY_SRC);
+        let picture = texture("picture", width, height, 1, PICTURE_FORMAT, read);
         let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
         Ok(Self {
             size: [width, height],
@@ -110,12 +110,12 @@ impl Targets {
         &self.picture_view
     }
 
-    /// The finished picture: sRGB, RGBA, rows from the top. Blocks.
+    /// The finished picture: sRGB, RGBA, rows from the top.
     ///
     /// # Errors
     /// [`Error::Gpu`] when the device is lost.
-    pub fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<u8>> {
-        readback::texture(device, queue, &self.picture)
+    pub async fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<u8>> {
+        readback::texture(device, queue, &self.picture).await
     }
 
     /// Bytes of GPU memory.

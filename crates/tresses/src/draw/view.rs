@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec2, Vec3};
 
-use crate::present::ToneMap;
+use crate::{present::ToneMap, simulate::Ray};
 
 /// A camera and the size of its picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,6 +51,17 @@ impl View {
     /// Where the camera is, metres.
     pub fn eye(&self) -> Vec3 {
         self.view.inverse().w_axis.truncate()
+    }
+
+    /// The ray from the camera through a place of the picture, pixels from its left and upper edge.
+    pub fn ray(&self, x: f32, y: f32) -> Ray {
+        let [width, height] = self.size.map(|side| side.max(1) as f32);
+        let inverse = (self.projection * self.view).inverse();
+        // Depth is reversed, and 0 may be at infinity.
+        let at =
+            |depth| inverse.project_point3(Vec3::new(2.0 * x / width - 1.0, 1.0 - 2.0 * y / height, depth));
+        let (near, far) = (at(1.0), at(0.5));
+        Ray { origin: near, direction: (far - near).normalize_or(Vec3::NEG_Z) }
     }
 
     /// The height of a pixel (metres) at a point whose clip coordinate `w` is 1: for a perspective
@@ -114,6 +125,11 @@ mod tests {
         assert!((height(Vec3::Y * pixel) - 1.0).abs() < 1e-4);
         assert!((view.eye() - Vec3::Z * 2.0).length() < 1e-5);
         let depth = |p: Vec3| clip(p).z / clip(p).w;
+        let point = Vec3::new(0.31, -0.12, 0.2);
+        let at = clip(point).truncate() / clip(point).w;
+        let ray = view.ray((0.5 + 0.5 * at.x) * 300.0, (0.5 - 0.5 * at.y) * 200.0);
+        assert!((point - ray.origin).reject_from_normalized(ray.direction).length() < 1e-4);
+        assert!(ray.direction.dot(Vec3::NEG_Z) > 0.9);
         assert!((depth(Vec3::Z * 1.99) - 1.0).abs() < 1e-4 && depth(Vec3::Z * -1e6) < 1e-6);
     }
 }

@@ -1,36 +1,107 @@
-//! Copies from the GPU back to the CPU, for tests, pictures and `tresses bench`; never in a frame.
+//! Copies from the GPU back to the CPU, for pictures, measurements and tests; never waited for in a
+//! frame.
+//!
+//! [`buffer`] and [`texture`] wait: in a browser by giving the event loop its turn, elsewhere by polling
+//! the device, so that they are ready when they are first polled and any executor will do
+//! ([`blocking`] needs none). [`Pending`] does not wait: a program that polls its device anyway, as each
+//! `submit` does, asks now and then whether the copy has arrived.
 
 use crate::{Error, Result};
+use std::{
+    future::poll_fn,
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    task::{Poll, Waker},
+};
 
-/// The contents of `buffer` from byte 0, which must have `COPY_SRC`. Blocks.
+/// The contents of `buffer` from byte 0, which must have `COPY_SRC`.
 ///
 /// # Errors
 /// [`Error::Gpu`] when the device is lost.
-pub fn buffer<T: bytemuck::Pod>(
+pub async fn buffer<T: bytemuck::Pod>(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     buffer: &wgpu::Buffer,
 ) -> Result<Vec<T>> {
-    let bytes = copy(device, queue, buffer.size(), |encoder, target| {
-        encoder.copy_buffer_to_buffer(buffer, 0, target, 0, buffer.size());
-    })?;
+    let bytes = Pending::buffer(device, queue, buffer).wait(device).await?;
     Ok(bytemuck::pod_collect_to_vec(&bytes[..bytes.len() / size_of::<T>() * size_of::<T>()]))
 }
 
-/// The first mip level of a texture with `COPY_SRC`, all its layers or slices, rows without padding. Blocks.
+/// The first mip level of a texture with `COPY_SRC`, all its layers or slices, rows without padding.
 ///
 /// # Errors
-/// [`Error::Gpu`] when the device is lost.
-pub fn texture(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture) -> Result<Vec<u8>> {
-    let texel = texture.format().block_copy_size(None).ok_or_else(|| Error::Gpu {
-        stage: "read-back",
-        problem: format!("{:?} has no single size per texel", texture.format()),
-    })?;
-    let (width, height, depth) = (texture.width(), texture.height(), texture.depth_or_array_layers());
-    let row = width * texel;
-    let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-    let bytes =
-        copy(device, queue, u64::from(padded) * u64::from(height) * u64::from(depth), |encoder, target| {
+/// [`Error::Gpu`] when the device is lost, or for a format without a single size per texel.
+pub async fn texture(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture) -> Result<Vec<u8>> {
+    Pending::texture(device, queue, texture)?.wait(device).await
+}
+
+/// The same for programs without an executor, such as tests. Not in a browser, where nothing can block.
+#[cfg(not(target_arch = "wasm32"))]
+pub mod blocking {
+    use crate::{Result, progress::at_once};
+
+    /// What [`buffer`](super::buffer) gives.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`](crate::Error::Gpu) when the device is lost.
+    pub fn buffer<T: bytemuck::Pod>(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        buffer: &wgpu::Buffer,
+    ) -> Result<Vec<T>> {
+        at_once(super::buffer(device, queue, buffer))
+    }
+
+    /// What [`texture`](super::texture) gives.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn texture(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture) -> Result<Vec<u8>> {
+        at_once(super::texture(device, queue, texture))
+    }
+}
+
+/// A copy on its way to the CPU.
+#[derive(Debug)]
+pub struct Pending {
+    target: wgpu::Buffer,
+    size: u64,
+    /// Bytes per row in the copy and without padding.
+    rows: Option<[usize; 2]>,
+    mapping: Arc<Mutex<Mapping>>,
+}
+
+/// What the mapping's callback tells.
+#[derive(Debug, Default)]
+struct Mapping {
+    result: Option<Result<(), wgpu::BufferAsyncError>>,
+    waker: Option<Waker>,
+}
+
+impl Pending {
+    /// Begins to copy `buffer` from byte 0, which must have `COPY_SRC`, as it is after all that has been
+    /// submitted.
+    pub fn buffer(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buffer) -> Self {
+        Self::new(device, queue, buffer.size(), None, |encoder, target| {
+            encoder.copy_buffer_to_buffer(buffer, 0, target, 0, buffer.size());
+        })
+    }
+
+    /// The same for the first mip level of a texture with `COPY_SRC`, all its layers or slices; rows
+    /// come without padding.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] for a format without a single size per texel.
+    pub fn texture(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture) -> Result<Self> {
+        let texel = texture.format().block_copy_size(None).ok_or_else(|| Error::Gpu {
+            stage: "read-back",
+            problem: format!("{:?} has no single size per texel", texture.format()),
+        })?;
+        let (width, height, depth) = (texture.width(), texture.height(), texture.depth_or_array_layers());
+        let row = width * texel;
+        let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let size = u64::from(padded) * u64::from(height) * u64::from(depth);
+        let rows = Some([padded as usize, row as usize]);
+        Ok(Self::new(device, queue, size, rows, |encoder, target| {
             encoder.copy_texture_to_buffer(
                 texture.as_image_copy(),
                 wgpu::TexelCopyBufferInfo {
@@ -43,37 +114,87 @@ pub fn texture(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Textu
                 },
                 wgpu::Extent3d { width, height, depth_or_array_layers: depth },
             );
-        })?;
-    Ok(bytes.chunks(padded as usize).flat_map(|line| &line[..row as usize]).copied().collect())
+        }))
+    }
+
+    fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        size: u64,
+        rows: Option<[usize; 2]>,
+        record: impl FnOnce(&mut wgpu::CommandEncoder, &wgpu::Buffer),
+    ) -> Self {
+        let target = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("read-back"),
+            size: size.next_multiple_of(4).max(4),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let mut encoder =
+            device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("read-back") });
+        record(&mut encoder, &target);
+        queue.submit([encoder.finish()]);
+        let mapping = Arc::new(Mutex::new(Mapping::default()));
+        let told = Arc::clone(&mapping);
+        target.slice(..).map_async(wgpu::MapMode::Read, move |result| {
+            let waker = {
+                let mut mapping = lock(&told);
+                mapping.result = Some(result);
+                mapping.waker.take()
+            };
+            if let Some(waker) = waker {
+                waker.wake();
+            }
+        });
+        Self { target, size, rows, mapping }
+    }
+
+    /// The bytes, once, if they have arrived by now.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] when the device is lost.
+    pub fn take(&mut self) -> Option<Result<Vec<u8>>> {
+        let result = lock(&self.mapping).result.take()?;
+        Some(result.map_err(|error| lost(error.to_string())).and_then(|()| self.bytes()))
+    }
+
+    /// The bytes when they have arrived.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] when the device is lost.
+    pub async fn wait(mut self, device: &wgpu::Device) -> Result<Vec<u8>> {
+        // In a browser this returns at once and the callback comes from the event loop.
+        device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| lost(error.to_string()))?;
+        poll_fn(|context| {
+            if let Some(result) = self.take() {
+                return Poll::Ready(result);
+            }
+            let mut mapping = lock(&self.mapping);
+            mapping.waker = Some(context.waker().clone());
+            // The callback may have come in between.
+            if mapping.result.is_some() {
+                context.waker().wake_by_ref();
+            }
+            Poll::Pending
+        })
+        .await
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>> {
+        let view = self.target.slice(..self.size).get_mapped_range();
+        let view = view.map_err(|error| lost(error.to_string()))?;
+        Ok(match self.rows {
+            Some([padded, row]) => view.chunks(padded).flat_map(|line| &line[..row]).copied().collect(),
+            None => view.to_vec(),
+        })
+    }
 }
 
-fn copy(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    size: u64,
-    record: impl FnOnce(&mut wgpu::CommandEncoder, &wgpu::Buffer),
-) -> Result<Vec<u8>> {
-    let lost = |problem: String| Error::Gpu { stage: "read-back", problem };
-    let target = device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("read-back"),
-        size: size.next_multiple_of(4).max(4),
-        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-        mapped_at_creation: false,
-    });
-    let mut encoder =
-        device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("read-back") });
-    record(&mut encoder, &target);
-    queue.submit([encoder.finish()]);
-    let (sender, receiver) = std::sync::mpsc::channel();
-    target.slice(..).map_async(wgpu::MapMode::Read, move |result| {
-        // The receiver is alive until the poll below has returned.
-        let _ = sender.send(result);
-    });
-    device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| lost(error.to_string()))?;
-    receiver
-        .recv()
-        .map_err(|_| lost("the mapping was dropped".into()))?
-        .map_err(|error| lost(error.to_string()))?;
-    let view = target.slice(..size).get_mapped_range().map_err(|error| lost(error.to_string()))?;
-    Ok(view.to_vec())
+fn lost(problem: String) -> Error {
+    Error::Gpu { stage: "read-back", problem }
+}
+
+fn lock(mapping: &Mutex<Mapping>) -> MutexGuard<'_, Mapping> {
+    // A panic elsewhere leaves no half-written mapping.
+    mapping.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,6 +1,7 @@
 //! GPU time per stage: from timestamps at the begin and end of each pass, or by the clock.
 
-use crate::{Error, Result, gpu::readback};
+use super::readback::Pending;
+use crate::{Error, Result};
 use std::time::Instant;
 
 /// The most passes of one frame.
@@ -23,6 +24,7 @@ enum Source {
         period: f32,
     },
     /// Every stage is submitted and waited for alone.
+    #[cfg_attr(target_arch = "wasm32", expect(dead_code, reason = "nothing waits in a browser"))]
     Clock { rows: Vec<(&'static str, f64)>, lost: Option<Error> },
 }
 
@@ -51,7 +53,8 @@ impl Timings {
     /// By the clock: a [`crate::frame::Recorder`] submits the compute passes of its stages one by
     /// one and waits for each. For tools on a software driver, whose timestamps of compute passes
     /// are those of the call; a stage's time holds the call and the waiting. Render passes are not
-    /// timed.
+    /// timed. Not in a browser, where nothing can be waited for.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn by_the_clock() -> Self {
         Self { source: Source::Clock { rows: Vec::new(), lost: None } }
     }
@@ -116,26 +119,78 @@ impl Timings {
         }
     }
 
-    /// Milliseconds per name, in order of first use, and starts over. Blocks.
+    /// Milliseconds per name, in order of first use, and starts over. Waits for the frame: a program that
+    /// must not takes [`later`](Self::later).
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.
-    pub fn read(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<(&'static str, f64)>> {
-        match &mut self.source {
-            Source::Timestamps { resolved, names, period, .. } => {
-                let ticks: Vec<u64> = readback::buffer(device, queue, resolved)?;
-                let mut rows = Vec::new();
-                for (name, [begin, end]) in names.drain(..).zip(ticks.as_chunks().0) {
-                    add(&mut rows, name, end.saturating_sub(*begin) as f64 * f64::from(*period) * 1e-6);
-                }
-                Ok(rows)
-            }
-            Source::Clock { rows, lost } => match lost.take() {
-                Some(error) => Err(error),
-                None => Ok(std::mem::take(rows)),
-            },
+    pub async fn read(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+    ) -> Result<Vec<(&'static str, f64)>> {
+        let Rows { source } = self.later(device, queue);
+        match source {
+            RowSource::Ticks { ticks, names, period } => Ok(rows(&ticks.wait(device).await?, &names, period)),
+            RowSource::Known(known) => known.unwrap_or_else(|| Ok(Vec::new())),
         }
     }
+
+    /// Begins to read what [`read`](Self::read) gives, after the submission of the frame, and starts over:
+    /// the next frame may be recorded at once.
+    pub fn later(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) -> Rows {
+        let source = match &mut self.source {
+            Source::Timestamps { resolved, names, period, .. } => RowSource::Ticks {
+                ticks: Pending::buffer(device, queue, resolved),
+                names: std::mem::take(names),
+                period: *period,
+            },
+            Source::Clock { rows, lost } => RowSource::Known(Some(match lost.take() {
+                Some(error) => Err(error),
+                None => Ok(std::mem::take(rows)),
+            })),
+        };
+        Rows { source }
+    }
+}
+
+/// The times of one frame, on their way to the CPU.
+#[derive(Debug)]
+pub struct Rows {
+    source: RowSource,
+}
+
+#[derive(Debug)]
+enum RowSource {
+    Ticks { ticks: Pending, names: Vec<&'static str>, period: f32 },
+    Known(Option<Result<Vec<(&'static str, f64)>>>),
+}
+
+impl Rows {
+    /// The milliseconds per name, once, if they have arrived by now: after the GPU is done with the
+    /// frame and the device has been polled, as a submission does.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the device is lost.
+    pub fn take(&mut self) -> Option<Result<Vec<(&'static str, f64)>>> {
+        match &mut self.source {
+            RowSource::Ticks { ticks, names, period } => {
+                let ticks = ticks.take()?;
+                Some(ticks.map(|ticks| rows(&ticks, names, *period)))
+            }
+            RowSource::Known(known) => known.take(),
+        }
+    }
+}
+
+/// The rows of passes with `names` from their ticks of `period` nanoseconds.
+fn rows(ticks: &[u8], names: &[&'static str], period: f32) -> Vec<(&'static str, f64)> {
+    let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(ticks);
+    let mut rows = Vec::new();
+    for (name, [begin, end]) in names.iter().zip(ticks.as_chunks().0) {
+        add(&mut rows, name, end.saturating_sub(*begin) as f64 * f64::from(period) * 1e-6);
+    }
+    rows
 }
 
 /// Adds to the row of that name.

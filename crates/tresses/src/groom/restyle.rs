@@ -69,6 +69,29 @@ impl Restyle {
         }
     }
 
+    /// The frizz, strays and flyaways that strands get.
+    fn unruly(&self) -> Unrest {
+        let still = Unrest { frizz: 0.0, strays: 0.0, stray: 0.0, flyaways: 0.0, flyaway: 0.0, shorter: 0.0 };
+        self.unrest.unwrap_or(still)
+    }
+
+    /// Checks that every value is in its range, which is that of growth.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`](crate::Error::Parameter) for a value out of range.
+    pub fn check(&self) -> Result<()> {
+        Growth {
+            curls: self.curls.clone(),
+            clumps: self.clumps(),
+            unrest: self.unruly(),
+            diameter: self.diameter,
+            width_variation: self.width_variation,
+            tip_width: self.tip_width.unwrap_or(1.0),
+            ..Growth::default()
+        }
+        .check()
+    }
+
     /// Changes the strands of `groom` (metres, groom space); `skull` is the middle of the braincase.
     /// Strands on guides whose tips are fixed get no curls.
     ///
@@ -77,22 +100,8 @@ impl Restyle {
     /// [`Error::Groom`](crate::Error::Groom) where the strands have too few
     /// vertices for the curls: bind with [`BindOptions::strand_vertices`](super::BindOptions) of 64.
     pub fn apply(&self, groom: &mut Groom, skull: Vec3) -> Result<()> {
-        let (clumps, still) = (
-            self.clumps(),
-            Unrest { frizz: 0.0, strays: 0.0, stray: 0.0, flyaways: 0.0, flyaway: 0.0, shorter: 0.0 },
-        );
-        let unruly = self.unrest.unwrap_or(still);
-        // The same ranges as in growth.
-        Growth {
-            curls: self.curls.clone(),
-            clumps,
-            unrest: unruly,
-            diameter: self.diameter,
-            width_variation: self.width_variation,
-            tip_width: self.tip_width.unwrap_or(1.0),
-            ..Growth::default()
-        }
-        .check()?;
+        self.check()?;
+        let (clumps, unruly) = (self.clumps(), self.unruly());
         let n = groom.strands.vertex_count as usize;
         let lines: Vec<Vec<Vec3>> =
             (0..groom.strands.len()).map(|i| groom.strands.rest_positions(i).collect()).collect();

@@ -18,11 +18,16 @@ pub struct SdfGrid {
 impl SdfGrid {
     /// A grid whose longest axis has `resolution` nodes and that covers `lo..hi`, filled by `distance`.
     pub fn from_fn(lo: Vec3, hi: Vec3, resolution: u32, distance: impl Fn(Vec3) -> f32) -> Self {
+        let mut grid = Self::over(lo, hi, resolution);
+        grid.distances = (0..grid.size.element_product()).map(|i| distance(grid.node(i))).collect();
+        grid
+    }
+
+    /// The same without distances.
+    pub(crate) fn over(lo: Vec3, hi: Vec3, resolution: u32) -> Self {
         let cell = (hi - lo).max_element() / (resolution.max(2) - 1) as f32;
         let size = ((hi - lo) / cell).ceil().as_uvec3() + UVec3::ONE;
-        let mut grid = Self { size, origin: lo, cell, distances: Vec::new() };
-        grid.distances = (0..size.x * size.y * size.z).map(|i| distance(grid.node(i))).collect();
-        grid
+        Self { size, origin: lo, cell, distances: Vec::new() }
     }
 
     /// The position of node `i`, metres.

@@ -52,6 +52,7 @@ pub mod probe;
 pub mod shade;
 pub mod shadow;
 pub mod shadows;
+pub mod terms;
 
 pub use environment::Environment;
 pub use lights::{Directional, Lights, MAX_LIGHTS, Sky, Sphere};
@@ -60,3 +61,4 @@ pub use probe::{Shadow, ShadowProbe};
 pub use shade::Shade;
 pub use shadow::ShadowMaps;
 pub use shadows::{ShadowMethod, Shadows};
+pub use terms::{Term, Terms};

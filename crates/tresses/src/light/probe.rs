@@ -60,12 +60,16 @@ impl ShadowProbe {
         self.kernel.record(&mut pass, &self.group, &[], self.count.div_ceil(STRAND_WORKGROUP));
     }
 
-    /// The answers, for each point those of the lights that are on, in their order. Blocks.
+    /// The answers, for each point those of the lights that are on, in their order.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.
-    pub fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<[Shadow; MAX_LIGHTS]>> {
-        let answers: Vec<[[f32; 2]; MAX_LIGHTS]> = readback::buffer(device, queue, &self.answers)?;
+    pub async fn read(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+    ) -> Result<Vec<[Shadow; MAX_LIGHTS]>> {
+        let answers: Vec<[[f32; 2]; MAX_LIGHTS]> = readback::buffer(device, queue, &self.answers).await?;
         let shadow = |[fibers, solid]: [f32; 2]| Shadow { fibers, solid };
         Ok(answers.into_iter().map(|lights| lights.map(shadow)).collect())
     }

@@ -10,6 +10,20 @@ use crate::{
     strands::StrandBuffers,
 };
 
+/// What it and its sibling `light::terms` bind.
+pub(super) const BINDINGS: [Binding; 10] = [
+    Binding::Uniform,
+    Binding::Uniform,
+    Binding::DepthArray,
+    Binding::Comparison,
+    Binding::Storage,
+    Binding::Storage,
+    Binding::Uniform,
+    Binding::Storage,
+    Binding::Storage,
+    Binding::StorageMut,
+];
+
 /// The kernel `light::shade`.
 #[derive(Debug)]
 pub struct Shade {
@@ -21,19 +35,10 @@ pub struct Shade {
 impl Shade {
     /// Builds the kernel. `fiber` is the layout of the fibres' tables.
     pub fn new(device: &wgpu::Device, fiber: &wgpu::BindGroupLayout) -> Self {
-        use Binding::*;
         let nothing = layout(device, "nothing", wgpu::ShaderStages::COMPUTE, &[]);
         Self {
             gap: group(device, "nothing", &nothing, &[]),
-            kernel: Kernel::beside(
-                device,
-                "light::shade",
-                &[
-                    Uniform, Uniform, DepthArray, Comparison, Storage, Storage, Uniform, Storage, Storage,
-                    StorageMut,
-                ],
-                &[&nothing, fiber],
-            ),
+            kernel: Kernel::beside(device, "light::shade", &BINDINGS, &[&nothing, fiber]),
         }
     }
 

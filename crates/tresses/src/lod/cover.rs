@@ -3,7 +3,7 @@
 //! The factors on the widths that take both back are measured on the CPU at load.
 
 use super::curve::{CurveTable, resample};
-use crate::{groom::BoundStrands, strands::Strand};
+use crate::{Progress, groom::BoundStrands, strands::Strand};
 use glam::{Vec2, Vec3};
 
 /// Cells along each edge of a view.
@@ -67,12 +67,14 @@ impl CoverTable {
 
     /// For `strands` in the order of [`arrange`](super::arrange) with the radii of `infos`, inside the sphere
     /// of `radius` metres around `middle`, at `levels` with falling shares.
-    pub fn new(
+    pub async fn new(
         strands: &BoundStrands,
         infos: &[Strand],
         (middle, radius): (Vec3, f32),
         levels: &[CoverLevel],
+        progress: &impl Progress,
     ) -> Self {
+        const TASK: &str = "measuring levels of detail";
         let mut table = Self::none();
         let base = infos.len().min(MOST);
         if base == 0 || radius <= 0.0 {
@@ -80,10 +82,13 @@ impl CoverTable {
         }
         let share = base as f32 / infos.len() as f32;
         let lines: Vec<Line> = (0..base).map(|i| line(strands, infos, i)).collect();
+        progress.step(TASK, 0.0).await;
         let mut views = views(middle, radius);
         // Where the base is not all strands it stands for them, a little wider.
         let full = covered(&mut views, &lines, share.recip(), 0.0, None);
-        for level in levels {
+        for (i, level) in levels.iter().enumerate() {
+            // Each level has half the strands of the one before.
+            let done = 1.0 - 0.5f32.powi(i as i32 + 1);
             let count = (level.drawn * infos.len() as f32).ceil() as usize;
             if count >= base {
                 continue;
@@ -95,6 +100,7 @@ impl CoverTable {
                 };
                 // The secant method: coverage grows smoothly, and ever slower, with the width.
                 let (mut a, mut b) = (1.0, 0.85);
+                progress.step(TASK, done).await;
                 let (mut at_a, mut at_b) = (cover(a), cover(b));
                 for _ in 0..3 {
                     let slope = (at_a - at_b) / (a - b);
@@ -106,6 +112,7 @@ impl CoverTable {
                     if (a - b).abs() < 2e-3 {
                         break;
                     }
+                    progress.step(TASK, done).await;
                     at_b = cover(b);
                 }
                 points.push((level.fraction, b));
@@ -230,6 +237,7 @@ pub fn levels(
 mod tests {
     use super::*;
     use crate::groom::Influence;
+    use crate::progress::at_once;
 
     /// `count` strands of a millimetre that fall side by side, a metre long, over 20 cm.
     fn curtain(count: u32) -> (BoundStrands, Vec<Strand>) {
@@ -257,7 +265,7 @@ mod tests {
             pixel,
         };
         let levels = [level(0.25, 0.0), level(0.0625, 0.06)];
-        let table = CoverTable::new(&strands, &infos, (Vec3::ZERO, 0.55), &levels);
+        let table = at_once(CoverTable::new(&strands, &infos, (Vec3::ZERO, 0.55), &levels, &()));
         assert_eq!(table.factor(1.0, 1.0), 1.0);
         assert!(table.factor(0.0625, 1.0) < 1.0, "{}", table.factor(0.0625, 1.0));
         // A coarse pixel more so.

@@ -56,7 +56,7 @@ pub use order::{BUCKET_RATIO, arrange, buckets};
 pub use widths::{StrandLod, WidthParams, Widths};
 
 use crate::{
-    Error, Pose, Result,
+    Error, Pose, Progress, Result,
     draw::View,
     groom::BoundStrands,
     strands::{Drawn, Strand, StrandBuffers},
@@ -187,13 +187,14 @@ impl Lod {
     ///
     /// # Errors
     /// [`Error::Limit`].
-    pub(crate) fn new(
+    pub(crate) async fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         stage: &Widths,
         strands: &BoundStrands,
         infos: &[Strand],
         buffers: &StrandBuffers,
+        progress: &impl Progress,
     ) -> Result<Self> {
         let ends = buckets(buffers.count, LEAST);
         let n = strands.vertex_count as usize;
@@ -240,7 +241,7 @@ impl Lod {
         };
         let first = span(&lod.ends, 0)[1];
         let levels = cover::levels(first, lod.limit(), &lod.curve, |f| lod.widening(f), |p| lod.segments(p));
-        lod.cover = CoverTable::new(strands, infos, lod.sphere, &levels);
+        lod.cover = CoverTable::new(strands, infos, lod.sphere, &levels, progress).await;
         lod.buffers.upload(queue, &lod.strands, &lod.ends, &lod.painted);
         lod.buffers.prepare(queue, &lod.detail);
         Ok(lod)

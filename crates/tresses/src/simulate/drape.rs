@@ -33,12 +33,12 @@ impl Default for DrapeOptions {
 }
 
 /// The positions to which `positions` (guide-major, `n` per guide, groom space, metres: the shape
-/// without gravity) settle under `params`, in the same order. Blocks.
+/// without gravity) settle under `params`, in the same order.
 ///
 /// # Errors
 /// What [`rest::guides`] and the buffers say, and [`crate::Error::Gpu`] when the device is lost.
 #[allow(clippy::too_many_arguments)]
-pub fn drape(
+pub async fn drape(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     simulate: &Simulate,
@@ -82,7 +82,7 @@ pub fn drape(
         queue.submit([encoder.finish()]);
         left -= now;
     }
-    let settled: Vec<[f32; 4]> = readback::buffer(device, queue, &guides.current)?;
+    let settled: Vec<[f32; 4]> = readback::buffer(device, queue, &guides.current).await?;
     let n = n as usize;
     Ok((0..count * n).map(|i| Vec3::from_slice(&settled[i % n * count + i / n][..3])).collect())
 }

@@ -12,7 +12,7 @@ use crate::{
         Anchor, Collider, ColliderDescriptor, ColliderPoses, ColliderSet, FieldId, FieldSource, FieldVolume,
         Moments, Shape,
     },
-    gpu::{Gpu, Timings, for_tests as gpu, readback},
+    gpu::{Gpu, Timings, for_tests as gpu, readback::blocking as readback},
     groom::SdfGrid,
     strands::{Force, GuideBuffers, GuideForce},
     wind::Wind,
@@ -291,7 +291,7 @@ fn draped_hair_lies_on_the_sphere() {
     let simulate = Simulate::new(&gpu.device);
     let start = std::time::Instant::now();
     let options = super::DrapeOptions { clearance: 0.002, ..Default::default() };
-    let settled = super::drape(
+    let settled = pollster::block_on(super::drape(
         &gpu.device,
         &gpu.queue,
         &simulate,
@@ -301,7 +301,7 @@ fn draped_hair_lies_on_the_sphere() {
         &params,
         Some(&grid),
         &options,
-    )
+    ))
     .unwrap();
     println!("draped in {:?}", start.elapsed());
     assert_eq!(settled.len(), positions.len());

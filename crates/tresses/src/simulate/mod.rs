@@ -49,6 +49,7 @@ pub mod clock;
 pub mod drag;
 pub mod drape;
 mod forces;
+pub mod grab;
 pub mod params;
 pub mod rest;
 mod step;
@@ -72,6 +73,7 @@ use std::sync::OnceLock;
 pub use clock::{Clock, Ticks};
 pub use drape::{DrapeOptions, drape};
 pub use forces::{AirUniforms, Forces};
+pub use grab::{Grab, Ray, Target};
 pub use params::{Along, Mode, SimulationParams};
 pub use rest::{GuideTraits, RestGuides, RestOptions, RestShape};
 
@@ -87,6 +89,8 @@ pub struct Simulate {
     colliders: wgpu::BindGroupLayout,
     pipelines: [OnceLock<wgpu::ComputePipeline>; step::CAPACITIES.len()],
     pub(crate) forces: forces::ForcesKernel,
+    /// Made at the first grab.
+    pub(crate) grab: OnceLock<grab::GrabKernels>,
 }
 
 impl Simulate {
@@ -97,6 +101,7 @@ impl Simulate {
             colliders: collide::layout(device),
             pipelines: Default::default(),
             forces: forces::ForcesKernel::new(device),
+            grab: OnceLock::new(),
         }
     }
 

@@ -8,7 +8,7 @@ use super::{
 use crate::{
     Pose,
     collide::{Collider, ColliderDescriptor, ColliderPoses, ColliderSet, Moments, Shape},
-    gpu::{Gpu, for_tests as gpu, readback},
+    gpu::{Gpu, for_tests as gpu, readback::blocking as readback},
     simulate::{
         Forces, GuideTraits, RestGuides, RestOptions, Simulate, Simulation, SimulationParams, Step,
         params::Mode, rest,

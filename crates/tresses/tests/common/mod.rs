@@ -76,7 +76,7 @@ pub fn picture(
     stage.draw(&mut encoder, None, scene, targets, Some(hair), body);
     stage.present(&gpu.device, &mut encoder, None, targets, targets.picture());
     gpu.queue.submit([encoder.finish()]);
-    targets.read(&gpu.device, &gpu.queue).expect("a picture")
+    pollster::block_on(targets.read(&gpu.device, &gpu.queue)).expect("a picture")
 }
 
 /// An orthographic view, depth reversed, of `size`² pixels, in which a metre is a pixel: the origin is

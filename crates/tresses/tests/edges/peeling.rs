@@ -4,7 +4,7 @@ use super::{common, groom::Groom, mode, picture::Studio};
 use tresses::{
     draw::{Background, Coverage, Scene},
     glam::{DVec2, DVec3, Vec3},
-    gpu::readback,
+    gpu::readback::blocking as readback,
     light::{HairMaterial, ShadingModel, ShadingRate, Sphere},
     math::hash::pcg,
 };

@@ -7,7 +7,7 @@ use tresses::{
     collide::ColliderPoses,
     frame::{Frame, Recorder},
     glam::{Quat, Vec3},
-    gpu::{Gpu, readback},
+    gpu::{Gpu, readback::blocking as readback},
     groom::{Groom, SdfGrid},
     simulate::SimulationParams,
     strands::StrandVertex,

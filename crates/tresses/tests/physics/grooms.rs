@@ -31,7 +31,14 @@ pub struct Subject {
 pub fn style(lab: &Lab, name: &str) -> Subject {
     let scalp = GridScalp::mannequin(96);
     let mut styled = styles::guides(&name.parse::<Style>().unwrap(), &scalp);
-    styles::settle(&lab.gpu.device, &lab.gpu.queue, &lab.simulate, &mut styled, &scalp.field).unwrap();
+    pollster::block_on(styles::settle(
+        &lab.gpu.device,
+        &lab.gpu.queue,
+        &lab.simulate,
+        &mut styled,
+        &scalp.field,
+    ))
+    .unwrap();
     let traits = styled.stiffness.iter().map(|&stiffness| GuideTraits { stiffness, ..Default::default() });
     Subject {
         name: name.into(),

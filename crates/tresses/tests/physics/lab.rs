@@ -5,7 +5,7 @@ use tresses::{
     Pose,
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     glam::Vec3,
-    gpu::{Gpu, readback},
+    gpu::{Gpu, readback::blocking as readback},
     groom::SdfGrid,
     simulate::{
         Along, Clock, GuideTraits, MAX_STEPS, Mode, RestGuides, RestOptions, RestShape, Simulate, Simulation,

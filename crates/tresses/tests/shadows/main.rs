@@ -67,8 +67,8 @@ impl<'a> Bench<'a> {
         stage.draw(&mut encoder, None, scene, targets, hair, body);
         stage.present(device, &mut encoder, None, targets, targets.picture());
         queue.submit([encoder.finish()]);
-        let answers = probe.read(device, queue).expect("answers");
-        (targets.read(device, queue).expect("a picture"), answers)
+        let answers = pollster::block_on(probe.read(device, queue)).expect("answers");
+        (pollster::block_on(targets.read(device, queue)).expect("a picture"), answers)
     }
 
     /// The fibres before each point in light from `direction`.

@@ -161,12 +161,12 @@ impl FieldBuilder {
         }
     }
 
-    /// The field of `mesh` read back. Blocks; for what needs distances on the CPU.
+    /// The field of `mesh` read back; for what needs distances on the CPU.
     ///
     /// # Errors
     /// What [`sdf::build`] says of the mesh and the options, [`Error::Groom`] when the mesh encloses
     /// nothing, [`Error::Limit`] and [`Error::Gpu`].
-    pub fn grid(
+    pub async fn grid(
         &self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -175,7 +175,7 @@ impl FieldBuilder {
     ) -> Result<SdfGrid> {
         let plan = Plan::new(mesh, options)?;
         let distances = self.distances(device, queue, &plan)?;
-        let distances: Vec<f32> = readback::buffer(device, queue, &distances)?;
+        let distances: Vec<f32> = readback::buffer(device, queue, &distances).await?;
         if !distances.iter().any(|d| *d < 0.0) {
             return Err(Error::Groom(sdf::NOTHING.into()));
         }

@@ -34,7 +34,7 @@ fn both(gpu: &Gpu, name: &str, mesh: &TriMesh, resolution: u32) -> (SdfGrid, Sdf
     let options = SdfOptions { resolution, fill_cavities: false, ..Default::default() };
     let builder = FieldBuilder::new(&gpu.device);
     let start = Instant::now();
-    let ours = builder.grid(&gpu.device, &gpu.queue, mesh, &options).unwrap();
+    let ours = pollster::block_on(builder.grid(&gpu.device, &gpu.queue, mesh, &options)).unwrap();
     let gpu_time = start.elapsed();
     let start = Instant::now();
     let reference = sdf::build(mesh, &options).unwrap();

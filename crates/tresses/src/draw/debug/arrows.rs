@@ -1,11 +1,10 @@
 //! Host side of `arrows.wesl`.
 
-use super::{Canvas, Grid, LinePoint, constant};
+use super::{Canvas, Grid, LinePoint, constant, scratch::Scratch};
 use crate::{
     Result,
     constants::STRAND_WORKGROUP,
     gpu::{Binding, Kernel},
-    strands::buffers::storage,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{UVec3, Vec3};
@@ -64,12 +63,13 @@ pub struct ArrowsUniform {
 
 /// The pipeline.
 #[derive(Debug)]
-pub(super) struct ArrowsKernel(Kernel);
+pub(super) struct ArrowsKernel(Kernel, Scratch);
 
 impl ArrowsKernel {
     pub(super) fn new(device: &wgpu::Device) -> Self {
         use Binding::{Sampler, StorageMut, Texture3d, Uniform};
-        Self(Kernel::new(device, "draw::debug::arrows", &[Uniform, Uniform, Texture3d, Sampler, StorageMut]))
+        let entries = [Uniform, Uniform, Texture3d, Sampler, StorageMut];
+        Self(Kernel::new(device, "draw::debug::arrows", &entries), Scratch::default())
     }
 
     /// Four points per arrow.
@@ -81,7 +81,7 @@ impl ArrowsKernel {
     ) -> Result<wgpu::Buffer> {
         let count = arrows.count.max(UVec3::ONE);
         let total = count.x.saturating_mul(count.y).saturating_mul(count.z);
-        let points = storage::<LinePoint>(canvas.device, "arrows", 4 * u64::from(total))?;
+        let points = self.1.get::<LinePoint>(canvas.device, "arrows", 4 * u64::from(total))?;
         let uniform = ArrowsUniform {
             first: arrows.first,
             seconds: arrows.seconds,

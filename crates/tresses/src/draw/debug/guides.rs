@@ -1,11 +1,11 @@
 //! Host side of `guides.wesl`.
 
-use super::{Canvas, LinePoint, constant};
+use super::{Canvas, LinePoint, constant, scratch::Scratch};
 use crate::{
     Result,
     constants::STRAND_WORKGROUP,
     gpu::{Binding, Kernel},
-    strands::{GuideBuffers, buffers::storage},
+    strands::GuideBuffers,
 };
 use bytemuck::{Pod, Zeroable};
 
@@ -16,6 +16,8 @@ pub enum GuideQuantity {
     Speed = 0,
     /// How much longer or shorter an edge is than at rest, as a share of its rest length.
     Strain = 1,
+    /// The guide itself, a colour for each.
+    Guide = 2,
 }
 
 /// The kernel's uniform.
@@ -34,16 +36,13 @@ pub struct GuidesUniform {
 
 /// The pipeline.
 #[derive(Debug)]
-pub(super) struct GuidesKernel(Kernel);
+pub(super) struct GuidesKernel(Kernel, Scratch);
 
 impl GuidesKernel {
     pub(super) fn new(device: &wgpu::Device) -> Self {
         use Binding::{Storage, StorageMut, Uniform};
-        Self(Kernel::new(
-            device,
-            "draw::debug::guides",
-            &[Uniform, Storage, Storage, Storage, Storage, StorageMut],
-        ))
+        let entries = [Uniform, Storage, Storage, Storage, Storage, StorageMut];
+        Self(Kernel::new(device, "draw::debug::guides", &entries), Scratch::default())
     }
 
     /// A point per guide sample.
@@ -54,7 +53,7 @@ impl GuidesKernel {
         quantity: GuideQuantity,
     ) -> Result<wgpu::Buffer> {
         let total = u64::from(guides.count) * u64::from(guides.sample_count);
-        let points = storage::<LinePoint>(canvas.device, "guide lines", total)?;
+        let points = self.1.get::<LinePoint>(canvas.device, "guide lines", total)?;
         let uniform = constant(
             canvas.device,
             "guide lines",

@@ -25,8 +25,10 @@ pub struct LinePoint {
     pub width: f32,
     /// How opaque it is; below 0 no line comes here.
     pub alpha: f32,
+    /// 0 for the colour of its value, else the number of a thing, from 1 on, that has its own colour.
+    pub tint: u32,
     /// Unused.
-    pub _pad: [f32; 2],
+    pub _pad: u32,
 }
 
 /// The shader's uniform.

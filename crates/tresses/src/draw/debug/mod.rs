@@ -34,17 +34,23 @@
 //! layers to its samples. Untried: level sets, lighting the volume by its gradient.
 
 mod arrows;
+mod field;
 mod grid;
 mod guides;
 mod lines;
 pub mod outline;
+mod overdraw;
 mod paint;
 mod peak;
 mod ramp;
+mod scratch;
 mod slices;
+mod strands;
 mod streams;
 #[cfg(test)]
 mod tests;
+mod view;
+mod views;
 mod volume;
 
 pub use arrows::{Arrows, ArrowsUniform};
@@ -55,11 +61,15 @@ pub use paint::{Paint, PaintUniform};
 pub use peak::Peak;
 pub use ramp::ramp;
 pub use slices::{SliceUniform, Slices};
+pub use strands::{StrandQuantity, StrandsUniform};
 pub use streams::{Streams, StreamsUniform};
+pub use view::{DebugView, Scale};
+pub use views::{DebugViews, Shown, panels};
 
 use crate::{
     Result,
-    draw::{Body, DrawStage, Scene, Targets, targets::DEPTH_FORMAT},
+    collide::ColliderSet,
+    draw::{Body, DrawStage, HairSet, Scene, Targets, targets::DEPTH_FORMAT},
     gpu::{
         Binding, Timings,
         bindings::{group, layout},
@@ -82,6 +92,11 @@ pub enum Layer<'a> {
     Streams(Grid<'a>, Paint, Streams<'a>),
     /// The guides as they are drawn, after [`crate::frame::Recorder::follow`].
     Guides(&'a GuideBuffers, Paint, GuideQuantity),
+    /// Strips that are drawn over a pixel, counted at its middle: those of one pass, before the body,
+    /// whatever else is before them. After [`DrawStage::prepare`] and [`DrawStage::shade`] for them.
+    Overdraw(&'a HairSet, Paint),
+    /// The distance to the obstacles in the box of a grid, whose texture is not looked at, as slices.
+    Distance(&'a ColliderSet, Grid<'a>, [(Paint, Slices); 2]),
     /// One line; a point with an alpha below 0 interrupts it.
     Lines(&'a [LinePoint], Paint),
 }
@@ -97,7 +112,12 @@ pub struct DebugStage {
     arrows: arrows::ArrowsKernel,
     streams: streams::StreamsKernel,
     guides: guides::GuidesKernel,
+    overdraw: overdraw::Overdraw,
+    /// Made when it is first asked for: it is large.
+    field: Option<field::FieldKernel>,
     sampler: wgpu::Sampler,
+    /// Depth of the body, of the size of the last picture.
+    depth: Option<([u32; 2], wgpu::TextureView)>,
     encode: bool,
 }
 
@@ -128,6 +148,9 @@ impl DebugStage {
             arrows: arrows::ArrowsKernel::new(device),
             streams: streams::StreamsKernel::new(device),
             guides: guides::GuidesKernel::new(device),
+            overdraw: overdraw::Overdraw::new(device, draw, format),
+            field: None,
+            depth: None,
             sampler: device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some("debug"),
                 mag_filter: wgpu::FilterMode::Linear,
@@ -146,7 +169,7 @@ impl DebugStage {
     /// [`crate::Error::Limit`] when the device cannot hold as many lines.
     #[allow(clippy::too_many_arguments)]
     pub fn record(
-        &self,
+        &mut self,
         device: &wgpu::Device,
         encoder: &mut wgpu::CommandEncoder,
         mut timings: Option<&mut Timings>,
@@ -159,19 +182,7 @@ impl DebugStage {
         let uniform =
             constant(device, "debug view", &scene.view.uniform(targets.samples, targets.ssaa, &scene.tone));
         let view = group(device, "debug view", &self.view_layout, &[uniform.as_entire_binding()]);
-        let [width, height] = targets.size;
-        let depth = device
-            .create_texture(&wgpu::TextureDescriptor {
-                label: Some("debug depth"),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: DEPTH_FORMAT,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-                view_formats: &[],
-            })
-            .create_view(&Default::default());
+        let depth = self.depth(device, targets.size);
         self.record_depth(encoder, timings.as_deref_mut(), &view, &depth, body);
         for layer in layers {
             let mut canvas = Canvas {
@@ -201,10 +212,46 @@ impl DebugStage {
                     let points = self.guides.record(&mut canvas, guides, *quantity)?;
                     self.lines.record(&mut canvas, &points, guides.sample_count, paint);
                 }
+                Layer::Overdraw(hair, paint) => self.overdraw.record(&mut canvas, hair, paint),
+                Layer::Distance(colliders, grid, slices) => {
+                    let field = self.field.get_or_insert_with(|| field::FieldKernel::new(device));
+                    field.record(&mut canvas, grid, colliders);
+                    let grid = Grid {
+                        texture: &field.texture,
+                        quantity: Quantity::Channel(0),
+                        turns: false,
+                        ..*grid
+                    };
+                    for (paint, slices) in slices {
+                        self.slices.record(&mut canvas, &grid, paint, slices);
+                    }
+                }
                 Layer::Lines(points, paint) => self.lines.record_from_host(&mut canvas, points, paint),
             }
         }
         Ok(())
+    }
+
+    /// A depth texture of `size`: that of the last picture, where it fits.
+    fn depth(&mut self, device: &wgpu::Device, size: [u32; 2]) -> wgpu::TextureView {
+        if let Some((_, view)) = self.depth.as_ref().filter(|(of, _)| *of == size) {
+            return view.clone();
+        }
+        let [width, height] = size;
+        let view = device
+            .create_texture(&wgpu::TextureDescriptor {
+                label: Some("debug depth"),
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: DEPTH_FORMAT,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            })
+            .create_view(&Default::default());
+        self.depth = Some((size, view.clone()));
+        view
     }
 
     fn record_depth(

@@ -21,11 +21,11 @@ impl Peak {
         ))
     }
 
-    /// The largest value in `grid` as it is now, at least 0. Blocks: not for the frame.
+    /// The largest value in `grid` as it is now, at least 0. Waits: not for the frame.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.
-    pub fn measure(&self, device: &wgpu::Device, queue: &wgpu::Queue, grid: &Grid<'_>) -> Result<f32> {
+    pub async fn measure(&self, device: &wgpu::Device, queue: &wgpu::Queue, grid: &Grid<'_>) -> Result<f32> {
         let result = storage::<f32>(device, "peak", 1)?;
         let place = constant(device, "peak", &grid.uniform());
         let group = self.0.bind(
@@ -39,6 +39,6 @@ impl Peak {
         let mut encoder = device.create_command_encoder(&Default::default());
         self.0.record(&mut encoder.begin_compute_pass(&Default::default()), &group, &[], 1);
         queue.submit([encoder.finish()]);
-        Ok(readback::buffer::<f32>(device, queue, &result)?[0])
+        Ok(readback::buffer::<f32>(device, queue, &result).await?[0])
     }
 }

@@ -17,12 +17,17 @@ pub struct Slices {
     /// of the first in clip space (xy, -1..1), the panels' height (z) and the way from one down
     /// to the next (w), both in clip space.
     pub panels: Option<Vec4>,
+    /// Only the plane across this axis, over everything.
+    pub facing: Option<u32>,
+    /// From one line of equal value to the next, in the unit of what is shown; that of 0 is broad. 0
+    /// for no lines.
+    pub contours: f32,
 }
 
 impl Default for Slices {
     /// The mid planes, in the scene.
     fn default() -> Self {
-        Self { at: Vec3::splat(0.5), panels: None }
+        Self { at: Vec3::splat(0.5), panels: None, facing: None, contours: 0.0 }
     }
 }
 
@@ -36,6 +41,14 @@ pub struct SliceUniform {
     pub panels: u32,
     /// [`Slices::panels`].
     pub panel: Vec4,
+    /// [`Slices::contours`].
+    pub contours: f32,
+    /// Unused.
+    pub _pad_a: u32,
+    /// Unused.
+    pub _pad_b: u32,
+    /// Unused.
+    pub _pad_c: u32,
 }
 
 /// The pipelines: in the scene the body hides what is behind it, panels lie over everything.
@@ -71,6 +84,10 @@ impl SlicesPipeline {
                 at: slices.at,
                 panels: u32::from(slices.panels.is_some()),
                 panel: slices.panels.unwrap_or_default(),
+                contours: slices.contours,
+                _pad_a: 0,
+                _pad_b: 0,
+                _pad_c: 0,
             },
         );
         let resources = [
@@ -82,10 +99,12 @@ impl SlicesPipeline {
         ];
         let group = group(canvas.device, "slices", &self.layout, &resources);
         let view = canvas.view;
-        let mut pass = canvas.pass(slices.panels.is_none());
-        pass.set_pipeline(if slices.panels.is_some() { &self.panels } else { &self.scene });
+        let over = slices.panels.is_some() || slices.facing.is_some();
+        let mut pass = canvas.pass(!over);
+        pass.set_pipeline(if over { &self.panels } else { &self.scene });
         pass.set_bind_group(0, &group, &[]);
         pass.set_bind_group(1, view, &[]);
-        pass.draw(0..4, 0..3);
+        let planes = slices.facing.map_or(0..3, |axis| axis.min(2)..axis.min(2) + 1);
+        pass.draw(0..4, planes);
     }
 }

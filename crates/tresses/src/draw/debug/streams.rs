@@ -1,11 +1,10 @@
 //! Host side of `streams.wesl`.
 
-use super::{Canvas, Grid, LinePoint, constant};
+use super::{Canvas, Grid, LinePoint, constant, scratch::Scratch};
 use crate::{
     Result,
     constants::STRAND_WORKGROUP,
     gpu::{Binding, Kernel},
-    strands::buffers::storage,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -59,13 +58,13 @@ pub struct StreamsUniform {
 
 /// The pipeline.
 #[derive(Debug)]
-pub(super) struct StreamsKernel(Kernel);
+pub(super) struct StreamsKernel(Kernel, Scratch);
 
 impl StreamsKernel {
     pub(super) fn new(device: &wgpu::Device) -> Self {
         use Binding::{Sampler, Storage, StorageMut, Texture3d, Uniform};
         let entries = [Uniform, Uniform, Texture3d, Sampler, Storage, StorageMut];
-        Self(Kernel::new(device, "draw::debug::streams", &entries))
+        Self(Kernel::new(device, "draw::debug::streams", &entries), Scratch::default())
     }
 
     /// `streams.points` points per seed; nothing without seeds.
@@ -85,7 +84,7 @@ impl StreamsKernel {
             least: streams.least,
         };
         let total = u64::from(uniform.seeds) * u64::from(uniform.points);
-        let points = storage::<LinePoint>(canvas.device, "streams", total)?;
+        let points = self.1.get::<LinePoint>(canvas.device, "streams", total)?;
         let seeds: Vec<_> = streams.seeds.iter().map(|seed| seed.extend(0.0).to_array()).collect();
         let seeds = canvas.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("seeds"),

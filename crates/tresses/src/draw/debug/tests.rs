@@ -4,7 +4,7 @@ use super::{arrows::ArrowsKernel, guides::GuidesKernel, streams::StreamsKernel, 
 use crate::{
     Pose,
     draw::{Background, DrawOptions, View},
-    gpu::{Gpu, for_tests as gpu, readback},
+    gpu::{Gpu, for_tests as gpu, readback::blocking as readback},
     groom::TriMesh,
     strands::{GuideSample, GuideShape},
 };
@@ -62,7 +62,7 @@ fn view() -> View {
 fn picture(gpu: &Gpu, layers: &[Layer<'_>], body: Option<&TriMesh>) -> Vec<[u8; 4]> {
     let Gpu { device, queue, .. } = gpu;
     let draw = DrawStage::new(device, &DrawOptions { samples: 1, ..Default::default() });
-    let debug = DebugStage::new(device, &draw, crate::draw::targets::PICTURE_FORMAT);
+    let mut debug = DebugStage::new(device, &draw, crate::draw::targets::PICTURE_FORMAT);
     let targets = Targets::new(device, SIZE, SIZE, 1, 1).unwrap();
     let body = body.map(|mesh| Body::new(device, &draw, mesh));
     let scene = Scene { view: view(), background: Background::transparent(), ..Default::default() };
@@ -74,7 +74,7 @@ fn picture(gpu: &Gpu, layers: &[Layer<'_>], body: Option<&TriMesh>) -> Vec<[u8; 
         .record(device, &mut encoder, None, &scene, &targets, body.as_ref(), targets.picture(), layers)
         .unwrap();
     queue.submit([encoder.finish()]);
-    targets.read(device, queue).unwrap().as_chunks().0.to_vec()
+    pollster::block_on(targets.read(device, queue)).unwrap().as_chunks().0.to_vec()
 }
 
 /// What `record` leaves in its buffer.
@@ -198,7 +198,7 @@ fn slices_show_the_right_place() {
     for channel in 0..3 {
         let grid = grid(&texture, Pose::IDENTITY, Quantity::Channel(channel));
         // Seen along z the other two planes are lines.
-        let seen = picture(&gpu, &[Layer::Slices(grid, paint, Slices { at, panels: None })], None);
+        let seen = picture(&gpu, &[Layer::Slices(grid, paint, Slices { at, ..Default::default() })], None);
         // The middle of a pixel of the panels, which are 32 pixels wide.
         let (u, v) = (22.5 / 32.0, 6.5 / 32.0);
         let found = pixel(&seen, (u - 0.5) * 0.2, (v - 0.5) * 0.2);
@@ -208,7 +208,7 @@ fn slices_show_the_right_place() {
         assert_eq!(pixel(&seen, 0.12, 0.0)[3], 0, "outside of the box");
         // Panels: left and top of the picture, 0.5 high in clip space, 0.625 apart.
         let panel = Vec4::new(-0.9375, 0.375, 0.5, 0.625);
-        let slices = Slices { at, panels: Some(panel) };
+        let slices = Slices { at, panels: Some(panel), ..Default::default() };
         let seen = picture(&gpu, &[Layer::Slices(grid, paint, slices)], None);
         for axis in 0..3 {
             let (x, y) = (panel.x + u * panel.z, panel.y - axis as f32 * panel.w + v * panel.z);
@@ -225,12 +225,59 @@ fn panels_name_the_plane() {
     let Some(gpu) = gpu() else { return };
     let texture = texture(&gpu, 8, |_| Vec4::ONE);
     let paint = Paint { low: 0.0, high: 1.0, opacity: 0.5 };
-    let slices = Slices { at: Vec3::splat(0.5), panels: Some(Vec4::new(-1.0, 0.5, 0.5, 0.6)) };
+    let slices = Slices { panels: Some(Vec4::new(-1.0, 0.5, 0.5, 0.6)), ..Default::default() };
     let layer = Layer::Slices(grid(&texture, Pose::IDENTITY, Quantity::Length), paint, slices);
     let seen = picture(&gpu, &[layer], None);
     let covered: f64 = seen.iter().map(|p| f64::from(p[3]) / 255.0).sum::<f64>() / f64::from(SIZE * SIZE);
     // Three squares of a quarter of the picture's height, half opaque.
     assert!((covered / (3.0 * 0.0625 * 0.5) - 1.0).abs() < 0.02, "{covered}");
+}
+
+#[test]
+fn strips_are_counted() {
+    let Some(gpu) = gpu() else { return };
+    use crate::{
+        draw::HairSet,
+        strands::{StrandBuffers, StrandVertex, vertex::pack_tangent},
+    };
+    let Gpu { device, queue, .. } = &gpu;
+    let draw = DrawStage::new(device, &DrawOptions { samples: 1, ..Default::default() });
+    let mut debug = DebugStage::new(device, &draw, crate::draw::targets::PICTURE_FORMAT);
+    let targets = Targets::new(device, SIZE, SIZE, 1, 1).unwrap();
+    let scene = Scene { view: view(), background: Background::transparent(), ..Default::default() };
+    // Strands from left to right behind each other, 10 mm wide; all cross the right half, the first also
+    // the left one.
+    let count = 7;
+    let strands = StrandBuffers::new(device, count, 2).unwrap();
+    let vertices: Vec<_> = (0..count)
+        .flat_map(|i| {
+            let z = -0.1 - 0.01 * i as f32;
+            let begin = if i == 0 { -0.1 } else { 0.0 };
+            [begin, 0.1]
+                .map(|x| StrandVertex { position: Vec3::new(x, 0.0, z), tangent: pack_tangent(Vec3::X, 1.0) })
+        })
+        .collect();
+    queue.write_buffer(&strands.vertices, 0, bytemuck::cast_slice(&vertices));
+    let set = HairSet::new(device, &draw, &strands).unwrap();
+    // As `light::shade` leaves it: millimetres in the fourth half float.
+    let shaded = vec![[0, 0, 0, f16::from_f32(5.0).to_bits()]; 2 * count as usize];
+    queue.write_buffer(set.shaded(), 0, bytemuck::cast_slice(&shaded));
+    let mut encoder = device.create_command_encoder(&Default::default());
+    draw.prepare(queue, &scene, &targets, Some(&set), None);
+    draw.draw(&mut encoder, None, &scene, &targets, None, None);
+    draw.present(device, &mut encoder, None, &targets, targets.picture());
+    let layers = [Layer::Overdraw(&set, Paint { low: 0.0, high: 10.0, opacity: 1.0 })];
+    debug.record(device, &mut encoder, None, &scene, &targets, None, targets.picture(), &layers).unwrap();
+    queue.submit([encoder.finish()]);
+    let seen: Vec<[u8; 4]> = pollster::block_on(targets.read(device, queue)).unwrap().as_chunks().0.to_vec();
+    let pixel = |x: u32, y: u32| seen[(y * SIZE + x) as usize];
+    let (middle, quarter) = (SIZE / 2, SIZE / 4);
+    for (x, y, number) in [(middle + quarter, middle, 7), (middle - quarter, middle + 1, 1)] {
+        let found = pixel(x, y);
+        assert!(off(found, number as f32 / 10.0) < 3, "{found:?} for {number}");
+        assert!(off(found, (number + 1) as f32 / 10.0) > 3, "one more is seen");
+    }
+    assert_eq!(pixel(middle, quarter)[3], 0, "nothing where nothing is drawn");
 }
 
 const SPIN: f32 = 12.0;
@@ -349,7 +396,7 @@ fn guides_carry_their_quantities() {
     gpu.queue.write_buffer(&guides.shape, 0, bytemuck::cast_slice(&shape));
     gpu.queue.write_buffer(&guides.samples, 0, bytemuck::cast_slice(&sampled));
     let kernel = GuidesKernel::new(&gpu.device);
-    for quantity in [GuideQuantity::Speed, GuideQuantity::Strain] {
+    for quantity in [GuideQuantity::Speed, GuideQuantity::Strain, GuideQuantity::Guide] {
         let points = points(&gpu, |canvas| kernel.record(canvas, &guides, quantity).unwrap());
         assert_eq!(points.len(), 21);
         for (i, point) in points.iter().enumerate() {
@@ -357,7 +404,10 @@ fn guides_carry_their_quantities() {
             let expected = match quantity {
                 GuideQuantity::Speed => guide + 0.5 * sample,
                 GuideQuantity::Strain => 0.1 * guide,
+                GuideQuantity::Guide => 0.0,
             };
+            let tint = if quantity == GuideQuantity::Guide { 1 + i as u32 / 7 } else { 0 };
+            assert_eq!(point.tint, tint);
             assert!((point.value - expected).abs() < 1e-4, "{quantity:?} {i}: {}", point.value);
             assert_eq!(point.position, Vec3::splat(i as f32));
         }
@@ -398,7 +448,9 @@ fn the_peak_is_found() {
         Vec4::new(0.5, 0.0, 0.0, if here { 7.0 } else { -1.0 })
     });
     let peak = Peak::new(&gpu.device);
-    let measure = |q| peak.measure(&gpu.device, &gpu.queue, &grid(&texture, Pose::IDENTITY, q)).unwrap();
+    let measure = |q| {
+        pollster::block_on(peak.measure(&gpu.device, &gpu.queue, &grid(&texture, Pose::IDENTITY, q))).unwrap()
+    };
     assert_eq!(measure(Quantity::Channel(3)), 7.0);
     assert_eq!(measure(Quantity::Length), 0.5);
     assert_eq!(measure(Quantity::Channel(1)), 0.0);

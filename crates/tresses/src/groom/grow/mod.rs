@@ -38,8 +38,8 @@ pub(crate) use unrest::unrest;
 
 use super::styles::random::Rng;
 use super::styles::{Scalp, StyledGuides};
-use crate::Result;
 use crate::math::hash::pcg;
+use crate::{Progress, Result, progress::at_once};
 use glam::{Vec2, Vec3};
 
 /// One grown strand, apart from its vertices.
@@ -88,7 +88,22 @@ impl GrownStrands {
 /// [`Error::Parameter`](crate::Error::Parameter) for growth parameters out of range, and where maps
 /// leave no place for the strands that are asked for.
 pub fn grow(styled: &StyledGuides, growth: &Growth, scalp: &dyn Scalp) -> Result<GrownStrands> {
+    at_once(grow_with(styled, growth, scalp, &()))
+}
+
+/// The same, telling `progress`.
+///
+/// # Errors
+/// As [`grow`].
+pub async fn grow_with(
+    styled: &StyledGuides,
+    growth: &Growth,
+    scalp: &dyn Scalp,
+    progress: &impl Progress,
+) -> Result<GrownStrands> {
+    const TASK: &str = "growing strands";
     growth.check()?;
+    progress.step(TASK, 0.0).await;
     let scaffold = bind::Scaffold::new(styled, scalp);
     let totals = count::totals(&scaffold, styled, growth, scalp);
     growth.curls.fits(median_length(styled), growth.vertices)?;
@@ -107,6 +122,9 @@ pub fn grow(styled: &StyledGuides, growth: &Growth, scalp: &dyn Scalp) -> Result
     };
     let mut line = vec![Vec3::ZERO; vertices];
     for (i, seed) in seeds.iter().enumerate() {
+        if i % 64 == 0 {
+            progress.step(TASK, i as f32 / n as f32).await;
+        }
         let Some([length, painted]) = seed.paint else { continue };
         let seed = &seed::Seed { fraction: seed.fraction * length, ..*seed };
         let id = pcg(growth.seed ^ pcg(i as u32 ^ 0x5eed));

@@ -201,9 +201,11 @@ impl Growth {
         self.diameter.unwrap_or_else(|| 2.0 * covering_radius(count))
     }
 
+    /// Checks that every value is in its range.
+    ///
     /// # Errors
     /// [`Error::Parameter`] for a value out of range.
-    pub(crate) fn check(&self) -> Result<()> {
+    pub fn check(&self) -> Result<()> {
         let fraction = |name, v: f32| match (0.0..=1.0).contains(&v) {
             true => Ok(()),
             false => Err(Error::Parameter { name, value: v.to_string(), range: "from 0 to 1" }),

@@ -2,17 +2,21 @@
 
 use std::path::Path;
 
-use super::{FileReport, Raw, load, parse};
+use super::{FileReport, Files, Raw, parse};
 use crate::error::{Error, Result};
 
 /// Reads and joins files that share one unit and one set of axes.
-pub(super) fn read<P: AsRef<Path>>(paths: &[P], lenient: bool) -> Result<(Raw, Vec<FileReport>)> {
-    let mut files = Vec::new();
+pub(super) fn read<P: AsRef<Path>>(
+    files: Files<'_>,
+    paths: &[P],
+    lenient: bool,
+) -> Result<(Raw, Vec<FileReport>)> {
+    let mut reports: Vec<FileReport> = Vec::new();
     let mut joined: Option<Raw> = None;
     for path in paths {
         let path = path.as_ref();
-        let raw = parse(path, &load(path)?, lenient)?;
-        files.push(FileReport {
+        let raw = parse(path, &files.load(path)?, lenient)?;
+        reports.push(FileReport {
             path: path.to_path_buf(),
             format: raw.format,
             strands: raw.strands.len(),
@@ -23,7 +27,7 @@ pub(super) fn read<P: AsRef<Path>>(paths: &[P], lenient: bool) -> Result<(Raw, V
             None => raw,
             Some(mut all) => {
                 let notes = append(&mut all, raw);
-                if let (Some(report), false) = (files.last_mut(), notes.is_empty()) {
+                if let (Some(report), false) = (reports.last_mut(), notes.is_empty()) {
                     report.notes.extend(notes);
                 }
                 if all.strands.positions.len() as u64 > super::MAX_VERTICES {
@@ -37,7 +41,7 @@ pub(super) fn read<P: AsRef<Path>>(paths: &[P], lenient: bool) -> Result<(Raw, V
             }
         });
     }
-    joined.map(|all| (all, files)).ok_or_else(|| Error::Groom("no groom file is given".into()))
+    joined.map(|all| (all, reports)).ok_or_else(|| Error::Groom("no groom file is given".into()))
 }
 
 /// Adds `more`. An attribute lives on only where both have it; pinned tips are joined in any case.

@@ -5,6 +5,7 @@
 //! uses each to orient the other. A file is first read whole, and nothing that its header says is
 //! believed before it fits into the bytes that are there.
 
+mod files;
 mod hair;
 mod join;
 pub mod mesh;
@@ -15,6 +16,9 @@ mod tfx_text;
 
 pub(crate) use hair::{COLORS, MARK, POINTS, SEGMENTS, THICKNESS};
 pub(crate) use source::Source;
+
+use files::Files;
+pub use files::{Given, Kind, kind};
 
 use std::path::{Path, PathBuf};
 
@@ -84,7 +88,7 @@ impl Raw {
 
 /// Reads one groom from one or more files and orients it by itself.
 pub fn read<P: AsRef<Path>>(paths: &[P], options: &ImportOptions) -> Result<(Strands, ImportReport)> {
-    let (strands, _, report) = read_all(paths, &[] as &[&Path], options)?;
+    let (strands, _, report) = read_all(Files::Disk, paths, &[] as &[&Path], options)?;
     Ok((strands, report))
 }
 
@@ -98,8 +102,57 @@ pub fn read_with_head<P: AsRef<Path>, H: AsRef<Path>>(
     if heads.is_empty() {
         return Err(Error::Groom("no head mesh is given".into()));
     }
-    let (strands, head, report) = read_all(paths, heads, options)?;
+    let (strands, head, report) = read_all(Files::Disk, paths, heads, options)?;
     Ok((strands, head.unwrap_or_default(), report))
+}
+
+/// The same from bytes, for a browser: of `files` the grooms are joined, the meshes make the head, and
+/// companions (`.mtl`, `.bin`) are found by those that name them, by [`kind`]. Without a mesh there is no
+/// head.
+///
+/// # Errors
+/// As [`read`], and [`Error::File`] for a file of no known kind, or when a file that another one needs is
+/// not among them.
+pub fn read_given(
+    files: &[Given<'_>],
+    options: &ImportOptions,
+) -> Result<(Strands, Option<TriMesh>, ImportReport)> {
+    let sorted = Sorted::new(files)?;
+    read_all(Files::Given(files), &sorted.grooms, &sorted.meshes, options)
+}
+
+/// [`read_head`] from bytes: the meshes among `files` and their companions.
+///
+/// # Errors
+/// As [`read_given`].
+pub fn read_given_head(files: &[Given<'_>], options: &ImportOptions) -> Result<(TriMesh, orient::Placement)> {
+    let sorted = Sorted::new(files)?;
+    head_of(Files::Given(files), &sorted.meshes, options)
+}
+
+/// Given files by what they are.
+struct Sorted<'a> {
+    grooms: Vec<&'a Path>,
+    meshes: Vec<&'a Path>,
+}
+
+impl<'a> Sorted<'a> {
+    fn new(files: &'a [Given<'_>]) -> Result<Self> {
+        let mut sorted = Self { grooms: Vec::new(), meshes: Vec::new() };
+        for (name, bytes) in files {
+            match kind(name, bytes) {
+                Some(Kind::Groom) => sorted.grooms.push(name),
+                Some(Kind::Mesh) => sorted.meshes.push(name),
+                Some(Kind::Companion) => {}
+                None => {
+                    let problem =
+                        "a groom is a .tfx, .hair or .obj file, a head an .obj, .gltf, .glb or .tfxmesh file";
+                    return Err(Error::File { path: name.clone(), at: At::File, problem: problem.into() });
+                }
+            }
+        }
+        Ok(sorted)
+    }
 }
 
 /// Reads a head without a groom and orients it.
@@ -107,23 +160,32 @@ pub fn read_head<H: AsRef<Path>>(
     heads: &[H],
     options: &ImportOptions,
 ) -> Result<(TriMesh, orient::Placement)> {
+    head_of(Files::Disk, heads, options)
+}
+
+fn head_of<H: AsRef<Path>>(
+    files: Files<'_>,
+    heads: &[H],
+    options: &ImportOptions,
+) -> Result<(TriMesh, orient::Placement)> {
     options.orient_head.check()?;
-    let mut head = mesh::read_all(heads)?;
+    let mut head = mesh::read_from(files, heads)?;
     let placement = orient::head(&head, &options.orient_head);
     placement.apply_to_mesh(&mut head.mesh);
     Ok((head.mesh, placement))
 }
 
 fn read_all<P: AsRef<Path>, H: AsRef<Path>>(
+    from: Files<'_>,
     paths: &[P],
     heads: &[H],
     options: &ImportOptions,
 ) -> Result<(Strands, Option<TriMesh>, ImportReport)> {
     options.orient.check()?;
     options.orient_head.check()?;
-    let (raw, files) = join::read(paths, options.lenient)?;
+    let (raw, files) = join::read(from, paths, options.lenient)?;
     let mut strands = raw.strands;
-    let mut head = if heads.is_empty() { None } else { Some(mesh::read_all(heads)?) };
+    let mut head = if heads.is_empty() { None } else { Some(mesh::read_from(from, heads)?) };
     let (placement, head_placement) = match &head {
         Some(head) => {
             let (groom, head) = orient::pair(&strands, raw.declared, head, options);
@@ -151,7 +213,8 @@ fn read_all<P: AsRef<Path>, H: AsRef<Path>>(
 
 /// One groom file from its bytes, as it is; `path` decides the format and stands in errors.
 pub(crate) fn parse(path: &Path, bytes: &[u8], lenient: bool) -> Result<Raw> {
-    let source = Source { path, bytes, lenient };
+    // Grooms have no companions.
+    let source = Source { path, bytes, files: Files::Given(&[]), lenient };
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let raw = match extension.as_str() {
         _ if bytes.is_empty() => return Err(source.problem(At::Byte(0), "the file is empty")),

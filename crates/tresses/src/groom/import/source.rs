@@ -4,6 +4,8 @@ use std::path::Path;
 
 use glam::{Vec2, Vec3};
 
+use super::files::Files;
+
 use crate::error::{At, Error, Result};
 
 /// A whole file in memory. Nothing a header says is believed before it fits into these bytes, so
@@ -12,6 +14,8 @@ use crate::error::{At, Error, Result};
 pub(crate) struct Source<'a> {
     pub path: &'a Path,
     pub bytes: &'a [u8],
+    /// Where its companions are.
+    pub files: Files<'a>,
     /// Whether numbers that are not finite pass, so that a lint can count them.
     pub lenient: bool,
 }

@@ -1,7 +1,11 @@
 //! From the field to triangles and to a grid.
 
 use super::{distance, forms};
-use crate::groom::{SdfGrid, TriMesh};
+use crate::{
+    Progress,
+    groom::{SdfGrid, TriMesh},
+    progress::at_once,
+};
 use fast_surface_nets::{SurfaceNetsBuffer, ndshape::RuntimeShape, ndshape::Shape, surface_nets};
 use glam::{Vec3, vec3};
 
@@ -12,7 +16,21 @@ const HI: Vec3 = vec3(0.235, 0.240, 0.140);
 /// The bust's field on a regular grid: the collider. `resolution` is the number of nodes along the
 /// longest axis.
 pub fn sdf(resolution: u32) -> SdfGrid {
-    SdfGrid::from_fn(LO, HI, resolution, distance)
+    at_once(sdf_with(resolution, &()))
+}
+
+/// The same, telling `progress`.
+pub async fn sdf_with(resolution: u32, progress: &impl Progress) -> SdfGrid {
+    let mut grid = SdfGrid::over(LO, HI, resolution);
+    let (row, rows) = (grid.size.x, grid.size.y * grid.size.z);
+    for i in 0..rows {
+        if i % 16 == 0 {
+            progress.step("measuring the head", i as f32 / rows as f32).await;
+        }
+        let nodes: Vec<f32> = (i * row..(i + 1) * row).map(|i| distance(grid.node(i))).collect();
+        grid.distances.extend(nodes);
+    }
+    grid
 }
 
 /// Where the nodes of one axis stand: `cell` apart within 4 cm of `fine`, three times as far beyond 12 cm.
@@ -38,11 +56,14 @@ struct Lattice {
     distances: Vec<f32>,
 }
 
+/// What takes long.
+const TASK: &str = "modelling the head";
+
 /// Cells along the edge of a block that is looked at as a whole first.
 const BLOCK: usize = 6;
 
 impl Lattice {
-    fn new(resolution: u32) -> Self {
+    async fn new(resolution: u32, progress: &impl Progress) -> Self {
         let cell = 0.30 / resolution.clamp(16, 512) as f32;
         // Lips and lids run across: rows are closer than columns.
         let axes = [
@@ -53,7 +74,7 @@ impl Lattice {
         let shape = RuntimeShape::<u32, 3>::new([0, 1, 2].map(|a| axes[a].len() as u32));
         let distances = vec![0.0; axes.iter().map(Vec::len).product()];
         let mut lattice = Self { axes, shape, distances };
-        lattice.fill();
+        lattice.fill(progress).await;
         lattice.close_pinholes();
         lattice
     }
@@ -64,12 +85,13 @@ impl Lattice {
 
     /// Distances at all nodes. A block that is farther from the surface than its own corners is given one
     /// value, since only its sign will be asked for; the right half mirrors the left one.
-    fn fill(&mut self) {
+    async fn fill(&mut self, progress: &impl Progress) {
         let size = [0, 1, 2].map(|a| self.axes[a].len());
         let half = [size[0] / 2 + 1, size[1], size[2]];
         let index = |x: usize, y: usize, z: usize| x + size[0] * (y + size[1] * z);
         for bz in (0..half[2]).step_by(BLOCK) {
             for by in (0..half[1]).step_by(BLOCK) {
+                progress.step(TASK, 0.5 * bz as f32 / half[2] as f32).await;
                 for bx in (0..half[0]).step_by(BLOCK) {
                     let from = [bx, by, bz];
                     let to = [0, 1, 2].map(|a| (from[a] + BLOCK).min(half[a]) - 1);
@@ -140,12 +162,20 @@ pub(super) fn distance_and_gradient(p: Vec3) -> (f32, Vec3) {
 /// The bust as triangles with smooth normals. `resolution` (clamped to 16…512) is how many of the face's
 /// cells make 30 cm; elsewhere cells are up to three times wider.
 pub fn mesh(resolution: u32) -> TriMesh {
-    let lattice = Lattice::new(resolution);
+    at_once(mesh_with(resolution, &()))
+}
+
+/// The same, telling `progress`.
+pub async fn mesh_with(resolution: u32, progress: &impl Progress) -> TriMesh {
+    let lattice = Lattice::new(resolution, progress).await;
     let mut nets = SurfaceNetsBuffer::default();
     let last = lattice.shape.as_array().map(|n| n - 1);
     surface_nets(&lattice.distances, &lattice.shape, [0; 3], last, &mut nets);
     let mut mesh = TriMesh::default();
-    for q in &nets.positions {
+    for (i, q) in nets.positions.iter().enumerate() {
+        if i % 1024 == 0 {
+            progress.step(TASK, 0.5 + 0.5 * i as f32 / nets.positions.len() as f32).await;
+        }
         // Both halves are worked out on the left, so that they mirror each other to the bit.
         let q = lattice.point(*q);
         let mirror = vec3(if q.x < 0.0 { -1.0 } else { 1.0 }, 1.0, 1.0);

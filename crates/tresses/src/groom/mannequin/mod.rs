@@ -22,7 +22,7 @@ mod skull;
 #[cfg(test)]
 mod tests;
 
-pub use meshing::{mesh, sdf};
+pub use meshing::{mesh, mesh_with, sdf, sdf_with};
 pub use scalp::scalp_point;
 
 use forms::{join, meet};

@@ -1,9 +1,9 @@
 //! A whole built-in character: the mannequin with a hairstyle that has fallen into place.
 
-use super::{GUIDE_VERTICES, GridScalp, Hold, Style, StyledGuides, guides};
+use super::{GUIDE_VERTICES, GridScalp, Hold, Style, StyledGuides, guides_with};
 use crate::groom::curve::resample_chords;
 use crate::{
-    Result,
+    Progress, Result,
     groom::{
         BoundStrands, Groom, Guides, Influence, SdfGrid, TriMesh,
         grow::{self, GrownStrands, Growth},
@@ -35,12 +35,12 @@ pub struct Character {
 
 /// Dresses the mannequin: traces the guides of `style`, lets them fall under gravity on the head
 /// (on the device, with the step that later moves them), and grows the strands from what settled.
-/// `strands` is the exact number of strands, `None` for the style's own. Blocks.
+/// `strands` is the exact number of strands, `None` for the style's own.
 ///
 /// # Errors
 /// [`Error::Parameter`](crate::Error::Parameter) for a style or a number of strands that cannot be
 /// grown, [`Error::Gpu`](crate::Error::Gpu) when the device is lost.
-pub fn character(
+pub async fn character(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     simulate: &Simulate,
@@ -52,39 +52,42 @@ pub fn character(
         Some(count) => growth.with_strands(count),
         None => growth,
     };
-    character_with(device, queue, simulate, style, &growth)
+    character_with(device, queue, simulate, style, &growth, &()).await
 }
 
-/// The same with strands that grow as `growth` says. Blocks.
+/// The same with strands that grow as `growth` says, telling `progress`.
 ///
 /// # Errors
 /// [`Error::Parameter`](crate::Error::Parameter) and [`Error::Groom`](crate::Error::Groom) for a style or a
 /// growth that cannot be, [`Error::Gpu`](crate::Error::Gpu) when the device is lost.
-pub fn character_with(
+pub async fn character_with(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     simulate: &Simulate,
     style: &Style,
     growth: &Growth,
+    progress: &impl Progress,
 ) -> Result<Character> {
-    let scalp = GridScalp::mannequin(FIELD_RESOLUTION);
-    let mut styled = guides(style, &scalp);
-    settle(device, queue, simulate, &mut styled, &scalp.field)?;
-    let grown = grow::grow(&styled, growth, &scalp)?;
+    growth.check()?;
+    let scalp = GridScalp::of_mannequin(mannequin::sdf_with(FIELD_RESOLUTION, progress).await);
+    let mut styled = guides_with(&style.recipe(), &scalp, progress).await;
+    progress.step("letting the hair fall", 0.0).await;
+    settle(device, queue, simulate, &mut styled, &scalp.field).await?;
+    let grown = grow::grow_with(&styled, growth, &scalp, progress).await?;
     Ok(Character {
         groom: bound(&styled, &grown),
-        mesh: mannequin::mesh(mannequin::RESOLUTION),
+        mesh: mannequin::mesh_with(mannequin::RESOLUTION, progress).await,
         field: scalp.field,
         neck: mannequin::NECK_JOINT,
     })
 }
 
 /// Lets `styled` fall into place on a head with the distance field `field`, as far as its recipe's
-/// [`Hold`] lets it. Blocks.
+/// [`Hold`] lets it.
 ///
 /// # Errors
 /// What [`drape()`] says.
-pub fn settle(
+pub async fn settle(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     simulate: &Simulate,
@@ -106,7 +109,8 @@ pub fn settle(
         &draping(&styled.recipe.hold),
         Some(field),
         &DrapeOptions::default(),
-    )?;
+    )
+    .await?;
     // Contacts give way by a millimetre where hair is pressed to the head, and edges are stretched
     // a little: vertices leave the skin and steps are made equal again.
     let lines = settled.as_chunks::<GUIDE_VERTICES>().0;

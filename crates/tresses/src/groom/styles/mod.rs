@@ -32,6 +32,7 @@ pub use scalp::{GridScalp, Landmarks, Scalp, scalp_direction, scalp_uv};
 pub(crate) use scalp::{spread_direction, stereographic};
 
 use super::{Strands, curve::resample_chords};
+use crate::{Progress, progress::at_once};
 use glam::Vec3;
 
 /// Vertices of each guide.
@@ -64,6 +65,11 @@ pub fn guides(style: &Style, scalp: &dyn Scalp) -> StyledGuides {
 
 /// The guides of any recipe on `scalp`.
 pub fn guides_of(recipe: &Recipe, scalp: &dyn Scalp) -> StyledGuides {
+    at_once(guides_with(recipe, scalp, &()))
+}
+
+/// The same, telling `progress`.
+pub async fn guides_with(recipe: &Recipe, scalp: &dyn Scalp, progress: &impl Progress) -> StyledGuides {
     let marks = scalp.landmarks();
     let hairline = Hairline::new(scalp, recipe.hairline_raise, recipe.hairline_irregularity, recipe.seed);
     let parting = recipe.parting.map(|x| Parting::new(scalp, x, recipe));
@@ -79,7 +85,11 @@ pub fn guides_of(recipe: &Recipe, scalp: &dyn Scalp) -> StyledGuides {
     let mut strands = Strands::default();
     let mut stiffness = Vec::new();
     let roots = roots::guide_roots(scalp, &hairline, parting.as_ref(), recipe.guides as usize, recipe.seed);
+    let count = roots.len();
     for (i, root) in roots.into_iter().enumerate() {
+        if i % 4 == 0 {
+            progress.step("tracing guides", i as f32 / count as f32).await;
+        }
         // Twice, as chords cut corners: what was even along the path is not quite along its chords.
         let chords = resample_chords(&field.trace(root, i as u32), GUIDE_VERTICES);
         let mut line = resample_chords(&chords, GUIDE_VERTICES);

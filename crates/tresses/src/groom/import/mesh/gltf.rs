@@ -2,7 +2,7 @@
 //!
 //! Every accessor is checked against its view and its buffer before the crate reads it.
 
-use std::path::Path;
+use std::borrow::Cow;
 
 use glam::{Mat3, Mat4, Vec3};
 
@@ -31,15 +31,12 @@ pub(super) fn read(source: &Source) -> Result<TriMesh> {
     let mut buffers = Vec::new();
     for buffer in document.buffers() {
         let data = match buffer.source() {
-            ::gltf::buffer::Source::Uri(uri) if !uri.contains(':') => {
-                let folder = source.path.parent().unwrap_or(Path::new(""));
-                super::load(&folder.join(unescape(uri)))?
-            }
-            other => {
+            ::gltf::buffer::Source::Uri(uri) if !uri.contains(':') => source.companion(&unescape(uri))?,
+            other => Cow::Owned(
                 ::gltf::buffer::Data::from_source_and_blob(other, None, &mut blob)
                     .map_err(|e| source.problem(At::File, format!("a buffer is missing ({})", one_line(&e))))?
-                    .0
-            }
+                    .0,
+            ),
         };
         if data.len() < buffer.length() {
             let (have, need) = (data.len(), buffer.length());
@@ -67,7 +64,7 @@ pub(super) fn read(source: &Source) -> Result<TriMesh> {
 
 struct Reader<'a> {
     source: &'a Source<'a>,
-    buffers: &'a [Vec<u8>],
+    buffers: &'a [Cow<'a, [u8]>],
     mesh: TriMesh,
     /// Whether any part has a colour of its own.
     colored: bool,
@@ -112,7 +109,7 @@ impl Reader<'_> {
             self.check(&indices, indices.data_type(), 1)?;
         }
         let buffers = self.buffers;
-        let reader = primitive.reader(|b| buffers.get(b.index()).map(Vec::as_slice));
+        let reader = primitive.reader(|b| buffers.get(b.index()).map(|bytes| &**bytes));
         let base = self.mesh.positions.len() as u32;
         let Some(positions) = reader.read_positions() else {
             return Err(self.problem("positions that cannot be read".into()));
@@ -202,7 +199,7 @@ impl Reader<'_> {
             .and_then(|n| n.checked_add(size))
             .and_then(|n| n.checked_add(accessor.offset()));
         let view_end = view.offset().checked_add(view.length());
-        let have = self.buffers.get(view.buffer().index()).map_or(0, Vec::len);
+        let have = self.buffers.get(view.buffer().index()).map_or(0, |bytes| bytes.len());
         let inside = end.is_some_and(|end| end <= view.length()) && view_end.is_some_and(|end| end <= have);
         if inside && stride >= size {
             return Ok(());

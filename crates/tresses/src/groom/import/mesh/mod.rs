@@ -7,7 +7,8 @@ mod tfxmesh;
 
 use std::path::Path;
 
-pub(crate) use super::{Source, load};
+use super::Files;
+pub(crate) use super::Source;
 use crate::{
     error::{At, Error, Result},
     groom::TriMesh,
@@ -28,14 +29,20 @@ const PLAIN: glam::Vec3 = glam::Vec3::new(0.45, 0.32, 0.265);
 /// Reads one mesh, in the file's own unit and axes; [`crate::groom::orient::head`] orients it. Normals
 /// that the file lacks are computed, angle-weighted; colours are the materials' base colours.
 pub fn read(path: &Path) -> Result<RawMesh> {
-    parse(path, &load(path)?)
+    parse(Files::Disk, path, &Files::Disk.load(path)?)
 }
 
 /// Reads several meshes that share one unit and one set of axes into one.
 pub fn read_all<P: AsRef<Path>>(paths: &[P]) -> Result<RawMesh> {
+    read_from(Files::Disk, paths)
+}
+
+/// The same from any source of files.
+pub(super) fn read_from<P: AsRef<Path>>(files: Files<'_>, paths: &[P]) -> Result<RawMesh> {
     let mut all: Option<RawMesh> = None;
     for path in paths {
-        let part = read(path.as_ref())?;
+        let path = path.as_ref();
+        let part = parse(files, path, &files.load(path)?)?;
         all = Some(match all {
             None => part,
             Some(mut all) => {
@@ -48,9 +55,10 @@ pub fn read_all<P: AsRef<Path>>(paths: &[P]) -> Result<RawMesh> {
     all.ok_or_else(|| Error::Groom("no head mesh is given".into()))
 }
 
-/// A mesh from its bytes; `path` decides the format and where materials and buffers are looked for.
-pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<RawMesh> {
-    let source = Source { path, bytes, lenient: false };
+/// A mesh from its bytes; `path` decides the format and where among `files` materials and buffers are
+/// looked for.
+fn parse(files: Files<'_>, path: &Path, bytes: &[u8]) -> Result<RawMesh> {
+    let source = Source { path, bytes, files, lenient: false };
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let mut raw = match extension.as_str() {
         _ if bytes.is_empty() => return Err(source.problem(At::Byte(0), "the file is empty")),

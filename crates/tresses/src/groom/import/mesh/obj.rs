@@ -46,9 +46,8 @@ pub(super) fn read(source: &Source) -> Result<TriMesh> {
     let options =
         tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
     let line = Cell::new(0);
-    let folder = source.path.parent().unwrap_or(Path::new(""));
-    let materials = |name: &Path| match std::fs::read(folder.join(name)) {
-        Ok(bytes) => tobj::load_mtl_buf(&mut bytes.as_slice()),
+    let materials = |name: &Path| match source.companion(&name.to_string_lossy()) {
+        Ok(bytes) => tobj::load_mtl_buf(&mut &*bytes),
         Err(_) => Err(tobj::LoadError::OpenFileFailed),
     };
     let bytes = without_lines(source.bytes);

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::Vec3;
 use proptest::prelude::*;
 
-use super::parse;
+use super::{Files, parse};
 
 const CUBE: &str = "o cube
 v -1 -1 -1
@@ -68,7 +68,7 @@ fn glb() -> Vec<u8> {
 
 #[test]
 fn a_cube_is_one_surface_whatever_its_seams() {
-    let mesh = parse(Path::new("cube.obj"), CUBE.as_bytes()).unwrap().mesh;
+    let mesh = parse(Files::Disk, Path::new("cube.obj"), CUBE.as_bytes()).unwrap().mesh;
     assert_eq!((mesh.positions.len(), mesh.triangles.len()), (8, 12));
     for (p, n) in mesh.positions.iter().zip(&mesh.normals) {
         assert!(n.dot(p.normalize()) > 0.99, "{p} {n}");
@@ -77,14 +77,14 @@ fn a_cube_is_one_surface_whatever_its_seams() {
 
 #[test]
 fn a_tfxmesh_is_read() {
-    let mesh = parse(Path::new("a.tfxmesh"), TFXMESH.as_bytes()).unwrap().mesh;
+    let mesh = parse(Files::Disk, Path::new("a.tfxmesh"), TFXMESH.as_bytes()).unwrap().mesh;
     assert_eq!((mesh.positions[1], mesh.normals[0], mesh.triangles[0]), (Vec3::X, Vec3::Z, [0, 1, 2]));
 }
 
 #[cfg(feature = "gltf")]
 #[test]
 fn a_glb_has_its_transform_and_colour() {
-    let raw = parse(Path::new("a.glb"), &glb()).unwrap();
+    let raw = parse(Files::Disk, Path::new("a.glb"), &glb()).unwrap();
     assert!(raw.declared);
     let mesh = raw.mesh;
     assert_eq!(mesh.positions, vec![Vec3::ZERO, Vec3::X * 2.0, Vec3::Y * 2.0]);
@@ -94,7 +94,9 @@ fn a_glb_has_its_transform_and_colour() {
 
 #[test]
 fn errors_name_the_line() {
-    let says = |name: &str, text: &str| parse(Path::new(name), text.as_bytes()).unwrap_err().to_string();
+    let says = |name: &str, text: &str| {
+        parse(Files::Disk, Path::new(name), text.as_bytes()).unwrap_err().to_string()
+    };
     let broken = CUBE.replace("v 1 1 -1", "v 1 one -1");
     assert!(says("a.obj", &broken).starts_with("a.obj at line 4:"), "{}", says("a.obj", &broken));
     assert!(says("a.obj", "v 0 0 0\n").contains("no triangles"));
@@ -103,7 +105,7 @@ fn errors_name_the_line() {
 }
 
 fn survives(name: &str, bytes: &[u8]) -> Result<(), TestCaseError> {
-    match parse(Path::new(name), bytes) {
+    match parse(Files::Disk, Path::new(name), bytes) {
         Ok(raw) => {
             let n = raw.mesh.positions.len();
             prop_assert!(n <= bytes.len() && raw.mesh.normals.len() == n);
@@ -160,4 +162,31 @@ proptest! {
             survives(name, &bytes)?;
         }
     }
+}
+
+#[test]
+fn given_files_find_each_other_and_are_missed_in_a_sentence() {
+    use crate::groom::import::{Given, Kind, kind, read_given, read_given_head};
+    let given = |name: &str, text: &str| -> Given<'static> { (name.into(), text.as_bytes().to_vec().into()) };
+    let mesh = format!("mtllib head.mtl\nusemtl skin\n{CUBE}");
+    let material = given("head.mtl", "newmtl skin\nKd 0.1 0.2 0.3\n");
+    // A cube of head's size, so that nothing is doubted.
+    let head = given("head.obj", &mesh);
+    let groom = given("hair.obj", "v 0 1 0\nv 0 1.1 0\nv 0 1.2 0\nl 1 2 3\n");
+    let sorts = [&head, &material, &groom].map(|(name, bytes)| kind(name, bytes));
+    assert_eq!(sorts, [Some(Kind::Mesh), Some(Kind::Companion), Some(Kind::Groom)]);
+    let files = [groom.clone(), material, head.clone()];
+    let (strands, mesh, report) = read_given(&files, &Default::default()).unwrap();
+    assert_eq!((strands.len(), report.files.len()), (1, 1));
+    assert_eq!(mesh.unwrap().colors[0], Vec3::new(0.1, 0.2, 0.3));
+    // Without its materials a mesh has no colours, as on disk; without its buffers it is nothing.
+    assert!(read_given_head(&[head], &Default::default()).unwrap().0.colors.is_empty());
+    #[cfg(feature = "gltf")]
+    {
+        let gltf = r#"{"asset":{"version":"2.0"},"buffers":[{"uri":"a%20b.bin","byteLength":36}]}"#;
+        let error = read_given_head(&[given("head.gltf", gltf)], &Default::default()).unwrap_err();
+        assert_eq!(error.to_string(), "head.gltf: it needs a b.bin, which has to be given with it");
+    }
+    let error = read_given(&[groom, given("notes.txt", "")], &Default::default()).unwrap_err();
+    assert!(error.to_string().starts_with("notes.txt: a groom is"), "{error}");
 }

@@ -28,7 +28,7 @@ use glam::{UVec3, Vec3};
 
 use super::{Bvh, TriMesh};
 use crate::groom::SdfGrid;
-use crate::{Error, Result};
+use crate::{Error, Progress, Result, progress::at_once};
 
 /// How to make a distance field of a mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,19 +54,32 @@ impl Default for SdfOptions {
 /// The field of `mesh`, in its space. Fails if the mesh is broken (see [`TriMesh::validate`]), an option
 /// is out of range, or the mesh encloses nothing that the grid could show.
 pub fn build(mesh: &TriMesh, options: &SdfOptions) -> Result<SdfGrid> {
+    at_once(build_with(mesh, options, &()))
+}
+
+/// The same, telling `progress`.
+///
+/// # Errors
+/// As [`build`].
+pub async fn build_with(mesh: &TriMesh, options: &SdfOptions, progress: &impl Progress) -> Result<SdfGrid> {
+    progress.step(TASK, 0.0).await;
     let (mesh, mut grid, inverted) = prepare(mesh, options)?;
     let bvh = Bvh::new(&mesh);
     let field = Winding { bvh: &bvh, sign: if inverted { -1.0 } else { 1.0 } };
-    let solid = signs::solid(&grid, &field, options.fill_cavities);
+    let solid = signs::solid(&grid, &field, options.fill_cavities, progress).await;
     if !solid.contains(&true) {
         return Err(Error::Groom(NOTHING.into()));
     }
-    let skin = Bvh::new(&skin::boundary(&mesh, &grid, &field, &solid));
-    let mut distances = unsigned(&grid, &skin);
+    let skin = Bvh::new(&skin::boundary(&mesh, &grid, &field, &solid, progress).await);
+    let mut distances = unsigned(&grid, &skin, progress).await;
+    progress.step(TASK, 0.95).await;
     lids::close(&grid, &field, &solid, &mut distances);
     grid.distances = distances.iter().zip(&solid).map(|(d, s)| if *s { -d } else { *d }).collect();
     Ok(grid)
 }
+
+/// What takes long; the shares of its parts are those of a head.
+const TASK: &str = "measuring the head";
 
 /// What is wrong with a mesh whose field is nowhere negative.
 pub(crate) const NOTHING: &str = "the mesh encloses nothing that its distance field could show: it is flat or too thin, or its triangles face both ways";
@@ -157,11 +170,14 @@ impl Winding<'_> {
 
 /// The distance from every node to `skin`, infinite without triangles. Each search starts from the
 /// triangle its neighbour found, which is nearly always within a few of the right one.
-fn unsigned(grid: &SdfGrid, skin: &Bvh) -> Vec<f32> {
+async fn unsigned(grid: &SdfGrid, skin: &Bvh, progress: &impl Progress) -> Vec<f32> {
     let (nx, rows) = (grid.size.x, grid.size.y * grid.size.z);
     let mut distances = Vec::with_capacity((nx * rows) as usize);
     let mut row_hint = None;
     for row in 0..rows {
+        if row % 32 == 0 {
+            progress.step(TASK, 0.6 + 0.3 * row as f32 / rows as f32).await;
+        }
         let mut hint = row_hint;
         for x in 0..nx {
             let found = skin.nearest(grid.node(row * nx + x), f32::INFINITY, hint, 0.0);

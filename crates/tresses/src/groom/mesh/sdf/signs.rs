@@ -8,15 +8,20 @@
 
 use glam::{IVec3, Vec3};
 
-use super::{ROUGH_ERROR, Winding};
-use crate::groom::SdfGrid;
+use super::{ROUGH_ERROR, TASK, Winding};
+use crate::{Progress, groom::SdfGrid};
 
 /// Solid pieces of fewer nodes are noise.
 const SPECK: usize = 8;
 
 /// For every node whether it is solid.
-pub fn solid(grid: &SdfGrid, field: &Winding<'_>, fill_cavities: bool) -> Vec<bool> {
-    let mut solid = by_winding(grid, field);
+pub async fn solid(
+    grid: &SdfGrid,
+    field: &Winding<'_>,
+    fill_cavities: bool,
+    progress: &impl Progress,
+) -> Vec<bool> {
+    let mut solid = by_winding(grid, field, progress).await;
     let islands = islands(grid, &solid);
     let largest = islands.iter().filter(|i| i.solid).map(|i| i.nodes.len()).max().unwrap_or(0);
     for island in islands {
@@ -28,11 +33,12 @@ pub fn solid(grid: &SdfGrid, field: &Winding<'_>, fill_cavities: bool) -> Vec<bo
     solid
 }
 
-fn by_winding(grid: &SdfGrid, field: &Winding<'_>) -> Vec<bool> {
+async fn by_winding(grid: &SdfGrid, field: &Winding<'_>, progress: &impl Progress) -> Vec<bool> {
     let size = grid.size.as_ivec3();
     let mut known: Vec<Option<bool>> = vec![None; size.element_product() as usize];
     let index = |c: IVec3| (c.x + size.x * (c.y + size.y * c.z)) as usize;
     let mut hint = None;
+    let mut asked = 0u32;
     for stride in [16, 8, 4, 2, 1] {
         let steps = |n: i32| (0..n).step_by(stride);
         for c in steps(size.z)
@@ -40,6 +46,12 @@ fn by_winding(grid: &SdfGrid, field: &Winding<'_>) -> Vec<bool> {
         {
             if known[index(c)].is_some() {
                 continue;
+            }
+            asked += 1;
+            if asked.is_multiple_of(256) {
+                // Most of it at the last and finest stride.
+                let done = if stride > 1 { 0.0 } else { c.z as f32 / size.z as f32 };
+                progress.step(TASK, 0.1 + 0.3 * done).await;
             }
             let p = grid.origin + c.as_vec3() * grid.cell;
             let w = field.at(p);

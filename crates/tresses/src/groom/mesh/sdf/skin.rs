@@ -4,9 +4,9 @@ use glam::Vec3;
 
 use std::collections::HashMap;
 
-use super::{TriMesh, Winding, signs};
-use crate::groom::SdfGrid;
+use super::{TASK, TriMesh, Winding, signs};
 use crate::groom::mesh::parts;
+use crate::{Progress, groom::SdfGrid};
 
 /// How far in front of and behind a triangle it is asked what is there, in cells: far enough for
 /// rounding errors, near enough not to meet the next sheet.
@@ -17,7 +17,13 @@ const OFFSET: f32 = 0.02;
 const SHEET: f32 = 0.05;
 
 /// The triangles of `mesh` with air on one side and solid on the other, both of which the grid shows.
-pub fn boundary(mesh: &TriMesh, grid: &SdfGrid, field: &Winding<'_>, solid: &[bool]) -> TriMesh {
+pub async fn boundary(
+    mesh: &TriMesh,
+    grid: &SdfGrid,
+    field: &Winding<'_>,
+    solid: &[bool],
+    progress: &impl Progress,
+) -> TriMesh {
     let coincident = coincident(mesh);
     let is_boundary = |(t, coincident): &(&[u32; 3], bool)| {
         let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
@@ -44,7 +50,15 @@ pub fn boundary(mesh: &TriMesh, grid: &SdfGrid, field: &Winding<'_>, solid: &[bo
         let large = [a, b, c].iter().any(|p| p.distance(center) > 2.0 * grid.cell);
         parts(center) || (large && [a, b, c].iter().any(|p| parts(center.lerp(*p, 0.75))))
     };
-    let triangles = mesh.triangles.iter().zip(coincident).filter(is_boundary).map(|(t, _)| *t).collect();
+    let mut triangles = Vec::new();
+    for (i, triangle) in mesh.triangles.iter().zip(coincident).enumerate() {
+        if i % 1024 == 0 {
+            progress.step(TASK, 0.4 + 0.2 * i as f32 / mesh.triangles.len() as f32).await;
+        }
+        if is_boundary(&triangle) {
+            triangles.push(*triangle.0);
+        }
+    }
     TriMesh { positions: mesh.positions.clone(), triangles, ..Default::default() }
 }
 

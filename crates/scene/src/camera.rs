@@ -12,7 +12,8 @@ const FILL: f32 = 0.9;
 const HEAD_HEIGHT: f32 = 0.27;
 
 /// From where the head is seen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum View {
     /// From before the face.
     Front,
@@ -26,6 +27,14 @@ pub enum View {
 }
 
 impl View {
+    /// All of them, and what they are called.
+    pub const ALL: [(Self, &'static str); 4] = [
+        (Self::Front, "front"),
+        (Self::ThreeQuarter, "three-quarter"),
+        (Self::Side, "side"),
+        (Self::Back, "back"),
+    ];
+
     /// The turn to the head's left and the height above the horizon, degrees.
     fn angles(self) -> (f32, f32) {
         match self {

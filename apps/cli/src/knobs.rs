@@ -1,0 +1,56 @@
+//! `tresses knobs`: every parameter with its range and what it does.
+
+use crate::say;
+use anyhow::{Result, ensure};
+use tresses_scene::{
+    Change,
+    knobs::{SECTIONS, markdown},
+};
+
+/// The options of `tresses knobs`.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// Only parameters whose name or hint has this in it, such as wind or simulation.drag
+    #[arg(value_name = "WORD")]
+    pub word: Option<String>,
+    /// As a page of documentation
+    #[arg(long, conflicts_with = "word")]
+    pub markdown: bool,
+}
+
+/// Runs `tresses knobs`.
+pub fn run(args: &Args) -> Result<()> {
+    if args.markdown {
+        say!("{}", markdown().trim_end());
+        return Ok(());
+    }
+    let word = args.word.as_deref().unwrap_or_default().to_lowercase();
+    let mut found = false;
+    for section in SECTIONS {
+        let matches = |text: &str| text.to_lowercase().contains(&word);
+        let knobs: Vec<_> = section
+            .knobs
+            .iter()
+            .filter(|knob| matches(knob.path) || matches(knob.label) || matches(knob.hint))
+            .collect();
+        if knobs.is_empty() {
+            continue;
+        }
+        if found {
+            say!("");
+        }
+        found = true;
+        say!("{}: {}", section.title, section.about);
+        for knob in knobs {
+            let cost = match knob.cost {
+                Change::Frame => "",
+                Change::Regrow => "; grows strands again",
+                Change::Rebuild => "; builds pipelines again",
+            };
+            say!("  {} = {} ({}{cost})", knob.path, knob.text(knob.default()), knob.range());
+            say!("      {}", knob.hint);
+        }
+    }
+    ensure!(found, "no parameter has {word} in its name or hint; without a word all are listed");
+    Ok(())
+}

@@ -1,0 +1,23 @@
+//! `tresses preset`: what options come to, as a file.
+
+use crate::{say, settings_args::SettingsArgs};
+use anyhow::Result;
+use tresses_scene::preset::Extent;
+
+/// The options of `tresses preset`.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// Everything, with what it does and what is allowed, not only what differs from the defaults
+    #[arg(long)]
+    pub all: bool,
+    #[command(flatten)]
+    pub settings: SettingsArgs,
+}
+
+/// Runs `tresses preset`.
+pub fn run(args: &Args) -> Result<()> {
+    let preset = args.settings.preset()?;
+    let extent = if args.all { Extent::All } else { Extent::Changed };
+    say!("{}", preset.write(extent).trim_end());
+    Ok(())
+}

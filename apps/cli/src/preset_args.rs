@@ -1,0 +1,73 @@
+//! Presets on the command line, and single parameters by their names.
+
+use anyhow::{Result, bail};
+use std::{path::PathBuf, str::FromStr};
+use tresses_scene::{
+    Preset, Value,
+    knobs::{self, Knob},
+    preset::Extent,
+};
+
+/// Where settings come from and go to.
+#[derive(clap::Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Presets")]
+pub struct PresetArgs {
+    /// Settings from a file, and the hair that it names; other options win over it
+    #[arg(long, value_name = "FILE")]
+    preset: Option<PathBuf>,
+    /// Any parameter that `tresses knobs` lists, as in simulation.drag=5; may be given again
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    assignments: Vec<Assignment>,
+    /// Write what all options come to into a preset
+    #[arg(long, value_name = "FILE")]
+    save_preset: Option<PathBuf>,
+}
+
+impl PresetArgs {
+    /// The preset that is given, or nothing but defaults.
+    pub fn open(&self) -> Result<Preset> {
+        open(self.preset.as_ref())
+    }
+
+    /// Sets single parameters of `preset`, and writes it where it is asked for.
+    pub fn finish(&self, preset: &mut Preset) -> Result<()> {
+        for Assignment { knob, value } in &self.assignments {
+            knob.set(&mut preset.settings, *value)?;
+        }
+        preset.settings.check()?;
+        if let Some(path) = &self.save_preset {
+            if path.extension().is_none_or(|extension| extension != "toml") {
+                bail!("{}: presets are .toml files", path.display());
+            }
+            preset.name = path.file_stem().map(|name| name.to_string_lossy().into_owned());
+            preset
+                .save(path, Extent::Changed)
+                .map_err(|error| anyhow::anyhow!("{}: {error}", path.display()))?;
+            eprintln!("Wrote {}.", path.display());
+        }
+        Ok(())
+    }
+}
+
+/// The preset at `path`, or nothing but defaults.
+pub fn open(path: Option<&PathBuf>) -> Result<Preset> {
+    Ok(path.map(|path| Preset::open(path)).transpose()?.unwrap_or_default())
+}
+
+/// A parameter and its value.
+#[derive(Clone, Debug)]
+struct Assignment {
+    knob: &'static Knob,
+    value: Value,
+}
+
+impl FromStr for Assignment {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (path, value) = text.split_once('=').ok_or("give a name and a value, as in simulation.drag=5")?;
+        let knob = knobs::named(path.trim())?;
+        let value = knob.parse(value).map_err(|refusal| refusal.to_string())?;
+        Ok(Self { knob, value })
+    }
+}

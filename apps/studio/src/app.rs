@@ -1,0 +1,351 @@
+//! The studio itself: what it holds, and one frame of the window.
+
+use crate::{
+    device,
+    dialog::{Answer, Dialogs},
+    files::Files,
+    head,
+    job::{Job, Order, Source},
+    options::Options,
+    orbit::Orbit,
+    pace::Pace,
+    panels,
+    play::Play,
+    stage::{Moment, Show},
+    state::{self, State},
+    theme,
+    tool::Tool,
+    viewport,
+};
+use anyhow::{Context, Result};
+use eframe::{egui, egui_wgpu::RenderState};
+use std::{
+    sync::{Arc, Mutex, PoisonError},
+    time::Duration,
+};
+use tresses::{HairRenderer, Pose, draw::debug, glam::Vec3, gpu::Gpu, groom::import::ImportOptions};
+use tresses_scene::{Base, History, Settings, camera::View};
+use web_time::Instant;
+
+/// The longest stretch of hair's time that one frame moves on by, seconds: on a GPU, on a software driver.
+const LONGEST: (f32, f32) = (0.1, 1.0 / 30.0);
+
+/// How long hair that was touched swings while time stands still, seconds.
+const AWAKE: f32 = 2.0;
+
+/// What is shown and what is known of it.
+pub struct Shown {
+    /// From what it was made.
+    pub source: Source,
+    /// What the user should know, a sentence each.
+    pub notes: Vec<String>,
+    /// What can be styled anew, and what was read.
+    pub base: Arc<Base>,
+}
+
+/// The studio.
+pub struct Studio {
+    pub(crate) gpu: Gpu,
+    state: RenderState,
+    pub(crate) renderer: Option<Arc<HairRenderer>>,
+    pub(crate) dialogs: Dialogs,
+    /// The picture is to be saved.
+    pub(crate) wants_picture: bool,
+    /// What has been done last, a sentence.
+    pub(crate) said: Option<String>,
+    /// Every parameter, with all that they were before.
+    pub(crate) settings: History,
+    /// The strands are to be grown again.
+    pub(crate) regrow: bool,
+    /// The pipelines are to be built again.
+    pub(crate) rebuild: bool,
+    pub(crate) job: Option<Job>,
+    pub(crate) show: Option<Show>,
+    pub(crate) shown: Option<Shown>,
+    pub(crate) orbit: Orbit,
+    pub(crate) play: Play,
+    pub(crate) hand: head::Hand,
+    pub(crate) tool: Tool,
+    pub(crate) pace: Pace,
+    /// What is looked at instead of hair as it looks.
+    pub(crate) view: Option<debug::Shown>,
+    /// One sentence about what went wrong last.
+    pub(crate) error: Option<String>,
+    /// Why the device is gone, told by the driver.
+    lost: Arc<Mutex<Option<String>>>,
+    /// Something has changed that the picture does not show yet.
+    pub(crate) dirty: bool,
+    /// Seconds for which hair that was touched goes on to move although time stands still.
+    awake: f32,
+    /// The size that the picture should have, pixels.
+    pub(crate) wanted: [u32; 2],
+    /// When the last frame of the hair was begun, while time goes by.
+    last: Option<Instant>,
+    pub(crate) panels: panels::Panels,
+}
+
+impl Studio {
+    /// The studio as it is when the window opens: empty, and at work.
+    ///
+    /// # Errors
+    /// When the window has no GPU.
+    pub fn new(context: &eframe::CreationContext<'_>, options: Options) -> Result<Self> {
+        theme::apply(&context.egui_ctx);
+        let state = context.wgpu_render_state.clone().context("the window has no GPU that can draw hair")?;
+        let gpu = device::gpu(&state);
+        let lost = Arc::<Mutex<Option<String>>>::default();
+        listen(&gpu.device, &context.egui_ctx, &lost);
+        let source = if options.grooms.is_empty() {
+            Source::Style(options.style.unwrap_or_else(|| "long".into()))
+        } else {
+            let files = Files::Disk { grooms: options.grooms, heads: options.heads };
+            Source::Files { files, options: Box::new(options.import) }
+        };
+        let settings = Settings::default();
+        let order = Order { source, base: None, renderer: None, settings: settings.clone(), keep: false };
+        let job = Job::start(&context.egui_ctx, device::gpu(&state), order);
+        Ok(Self {
+            settings: History::new(settings),
+            dialogs: Dialogs::default(),
+            wants_picture: false,
+            said: None,
+            regrow: false,
+            rebuild: false,
+            pace: Pace::new(gpu.tier.software),
+            gpu,
+            state,
+            renderer: None,
+            job: Some(job),
+            show: None,
+            shown: None,
+            orbit: Orbit::new(View::default(), (Vec3::new(-0.1, 1.4, -0.1), Vec3::new(0.1, 1.7, 0.1))),
+            play: Play::default(),
+            hand: head::Hand::default(),
+            tool: Tool::default(),
+            view: None,
+            error: None,
+            lost,
+            dirty: true,
+            awake: 0.0,
+            wanted: [0; 2],
+            last: None,
+            panels: panels::Panels::default(),
+        })
+    }
+
+    /// Starts to make `source` ready; what is shown stays until then.
+    pub(crate) fn open(&mut self, context: &egui::Context, source: Source) {
+        let (renderer, settings) = (self.renderer.clone(), self.settings.now().clone());
+        self.start(context, Order { source, base: None, renderer, settings, keep: false });
+    }
+
+    /// Starts long work.
+    pub(crate) fn start(&mut self, context: &egui::Context, order: Order) {
+        self.error = None;
+        self.job = Some(Job::start(context, device::gpu(&self.state), order));
+    }
+
+    /// Opens a groom, a head for the groom that is shown, or both.
+    fn open_files(&mut self, context: &egui::Context, mut files: Files) {
+        let mut choice = Box::<ImportOptions>::default();
+        if let Files::Disk { grooms, .. } = &mut files
+            && grooms.is_empty()
+        {
+            let Some(Shown {
+                source: Source::Files { files: Files::Disk { grooms: shown, .. }, options },
+                ..
+            }) = &self.shown
+            else {
+                self.error = Some("a head needs a groom: open a groom first, or both together".into());
+                return;
+            };
+            (*grooms, choice) = (shown.clone(), options.clone());
+        }
+        self.open(context, Source::Files { files, options: choice });
+    }
+
+    /// The pose of the head now.
+    pub(crate) fn pose(&self) -> Pose {
+        let pivot = self.pivot();
+        self.hand.apply(&self.play.pose(pivot), pivot)
+    }
+
+    /// What the head turns about, metres.
+    fn pivot(&self) -> Vec3 {
+        self.show.as_ref().map_or(Vec3::ZERO, |show| show.stage.pivot())
+    }
+
+    /// Why nothing can be drawn any more.
+    pub(crate) fn lost(&self) -> Option<String> {
+        self.lost.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Whether somebody has his hands on head or hair, or had until just now.
+    fn is_live(&self) -> bool {
+        self.awake > 0.0 || !self.hand.is_still()
+    }
+
+    /// What long work has come to, and what was dropped on the window.
+    fn receive(&mut self, context: &egui::Context) {
+        if let Some(done) = self.job.as_ref().and_then(Job::take) {
+            self.job = None;
+            match done {
+                Ok(ready) => self.present(*ready),
+                Err(error) => self.error = Some(format!("{error:#}")),
+            }
+        }
+        for answer in self.dialogs.take() {
+            match answer {
+                Answer::Open(files) => self.open_files(context, files),
+                Answer::Preset(path, text) => self.open_preset(context, &path, &text),
+                Answer::Wrote(sentence) => self.said = Some(sentence),
+                Answer::Failed(sentence) => self.error = Some(sentence),
+            }
+        }
+        let dropped = context.input(|input| input.raw.dropped_files.clone());
+        if !dropped.is_empty() {
+            self.dialogs.dropped(context, dropped);
+        }
+    }
+
+    /// Shows what has become ready.
+    fn present(&mut self, ready: crate::job::Ready) {
+        let crate::job::Ready { stage, source, base, notes, keep } = ready;
+        self.renderer = Some(stage.renderer.clone());
+        if !keep {
+            self.orbit.show(stage.subject());
+            self.play.reset();
+        }
+        match &mut self.show {
+            Some(show) => show.replace(stage),
+            None => self.show = Some(Show::new(stage)),
+        }
+        self.shown = Some(Shown { source, notes, base });
+        self.dirty = true;
+    }
+
+    /// Draws the hair if it moves or something has changed, and no frame is under way.
+    fn draw(&mut self, context: &egui::Context) {
+        let seconds = context.input(|input| input.stable_dt);
+        if self.orbit.is_gliding() {
+            self.orbit.advance(seconds);
+            self.dirty = true;
+        }
+        let due = self.dirty || self.play.is_due() || self.is_live();
+        if !due {
+            self.last = None;
+        }
+        if self.lost().is_some() || self.wanted[0] == 0 {
+            return;
+        }
+        if !self.hand.is_still()
+            || self.show.as_ref().is_some_and(|show| show.stage.hair.grabbed().is_active())
+        {
+            self.awake = AWAKE;
+        }
+        let Some(show) = &mut self.show else { return };
+        let (busy, landed) = show.landed();
+        if let Some(ms) = landed {
+            self.panels.frames.push(ms);
+            if self.pace.landed(ms) {
+                self.dirty = true;
+                context.request_repaint();
+            }
+        }
+        if busy || !due {
+            return;
+        }
+        let now = Instant::now();
+        let real = self.last.map_or(1.0 / 60.0, |last| now.duration_since(last).as_secs_f32());
+        self.last = Some(now);
+        if self.play.take_reset() {
+            show.stage.hair.reset();
+        }
+        let most = if self.gpu.tier.software { LONGEST.1 } else { LONGEST.0 };
+        // A hand moves in its own time: it shakes hair that stands still otherwise.
+        let hand = if self.is_live() { real.min(most) } else { 0.0 };
+        self.hand.advance(hand);
+        self.awake -= hand;
+        let seconds = self.play.advance(real, most).max(hand);
+        self.dress();
+        let (pose, camera) = (self.pose(), self.orbit.camera());
+        let Some(show) = &mut self.show else { return };
+        let moment = Moment { pose, seconds, camera, size: self.wanted };
+        self.dirty = false;
+        if let Err(error) = show.draw(&self.state, context, &moment) {
+            self.error = Some(format!("{error:#}"));
+            self.play.playing = false;
+        }
+    }
+
+    /// What others may know.
+    fn publish(&self) {
+        let show = self.show.as_ref();
+        state::publish(State {
+            frames: show.map_or(0, |show| show.frames),
+            strands: show.map_or(0, |show| show.facts().strands),
+            file: self.shown.as_ref().map(|shown| shown.source.name()).unwrap_or_default(),
+            step: self.job.as_ref().map(Job::step).unwrap_or_default().into(),
+            error: self.error.clone().or_else(|| self.lost()).unwrap_or_default(),
+            playing: self.play.playing,
+            time: self.play.time,
+            size: show.map_or([0; 2], |show| show.stage.targets.size),
+            milliseconds: show.map_or(0.0, |show| show.milliseconds),
+            adapter: self.gpu.info.name.clone(),
+            lost: self.lost().is_some(),
+        });
+    }
+}
+
+impl eframe::App for Studio {
+    fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
+        let context = ui.ctx().clone();
+        self.receive(&context);
+        panels::keys::answer(self, &context);
+        panels::top::show(self, ui);
+        panels::status::show(self, ui);
+        panels::transport::show(self, ui);
+        panels::side::show(self, ui);
+        egui::CentralPanel::no_frame().show(ui, |ui| viewport::show(self, ui));
+        self.work_off(&context);
+        self.save_picture(&context);
+        self.draw(&context);
+        if self.job.is_some() {
+            // Seconds are counted.
+            context.request_repaint_after(Duration::from_millis(500));
+        }
+        self.publish();
+    }
+
+    fn clear_color(&self, _: &egui::Visuals) -> [f32; 4] {
+        theme::PANEL.to_normalized_gamma_f32()
+    }
+}
+
+/// From here on `lost` says what went wrong on `device`, instead of a panic.
+fn listen(device: &wgpu::Device, context: &egui::Context, lost: &Arc<Mutex<Option<String>>>) {
+    let tell = |sentence: &str| {
+        let (lost, context, sentence) = (lost.clone(), context.clone(), sentence.to_owned());
+        move |message: String| {
+            let first = message.lines().next().unwrap_or_default().to_owned();
+            let mut lost = lost.lock().unwrap_or_else(PoisonError::into_inner);
+            // What comes first is the cause.
+            lost.get_or_insert_with(|| {
+                if first.is_empty() { sentence.clone() } else { format!("{sentence}: {first}") }
+            });
+            context.request_repaint();
+        }
+    };
+    let gone = tell("The GPU was lost. Close the studio and open it again");
+    device.set_device_lost_callback(move |reason, message| {
+        // That of a window that closes is none.
+        if reason != wgpu::DeviceLostReason::Destroyed {
+            gone(message);
+        }
+    });
+    let wrong = tell("The GPU refused its work");
+    device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+        eprintln!("{error}");
+        wrong(error.to_string());
+    }));
+}

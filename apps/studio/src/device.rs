@@ -1,0 +1,51 @@
+//! The device that window and hair share.
+
+use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
+use std::sync::Arc;
+use tresses::gpu::{Gpu, Tier};
+
+/// What egui is told to make its device with.
+pub fn configuration() -> WgpuConfiguration {
+    let mut setup = WgpuSetupCreateNew::without_display_handle();
+    // OpenGL lacks what the compute stages need.
+    setup.instance_descriptor.backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
+    setup.power_preference = wgpu::PowerPreference::HighPerformance;
+    setup.device_descriptor = Arc::new(|adapter| wgpu::DeviceDescriptor {
+        label: Some("tresses studio"),
+        required_features: Tier::features(adapter),
+        required_limits: limits(adapter),
+        ..Default::default()
+    });
+    if let Ok(name) = std::env::var("WGPU_ADAPTER_NAME") {
+        setup.native_adapter_selector = Some(Arc::new(move |adapters, _| {
+            let named = |a: &&wgpu::Adapter| a.get_info().name.to_lowercase().contains(&name.to_lowercase());
+            adapters
+                .iter()
+                .find(named)
+                .cloned()
+                .ok_or_else(|| format!("no GPU adapter has {name:?} in its name"))
+        }));
+    }
+    WgpuConfiguration { wgpu_setup: WgpuSetup::CreateNew(setup), ..Default::default() }
+}
+
+/// WebGPU's defaults are enough; buffers may be as large as the adapter has them, for large grooms.
+fn limits(adapter: &wgpu::Adapter) -> wgpu::Limits {
+    let has = adapter.limits();
+    wgpu::Limits {
+        max_buffer_size: has.max_buffer_size,
+        max_storage_buffer_binding_size: has.max_storage_buffer_binding_size,
+        max_texture_dimension_2d: has.max_texture_dimension_2d.min(16384),
+        ..wgpu::Limits::default()
+    }
+}
+
+/// egui's device as the library has it.
+pub fn gpu(state: &eframe::egui_wgpu::RenderState) -> Gpu {
+    Gpu {
+        device: state.device.clone(),
+        queue: state.queue.clone(),
+        info: state.adapter.get_info(),
+        tier: Tier::of(&state.adapter),
+    }
+}

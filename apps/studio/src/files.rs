@@ -1,0 +1,40 @@
+//! Files that were chosen or dropped: paths on a desktop, bytes in a browser.
+
+use std::{path::PathBuf, sync::Arc};
+use tresses::groom::import::Given;
+use tresses_scene::character;
+
+/// The files of a groom and its head.
+#[derive(Clone, Debug)]
+pub enum Files {
+    /// On the disk.
+    Disk {
+        /// The groom.
+        grooms: Vec<PathBuf>,
+        /// The head; there may be none.
+        heads: Vec<PathBuf>,
+    },
+    /// Their bytes.
+    Given(Arc<Vec<Given<'static>>>),
+}
+
+impl Files {
+    /// As the readers take them.
+    pub fn borrowed(&self) -> character::Files<'_> {
+        match self {
+            Self::Disk { grooms, heads } => character::Files::Disk { grooms, heads },
+            Self::Given(files) => character::Files::Given(files),
+        }
+    }
+
+    /// A few words for a title.
+    pub fn name(&self) -> String {
+        let paths: Vec<&PathBuf> = match self {
+            Self::Disk { grooms, .. } => grooms.iter().collect(),
+            Self::Given(files) => files.iter().map(|(path, _)| path).collect(),
+        };
+        let name = |path: &&PathBuf| path.file_name().map(|n| n.to_string_lossy().into_owned());
+        let first = paths.first().and_then(name).unwrap_or_default();
+        if paths.len() > 1 { format!("{first} and {} more", paths.len() - 1) } else { first }
+    }
+}

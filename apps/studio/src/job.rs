@@ -1,0 +1,224 @@
+//! Long work, beside the window: pipelines, then a character on the GPU.
+
+use crate::{files::Files, task, turn};
+use anyhow::Result;
+use eframe::egui;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use tresses::{
+    HairRenderer, Pose, Progress,
+    draw::{DrawOptions, DrawStage},
+    gpu::Gpu,
+    groom::{import::ImportOptions, mannequin, styles::Style},
+};
+use tresses_scene::{Base, Colliders, Quality, Settings, Stage};
+
+/// Size of the very first picture, which nobody sees, pixels.
+const FIRST: [u32; 2] = [487, 305];
+/// Cells along the mannequin's mesh on a software driver.
+const COARSE: u32 = 80;
+/// How long work goes on before the window gets its turn.
+const PATIENCE: std::time::Duration = std::time::Duration::from_millis(40);
+
+/// What is to be shown.
+#[derive(Clone, Debug)]
+pub enum Source {
+    /// A built-in style, by its name.
+    Style(String),
+    /// The files of one groom, and of the head it grows on if there are any.
+    Files {
+        /// Which.
+        files: Files,
+        /// What is known of units and axes.
+        options: Box<ImportOptions>,
+    },
+}
+
+impl Source {
+    /// A few words for a title.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Style(name) => name.clone(),
+            Self::Files { files, .. } => files.name(),
+        }
+    }
+}
+
+/// What is to be made ready.
+pub struct Order {
+    /// From what.
+    pub source: Source,
+    /// What is there of it already.
+    pub base: Option<Arc<Base>>,
+    /// The pipelines, if they are made already.
+    pub renderer: Option<Arc<HairRenderer>>,
+    /// How.
+    pub settings: Settings,
+    /// Whether camera and motion stay as they are.
+    pub keep: bool,
+}
+
+/// A character that is ready to be shown.
+pub struct Ready {
+    /// On the GPU.
+    pub stage: Stage,
+    /// What it was made from.
+    pub source: Source,
+    /// What can be styled anew.
+    pub base: Arc<Base>,
+    /// What the user should know.
+    pub notes: Vec<String>,
+    /// Whether camera and motion stay as they are.
+    pub keep: bool,
+}
+
+/// How far it is.
+#[derive(Default)]
+struct Inbox {
+    step: &'static str,
+    fraction: f32,
+    /// When the window had its turn last.
+    breath: Option<web_time::Instant>,
+    done: Option<Result<Box<Ready>>>,
+}
+
+/// Work that is under way.
+pub struct Job {
+    inbox: Arc<Mutex<Inbox>>,
+    /// What will be shown.
+    pub source: Source,
+    /// When it was begun.
+    pub begun: web_time::Instant,
+}
+
+/// Tells the window how far the work is.
+struct Teller {
+    inbox: Arc<Mutex<Inbox>>,
+    context: egui::Context,
+}
+
+fn lock(inbox: &Mutex<Inbox>) -> MutexGuard<'_, Inbox> {
+    inbox.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Progress for Teller {
+    async fn step(&self, task: &'static str, fraction: f32) {
+        let now = web_time::Instant::now();
+        let waits = {
+            let mut inbox = lock(&self.inbox);
+            let other = inbox.step != task;
+            (inbox.step, inbox.fraction) = (task, fraction);
+            let due = inbox.breath.is_none_or(|last| now.duration_since(last) > PATIENCE);
+            if other || due {
+                inbox.breath = Some(now);
+            }
+            other || due
+        };
+        if waits {
+            self.context.request_repaint();
+            task::breathe().await;
+        }
+    }
+}
+
+impl Job {
+    /// Starts to make `order` ready.
+    pub fn start(context: &egui::Context, gpu: Gpu, order: Order) -> Self {
+        let inbox = Arc::<Mutex<Inbox>>::default();
+        let job =
+            Self { inbox: inbox.clone(), source: order.source.clone(), begun: web_time::Instant::now() };
+        let teller = Teller { inbox, context: context.clone() };
+        task::spawn(move || async move {
+            let done = ready(gpu, order, &teller).await;
+            lock(&teller.inbox).done = Some(done.map(Box::new));
+            teller.context.request_repaint();
+        });
+        job
+    }
+
+    /// What it does now, a few words.
+    pub fn step(&self) -> &'static str {
+        lock(&self.inbox).step
+    }
+
+    /// How much of that is done, 0 to 1.
+    pub fn fraction(&self) -> f32 {
+        lock(&self.inbox).fraction
+    }
+
+    /// What came of it, once.
+    pub fn take(&self) -> Option<Result<Box<Ready>>> {
+        lock(&self.inbox).done.take()
+    }
+}
+
+async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready> {
+    let Order { source, base, renderer, settings, keep } = order;
+    let options = turn::draw_options(&settings, &gpu.tier)?;
+    let renderer = match renderer {
+        Some(renderer) => renderer,
+        None => Arc::new(pipelines(&gpu, &options, progress).await),
+    };
+    let base = match (base, &source) {
+        (Some(base), _) => base,
+        (None, Source::Style(name)) => {
+            Arc::new(Base::built_in(&name.parse::<Style>()?, &gpu, &renderer.simulate, progress).await?)
+        }
+        (None, Source::Files { files, options }) => {
+            Arc::new(Base::imported(&files.borrowed(), options, progress).await?)
+        }
+    };
+    let mut character = base.dress(&turn::styling(&settings, &source)?, progress).await?;
+    let notes = std::mem::take(&mut character.notes);
+    if gpu.tier.software && matches!(source, Source::Style(_)) {
+        // Shadow maps draw it again and again, and here each of its corners takes its time.
+        character.head = Some(mannequin::mesh_with(COARSE, progress).await);
+    }
+    let quality = Quality {
+        samples: options.samples,
+        coverage: options.coverage,
+        shadow_resolution: options.shadow_resolution,
+        ssaa: settings.edges.ssaa,
+        ..Quality::new(FIRST)
+    };
+    let mut stage = Stage::new(gpu, renderer, character, Colliders::default(), &quality, progress).await?;
+    settings.apply(&mut stage.look);
+    progress.step("drawing the first picture", 0.0).await;
+    first_picture(&mut stage)?;
+    Ok(Ready { stage, source, base, notes, keep })
+}
+
+/// All pipelines, one kind after the other.
+async fn pipelines(gpu: &Gpu, options: &DrawOptions, progress: &impl Progress) -> HairRenderer {
+    let device = &gpu.device;
+    macro_rules! kind {
+        ($number:literal, $make:expr) => {{
+            progress.step("compiling shaders", $number as f32 / 8.0).await;
+            $make
+        }};
+    }
+    HairRenderer {
+        volume: kind!(1, tresses::volume::VolumeStage::new(device)),
+        wind: kind!(2, tresses::wind::Fluid::new(device)),
+        simulate: kind!(3, tresses::simulate::Simulate::new(device)),
+        tessellate: kind!(4, tresses::tessellate::Tessellate::new(device)),
+        interpolate: kind!(5, tresses::interpolate::Interpolate::new(device)),
+        avoid: kind!(6, tresses::avoid::Avoid::new(device)),
+        widths: kind!(7, tresses::lod::Widths::new(device)),
+        draw: kind!(8, DrawStage::new(device, options)),
+    }
+}
+
+/// Drivers finish compiling when something is drawn: better here than in the window.
+fn first_picture(stage: &mut Stage) -> Result<()> {
+    let mut encoder = stage.gpu.device.create_command_encoder(&Default::default());
+    let camera = tresses_scene::Camera::portrait(Default::default(), stage.subject(), 1.0, 1.0);
+    stage.hair.reset();
+    for seconds in [0.0, 1.0 / 60.0] {
+        stage.record_advance(&mut encoder, None, &Pose::IDENTITY, seconds)?;
+    }
+    stage.record_draw(&mut encoder, None, &camera)?;
+    stage.gpu.queue.submit([encoder.finish()]);
+    #[cfg(not(target_arch = "wasm32"))]
+    stage.gpu.device.poll(wgpu::PollType::wait_indefinitely())?;
+    Ok(())
+}

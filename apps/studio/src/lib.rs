@@ -1,0 +1,41 @@
+//! The studio: one interactive viewer of hair, in a window and in the browser.
+//!
+//! ```text
+//! app ──► viewport, panels      what a person does, frame by frame
+//!  │
+//!  ├─ job ──► task              long work: pipelines, grooms; a thread here, an async task in the browser
+//!  └─ stage                     the only file that talks to the renderer: a frame into a texture
+//! ```
+//!
+//! egui owns window, device and queue ([`device`] says what it asks the adapter for); [`stage`] draws
+//! into a texture of the viewport's size, on the same queue and before egui's own pass. At most one frame of
+//! hair is under way at any time: while it is, the window shows the one before and answers. What a frame
+//! takes steers the resolution ([`pace`]). Nothing is drawn unless hair moves or something changed.
+
+pub mod app;
+pub mod device;
+pub mod dialog;
+pub mod files;
+pub mod head;
+pub mod job;
+#[cfg(not(target_arch = "wasm32"))]
+mod native;
+pub mod options;
+pub mod orbit;
+pub mod pace;
+pub mod panels;
+pub mod picture;
+pub mod play;
+pub mod stage;
+pub mod state;
+pub mod task;
+pub mod theme;
+pub mod tool;
+pub mod turn;
+pub mod viewport;
+#[cfg(target_arch = "wasm32")]
+mod web;
+
+#[cfg(not(target_arch = "wasm32"))]
+pub use native::run;
+pub use options::Options;

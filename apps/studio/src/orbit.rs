@@ -1,0 +1,225 @@
+//! The camera that a person holds: it turns about a point, pans and zooms, and glides to named views.
+
+use tresses::glam::{Vec2, Vec3};
+use tresses_scene::camera::{Bounds, Camera, VERTICAL_FOV, View};
+
+/// Nearest and farthest that a camera may come to what it looks at, metres.
+const DISTANCE: (f32, f32) = (0.05, 10.0);
+/// Radians per point of a drag.
+const TURN: f32 = 0.006;
+/// Steepest look up or down, radians.
+const STEEPEST: f32 = 1.5;
+/// The share of the way that is left after a second of gliding.
+const GLIDE: f32 = 1e-6;
+
+/// Where the camera is, as a person thinks of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Place {
+    target: Vec3,
+    /// From before the face towards the head's left, radians.
+    yaw: f32,
+    /// Above the horizon, radians.
+    pitch: f32,
+    /// Metres.
+    distance: f32,
+}
+
+impl Place {
+    fn of(camera: &Camera) -> Self {
+        let back = camera.eye - camera.target;
+        let distance = back.length().max(DISTANCE.0);
+        let pitch = (back.y / distance).clamp(-1.0, 1.0).asin();
+        Self { target: camera.target, yaw: back.x.atan2(back.z), pitch, distance }
+    }
+
+    fn back(&self) -> Vec3 {
+        let (sin, cos) = self.pitch.sin_cos();
+        Vec3::new(self.yaw.sin() * cos, sin, self.yaw.cos() * cos)
+    }
+}
+
+/// A camera on its way.
+#[derive(Clone, Debug)]
+pub struct Orbit {
+    now: Place,
+    goal: Place,
+    /// The view that the picture keeps when its shape changes, until a person moves the camera.
+    framed: Option<View>,
+    subject: Bounds,
+    aspect: f32,
+}
+
+impl Orbit {
+    /// A portrait of `subject` from `view`.
+    pub fn new(view: View, subject: Bounds) -> Self {
+        let place = Place::of(&Camera::portrait(view, subject, 1.3, 1.0));
+        Self { now: place, goal: place, framed: Some(view), subject, aspect: 1.3 }
+    }
+
+    /// Another subject, seen from the same side.
+    pub fn show(&mut self, subject: Bounds) {
+        self.subject = subject;
+        let view = self.framed.unwrap_or_default();
+        let portrait = Place::of(&Camera::portrait(view, subject, self.aspect, 1.0));
+        self.goal = match self.framed {
+            Some(_) => portrait,
+            None => Place { target: portrait.target, distance: portrait.distance, ..self.goal },
+        };
+        self.now = self.goal;
+    }
+
+    /// The picture is `aspect` times as wide as high from here on.
+    pub fn set_aspect(&mut self, aspect: f32) {
+        if (aspect - self.aspect).abs() < 1e-4 {
+            return;
+        }
+        self.aspect = aspect;
+        if let Some(view) = self.framed {
+            let gliding = self.is_gliding();
+            self.goal = Place::of(&Camera::portrait(view, self.subject, aspect, 1.0));
+            if !gliding {
+                self.now = self.goal;
+            }
+        }
+    }
+
+    /// Glides to a portrait from `view`.
+    pub fn frame(&mut self, view: View) {
+        self.goal = Place::of(&Camera::portrait(view, self.subject, self.aspect, 1.0));
+        // The short way round.
+        let turns = ((self.now.yaw - self.goal.yaw) / std::f32::consts::TAU).round();
+        self.goal.yaw += turns * std::f32::consts::TAU;
+        self.framed = Some(view);
+    }
+
+    /// The view it was framed from, if it has not been moved since.
+    pub fn framed(&self) -> Option<View> {
+        self.framed
+    }
+
+    /// Turns by a drag of `points`.
+    pub fn turn(&mut self, points: Vec2) {
+        self.taken();
+        self.now.yaw -= points.x * TURN;
+        self.now.pitch = (self.now.pitch + points.y * TURN).clamp(-STEEPEST, STEEPEST);
+        self.goal = self.now;
+    }
+
+    /// Moves sideways by a drag of `points` in a picture `height` points high: what is looked at follows.
+    pub fn pan(&mut self, points: Vec2, height: f32) {
+        self.taken();
+        let (right, up) = self.plane();
+        let metres = 2.0 * (0.5 * VERTICAL_FOV).tan() * self.now.distance / height.max(1.0);
+        self.now.target += (up * points.y - right * points.x) * metres;
+        self.goal = self.now;
+    }
+
+    /// Comes `factor` times nearer.
+    pub fn zoom(&mut self, factor: f32) {
+        self.taken();
+        self.now.distance = (self.now.distance / factor.max(1e-3)).clamp(DISTANCE.0, DISTANCE.1);
+        self.goal = self.now;
+    }
+
+    /// A person has taken the camera: it stays as it is.
+    fn taken(&mut self) {
+        self.framed = None;
+    }
+
+    /// Whether it is on its way to a view.
+    pub fn is_gliding(&self) -> bool {
+        self.now != self.goal
+    }
+
+    /// Glides on for `seconds`.
+    pub fn advance(&mut self, seconds: f32) {
+        if !self.is_gliding() {
+            return;
+        }
+        let share = 1.0 - GLIDE.powf(seconds.clamp(0.0, 0.1));
+        let mix = |a: f32, b: f32| a + (b - a) * share;
+        let (now, goal) = (self.now, self.goal);
+        self.now = Place {
+            target: now.target.lerp(goal.target, share),
+            yaw: mix(now.yaw, goal.yaw),
+            pitch: mix(now.pitch, goal.pitch),
+            distance: mix(now.distance, goal.distance),
+        };
+        let near = (self.now.yaw - goal.yaw).abs() + (self.now.pitch - goal.pitch).abs() < 2e-4
+            && self.now.target.distance(goal.target) + (self.now.distance - goal.distance).abs() < 2e-4;
+        if near {
+            self.now = goal;
+        }
+    }
+
+    /// The camera now.
+    pub fn camera(&self) -> Camera {
+        Camera { eye: self.now.target + self.now.back() * self.now.distance, target: self.now.target }
+    }
+
+    /// Right and up in the picture.
+    pub fn plane(&self) -> (Vec3, Vec3) {
+        let right = Vec3::new(self.now.yaw.cos(), 0.0, -self.now.yaw.sin());
+        (right, self.now.back().cross(right))
+    }
+
+    /// From where and where to one looks at `at`, which is -1 to 1 from left to right and from bottom to top.
+    pub fn ray(&self, at: Vec2) -> (Vec3, Vec3) {
+        let (right, up) = self.plane();
+        let tan = (0.5 * VERTICAL_FOV).tan();
+        let direction = right * (at.x * tan * self.aspect) + up * (at.y * tan) - self.now.back();
+        (self.camera().eye, direction.normalize())
+    }
+
+    /// The height of the picture at distance `depth` from the eye, metres.
+    pub fn height_at(&self, depth: f32) -> f32 {
+        2.0 * (0.5 * VERTICAL_FOV).tan() * depth
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SUBJECT: Bounds = (Vec3::new(-0.11, 1.40, -0.13), Vec3::new(0.10, 1.67, 0.13));
+
+    #[test]
+    fn it_glides_to_a_view_and_stops() {
+        let mut orbit = Orbit::new(View::Front, SUBJECT);
+        orbit.frame(View::Side);
+        assert!(orbit.is_gliding());
+        for _ in 0..200 {
+            orbit.advance(1.0 / 60.0);
+        }
+        assert!(!orbit.is_gliding());
+        let portrait = Camera::portrait(View::Side, SUBJECT, 1.3, 1.0);
+        assert!(orbit.camera().eye.distance(portrait.eye) < 1e-4);
+    }
+
+    #[test]
+    fn turning_keeps_the_distance_and_never_tips_over() {
+        let mut orbit = Orbit::new(View::Front, SUBJECT);
+        let before = orbit.camera().distance();
+        orbit.turn(Vec2::new(300.0, 9000.0));
+        assert!((orbit.camera().distance() - before).abs() < 1e-4);
+        assert!(orbit.camera().eye.y > orbit.camera().target.y && orbit.framed().is_none());
+        assert!(orbit.plane().1.y > 0.0);
+    }
+
+    #[test]
+    fn the_middle_ray_meets_the_target() {
+        let mut orbit = Orbit::new(View::ThreeQuarter, SUBJECT);
+        orbit.pan(Vec2::new(30.0, -20.0), 600.0);
+        let (eye, direction) = orbit.ray(Vec2::ZERO);
+        let camera = orbit.camera();
+        assert!((eye + direction * camera.distance()).distance(camera.target) < 1e-5);
+    }
+
+    #[test]
+    fn the_far_way_is_not_taken() {
+        let mut orbit = Orbit::new(View::Back, SUBJECT);
+        orbit.turn(Vec2::new(-100.0, 0.0));
+        orbit.frame(View::Back);
+        assert!((orbit.now.yaw - orbit.goal.yaw).abs() < std::f32::consts::PI);
+    }
+}

@@ -1,0 +1,132 @@
+//! What is known of the groom: how it was read, what was found, and how to read it otherwise.
+
+use crate::{app::Studio, job::Source, panels::status::grouped, theme};
+use eframe::egui::{self, ComboBox, Grid, RichText, ScrollArea, Ui};
+use tresses::groom::{
+    import::{ImportOptions, ImportReport},
+    lint::Severity,
+    orient::{Axis, Choice, Placement, Unit},
+};
+
+/// Shows it.
+pub fn show(studio: &mut Studio, ui: &mut Ui) {
+    ScrollArea::vertical().id_salt("groom").auto_shrink(false).show(ui, |ui| {
+        facts(studio, ui);
+        let Some(shown) = &studio.shown else { return };
+        for note in &shown.notes {
+            ui.separator();
+            ui.label(RichText::new(note).color(theme::ACCENT));
+        }
+        let Some(report) = &shown.base.report else { return };
+        ui.separator();
+        findings(report, ui);
+        ui.separator();
+        let Source::Files { files, options } = &shown.source else { return };
+        let mut changed = options.clone();
+        orientation(&mut changed, report, ui);
+        if changed != *options {
+            let source = Source::Files { files: files.clone(), options: changed };
+            studio.open(ui.ctx(), source);
+        }
+    });
+}
+
+fn facts(studio: &Studio, ui: &mut Ui) {
+    let Some(show) = &studio.show else { return };
+    let facts = show.facts();
+    Grid::new("facts").num_columns(2).spacing([16.0, 4.0]).show(ui, |ui| {
+        for (name, value, help) in [
+            ("Strands", grouped(facts.strands.into()), "Strands of the groom that are drawn at full detail"),
+            ("Vertices per strand", facts.vertices_per_strand.to_string(), "Points along each of them"),
+            ("Triangles", grouped(facts.triangles), "What the picture is made of now"),
+            ("Guides", grouped(facts.guides.into()), "Strands that are simulated; the others follow them"),
+            (
+                "GPU memory",
+                format!("{:.1} MB", facts.bytes as f64 / 1e6),
+                "Of the groom, without the picture",
+            ),
+        ] {
+            ui.label(RichText::new(name).color(theme::QUIET)).on_hover_text(help);
+            ui.label(value);
+            ui.end_row();
+        }
+    });
+}
+
+fn findings(report: &ImportReport, ui: &mut Ui) {
+    for file in &report.files {
+        ui.label(format!("{}, {} strands", file.format, grouped(file.strands as u64)));
+    }
+    if report.lint.findings.is_empty() {
+        ui.label(RichText::new("Nothing odd was found in it.").color(theme::QUIET));
+    }
+    for finding in &report.lint.findings {
+        let color = match finding.severity {
+            Severity::Error => theme::ALARM,
+            Severity::Warning => theme::ACCENT,
+            Severity::Note => theme::QUIET,
+        };
+        ui.label(
+            RichText::new(format!("{} ({})", finding.kind.name(), grouped(finding.count as u64)))
+                .color(color),
+        )
+        .on_hover_text(format!("{}\n{}", finding.detail, finding.action));
+    }
+}
+
+/// Unit and axes of the groom, and of the head if there is one.
+fn orientation(options: &mut ImportOptions, report: &ImportReport, ui: &mut Ui) {
+    placement("Groom", &mut options.orient, &report.placement, ui);
+    if let Some(head) = &report.head_placement {
+        ui.add_space(6.0);
+        placement("Head", &mut options.orient_head, head, ui);
+    }
+}
+
+fn placement(title: &str, choice: &mut Choice, found: &Placement, ui: &mut Ui) {
+    ui.label(RichText::new(title).strong()).on_hover_text(found.reasons.join("\n"));
+    Grid::new(("placement", title)).num_columns(2).spacing([16.0, 4.0]).show(ui, |ui| {
+        ui.label(RichText::new("Unit").color(theme::QUIET));
+        pick(
+            ui,
+            (title, "unit"),
+            &mut choice.unit,
+            found.unit,
+            &Unit::KNOWN.map(|known| Unit(known.1)),
+            |u| u.name(),
+        );
+        ui.end_row();
+        ui.label(RichText::new("Up").color(theme::QUIET));
+        pick(ui, (title, "up"), &mut choice.up, found.up, &Axis::ALL, |axis| axis.name().into());
+        ui.end_row();
+        ui.label(RichText::new("Front").color(theme::QUIET));
+        pick(ui, (title, "front"), &mut choice.front, found.front, &Axis::ALL, |axis| axis.name().into());
+        ui.end_row();
+    });
+}
+
+/// A choice that may be left to a guess.
+fn pick<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    id: (&str, &str),
+    choice: &mut Option<T>,
+    guess: T,
+    all: &[T],
+    name: impl Fn(T) -> String,
+) {
+    let text = match choice {
+        Some(chosen) => name(*chosen),
+        None => format!("{} (guessed)", name(guess)),
+    };
+    ComboBox::from_id_salt(id)
+        .selected_text(text)
+        .width(120.0)
+        .show_ui(ui, |ui: &mut egui::Ui| {
+            ui.selectable_value(choice, None, format!("Guess: {}", name(guess)));
+            for each in all {
+                ui.selectable_value(choice, Some(*each), name(*each));
+            }
+        })
+        .response
+        .on_hover_text("Read the file again with another one");
+}

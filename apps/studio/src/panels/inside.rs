@@ -1,0 +1,104 @@
+//! Looking inside: the library's debug views.
+
+use crate::{app::Studio, theme};
+use eframe::egui::{self, RichText, ScrollArea, Slider, Ui};
+use tresses::draw::debug::{DebugView, Shown};
+
+/// The views by what they show; every view of the library is in one of them or under "More".
+const GROUPS: [(&str, &[DebugView]); 4] = [
+    ("Guides", &[DebugView::Guides, DebugView::Speed, DebugView::Strain]),
+    (
+        "Strands",
+        &[
+            DebugView::Locks,
+            DebugView::Strands,
+            DebugView::Tangents,
+            DebugView::FirstHit,
+            DebugView::Detail,
+            DebugView::Overdraw,
+        ],
+    ),
+    (
+        "Grids and obstacles",
+        &[DebugView::Density, DebugView::Push, DebugView::Wind, DebugView::Colliders, DebugView::Distance],
+    ),
+    (
+        "Light",
+        &[
+            DebugView::Reflection,
+            DebugView::Transmission,
+            DebugView::Inner,
+            DebugView::Multiple,
+            DebugView::Sky,
+            DebugView::Direct,
+            DebugView::Shadow,
+        ],
+    ),
+];
+
+/// Shows the chooser.
+pub fn show(studio: &mut Studio, ui: &mut Ui) {
+    let now = studio.view.map(|shown| shown.view);
+    let mut chosen = None;
+    if ui
+        .selectable_label(now.is_none(), "Hair as it looks")
+        .on_hover_text("No view: the finished picture")
+        .clicked()
+    {
+        chosen = Some(None);
+    }
+    ui.add_space(4.0);
+    ScrollArea::vertical().id_salt("views").auto_shrink(false).show(ui, |ui| {
+        for (title, views) in GROUPS {
+            ui.label(RichText::new(title).small().color(theme::QUIET));
+            ui.horizontal_wrapped(|ui| {
+                ui.spacing_mut().item_spacing = egui::vec2(4.0, 4.0);
+                for view in views {
+                    let button = egui::Button::selectable(now == Some(*view), view.label());
+                    if ui.add(button).on_hover_text(view.hint()).clicked() {
+                        chosen = Some(if now == Some(*view) { None } else { Some(*view) });
+                    }
+                }
+            });
+            ui.add_space(6.0);
+        }
+        scale(studio, ui);
+    });
+    if let Some(view) = chosen {
+        studio.view = view.map(Shown::new);
+        studio.dirty = true;
+    }
+}
+
+/// What the colours stand for, and the number drawn brightest.
+fn scale(studio: &mut Studio, ui: &mut Ui) {
+    let Some(shown) = &mut studio.view else { return };
+    ui.separator();
+    ui.label(shown.view.hint());
+    let (Some(scale), Some(usual)) = (shown.scale(), shown.view.scale()) else { return };
+    ui.label(RichText::new(format!("{}: {} to", scale.title, scale.low)).color(theme::QUIET));
+    let mut high = scale.high;
+    let slider = Slider::new(&mut high, 0.01 * usual.high..=100.0 * usual.high).logarithmic(true);
+    let slider = ui
+        .add(slider)
+        .on_hover_text("The number that is drawn brightest. A double click gives the usual one.");
+    if slider.changed() {
+        (shown.high, studio.dirty) = (Some(high), true);
+    }
+    if slider.double_clicked() {
+        (shown.high, studio.dirty) = (None, true);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_view_of_the_library_is_offered_once() {
+        for view in DebugView::ALL {
+            let count = GROUPS.iter().flat_map(|(_, views)| *views).filter(|v| **v == view).count();
+            assert_eq!(count, 1, "{view:?}");
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! Keys.
+
+use crate::{app::Studio, tool::Tool};
+use eframe::egui::{self, Key, KeyboardShortcut, Modifiers};
+use tresses_scene::camera::View;
+
+/// The views and their keys.
+pub const VIEWS: [(View, &str, Key, &str); 4] = [
+    (View::Front, "Front", Key::Num1, "From before the face"),
+    (View::ThreeQuarter, "3/4", Key::Num2, "Half from the side; a double click in the picture does the same"),
+    (View::Side, "Side", Key::Num3, "From the head's left"),
+    (View::Back, "Back", Key::Num4, "From behind"),
+];
+
+/// Answers what was typed, unless somebody writes.
+pub fn answer(studio: &mut Studio, context: &egui::Context) {
+    if context.egui_wants_keyboard_input() {
+        return;
+    }
+    let undo = KeyboardShortcut::new(Modifiers::COMMAND, Key::Z);
+    let redo = KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z);
+    // The one with more modifiers first.
+    if context.input_mut(|input| input.consume_shortcut(&redo)) {
+        studio.redo(context);
+    }
+    if context.input_mut(|input| input.consume_shortcut(&undo)) {
+        studio.undo(context);
+    }
+    let pressed = |key| context.input(|input| input.key_pressed(key) && input.modifiers.is_none());
+    if pressed(Key::Space) {
+        studio.play.playing = !studio.play.playing;
+    }
+    if pressed(Key::Period) {
+        studio.play.step();
+    }
+    if pressed(Key::R) {
+        studio.play.reset();
+    }
+    if pressed(Key::Tab) {
+        studio.panels.folded = !studio.panels.folded;
+    }
+    for (tool, _, key, _) in Tool::ALL {
+        if pressed(key) {
+            studio.tool = tool;
+        }
+    }
+    for (view, _, key, _) in VIEWS {
+        if pressed(key) {
+            studio.orbit.frame(view);
+            studio.dirty = true;
+        }
+    }
+}

@@ -1,0 +1,229 @@
+//! Every parameter, as the table of `tresses_scene::knobs` has it.
+
+use crate::{
+    app::Studio,
+    panels::icons::{self, Icon},
+    theme,
+};
+use eframe::egui::{
+    self, CollapsingHeader, ComboBox, Label, RichText, ScrollArea, Sense, Slider, TextEdit, Ui,
+};
+use tresses_scene::{
+    Settings,
+    knobs::{Kind, Knob, SECTIONS, Scale, Section, Value},
+};
+
+/// Width of the names, points.
+const NAMES: f32 = 122.0;
+
+/// Shows them.
+pub fn show(studio: &mut Studio, ui: &mut Ui) {
+    ui.horizontal(|ui| {
+        let clear = !studio.panels.search.is_empty();
+        let width = ui.available_width() - if clear { 30.0 } else { 0.0 };
+        let edit = TextEdit::singleline(&mut studio.panels.search).hint_text("Search").desired_width(width);
+        ui.add(edit).on_hover_text("Shows the parameters whose name or hint has these words");
+        if clear && ui.small_button("x").on_hover_text("Shows all parameters").clicked() {
+            studio.panels.search.clear();
+        }
+    });
+    ui.add_space(2.0);
+    let words = studio.panels.search.to_lowercase();
+    let mut settings = studio.settings.now().clone();
+    let resolved = settings.resolved(studio.style().as_ref());
+    let mut changed = None;
+    ScrollArea::vertical().id_salt("knobs").auto_shrink(false).show(ui, |ui| {
+        for section in SECTIONS {
+            let found: Vec<_> = section.knobs.iter().filter(|knob| matches(knob, section, &words)).collect();
+            if found.is_empty() {
+                continue;
+            }
+            let turned = section.knobs.iter().filter(|knob| !knob.is_default(&settings)).count();
+            let title = if turned > 0 {
+                format!("{} ({turned} changed)", section.title)
+            } else {
+                section.title.into()
+            };
+            CollapsingHeader::new(RichText::new(title).strong())
+                .id_salt(section.key)
+                .default_open(section.key == "wind")
+                .open((!words.is_empty()).then_some(true))
+                .show_unindented(ui, |ui| {
+                    for knob in found {
+                        if row(knob, &mut settings, &resolved, ui) {
+                            changed = Some(knob.path);
+                        }
+                    }
+                    ui.add_space(6.0);
+                })
+                .header_response
+                .on_hover_text(section.about);
+        }
+    });
+    if let Some(path) = changed {
+        studio.change(ui.ctx(), settings, path);
+    }
+}
+
+fn matches(knob: &Knob, section: &Section, words: &str) -> bool {
+    let text = format!("{} {} {} {}", section.title, knob.path, knob.label, knob.hint).to_lowercase();
+    words.split_whitespace().all(|word| text.contains(word))
+}
+
+/// One parameter; whether it was changed.
+fn row(knob: &Knob, settings: &mut Settings, resolved: &Settings, ui: &mut Ui) -> bool {
+    let value = knob.get(settings);
+    let mut new = None;
+    ui.horizontal(|ui| {
+        let default = knob.is_default(settings);
+        let color = if default { theme::TEXT } else { theme::ACCENT };
+        let size = egui::vec2(NAMES, ui.spacing().interact_size.y);
+        let name = ui
+            .allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                ui.set_min_width(NAMES);
+                let label = Label::new(RichText::new(knob.label).color(color)).truncate();
+                ui.add(label.sense(Sense::click()))
+            })
+            .inner
+            .on_hover_text(help(knob));
+        if name.double_clicked() {
+            new = Some(knob.default());
+        }
+        let shown = if value == Value::Auto { knob.get(resolved) } else { value };
+        if let Some(turned) = widget(knob, shown, value == Value::Auto, ui) {
+            new = Some(turned);
+        }
+        if !default {
+            let text = format!("Back to {}", knob.text(knob.default()));
+            if icons::small(ui, Icon::Undo).on_hover_text(text).clicked() {
+                new = Some(knob.default());
+            }
+        }
+    });
+    let Some(new) = new.filter(|new| *new != value) else { return false };
+    // A slider's end, rounded to single precision, may lie just beyond the range.
+    knob.set(settings, new).is_ok()
+}
+
+fn help(knob: &Knob) -> String {
+    let (range, default) = (knob.range(), knob.text(knob.default()));
+    format!(
+        "{}\n\nAllowed: {range}. By default: {default}.\nA double click on the name gives the default.\n{}",
+        knob.hint, knob.path
+    )
+}
+
+/// What is turned; the new value while it is. `auto` when the value is not the user's.
+fn widget(knob: &Knob, value: Value, auto: bool, ui: &mut Ui) -> Option<Value> {
+    if auto {
+        ui.visuals_mut().override_text_color = Some(theme::QUIET);
+    }
+    // The unit stands after the number; a mark tells what is chosen by itself.
+    let mark = |unit: &str| match (unit, auto) {
+        ("", false) => String::new(),
+        ("°" | "%", false) => unit.to_owned(),
+        (unit, false) => format!(" {unit}"),
+        (unit, true) => format!(" {unit} auto"),
+    };
+    ui.spacing_mut().slider_width = (ui.available_width() - 114.0).max(40.0);
+    match (knob.kind, value) {
+        (Kind::Number { unit, least, most, scale }, Value::Number(number)) => {
+            let mut shown = knob.shown(number);
+            let slider = Slider::new(&mut shown, least..=most)
+                .logarithmic(scale == Scale::Log)
+                .smallest_positive((most * 1e-5).max(1e-9))
+                .max_decimals(4)
+                .custom_formatter(|shown, _| short(shown))
+                .suffix(mark(unit.symbol));
+            let turned = ui.add(slider).on_hover_text(knob.hint).changed();
+            turned.then(|| Value::Number(knob.inner(shown.clamp(least, most))))
+        }
+        (Kind::Integer { unit, least, most, step }, Value::Integer(mut number)) => {
+            let slider = Slider::new(&mut number, least..=most)
+                .logarithmic(most > 1000)
+                .step_by(step.into())
+                .suffix(mark(unit.symbol));
+            ui.add(slider).on_hover_text(knob.hint).changed().then_some(Value::Integer(number))
+        }
+        (Kind::Toggle, Value::Toggle(mut on)) => {
+            ui.checkbox(&mut on, "").on_hover_text(knob.hint).changed().then_some(Value::Toggle(on))
+        }
+        (Kind::Color, Value::Color(mut rgb)) => {
+            let changed = ui.color_edit_button_srgb(&mut rgb).on_hover_text(knob.hint).changed();
+            changed.then_some(Value::Color(rgb))
+        }
+        (Kind::Choice(names), value) => choice(knob, names, value, auto, ui),
+        // What is chosen by itself and unknown: a file has its own.
+        (kind, _) => ui
+            .button("auto")
+            .on_hover_text("As the file or the style has it; press to choose")
+            .clicked()
+            .then(|| match kind {
+                Kind::Number { least, most, .. } => {
+                    Value::Number(knob.inner((least * most.max(0.0)).sqrt().clamp(least, most)))
+                }
+                Kind::Integer { least, .. } => Value::Integer(least),
+                Kind::Toggle => Value::Toggle(true),
+                Kind::Color => Value::Color([128, 96, 64]),
+                Kind::Choice(names) => Value::Choice(names[0]),
+            }),
+    }
+}
+
+/// A number with three digits that count.
+fn short(number: f64) -> String {
+    if number == 0.0 {
+        return "0".into();
+    }
+    let before = number.abs().log10().floor() as i32 + 1;
+    let text = format!("{number:.*}", (3 - before).clamp(0, 9) as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+}
+
+fn choice(knob: &Knob, names: &[&'static str], value: Value, auto: bool, ui: &mut Ui) -> Option<Value> {
+    let text = match value {
+        Value::Choice(name) if auto => format!("{name} (auto)"),
+        Value::Choice(name) => name.into(),
+        _ => "auto".into(),
+    };
+    let mut chosen = None;
+    let width = (ui.available_width() - 24.0).clamp(60.0, 150.0);
+    ComboBox::from_id_salt(knob.path)
+        .selected_text(text)
+        .width(width)
+        .show_ui(ui, |ui| {
+            if knob.automatic && ui.selectable_label(auto, "auto").clicked() {
+                chosen = Some(Value::Auto);
+            }
+            for name in names {
+                if ui.selectable_label(!auto && value == Value::Choice(name), *name).clicked() {
+                    chosen = Some(Value::Choice(name));
+                }
+            }
+        })
+        .response
+        .on_hover_text(knob.hint);
+    chosen
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        for (number, text) in
+            [(0.0, "0"), (9.81, "9.81"), (12.0, "12"), (0.0035, "0.0035"), (1234.6, "1235"), (20.04, "20")]
+        {
+            assert_eq!(short(number), text);
+        }
+    }
+
+    #[test]
+    fn words_are_found_in_names_and_hints() {
+        let section = &SECTIONS[0];
+        let knob = &section.knobs[0];
+        assert!(matches(knob, section, "") && matches(knob, section, &knob.label.to_lowercase()));
+        assert!(!matches(knob, section, "xyzzy"));
+    }
+}

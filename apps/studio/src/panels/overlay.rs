@@ -1,0 +1,110 @@
+//! What lies on the picture: the palette, the views, what is being done, what went wrong.
+
+use crate::{
+    app::Studio,
+    panels::{self, keys::VIEWS},
+    theme,
+    tool::Tool,
+    viewport::plate,
+};
+use eframe::egui::{Align, Align2, Area, Id, Layout, Order, ProgressBar, Rect, RichText, Ui, vec2};
+
+/// Distance from the picture's edges, points.
+const GAP: f32 = 12.0;
+
+/// Shows all of it over the picture at `rect`.
+pub fn show(studio: &mut Studio, ui: &mut Ui, rect: Rect) {
+    let at = |name: &str, anchor: Align2, offset| {
+        Area::new(Id::unique(("overlay", name)))
+            .order(Order::Middle)
+            .pivot(anchor)
+            .fixed_pos(anchor.pos_in_rect(&rect.shrink(GAP)) + offset)
+            .constrain_to(rect)
+    };
+    if studio.show.is_some() {
+        at("tools", Align2::LEFT_TOP, vec2(0.0, 0.0))
+            .show(ui.ctx(), |ui| plate().show(ui, |ui| tools(studio, ui)));
+        at("views", Align2::RIGHT_TOP, vec2(0.0, 0.0))
+            .show(ui.ctx(), |ui| plate().show(ui, |ui| views(studio, ui)));
+    }
+    if studio.show.is_some() {
+        at("wind", Align2::LEFT_BOTTOM, vec2(0.0, 0.0))
+            .show(ui.ctx(), |ui| plate().show(ui, |ui| wind(studio, ui)));
+    }
+    if studio.job.is_some() {
+        let (anchor, offset) = if studio.show.is_some() {
+            (Align2::CENTER_TOP, vec2(0.0, 44.0))
+        } else {
+            (Align2::CENTER_CENTER, vec2(0.0, 0.0))
+        };
+        at("job", anchor, offset).show(ui.ctx(), |ui| plate().show(ui, |ui| job(studio, ui)));
+    }
+    if studio.error.is_some() {
+        at("error", Align2::CENTER_BOTTOM, vec2(0.0, 0.0)).show(ui.ctx(), |ui| {
+            ui.set_max_width(0.8 * rect.width());
+            plate().show(ui, |ui| error(studio, ui));
+        });
+    }
+}
+
+fn tools(studio: &mut Studio, ui: &mut Ui) {
+    ui.with_layout(Layout::top_down_justified(Align::Center), |ui| {
+        ui.set_width(64.0);
+        for (tool, name, key, help) in Tool::ALL {
+            let button = ui.selectable_label(studio.tool == tool, name);
+            if button.on_hover_text(format!("{help}\nKey {}", key.name())).clicked() {
+                studio.tool = tool;
+            }
+        }
+    });
+}
+
+fn views(studio: &mut Studio, ui: &mut Ui) {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 2.0;
+        for (view, name, key, help) in VIEWS {
+            let button = ui.selectable_label(studio.orbit.framed() == Some(view), name);
+            if button.on_hover_text(format!("{help}\nKey {}", key.name())).clicked() {
+                studio.orbit.frame(view);
+                studio.dirty = true;
+            }
+        }
+    });
+}
+
+fn wind(studio: &mut Studio, ui: &mut Ui) {
+    let mut settings = studio.settings.now().clone();
+    let camera = studio.orbit.camera();
+    let back = camera.eye - camera.target;
+    ui.vertical_centered(|ui| {
+        ui.set_max_width(84.0);
+        let now = (settings.wind.speed, settings.wind.direction);
+        if let Some((speed, direction)) = panels::wind::show(ui, now, back.x.atan2(back.z)) {
+            (settings.wind.speed, settings.wind.direction) = (speed, direction);
+            studio.change(ui.ctx(), settings, "Wind");
+        }
+        let text = if now.0 > 0.0 { format!("Wind {:.1} m/s", now.0) } else { "Calm".into() };
+        ui.label(RichText::new(text).small().color(theme::QUIET));
+    });
+}
+
+fn job(studio: &Studio, ui: &mut Ui) {
+    let Some(job) = &studio.job else { return };
+    ui.horizontal(|ui| {
+        // Nothing that moves by itself: on a software driver it would take the time of the work.
+        let bar = ProgressBar::new(job.fraction()).desired_width(90.0).desired_height(6.0).fill(theme::ACCENT);
+        ui.add(bar);
+        ui.label(format!("{}: {}", job.source.name(), job.step()));
+        ui.label(RichText::new(format!("{:.0} s", job.begun.elapsed().as_secs_f32())).color(theme::QUIET));
+    });
+}
+
+fn error(studio: &mut Studio, ui: &mut Ui) {
+    let Some(text) = studio.error.clone() else { return };
+    ui.horizontal_wrapped(|ui| {
+        ui.label(RichText::new(text).color(theme::ALARM));
+        if ui.small_button("OK").on_hover_text("Takes this sentence away").clicked() {
+            studio.error = None;
+        }
+    });
+}

@@ -1,0 +1,53 @@
+//! The panel at the side: a page at a time.
+
+use crate::{
+    app::Studio,
+    panels::{groom, inside, knobs, time},
+    theme,
+};
+use eframe::egui::{self, Panel, Ui};
+
+/// What the panel shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Page {
+    /// Debug views.
+    Inside,
+    /// Parameters.
+    #[default]
+    Knobs,
+    /// The groom.
+    Groom,
+    /// Timings.
+    Time,
+}
+
+impl Page {
+    const ALL: [(Self, &str, &str); 4] = [
+        (Self::Knobs, "Parameters", "Everything that can be turned"),
+        (Self::Groom, "Groom", "What it has, what is odd about it, its unit and axes"),
+        (Self::Inside, "Inside", "See guides, grids, single terms of the light"),
+        (Self::Time, "Time", "Where the time of a frame goes"),
+    ];
+}
+
+/// Shows it.
+pub fn show(studio: &mut Studio, ui: &mut Ui) {
+    if studio.panels.folded {
+        return;
+    }
+    let frame = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(12, 8));
+    Panel::right("side").frame(frame).default_size(348.0).size_range(280.0..=520.0).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            for (page, name, help) in Page::ALL {
+                ui.selectable_value(&mut studio.panels.page, page, name).on_hover_text(help);
+            }
+        });
+        ui.separator();
+        match studio.panels.page {
+            Page::Knobs => knobs::show(studio, ui),
+            Page::Inside => inside::show(studio, ui),
+            Page::Groom => groom::show(studio, ui),
+            Page::Time => time::show(studio, ui),
+        }
+    });
+}

@@ -1,0 +1,65 @@
+//! The line at the bottom: what the pointer can do, and what is drawn how fast.
+
+use crate::{app::Studio, theme};
+use eframe::egui::{self, Align, Label, Layout, Panel, RichText, Ui};
+
+/// Shows it.
+pub fn show(studio: &mut Studio, ui: &mut Ui) {
+    let frame = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(12, 4));
+    Panel::bottom("status").frame(frame).show_separator_line(false).show(ui, |ui| {
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            right(studio, ui);
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                let hint = if studio.show.is_some() { studio.tool.hint() } else { "" };
+                ui.add(Label::new(RichText::new(hint).small().color(theme::QUIET)).truncate());
+            });
+        });
+    });
+}
+
+fn right(studio: &mut Studio, ui: &mut Ui) {
+    let quiet = |text: String| RichText::new(text).small().color(theme::QUIET);
+    let software = if studio.gpu.tier.software { " · software" } else { "" };
+    ui.label(quiet(format!("{}{software}", short(&studio.gpu.info.name))))
+        .on_hover_text(format!("{}\n{}", studio.gpu.info.name, studio.gpu.info.driver_info));
+    let Some(show) = &studio.show else { return };
+    if let Some(ms) = studio.panels.frames.median() {
+        ui.label(quiet(format!("{ms:.0} ms"))).on_hover_text("The median of the last frames of hair");
+    }
+    let [width, height] = show.stage.targets.size;
+    let scale = studio.pace.scale();
+    let drawn = show.stage.detail().strands;
+    let mut text = format!("{} strands · {width}×{height}", grouped(u64::from(drawn)));
+    let coarse = scale < 1.0 || studio.pace.bias() > 0.0;
+    if coarse {
+        text += &format!(" ({:.0} %)", scale * 100.0);
+    }
+    let text = if coarse { quiet(text).color(theme::ACCENT) } else { quiet(text) };
+    let help = if coarse {
+        format!(
+            "Resolution and strands are lowered so that a frame takes less than {:.0} ms. Under Inside this can be turned off.",
+            studio.pace.budget()
+        )
+    } else {
+        "What is drawn, at which size".into()
+    };
+    ui.label(text).on_hover_text(help);
+}
+
+/// The name of an adapter without what stands in brackets.
+fn short(name: &str) -> &str {
+    name.split(" (").next().unwrap_or(name)
+}
+
+/// A number with its thousands apart.
+pub fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i) % 3 == 0 {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}

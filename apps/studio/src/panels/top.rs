@@ -1,0 +1,95 @@
+//! The bar at the top: what is shown, and what is done with it.
+
+use crate::{app::Studio, job::Source, theme};
+use eframe::egui::{self, Align, ComboBox, Layout, Panel, RichText, Ui};
+use tresses::groom::styles::Style;
+use tresses_scene::preset::{Extent, Preset};
+
+/// Shows it.
+pub fn show(studio: &mut Studio, ui: &mut Ui) {
+    let frame = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(12, 7));
+    Panel::top("top").frame(frame).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            ui.label(RichText::new("Tresses").size(15.0).strong().color(theme::ACCENT));
+            ui.add_space(10.0);
+            source(studio, ui);
+            let help = "A groom (.hair, .tfx, .obj), a head for it (.obj, .gltf, .glb, .tfxmesh), or both. Files can also be dropped on the window.";
+            if ui.button("Open…").on_hover_text(help).clicked() {
+                studio.dialogs.open(ui.ctx());
+            }
+            ui.separator();
+            presets(studio, ui);
+            if ui.button("Save picture…").on_hover_text("The picture as it is, as PNG").clicked() {
+                studio.wants_picture = true;
+            }
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let text = if studio.panels.folded { "Show panel" } else { "Hide panel" };
+                if ui.button(text).on_hover_text("The panel at the side\nKey Tab").clicked() {
+                    studio.panels.folded = !studio.panels.folded;
+                }
+                history(studio, ui);
+            });
+        });
+    });
+}
+
+fn source(studio: &mut Studio, ui: &mut Ui) {
+    let shown =
+        studio.job.as_ref().map(|job| &job.source).or(studio.shown.as_ref().map(|shown| &shown.source));
+    let name = shown.map(Source::name).unwrap_or_default();
+    let built_in = matches!(shown, Some(Source::Style(_)));
+    let mut chosen = None;
+    ComboBox::from_id_salt("style")
+        .selected_text(if built_in { format!("Style: {name}") } else { name.clone() })
+        .width(150.0)
+        .show_ui(ui, |ui| {
+            for style in Style::NAMES {
+                if ui.selectable_label(built_in && style == name, style).clicked() {
+                    chosen = Some(style);
+                }
+            }
+        })
+        .response
+        .on_hover_text("The built-in styles");
+    if let Some(style) = chosen {
+        studio.open(ui.ctx(), Source::Style(style.into()));
+    }
+}
+
+fn history(studio: &mut Studio, ui: &mut Ui) {
+    let (undoes, redoes) =
+        (studio.settings.undoes().map(str::to_owned), studio.settings.redoes().map(str::to_owned));
+    let mut button = |text: &str, what: &Option<String>, key: &str| {
+        let help = what
+            .as_ref()
+            .map_or_else(|| format!("Nothing to {}", text.to_lowercase()), |what| format!("{text}: {what}"));
+        ui.add_enabled(what.is_some(), egui::Button::new(text))
+            .on_hover_text(format!("{help}\n{key}"))
+            .on_disabled_hover_text(help)
+            .clicked()
+    };
+    // From right to left.
+    let (redo, undo) = (button("Redo", &redoes, "Ctrl Shift Z"), button("Undo", &undoes, "Ctrl Z"));
+    if undo {
+        studio.undo(ui.ctx());
+    }
+    if redo {
+        studio.redo(ui.ctx());
+    }
+}
+
+fn presets(studio: &mut Studio, ui: &mut Ui) {
+    let help = "All parameters from a file, which `tresses render --preset` takes too";
+    if ui.button("Open preset…").on_hover_text(help).clicked() {
+        studio.dialogs.preset(ui.ctx());
+    }
+    if ui.button("Save preset…").on_hover_text("All parameters into a readable file").clicked() {
+        let preset = Preset { settings: studio.settings.now().clone(), ..Default::default() };
+        studio.dialogs.save(
+            ui.ctx(),
+            "Save the preset",
+            "preset.toml",
+            preset.write(Extent::Changed).into_bytes(),
+        );
+    }
+}

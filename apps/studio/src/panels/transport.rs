@@ -1,0 +1,60 @@
+//! Time: play, step, reset, the speed, and the motion.
+
+use crate::{
+    app::Studio,
+    panels::icons::{self, Icon},
+    play::SPEEDS,
+    theme,
+};
+use eframe::egui::{self, Panel, RichText, Slider, Ui};
+use tresses_scene::motion::NAMES;
+
+/// Shows it.
+pub fn show(studio: &mut Studio, ui: &mut Ui) {
+    let frame = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(12, 7));
+    Panel::bottom("transport").frame(frame).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            let play = &mut studio.play;
+            let (icon, help) = if play.playing { (Icon::Pause, "Pause") } else { (Icon::Play, "Play") };
+            if icons::button(ui, icon).on_hover_text(format!("{help}\nKey Space")).clicked() {
+                play.playing = !play.playing;
+            }
+            if icons::button(ui, Icon::Step)
+                .on_hover_text("One step of 1/60 s, then stand still\nKey . (period)")
+                .clicked()
+            {
+                play.step();
+            }
+            if icons::button(ui, Icon::Rewind)
+                .on_hover_text("The hair at rest, the motion at its begin\nKey R")
+                .clicked()
+            {
+                play.reset();
+            }
+            ui.separator();
+            ui.label(RichText::new("Motion").color(theme::QUIET));
+            for name in NAMES {
+                let help = match name {
+                    "still" => "The head holds still",
+                    "nod" => "The head nods, over and over",
+                    "turn" => "The head turns to both sides, over and over",
+                    _ => "The head shakes, over and over",
+                };
+                if ui.selectable_label(play.name == name, name).on_hover_text(help).clicked() {
+                    play.choose(name);
+                    play.playing = true;
+                }
+            }
+            ui.separator();
+            ui.label(RichText::new("Speed").color(theme::QUIET));
+            let slider =
+                Slider::new(&mut play.speed, SPEEDS).logarithmic(true).fixed_decimals(2).suffix(" ×");
+            let slider = ui
+                .add(slider)
+                .on_hover_text("Seconds of hair per second of the clock. A double click gives 1.");
+            if slider.double_clicked() {
+                play.speed = 1.0;
+            }
+        });
+    });
+}

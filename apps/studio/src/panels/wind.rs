@@ -1,0 +1,103 @@
+//! The wind as a dial: the head from above as the camera sees it, and a handle where the wind comes from.
+
+use crate::theme;
+use eframe::egui::{Color32, CursorIcon, Painter, Pos2, Response, Sense, Shape, Stroke, Ui, Vec2, vec2};
+use std::f32::consts::TAU;
+
+/// The speed at the dial's rim, m/s.
+const MOST: f32 = 20.0;
+/// Slower than this is calm, m/s.
+const CALM: f32 = 0.3;
+/// Radius of the dial, points.
+const RADIUS: f32 = 38.0;
+
+/// Wind as a person sets it: speed (m/s) and where it comes from (radians, from the front over the head's left).
+pub type Wind = (f32, f32);
+
+/// Shows the dial for a camera turned by `azimuth` about the head; the new wind while the handle is dragged.
+pub fn show(ui: &mut Ui, wind: Wind, azimuth: f32) -> Option<Wind> {
+    let size = Vec2::splat(2.0 * RADIUS + 8.0);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+    let center = rect.center();
+    let handle = center + place(wind, azimuth);
+    paint(ui.painter(), center, handle, wind, azimuth, &response);
+    let turned = pull(&response, center, azimuth);
+    let text = "Drag the handle to where the wind comes from; the farther from the head, the stronger. A double click makes it calm.";
+    response.on_hover_cursor(CursorIcon::PointingHand).on_hover_text(text);
+    turned
+}
+
+fn pull(response: &Response, center: Pos2, azimuth: f32) -> Option<Wind> {
+    if response.double_clicked() {
+        return Some((0.0, 0.0));
+    }
+    let at = response.interact_pointer_pos().filter(|_| response.dragged() || response.clicked())?;
+    Some(wind_at(at - center, azimuth))
+}
+
+/// Where the handle is, from the dial's centre. The camera is below the dial.
+fn place((speed, direction): Wind, azimuth: f32) -> Vec2 {
+    let angle = direction - azimuth;
+    // The square root leaves room for breezes.
+    let far = RADIUS * (speed / MOST).clamp(0.0, 1.0).sqrt();
+    far * vec2(angle.sin(), angle.cos())
+}
+
+/// The wind of a handle at `from` the centre.
+fn wind_at(from: Vec2, azimuth: f32) -> Wind {
+    let share = (from.length() / RADIUS).min(1.0);
+    let speed = (MOST * share * share * 10.0).round() / 10.0;
+    if speed < CALM {
+        return (0.0, 0.0);
+    }
+    let turn = (from.x.atan2(from.y) + azimuth + TAU / 2.0).rem_euclid(TAU) - TAU / 2.0;
+    (speed, turn)
+}
+
+fn paint(painter: &Painter, center: Pos2, handle: Pos2, (speed, _): Wind, azimuth: f32, response: &Response) {
+    let line = |alpha| Stroke::new(1.0, Color32::from_white_alpha(alpha));
+    painter.circle(center, RADIUS, Color32::from_black_alpha(90), line(40));
+    for speed in [1.25, 5.0] {
+        painter.circle_stroke(center, RADIUS * f32::sqrt(speed / MOST), line(16));
+    }
+    // The head from above, its nose where the face is.
+    painter.circle(center, 7.0, Color32::from_white_alpha(28), line(70));
+    let nose = vec2((-azimuth).sin(), (-azimuth).cos());
+    painter.circle_filled(center + 8.0 * nose, 2.0, Color32::from_white_alpha(130));
+    let color = if speed > 0.0 { theme::ACCENT } else { theme::QUIET };
+    if speed > 0.0 {
+        let along = (center - handle).normalized();
+        let (tip, side) = (center - 10.0 * along, along.rot90());
+        painter.line_segment([handle, tip], Stroke::new(2.0, color));
+        let head = vec![tip + 5.0 * along, tip + 3.5 * side - 2.0 * along, tip - 3.5 * side - 2.0 * along];
+        painter.add(Shape::convex_polygon(head, color, Stroke::NONE));
+    }
+    let large = if response.hovered() || response.dragged() { 5.5 } else { 4.5 };
+    painter.circle_filled(handle, large, color);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_handle_and_its_wind_agree_from_any_side() {
+        for azimuth in [0.0, 0.7, 3.0, -2.0] {
+            for direction in [-3.0, -1.0, 0.0, 0.5, 2.0] {
+                let (speed, turn) = wind_at(place((5.0, direction), azimuth), azimuth);
+                assert!((speed - 5.0).abs() < 0.06, "{speed}");
+                assert!((turn - direction).abs() < 1e-3, "{turn} instead of {direction}");
+            }
+        }
+        assert_eq!(wind_at(vec2(1.0, 1.0), 0.3), (0.0, 0.0));
+        assert_eq!(wind_at(vec2(500.0, 0.0), 0.0).0, MOST);
+    }
+
+    #[test]
+    fn wind_towards_the_camera_comes_from_above_the_dial() {
+        // The camera stands before the face; wind from the back blows towards it.
+        assert!(place((5.0, std::f32::consts::PI), 0.0).y < 0.0);
+        // The head's left is at the camera's right.
+        assert!(place((5.0, TAU / 4.0), 0.0).x > 0.0);
+    }
+}

@@ -1,0 +1,105 @@
+//! Time: what plays, how fast, and where the motion is.
+
+use tresses::{Pose, glam::Vec3};
+use tresses_scene::motion::Motion;
+
+/// What a single step takes, seconds.
+pub const STEP: f32 = 1.0 / 60.0;
+/// Slowest and fastest.
+pub const SPEEDS: std::ops::RangeInclusive<f32> = 0.05..=2.0;
+
+/// The transport of the studio.
+#[derive(Clone, Debug)]
+pub struct Play {
+    /// Whether time goes by.
+    pub playing: bool,
+    /// Seconds of hair per second of the clock.
+    pub speed: f32,
+    /// The name of the motion.
+    pub name: String,
+    motion: Option<Motion>,
+    /// Seconds since the motion's begin.
+    pub time: f64,
+    /// Single steps that are due.
+    steps: u32,
+    /// Whether the hair is to be put to rest.
+    reset: bool,
+}
+
+impl Default for Play {
+    fn default() -> Self {
+        let name = "turn";
+        Self {
+            playing: true,
+            speed: 1.0,
+            name: name.into(),
+            motion: Motion::named(name),
+            time: 0.0,
+            steps: 0,
+            reset: false,
+        }
+    }
+}
+
+impl Play {
+    /// Another built-in motion, from its begin.
+    pub fn choose(&mut self, name: &str) {
+        self.motion = Motion::named(name);
+        self.name = name.into();
+        self.time = 0.0;
+    }
+
+    /// One step is due; time stops.
+    pub fn step(&mut self) {
+        self.playing = false;
+        self.steps += 1;
+    }
+
+    /// The hair is to be put to rest, and the motion to its begin.
+    pub fn reset(&mut self) {
+        self.reset = true;
+        self.time = 0.0;
+    }
+
+    /// Whether the hair is to be put to rest; asked once.
+    pub fn take_reset(&mut self) -> bool {
+        std::mem::take(&mut self.reset)
+    }
+
+    /// Whether a frame is due although nothing plays.
+    pub fn is_due(&self) -> bool {
+        self.playing || self.steps > 0 || self.reset
+    }
+
+    /// The seconds that go by in a frame `real` seconds after the last, of which a device manages `most`.
+    pub fn advance(&mut self, real: f32, most: f32) -> f32 {
+        let dt = if self.playing { (real * self.speed).min(most) } else { STEP * self.steps as f32 };
+        self.steps = 0;
+        self.time += f64::from(dt);
+        dt
+    }
+
+    /// The head's pose now; it turns about `pivot`.
+    pub fn pose(&self, pivot: Vec3) -> Pose {
+        self.motion.as_ref().map_or(Pose::IDENTITY, |motion| motion.pose(self.time, pivot))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_stops_and_steps() {
+        let mut play = Play { speed: 0.5, ..Play::default() };
+        assert_eq!(play.advance(0.02, 1.0), 0.01);
+        assert_eq!(play.advance(9.0, 0.05), 0.05);
+        play.playing = false;
+        assert!(!play.is_due() && play.advance(1.0, 1.0) == 0.0);
+        play.step();
+        assert!(play.is_due());
+        assert_eq!((play.advance(1.0, 1.0), play.advance(1.0, 1.0)), (STEP, 0.0));
+        play.reset();
+        assert!(play.take_reset() && !play.take_reset() && play.time == 0.0);
+    }
+}

@@ -1,0 +1,150 @@
+//! The character in the window: the only file that talks to the renderer, a frame into a texture at a time.
+
+use anyhow::Result;
+use eframe::{
+    egui::{self, TextureId},
+    egui_wgpu::RenderState,
+};
+use std::sync::{Arc, Mutex, PoisonError};
+use tresses::Pose;
+use tresses_scene::{Camera, Facts, Stage};
+use web_time::Instant;
+
+/// What a frame is made for.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment {
+    /// Where the head is.
+    pub pose: Pose,
+    /// Seconds of hair since the frame before.
+    pub seconds: f32,
+    /// Who looks.
+    pub camera: Camera,
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+}
+
+/// When a frame's work was done, and whether it is.
+type Landed = Arc<Mutex<Option<Instant>>>;
+
+/// A character, the texture it is drawn into, and at most one frame under way.
+pub struct Show {
+    /// The character.
+    pub stage: Stage,
+    texture: Option<TextureId>,
+    flight: Option<(Instant, Landed)>,
+    /// Frames drawn.
+    pub frames: u64,
+    /// Milliseconds that the last frame took, from recording to its end.
+    pub milliseconds: f32,
+    watcher: Watcher,
+}
+
+impl Show {
+    /// Shows `stage`.
+    pub fn new(stage: Stage) -> Self {
+        let watcher = Watcher::new(&stage.gpu.device);
+        Self { stage, texture: None, flight: None, frames: 0, milliseconds: 0.0, watcher }
+    }
+
+    /// Another character into the same texture.
+    pub fn replace(&mut self, stage: Stage) {
+        self.stage = stage;
+    }
+
+    /// Whether a frame is under way; one that has landed gives its milliseconds.
+    pub fn landed(&mut self) -> (bool, Option<f32>) {
+        let Some((begun, landed)) = &self.flight else { return (false, None) };
+        let Some(end) = *landed.lock().unwrap_or_else(PoisonError::into_inner) else { return (true, None) };
+        let ms = end.duration_since(*begun).as_secs_f32() * 1e3;
+        self.flight = None;
+        self.milliseconds = ms;
+        (false, Some(ms))
+    }
+
+    /// Sizes of what is drawn.
+    pub fn facts(&self) -> Facts {
+        self.stage.facts()
+    }
+
+    /// The texture with the last frame.
+    pub fn texture(&self) -> Option<TextureId> {
+        self.texture
+    }
+
+    /// Draws a frame; the one before must have [landed](Self::landed).
+    pub fn draw(&mut self, state: &RenderState, context: &egui::Context, moment: &Moment) -> Result<()> {
+        let begun = Instant::now();
+        if self.stage.targets.size != moment.size || self.texture.is_none() {
+            self.stage.resize(moment.size)?;
+        }
+        self.register(state);
+        let mut encoder = state.device.create_command_encoder(&Default::default());
+        self.stage.watch(&moment.camera);
+        self.stage.record_advance(&mut encoder, None, &moment.pose, moment.seconds)?;
+        self.stage.record_draw(&mut encoder, None, &moment.camera)?;
+        state.queue.submit([encoder.finish()]);
+        self.frames += 1;
+        let landed = Landed::default();
+        let (tell, context) = (landed.clone(), context.clone());
+        state.queue.on_submitted_work_done(move || {
+            *tell.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
+            context.request_repaint();
+        });
+        self.watcher.watch(&landed);
+        self.flight = Some((begun, landed));
+        Ok(())
+    }
+
+    /// egui knows the targets' picture by one name, whatever its size.
+    fn register(&mut self, state: &RenderState) {
+        let view = self.stage.targets.picture();
+        let filter = wgpu::FilterMode::Linear;
+        let mut renderer = state.renderer.write();
+        match self.texture {
+            Some(id) => renderer.update_egui_texture_from_wgpu_texture(&state.device, view, filter, id),
+            None => self.texture = Some(renderer.register_native_texture(&state.device, view, filter)),
+        }
+    }
+}
+
+/// A device calls back when somebody asks it: a thread does while a frame is under way.
+#[cfg(not(target_arch = "wasm32"))]
+struct Watcher(std::sync::mpsc::Sender<Landed>);
+
+#[cfg(not(target_arch = "wasm32"))]
+impl Watcher {
+    fn new(device: &wgpu::Device) -> Self {
+        let (sender, receiver) = std::sync::mpsc::channel::<Landed>();
+        let device = device.clone();
+        std::thread::spawn(move || {
+            while let Ok(landed) = receiver.recv() {
+                while landed.lock().unwrap_or_else(PoisonError::into_inner).is_none() {
+                    // Waiting inside the device would keep the window from handing in work.
+                    if device.poll(wgpu::PollType::Poll).is_err() {
+                        return;
+                    }
+                    std::thread::sleep(std::time::Duration::from_millis(1));
+                }
+            }
+        });
+        Self(sender)
+    }
+
+    fn watch(&self, landed: &Landed) {
+        // Without the thread the device is lost, and somebody has said so.
+        let _ = self.0.send(landed.clone());
+    }
+}
+
+/// A browser calls back by itself.
+#[cfg(target_arch = "wasm32")]
+struct Watcher;
+
+#[cfg(target_arch = "wasm32")]
+impl Watcher {
+    fn new(_: &wgpu::Device) -> Self {
+        Self
+    }
+
+    fn watch(&self, _: &Landed) {}
+}

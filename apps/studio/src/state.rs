@@ -1,0 +1,44 @@
+//! What the studio tells of itself, for tests that drive it from outside.
+
+use serde::Serialize;
+use std::sync::{Mutex, PoisonError};
+
+/// A few facts, written after every frame of the window.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct State {
+    /// Pictures of the hair so far.
+    pub frames: u64,
+    /// Strands of the groom; 0 while nothing is shown.
+    pub strands: u32,
+    /// What is shown.
+    pub file: String,
+    /// What is being done, or empty.
+    pub step: String,
+    /// The last sentence about something that went wrong, or empty.
+    pub error: String,
+    /// Whether time goes by.
+    pub playing: bool,
+    /// Seconds of the motion.
+    pub time: f64,
+    /// Pixels of the picture.
+    pub size: [u32; 2],
+    /// Milliseconds of the last frame.
+    pub milliseconds: f32,
+    /// The adapter.
+    pub adapter: String,
+    /// Whether the device is lost.
+    pub lost: bool,
+}
+
+static STATE: Mutex<Option<State>> = Mutex::new(None);
+
+/// Says how things are now.
+pub fn publish(state: State) {
+    *STATE.lock().unwrap_or_else(PoisonError::into_inner) = Some(state);
+}
+
+/// How things are, as JSON; `{}` before the first frame.
+pub fn json() -> String {
+    let state = STATE.lock().unwrap_or_else(PoisonError::into_inner);
+    state.as_ref().and_then(|state| serde_json::to_string(state).ok()).unwrap_or_else(|| "{}".into())
+}

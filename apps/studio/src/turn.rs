@@ -1,0 +1,146 @@
+//! Parameters are turned: what a change means for what is shown.
+
+use crate::{
+    app::Studio,
+    files::Files,
+    job::{Order, Source},
+};
+use eframe::egui;
+use tresses::{
+    draw::{Coverage, DrawOptions},
+    gpu::Tier,
+    groom::styles::Style,
+};
+use tresses_scene::{Settings, Styling, preset::Preset, settings::Maps};
+
+impl Studio {
+    /// The built-in style that is shown, if it is one.
+    pub(crate) fn style(&self) -> Option<Style> {
+        self.shown.as_ref().and_then(|shown| shown.base.style().copied())
+    }
+
+    /// The settings are others from here on; `label` names the step for an undo.
+    pub(crate) fn change(&mut self, context: &egui::Context, settings: Settings, label: &str) {
+        let before = self.settings.now().clone();
+        self.settings.change(settings, label);
+        self.follow(context, &before);
+    }
+
+    /// Takes all parameters from the preset at `path`, and the hair that it is for.
+    pub(crate) fn open_preset(&mut self, context: &egui::Context, path: &std::path::Path, text: &str) {
+        match Preset::read(text, &path.display().to_string()) {
+            Ok(Preset { source, settings, .. }) => {
+                self.said = Some(format!("{} is applied", path.display()));
+                self.change(context, settings, "Preset");
+                // Names of files in it are relative to it.
+                let source = source.inside(path.parent().unwrap_or(std::path::Path::new("")));
+                if let Some(style) = source.style {
+                    self.open(context, Source::Style(style));
+                } else if !source.grooms.is_empty() {
+                    let options = Box::new(source.orientation);
+                    self.open(
+                        context,
+                        Source::Files {
+                            files: Files::Disk { grooms: source.grooms, heads: source.heads },
+                            options,
+                        },
+                    );
+                }
+            }
+            Err(error) => self.error = Some(error.to_string()),
+        }
+    }
+
+    /// Takes the last change back.
+    pub(crate) fn undo(&mut self, context: &egui::Context) {
+        let before = self.settings.now().clone();
+        if self.settings.undo().is_some() {
+            self.follow(context, &before);
+        }
+    }
+
+    /// Takes the last undo back.
+    pub(crate) fn redo(&mut self, context: &egui::Context) {
+        let before = self.settings.now().clone();
+        if self.settings.redo().is_some() {
+            self.follow(context, &before);
+        }
+    }
+
+    /// Does what the way from `before` to the settings as they are takes.
+    fn follow(&mut self, context: &egui::Context, before: &Settings) {
+        let changes = self.settings.now().changes(before);
+        self.dirty |= changes.any();
+        // Those that take long wait until nobody turns any more.
+        self.regrow |= changes.regrow;
+        self.rebuild |= changes.rebuild;
+        if changes.any() {
+            context.request_repaint();
+        }
+    }
+
+    /// Starts the long work that changes have left, unless a finger is still on them.
+    pub(crate) fn work_off(&mut self, context: &egui::Context) {
+        if context.input(|input| input.pointer.any_down()) {
+            return;
+        }
+        self.settings.settle();
+        if !(self.regrow || self.rebuild) || self.job.is_some() {
+            return;
+        }
+        let Some(shown) = &self.shown else { return };
+        let (source, base) = (shown.source.clone(), Some(shown.base.clone()));
+        let renderer = self.renderer.clone().filter(|_| !self.rebuild);
+        (self.regrow, self.rebuild) = (false, false);
+        self.start(
+            context,
+            Order { source, base, renderer, settings: self.settings.now().clone(), keep: true },
+        );
+    }
+
+    /// Gives the stage the settings as they are; before each frame.
+    pub(crate) fn dress(&mut self) {
+        let Some(show) = &mut self.show else { return };
+        let (settings, stage) = (self.settings.now(), &mut show.stage);
+        stage.physics = settings.physics();
+        settings.apply(&mut stage.look);
+        stage.hair.avoidance.options = settings.interpolation;
+        let camera = self.orbit.camera();
+        let back = camera.eye - camera.target;
+        stage.set_lights(Some(settings.lights.lights(back.x.atan2(back.z), None)));
+        let mut lod = settings.lod.options();
+        lod.bias = (lod.bias + self.pace.bias()).clamp(-8.0, 8.0);
+        if let Err(error) = stage.set_lod(lod) {
+            self.error = Some(format!("{error:#}"));
+        }
+        stage.show(self.view);
+    }
+}
+
+/// How pictures are sampled: as `settings` say, and where they say nothing so that it is fast.
+pub fn draw_options(settings: &Settings, tier: &Tier) -> tresses::Result<DrawOptions> {
+    if settings.edges.samples.is_some() || settings.edges.coverage.is_some() {
+        return settings.draw_options(tier.max_samples);
+    }
+    let shadow_resolution =
+        if tier.software { settings.shadow_resolution.min(384) } else { settings.shadow_resolution };
+    let samples = if tier.software { 1 } else { 4 };
+    Ok(DrawOptions { samples, coverage: Coverage::SampleMask, shadow_resolution, ..Default::default() })
+}
+
+/// How strands are made of `source` under `settings`.
+pub fn styling(settings: &Settings, source: &Source) -> anyhow::Result<Styling> {
+    let maps = Maps::default();
+    let (mut growth, mut restyle) = (None, None);
+    match source {
+        Source::Style(name) => growth = Some(settings.style.growth(&name.parse()?, &maps)?),
+        Source::Files { .. } => restyle = settings.style.restyle(&maps)?,
+    }
+    Ok(Styling {
+        growth,
+        restyle,
+        guides: settings.style.guides(),
+        strands: settings.style.strands,
+        ..Default::default()
+    })
+}

@@ -1,0 +1,176 @@
+//! The picture in the middle, and what the pointer does in it.
+
+use crate::{app::Studio, head, panels, theme, tool::Tool};
+use eframe::egui::{
+    self, Align2, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui, pos2, vec2,
+};
+use tresses::{
+    glam::{Vec2, Vec3},
+    simulate::grab::{Ray, Target},
+};
+use tresses_scene::camera::View;
+
+/// Zoom per point of a wheel.
+const WHEEL: f32 = 0.0025;
+/// Radians of the head per point of a drag.
+const TURN: f32 = 0.008;
+/// Radius of a lock that is pulled, metres.
+const LOCK: f32 = 0.02;
+/// Smallest picture, pixels.
+const LEAST: u32 = 16;
+
+/// Shows the picture and takes what the pointer does.
+pub fn show(studio: &mut Studio, ui: &mut Ui) {
+    let rect = ui.available_rect_before_wrap();
+    let response = ui.allocate_rect(rect, Sense::click_and_drag());
+    let scale = ui.ctx().pixels_per_point() * studio.pace.scale();
+    let pixels = |points: f32| ((points * scale).round() as u32).max(LEAST);
+    let wanted = [pixels(rect.width()), pixels(rect.height())];
+    if wanted != studio.wanted {
+        (studio.wanted, studio.dirty) = (wanted, true);
+    }
+    studio.orbit.set_aspect(rect.width() / rect.height().max(1.0));
+    pointer(studio, ui, &response);
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 0.0, Color32::from_rgb(0x24, 0x26, 0x29));
+    if let Some(texture) = studio.show.as_ref().and_then(|show| show.texture()) {
+        let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
+        painter.image(texture, rect, whole, Color32::WHITE);
+    }
+    if let Some(sentence) = studio.lost() {
+        message(ui, rect, &sentence, theme::ALARM);
+    } else {
+        panels::overlay::show(studio, ui, rect);
+    }
+}
+
+fn message(ui: &Ui, rect: Rect, text: &str, color: Color32) {
+    let painter = ui.painter_at(rect);
+    let galley = painter.layout(text.into(), FontId::proportional(15.0), color, 0.7 * rect.width());
+    let place = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());
+    painter.rect_filled(place.expand2(vec2(18.0, 12.0)), 6.0, Color32::from_black_alpha(200));
+    painter.galley(place.min, galley, color);
+}
+
+/// Where in the picture `at` is, -1 to 1 from left to right and from bottom to top.
+fn place(rect: Rect, at: Pos2) -> Vec2 {
+    let p = (at - rect.center()) / (0.5 * rect.size());
+    Vec2::new(p.x, -p.y)
+}
+
+/// How far the head under the pointer is, metres.
+fn head_under(studio: &Studio, rect: Rect, at: Pos2) -> Option<f32> {
+    let field = studio.show.as_ref()?.stage.field.as_ref()?;
+    let (eye, direction) = studio.orbit.ray(place(rect, at));
+    head::hit(field, &studio.pose(), eye, direction)
+}
+
+fn pointer(studio: &mut Studio, ui: &Ui, response: &Response) {
+    let rect = response.rect;
+    let (shift, press, delta, touch) = ui.input(|input| {
+        (input.modifiers.shift, input.pointer.press_origin(), input.pointer.delta(), input.multi_touch())
+    });
+    let delta = Vec2::new(delta.x, delta.y);
+    if response.drag_started_by(PointerButton::Primary)
+        && studio.tool == Tool::Hand
+        && let Some(depth) = press.and_then(|at| head_under(studio, rect, at))
+    {
+        studio.hand.take(depth);
+    }
+    if let Some(touch) = touch {
+        studio.hand.release();
+        studio.orbit.zoom(touch.zoom_delta);
+        let by = touch.translation_delta;
+        studio.orbit.pan(Vec2::new(by.x, by.y), rect.height());
+        studio.dirty = true;
+    } else if response.dragged_by(PointerButton::Primary) {
+        if let Some(depth) = studio.hand.held() {
+            if shift {
+                studio.hand.turn(delta * TURN);
+            } else {
+                let (right, up) = studio.orbit.plane();
+                let metres = studio.orbit.height_at(depth) / rect.height();
+                let by: Vec3 = (right * delta.x - up * delta.y) * metres;
+                studio.hand.drag(by);
+            }
+        } else if studio.tool == Tool::Lock {
+            // See `lock`.
+        } else if shift {
+            studio.orbit.pan(delta, rect.height());
+        } else {
+            studio.orbit.turn(delta);
+        }
+        studio.dirty = true;
+    } else if response.dragged_by(PointerButton::Secondary) {
+        studio.orbit.turn(delta);
+        studio.dirty = true;
+    } else if response.dragged_by(PointerButton::Middle) {
+        studio.orbit.pan(delta, rect.height());
+        studio.dirty = true;
+    }
+    lock(studio, ui, response, press);
+    if studio.hand.held().is_some() && !response.dragged_by(PointerButton::Primary) {
+        studio.hand.release();
+    }
+    if response.double_clicked() {
+        studio.orbit.frame(View::default());
+        studio.dirty = true;
+    }
+    hover(studio, ui, response);
+}
+
+/// Pulls a lock.
+fn lock(studio: &mut Studio, ui: &Ui, response: &Response, press: Option<Pos2>) {
+    let rect = response.rect;
+    let ray = |studio: &Studio, at: Pos2| {
+        let (origin, direction) = studio.orbit.ray(place(rect, at));
+        Ray { origin, direction }
+    };
+    let begins = studio.tool == Tool::Lock && response.drag_started_by(PointerButton::Primary);
+    let from = press.map(|at| ray(studio, at));
+    let to = ui.input(|input| input.pointer.latest_pos()).map(|at| ray(studio, at));
+    let Some(hair) = studio.show.as_mut().map(|show| &mut show.stage.hair) else { return };
+    if !response.dragged_by(PointerButton::Primary) {
+        hair.release();
+        return;
+    }
+    let done = match (begins.then_some(from).flatten(), to) {
+        (Some(from), _) => hair.grab(&from, LOCK),
+        (None, Some(to)) => hair.drag_to(&Target::Ray(to)),
+        (None, None) => Ok(()),
+    };
+    if let Err(error) = done {
+        studio.error = Some(error.to_string());
+    }
+}
+
+fn hover(studio: &mut Studio, ui: &Ui, response: &Response) {
+    if !response.contains_pointer() {
+        return;
+    }
+    let (wheel, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+    if wheel != 0.0 || pinch != 1.0 {
+        studio.orbit.zoom((wheel * WHEEL).exp() * pinch);
+        studio.dirty = true;
+    }
+    let icon = if studio.hand.held().is_some() {
+        CursorIcon::Grabbing
+    } else if response.dragged() {
+        CursorIcon::Move
+    } else if studio.tool == Tool::Hand
+        && response.hover_pos().is_some_and(|at| head_under(studio, response.rect, at).is_some())
+    {
+        CursorIcon::Grab
+    } else {
+        CursorIcon::Default
+    };
+    ui.ctx().set_cursor_icon(icon);
+}
+
+/// A dark plate behind what lies on the picture.
+pub fn plate() -> egui::Frame {
+    egui::Frame::new()
+        .fill(Color32::from_rgba_unmultiplied(0x16, 0x17, 0x19, 205))
+        .corner_radius(6.0)
+        .inner_margin(egui::Margin::symmetric(6, 6))
+}

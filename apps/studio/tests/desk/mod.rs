@@ -1,0 +1,223 @@
+//! A display that nobody sees, with the studio on it, and a hand that points and types.
+
+use std::{
+    io::{BufRead, BufReader},
+    process::{Child, Command, ExitStatus, Stdio},
+    time::{Duration, Instant},
+};
+use x11rb::{
+    connection::Connection,
+    protocol::{
+        xproto::{self, Atom, AtomEnum, ConfigureWindowAux, ConnectionExt as _, ImageFormat, Window},
+        xtest::ConnectionExt as _,
+    },
+    rust_connection::RustConnection,
+};
+
+/// How long anything may take on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// The server, the studio and a connection.
+pub struct Desk {
+    server: Child,
+    studio: Child,
+    connection: RustConnection,
+    root: Window,
+    window: Window,
+}
+
+/// What is on the screen where the window is.
+#[derive(Clone, PartialEq)]
+pub struct Shot {
+    pub width: usize,
+    pub height: usize,
+    /// Red, green, blue.
+    pub pixels: Vec<[u8; 3]>,
+}
+
+impl Shot {
+    /// The share of the pixels of the middle (the picture, without panels) for which `is` holds.
+    pub fn share(&self, is: impl Fn(usize, [u8; 3]) -> bool) -> f64 {
+        let (xs, ys) = self.picture();
+        let all = xs.len() * ys.len();
+        let count =
+            ys.flat_map(|y| xs.clone().map(move |x| y * self.width + x)).filter(|&i| is(i, self.pixels[i]));
+        count.count() as f64 / all as f64
+    }
+
+    /// Where the picture surely is.
+    fn picture(&self) -> (std::ops::Range<usize>, std::ops::Range<usize>) {
+        (90..self.width.saturating_sub(320).max(100), 50..self.height - 80)
+    }
+
+    /// The share of the picture that differs visibly from `other`.
+    pub fn change(&self, other: &Self) -> f64 {
+        assert_eq!((self.width, self.height), (other.width, other.height));
+        self.share(|i, p| (0..3).any(|c| p[c].abs_diff(other.pixels[i][c]) > 12))
+    }
+
+    /// The share of the picture that is strands: warm, and of another brightness than its neighbour.
+    pub fn hair(&self) -> f64 {
+        let light = |p: [u8; 3]| p.iter().map(|c| i32::from(*c)).sum::<i32>();
+        self.share(|i, p| {
+            let next = self.pixels[i + 1];
+            p[0] > p[2].saturating_add(10) && (light(p) - light(next)).abs() > 10
+        })
+    }
+}
+
+/// Why there is no display, if there is none.
+pub fn missing() -> Option<String> {
+    Command::new("Xvfb")
+        .arg("-help")
+        .stderr(Stdio::null())
+        .stdout(Stdio::null())
+        .status()
+        .err()
+        .map(|e| format!("Xvfb: {e}"))
+}
+
+impl Desk {
+    /// A screen of 1280 × 900 with the studio on it.
+    pub fn open(arguments: &[&str]) -> Self {
+        let mut server = Command::new("Xvfb")
+            .args(["-displayfd", "1", "-screen", "0", "1280x900x24", "-nolisten", "tcp", "-noreset"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("Xvfb starts");
+        let mut number = String::new();
+        BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
+        let display = format!(":{}", number.trim());
+        let studio = Command::new(env!("CARGO_BIN_EXE_tresses-studio"))
+            .args(arguments)
+            .env("DISPLAY", &display)
+            .env_remove("WAYLAND_DISPLAY")
+            .env_remove("WAYLAND_SOCKET")
+            .spawn()
+            .unwrap();
+        let (connection, screen) = RustConnection::connect(Some(&display)).unwrap();
+        let root = connection.setup().roots[screen].root;
+        let mut desk = Self { server, studio, connection, root, window: 0 };
+        desk.window = desk.wait_for("the window", Self::find);
+        desk
+    }
+
+    /// Waits until `what` is there.
+    pub fn wait_for<T>(&mut self, name: &str, mut what: impl FnMut(&mut Self) -> Option<T>) -> T {
+        let begun = Instant::now();
+        loop {
+            if let Some(found) = what(self) {
+                return found;
+            }
+            if let Some(status) = self.studio.try_wait().unwrap() {
+                panic!("the studio ended with {status} while {name} was waited for");
+            }
+            assert!(begun.elapsed() < PATIENCE, "no {name} after {PATIENCE:?}");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+
+    /// The window with the studio's title, when it is on the screen.
+    fn find(&mut self) -> Option<Window> {
+        let tree = self.connection.query_tree(self.root).ok()?.reply().ok()?;
+        tree.children.into_iter().find(|&window| {
+            let name = self.connection.get_property(false, window, AtomEnum::WM_NAME, AtomEnum::ANY, 0, 64);
+            let named =
+                name.ok().and_then(|n| n.reply().ok()).is_some_and(|n| n.value.starts_with(b"Tresses"));
+            let seen = self.connection.get_window_attributes(window).ok().and_then(|a| a.reply().ok());
+            named && seen.is_some_and(|a| a.map_state == xproto::MapState::VIEWABLE)
+        })
+    }
+
+    /// What is in the window.
+    pub fn shot(&mut self) -> Shot {
+        let at = self.connection.get_geometry(self.window).unwrap().reply().unwrap();
+        let (width, height) = (at.width.min(1280), at.height.min(900));
+        let image = self.connection.get_image(ImageFormat::Z_PIXMAP, self.window, 0, 0, width, height, !0);
+        let data = image.unwrap().reply().unwrap().data;
+        let pixels = data.as_chunks::<4>().0.iter().map(|[b, g, r, _]| [*r, *g, *b]).collect();
+        Shot { width: width.into(), height: height.into(), pixels }
+    }
+
+    /// What is in the window once it has stopped to change.
+    pub fn still(&mut self) -> Shot {
+        let mut last = self.shot();
+        let mut same = 0;
+        self.wait_for("picture that stands still", |desk| {
+            std::thread::sleep(Duration::from_millis(150));
+            let now = desk.shot();
+            same = if now == last { same + 1 } else { 0 };
+            last = now.clone();
+            (same == 4).then_some(now)
+        })
+    }
+
+    fn fake(&self, kind: u8, detail: u8, x: i16, y: i16) {
+        self.connection.xtest_fake_input(kind, detail, 0, self.root, x, y, 0).unwrap();
+        self.connection.flush().unwrap();
+        std::thread::sleep(Duration::from_millis(30));
+    }
+
+    /// Drags from one place to another with `button` (1 left, 3 right); `held` sees the end before it is let go.
+    pub fn drag<R>(&mut self, button: u8, [a, b]: [[i16; 2]; 2], held: impl FnOnce(&mut Self) -> R) -> R {
+        self.fake(xproto::MOTION_NOTIFY_EVENT, 0, a[0], a[1]);
+        self.fake(xproto::BUTTON_PRESS_EVENT, button, 0, 0);
+        for i in 1..=10 {
+            let between = |c: usize| a[c] + (b[c] - a[c]) * i / 10;
+            self.fake(xproto::MOTION_NOTIFY_EVENT, 0, between(0), between(1));
+        }
+        let result = held(self);
+        self.fake(xproto::BUTTON_RELEASE_EVENT, button, 0, 0);
+        result
+    }
+
+    /// Types the key with an X keysym (that of a Latin letter is its code).
+    pub fn key(&mut self, symbol: u32) {
+        let setup = self.connection.setup();
+        let (first, count) = (setup.min_keycode, setup.max_keycode - setup.min_keycode + 1);
+        let map = self.connection.get_keyboard_mapping(first, count).unwrap().reply().unwrap();
+        let each = usize::from(map.keysyms_per_keycode);
+        let at =
+            map.keysyms.chunks(each).position(|symbols| symbols.contains(&symbol)).expect("a key for it");
+        let code = first + at as u8;
+        self.connection.set_input_focus(xproto::InputFocus::PARENT, self.window, 0u32).unwrap();
+        self.fake(xproto::KEY_PRESS_EVENT, code, 0, 0);
+        self.fake(xproto::KEY_RELEASE_EVENT, code, 0, 0);
+    }
+
+    /// Makes the window another size.
+    pub fn resize(&mut self, width: u32, height: u32) {
+        let size = ConfigureWindowAux::new().width(width).height(height);
+        self.connection.configure_window(self.window, &size).unwrap();
+        self.connection.flush().unwrap();
+    }
+
+    /// Closes the window as a desktop does, and waits for the studio to end.
+    pub fn close(mut self) -> ExitStatus {
+        let atom =
+            |name: &[u8]| -> Atom { self.connection.intern_atom(false, name).unwrap().reply().unwrap().atom };
+        let (protocols, delete) = (atom(b"WM_PROTOCOLS"), atom(b"WM_DELETE_WINDOW"));
+        let event = xproto::ClientMessageEvent::new(32, self.window, protocols, [delete, 0, 0, 0, 0]);
+        self.connection.send_event(false, self.window, xproto::EventMask::NO_EVENT, event).unwrap();
+        self.connection.flush().unwrap();
+        let begun = Instant::now();
+        loop {
+            if let Some(status) = self.studio.try_wait().unwrap() {
+                return status;
+            }
+            assert!(begun.elapsed() < PATIENCE, "the studio does not end");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+}
+
+impl Drop for Desk {
+    fn drop(&mut self) {
+        // Both may have ended already.
+        let _ = self.studio.kill();
+        let _ = self.studio.wait();
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
+}

@@ -1,0 +1,86 @@
+//! The window on a display that nobody sees, with the software driver: it opens, draws hair, answers, follows its
+//! size and closes.
+#![cfg(target_os = "linux")]
+
+mod desk;
+
+use desk::{Desk, Shot};
+
+/// Keysyms.
+const SPACE: u32 = 0x20;
+
+fn can_run() -> bool {
+    let Some(why) = desk::missing() else { return true };
+    assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none(), "the window cannot be tested: {why}");
+    eprintln!("skipped: {why}");
+    false
+}
+
+#[test]
+fn the_window_draws_answers_resizes_and_closes() {
+    if !can_run() {
+        return;
+    }
+    let mut desk = Desk::open(&[]);
+    desk.resize(900, 620);
+    let first = desk.wait_for("hair", |desk| {
+        let shot = desk.shot();
+        ((shot.width, shot.height) == (900, 620) && shot.hair() > 0.02).then_some(shot)
+    });
+
+    // The motion plays: the picture changes by itself, until it is told to stand still.
+    desk.wait_for("motion", |desk| (desk.shot().change(&first) > 0.02).then_some(()));
+    desk.key(SPACE);
+    let rest = desk.still();
+    assert!(rest.hair() > 0.02);
+    assert_eq!(desk.shot().change(&rest), 0.0, "a picture that stands still costs nothing");
+
+    // The head is under the middle of the picture and follows the pointer; let go, it comes back.
+    let middle = [((rest.width - 300) / 2) as i16, (rest.height / 2 - 30) as i16];
+    let pulled = desk.drag(1, [middle, [middle[0] + 110, middle[1]]], Desk::still);
+    assert!(pulled.change(&rest) > 0.05, "the head follows: {}", pulled.change(&rest));
+    assert!(middle_of_hair(&pulled) > middle_of_hair(&rest) + 40.0, "to the right");
+    let back = desk.still();
+    assert!((middle_of_hair(&back) - middle_of_hair(&rest)).abs() < 15.0, "it comes back");
+
+    // The right button turns the camera.
+    let turned = desk.drag(3, [middle, [middle[0] + 150, middle[1]]], Desk::still);
+    assert!(turned.change(&back) > 0.05, "the camera turns: {}", turned.change(&back));
+
+    // A picture follows the window.
+    desk.resize(640, 420);
+    let small = desk.wait_for("picture of the new size", |desk| {
+        let shot = desk.shot();
+        ((shot.width, shot.height) == (640, 420) && shot.hair() > 0.02).then_some(shot)
+    });
+    assert!(small.hair() > 0.02);
+    assert!(desk.close().success());
+}
+
+/// Where the strands are on average, pixels from the left.
+fn middle_of_hair(shot: &Shot) -> f64 {
+    let (mut sum, mut count) = (std::cell::Cell::new(0.0), std::cell::Cell::new(0.0));
+    let warm = |p: [u8; 3]| p[0] > p[2].saturating_add(10);
+    shot.share(|i, p| {
+        if warm(p) {
+            sum.set(sum.get() + (i % shot.width) as f64);
+            count.set(count.get() + 1.0);
+        }
+        true
+    });
+    *sum.get_mut() / count.get_mut().max(1.0)
+}
+
+#[test]
+fn the_measure_of_hair_can_say_no() {
+    let flat = Shot { width: 900, height: 620, pixels: vec![[40, 42, 46]; 900 * 620] };
+    assert_eq!(flat.hair(), 0.0);
+    let mut skin = flat.clone();
+    skin.pixels.fill([200, 150, 120]);
+    assert_eq!(skin.hair(), 0.0, "warm alone is not hair");
+    let mut strands = flat.clone();
+    for (i, pixel) in strands.pixels.iter_mut().enumerate() {
+        *pixel = if i % 3 == 0 { [120, 90, 60] } else { [80, 60, 40] };
+    }
+    assert!(strands.hair() > 0.5 && strands.change(&flat) == 1.0 && flat.change(&flat) == 0.0);
+}

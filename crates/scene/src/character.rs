@@ -1,0 +1,332 @@
+//! A groom on a head, from files or built in: first the [`Base`], which is slow to make, then the
+//! [`Character`] whose strands are grown or restyled on it.
+
+use anyhow::{Context, Result};
+use std::{borrow::Cow, path::PathBuf};
+use tresses::{
+    Progress,
+    constants::MAX_STRAND_VERTICES,
+    glam::Vec3,
+    gpu::Gpu,
+    groom::{
+        BindOptions, Groom, GuideCount, Restyle, SdfGrid, Strands, TriMesh, bind, curve,
+        grow::{self, Curls, Growth, Paint, ScalpMap},
+        import::{self, Given, ImportOptions, ImportReport},
+        mannequin,
+        mesh::sdf::{self, SdfOptions},
+        styles::{self, GridScalp, Style, StyledGuides},
+    },
+    lod::LodLevel,
+    simulate::Simulate,
+};
+
+/// How far the joint that a head nods and turns about lies below and behind the crown, metres.
+const NECK_BELOW_CROWN: Vec3 = Vec3::new(0.0, -0.165, -0.012);
+
+/// Where the middle of the braincase lies from that joint, metres.
+const SKULL_ABOVE_NECK: Vec3 = Vec3::new(0.0, 0.075, 0.012);
+
+/// Vertices per turn below which curls are seen to be made of straight pieces.
+const SMOOTH: f32 = 6.0;
+
+/// Nodes along the longest side of the mannequin's distance field.
+const FIELD_RESOLUTION: u32 = 96;
+
+/// How strands become what is drawn, on a [`Base`].
+#[derive(Clone, Debug, Default)]
+pub struct Styling {
+    /// How strands grow on a built-in style; `None` for as the style says. Files have their strands.
+    pub growth: Option<Growth>,
+    /// How many strands of a file are drawn, at most; `None` for all.
+    pub strands: Option<u32>,
+    /// How many strands are simulated; `None` for what is usual.
+    pub guides: Option<GuideCount>,
+    /// The maps that act on a file's strands before they are bound.
+    pub paint: Paint,
+    /// What changes on a file's strands after they are bound.
+    pub restyle: Option<Restyle>,
+    /// Factors of the stiffness over the scalp.
+    pub stiffness: Option<ScalpMap>,
+    /// Painted levels of detail.
+    pub levels: Vec<LodLevel>,
+}
+
+/// A groom on a head, in metres, not yet on the GPU.
+#[derive(Clone, Debug)]
+pub struct Character {
+    /// Guides and strands.
+    pub groom: Groom,
+    /// What is drawn with the hair.
+    pub head: Option<TriMesh>,
+    /// What the hair collides with.
+    pub field: Option<SdfGrid>,
+    /// The neck joint, metres.
+    pub neck: Vec3,
+    /// Painted levels of detail.
+    pub levels: Vec<LodLevel>,
+    /// What the user should know, a sentence each.
+    pub notes: Vec<String>,
+}
+
+impl Character {
+    /// The middle of the braincase, metres.
+    pub fn skull(&self) -> Vec3 {
+        self.neck + SKULL_ABOVE_NECK
+    }
+}
+
+/// Where the files of a groom and its head are.
+#[derive(Clone, Debug)]
+pub enum Files<'a> {
+    /// On the disk.
+    Disk {
+        /// Joined into one groom.
+        grooms: &'a [PathBuf],
+        /// Joined into one head; there may be none.
+        heads: &'a [PathBuf],
+    },
+    /// Their bytes, sorted by what they are: [`import::read_given`].
+    Given(&'a [Given<'a>]),
+}
+
+impl Files<'_> {
+    fn head_name(&self) -> String {
+        let name = match self {
+            Self::Disk { heads, .. } => heads.first(),
+            Self::Given(files) => files
+                .iter()
+                .find(|(name, bytes)| import::kind(name, bytes) == Some(import::Kind::Mesh))
+                .map(|(name, _)| name),
+        };
+        name.map(|name| name.display().to_string()).unwrap_or_default()
+    }
+}
+
+/// Everything of a character that does not depend on how its strands are styled.
+#[derive(Debug)]
+pub struct Base {
+    head: Option<TriMesh>,
+    neck: Vec3,
+    hair: Hair,
+    notes: Vec<String>,
+    /// What was read and how it was oriented, for files.
+    pub report: Option<ImportReport>,
+}
+
+#[derive(Debug)]
+#[allow(clippy::large_enum_variant)] // There is one.
+enum Hair {
+    /// Guides that have fallen into place.
+    BuiltIn { style: Style, styled: StyledGuides, scalp: GridScalp },
+    /// The strands of files.
+    Imported { strands: Strands, field: Option<SdfGrid> },
+}
+
+impl Base {
+    /// The mannequin with the guides of `style`, draped on the GPU.
+    ///
+    /// # Errors
+    /// When the device is lost.
+    pub async fn built_in(
+        style: &Style,
+        gpu: &Gpu,
+        simulate: &Simulate,
+        progress: &impl Progress,
+    ) -> Result<Self> {
+        let scalp = GridScalp::of_mannequin(mannequin::sdf_with(FIELD_RESOLUTION, progress).await);
+        let head = mannequin::mesh_with(mannequin::RESOLUTION, progress).await;
+        let mut styled = styles::guides_with(&style.recipe(), &scalp, progress).await;
+        progress.step("letting the hair fall", 0.0).await;
+        styles::settle(&gpu.device, &gpu.queue, simulate, &mut styled, &scalp.field).await?;
+        Ok(Self {
+            head: Some(head),
+            neck: mannequin::NECK_JOINT,
+            hair: Hair::BuiltIn { style: *style, styled, scalp },
+            notes: Vec::new(),
+            report: None,
+        })
+    }
+
+    /// The groom of `files`, on their head if they have one.
+    ///
+    /// # Errors
+    /// One sentence that names the file, when one cannot be read or makes no sense.
+    pub async fn imported(
+        files: &Files<'_>,
+        options: &ImportOptions,
+        progress: &impl Progress,
+    ) -> Result<Self> {
+        progress.step("reading the groom", 0.0).await;
+        let (strands, head, report) = match files {
+            Files::Disk { grooms, heads: [] } => {
+                let (strands, report) = import::read(grooms, options)?;
+                (strands, None, report)
+            }
+            Files::Disk { grooms, heads } => {
+                let (strands, head, report) = import::read_with_head(grooms, heads, options)?;
+                (strands, Some(head), report)
+            }
+            Files::Given(files) => import::read_given(files, options)?,
+        };
+        let field = match &head {
+            Some(head) => {
+                let built = sdf::build_with(head, &SdfOptions::default(), progress).await;
+                Some(built.with_context(|| files.head_name())?)
+            }
+            None => None,
+        };
+        let neck = neck(&strands, head.as_ref());
+        let mut notes = report.placement.doubts.clone();
+        notes.extend(report.head_placement.iter().flat_map(|placement| placement.doubts.clone()));
+        Ok(Self { head, neck, hair: Hair::Imported { strands, field }, notes, report: Some(report) })
+    }
+
+    /// The built-in style, if it is one.
+    pub fn style(&self) -> Option<&Style> {
+        match &self.hair {
+            Hair::BuiltIn { style, .. } => Some(style),
+            Hair::Imported { .. } => None,
+        }
+    }
+
+    /// The character with strands as `styling` says.
+    ///
+    /// # Errors
+    /// One sentence, when that makes no sense.
+    pub async fn dress(&self, styling: &Styling, progress: &impl Progress) -> Result<Character> {
+        let skull = self.neck + SKULL_ABOVE_NECK;
+        let mut notes = self.notes.clone();
+        let (mut groom, field) = match &self.hair {
+            Hair::BuiltIn { style, styled, scalp } => {
+                let growth = styling.growth.clone().unwrap_or_else(|| Growth::for_style(style));
+                let grown = grow::grow_with(styled, &growth, scalp, progress).await?;
+                let groom = styles::bound(styled, &grown);
+                let groom = match styling.guides {
+                    None => groom,
+                    Some(guides) => rebound(&groom, guides)?,
+                };
+                notes.extend(note(&growth.curls, &groom));
+                (groom, Some(scalp.field.clone()))
+            }
+            Hair::Imported { strands, field } => {
+                let mut strands = Cow::Borrowed(strands);
+                if let Some(count) = styling.strands {
+                    strands = Cow::Owned(thinned(&strands, count as usize));
+                }
+                if styling.paint != Paint::default() {
+                    strands = Cow::Owned(styling.paint.apply(&strands, skull, 1)?);
+                }
+                let guides = styling.guides.unwrap_or(BindOptions::default().guides);
+                let restyle = styling.restyle.as_ref();
+                // Curls need as many vertices as there may be.
+                let strand_vertices = restyle.and_then(|r| r.curls.any().then_some(MAX_STRAND_VERTICES));
+                let mut groom =
+                    bind(&strands, &BindOptions { guides, strand_vertices, ..Default::default() })?;
+                if let Some(restyle) = restyle {
+                    restyle.apply(&mut groom, skull)?;
+                    notes.extend(note(&restyle.curls, &groom));
+                }
+                (groom, field.clone())
+            }
+        };
+        if let Some(map) = &styling.stiffness {
+            groom.guides.stiffen(map, skull);
+        }
+        let (head, levels) = (self.head.clone(), styling.levels.clone());
+        Ok(Character { groom, head, field, neck: self.neck, levels, notes })
+    }
+}
+
+/// What the user should know of curls on `groom`.
+fn note(curls: &Curls, groom: &Groom) -> Option<String> {
+    let mut lengths: Vec<f32> =
+        (0..groom.guides.len()).map(|i| curve::length(groom.guides.guide(i))).collect();
+    lengths.sort_by(f32::total_cmp);
+    let length = *lengths.get(lengths.len() / 2)?;
+    let vertices = curls.vertices_per_turn(length, groom.strands.vertex_count);
+    (curls.any() && vertices < SMOOTH).then(|| {
+        format!(
+            "curls of {:.0} mm on strands of {:.0} cm have {vertices:.1} vertices per turn and look angular",
+            curls.wavelength * 1e3,
+            length * 1e2
+        )
+    })
+}
+
+/// The same strands on other guides, chosen among the strands.
+fn rebound(groom: &Groom, guides: GuideCount) -> Result<Groom> {
+    let mut strands = Strands::default();
+    for i in 0..groom.strands.len() {
+        let line: Vec<_> = groom.strands.rest_positions(i).collect();
+        strands.push(&line);
+    }
+    let options = BindOptions {
+        guides,
+        guide_vertices: Some(groom.strands.vertex_count),
+        strand_vertices: Some(groom.strands.vertex_count),
+        ..Default::default()
+    };
+    let mut rebound = bind(&strands, &options)?;
+    // They look as before: width, and the seeds of what differs from strand to strand.
+    rebound.strands.strands.clone_from(&groom.strands.strands);
+    Ok(rebound)
+}
+
+/// How many strands of the default style make about `triangles` triangles.
+pub fn strands_for(triangles: u64) -> u32 {
+    let segments = u64::from(Growth::default().vertices.max(2) - 1);
+    u32::try_from(triangles / (2 * segments)).unwrap_or(u32::MAX)
+}
+
+/// About `count` strands, evenly picked.
+fn thinned(strands: &Strands, count: usize) -> Strands {
+    let all = strands.len();
+    if count >= all {
+        return strands.clone();
+    }
+    let mut few = Strands { offsets: vec![0], ..Strands::default() };
+    for k in 0..count {
+        let i = k * all / count;
+        let range = strands.range(i);
+        few.positions.extend_from_slice(&strands.positions[range.clone()]);
+        few.offsets.push(few.positions.len() as u32);
+        // Attributes are there for all or for none.
+        few.radii.extend(strands.radii.get(range.clone()).into_iter().flatten());
+        few.colors.extend(strands.colors.get(range).into_iter().flatten());
+        few.root_uvs.extend(strands.root_uvs.get(i));
+        few.tip_pinned.extend(strands.tip_pinned.get(i));
+    }
+    few
+}
+
+/// Where the head turns: below the highest root, between the sides of the head.
+fn neck(strands: &Strands, head: Option<&TriMesh>) -> Vec3 {
+    let roots = || strands.iter().filter_map(|strand| strand.first().copied());
+    let Some((lo, hi)) = roots().map(|p| (p, p)).reduce(|(lo, hi), (p, _)| (lo.min(p), hi.max(p))) else {
+        return Vec3::ZERO;
+    };
+    let middle = 0.5 * (lo + hi);
+    let x = head.and_then(TriMesh::bounds).map_or(middle.x, |(lo, hi)| 0.5 * (lo.x + hi.x));
+    Vec3::new(x, hi.y, middle.z) + NECK_BELOW_CROWN
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinning_keeps_strands_whole() {
+        let mut strands = Strands::default();
+        for i in 0..10 {
+            let x = Vec3::X * i as f32;
+            strands.push(&[x, x + Vec3::Y, x + Vec3::Y * 2.0]);
+            strands.root_uvs.push(tresses::glam::Vec2::splat(i as f32));
+        }
+        strands.radii = vec![1.0; 30];
+        let few = thinned(&strands, 5);
+        assert_eq!((few.len(), few.positions.len(), few.radii.len(), few.root_uvs.len()), (5, 15, 15, 5));
+        assert_eq!(few.strand(2), strands.strand(4));
+        assert!(few.colors.is_empty());
+        assert_eq!(thinned(&strands, 20), strands);
+    }
+}

@@ -1,0 +1,42 @@
+//! The table as a page of documentation.
+
+use super::{SECTIONS, Value};
+use crate::settings::Change;
+use std::fmt::Write;
+
+/// `docs/knobs.md`.
+pub fn markdown() -> String {
+    let mut page = String::from(
+        "# Parameters\n\n\
+         Everything that can be turned while hair is shown. Written by `tresses knobs --markdown`; a test keeps it current.\n\n\
+         A path such as `simulation.drag` is the key `drag` of the table `[simulation]` in a preset, and \
+         `--set simulation.drag=5` on the command line. *auto* is as it suits the style, the file or the colour. \
+         The last column says what a change takes: nothing (the next frame has it), *strands* (they are grown again), \
+         *pipelines* (they are built again).\n",
+    );
+    for section in SECTIONS {
+        // Writing to a string cannot fail.
+        let _ = write!(page, "\n## {}\n{}\n\n", section.title, section.about);
+        page.push_str("| path | what it does | allowed | default | takes |\n|---|---|---|---|---|\n");
+        for knob in section.knobs {
+            let cost = match knob.cost {
+                Change::Frame => "",
+                Change::Regrow => "strands",
+                Change::Rebuild => "pipelines",
+            };
+            let default = match knob.default() {
+                Value::Auto => "*auto*".to_owned(),
+                value => knob.text(value),
+            };
+            let _ = writeln!(
+                page,
+                "| `{}` | **{}**. {} | {} | {default} | {cost} |",
+                knob.path,
+                knob.label,
+                knob.hint,
+                knob.range()
+            );
+        }
+    }
+    page
+}

@@ -1,0 +1,208 @@
+//! From a text to a preset.
+
+use super::{
+    Preset, Source, VERSION,
+    source::{FILES, MIRROR, TEXTS},
+};
+use crate::{
+    knobs::{self, Kind, Knob, SECTIONS, Value, color},
+    settings::Settings,
+};
+use std::{ops::Range, path::PathBuf};
+use toml::{
+    Spanned,
+    de::{DeTable, DeValue},
+};
+
+/// What is wrong, and where.
+pub(super) struct Problem {
+    pub line: Option<usize>,
+    pub problem: String,
+}
+
+/// A key with its value, and where they stand.
+type Entry<'a> = (&'a str, &'a DeValue<'a>, Range<usize>);
+
+pub(super) fn read(text: &str) -> Result<Preset, Problem> {
+    let line = |at: &Range<usize>| {
+        let end = at.start.min(text.len());
+        Some(1 + text.as_bytes()[..end].iter().filter(|byte| **byte == b'\n').count())
+    };
+    let locate = |(at, problem): (Range<usize>, String)| Problem { line: line(&at), problem };
+    let document = DeTable::parse(text).map_err(|error| Problem {
+        line: error.span().as_ref().and_then(line),
+        problem: one_line(error.message()),
+    })?;
+    let preset = preset(&entries(document.get_ref())).map_err(locate)?;
+    preset.settings.check().map_err(|error| Problem { line: None, problem: error.to_string() })?;
+    Ok(preset)
+}
+
+/// In the order of the file.
+fn entries<'a>(table: &'a DeTable<'a>) -> Vec<Entry<'a>> {
+    let entry = |(key, value): (&'a Spanned<_>, &'a Spanned<DeValue<'a>>)| {
+        let key: &'a Spanned<std::borrow::Cow<'a, str>> = key;
+        (key.get_ref().as_ref(), value.get_ref(), key.span())
+    };
+    let mut entries: Vec<Entry<'a>> = table.iter().map(entry).collect();
+    entries.sort_by_key(|(_, _, at)| at.start);
+    entries
+}
+
+fn preset(entries: &[Entry]) -> Result<Preset, (Range<usize>, String)> {
+    let mut preset = Preset::default();
+    let mut version = false;
+    for (key, value, at) in entries {
+        let refuse = |problem: String| Err((at.clone(), problem));
+        match (*key, value) {
+            ("version", DeValue::Integer(found)) if found.to_string() == VERSION.to_string() => {
+                version = true
+            }
+            ("version", found) => {
+                return refuse(format!(
+                    "the version is {}, but this program reads version {VERSION}",
+                    show(found)
+                ));
+            }
+            ("name", DeValue::String(name)) => preset.name = Some(name.to_string()),
+            ("name", found) => return refuse(format!("name is {}, but must be a text", show(found))),
+            ("source", DeValue::Table(table)) => source(&self::entries(table), &mut preset.source)?,
+            (key, DeValue::Table(table)) if SECTIONS.iter().any(|section| section.key == key) => {
+                section(key, &self::entries(table), &mut preset.settings)?;
+            }
+            (key, found) => return refuse(stray(key, found)),
+        }
+    }
+    if version { Ok(preset) } else { Err((0..0, format!("it does not say version = {VERSION}"))) }
+}
+
+/// What to say of a key outside the tables, or of a table that nobody knows.
+fn stray(key: &str, found: &DeValue) -> String {
+    let tables = SECTIONS.iter().map(|section| section.key).chain(["source"]);
+    match found {
+        DeValue::Table(_) => {
+            let nearest = nearest(key, tables).unwrap_or_default();
+            format!("there is no table [{key}]; the nearest is [{nearest}]")
+        }
+        _ => match knobs::all().find(|knob| knob.key() == key) {
+            Some(knob) => format!("{key} stands outside its table [{}]", knob.section()),
+            None if tables.clone().any(|table| table == key) => format!("{key} must be a table, [{key}]"),
+            None => {
+                let nearest = nearest(key, ["version", "name"].into_iter().chain(tables)).unwrap_or_default();
+                format!("there is no key {key}; the nearest is {nearest}")
+            }
+        },
+    }
+}
+
+fn section(key: &str, entries: &[Entry], settings: &mut Settings) -> Result<(), (Range<usize>, String)> {
+    for (name, found, at) in entries {
+        let path = format!("{key}.{name}");
+        let knob = knobs::named(&path).map_err(|problem| (at.clone(), problem))?;
+        let value = value(knob, found).and_then(|value| {
+            knob.set(settings, value).ok()?;
+            Some(())
+        });
+        if value.is_none() {
+            return Err((at.clone(), format!("{path} is {}, but must be {}", show(found), knob.range())));
+        }
+    }
+    Ok(())
+}
+
+fn value(knob: &Knob, found: &DeValue) -> Option<Value> {
+    Some(match (knob.kind, found) {
+        (_, DeValue::String(text)) if knob.automatic && text == "auto" => Value::Auto,
+        (Kind::Number { .. }, DeValue::Float(v)) => Value::Number(knob.inner(v.as_str().parse().ok()?)),
+        (Kind::Number { .. }, DeValue::Integer(v)) => Value::Number(knob.inner(v.to_string().parse().ok()?)),
+        (Kind::Integer { .. }, DeValue::Integer(v)) => Value::Integer(v.to_string().parse().ok()?),
+        (Kind::Toggle, DeValue::Boolean(on)) => Value::Toggle(*on),
+        (Kind::Choice(names), DeValue::String(text)) => {
+            Value::Choice(names.iter().find(|name| **name == text.as_ref())?)
+        }
+        (Kind::Choice(names), DeValue::Integer(v)) => {
+            Value::Choice(names.iter().find(|name| **name == v.to_string())?)
+        }
+        (Kind::Color, DeValue::String(text)) => Value::Color(color(text)?),
+        _ => return None,
+    })
+}
+
+fn source(entries: &[Entry], source: &mut Source) -> Result<(), (Range<usize>, String)> {
+    for (key, found, at) in entries {
+        let refuse = |problem: String| Err((at.clone(), problem));
+        if let Some((_, files)) = FILES.iter().find(|file| file.0 == *key) {
+            let Some(paths) = paths(found) else {
+                return refuse(format!(
+                    "source.{key} is {}, but must be a file or a list of files",
+                    show(found)
+                ));
+            };
+            *files(source) = paths;
+        } else if let Some((_, _, set)) = TEXTS.iter().find(|text| text.0 == *key) {
+            let DeValue::String(text) = found else {
+                return refuse(format!("source.{key} is {}, but must be a text", show(found)));
+            };
+            if let Err(problem) = set(source, text) {
+                return refuse(format!("source.{key}: {problem}"));
+            }
+        } else if let (&MIRROR, DeValue::Boolean(mirror)) = (key, found) {
+            source.orientation.orient.mirror = Some(*mirror);
+        } else if *key == MIRROR {
+            return refuse(format!("source.{MIRROR} is {}, but must be true or false", show(found)));
+        } else {
+            let nearest = nearest(key, Source::keys()).unwrap_or_default();
+            return refuse(format!("there is no source.{key}; the nearest is source.{nearest}"));
+        }
+    }
+    let at = entries.first().map_or(0..0, |entry| entry.2.clone());
+    let refuse = |problem: &str| Err((at.clone(), problem.to_owned()));
+    if source.style.is_some() && !source.grooms.is_empty() {
+        return refuse("source has a style and a groom; give one of them");
+    }
+    if source.grooms.is_empty() && !source.heads.is_empty() {
+        return refuse("source has a head, but no groom");
+    }
+    for choice in [source.orientation.orient, source.orientation.orient_head] {
+        choice.check().map_err(|error| (at.clone(), format!("source: {error}")))?;
+    }
+    Ok(())
+}
+
+fn paths(found: &DeValue) -> Option<Vec<PathBuf>> {
+    match found {
+        DeValue::String(path) if !path.is_empty() => Some(vec![PathBuf::from(path.as_ref())]),
+        DeValue::Array(list) => list
+            .iter()
+            .map(|path| match path.get_ref() {
+                DeValue::String(path) if !path.is_empty() => Some(PathBuf::from(path.as_ref())),
+                _ => None,
+            })
+            .collect(),
+        _ => None,
+    }
+}
+
+/// The name that `key` was most likely meant to be.
+fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    names.min_by_key(|name| strsim::damerau_levenshtein(key, name))
+}
+
+/// A value as the file has it, shortened.
+fn show(found: &DeValue) -> String {
+    let text = match found {
+        DeValue::String(text) => format!("\"{text}\""),
+        DeValue::Integer(v) => v.to_string(),
+        DeValue::Float(v) => v.to_string(),
+        DeValue::Boolean(v) => v.to_string(),
+        DeValue::Datetime(v) => v.to_string(),
+        DeValue::Array(_) => "a list".into(),
+        DeValue::Table(_) => "a table".into(),
+    };
+    let text = one_line(&text);
+    if text.chars().count() > 60 { text.chars().take(57).chain("...".chars()).collect() } else { text }
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}

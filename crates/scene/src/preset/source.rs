@@ -1,0 +1,221 @@
+//! Which hair a preset is for.
+
+use std::path::{Component, Path, PathBuf};
+use tresses::groom::{
+    grow::ScalpMap,
+    import::ImportOptions,
+    orient::{Axis, Unit},
+    styles::Style,
+};
+
+/// Groom, head and the other files, or a built-in style; everything may be left out.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Source {
+    /// A built-in hairstyle.
+    pub style: Option<String>,
+    /// Groom files.
+    pub grooms: Vec<PathBuf>,
+    /// The head's files.
+    pub heads: Vec<PathBuf>,
+    /// What is known of their units and axes.
+    pub orientation: ImportOptions,
+    /// Share of the strands that stay: a picture, `picture.png:r` for a channel, or the name of a map.
+    pub density_map: Option<String>,
+    /// Factor of the widths, likewise.
+    pub thickness_map: Option<String>,
+    /// Factor of the lengths, likewise.
+    pub length_map: Option<String>,
+    /// Factor of the radius of curls, likewise.
+    pub curl_map: Option<String>,
+    /// Stiffness, likewise.
+    pub stiffness_map: Option<String>,
+    /// Colours of the hair: a picture.
+    pub color_map: Option<String>,
+    /// A drawn curl.
+    pub curl_curve: Option<String>,
+    /// Painted levels of detail.
+    pub lod_maps: Option<String>,
+    /// Obstacles.
+    pub colliders: Option<String>,
+    /// A picture of the surroundings.
+    pub environment: Option<String>,
+}
+
+/// A text of a source by its key.
+pub(super) type Text =
+    (&'static str, fn(&Source) -> Option<String>, fn(&mut Source, &str) -> Result<(), String>);
+
+/// A list of files by its key.
+pub(super) type Files = (&'static str, fn(&mut Source) -> &mut Vec<PathBuf>);
+
+pub(super) const FILES: &[Files] = &[("groom", |s| &mut s.grooms), ("head", |s| &mut s.heads)];
+
+macro_rules! file {
+    ($key:ident) => {
+        (
+            stringify!($key),
+            |source| source.$key.clone(),
+            |source, text| {
+                source.$key = Some(text.to_owned());
+                Ok(())
+            },
+        )
+    };
+}
+
+macro_rules! orientation {
+    ($key:literal, $which:ident, $field:ident, $type:ty) => {
+        (
+            $key,
+            |source| source.orientation.$which.$field.map(|value| value.name().to_string()),
+            |source, text| {
+                source.orientation.$which.$field =
+                    Some(text.parse::<$type>().map_err(|error| error.to_string())?);
+                Ok(())
+            },
+        )
+    };
+}
+
+/// Everything that is a text, in the order in which it is written.
+pub(super) const TEXTS: &[Text] = &[
+    (
+        "style",
+        |source| source.style.clone(),
+        |source, text| {
+            let style: Style = text.parse().map_err(|error: tresses::Error| error.to_string())?;
+            source.style = Some(style.name().to_owned());
+            Ok(())
+        },
+    ),
+    orientation!("unit", orient, unit, Unit),
+    orientation!("up", orient, up, Axis),
+    orientation!("front", orient, front, Axis),
+    orientation!("head_unit", orient_head, unit, Unit),
+    orientation!("head_up", orient_head, up, Axis),
+    orientation!("head_front", orient_head, front, Axis),
+    file!(density_map),
+    file!(thickness_map),
+    file!(length_map),
+    file!(curl_map),
+    file!(stiffness_map),
+    file!(color_map),
+    file!(curl_curve),
+    file!(lod_maps),
+    file!(colliders),
+    file!(environment),
+];
+
+/// The only toggle.
+pub(super) const MIRROR: &str = "mirror";
+
+/// Those of the texts that name files.
+const NAMES: [fn(&mut Source) -> &mut Option<String>; 10] = [
+    |s| &mut s.density_map,
+    |s| &mut s.thickness_map,
+    |s| &mut s.length_map,
+    |s| &mut s.curl_map,
+    |s| &mut s.stiffness_map,
+    |s| &mut s.color_map,
+    |s| &mut s.curl_curve,
+    |s| &mut s.lod_maps,
+    |s| &mut s.colliders,
+    |s| &mut s.environment,
+];
+
+impl Source {
+    /// Whether nothing is said.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// All keys of the table.
+    pub(super) fn keys() -> impl Iterator<Item = &'static str> {
+        FILES.iter().map(|file| file.0).chain(TEXTS.iter().map(|text| text.0)).chain([MIRROR])
+    }
+
+    /// The same with the names of files, which are relative to `folder`, relative to where the program runs.
+    pub fn inside(&self, folder: &Path) -> Self {
+        self.renamed(|path| Ok(folder.join(path))).unwrap_or_else(|_: std::io::Error| self.clone())
+    }
+
+    /// The same with the names of files, which are relative to where the program runs, relative to `folder`.
+    pub(super) fn seen_from(&self, folder: &Path) -> std::io::Result<Self> {
+        let from = std::path::absolute(if folder.as_os_str().is_empty() { Path::new(".") } else { folder })?;
+        self.renamed(|path| Ok(relative(&std::path::absolute(path)?, &from)))
+    }
+
+    fn renamed<E>(&self, rename: impl Fn(&Path) -> Result<PathBuf, E>) -> Result<Self, E> {
+        let mut renamed = self.clone();
+        for (_, files) in FILES {
+            for path in files(&mut renamed) {
+                *path = rename(path)?;
+            }
+        }
+        for name in NAMES {
+            if let Some(name) = name(&mut renamed)
+                && !ScalpMap::NAMES.contains(&name.strip_prefix("not-").unwrap_or(name))
+            {
+                *name = slashes(&rename(Path::new(&name))?);
+            }
+        }
+        Ok(renamed)
+    }
+}
+
+/// As it is written on every system.
+pub(super) fn slashes(path: &Path) -> String {
+    path.to_string_lossy().replace('\\', "/")
+}
+
+/// The way from the folder `from` to `to`; both absolute. `to` itself where there is none.
+fn relative(to: &Path, from: &Path) -> PathBuf {
+    let clean = |path: &Path| -> Vec<PathBuf> {
+        let mut parts: Vec<PathBuf> = Vec::new();
+        for part in path.components() {
+            match part {
+                Component::CurDir => {}
+                Component::ParentDir => {
+                    parts.pop();
+                }
+                part => parts.push(part.as_os_str().into()),
+            }
+        }
+        parts
+    };
+    let (target, start) = (clean(to), clean(from));
+    let common = target.iter().zip(&start).take_while(|(a, b)| a == b).count();
+    // Nothing but the root in common: the way there would say no more than the name.
+    if common <= 1 {
+        return to.to_owned();
+    }
+    let up = start[common..].iter().map(|_| PathBuf::from(".."));
+    up.chain(target[common..].iter().cloned()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_follow_the_preset() {
+        let source = Source {
+            grooms: vec!["hair/a.tfx".into()],
+            density_map: Some("maps/d.png:r".into()),
+            curl_map: Some("not-front".into()),
+            ..Default::default()
+        };
+        let inside = source.inside(Path::new("presets"));
+        assert_eq!(inside.grooms, [PathBuf::from("presets/hair/a.tfx")]);
+        assert_eq!(inside.density_map.as_deref(), Some("presets/maps/d.png:r"));
+        assert_eq!(inside.curl_map.as_deref(), Some("not-front"), "no file");
+        assert_eq!(inside.seen_from(Path::new("presets")).unwrap(), source);
+        let above = source.seen_from(Path::new("presets/deep")).unwrap();
+        assert_eq!(above.grooms, [PathBuf::from("../../hair/a.tfx")]);
+        assert_eq!(source.seen_from(Path::new("")).unwrap(), source);
+        let far = Source { grooms: vec!["/far/a.tfx".into()], ..Default::default() };
+        assert_eq!(far.inside(Path::new("presets")).grooms, far.grooms);
+        assert_eq!(far.seen_from(Path::new("/near")).unwrap(), far);
+        assert_eq!(far.seen_from(Path::new("/far/away")).unwrap().grooms, [PathBuf::from("../a.tfx")]);
+    }
+}

@@ -1,0 +1,221 @@
+use super::*;
+use crate::{
+    knobs::{self, Kind, Knob, Value},
+    settings::Change,
+};
+use proptest::prelude::*;
+
+/// Any allowed value of `knob`, from three random numbers.
+fn any_value(knob: &Knob, (share, bits, pick): (f64, u32, u8)) -> Value {
+    if knob.automatic && pick < 64 {
+        return Value::Auto;
+    }
+    match knob.kind {
+        Kind::Number { least, most, .. } => {
+            // Any float between the ends, not only round ones.
+            Value::Number(knob.inner(least + (most - least) * share))
+        }
+        Kind::Integer { least, most, step, .. } => {
+            let count = (most - least) / step + 1;
+            Value::Integer(least + bits % count * step)
+        }
+        Kind::Toggle => Value::Toggle(bits % 2 == 1),
+        Kind::Choice(names) => Value::Choice(names[bits as usize % names.len()]),
+        Kind::Color => Value::Color([bits as u8, (bits >> 8) as u8, (bits >> 16) as u8]),
+    }
+}
+
+fn any_settings() -> impl Strategy<Value = Settings> {
+    let count = knobs::all().count();
+    prop::collection::vec((0.0..=1.0f64, any::<u32>(), any::<u8>(), any::<bool>()), count).prop_map(
+        |random| {
+            let mut settings = Settings::default();
+            for (knob, (share, bits, pick, turned)) in knobs::all().zip(random) {
+                if turned {
+                    knob.set(&mut settings, any_value(knob, (share, bits, pick))).unwrap();
+                }
+            }
+            // Values that each make sense may contradict each other.
+            if settings.edges.check_together().is_err() {
+                settings.edges.coverage = None;
+            }
+            settings
+        },
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn what_is_written_is_read_back(settings in any_settings(), all in any::<bool>()) {
+        let preset = Preset { settings, ..Preset::default() };
+        let text = preset.write(if all { Extent::All } else { Extent::Changed });
+        let back = Preset::read(&text, "random.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
+        // One bit of difference would show.
+        prop_assert_eq!(&back, &preset);
+        prop_assert!(!back.settings.changes(&preset.settings).any());
+    }
+
+    #[test]
+    fn no_text_panics(text in "(version = 1\n)?(\\[(style|source|edges)\\]\n)?[a-z_]{0,9}( = )?[-0-9a-z.\"\\[\\]]{0,9}") {
+        let _ = Preset::read(&text, "random.toml");
+    }
+}
+
+#[test]
+fn a_difference_would_be_seen() {
+    let preset = Preset::default();
+    let mut other = preset.clone();
+    other.settings.simulation.drag = other.settings.simulation.drag.next_up();
+    let back = Preset::read(&other.write(Extent::Changed), "x").unwrap();
+    assert_ne!(back, preset);
+    assert_eq!(back, other);
+    assert!(back.settings.changes(&preset.settings).frame);
+}
+
+#[test]
+fn a_preset_reads_well() {
+    let mut preset = Preset { name: Some("storm \"1\"".into()), ..Preset::default() };
+    preset.source = Source {
+        grooms: vec!["a.tfx".into(), "b.tfx".into()],
+        heads: vec!["head.obj".into()],
+        density_map: Some("noise".into()),
+        ..Default::default()
+    };
+    preset.source.orientation.orient.unit = "cm".parse().ok();
+    preset.source.orientation.orient_head.front = "-z".parse().ok();
+    preset.source.orientation.orient.mirror = Some(true);
+    preset.settings.style.curl_radius = Some(0.009);
+    preset.settings.wind.direction = 45f32.to_radians();
+    preset.settings.edges.samples = Some(crate::settings::Samples::Four);
+    let text = preset.write(Extent::Changed);
+    let expected = "# Settings of Tresses that differ from the defaults; `tresses knobs` lists all.
+version = 1
+name = 'storm \"1\"'
+
+[source]
+groom = [\"a.tfx\", \"b.tfx\"]
+head = \"head.obj\"
+unit = \"cm\"
+head_front = \"-z\"
+density_map = \"noise\"
+mirror = true
+
+[style]
+curl_radius = 9 # mm
+
+[wind]
+direction = 45 # °
+
+[edges]
+samples = 4
+";
+    assert_eq!(text, expected);
+    assert_eq!(Preset::read(&text, "x").unwrap(), preset);
+    let text =
+        text.replace("curl_radius = 9 ", "curl_radius = 9.0 ").replace("samples = 4", "samples = \"4\"");
+    assert_eq!(Preset::read(&text, "x").unwrap(), preset, "written otherwise");
+}
+
+#[track_caller]
+fn refuses(text: &str, line: Option<usize>, clause: &str) {
+    let error = Preset::read(text, "bad.toml").unwrap_err();
+    let sentence = error.to_string();
+    assert_eq!(error.line, line, "{sentence}");
+    assert!(sentence.contains(clause), "{sentence}");
+    assert!(sentence.starts_with("bad.toml") && !sentence.contains('\n'), "{sentence}");
+}
+
+#[test]
+fn nonsense_is_refused_in_one_sentence() {
+    let with = |text: &str| format!("version = 1\n\n{text}");
+    refuses("", Some(1), "version = 1");
+    refuses("version = 2", Some(1), "the version is 2, but this program reads version 1");
+    refuses("version = \"1\"", Some(1), "\"1\"");
+    refuses("version = ", Some(1), "bad.toml at line 1");
+    refuses("{\"json\": 1}", Some(1), "");
+    refuses(
+        &with("[simulation]\ndrag = 3\ndrga = 5"),
+        Some(5),
+        "there is no simulation.drga; the nearest is simulation.drag, from 0 to 100 1/s",
+    );
+    refuses(&with("[simulation]\nfrizz = 5"), Some(4), "the nearest is style.frizz, from 0 to 20 mm");
+    refuses(&with("[simulaton]\ndrag = 5"), Some(3), "the nearest is [simulation]");
+    refuses(&with("drag = 5"), Some(3), "drag stands outside its table [simulation]");
+    refuses(&with("nmae = 5"), Some(3), "the nearest is name");
+    refuses(&with("wind = 5"), Some(3), "wind must be a table, [wind]");
+    refuses(&with("[wind]\nspeed = 500 # m/s"), Some(4), "wind.speed is 500, but must be from 0 to 100 m/s");
+    refuses(&with("[wind]\nspeed = nan"), Some(4), "wind.speed is nan");
+    refuses(&with("[wind]\nspeed = -1e300"), Some(4), "wind.speed is -1e300");
+    refuses(&with("[wind]\nspeed = \"fast\""), Some(4), "wind.speed is \"fast\"");
+    refuses(&with("[wind]\nspeed = \"auto\""), Some(4), "wind.speed is \"auto\"");
+    refuses(&with("[wind]\ncells = 33"), Some(4), "a multiple of 8");
+    refuses(&with("[wind]\nseed = -1"), Some(4), "a whole number from 0 to 9999");
+    refuses(&with("[shading]\ncolor = \"green\""), Some(4), "one of file, blond, brown");
+    refuses(&with("[shading]\nsrgb = \"#12345\""), Some(4), "a colour such as #5a3b28");
+    refuses(&with("[edges]\nsamples = 3"), Some(4), "one of auto, 1, 4, 8, 16");
+    refuses(&with("[edges]\nsamples = 4\ncoverage = \"peel\""), None, "peel");
+    refuses(&with("[edges]\nsamples = [4]"), Some(4), "edges.samples is a list");
+    refuses(&with("[lod]\nmode = true"), Some(4), "lod.mode is true");
+    refuses(&with("[source]\nstyle = \"beehive\""), Some(4), "long, bob, curly or short");
+    refuses(&with("[source]\nstlye = \"long\""), Some(4), "the nearest is source.style");
+    refuses(&with("[source]\nstyle = \"long\"\ngroom = \"a.tfx\""), Some(4), "give one of them");
+    refuses(&with("[source]\nhead = \"a.obj\""), Some(4), "no groom");
+    refuses(&with("[source]\ngroom = 3"), Some(4), "a file or a list of files");
+    refuses(&with("[source]\nup = \"w\""), Some(4), "x, y, z");
+    refuses(&with("[source]\nup = \"y\"\nfront = \"-y\""), Some(4), "right angle");
+    refuses(&with("[source]\nmirror = 3"), Some(4), "true or false");
+    refuses(&with("[wind]\nspeed = 5\nspeed = 6"), Some(5), "duplicate key");
+}
+
+#[test]
+fn files_are_found_beside_the_preset() {
+    let folder = std::env::temp_dir().join(format!("tresses-preset-{}", std::process::id()));
+    let path = folder.join("deep/storm.toml");
+    let preset = Preset {
+        source: Source { grooms: vec![folder.join("a.tfx")], ..Default::default() },
+        ..Preset::default()
+    };
+    preset.save(&path, Extent::All).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    let back = Preset::open(&path);
+    std::fs::write(&path, [0xff, 0xfe]).unwrap();
+    let broken = Preset::open(&path).unwrap_err().to_string();
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert!(text.contains("groom = \"../a.tfx\""), "{text}");
+    assert_eq!(back.unwrap().source.grooms, [folder.join("deep").join("../a.tfx")]);
+    assert!(broken.contains("storm.toml") && broken.contains("UTF-8"), "{broken}");
+    assert!(Preset::open(&path).unwrap_err().to_string().contains("storm.toml"));
+}
+
+#[test]
+fn shipped_presets_are_read() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../presets");
+    let mut count = 0;
+    for file in std::fs::read_dir(folder).unwrap() {
+        let path = file.unwrap().path();
+        let preset = Preset::open(&path).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(preset.name.as_deref(), path.file_stem().and_then(|name| name.to_str()));
+        assert!(preset.settings.changes(&Settings::default()).any());
+        assert!(preset.source.style.is_some(), "it can be shown without other files");
+        count += 1;
+    }
+    assert!(count >= 3);
+}
+
+#[test]
+fn costs_are_told_apart() {
+    let before = Settings::default();
+    let turned = |path: &str, value| {
+        let mut settings = before.clone();
+        knobs::find(path).unwrap().set(&mut settings, value).unwrap();
+        settings.changes(&before)
+    };
+    let frame = turned("simulation.drag", Value::Number(5.0));
+    assert!(frame.frame && !frame.regrow && !frame.rebuild);
+    assert!(turned("style.frizz", Value::Number(0.001)).regrow);
+    assert!(turned("shadows.resolution", Value::Integer(512)).rebuild);
+    assert!(!before.changes(&before).any());
+    assert!(Change::Frame < Change::Regrow && Change::Regrow < Change::Rebuild);
+}

@@ -1,0 +1,361 @@
+//! A character on the GPU, ready to be moved and drawn: the only file here that talks to the frame.
+
+use crate::{
+    camera::{self, Bounds, Camera},
+    character::Character,
+    colliders::Colliders,
+    settings::{LightSettings, Settings},
+};
+use anyhow::{Context, Result};
+use std::sync::Arc;
+use tresses::{
+    Hair, HairOptions, HairRenderer, Pose, Progress,
+    collide::{ColliderDescriptor, FieldBuilder},
+    draw::{
+        self, Body, Coverage, DrawOptions, Targets, View,
+        debug::{DebugViews, Shown},
+        targets::PICTURE_FORMAT,
+    },
+    frame::{Frame, Recorder},
+    glam::Vec3,
+    gpu::{Gpu, Timings},
+    groom::{SdfGrid, TriMesh},
+    light::{Lights, Sphere},
+    lod::{Detail, LodMode, LodOptions},
+    simulate::SimulationParams,
+};
+
+/// The size of a picture and how finely it is sampled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quality {
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Samples per pixel; the adapter must offer them.
+    pub samples: u32,
+    /// How strands thinner than a pixel cover it.
+    pub coverage: Coverage,
+    /// Pixels drawn per pixel shown, along each axis: 1 or 2.
+    pub ssaa: u32,
+    /// Texels along each edge of a shadow map.
+    pub shadow_resolution: u32,
+}
+
+impl Quality {
+    /// Peeled strands, one sample per pixel.
+    pub fn new(size: [u32; 2]) -> Self {
+        let shadow_resolution = DrawOptions::default().shadow_resolution;
+        Self { size, samples: 1, coverage: Coverage::PEELING, ssaa: 1, shadow_resolution }
+    }
+
+    /// The pipelines for it.
+    pub fn renderer(&self, device: &wgpu::Device) -> HairRenderer {
+        let options = DrawOptions {
+            samples: self.samples,
+            coverage: self.coverage,
+            shadow_resolution: self.shadow_resolution,
+            ..Default::default()
+        };
+        HairRenderer::new(device, &options)
+    }
+}
+
+/// Sizes of what is drawn.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Facts {
+    /// Simulated strands.
+    pub guides: u32,
+    /// Drawn strands.
+    pub strands: u32,
+    /// Vertices of each drawn strand.
+    pub vertices_per_strand: u32,
+    /// Triangles of the hair.
+    pub triangles: u64,
+    /// GPU memory of the groom, bytes.
+    pub bytes: u64,
+}
+
+/// A character on the GPU.
+pub struct Stage {
+    /// Adapter, device, queue.
+    pub gpu: Gpu,
+    /// The pipelines.
+    pub renderer: Arc<HairRenderer>,
+    /// The hair.
+    pub hair: Hair,
+    /// What is drawn with it.
+    pub body: Option<Body>,
+    /// What is drawn into.
+    pub targets: Targets,
+    /// Looks that do not depend on the camera; view, lights and pose are set for each frame.
+    pub look: draw::Scene,
+    /// The physics.
+    pub physics: SimulationParams,
+    /// The head's distance field, groom space.
+    pub field: Option<SdfGrid>,
+    /// From timestamps where there are some that mean something, else by the clock.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) timings: Timings,
+    /// What is shown instead of hair as it looks.
+    shown: Option<Shown>,
+    /// The pipelines for that, once there was something.
+    views: Option<DebugViews>,
+    /// Lights that stay where they are, instead of the photographer's.
+    lights: Option<Lights>,
+    /// Key, rim, sky and lamps.
+    pub lighting: LightSettings,
+    colliders: Colliders,
+    /// Seconds since the hair was put to rest.
+    time: f64,
+    head: Option<TriMesh>,
+    subject: Bounds,
+    neck: Vec3,
+    /// Who looks, for whom the level of detail is chosen.
+    watcher: Option<Camera>,
+}
+
+impl Stage {
+    /// Brings `character` to the GPU, at rest, among `colliders`. `renderer` must be
+    /// [`Quality::renderer`]'s.
+    ///
+    /// # Errors
+    /// One sentence, when the adapter cannot hold it or the character makes no sense.
+    pub async fn new(
+        gpu: Gpu,
+        renderer: Arc<HairRenderer>,
+        character: Character,
+        colliders: Colliders,
+        quality: &Quality,
+        progress: &impl Progress,
+    ) -> Result<Self> {
+        let hair_bounds = character.groom.bounds().context("the groom is empty")?;
+        let head_bounds = character.head.as_ref().and_then(|head| head.bounds());
+        let (device, queue) = (&gpu.device, &gpu.queue);
+        let options = HairOptions::default();
+        let builder = (!colliders.list.is_empty()).then(|| FieldBuilder::new(device));
+        let fields = builder.as_ref().map(|builder| colliders.fields(builder)).unwrap_or_default();
+        let (head, list) = (character.field.as_ref(), colliders.list.as_slice());
+        let what = ColliderDescriptor { head, fields: &fields, colliders: list };
+        let groom = &character.groom;
+        let hair = Hair::with_progress(device, queue, &renderer, groom, &options, &what, progress);
+        let mut hair = hair.await?;
+        // Full detail, unless somebody asks for less.
+        hair.lod.options.mode = LodMode::Off;
+        if !character.levels.is_empty() {
+            hair.paint_levels(queue, &character.groom, &character.levels, character.skull())?;
+        }
+        let body = character.head.as_ref().map(|head| Body::new(device, &renderer.draw, head));
+        let [width, height] = quality.size;
+        let targets = renderer.draw.targets(device, width, height, quality.ssaa)?;
+        #[cfg(not(target_arch = "wasm32"))]
+        let timings = match gpu.tier.timestamps && !gpu.tier.software {
+            true => Timings::new(device, queue),
+            false => Timings::by_the_clock(),
+        };
+        let subject = camera::subject(hair_bounds, head_bounds);
+        let mut focus = Sphere::around(subject.0, subject.1);
+        // Hair that swings must not leave the shadow maps.
+        focus.radius *= 1.15;
+        let look = draw::Scene { focus, ..Default::default() };
+        Ok(Self {
+            renderer,
+            hair,
+            body,
+            targets,
+            #[cfg(not(target_arch = "wasm32"))]
+            timings,
+            shown: None,
+            views: None,
+            look,
+            lights: None,
+            lighting: LightSettings::default(),
+            physics: options.simulation,
+            colliders,
+            time: 0.0,
+            head: character.head,
+            subject,
+            neck: character.neck,
+            field: character.field,
+            watcher: None,
+            gpu,
+        })
+    }
+
+    /// Everything that `settings` have for the frames from here on; strands, pipelines and targets stay
+    /// as they are.
+    ///
+    /// # Errors
+    /// The first parameter that is out of its range.
+    pub fn apply(&mut self, settings: &Settings) -> Result<()> {
+        settings.check()?;
+        self.physics = settings.physics();
+        self.hair.avoidance.options = settings.interpolation;
+        self.hair.lod.options = settings.lod.options();
+        self.lighting = settings.lights;
+        settings.apply(&mut self.look);
+        Ok(())
+    }
+
+    /// The light of the surroundings; `None` for a photographer's, as the settings have it.
+    pub fn set_lights(&mut self, lights: Option<Lights>) {
+        self.lights = lights;
+    }
+
+    /// How much of the hair is drawn from here on.
+    pub fn set_lod(&mut self, options: LodOptions) -> Result<()> {
+        options.check()?;
+        self.hair.lod.options = options;
+        Ok(())
+    }
+
+    /// The level of detail of the last frame.
+    pub fn detail(&self) -> &Detail {
+        self.hair.lod.current()
+    }
+
+    /// From here on pictures show `shown` instead of hair as it looks.
+    pub fn show(&mut self, shown: Option<Shown>) {
+        if shown.is_some() && self.views.is_none() {
+            let mut views = DebugViews::new(&self.gpu.device, &self.renderer.draw, PICTURE_FORMAT);
+            views.set_head(self.field.as_ref());
+            self.views = Some(views);
+        }
+        self.shown = shown;
+    }
+
+    /// What pictures show instead of hair as it looks.
+    pub fn shown(&self) -> Option<Shown> {
+        self.shown
+    }
+
+    /// From here on `camera` looks: frames are made for it.
+    pub fn watch(&mut self, camera: &Camera) {
+        self.watcher = Some(*camera);
+    }
+
+    /// What a portrait must show, metres.
+    pub fn subject(&self) -> Bounds {
+        self.subject
+    }
+
+    /// The joint that the head turns about, metres.
+    pub fn pivot(&self) -> Vec3 {
+        self.neck
+    }
+
+    /// Samples per pixel.
+    pub fn samples(&self) -> u32 {
+        self.targets.samples
+    }
+
+    /// On what the pictures are made.
+    pub fn adapter_name(&self) -> &str {
+        &self.gpu.info.name
+    }
+
+    /// Sizes of what is drawn.
+    pub fn facts(&self) -> Facts {
+        Facts {
+            guides: self.hair.guides.count,
+            strands: self.hair.strands.count,
+            vertices_per_strand: self.hair.strands.vertex_count,
+            triangles: self.hair.set.triangles(),
+            bytes: self.hair.bytes(),
+        }
+    }
+
+    /// Pictures of another size from here on.
+    pub fn resize(&mut self, [width, height]: [u32; 2]) -> Result<()> {
+        let ssaa = self.targets.ssaa;
+        self.targets = self.renderer.draw.targets(&self.gpu.device, width, height, ssaa)?;
+        Ok(())
+    }
+
+    /// The hair at rest on a head at `pose`.
+    pub fn reset(&mut self, pose: &Pose) -> Result<()> {
+        self.hair.reset();
+        self.time = 0.0;
+        self.advance(pose, 0.0)
+    }
+
+    /// The head moves to `pose` in `seconds`, and the hair with it.
+    pub fn advance(&mut self, pose: &Pose, seconds: f32) -> Result<()> {
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        self.record_advance(&mut encoder, None, pose, seconds)?;
+        self.submit(encoder)
+    }
+
+    /// Makes the body anew with the colliders where they are drawn.
+    pub fn place_colliders(&mut self) {
+        if self.colliders.list.is_empty() {
+            return;
+        }
+        let to_head = self.look.pose.inverse();
+        let drawn = self.hair.colliders.drawn();
+        // The first is the head's field, where there is one.
+        let own = &drawn[drawn.len() - self.colliders.list.len()..];
+        let poses: Vec<_> = own.iter().map(|pose| to_head.after(pose)).collect();
+        let mesh = self.colliders.with_body(self.head.as_ref(), &poses);
+        self.body = Some(Body::new(&self.gpu.device, &self.renderer.draw, &mesh));
+    }
+
+    /// Camera and lights: these go with it, as a photographer's do, unless there are others.
+    pub(crate) fn look_from(&mut self, camera: &Camera) {
+        self.look.view = View::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, self.targets.size);
+        let back = camera.eye - camera.target;
+        self.look.lights = self.lighting.lights(back.x.atan2(back.z), self.lights.as_ref());
+    }
+
+    /// Records what moves the head to `pose` in `seconds`, and the hair with it.
+    ///
+    /// # Errors
+    /// When a parameter is out of its range.
+    pub fn record_advance(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        timings: Option<&mut Timings>,
+        pose: &Pose,
+        seconds: f32,
+    ) -> Result<()> {
+        self.look.pose = *pose;
+        self.time += f64::from(seconds);
+        if let Some(camera) = &self.watcher {
+            let view = View::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, self.targets.size);
+            self.hair.look_from(&self.gpu.device, &self.gpu.queue, &view, pose);
+        }
+        let poses = self.colliders.poses(self.time);
+        let frame = Frame { dt: seconds, head: *pose, colliders: &poses, simulation: &self.physics };
+        let Gpu { device, queue, .. } = &self.gpu;
+        let mut recorder = Recorder { renderer: &self.renderer, device, queue, encoder, timings };
+        Ok(recorder.advance(&mut self.hair, &frame)?)
+    }
+
+    /// Records the picture that `camera` sees.
+    ///
+    /// # Errors
+    /// When the adapter cannot hold what a view needs.
+    pub fn record_draw(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        timings: Option<&mut Timings>,
+        camera: &Camera,
+    ) -> Result<()> {
+        self.look_from(camera);
+        let Self { gpu: Gpu { device, queue, .. }, renderer, hair, targets, look, .. } = self;
+        let mut recorder = Recorder { renderer, device, queue, encoder, timings };
+        let (body, output) = (self.body.as_ref(), targets.picture());
+        match (&mut self.shown, &mut self.views) {
+            (Some(shown), Some(views)) => {
+                shown.wind = self.physics.wind.velocity;
+                recorder.draw_view(views, shown, hair, body, look, targets, output)?;
+            }
+            _ => recorder.draw(hair, body, look, targets, output),
+        }
+        Ok(())
+    }
+
+    pub(crate) fn submit(&self, encoder: wgpu::CommandEncoder) -> Result<()> {
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.device.poll(wgpu::PollType::wait_indefinitely()).context("the GPU was lost")?;
+        Ok(())
+    }
+}

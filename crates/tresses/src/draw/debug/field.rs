@@ -1,0 +1,50 @@
+//! Host side of `field.wesl`: how far obstacles are, as a grid that slices can show.
+
+use super::{Canvas, Grid};
+use crate::{
+    collide::{self, ColliderSet},
+    gpu::{Binding, Kernel},
+};
+
+/// Texels along each edge.
+const RESOLUTION: u32 = 96;
+
+/// The kernel and the grid that it fills.
+#[derive(Debug)]
+pub(super) struct FieldKernel {
+    kernel: Kernel,
+    pub(super) texture: wgpu::TextureView,
+}
+
+impl FieldKernel {
+    pub(super) fn new(device: &wgpu::Device) -> Self {
+        let texture = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("distances"),
+            size: wgpu::Extent3d { width: RESOLUTION, height: RESOLUTION, depth_or_array_layers: RESOLUTION },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D3,
+            format: wgpu::TextureFormat::Rgba16Float,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::STORAGE_BINDING
+                | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let obstacles = collide::layout(device);
+        let entries = [Binding::Uniform, Binding::Write3d];
+        Self {
+            kernel: Kernel::beside(device, "draw::debug::field", &entries, &[&obstacles]),
+            texture: texture.create_view(&Default::default()),
+        }
+    }
+
+    /// Fills it with the distances in the box of `grid`, metres.
+    pub(super) fn record(&self, canvas: &mut Canvas<'_>, grid: &Grid<'_>, colliders: &ColliderSet) {
+        let place = canvas.grid(grid);
+        let resources = [place.as_entire_binding(), wgpu::BindingResource::TextureView(&self.texture)];
+        let group = self.kernel.bind(canvas.device, &resources);
+        let mut pass = canvas.compute();
+        pass.set_bind_group(1, colliders.group(), &[]);
+        self.kernel.record_grid(&mut pass, &group, &[], [RESOLUTION.div_ceil(4); 3]);
+    }
+}

@@ -1,0 +1,91 @@
+//! Host side of `strands.wesl`: strands in colours that stand for something, through the pipelines
+//! that draw hair.
+
+use super::constant;
+use crate::{
+    Hair,
+    constants::STRAND_WORKGROUP,
+    gpu::{Binding, Kernel},
+};
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+/// What the colour of a drawn strand stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StrandQuantity {
+    /// The guide with the largest weight.
+    Lock = 0,
+    /// The strand itself.
+    Strand = 1,
+    /// The direction, world axes, as in a normal map.
+    Tangent = 2,
+    /// Where the strand has changed over because of an obstacle, metres from its root.
+    FirstHit = 3,
+    /// By how much it is wider than it would be at full detail, in doublings; its segments show.
+    Detail = 4,
+}
+
+/// The kernel's uniform.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct StrandsUniform {
+    /// Where the camera is, metres.
+    pub eye: Vec3,
+    /// [`StrandQuantity`].
+    pub quantity: u32,
+    /// The number that is drawn brightest.
+    pub high: f32,
+    /// Unused.
+    pub _pad_a: u32,
+    /// Unused.
+    pub _pad_b: u32,
+    /// Unused.
+    pub _pad_c: u32,
+}
+
+/// The pipeline.
+#[derive(Debug)]
+pub(super) struct StrandsKernel(Kernel);
+
+impl StrandsKernel {
+    pub(super) fn new(device: &wgpu::Device) -> Self {
+        use Binding::{Storage, StorageMut, Uniform};
+        let entries = [Uniform, Uniform, Storage, Storage, Storage, Storage, Storage, StorageMut];
+        Self(Kernel::new(device, "draw::debug::strands", &entries))
+    }
+
+    /// Colours instead of radiance, for every vertex that is drawn.
+    pub(super) fn record(
+        &self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        hair: &Hair,
+        eye: Vec3,
+        quantity: StrandQuantity,
+        high: f32,
+    ) {
+        let uniform = StrandsUniform {
+            eye,
+            quantity: quantity as u32,
+            high: high.max(1e-9),
+            _pad_a: 0,
+            _pad_b: 0,
+            _pad_c: 0,
+        };
+        let uniform = constant(device, "debug strands", &uniform);
+        let (set, strands) = (&hair.set, &hair.strands);
+        let buffers = [
+            &uniform,
+            &set.uniform,
+            &strands.vertices,
+            &strands.strands,
+            &strands.bindings,
+            hair.avoidance.states(),
+            &strands.widening,
+            set.shaded(),
+        ];
+        let group = self.0.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()));
+        let workgroups = (set.drawn.count * set.drawn.vertex_count).div_ceil(STRAND_WORKGROUP);
+        self.0.record(&mut encoder.begin_compute_pass(&Default::default()), &group, &[], workgroups);
+    }
+}

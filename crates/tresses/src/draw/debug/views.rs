@@ -1,0 +1,258 @@
+//! Whole pictures with a view in them: what [`super::DebugView`] asks for, recorded in the frame.
+
+use super::{
+    Arrows, DebugStage, DebugView, Grid, GuideQuantity, Layer, LinePoint, Paint, Quantity, Scale, Slices,
+    Streams, outline::Pen, strands::StrandsKernel,
+};
+use crate::{
+    Hair, Pose, Result,
+    draw::{Body, DrawStage, Scene, Targets},
+    gpu::Timings,
+    groom::SdfGrid,
+    light::{ShadingRate, terms::Terms},
+    present::ToneMap,
+};
+use glam::{Vec3, Vec4};
+
+/// About how far contour lines are apart, metres.
+const CONTOURS: f32 = 0.01;
+/// Distance from the surface at which hair touches it and contour lines lie, metres.
+const CONTACT: f32 = 1.5e-3;
+/// The height of a panel of the column of slices, clip space: see [`Slices::panels`]. Three fill it.
+const PANEL: f32 = 0.6;
+/// Streamlines along each edge of the face where the wind comes in.
+const STREAMS: u32 = 24;
+/// Steps of a streamline across the grid.
+const STEPS: u16 = 96;
+
+/// What a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shown {
+    /// The view.
+    pub view: DebugView,
+    /// The number drawn brightest; `None` for that of [`DebugView::scale`].
+    pub high: Option<f32>,
+    /// The mean velocity of the wind, m/s: where streamlines begin.
+    pub wind: Vec3,
+}
+
+impl Shown {
+    /// A view as it is when nothing is said.
+    pub fn new(view: DebugView) -> Self {
+        Self { view, high: None, wind: Vec3::ZERO }
+    }
+
+    /// What the colours stand for, with the number that is drawn brightest.
+    pub fn scale(&self) -> Option<Scale> {
+        self.view.scale().map(|scale| match self.high {
+            Some(high) => Scale { high, low: if scale.low < 0.0 { -high } else { 0.0 }, ..scale },
+            None => scale,
+        })
+    }
+}
+
+/// The pipelines of all views, and what is kept from picture to picture. Made when somebody first looks,
+/// it costs nothing else.
+#[derive(Debug)]
+pub struct DebugViews {
+    stage: DebugStage,
+    strands: StrandsKernel,
+    terms: Terms,
+    /// The head's contours, groom space.
+    contours: Vec<LinePoint>,
+}
+
+impl DebugViews {
+    /// Builds them for pictures that `draw` makes, into an output of `format`.
+    pub fn new(device: &wgpu::Device, draw: &DrawStage, format: wgpu::TextureFormat) -> Self {
+        Self {
+            stage: DebugStage::new(device, draw, format),
+            strands: StrandsKernel::new(device),
+            terms: Terms::new(device, draw.fiber_layout()),
+            contours: Vec::new(),
+        }
+    }
+
+    /// The head's distance field, which [`DebugView::Colliders`] draws; `None` for none.
+    pub fn set_head(&mut self, field: Option<&SdfGrid>) {
+        self.contours.clear();
+        let Some(field) = field else { return };
+        let every = (CONTOURS / field.cell).round().max(1.0) as u32;
+        for (axis, value) in [(1, 0.75), (0, 0.35)] {
+            let pen = Pen { value, width: 1.2 };
+            pen.contours(&mut self.contours, field, &Pose::IDENTITY, CONTACT, axis, every);
+        }
+    }
+
+    /// Records a whole picture: [`crate::frame::Recorder::draw_view`].
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] when the device cannot hold as many lines.
+    #[allow(clippy::too_many_arguments)]
+    pub(crate) fn record(
+        &mut self,
+        draw: &DrawStage,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        mut timings: Option<&mut Timings>,
+        shown: &Shown,
+        hair: &Hair,
+        body: Option<&Body>,
+        scene: &Scene,
+        targets: &Targets,
+        output: &wgpu::TextureView,
+    ) -> Result<()> {
+        let view = shown.view;
+        let mut scene = Scene { shading: ShadingRate::PerVertex, ..*scene };
+        let (quantity, term) = (view.strands(), view.term());
+        if quantity.is_some() || view == DebugView::Shadow {
+            // A colour that stands for something arrives as it is.
+            scene.tone = ToneMap { exposure: 1.0, shoulder: 0.99, desaturation: 0.0 };
+        }
+        let scale = shown.scale();
+        let high = scale.map_or(1.0, |scale| scale.high);
+        let seen = (!view.hides_hair()).then_some(&hair.set);
+        draw.prepare(queue, &scene, targets, Some(&hair.set), body);
+        draw.shadow(encoder, timings.as_deref_mut(), &scene, seen, body);
+        match (quantity, term) {
+            (Some(quantity), _) => {
+                self.strands.record(device, encoder, hair, scene.view.eye(), quantity, high);
+            }
+            (None, Some(term)) => self.terms.record(encoder, &hair.set, term),
+            // Counting strips needs their width.
+            (None, None) if seen.is_some() || view == DebugView::Overdraw => {
+                draw.shade(encoder, timings.as_deref_mut(), &hair.set);
+            }
+            (None, None) => {}
+        }
+        draw.draw(encoder, timings.as_deref_mut(), &scene, targets, seen, body);
+        draw.present(device, encoder, timings.as_deref_mut(), targets, output);
+        if quantity.is_some() || term.is_some() {
+            return Ok(());
+        }
+        let paint = |opacity| Paint { low: scale.map_or(0.0, |scale| scale.low), high, opacity };
+        let grid = grid(view, &scene, hair);
+        let lines = self.lines(view, &scene, hair, grid.as_ref(), high);
+        let seeds = match (view, &grid) {
+            (DebugView::Wind, Some(grid)) => Streams::upwind(grid, shown.wind, STREAMS),
+            _ => Vec::new(),
+        };
+        let layers = layers(view, hair, grid, &lines, &seeds, paint, &scene);
+        self.stage.record(device, encoder, timings, &scene, targets, body, output, &layers)
+    }
+
+    /// The box of a grid, or the head's contours.
+    fn lines(
+        &self,
+        view: DebugView,
+        scene: &Scene,
+        hair: &Hair,
+        grid: Option<&Grid<'_>>,
+        high: f32,
+    ) -> Vec<LinePoint> {
+        let mut lines = Vec::new();
+        match (view, grid) {
+            (DebugView::Density | DebugView::Push | DebugView::Wind, Some(grid)) => {
+                Pen { value: 0.3 * high, width: 1.0 }.cuboid(&mut lines, grid);
+            }
+            (DebugView::Colliders, _) => {
+                // The head's field comes first; it follows the head.
+                let pose = hair.colliders.drawn().first().copied().unwrap_or(scene.pose);
+                let place = |p: &LinePoint| LinePoint { position: pose.point(p.position), ..*p };
+                lines.extend(self.contours.iter().map(place));
+            }
+            _ => {}
+        }
+        lines
+    }
+}
+
+/// The grid that a view shows, or the box in which it looks.
+pub(super) fn grid<'a>(view: DebugView, scene: &Scene, hair: &'a Hair) -> Option<Grid<'a>> {
+    let volume = &hair.volume;
+    let (texture, quantity, turns) = match view {
+        DebugView::Density => (&volume.hair, Quantity::Channel(3), false),
+        DebugView::Push => (&volume.push, Quantity::Length, true),
+        // The box alone.
+        DebugView::Distance => (&volume.hair, Quantity::Channel(0), false),
+        DebugView::Wind => {
+            let air = hair.air.as_ref()?;
+            let place = air.now();
+            return Some(Grid {
+                texture: &air.view,
+                pose: Pose { translation: place.corner, ..Pose::IDENTITY },
+                scale: Vec3::splat(place.scale),
+                bias: Vec3::ZERO,
+                quantity: Quantity::Length,
+                turns: false,
+            });
+        }
+        _ => return None,
+    };
+    let (scale, bias) = (Vec3::splat(volume.grid.scale), volume.grid.bias);
+    Some(Grid { texture, pose: scene.pose, scale, bias, quantity, turns })
+}
+
+/// What goes over the picture.
+fn layers<'a>(
+    view: DebugView,
+    hair: &'a Hair,
+    grid: Option<Grid<'a>>,
+    lines: &'a [LinePoint],
+    seeds: &'a [Vec3],
+    paint: impl Fn(f32) -> Paint,
+    scene: &Scene,
+) -> Vec<Layer<'a>> {
+    let high = paint(1.0).high;
+    let column = Slices { panels: Some(panels(scene.view.size)), ..Default::default() };
+    let guides = |quantity| vec![Layer::Guides(&hair.guides, paint(1.0), quantity)];
+    match (view, grid) {
+        (DebugView::Guides, _) => guides(GuideQuantity::Guide),
+        (DebugView::Speed, _) => guides(GuideQuantity::Speed),
+        (DebugView::Strain, _) => guides(GuideQuantity::Strain),
+        (DebugView::Overdraw, _) => vec![Layer::Overdraw(&hair.set, paint(1.0))],
+        (DebugView::Density, Some(grid)) => vec![
+            Layer::Lines(lines, paint(0.7)),
+            Layer::Volume(grid, paint(60.0)),
+            Layer::Slices(grid, paint(1.0), column),
+        ],
+        (DebugView::Push, Some(grid)) => vec![
+            Layer::Lines(lines, paint(0.7)),
+            Layer::Volume(grid, paint(30.0)),
+            Layer::Arrows(grid, paint(1.0), Arrows::over(&grid, None, hair.volume.grid.resolution, high)),
+            Layer::Slices(grid, paint(1.0), column),
+        ],
+        (DebugView::Wind, Some(grid)) => {
+            let step = grid.extent().max_element() / f32::from(STEPS);
+            let points = 3 * u32::from(STEPS) / 2;
+            vec![
+                Layer::Lines(lines, paint(0.7)),
+                Layer::Streams(grid, paint(0.8), Streams { seeds, points, step, least: 0.02 * high }),
+                Layer::Slices(grid, paint(1.0), column),
+            ]
+        }
+        (DebugView::Distance, Some(grid)) => {
+            // The plane that the camera looks at.
+            let eye = (grid.pose.inverse().point(scene.view.eye())
+                - (Vec3::splat(0.5) - grid.bias) / grid.scale)
+                .abs();
+            let axis = if eye.x > eye.y.max(eye.z) { 0 } else { 1 + u32::from(eye.z >= eye.y) };
+            let plane = Slices { facing: Some(axis), contours: CONTOURS, ..Default::default() };
+            vec![Layer::Distance(
+                &hair.colliders,
+                grid,
+                [(paint(0.85), plane), (paint(1.0), Slices { contours: CONTOURS, ..column })],
+            )]
+        }
+        (DebugView::Colliders, _) => vec![Layer::Lines(lines, Paint { high: 1.0, ..paint(1.0) })],
+        _ => Vec::new(),
+    }
+}
+
+/// Where the mid planes stand as a column at the right of a picture of that size: [`Slices::panels`].
+pub fn panels([width, height]: [u32; 2]) -> Vec4 {
+    let aspect = height as f32 / width.max(1) as f32;
+    let gap = (2.0 - 3.0 * PANEL) / 4.0;
+    Vec4::new(1.0 - (PANEL + gap) * aspect, 1.0 - PANEL - gap, PANEL, PANEL + gap)
+}

@@ -1,0 +1,82 @@
+//! The kernel that shades strand vertices with one term of the shading alone. It stands beside
+//! [`super::Shade`], so that pictures with all terms neither change nor pay for it.
+
+use crate::{
+    constants::STRAND_WORKGROUP,
+    draw::HairSet,
+    gpu::{
+        Binding, Kernel,
+        bindings::{group, layout},
+    },
+};
+use wgpu::util::DeviceExt;
+
+/// One part of the light on hair. Those from [`Reflection`](Self::Reflection) to
+/// [`Multiple`](Self::Multiple) add up to [`Direct`](Self::Direct), and this with [`Sky`](Self::Sky) to
+/// the whole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Term {
+    /// Mirrored by the surface: R; Kajiya and Kay's first highlight.
+    Reflection = 0,
+    /// Straight through the fibre: TT; of Kajiya and Kay's model what shines through from behind.
+    Transmission = 1,
+    /// Reflected inside: TRT, and what is reflected more often; Kajiya and Kay's second highlight.
+    Inner = 2,
+    /// By other fibres, before or after: dual scattering; Kajiya and Kay's matt light.
+    Multiple = 3,
+    /// From the surroundings.
+    Sky = 4,
+    /// From the lights.
+    Direct = 5,
+    /// The share of the direct light that arrives, 0 to 1, as a colour of [`crate::draw::debug::ramp`];
+    /// without lights the zenith's.
+    Shadow = 6,
+}
+
+impl Term {
+    /// All of them.
+    pub const ALL: [Self; 7] = [
+        Self::Reflection,
+        Self::Transmission,
+        Self::Inner,
+        Self::Multiple,
+        Self::Sky,
+        Self::Direct,
+        Self::Shadow,
+    ];
+}
+
+/// The kernel `light::terms`.
+#[derive(Debug)]
+pub struct Terms {
+    kernel: Kernel,
+    /// One per term.
+    groups: Vec<wgpu::BindGroup>,
+}
+
+impl Terms {
+    /// Builds the kernel. `fiber` is the layout of the fibres' tables.
+    pub(crate) fn new(device: &wgpu::Device, fiber: &wgpu::BindGroupLayout) -> Self {
+        let which = layout(device, "term", wgpu::ShaderStages::COMPUTE, &[Binding::Uniform]);
+        let groups = Term::ALL.map(|term| {
+            let uniform = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some("term"),
+                contents: bytemuck::cast_slice(&[term as u32, 0, 0, 0]),
+                usage: wgpu::BufferUsages::UNIFORM,
+            });
+            group(device, "term", &which, &[uniform.as_entire_binding()])
+        });
+        let kernel = Kernel::beside(device, "light::terms", &super::shade::BINDINGS, &[&which, fiber]);
+        Self { kernel, groups: groups.into() }
+    }
+
+    /// Records the kernel for all vertices of `hair`, in the place of [`super::Shade::record`].
+    pub fn record(&self, encoder: &mut wgpu::CommandEncoder, hair: &HairSet, term: Term) {
+        let mut pass = encoder
+            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("terms"), ..Default::default() });
+        let workgroups = (hair.drawn.count * hair.drawn.vertex_count).div_ceil(STRAND_WORKGROUP);
+        pass.set_bind_group(1, &self.groups[term as usize], &[]);
+        pass.set_bind_group(2, &hair.fiber.group, &[]);
+        self.kernel.record(&mut pass, &hair.shade_group, &[], workgroups);
+    }
+}

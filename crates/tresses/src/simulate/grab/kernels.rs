@@ -1,0 +1,99 @@
+//! The six kernels of a grab.
+
+use super::GrabUniform;
+use crate::{
+    collide,
+    gpu::{Binding, Kernel},
+    strands::{GuideBuffers, StrandBuffers},
+};
+
+/// The pipelines, made at the first grab.
+#[derive(Debug)]
+pub(crate) struct GrabKernels {
+    pick: Kernel,
+    hit: Kernel,
+    reach: Kernel,
+    hold: Kernel,
+    aim: Kernel,
+    pull: Kernel,
+}
+
+/// What each of them binds of one groom.
+#[derive(Debug)]
+pub(crate) struct Groups {
+    pick: wgpu::BindGroup,
+    hit: wgpu::BindGroup,
+    reach: wgpu::BindGroup,
+    hold: wgpu::BindGroup,
+    aim: wgpu::BindGroup,
+    pull: wgpu::BindGroup,
+}
+
+impl GrabKernels {
+    pub fn new(device: &wgpu::Device) -> Self {
+        use Binding::{Storage, StorageMut, UniformDynamic};
+        let obstacles = collide::layout(device);
+        let kernel = |name, entries: &[Binding]| Kernel::new(device, name, entries);
+        let beside = |name, entries: &[Binding]| Kernel::beside(device, name, entries, &[&obstacles]);
+        Self {
+            pick: kernel("simulate::grab::pick", &[UniformDynamic, StorageMut, Storage]),
+            hit: beside("simulate::grab::hit", &[UniformDynamic, StorageMut, StorageMut]),
+            reach: kernel("simulate::grab::reach", &[UniformDynamic, StorageMut, Storage, Storage]),
+            hold: kernel("simulate::grab::hold", &[UniformDynamic, StorageMut, Storage, Storage, StorageMut]),
+            aim: kernel("simulate::grab::aim", &[UniformDynamic, StorageMut]),
+            pull: beside(
+                "simulate::grab::pull",
+                &[UniformDynamic, Storage, Storage, Storage, Storage, StorageMut],
+            ),
+        }
+    }
+
+    /// `own` is uniforms, marks, state and holds.
+    pub fn bind(
+        &self,
+        device: &wgpu::Device,
+        own: [&wgpu::Buffer; 4],
+        guides: &GuideBuffers,
+        strands: &StrandBuffers,
+    ) -> Groups {
+        let [uniforms, marks, state, holds] = own;
+        let bind = |kernel: &Kernel, buffers: &[&wgpu::Buffer]| {
+            let uniform = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                buffer: uniforms,
+                offset: 0,
+                size: wgpu::BufferSize::new(size_of::<GrabUniform>() as u64),
+            });
+            let buffers = buffers.iter().map(|buffer| buffer.as_entire_binding());
+            kernel.bind(device, &std::iter::once(uniform).chain(buffers).collect::<Vec<_>>())
+        };
+        Groups {
+            pick: bind(&self.pick, &[marks, &strands.vertices]),
+            hit: bind(&self.hit, &[marks, state]),
+            reach: bind(&self.reach, &[marks, state, &guides.current]),
+            hold: bind(&self.hold, &[marks, state, &guides.current, holds]),
+            aim: bind(&self.aim, &[state]),
+            pull: bind(&self.pull, &[state, holds, &guides.current, &guides.velocity, &guides.forces]),
+        }
+    }
+
+    /// `workgroups` for strand vertices and for guide vertices; `picks` begins the grab.
+    pub fn record(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        groups: &Groups,
+        workgroups: [u32; 2],
+        offset: u32,
+        picks: bool,
+    ) {
+        let at = &[offset];
+        let [strands, guides] = workgroups;
+        if picks {
+            self.pick.record(pass, &groups.pick, at, strands);
+            self.hit.record(pass, &groups.hit, at, 1);
+            self.reach.record(pass, &groups.reach, at, guides);
+            self.hold.record(pass, &groups.hold, at, guides);
+        }
+        self.aim.record(pass, &groups.aim, at, 1);
+        self.pull.record(pass, &groups.pull, at, guides);
+    }
+}
