@@ -398,6 +398,12 @@ fn present() {
 }
 
 #[test]
+fn embed() {
+    use tresses::draw::embed::EmbedUniform;
+    assert_eq!(wgsl_layout("EmbedUniform"), rust_layout!(EmbedUniform { depth, samples, ssaa, _pad }));
+}
+
+#[test]
 fn debug_views() {
     use tresses::draw::debug::{
         ArrowsUniform, GridUniform, GuidesUniform, LinePoint, LinesUniform, PaintUniform, SliceUniform,

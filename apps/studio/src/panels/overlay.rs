@@ -92,7 +92,8 @@ fn job(studio: &Studio, ui: &mut Ui) {
     let Some(job) = &studio.job else { return };
     ui.horizontal(|ui| {
         // Nothing that moves by itself: on a software driver it would take the time of the work.
-        let bar = ProgressBar::new(job.fraction()).desired_width(90.0).desired_height(6.0).fill(theme::ACCENT);
+        let bar =
+            ProgressBar::new(job.fraction()).desired_width(90.0).desired_height(6.0).fill(theme::ACCENT);
         ui.add(bar);
         ui.label(format!("{}: {}", job.source.name(), job.step()));
         ui.label(RichText::new(format!("{:.0} s", job.begun.elapsed().as_secs_f32())).color(theme::QUIET));
