@@ -39,6 +39,10 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, rect: Rect) {
         };
         at("job", anchor, offset).show(ui.ctx(), |ui| plate().show(ui, |ui| job(studio, ui)));
     }
+    if studio.show.is_some() && panels::legend::wanted(studio) && studio.error.is_none() {
+        at("legend", Align2::CENTER_BOTTOM, vec2(0.0, 0.0))
+            .show(ui.ctx(), |ui| plate().show(ui, |ui| panels::legend::show(studio, ui)));
+    }
     if studio.error.is_some() {
         at("error", Align2::CENTER_BOTTOM, vec2(0.0, 0.0)).show(ui.ctx(), |ui| {
             ui.set_max_width(0.8 * rect.width());
@@ -92,7 +96,8 @@ fn job(studio: &Studio, ui: &mut Ui) {
     let Some(job) = &studio.job else { return };
     ui.horizontal(|ui| {
         // Nothing that moves by itself: on a software driver it would take the time of the work.
-        let bar = ProgressBar::new(job.fraction()).desired_width(90.0).desired_height(6.0).fill(theme::ACCENT);
+        let bar =
+            ProgressBar::new(job.fraction()).desired_width(90.0).desired_height(6.0).fill(theme::ACCENT);
         ui.add(bar);
         ui.label(format!("{}: {}", job.source.name(), job.step()));
         ui.label(RichText::new(format!("{:.0} s", job.begun.elapsed().as_secs_f32())).color(theme::QUIET));
