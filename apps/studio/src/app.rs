@@ -141,7 +141,7 @@ impl Studio {
 
     /// Starts long work.
     pub(crate) fn start(&mut self, context: &egui::Context, order: Order) {
-        self.error = None;
+        (self.error, self.said) = (None, None);
         self.job = Some(Job::start(context, device::gpu(&self.state), order));
     }
 

@@ -59,7 +59,7 @@ fn the_window_draws_answers_resizes_and_closes() {
 
 /// Where the strands are on average, pixels from the left.
 fn middle_of_hair(shot: &Shot) -> f64 {
-    let (mut sum, mut count) = (std::cell::Cell::new(0.0), std::cell::Cell::new(0.0));
+    let (sum, count) = (std::cell::Cell::new(0.0), std::cell::Cell::new(0.0));
     let warm = |p: [u8; 3]| p[0] > p[2].saturating_add(10);
     shot.share(|i, p| {
         if warm(p) {
@@ -68,7 +68,7 @@ fn middle_of_hair(shot: &Shot) -> f64 {
         }
         true
     });
-    *sum.get_mut() / count.get_mut().max(1.0)
+    sum.get() / f64::max(count.get(), 1.0)
 }
 
 #[test]
