@@ -20,10 +20,10 @@ ifeq ($(XDG_RUNTIME_DIR),)
 export NODEVICE_SELECT ?= 1
 endif
 
-.PHONY: help setup demo test bench clean
+.PHONY: help setup setup-tests demo test bench web web-serve clean
 
 help: ## Show this list
-	@grep -E '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/  make \1\t\2/' | expand -t 14
+	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 14
 
 setup: ## Install what is missing: toolchain, C compiler, a Vulkan driver
 	@scripts/setup
@@ -31,16 +31,25 @@ setup: ## Install what is missing: toolchain, C compiler, a Vulkan driver
 demo: setup ## Show the built-in character with moving hair: out/demo.png and out/demo.webp
 	$(CARGO) run --quiet --package tresses-cli -- demo
 
-test: setup ## Format, lints, docs, WebAssembly check, then every test
+setup-tests:
+	@scripts/setup --tests
+
+test: setup-tests ## Format, lints, docs, WebAssembly check, then every test
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --workspace --all-targets --quiet -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --quiet
 	$(CARGO) check --package tresses --target wasm32-unknown-unknown --quiet
 	TRESSES_REQUIRE_GPU=1 $(CARGO) test --workspace
 
+web: setup ## Build the web page into dist/, for any static file server
+	$(CARGO) run --quiet --package tresses-web -- build
+
+web-serve: web ## Serve the web page on http://127.0.0.1:8080/
+	$(CARGO) run --quiet --package tresses-web -- serve
+
 bench: setup ## Measure every stage on this machine's GPU
 	$(CARGO) run --quiet --package tresses-cli -- bench
 
-clean: ## Remove what was built and out/
+clean: ## Remove what was built, out/ and dist/
 	$(CARGO) clean
-	rm -rf out
+	rm -rf out dist

@@ -67,6 +67,44 @@ fn absurd_options_are_refused() {
 }
 
 #[test]
+fn presets_and_parameters_that_make_no_sense_are_refused() {
+    refuses(&["render", "--preset", "nowhere.toml"], "nowhere.toml");
+    refuses(&["bench", "--preset", "nowhere.toml"], "nowhere.toml");
+    refuses(&["demo", "--set", "wind.speed=900"], "from 0 to 100 m/s");
+    refuses(&["render", "--set", "wind.sped=3"], "the nearest is wind.speed");
+    refuses(&["render", "--set", "edges.coverage=peel", "--samples", "4"], "peel");
+    refuses(&["render", "--environment-turn", "20"], "--environment");
+    refuses(&["preset", "--save-preset", "mine.png"], ".toml");
+    refuses(&["knobs", "beehive"], "without a word");
+}
+
+#[test]
+fn presets_are_printed_and_read_back() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let print = |arguments: &[&str]| {
+        let output = tresses(folder.path(), arguments);
+        assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
+        String::from_utf8(output.stdout).expect("UTF-8")
+    };
+    let text = print(&["preset", "--style", "bob", "--wind", "8,45", "--frizz", "1mm"]);
+    for line in ["style = \"bob\"", "frizz = 1 # mm", "speed = 8 # m/s", "direction = 45 # °"] {
+        assert!(text.contains(line), "{line}: {text}");
+    }
+    std::fs::write(folder.path().join("mine.toml"), &text).expect("written");
+    assert_eq!(print(&["preset", "--preset", "mine.toml"]), text);
+    let other = print(&["preset", "--preset", "mine.toml", "--wind", "0", "--set", "simulation.drag=5"]);
+    assert!(!other.contains("speed") && other.contains("drag = 5 # 1/s") && other.contains("frizz = 1"));
+    std::fs::write(folder.path().join("mine.toml"), text.replace("frizz", "fritz")).expect("written");
+    let output = tresses(folder.path(), &["render", "--preset", "mine.toml"]);
+    let message = stderr(&output);
+    assert!(
+        message.contains("mine.toml at line 8: there is no style.fritz; the nearest is style.frizz"),
+        "{message}"
+    );
+    assert!(print(&["knobs", "gust"]).contains("wind.turbulence = 20%"));
+}
+
+#[test]
 fn unknown_names_list_the_choices() {
     refuses(&["render", "--camera", "top"], "front, three-quarter, side, back");
     refuses(&["render", "--debug", "all"], "guides, speed, strain, locks, strands, tangents, first-hit");

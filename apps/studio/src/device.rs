@@ -43,6 +43,7 @@ fn limits(adapter: &wgpu::Adapter) -> wgpu::Limits {
 /// egui's device as the library has it.
 pub fn gpu(state: &eframe::egui_wgpu::RenderState) -> Gpu {
     Gpu {
+        adapter: state.adapter.clone(),
         device: state.device.clone(),
         queue: state.queue.clone(),
         info: state.adapter.get_info(),

@@ -4,14 +4,14 @@ use crate::{
     Hair, HairRenderer, Pose, Result,
     collide::ColliderPoses,
     draw::{
-        Body, Scene, Targets,
+        Body, Embed, Scene, Surroundings, Targets,
         debug::{DebugViews, Shown},
     },
     gpu::Timings,
     simulate::SimulationParams,
     stage::Stage,
 };
-use std::time::Instant;
+use web_time::Instant;
 
 /// What a frame depends on besides the hair itself.
 #[derive(Clone, Copy, Debug)]
@@ -118,6 +118,22 @@ impl Recorder<'_> {
         stage.shade(self.encoder, self.timings.as_deref_mut(), set);
         stage.draw(self.encoder, self.timings.as_deref_mut(), scene, targets, Some(set), body);
         stage.present(self.device, self.encoder, self.timings.as_deref_mut(), targets, output);
+    }
+
+    /// Draws hair as it is now over a scene that is drawn already, hidden by what is in front of it:
+    /// see [`draw::embed`](crate::draw::embed). `body`'s shadow falls on it.
+    pub fn draw_into(
+        &mut self,
+        hair: &Hair,
+        body: Option<&Body>,
+        scene: &Scene,
+        targets: &Targets,
+        embed: &Embed,
+        into: &Surroundings<'_>,
+    ) {
+        let (stage, timings) = (&self.renderer.draw, self.timings.as_deref_mut());
+        let (device, queue) = (self.device, self.queue);
+        embed.record(device, queue, self.encoder, timings, stage, scene, targets, &hair.set, body, into);
     }
 
     /// As [`draw`](Self::draw), but the picture shows what `shown` asks for. Nothing is read back.

@@ -95,13 +95,14 @@ impl Stage {
     /// Positions of the guides' vertices, vertex by vertex.
     fn guides(&self, hair: &Hair) -> Vec<Vec3> {
         let list: Vec<[f32; 4]> =
-            readback::buffer(&self.gpu.device, &self.gpu.queue, &hair.guides.current).unwrap();
+            pollster::block_on(readback::buffer(&self.gpu.device, &self.gpu.queue, &hair.guides.current))
+                .unwrap();
         list.iter().map(|p| Vec3::new(p[0], p[1], p[2])).collect()
     }
 
     fn state(&self, hair: &Hair) -> GrabState {
         let buffer = hair.grabbed().state().expect("there was a grab");
-        readback::buffer(&self.gpu.device, &self.gpu.queue, buffer).unwrap()[0]
+        pollster::block_on(readback::buffer(&self.gpu.device, &self.gpu.queue, buffer)).unwrap()[0]
     }
 
     /// Grabs, and lets a frame pass, so that it is known what was hit.

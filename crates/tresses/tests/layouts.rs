@@ -398,6 +398,12 @@ fn present() {
 }
 
 #[test]
+fn embed() {
+    use tresses::draw::embed::EmbedUniform;
+    assert_eq!(wgsl_layout("EmbedUniform"), rust_layout!(EmbedUniform { depth, samples, ssaa, _pad }));
+}
+
+#[test]
 fn debug_views() {
     use tresses::draw::debug::{
         ArrowsUniform, GridUniform, GuidesUniform, LinePoint, LinesUniform, PaintUniform, SliceUniform,
@@ -450,7 +456,7 @@ fn wind() {
         },
     };
     assert_eq!(wgsl_layout("GustMode"), rust_layout!(GustMode { wave, phase, amplitude, _pad }));
-    assert_eq!(wgsl_layout("Half"), rust_layout!(Half { color, keep_own, keep_other, _pad }));
+    assert_eq!(wgsl_layout("Half"), rust_layout!(Half { color, keep_own, keep_other, relaxation }));
     assert_eq!(
         wgsl_layout("WindUniforms"),
         rust_layout!(WindUniforms {
@@ -470,9 +476,9 @@ fn wind() {
             gust_count,
             drag,
             reynolds,
-            relaxation,
             one,
             plain,
+            _pad,
             gusts,
         })
     );

@@ -76,9 +76,10 @@ impl Stage {
             None => recorder.draw(hair, body, scene, targets, output),
         }
         queue.submit([encoder.finish()]);
-        let shaded: Vec<[f16; 4]> = readback::buffer(device, queue, hair.set.shaded()).unwrap();
+        let shaded: Vec<[f16; 4]> =
+            pollster::block_on(readback::buffer(device, queue, hair.set.shaded())).unwrap();
         let colors = shaded.iter().map(|v| Vec3::new(v[0].to_f32(), v[1].to_f32(), v[2].to_f32())).collect();
-        (targets.read(device, queue).unwrap(), colors)
+        (pollster::block_on(targets.read(device, queue)).unwrap(), colors)
     }
 
     fn term(&mut self, term: Term) -> Vec<Vec3> {

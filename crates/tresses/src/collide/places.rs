@@ -124,11 +124,11 @@ impl Track {
         }
         if let Some(state) = &mut self.state {
             // What is new has been where it is now.
-            for i in state.len()..own.len() {
-                state.push(own[i]);
+            for (i, pose) in own.iter().enumerate().skip(state.len()) {
+                state.push(*pose);
                 let relative = match self.anchors[i] {
-                    Anchor::Head => own[i],
-                    Anchor::World => frame.head.inverse().after(&own[i]),
+                    Anchor::Head => *pose,
+                    Anchor::World => frame.head.inverse().after(pose),
                 };
                 (self.before[i], self.after[i]) = (relative, relative);
             }

@@ -278,7 +278,7 @@ impl DrawStage {
     pub fn draw_hair(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        mut timings: Option<&mut Timings>,
+        timings: Option<&mut Timings>,
         scene: &Scene,
         targets: &Targets,
         hair: Option<&HairSet>,
@@ -290,15 +290,39 @@ impl DrawStage {
             }
             return;
         };
+        self.record_hair(encoder, timings, scene, targets, hair, true);
+    }
+
+    /// Records the hair over what is in `targets`. A stage that peels has no use for it.
+    pub(crate) fn draw_hair_over(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        timings: Option<&mut Timings>,
+        scene: &Scene,
+        targets: &Targets,
+        hair: &HairSet,
+    ) {
+        self.record_hair(encoder, timings, scene, targets, hair, false);
+    }
+
+    fn record_hair(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        mut timings: Option<&mut Timings>,
+        scene: &Scene,
+        targets: &Targets,
+        hair: &HairSet,
+        clear: bool,
+    ) {
         let mut strips = |pipelines: &ByRate, clear| {
             let mut pass = self.pass(encoder, timings.as_deref_mut(), "hair", clear, targets);
             pass.set_pipeline(pipelines.of(scene.shading));
             hair.record_strips(&mut pass);
         };
         match &self.strips {
-            Strips::Once(all) => strips(all, true),
+            Strips::Once(all) => strips(all, clear),
             Strips::DepthFirst { depth, color } => {
-                strips(depth, true);
+                strips(depth, clear);
                 strips(color, false);
             }
             Strips::Peeled(peel) => {
@@ -326,7 +350,7 @@ impl DrawStage {
     }
 
     /// A pass into the HDR target with the frame's group bound.
-    fn pass<'e>(
+    pub(crate) fn pass<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
         timings: Option<&mut Timings>,

@@ -38,9 +38,18 @@ impl Tier {
     }
 }
 
-/// An adapter, its device and its queue, for programs that have no window.
+/// What to do where there is no adapter.
+const REMEDY: &str = if cfg!(target_arch = "wasm32") {
+    "this browser has no WebGPU, or keeps it from this page"
+} else {
+    "on Linux without a GPU, scripts/setup installs Mesa's software Vulkan driver"
+};
+
+/// An adapter, its device and its queue, for programs that have none yet.
 #[derive(Debug)]
 pub struct Gpu {
+    /// The adapter that it is of.
+    pub adapter: wgpu::Adapter,
     /// The device.
     pub device: wgpu::Device,
     /// Its queue.
@@ -58,10 +67,22 @@ impl Gpu {
     /// # Errors
     /// [`Error::Adapter`] when there is none, with what to do about it.
     pub async fn open() -> Result<Self> {
+        Self::showing(&Self::instance(), None).await
+    }
+
+    /// An instance of wgpu as [`open`](Self::open) uses it, to make a surface with.
+    pub fn instance() -> wgpu::Instance {
         let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
         // OpenGL lacks what the compute stages need, and probing it is slow and noisy.
         descriptor.backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
-        let instance = wgpu::Instance::new(descriptor);
+        wgpu::Instance::new(descriptor)
+    }
+
+    /// [`open`](Self::open) for an adapter of `instance` that can show pictures on `surface`.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub async fn showing(instance: &wgpu::Instance, surface: Option<&wgpu::Surface<'_>>) -> Result<Self> {
         let adapter = match std::env::var("WGPU_ADAPTER_NAME") {
             Ok(name) => instance
                 .enumerate_adapters(wgpu::Backends::all())
@@ -72,14 +93,11 @@ impl Gpu {
             Err(_) => instance
                 .request_adapter(&wgpu::RequestAdapterOptions {
                     power_preference: wgpu::PowerPreference::HighPerformance,
+                    compatible_surface: surface,
                     ..Default::default()
                 })
                 .await
-                .map_err(|error| {
-                    Error::Adapter(format!(
-                        "no GPU adapter was found ({error}); on Linux without a GPU, scripts/setup installs Mesa's software Vulkan driver"
-                    ))
-                })?,
+                .map_err(|error| Error::Adapter(format!("no GPU adapter was found ({error}); {REMEDY}")))?,
         };
         let tier = Tier::of(&adapter);
         let (device, queue) = adapter
@@ -92,6 +110,6 @@ impl Gpu {
             })
             .await
             .map_err(|error| Error::Adapter(format!("{}: {error}", adapter.get_info().name)))?;
-        Ok(Self { device, queue, info: adapter.get_info(), tier })
+        Ok(Self { device, queue, info: adapter.get_info(), tier, adapter })
     }
 }

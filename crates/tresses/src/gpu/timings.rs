@@ -2,7 +2,7 @@
 
 use super::readback::Pending;
 use crate::{Error, Result};
-use std::time::Instant;
+use web_time::Instant;
 
 /// The most passes of one frame.
 const MAX_PASSES: u32 = 64;
@@ -24,7 +24,6 @@ enum Source {
         period: f32,
     },
     /// Every stage is submitted and waited for alone.
-    #[cfg_attr(target_arch = "wasm32", expect(dead_code, reason = "nothing waits in a browser"))]
     Clock { rows: Vec<(&'static str, f64)>, lost: Option<Error> },
 }
 
@@ -53,8 +52,7 @@ impl Timings {
     /// By the clock: a [`crate::frame::Recorder`] submits the compute passes of its stages one by
     /// one and waits for each. For tools on a software driver, whose timestamps of compute passes
     /// are those of the call; a stage's time holds the call and the waiting. Render passes are not
-    /// timed. Not in a browser, where nothing can be waited for.
-    #[cfg(not(target_arch = "wasm32"))]
+    /// timed. In a browser, where nothing can be waited for, the times are those of the calls alone.
     pub fn by_the_clock() -> Self {
         Self { source: Source::Clock { rows: Vec::new(), lost: None } }
     }

@@ -42,8 +42,8 @@ pub(super) struct Groups {
     pub predict: wgpu::BindGroup,
     pub correct: wgpu::BindGroup,
     pub gather: wgpu::BindGroup,
-    /// By whether it is the first sweep ever, whether it is an odd one, and the half.
-    pub relax: [[[wgpu::BindGroup; 2]; 2]; 2],
+    /// By [`Sweep`] and the half.
+    pub relax: [[wgpu::BindGroup; 2]; Sweep::ALL.len()],
     /// By the half.
     pub project: [wgpu::BindGroup; 2],
 }
@@ -141,14 +141,11 @@ impl Air {
         let pressures =
             [(); 2].map(|()| ["air pressure a", "air pressure b"].map(|l| view(l, Rgba32Float, half)));
         let uniforms = uniform(device, "air steps", STRIDE as usize * (MAX_STEPS * MAX_SPLIT) as usize);
-        let half_of = |color: u32, keep_own: f32, keep_other: f32| {
+        let half_of = |half: Half| {
             let buffer = uniform(device, "air half", size_of::<Half>());
-            let value = Half { color, keep_own, keep_other, _pad: 0 };
-            queue.write_buffer(&buffer, 0, bytemuck::bytes_of(&value));
+            queue.write_buffer(&buffer, 0, bytemuck::bytes_of(&half));
             buffer
         };
-        let known = [half_of(0, 1.0, 1.0), half_of(1, 1.0, 1.0)];
-        let unknown = [half_of(0, 0.0, 0.0), half_of(1, 0.0, 1.0)];
         let step = || {
             wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                 buffer: &uniforms,
@@ -158,7 +155,9 @@ impl Air {
         };
         let t = wgpu::BindingResource::TextureView;
         let sampler = || wgpu::BindingResource::Sampler(&fluid.sampler);
-        let relax = |halves: &[wgpu::Buffer; 2], odd: usize, color: usize| {
+        let relax = |sweep: Sweep, color: usize| {
+            let odd = sweep.odd();
+            let half = half_of(sweep.half(color));
             // The first half reads the other one as the last sweep left it, the second as the first
             // half's threads see it: just made.
             let other = if color == 0 { &pressures[odd][1] } else { &pressures[1 - odd][0] };
@@ -166,7 +165,7 @@ impl Air {
                 device,
                 &[
                     step(),
-                    halves[color].as_entire_binding(),
+                    half.as_entire_binding(),
                     t(&gives[0]),
                     t(&gives[1]),
                     t(&gives[2]),
@@ -177,13 +176,13 @@ impl Air {
                 ],
             )
         };
-        let sweep = |halves, odd| [relax(halves, odd, 0), relax(halves, odd, 1)];
         let project = |color: usize| {
+            let half = half_of(Half { color: color as u32, ..Zeroable::zeroed() });
             fluid.project.bind(
                 device,
                 &[
                     step(),
-                    known[color].as_entire_binding(),
+                    half.as_entire_binding(),
                     t(&gives[0]),
                     t(&gives[1]),
                     t(&gives[2]),
@@ -218,7 +217,7 @@ impl Air {
                 device,
                 &[step(), t(&before), t(&give_view), t(&gives[0]), t(&gives[1]), t(&gives[2]), t(&source)],
             ),
-            relax: [[sweep(&known, 0), sweep(&known, 1)], [sweep(&unknown, 0), sweep(&unknown, 1)]],
+            relax: Sweep::ALL.map(|sweep| [relax(sweep, 0), relax(sweep, 1)]),
             project: [project(0), project(1)],
         };
         Ok(Self {
@@ -300,11 +299,18 @@ impl Air {
         self.runs[index as usize]
     }
 
-    /// Sweeps of the pressure, an even number: what a sweep writes the next one reads. Information
+    /// The sweeps of the pressure, an even number: what a sweep writes the next one reads. Information
     /// must come across the grid.
-    pub(super) fn sweeps(&self, fresh: bool) -> usize {
+    pub(super) fn sweeps(&self, fresh: bool) -> impl Iterator<Item = Sweep> + use<> {
         let sweeps = 2 * (self.cells as usize * SWEEPS).div_ceil(64).max(2);
-        if fresh { 4 * sweeps } else { sweeps }
+        let sweeps = if fresh { 4 * sweeps } else { sweeps };
+        (0..sweeps).map(move |i| match i {
+            0 if fresh => Sweep::First,
+            i if i + 1 == sweeps => Sweep::Last,
+            i if i + 2 == sweeps => Sweep::Slowing,
+            i if i % 2 == 0 => Sweep::Even,
+            _ => Sweep::Odd,
+        })
     }
 
     fn at(&self) -> AirPlace {
@@ -312,12 +318,13 @@ impl Air {
         AirPlace { corner, scale: 1.0 / (self.cells as f32 * self.cell) }
     }
 
-    /// In how many parts a step is computed: air that passes more than a few cells at once would
-    /// leap over the head.
+    /// In how many parts a step is computed: air that goes farther than a head at once would leap over it.
     fn parts(&self, physics: &SimulationParams) -> u32 {
         let wind = &physics.wind;
-        let speed = wind.velocity.length() * (1.0 + wind.turbulence);
-        ((speed * physics.step / self.cell / MAX_REACH).ceil() as u32).clamp(1, MAX_SPLIT)
+        let way = wind.velocity.length() * (1.0 + wind.turbulence) * physics.step;
+        let cells = way / self.cell;
+        let parts = (way / MAX_WAY).min(cells / COARSE_REACH).max(cells / MAX_REACH);
+        (parts.ceil() as u32).clamp(1, MAX_SPLIT)
     }
 
     /// The wind blows on for a part of a step.
@@ -375,7 +382,6 @@ impl Air {
             hair_bias: hair.map_or(Vec3::splat(-1.0), |hair| hair.bias),
             hair_scale: hair.map_or(0.0, |hair| hair.scale),
             reynolds: physics.diameter / drag::AIR_VISCOSITY,
-            relaxation: OVER_RELAXATION,
             one: 1,
             plain: u32::from(self.plain),
             ..Zeroable::zeroed()
@@ -383,13 +389,55 @@ impl Air {
     }
 }
 
-/// Over-relaxation of the pressure's sweeps.
-const OVER_RELAXATION: f32 = 1.5;
-
 /// Sweeps of a step with 32 cells along an axis.
-const SWEEPS: usize = 12;
-/// Cells that the air may pass at once.
-const MAX_REACH: f32 = 6.0;
+const SWEEPS: usize = 8;
+
+/// A sweep of the pressure: what it knows, which textures it reads, and how far it goes beyond what
+/// is right for the pressures around. First far, which spreads what is smooth over the grid but leaves it rough;
+/// then less, which smooths it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Sweep {
+    /// The first when the air starts anew: the pressures are unknown.
+    First,
+    Even,
+    Odd,
+    /// The last but one.
+    Slowing,
+    Last,
+}
+
+impl Sweep {
+    pub const ALL: [Self; 5] = [Self::First, Self::Even, Self::Odd, Self::Slowing, Self::Last];
+
+    /// 1 when it reads what an even sweep has written.
+    fn odd(self) -> usize {
+        usize::from(matches!(self, Self::Odd | Self::Last))
+    }
+
+    /// What it reads when it works on half `color`.
+    fn half(self, color: usize) -> Half {
+        let (first, second) = (self == Self::First, color == 1);
+        let relaxation = match self {
+            Self::First | Self::Even | Self::Odd => 1.7,
+            Self::Slowing => 1.3,
+            Self::Last => 1.0,
+        };
+        Half {
+            color: color as u32,
+            keep_own: if first { 0.0 } else { 1.0 },
+            // The second half reads what the first has just written.
+            keep_other: if first && !second { 0.0 } else { 1.0 },
+            relaxation,
+        }
+    }
+}
+
+/// How far the air may go at once, metres: about a head.
+const MAX_WAY: f32 = 0.21;
+/// Cells that it may pass at once even if that is farther: coarse grids do not show a head.
+const COARSE_REACH: f32 = 6.0;
+/// Cells that it may pass at once even if that is less far: the pressure must follow.
+const MAX_REACH: f32 = 8.0;
 /// In how many parts a step is computed at most.
 const MAX_SPLIT: u32 = 4;
 

@@ -117,12 +117,12 @@ pub struct WindUniforms {
     pub drag: f32,
     /// Reynolds number of a hair per m/s.
     pub reynolds: f32,
-    /// Over-relaxation of the pressure.
-    pub relaxation: f32,
     /// Always one. Loops that count by it are not unrolled.
     pub one: u32,
     /// 1 for plain semi-Lagrangian advection, for comparison.
     pub plain: u32,
+    /// Unused.
+    pub _pad: u32,
     /// The gusts.
     pub gusts: [GustMode; MAX_GUSTS],
 }
@@ -137,8 +137,8 @@ pub struct Half {
     pub keep_own: f32,
     /// The same of the other half.
     pub keep_other: f32,
-    /// Unused.
-    pub _pad: u32,
+    /// Over-relaxation: how far towards what is right for the pressures around.
+    pub relaxation: f32,
 }
 
 #[cfg(test)]

@@ -66,9 +66,8 @@ impl Fluid {
             self.correct.record_grid(pass, &groups.correct, &[step], cells);
             self.gather.record_grid(pass, &groups.gather, &[step], [n.div_ceil(32), n / 4, n / 2]);
             let fresh = run.fresh && part == 0;
-            for sweep in 0..air.sweeps(fresh) {
-                let unknown = usize::from(fresh && sweep == 0);
-                for color in &groups.relax[unknown][sweep % 2] {
+            for sweep in air.sweeps(fresh) {
+                for color in &groups.relax[sweep as usize] {
                     self.relax.record_grid(pass, color, &[step], half);
                 }
             }

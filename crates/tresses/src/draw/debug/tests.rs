@@ -269,7 +269,7 @@ fn strips_are_counted() {
     let layers = [Layer::Overdraw(&set, Paint { low: 0.0, high: 10.0, opacity: 1.0 })];
     debug.record(device, &mut encoder, None, &scene, &targets, None, targets.picture(), &layers).unwrap();
     queue.submit([encoder.finish()]);
-    let seen: Vec<[u8; 4]> = targets.read(device, queue).unwrap().as_chunks().0.to_vec();
+    let seen: Vec<[u8; 4]> = pollster::block_on(targets.read(device, queue)).unwrap().as_chunks().0.to_vec();
     let pixel = |x: u32, y: u32| seen[(y * SIZE + x) as usize];
     let (middle, quarter) = (SIZE / 2, SIZE / 4);
     for (x, y, number) in [(middle + quarter, middle, 7), (middle - quarter, middle + 1, 1)] {

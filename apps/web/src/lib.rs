@@ -1,0 +1,10 @@
+//! The web pages of Tresses: built into a folder of static files, and served from one.
+//!
+//! A page is a program for `wasm32-unknown-unknown`, what wasm-bindgen makes of it, and an HTML file of
+//! `pages/`. wasm-bindgen is used as a library, so that nothing needs to be installed beside Rust.
+
+mod pack;
+mod serve;
+
+pub use pack::{LIMIT, Page, Sizes, pack};
+pub use serve::Server;

@@ -1,0 +1,51 @@
+//! `make web` and `make web-serve`.
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+use std::path::PathBuf;
+use tresses_web::{Page, Server, pack};
+
+/// Builds the web pages of Tresses and serves them.
+#[derive(Parser)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Build a page into a folder that any static file server can host.
+    Build {
+        /// Which one.
+        #[arg(long, value_enum, default_value_t = Page::Studio)]
+        page: Page,
+        /// The folder; what is in it is replaced.
+        #[arg(long, default_value = "dist")]
+        out: PathBuf,
+    },
+    /// Serve a folder on this machine alone.
+    Serve {
+        /// The folder.
+        #[arg(long, default_value = "dist")]
+        folder: PathBuf,
+        /// The port.
+        #[arg(long, default_value_t = 8080)]
+        port: u16,
+    },
+}
+
+fn main() -> Result<()> {
+    match Cli::parse().command {
+        Command::Build { page, out } => {
+            let sizes = pack(page, &out)?;
+            println!("{sizes}");
+            sizes.check()
+        }
+        Command::Serve { folder, port } => {
+            let server = Server::new(&folder, port)?;
+            println!("{} on http://127.0.0.1:{}/", folder.display(), server.port());
+            server.run();
+            Ok(())
+        }
+    }
+}

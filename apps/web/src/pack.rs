@@ -1,0 +1,117 @@
+//! Building a page.
+
+use anyhow::{Context, Result, bail};
+use clap::ValueEnum;
+use flate2::{Compression, write::GzEncoder};
+use std::{
+    fmt,
+    io::Write,
+    path::{Path, PathBuf},
+    process::Command,
+};
+use wasm_bindgen_cli_support::Bindgen;
+
+/// The most bytes that a page may have a visitor load, compressed as every server can.
+pub const LIMIT: u64 = 5_000_000;
+
+/// The pages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Page {
+    /// The studio.
+    Studio,
+    /// The smallest program with hair: the library's example `minimal`.
+    Minimal,
+}
+
+impl Page {
+    /// What cargo builds, and the file that comes of it.
+    fn program(self) -> (&'static [&'static str], &'static str) {
+        match self {
+            Self::Studio => (&["--package", "tresses-studio", "--lib"], "tresses_studio.wasm"),
+            Self::Minimal => (&["--package", "tresses", "--example", "minimal"], "examples/minimal.wasm"),
+        }
+    }
+
+    fn html(self) -> &'static str {
+        match self {
+            Self::Studio => include_str!("../pages/studio.html"),
+            Self::Minimal => include_str!("../pages/minimal.html"),
+        }
+    }
+}
+
+/// What a visitor loads: name, bytes, bytes compressed by gzip.
+#[derive(Debug)]
+pub struct Sizes(Vec<(String, u64, u64)>);
+
+impl Sizes {
+    /// Bytes of all files, compressed.
+    pub fn compressed(&self) -> u64 {
+        self.0.iter().map(|(_, _, compressed)| compressed).sum()
+    }
+
+    /// Fails when that is more than [`LIMIT`].
+    ///
+    /// # Errors
+    /// One sentence.
+    pub fn check(&self) -> Result<()> {
+        let (size, limit) = (self.compressed(), LIMIT);
+        if size > limit {
+            bail!("the page takes {size} bytes compressed, more than the {limit} it may");
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Sizes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut line = |name: &str, raw: u64, compressed: u64| {
+            writeln!(f, "{name:<24}{:>8} kB{:>8} kB with gzip", raw.div_ceil(1000), compressed.div_ceil(1000))
+        };
+        for (name, raw, compressed) in &self.0 {
+            line(name, *raw, *compressed)?;
+        }
+        line("all", self.0.iter().map(|(_, raw, _)| raw).sum(), self.compressed())
+    }
+}
+
+/// Builds `page` into the folder `out`, which is made.
+///
+/// # Errors
+/// When the program cannot be compiled, or the folder not be written.
+pub fn pack(page: Page, out: &Path) -> Result<Sizes> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize()?;
+    let (what, file) = page.program();
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let status = Command::new(cargo)
+        .current_dir(&root)
+        .args(["build", "--quiet", "--locked", "--profile", "web", "--target", "wasm32-unknown-unknown"])
+        .args(what)
+        .status()
+        .context("cargo cannot be started")?;
+    if !status.success() {
+        bail!("the page's program cannot be compiled (see above)");
+    }
+    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
+    std::fs::create_dir_all(out).with_context(|| out.display().to_string())?;
+    Bindgen::new()
+        .input_path(target.join("wasm32-unknown-unknown/web").join(file))
+        .out_name("tresses")
+        .web(true)?
+        .typescript(false)
+        .omit_default_module_path(false)
+        .remove_name_section(true)
+        .remove_producers_section(true)
+        .generate(out)
+        .context("wasm-bindgen")?;
+    std::fs::write(out.join("index.html"), page.html()).with_context(|| out.display().to_string())?;
+    let files = ["index.html", "tresses.js", "tresses_bg.wasm"];
+    files.iter().map(|name| size(out, name)).collect::<Result<_>>().map(Sizes)
+}
+
+fn size(folder: &Path, name: &str) -> Result<(String, u64, u64)> {
+    let bytes = std::fs::read(folder.join(name)).with_context(|| name.to_owned())?;
+    let mut gzip = GzEncoder::new(Vec::new(), Compression::best());
+    gzip.write_all(&bytes)?;
+    Ok((name.into(), bytes.len() as u64, gzip.finish()?.len() as u64))
+}

@@ -1,0 +1,92 @@
+//! Serving a folder to browsers on this machine.
+
+use anyhow::{Context, Result, anyhow};
+use std::{
+    fs::File,
+    path::{Component, Path, PathBuf},
+    sync::Arc,
+};
+use tiny_http::{Header, Request, Response};
+
+/// A server of static files on the loopback interface.
+#[derive(Clone)]
+pub struct Server {
+    http: Arc<tiny_http::Server>,
+    folder: PathBuf,
+}
+
+impl Server {
+    /// Listens on `port`, or on any that is free for 0.
+    ///
+    /// # Errors
+    /// When the folder has no page, or the port is taken.
+    pub fn new(folder: &Path, port: u16) -> Result<Self> {
+        if !folder.join("index.html").is_file() {
+            return Err(anyhow!("{}: no page is there; `make web` builds one", folder.display()));
+        }
+        let http = tiny_http::Server::http(("127.0.0.1", port))
+            .map_err(|error| anyhow!("{error}"))
+            .with_context(|| format!("port {port} cannot be used"))?;
+        Ok(Self { http: Arc::new(http), folder: folder.to_path_buf() })
+    }
+
+    /// The port that it listens on.
+    pub fn port(&self) -> u16 {
+        self.http.server_addr().to_ip().map_or(0, |address| address.port())
+    }
+
+    /// Answers until [`stop`](Self::stop)ped.
+    pub fn run(&self) {
+        for request in self.http.incoming_requests() {
+            // A browser that has gone away is no concern.
+            let _ = self.answer(request);
+        }
+    }
+
+    /// Lets [`run`](Self::run) return.
+    pub fn stop(&self) {
+        self.http.unblock();
+    }
+
+    fn answer(&self, request: Request) -> std::io::Result<()> {
+        let file = file(&self.folder, request.url()).and_then(|path| Some((File::open(&path).ok()?, path)));
+        let Some((file, path)) = file else {
+            return request.respond(Response::from_string("not found").with_status_code(404));
+        };
+        let kind = match path.extension().and_then(|e| e.to_str()) {
+            Some("html") => "text/html; charset=utf-8",
+            Some("js") => "text/javascript; charset=utf-8",
+            Some("wasm") => "application/wasm",
+            _ => "application/octet-stream",
+        };
+        let header = |name: &str, value: &str| {
+            Header::from_bytes(name, value).expect("names and values are plain text")
+        };
+        // A page that was built anew is to be seen anew.
+        let headers = [header("Content-Type", kind), header("Cache-Control", "no-store")];
+        request.respond(headers.into_iter().fold(Response::from_file(file), Response::with_header))
+    }
+}
+
+/// The file of `folder` that an address means, never one outside of it.
+fn file(folder: &Path, url: &str) -> Option<PathBuf> {
+    let name = url.split(['?', '#']).next()?.trim_start_matches('/');
+    let name = Path::new(if name.is_empty() { "index.html" } else { name });
+    let inside = name.components().all(|part| matches!(part, Component::Normal(_)));
+    let path = folder.join(name);
+    (inside && path.is_file()).then_some(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_outside_is_served() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+        assert_eq!(file(&folder, "/serve.rs?x=1"), Some(folder.join("serve.rs")));
+        for url in ["/../Cargo.toml", "/..", "//etc/passwd", "/", "/none"] {
+            assert_eq!(file(&folder, url), None, "{url}");
+        }
+    }
+}

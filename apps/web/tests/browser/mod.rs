@@ -1,0 +1,267 @@
+//! A headless Chromium, driven through the DevTools protocol: a few commands over one WebSocket.
+
+use base64::{Engine, prelude::BASE64_STANDARD};
+use serde_json::{Value, json};
+use std::{
+    net::TcpStream,
+    path::{Path, PathBuf},
+    process::{Child, Command, Stdio},
+    time::{Duration, Instant},
+};
+use tempfile::TempDir;
+use tungstenite::{Message, WebSocket};
+
+/// How long anything may take: software drawing on a busy machine is slow.
+pub const PATIENCE: Duration = Duration::from_secs(240);
+
+/// Under which names browsers with WebGPU are installed.
+const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+
+/// WebGPU on the CPU, with a canvas, by SwiftShader.
+const FLAGS: [&str; 17] = [
+    "--headless=new",
+    "--no-sandbox",
+    "--no-first-run",
+    "--disable-dev-shm-usage",
+    "--disable-background-timer-throttling",
+    "--disable-renderer-backgrounding",
+    "--hide-scrollbars",
+    "--remote-debugging-port=0",
+    "--enable-unsafe-webgpu",
+    "--use-webgpu-adapter=swiftshader",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--enable-features=Vulkan",
+    "--use-vulkan=swiftshader",
+    "--ignore-gpu-blocklist",
+    "--disable-gpu-watchdog",
+];
+
+/// A browser with one page.
+pub struct Browser {
+    child: Child,
+    _profile: TempDir,
+    socket: WebSocket<TcpStream>,
+    session: String,
+    calls: u64,
+    complaints: Vec<String>,
+}
+
+/// A picture of the page: RGBA, rows from the top.
+#[derive(Clone, PartialEq)]
+pub struct Picture {
+    pub size: [u32; 2],
+    pub rgba: Vec<u8>,
+}
+
+impl Picture {
+    /// The share of pixels whose colours differ by more than `least` of 255 in some channel.
+    pub fn difference(&self, other: &Self, least: u8) -> f64 {
+        assert_eq!(self.size, other.size);
+        let (a, b) = (self.rgba.as_chunks::<4>().0, other.rgba.as_chunks::<4>().0);
+        let differs = |(a, b): &(&[u8; 4], &[u8; 4])| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > least);
+        a.iter().zip(b).filter(differs).count() as f64 / a.len() as f64
+    }
+
+    /// Writes a PNG, for people who want to see it: into the folder `TRESSES_PICTURES`, if it is set.
+    pub fn keep(&self, name: &str) {
+        let Some(folder) = std::env::var_os("TRESSES_PICTURES").map(PathBuf::from) else { return };
+        std::fs::create_dir_all(&folder).unwrap();
+        let file = std::fs::File::create(folder.join(name)).unwrap();
+        let mut encoder = png::Encoder::new(file, self.size[0], self.size[1]);
+        encoder.set_color(png::ColorType::Rgba);
+        encoder.write_header().unwrap().write_image_data(&self.rgba).unwrap();
+    }
+}
+
+impl Browser {
+    /// A browser that shows nothing yet in `size` pixels, or `None` where none is installed and none
+    /// need be.
+    pub fn start([width, height]: [u32; 2]) -> Option<Self> {
+        let Some(program) = installed() else {
+            let required = std::env::var_os("TRESSES_REQUIRE_GPU").is_some_and(|v| v == "1");
+            assert!(!required, "no Chromium was found; scripts/setup installs it");
+            println!("skipped: no Chromium was found");
+            return None;
+        };
+        let profile = tempfile::tempdir().unwrap();
+        let child = Command::new(program)
+            .args(FLAGS)
+            .arg(format!("--window-size={width},{height}"))
+            .arg(format!("--user-data-dir={}", profile.path().display()))
+            .arg("about:blank")
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("the browser starts");
+        let (port, path) = endpoint(profile.path());
+        let stream = TcpStream::connect(("127.0.0.1", port)).expect("the browser listens");
+        stream.set_read_timeout(Some(Duration::from_secs(1))).unwrap();
+        stream.set_nodelay(true).unwrap();
+        // The handshake reads without a timeout of its own.
+        let (socket, _) = tungstenite::client(format!("ws://127.0.0.1:{port}{path}"), stream)
+            .expect("the browser speaks the protocol");
+        let mut browser =
+            Self { child, _profile: profile, socket, session: String::new(), calls: 0, complaints: vec![] };
+        let target = browser.call("Target.createTarget", json!({"url": "about:blank"}));
+        let target = json!({"targetId": target["targetId"], "flatten": true});
+        let session = browser.call("Target.attachToTarget", target);
+        browser.session = session["sessionId"].as_str().expect("a session").into();
+        for domain in ["Page", "Runtime", "Log"] {
+            browser.call(&format!("{domain}.enable"), json!({}));
+        }
+        let metrics = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": false});
+        browser.call("Emulation.setDeviceMetricsOverride", metrics);
+        Some(browser)
+    }
+
+    /// Goes to `url`.
+    pub fn go(&mut self, url: &str) {
+        let answer = self.call("Page.navigate", json!({"url": url}));
+        assert!(answer.get("errorText").is_none(), "{url}: {answer}");
+    }
+
+    /// The value of an expression in the page, promises awaited.
+    pub fn value(&mut self, expression: &str) -> Value {
+        let what = json!({"expression": expression, "awaitPromise": true, "returnByValue": true});
+        let answer = self.call("Runtime.evaluate", what);
+        assert!(answer.get("exceptionDetails").is_none(), "{expression}: {answer}");
+        answer["result"]["value"].clone()
+    }
+
+    /// Asks again and again until `enough` is satisfied with the value, which is returned.
+    pub fn until(&mut self, expression: &str, enough: impl Fn(&Value) -> bool) -> Value {
+        let begin = Instant::now();
+        loop {
+            let value = self.value(expression);
+            if enough(&value) {
+                return value;
+            }
+            let heard = self.complaints.join("\n");
+            assert!(begin.elapsed() < PATIENCE, "{expression} is still {value}\n{heard}");
+            assert!(self.complaints.is_empty(), "{heard}");
+            std::thread::sleep(Duration::from_millis(200));
+        }
+    }
+
+    /// What the page shows now.
+    pub fn picture(&mut self) -> Picture {
+        let answer = self.call("Page.captureScreenshot", json!({"format": "png"}));
+        let png = BASE64_STANDARD.decode(answer["data"].as_str().expect("a picture")).unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut pixels).unwrap();
+        let rgba = match info.color_type {
+            png::ColorType::Rgba => pixels,
+            png::ColorType::Rgb => {
+                pixels.as_chunks().0.iter().flat_map(|[r, g, b]| [*r, *g, *b, 255]).collect()
+            }
+            other => panic!("a screenshot of type {other:?}"),
+        };
+        Picture { size: [info.width, info.height], rgba }
+    }
+
+    /// Moves the mouse, presses or releases its left button: `kind` is one of the protocol's, such as
+    /// `mousePressed`.
+    pub fn mouse(&mut self, kind: &str, [x, y]: [f64; 2]) {
+        let button = if kind == "mouseMoved" { "none" } else { "left" };
+        let event = json!({"type": kind, "x": x, "y": y, "button": button, "clickCount": 1});
+        self.call("Input.dispatchMouseEvent", event);
+    }
+
+    /// Drops files on the page.
+    pub fn drop_files(&mut self, files: &[&Path], [x, y]: [f64; 2]) {
+        let files: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
+        let data = json!({"items": [], "files": files, "dragOperationsMask": 1});
+        for kind in ["dragEnter", "dragOver", "drop"] {
+            let event = json!({"type": kind, "x": x, "y": y, "data": data});
+            self.call("Input.dispatchDragEvent", event);
+        }
+    }
+
+    /// What the page's console has heard of errors and warnings, wgpu's and WebGPU's among them.
+    pub fn complaints(&mut self) -> &[String] {
+        // Events come before the answer to whatever is asked after them.
+        self.value("0");
+        &self.complaints
+    }
+
+    fn call(&mut self, method: &str, params: Value) -> Value {
+        self.calls += 1;
+        let id = self.calls;
+        let mut message = json!({"id": id, "method": method, "params": params});
+        if !self.session.is_empty() {
+            message["sessionId"] = json!(self.session);
+        }
+        self.socket.send(Message::text(message.to_string())).expect("the browser is there");
+        let begin = Instant::now();
+        while begin.elapsed() < PATIENCE {
+            let Some(message) = self.next() else { continue };
+            if message["id"] == id {
+                assert!(message.get("error").is_none(), "{method}: {message}");
+                return message["result"].clone();
+            }
+            self.hear(&message);
+        }
+        panic!("{method}: no answer in {} s", PATIENCE.as_secs());
+    }
+
+    /// The next message, if one comes within a second.
+    fn next(&mut self) -> Option<Value> {
+        use std::io::ErrorKind::{TimedOut, WouldBlock};
+        match self.socket.read() {
+            Ok(Message::Text(text)) => Some(serde_json::from_str(&text).expect("JSON")),
+            Ok(_) => None,
+            Err(tungstenite::Error::Io(error)) if matches!(error.kind(), TimedOut | WouldBlock) => None,
+            Err(error) => panic!("the browser is gone: {error}"),
+        }
+    }
+
+    fn hear(&mut self, event: &Value) {
+        let params = &event["params"];
+        let complaint = match event["method"].as_str() {
+            Some("Runtime.exceptionThrown") => Some(params["exceptionDetails"].to_string()),
+            Some("Runtime.consoleAPICalled")
+                if matches!(params["type"].as_str(), Some("error" | "warning" | "assert")) =>
+            {
+                Some(params["args"].to_string())
+            }
+            Some("Log.entryAdded")
+                if matches!(params["entry"]["level"].as_str(), Some("error" | "warning")) =>
+            {
+                Some(params["entry"].to_string())
+            }
+            Some("Inspector.targetCrashed") => Some("the page crashed".into()),
+            _ => None,
+        };
+        self.complaints.extend(complaint.filter(|text| !text.contains("favicon.ico")));
+    }
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn installed() -> Option<PathBuf> {
+    let folders: Vec<_> = std::env::split_paths(&std::env::var_os("PATH")?).collect();
+    NAMES.iter().flat_map(|name| folders.iter().map(move |folder| folder.join(name))).find(|p| p.is_file())
+}
+
+/// Port and path at which the browser with `profile` listens: it writes them into a file.
+fn endpoint(profile: &Path) -> (u16, String) {
+    let begin = Instant::now();
+    while begin.elapsed() < PATIENCE {
+        let text = std::fs::read_to_string(profile.join("DevToolsActivePort")).unwrap_or_default();
+        let mut lines = text.lines();
+        if let (Some(port), Some(path)) = (lines.next().and_then(|port| port.parse().ok()), lines.next()) {
+            return (port, path.into());
+        }
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    panic!("the browser does not listen");
+}

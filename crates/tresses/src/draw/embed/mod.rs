@@ -1,0 +1,205 @@
+//! Hair in somebody else's scene: over a linear colour target that is already drawn, hidden by what its
+//! depth says.
+//!
+//! ```text
+//! scene's depth ─► depth, in the library's own terms ─► strips ─► HDR ─► composite ─► scene's colour
+//! ```
+//!
+//! The scene keeps its format, its number of samples (one) and its way of writing depth: depths are
+//! carried over from its projection to that of the [`View`](super::View), pixel by pixel, before the hair
+//! is drawn with as many samples as its stage has. What these cover is blended over the scene, so that
+//! thin hair stays thin. The scene's depth is left as it is: what is transparent and drawn later, in
+//! front of hair or behind it, blends as if no hair were there.
+//!
+//! Not taken: drawing strips into the scene's own target, which would need its pipelines built for its
+//! format and samples and a coverage of one sample per pixel to be smoothed afterwards.
+
+use super::{HairSet, Scene, Targets, pipeline::Recipe};
+use crate::{
+    Error, Result,
+    draw::{Body, Coverage, DrawOptions, DrawStage},
+    gpu::{
+        Binding, Timings,
+        bindings::{group, layout, uniform},
+    },
+};
+use bytemuck::{Pod, Zeroable};
+use glam::Mat4;
+
+/// What the shaders know of the scene.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct EmbedUniform {
+    /// `(a, b, c, d)`: a depth `z` of the scene is `(a z + b) / (c z + d)` of the hair.
+    pub depth: [f32; 4],
+    /// Samples per pixel of the hair.
+    pub samples: u32,
+    /// Texels of the hair per pixel, along each axis.
+    pub ssaa: u32,
+    /// Unused.
+    pub _pad: [u32; 2],
+}
+
+impl EmbedUniform {
+    fn new(from: Mat4, to: Mat4, targets: &Targets) -> Self {
+        let depth = Self::map(from, to);
+        Self { depth, samples: targets.samples, ssaa: targets.ssaa, _pad: [0; 2] }
+    }
+
+    /// From the depths of the projection `from` to those of `to`.
+    fn map(from: Mat4, to: Mat4) -> [f32; 4] {
+        // Depth is a fraction of linear functions of the distance along the view, (p z + q) / (r z + s):
+        // the inverse of one such map, then another, is one more.
+        let rows = |m: Mat4| [m.z_axis.z, m.w_axis.z, m.z_axis.w, m.w_axis.w].map(f64::from);
+        let ([p, q, r, s], [t, u, v, w]) = (rows(from), rows(to));
+        let map = [t * s - u * r, u * p - t * q, v * s - w * r, w * p - v * q];
+        let largest = map.iter().fold(0.0f64, |most, x| most.max(x.abs())).max(f64::MIN_POSITIVE);
+        map.map(|x| (x / largest) as f32)
+    }
+}
+
+/// A scene that is drawn already.
+#[derive(Clone, Copy, Debug)]
+pub struct Surroundings<'a> {
+    /// Its linear colour, of the format that [`Embed`] was built for: hair is blended over it.
+    pub color: &'a wgpu::TextureView,
+    /// Its depth, with `TEXTURE_BINDING`, one sample per pixel, of the size of the picture.
+    pub depth: &'a wgpu::TextureView,
+    /// The projection that it was drawn with: of the camera and field of view of
+    /// [`Scene::view`](super::Scene::view), but with any planes and any direction of depth from 0 to 1.
+    pub projection: Mat4,
+}
+
+/// The pipelines that put hair into a scene.
+#[derive(Debug)]
+pub struct Embed {
+    depth: wgpu::RenderPipeline,
+    composite: wgpu::RenderPipeline,
+    depth_layout: wgpu::BindGroupLayout,
+    composite_layout: wgpu::BindGroupLayout,
+    uniform: wgpu::Buffer,
+}
+
+impl Embed {
+    /// For hair drawn by a stage with `options` into scenes whose linear colour is of `format`, which
+    /// must be one that can be blended.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a coverage that peels: its layers are tone mapped as they are drawn.
+    pub fn new(device: &wgpu::Device, options: &DrawOptions, format: wgpu::TextureFormat) -> Result<Self> {
+        if matches!(options.coverage, Coverage::DepthPeeling { .. }) {
+            return Err(Error::Parameter {
+                name: "the coverage of hair in a scene",
+                value: "depth peeling".into(),
+                range: "a mask of samples or alpha to coverage",
+            });
+        }
+        use wgpu::{BlendFactor::*, ShaderStages as Stages};
+        let layout = |label, texture| layout(device, label, Stages::FRAGMENT, &[Binding::Uniform, texture]);
+        let depth_layout = layout("embed depth", Binding::Depth);
+        let many = options.samples > 1;
+        let hdr = if many { Binding::TextureMultisampled } else { Binding::Texture2d };
+        let composite_layout = layout("embed", hdr);
+        let depth = Recipe {
+            module: "draw::embed::depth",
+            entry: ["depth_vertex", "depth_fragment"],
+            layouts: &[Some(&depth_layout)],
+            buffers: &[],
+            targets: &[Some(super::targets::HDR_FORMAT.into())],
+            depth: Some((true, wgpu::CompareFunction::Always)),
+            samples: options.samples,
+            alpha_to_coverage: false,
+        };
+        let composite = Recipe {
+            module: if many { "draw::embed::many" } else { "draw::embed::one" },
+            entry: if many { ["many_vertex", "many_fragment"] } else { ["one_vertex", "one_fragment"] },
+            layouts: &[Some(&composite_layout)],
+            buffers: &[],
+            targets: &[super::pipeline::blended(format, One, OneMinusSrcAlpha)],
+            depth: None,
+            samples: 1,
+            alpha_to_coverage: false,
+        };
+        Ok(Self {
+            depth: depth.build(device),
+            composite: composite.build(device),
+            depth_layout,
+            composite_layout,
+            uniform: uniform(device, "embed", size_of::<EmbedUniform>()),
+        })
+    }
+
+    /// Records hair as `stage` draws it for `scene` over what is in `into`; [`Scene::background`] and
+    /// [`Scene::tone`] play no part. `targets` are of the stage and of the scene's size. `body` is not drawn,
+    /// only its shadow falls on the hair.
+    #[allow(clippy::too_many_arguments)]
+    pub fn record(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        mut timings: Option<&mut Timings>,
+        stage: &DrawStage,
+        scene: &Scene,
+        targets: &Targets,
+        hair: &HairSet,
+        body: Option<&Body>,
+        into: &Surroundings<'_>,
+    ) {
+        let values = EmbedUniform::new(into.projection, scene.view.projection, targets);
+        queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&values));
+        stage.prepare(queue, scene, targets, Some(hair), body);
+        stage.shadow(encoder, timings.as_deref_mut(), scene, Some(hair), body);
+        stage.shade(encoder, timings.as_deref_mut(), hair);
+        let bind = |layout, view| {
+            let texture = wgpu::BindingResource::TextureView(view);
+            group(device, "embed", layout, &[self.uniform.as_entire_binding(), texture])
+        };
+        {
+            let group = bind(&self.depth_layout, into.depth);
+            let mut pass = stage.pass(encoder, None, "embed depth", true, targets);
+            pass.set_pipeline(&self.depth);
+            pass.set_bind_group(0, &group, &[]);
+            pass.draw(0..3, 0..1);
+        }
+        stage.draw_hair_over(encoder, timings.as_deref_mut(), scene, targets, hair);
+        let group = bind(&self.composite_layout, &targets.hdr);
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("embed"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: into.color,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
+            })],
+            timestamp_writes: timings.and_then(|timings| timings.render("embed")),
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.composite);
+        pass.set_bind_group(0, &group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::draw::View;
+    use glam::Vec3;
+
+    #[test]
+    fn depths_are_carried_over_whatever_their_direction() {
+        let ours = View::perspective(0.5, 1.5, 0.01);
+        let usual = glam::camera::rh::proj::directx::perspective(0.5, 1.5, 0.1, 100.0);
+        let flat = glam::camera::rh::proj::directx::orthographic(-1.0, 1.0, -1.0, 1.0, 0.1, 100.0);
+        let depth = |m: Mat4, z: f32| m.project_point3(Vec3::new(0.0, 0.0, -z)).z;
+        for from in [ours, usual, flat] {
+            let [a, b, c, d] = EmbedUniform::map(from, ours);
+            for z in [0.2, 0.5, 1.0, 3.0, 20.0] {
+                let theirs = depth(from, z);
+                let found = (a * theirs + b) / (c * theirs + d);
+                assert!((found / depth(ours, z) - 1.0).abs() < 1e-3, "{z}: {found} {}", depth(ours, z));
+            }
+        }
+    }
+}
