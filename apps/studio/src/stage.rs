@@ -94,6 +94,11 @@ impl Show {
         (false, Some(ms))
     }
 
+    /// Whether a frame is under way, as far as one has looked.
+    pub fn is_under_way(&self) -> bool {
+        self.flight.is_some()
+    }
+
     /// Sizes of what is drawn.
     pub fn facts(&self) -> Facts {
         self.stage.facts()
