@@ -77,6 +77,8 @@ pub struct Studio {
     pub(crate) dirty: bool,
     /// Seconds for which hair that was touched goes on to move although time stands still.
     awake: f32,
+    /// Where the pointer was when the drag was looked at last.
+    pub(crate) pointer: Option<egui::Pos2>,
     /// The size that the picture should have, pixels.
     pub(crate) wanted: [u32; 2],
     /// When the last frame of the hair was begun, while time goes by.
@@ -127,6 +129,7 @@ impl Studio {
             lost,
             dirty: true,
             awake: 0.0,
+            pointer: None,
             wanted: [0; 2],
             last: None,
             panels: panels::Panels::default(),
@@ -141,7 +144,7 @@ impl Studio {
 
     /// Starts long work.
     pub(crate) fn start(&mut self, context: &egui::Context, order: Order) {
-        self.error = None;
+        (self.error, self.said) = (None, None);
         self.job = Some(Job::start(context, device::gpu(&self.state), order));
     }
 
@@ -293,6 +296,11 @@ impl Studio {
             milliseconds: show.map_or(0.0, |show| show.milliseconds),
             adapter: self.gpu.info.name.clone(),
             lost: self.lost().is_some(),
+            busy: self.dirty
+                || self.play.is_due()
+                || self.is_live()
+                || self.orbit.is_gliding()
+                || show.is_some_and(Show::is_under_way),
         });
     }
 }

@@ -6,7 +6,10 @@ use eframe::{
     egui_wgpu::RenderState,
 };
 use std::sync::{Arc, Mutex, PoisonError};
-use tresses::Pose;
+use tresses::{
+    Pose,
+    gpu::{Timings, timings::Rows},
+};
 use tresses_scene::{Camera, Facts, Stage};
 use web_time::Instant;
 
@@ -36,14 +39,44 @@ pub struct Show {
     pub frames: u64,
     /// Milliseconds that the last frame took, from recording to its end.
     pub milliseconds: f32,
+    /// Of the stages, where the adapter's timestamps mean something.
+    timings: Option<Timings>,
+    /// Times on their way.
+    rows: Option<Rows>,
+    /// Milliseconds of the stages of a frame not long ago.
+    stages: Vec<(&'static str, f64)>,
     watcher: Watcher,
 }
 
 impl Show {
     /// Shows `stage`.
     pub fn new(stage: Stage) -> Self {
-        let watcher = Watcher::new(&stage.gpu.device);
-        Self { stage, texture: None, flight: None, frames: 0, milliseconds: 0.0, watcher }
+        let gpu = &stage.gpu;
+        let watcher = Watcher::new(&gpu.device);
+        let timed = gpu.tier.timestamps && !gpu.tier.software;
+        let timings = timed.then(|| Timings::new(&gpu.device, &gpu.queue));
+        let (rows, stages) = (None, Vec::new());
+        Self {
+            stage,
+            texture: None,
+            flight: None,
+            frames: 0,
+            milliseconds: 0.0,
+            timings,
+            rows,
+            stages,
+            watcher,
+        }
+    }
+
+    /// Whether the times of stages can be known.
+    pub fn times_stages(&self) -> bool {
+        self.timings.is_some()
+    }
+
+    /// Milliseconds of the stages of a frame not long ago.
+    pub fn stages(&self) -> &[(&'static str, f64)] {
+        &self.stages
     }
 
     /// Another character into the same texture.
@@ -59,6 +92,11 @@ impl Show {
         self.flight = None;
         self.milliseconds = ms;
         (false, Some(ms))
+    }
+
+    /// Whether a frame is under way, as far as one has looked.
+    pub fn is_under_way(&self) -> bool {
+        self.flight.is_some()
     }
 
     /// Sizes of what is drawn.
@@ -80,9 +118,20 @@ impl Show {
         self.register(state);
         let mut encoder = state.device.create_command_encoder(&Default::default());
         self.stage.watch(&moment.camera);
-        self.stage.record_advance(&mut encoder, None, &moment.pose, moment.seconds)?;
-        self.stage.record_draw(&mut encoder, None, &moment.camera)?;
+        if let Some(done) = self.rows.as_mut().and_then(Rows::take) {
+            (self.stages, self.rows) = (done?, None);
+        }
+        // One frame's times at a time.
+        let mut timings = self.timings.as_mut().filter(|_| self.rows.is_none());
+        self.stage.record_advance(&mut encoder, timings.as_deref_mut(), &moment.pose, moment.seconds)?;
+        self.stage.record_draw(&mut encoder, timings.as_deref_mut(), &moment.camera)?;
+        if let Some(timings) = &timings {
+            timings.resolve(&mut encoder);
+        }
         state.queue.submit([encoder.finish()]);
+        if let Some(timings) = timings {
+            self.rows = Some(timings.later(&state.device, &state.queue));
+        }
         self.frames += 1;
         let landed = Landed::default();
         let (tell, context) = (landed.clone(), context.clone());

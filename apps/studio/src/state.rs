@@ -28,12 +28,20 @@ pub struct State {
     pub adapter: String,
     /// Whether the device is lost.
     pub lost: bool,
+    /// Whether a picture is under way or due.
+    pub busy: bool,
 }
 
 static STATE: Mutex<Option<State>> = Mutex::new(None);
 
-/// Says how things are now.
+/// Says how things are now; also to the file that `TRESSES_STUDIO_STATE` names, if it does.
 pub fn publish(state: State) {
+    if let Some(path) = std::env::var_os("TRESSES_STUDIO_STATE")
+        && let Ok(text) = serde_json::to_string(&state)
+        && let Err(error) = std::fs::write(&path, text)
+    {
+        eprintln!("{}: {error}", std::path::Path::new(&path).display());
+    }
     *STATE.lock().unwrap_or_else(PoisonError::into_inner) = Some(state);
 }
 

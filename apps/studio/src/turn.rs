@@ -30,7 +30,6 @@ impl Studio {
     pub(crate) fn open_preset(&mut self, context: &egui::Context, path: &std::path::Path, text: &str) {
         match Preset::read(text, &path.display().to_string()) {
             Ok(Preset { source, settings, .. }) => {
-                self.said = Some(format!("{} is applied", path.display()));
                 self.change(context, settings, "Preset");
                 // Names of files in it are relative to it.
                 let source = source.inside(path.parent().unwrap_or(std::path::Path::new("")));
@@ -46,6 +45,7 @@ impl Studio {
                         },
                     );
                 }
+                self.said = Some(format!("{} is applied", path.display()));
             }
             Err(error) => self.error = Some(error.to_string()),
         }

@@ -67,10 +67,14 @@ fn head_under(studio: &Studio, rect: Rect, at: Pos2) -> Option<f32> {
 
 fn pointer(studio: &mut Studio, ui: &Ui, response: &Response) {
     let rect = response.rect;
-    let (shift, press, delta, touch) = ui.input(|input| {
-        (input.modifiers.shift, input.pointer.press_origin(), input.pointer.delta(), input.multi_touch())
+    let (shift, press, now, touch) = ui.input(|input| {
+        (input.modifiers.shift, input.pointer.press_origin(), input.pointer.latest_pos(), input.multi_touch())
     });
-    let delta = Vec2::new(delta.x, delta.y);
+    // From where it was pressed: a drag is known as one only after a few points.
+    let from = if response.drag_started() { press } else { studio.pointer };
+    studio.pointer = now.filter(|_| response.dragged());
+    let delta =
+        from.zip(studio.pointer).map_or(Vec2::ZERO, |(from, to)| Vec2::new(to.x - from.x, to.y - from.y));
     if response.drag_started_by(PointerButton::Primary)
         && studio.tool == Tool::Hand
         && let Some(depth) = press.and_then(|at| head_under(studio, rect, at))

@@ -14,7 +14,7 @@ use tresses_scene::{
 };
 
 /// Width of the names, points.
-const NAMES: f32 = 122.0;
+const NAMES: f32 = 136.0;
 
 /// Shows them.
 pub fn show(studio: &mut Studio, ui: &mut Ui) {

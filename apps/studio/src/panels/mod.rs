@@ -6,6 +6,7 @@ pub mod icons;
 pub mod inside;
 pub mod keys;
 pub mod knobs;
+pub mod legend;
 pub mod overlay;
 pub mod side;
 pub mod status;

@@ -39,6 +39,10 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, rect: Rect) {
         };
         at("job", anchor, offset).show(ui.ctx(), |ui| plate().show(ui, |ui| job(studio, ui)));
     }
+    if studio.show.is_some() && panels::legend::wanted(studio) && studio.error.is_none() {
+        at("legend", Align2::CENTER_BOTTOM, vec2(0.0, 0.0))
+            .show(ui.ctx(), |ui| plate().show(ui, |ui| panels::legend::show(studio, ui)));
+    }
     if studio.error.is_some() {
         at("error", Align2::CENTER_BOTTOM, vec2(0.0, 0.0)).show(ui.ctx(), |ui| {
             ui.set_max_width(0.8 * rect.width());

@@ -11,6 +11,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
             right(studio, ui);
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 let hint = if studio.show.is_some() { studio.tool.hint() } else { "" };
+                let hint = studio.said.as_deref().unwrap_or(hint);
                 ui.add(Label::new(RichText::new(hint).small().color(theme::QUIET)).truncate());
             });
         });

@@ -1,7 +1,7 @@
 //! Where the time goes.
 
 use crate::{app::Studio, theme};
-use eframe::egui::{RichText, Ui};
+use eframe::egui::{Grid, RichText, Ui};
 
 /// Shows it.
 pub fn show(studio: &mut Studio, ui: &mut Ui) {
@@ -11,12 +11,38 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
         ui.label(RichText::new("Time of a frame").color(theme::QUIET));
         ui.label(text);
     });
-    studio.panels.frames.plot(ui, budget).on_hover_text(format!(
-        "Milliseconds of the last frames, from handing in to done; the line is at {budget:.0} ms"
-    ));
+    let help = format!(
+        "Milliseconds of the last frames, from handing in to done; the line is at {budget:.0} ms. \
+         Waiting for others on the same machine is in it."
+    );
+    studio.panels.frames.plot(ui, budget).on_hover_text(help);
     let mut automatic = studio.pace.automatic;
     let help = "Lowers resolution and strands until a frame fits, and raises them when there is room";
     if ui.checkbox(&mut automatic, "Keep frames short").on_hover_text(help).changed() {
         (studio.pace.automatic, studio.dirty) = (automatic, true);
     }
+    ui.separator();
+    stages(studio, ui);
+}
+
+/// The stages on the GPU.
+fn stages(studio: &Studio, ui: &mut Ui) {
+    let Some(show) = &studio.show else { return };
+    if !show.times_stages() {
+        let why = if studio.gpu.tier.software {
+            "A software driver does not tell what its stages take; `tresses bench` measures them one by one."
+        } else {
+            "This adapter has no timestamps: what its stages take is not known."
+        };
+        ui.label(RichText::new(why).color(theme::QUIET));
+        return;
+    }
+    let total: f64 = show.stages().iter().map(|row| row.1).sum();
+    Grid::new("stages").num_columns(2).spacing([16.0, 4.0]).show(ui, |ui| {
+        for (name, ms) in show.stages().iter().copied().chain([("all", total)]) {
+            ui.label(RichText::new(name).color(theme::QUIET));
+            ui.label(format!("{ms:.3} ms"));
+            ui.end_row();
+        }
+    });
 }

@@ -2,6 +2,7 @@
 
 use std::{
     io::{BufRead, BufReader},
+    path::{Path, PathBuf},
     process::{Child, Command, ExitStatus, Stdio},
     time::{Duration, Instant},
 };
@@ -22,6 +23,7 @@ pub struct Desk {
     server: Child,
     studio: Child,
     connection: RustConnection,
+    state: PathBuf,
     root: Window,
     window: Window,
 }
@@ -36,6 +38,14 @@ pub struct Shot {
 }
 
 impl Shot {
+    /// Leaves it as a picture for whoever wants to look, under `target/tmp`.
+    pub fn keep(&self, name: &str) {
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("studio-{name}.png"));
+        let bytes = self.pixels.as_flattened();
+        let (width, height) = (self.width as u32, self.height as u32);
+        image::save_buffer(path, bytes, width, height, image::ExtendedColorType::Rgb8).unwrap();
+    }
+
     /// The share of the pixels of the middle (the picture, without panels) for which `is` holds.
     pub fn share(&self, is: impl Fn(usize, [u8; 3]) -> bool) -> f64 {
         let (xs, ys) = self.picture();
@@ -89,16 +99,20 @@ impl Desk {
         let mut number = String::new();
         BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
         let display = format!(":{}", number.trim());
+        let state = Path::new(env!("CARGO_TARGET_TMPDIR")).join("studio-state.json");
+        // Of an earlier run; there may be none.
+        let _ = std::fs::remove_file(&state);
         let studio = Command::new(env!("CARGO_BIN_EXE_tresses-studio"))
             .args(arguments)
             .env("DISPLAY", &display)
+            .env("TRESSES_STUDIO_STATE", &state)
             .env_remove("WAYLAND_DISPLAY")
             .env_remove("WAYLAND_SOCKET")
             .spawn()
             .unwrap();
         let (connection, screen) = RustConnection::connect(Some(&display)).unwrap();
         let root = connection.setup().roots[screen].root;
-        let mut desk = Self { server, studio, connection, root, window: 0 };
+        let mut desk = Self { server, studio, connection, state, root, window: 0 };
         desk.window = desk.wait_for("the window", Self::find);
         desk
     }
@@ -140,16 +154,22 @@ impl Desk {
         Shot { width: width.into(), height: height.into(), pixels }
     }
 
-    /// What is in the window once it has stopped to change.
+    /// What the studio says of itself; nothing while it writes it.
+    pub fn state(&self) -> Option<serde_json::Value> {
+        serde_json::from_slice(&std::fs::read(&self.state).ok()?).ok()
+    }
+
+    /// What is in the window once nothing is under way any more.
     pub fn still(&mut self) -> Shot {
-        let mut last = self.shot();
-        let mut same = 0;
+        let mut last = None;
         self.wait_for("picture that stands still", |desk| {
-            std::thread::sleep(Duration::from_millis(150));
+            std::thread::sleep(Duration::from_millis(200));
+            let rests = desk.state()?["busy"] == false;
             let now = desk.shot();
-            same = if now == last { same + 1 } else { 0 };
-            last = now.clone();
-            (same == 4).then_some(now)
+            // The window shows a picture a little after it is drawn.
+            let same = rests && last.as_ref() == Some(&now);
+            last = rests.then(|| now.clone());
+            same.then_some(now)
         })
     }
 

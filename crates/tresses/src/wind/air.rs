@@ -318,12 +318,13 @@ impl Air {
         AirPlace { corner, scale: 1.0 / (self.cells as f32 * self.cell) }
     }
 
-    /// In how many parts a step is computed: air that passes more than a few cells at once would
-    /// leap over the head.
+    /// In how many parts a step is computed: air that goes farther than a head at once would leap over it.
     fn parts(&self, physics: &SimulationParams) -> u32 {
         let wind = &physics.wind;
-        let speed = wind.velocity.length() * (1.0 + wind.turbulence);
-        ((speed * physics.step / self.cell / MAX_REACH).ceil() as u32).clamp(1, MAX_SPLIT)
+        let way = wind.velocity.length() * (1.0 + wind.turbulence) * physics.step;
+        let cells = way / self.cell;
+        let parts = (way / MAX_WAY).min(cells / COARSE_REACH).max(cells / MAX_REACH);
+        (parts.ceil() as u32).clamp(1, MAX_SPLIT)
     }
 
     /// The wind blows on for a part of a step.
@@ -389,7 +390,7 @@ impl Air {
 }
 
 /// Sweeps of a step with 32 cells along an axis.
-const SWEEPS: usize = 6;
+const SWEEPS: usize = 8;
 
 /// A sweep of the pressure: what it knows, which textures it reads, and how far it goes beyond what
 /// is right for the pressures around. First far, which spreads what is smooth over the grid but leaves it rough;
@@ -431,8 +432,12 @@ impl Sweep {
     }
 }
 
-/// Cells that the air may pass at once.
-const MAX_REACH: f32 = 6.0;
+/// How far the air may go at once, metres: about a head.
+const MAX_WAY: f32 = 0.21;
+/// Cells that it may pass at once even if that is farther: coarse grids do not show a head.
+const COARSE_REACH: f32 = 6.0;
+/// Cells that it may pass at once even if that is less far: the pressure must follow.
+const MAX_REACH: f32 = 8.0;
 /// In how many parts a step is computed at most.
 const MAX_SPLIT: u32 = 4;
 

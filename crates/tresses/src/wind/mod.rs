@@ -1,7 +1,8 @@
 //! Wind: a fluid on a coarse grid around the head (S10), with solids and hair in its way (S11).
 //!
 //! What: incompressible air in a cube of cells with the axes of the world, centred at the hair. One fixed
-//! step of the frame is one step of the air, or a few in a storm, where the air would leap over the head.
+//! step of the frame is one step of the air, or a few in a storm, where the air would leap over the head: it goes
+//! at most about a head's breadth, 21 cm, and eight cells at once (on grids too coarse to show a head, six cells).
 //! Velocities live on the faces of cells (Harlow and Welch 1965).
 //!
 //! ```text
@@ -20,7 +21,7 @@
 //! - **The grid moves by whole cells** with the head, so that a moving head interpolates nothing. Pressures
 //!   stay with the cells, as the pattern around the head stays with the head.
 //! - **Solids** close parts of faces, by the distance to the nearest collider, and push with their own
-//!   velocity.
+//!   velocity. Both are evaluated up to two cells from a collider; farther all faces are open anyway.
 //! - **Hair** is a porous medium: air in hair of length `λ` per volume and diameter `d` loses
 //!   `½ C d λ |w| w` per mass and time, `w` relative to the hair. At a head's 5,000 km/m³ that is a
 //!   hundredfold within a cell, so the drag is part of the pressure solve: a face that gives way to only a
@@ -28,7 +29,10 @@
 //!   instead, the pressure would blow the air through the hair again. The quadratic drag is linearised by
 //!   Newton's rule, not with the last speed alone, which swings between two values.
 //! - **Pressure.** Red-black block relaxation, four cells of a row at once, started from the last step's
-//!   pressure. It leaves less than 1 % of relative divergence (`tests/wind.rs`).
+//!   pressure: at 32³ eight sweeps, over-relaxed by 1.7, the last but one by 1.3, the last not at all. The first
+//!   ones spread what is smooth over the grid but leave it rough, the last ones smooth it. It leaves
+//!   0.3 to 0.6 % of relative divergence (`tests/wind.rs`), six sweeps up to 0.9 %; twelve at a constant 1.5
+//!   left up to 0.8 % although the air went less far at once.
 //! - **Back to the hair.** `simulate::forces` adds the drag of single hairs ([`crate::simulate::drag`]) in
 //!   the air of the cells that have hair: what hair receives is what the air has lost. So the outer hair
 //!   shields the inner, and the head its lee, by the fluid alone.
@@ -39,15 +43,27 @@
 //! buffer, and filters eight texels in less than two such. With buffers a step took five times as long. The
 //! price is half precision of velocities (0.1 %, and 0.05 % of relative divergence).
 //!
-//! **Why not multigrid?** Started from the last step's pressure, twelve sweeps are enough at 32³; from 64³
-//! on it would be cheaper.
+//! **Why not multigrid?** Started from the last step's pressure, eight sweeps are enough at 32³; from 64³
+//! on it would be cheaper. In a scalar model of the solve, one correction on a grid of 8³ left as much divergence
+//! after six sweeps as the falling over-relaxation leaves without it; one on 16³ left half.
+//!
+//! **Cost.** CPU time at 32³ on a software driver, in 8 m/s around long hair, when a step was still two parts:
+//! `relax` 22 ms with twelve sweeps, 11 with six; `correct` 11, `predict` 6, `project` 5, `gather` 1.5, and
+//! `obstacles`, once per step, 10, or 5 to 6 near solids only. The same step is one part now.
+//!
+//! **Tried, and no faster.** `correct` without the loads of hair and solids where there are none (loops that go
+//! round once or not at all): the same time. None of its parts stands out: leaving out
+//! its three samples, the drag, the gusts or the solids saves 0 to 2 ms each.
 //!
 //! **Tried, and slower.** All together: faces as pairs of half floats, four cells to an integer texel, so that
-//! `gather` is not needed and each sweep unpacks them; a thread of `correct` for four cells; solids and hair
-//! evaluated only near them. The step of a frame took 1.3 to 1.6 times the CPU time on a software driver.
-//! Which of them is to blame was not separated.
+//! `gather` is not needed and each sweep unpacks them; a thread of `correct` for four cells. The step of a frame
+//! took 1.3 to 1.6 times the CPU time on a software driver. Which of them is to blame was not separated.
 //!
-//! **Untried.** Drag of the medium by the direction of its hairs; vorticity confinement; velocities relative to
+//! **One step of the air in several of the hair?** In light wind that would be possible. In the 8 m/s that
+//! `tresses bench --costs` measures the air goes 16 cm in a step, which is as far as it may.
+//!
+//! **Untried.** Blocks of 4 × 2 × 2 cells: two thirds of the fetches of a sweep per cell, and in the scalar model
+//! eight sweeps leave what twelve of rows leave. Drag of the medium by the direction of its hairs; vorticity confinement; velocities relative to
 //! the mean wind, for precision; heat.
 
 pub mod air;

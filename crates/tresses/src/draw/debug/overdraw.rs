@@ -77,12 +77,13 @@ impl Overdraw {
 
     /// The strips of `hair` before the body, in colours of their number.
     pub(super) fn record(&self, canvas: &mut Canvas<'_>, hair: &HairSet, paint: &Paint) {
-        let [width, height] = canvas.scene.view.size;
+        // As large as the picture.
+        let size = canvas.depth.texture().size();
         let counts = canvas
             .device
             .create_texture(&wgpu::TextureDescriptor {
                 label: Some("overdraw"),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                size,
                 mip_level_count: 1,
                 sample_count: 1,
                 dimension: wgpu::TextureDimension::D2,

@@ -33,6 +33,13 @@
 //! **Price.** Buffers and pipelines are made at the first grab; while nobody grabs, nothing is dispatched. While
 //! somebody does, two small kernels per step, and `simulate::step` reads its forces.
 //!
+//! **Measured** (`tests/grab.rs`): what is held is within 1.5 mm of its place half a second after a drag of 3 cm; pulled out of
+//! reach, and through the head, no edge is more than 0.82 % from its rest length and no vertex in the head; let go
+//! from there it moves at 0.5 m/s after a step and never faster than 2.1 m/s. 30, 60 and 144 frames per second part by 2 µm.
+//!
+//! **Known limit.** Strands between a guide that is held and one that is not lie between both: where guides are
+//! few, a lifted lock is a fan.
+//!
 //! **Untried.** Turning a lock with the hand; grabbing drawn strands alone, which hang on guides.
 
 mod kernels;
