@@ -86,7 +86,7 @@ fn pointer(studio: &mut Studio, ui: &Ui, response: &Response) {
         studio.orbit.zoom(touch.zoom_delta);
         let by = touch.translation_delta;
         studio.orbit.pan(Vec2::new(by.x, by.y), rect.height());
-        studio.dirty = true;
+        studio.dirty |= delta != Vec2::ZERO;
     } else if response.dragged_by(PointerButton::Primary) {
         if let Some(depth) = studio.hand.held() {
             if shift {
@@ -104,13 +104,13 @@ fn pointer(studio: &mut Studio, ui: &Ui, response: &Response) {
         } else {
             studio.orbit.turn(delta);
         }
-        studio.dirty = true;
+        studio.dirty |= delta != Vec2::ZERO;
     } else if response.dragged_by(PointerButton::Secondary) {
         studio.orbit.turn(delta);
-        studio.dirty = true;
+        studio.dirty |= delta != Vec2::ZERO;
     } else if response.dragged_by(PointerButton::Middle) {
         studio.orbit.pan(delta, rect.height());
-        studio.dirty = true;
+        studio.dirty |= delta != Vec2::ZERO;
     }
     lock(studio, ui, response, press);
     if studio.hand.held().is_some() && !response.dragged_by(PointerButton::Primary) {
