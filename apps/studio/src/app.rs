@@ -266,9 +266,13 @@ impl Studio {
         }
         let most = if self.gpu.tier.software { LONGEST.1 } else { LONGEST.0 };
         // A hand moves in its own time: it shakes hair that stands still otherwise.
-        let hand = if self.is_live() { real.min(most) } else { 0.0 };
-        self.hand.advance(hand);
-        self.awake -= hand;
+        let live = self.is_live();
+        let hand = if live { real.min(most) } else { 0.0 };
+        if live {
+            // A head follows the pointer at once, however long frames are.
+            self.hand.advance(real);
+            self.awake -= real;
+        }
         let seconds = self.play.advance(real, most).max(hand);
         self.dress();
         let (pose, camera) = (self.pose(), self.orbit.camera());
