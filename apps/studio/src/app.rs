@@ -1,6 +1,7 @@
 //! The studio itself: what it holds, and one frame of the window.
 
 use crate::{
+    ball::Ball,
     device,
     dialog::{Answer, Dialogs},
     files::Files,
@@ -65,6 +66,10 @@ pub struct Studio {
     pub(crate) orbit: Orbit,
     pub(crate) play: Play,
     pub(crate) hand: head::Hand,
+    /// A ball on its way.
+    pub(crate) ball: Option<Ball>,
+    /// How many balls there have been.
+    balls: u32,
     pub(crate) tool: Tool,
     pub(crate) pace: Pace,
     /// What is looked at instead of hair as it looks.
@@ -123,6 +128,8 @@ impl Studio {
             orbit: Orbit::new(View::default(), (Vec3::new(-0.1, 1.4, -0.1), Vec3::new(0.1, 1.7, 0.1))),
             play: Play::default(),
             hand: head::Hand::default(),
+            ball: None,
+            balls: 0,
             tool: Tool::default(),
             view: None,
             error: None,
@@ -165,6 +172,16 @@ impl Studio {
             (*grooms, choice) = (shown.clone(), options.clone());
         }
         self.open(context, Source::Files { files, options: choice });
+    }
+
+    /// Lets a ball fall on the head.
+    pub(crate) fn drop_ball(&mut self) {
+        if let Some(show) = &self.show {
+            self.ball = Some(Ball::dropped(show.stage.subject(), self.balls));
+            self.balls += 1;
+            self.play.playing = true;
+            self.dirty = true;
+        }
     }
 
     /// The pose of the head now.
@@ -218,6 +235,7 @@ impl Studio {
         if !keep {
             self.orbit.show(stage.subject());
             self.play.reset();
+            self.ball = None;
         }
         match &mut self.show {
             Some(show) => show.replace(stage),
@@ -262,6 +280,7 @@ impl Studio {
         let real = self.last.map_or(1.0 / 60.0, |last| now.duration_since(last).as_secs_f32());
         self.last = Some(now);
         if self.play.take_reset() {
+            self.ball = None;
             show.stage.hair.reset();
         }
         let most = if self.gpu.tier.software { LONGEST.1 } else { LONGEST.0 };
@@ -277,7 +296,10 @@ impl Studio {
         self.dress();
         let (pose, camera) = (self.pose(), self.orbit.camera());
         let Some(show) = &mut self.show else { return };
-        let moment = Moment { pose, seconds, camera, size: self.wanted };
+        let field = show.stage.field.as_ref().map(|field| (field, &pose));
+        self.ball = self.ball.and_then(|ball| ball.advanced(seconds, field));
+        let ball = self.ball.map(|ball| ball.at);
+        let moment = Moment { pose, seconds, camera, size: self.wanted, ball };
         self.dirty = false;
         if let Err(error) = show.draw(&self.state, context, &moment) {
             self.error = Some(format!("{error:#}"));

@@ -13,6 +13,7 @@
 //! takes steers the resolution ([`pace`]). Nothing is drawn unless hair moves or something changed.
 
 pub mod app;
+pub mod ball;
 pub mod device;
 pub mod dialog;
 pub mod files;

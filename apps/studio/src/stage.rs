@@ -1,5 +1,6 @@
 //! The character in the window: the only file that talks to the renderer, a frame into a texture at a time.
 
+use crate::ball;
 use anyhow::Result;
 use eframe::{
     egui::{self, TextureId},
@@ -8,6 +9,7 @@ use eframe::{
 use std::sync::{Arc, Mutex, PoisonError};
 use tresses::{
     Pose,
+    glam::Vec3,
     gpu::{Timings, timings::Rows},
 };
 use tresses_scene::{Camera, Facts, Stage};
@@ -24,6 +26,8 @@ pub struct Moment {
     pub camera: Camera,
     /// Width and height, pixels.
     pub size: [u32; 2],
+    /// The middle of the ball, metres.
+    pub ball: Option<Vec3>,
 }
 
 /// When a frame's work was done, and whether it is.
@@ -118,12 +122,14 @@ impl Show {
         self.register(state);
         let mut encoder = state.device.create_command_encoder(&Default::default());
         self.stage.watch(&moment.camera);
+        self.stage.set_ball(moment.ball, ball::RADIUS)?;
         if let Some(done) = self.rows.as_mut().and_then(Rows::take) {
             (self.stages, self.rows) = (done?, None);
         }
         // One frame's times at a time.
         let mut timings = self.timings.as_mut().filter(|_| self.rows.is_none());
         self.stage.record_advance(&mut encoder, timings.as_deref_mut(), &moment.pose, moment.seconds)?;
+        self.stage.place_colliders();
         self.stage.record_draw(&mut encoder, timings.as_deref_mut(), &moment.camera)?;
         if let Some(timings) = &timings {
             timings.resolve(&mut encoder);

@@ -81,6 +81,8 @@ pub struct Colliders {
     pub looks: Vec<TriMesh>,
     motions: Vec<Motion>,
     fields: Vec<(TriMesh, SdfOptions)>,
+    /// The middle of a ball, which is the last of the list, metres.
+    ball: Option<Vec3>,
 }
 
 impl Colliders {
@@ -135,10 +137,30 @@ impl Colliders {
         self.fields.iter().map(source).collect()
     }
 
+    /// A ball of `radius` metres is at a place of the world, metres, or there is none. Whether it has come
+    /// or gone: the list is another one then.
+    pub fn set_ball(&mut self, at: Option<Vec3>, radius: f32) -> bool {
+        let had = self.ball.is_some();
+        self.ball = at;
+        match (had, at) {
+            (false, Some(_)) => {
+                self.list.push(Collider::new(Shape::sphere(radius)));
+                self.looks.push(ball(|p| p * radius));
+            }
+            (true, None) => {
+                self.list.pop();
+                self.looks.pop();
+            }
+            _ => return false,
+        }
+        true
+    }
+
     /// Where they are at `time`, seconds.
     pub fn poses(&self, time: f64) -> ColliderPoses {
         let pose = |motion: &Motion| motion.pose(time, Vec3::ZERO);
-        ColliderPoses { head: None, colliders: self.motions.iter().map(pose).collect() }
+        let ball = self.ball.map(|at| Pose { translation: at, ..Pose::IDENTITY });
+        ColliderPoses { head: None, colliders: self.motions.iter().map(pose).chain(ball).collect() }
     }
 
     /// `body` and the obstacles, whose poses relative to it are `poses`, as one mesh.
@@ -213,6 +235,16 @@ mod tests {
         let together = all.with_body(Some(look), &all.poses(0.0).colliders);
         assert_eq!(together.positions.len(), together.normals.len());
         assert_eq!(together.triangles.len(), 2 * look.triangles.len() + all.looks[0].triangles.len());
+    }
+
+    #[test]
+    fn a_ball_comes_and_goes() {
+        let mut all = Colliders::default();
+        assert!(all.set_ball(Some(Vec3::Y), 0.03) && !all.set_ball(Some(Vec3::X), 0.03));
+        assert_eq!((all.list.len(), all.looks.len()), (1, 1));
+        assert_eq!(all.poses(0.0).colliders[0].translation, Vec3::X);
+        assert!(all.set_ball(None, 0.03) && !all.set_ball(None, 0.03));
+        assert!(all.list.is_empty() && all.looks.is_empty() && all.poses(0.0).colliders.is_empty());
     }
 
     #[test]

@@ -284,7 +284,24 @@ impl Stage {
         self.submit(encoder)
     }
 
-    /// Makes the body anew with the colliders where they are drawn.
+    /// From the next frame on a ball of `radius` metres is at a place of the world, metres, or there is none.
+    ///
+    /// # Errors
+    /// When there are too many colliders already.
+    pub fn set_ball(&mut self, at: Option<Vec3>, radius: f32) -> Result<()> {
+        if !self.colliders.set_ball(at, radius) {
+            return Ok(());
+        }
+        let Gpu { device, queue, .. } = &self.gpu;
+        self.hair.set_colliders(device, queue, &self.colliders.list)?;
+        if self.colliders.list.is_empty() {
+            // The last one is no longer drawn with the head.
+            self.body = self.head.as_ref().map(|head| Body::new(device, &self.renderer.draw, head));
+        }
+        Ok(())
+    }
+
+    /// Makes the body anew with the colliders where they are drawn: between a frame's motion and its picture.
     pub fn place_colliders(&mut self) {
         if self.colliders.list.is_empty() {
             return;

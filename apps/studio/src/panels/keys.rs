@@ -33,6 +33,9 @@ pub fn answer(studio: &mut Studio, context: &egui::Context) {
     if pressed(Key::Period) {
         studio.play.step();
     }
+    if pressed(Key::B) {
+        studio.drop_ball();
+    }
     if pressed(Key::R) {
         studio.play.reset();
     }

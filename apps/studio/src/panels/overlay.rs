@@ -60,6 +60,11 @@ fn tools(studio: &mut Studio, ui: &mut Ui) {
                 studio.tool = tool;
             }
         }
+        ui.separator();
+        let help = "Drops a ball on the head, which rolls off through the hair\nKey B";
+        if ui.button("Ball").on_hover_text(help).clicked() {
+            studio.drop_ball();
+        }
     });
 }
 

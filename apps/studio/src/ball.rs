@@ -1,0 +1,111 @@
+//! A ball that is dropped on the head and rolls off through the hair. It has no partner: the hair gives way
+//! to it, the head throws it back, and where it goes hair does not matter.
+
+use tresses::{Pose, glam::Vec3, groom::SdfGrid};
+use tresses_scene::Bounds;
+
+/// Radius, metres.
+pub const RADIUS: f32 = 0.035;
+/// How far above the hair it begins, metres.
+const ABOVE: f32 = 0.12;
+/// How far beside the middle, metres: it must roll off somewhere.
+const BESIDE: f32 = 0.03;
+/// How far below the picture it is gone, metres.
+const BELOW: f32 = 0.3;
+/// Gravity, m/s².
+const GRAVITY: f32 = 9.81;
+/// The share of the speed that is left of a bounce.
+const BOUNCE: f32 = 0.3;
+/// The share of the speed along the skin that is lost in a second of rolling.
+const ROLLING: f32 = 0.6;
+/// The longest step, seconds: no further than a third of its radius at 6 m/s.
+const STEP: f32 = 1.0 / 500.0;
+
+/// A ball on its way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ball {
+    /// Its middle, world space, metres.
+    pub at: Vec3,
+    /// m/s.
+    velocity: Vec3,
+    /// Where it is gone, metres.
+    floor: f32,
+}
+
+impl Ball {
+    /// A ball above `subject`, the `number`th: each rolls off another way.
+    pub fn dropped(subject: Bounds, number: u32) -> Self {
+        let (lo, hi) = subject;
+        // The golden angle: never twice the same.
+        let (sin, cos) = (number as f32 * 2.399_963 + 0.6).sin_cos();
+        let top = Vec3::new(0.5 * (lo.x + hi.x), hi.y + ABOVE + RADIUS, 0.5 * (lo.z + hi.z));
+        let at = top + BESIDE * Vec3::new(sin, 0.0, cos);
+        Self { at, velocity: Vec3::ZERO, floor: lo.y - BELOW }
+    }
+
+    /// The ball `seconds` later; `None` when it has left the picture. `head`: its field (groom space, metres)
+    /// and its pose.
+    pub fn advanced(mut self, seconds: f32, head: Option<(&SdfGrid, &Pose)>) -> Option<Self> {
+        let steps = (seconds / STEP).ceil().max(1.0);
+        let h = seconds / steps;
+        for _ in 0..steps as u32 {
+            self.velocity.y -= GRAVITY * h;
+            self.at += self.velocity * h;
+            if let Some((field, pose)) = head {
+                self.touch(field, pose, h);
+            }
+        }
+        (self.at.y > self.floor).then_some(self)
+    }
+
+    fn touch(&mut self, field: &SdfGrid, pose: &Pose, h: f32) {
+        let local = pose.inverse().point(self.at);
+        let gap = field.sample(local) - RADIUS;
+        if gap > 0.0 {
+            return;
+        }
+        let normal = pose.rotation * field.normal(local);
+        self.at -= normal * gap;
+        let into = self.velocity.dot(normal);
+        if into < 0.0 {
+            let along = self.velocity - normal * into;
+            self.velocity = along * (1.0 - ROLLING * h) - normal * into * BOUNCE;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SUBJECT: Bounds = (Vec3::new(-0.1, 1.4, -0.1), Vec3::new(0.1, 1.7, 0.1));
+
+    #[test]
+    fn it_falls_as_things_do() {
+        let ball = Ball::dropped(SUBJECT, 0);
+        let later = ball.advanced(0.2, None).unwrap();
+        let fallen = ball.at.y - later.at.y;
+        assert!((fallen - 0.5 * GRAVITY * 0.04).abs() < 0.003, "{fallen}");
+        assert_eq!(ball.advanced(1.0, None), None, "it leaves the picture");
+    }
+
+    #[test]
+    fn it_rolls_off_a_head_and_never_enters_it() {
+        let middle = Vec3::new(0.0, 1.55, 0.0);
+        let field = SdfGrid::from_fn(Vec3::new(-0.3, 1.2, -0.3), Vec3::new(0.3, 1.9, 0.3), 64, |p| {
+            p.distance(middle) - 0.12
+        });
+        let pose = Pose::IDENTITY;
+        for number in 0..5 {
+            let mut ball = Some(Ball::dropped(SUBJECT, number));
+            let mut frames = 0;
+            while let Some(now) = ball {
+                assert!(now.at.distance(middle) > 0.12 + RADIUS - 2e-3, "{number}: {now:?}");
+                ball = now.advanced(1.0 / 60.0, Some((&field, &pose)));
+                frames += 1;
+                assert!(frames < 600, "it comes off: {now:?}");
+            }
+            assert!(frames > 15);
+        }
+    }
+}
