@@ -28,8 +28,11 @@ help: ## Show this list
 setup: ## Install what is missing: toolchain, C compiler, a Vulkan driver
 	@scripts/setup
 
-demo: setup ## Show the built-in character with moving hair: out/demo.png and out/demo.webp
-	$(CARGO) run --quiet --package tresses-cli -- demo
+# A display to open a window on: Windows and macOS have one, elsewhere the session says so.
+WINDOW := $(or $(DISPLAY),$(WAYLAND_DISPLAY),$(filter Windows_NT,$(OS)),$(filter Darwin,$(shell uname -s)))
+
+demo: setup ## Open the studio; without a display, draw out/demo.png and out/demo.webp
+	$(CARGO) run --quiet --package tresses-cli -- $(if $(WINDOW),studio,demo)
 
 setup-tests:
 	@scripts/setup --tests

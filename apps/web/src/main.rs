@@ -37,7 +37,7 @@ enum Command {
 fn main() -> Result<()> {
     match Cli::parse().command {
         Command::Build { page, out } => {
-            let sizes = pack(page, &out)?;
+            let sizes = pack(page, &out, true)?;
             println!("{sizes}");
             sizes.check()
         }

@@ -75,17 +75,19 @@ impl fmt::Display for Sizes {
     }
 }
 
-/// Builds `page` into the folder `out`, which is made.
+/// Builds `page` into the folder `out`, which is made: small, for visitors, or with the profile of everything
+/// else, for tests, which compiles much faster as what runs while compiling is there already.
 ///
 /// # Errors
 /// When the program cannot be compiled, or the folder not be written.
-pub fn pack(page: Page, out: &Path) -> Result<Sizes> {
+pub fn pack(page: Page, out: &Path, small: bool) -> Result<Sizes> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize()?;
     let (what, file) = page.program();
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let status = Command::new(cargo)
         .current_dir(&root)
-        .args(["build", "--quiet", "--locked", "--profile", "web", "--target", "wasm32-unknown-unknown"])
+        .args(["build", "--quiet", "--locked", "--target", "wasm32-unknown-unknown"])
+        .args(["--profile", if small { "web" } else { "dev" }])
         .args(what)
         .status()
         .context("cargo cannot be started")?;
@@ -95,7 +97,9 @@ pub fn pack(page: Page, out: &Path) -> Result<Sizes> {
     let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
     std::fs::create_dir_all(out).with_context(|| out.display().to_string())?;
     Bindgen::new()
-        .input_path(target.join("wasm32-unknown-unknown/web").join(file))
+        .input_path(
+            target.join("wasm32-unknown-unknown").join(if small { "web" } else { "debug" }).join(file),
+        )
         .out_name("tresses")
         .web(true)?
         .typescript(false)
