@@ -62,12 +62,17 @@ fn the_window_draws_answers_resizes_and_closes() {
 
     turned.keep("turned");
 
-    // A picture follows the window.
+    // A picture follows the window. What the screen shows at first is a piece of the old one.
+    let size = |desk: &Desk| desk.state().map(|state| state["size"].to_string());
+    let before = size(&desk);
     desk.resize(640, 420);
-    let small = desk.wait_for("picture of the new size", |desk| {
-        let shot = desk.shot();
-        ((shot.width, shot.height) == (640, 420) && shot.hair() > 0.02).then_some(shot)
+    desk.wait_for("picture of the new size", |desk| {
+        let now = size(desk)?;
+        (Some(now) != before).then_some(())
     });
+    let small = desk.still();
+    assert_eq!((small.width, small.height), (640, 420));
+    assert!(small.hair() > 0.02, "{}", small.hair());
     small.keep("small");
     assert!(desk.close().success());
 }
