@@ -5,6 +5,9 @@ use eframe::egui::{self, Align, ComboBox, Layout, Panel, RichText, Ui};
 use tresses::groom::styles::Style;
 use tresses_scene::preset::{Extent, Preset};
 
+/// Width of a window in which everything has its button, points.
+const WIDE: f32 = 900.0;
+
 /// Shows it.
 pub fn show(studio: &mut Studio, ui: &mut Ui) {
     let frame = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(12, 7));
@@ -13,24 +16,33 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
             ui.label(RichText::new("Tresses").size(15.0).strong().color(theme::ACCENT));
             ui.add_space(10.0);
             source(studio, ui);
-            let help = "A groom (.hair, .tfx, .obj), a head for it (.obj, .gltf, .glb, .tfxmesh), or both. Files can also be dropped on the window.";
-            if ui.button("Open…").on_hover_text(help).clicked() {
-                studio.dialogs.open(ui.ctx());
-            }
-            ui.separator();
-            presets(studio, ui);
-            if ui.button("Save picture…").on_hover_text("The picture as it is, as PNG").clicked() {
-                studio.wants_picture = true;
+            if ui.ctx().content_rect().width() < WIDE {
+                ui.menu_button("File", |ui| files(studio, ui));
+            } else {
+                files(studio, ui);
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let text = if studio.panels.folded { "Show panel" } else { "Hide panel" };
+                let text = if studio.panels.is_folded(ui.ctx()) { "Show panel" } else { "Hide panel" };
                 if ui.button(text).on_hover_text("The panel at the side\nKey Tab").clicked() {
-                    studio.panels.folded = !studio.panels.folded;
+                    studio.panels.fold(ui.ctx());
                 }
                 history(studio, ui);
             });
         });
     });
+}
+
+/// What is opened and saved: in a row, or below each other in a menu.
+fn files(studio: &mut Studio, ui: &mut Ui) {
+    let help = "A groom (.hair, .tfx, .obj), a head for it (.obj, .gltf, .glb, .tfxmesh), or both. Files can also be dropped on the window.";
+    if ui.button("Open…").on_hover_text(help).clicked() {
+        studio.dialogs.open(ui.ctx());
+    }
+    ui.separator();
+    presets(studio, ui);
+    if ui.button("Save picture…").on_hover_text("The picture as it is, as PNG").clicked() {
+        studio.wants_picture = true;
+    }
 }
 
 fn source(studio: &mut Studio, ui: &mut Ui) {
