@@ -27,5 +27,6 @@ fn style(name: &str) -> Result<String> {
 /// Opens the window and returns when it is closed.
 pub fn run(args: Args) -> Result<()> {
     let Args { grooms, head, style, orientation } = args;
-    tresses_studio::run(tresses_studio::Options { grooms, heads: head, style, import: orientation.options() })
+    let import = orientation.options();
+    tresses_studio::run(tresses_studio::Options { grooms, heads: head, style, import, ..Default::default() })
 }

@@ -25,7 +25,7 @@ use std::{
     time::Duration,
 };
 use tresses::{HairRenderer, Pose, draw::debug, glam::Vec3, gpu::Gpu, groom::import::ImportOptions};
-use tresses_scene::{Base, History, Settings, camera::View};
+use tresses_scene::{Base, History, camera::View};
 use web_time::Instant;
 
 /// The longest stretch of hair's time that one frame moves on by, seconds: on a GPU, on a software driver.
@@ -108,7 +108,7 @@ impl Studio {
             let files = Files::Disk { grooms: options.grooms, heads: options.heads };
             Source::Files { files, options: Box::new(options.import) }
         };
-        let settings = Settings::default();
+        let settings = options.settings;
         let order = Order { source, base: None, renderer: None, settings: settings.clone(), keep: false };
         let job = Job::start(&context.egui_ctx, device::gpu(&state), order);
         Ok(Self {
@@ -365,7 +365,11 @@ fn listen(device: &wgpu::Device, context: &egui::Context, lost: &Arc<Mutex<Optio
             let mut lost = lost.lock().unwrap_or_else(PoisonError::into_inner);
             // What comes first is the cause.
             lost.get_or_insert_with(|| {
-                if first.is_empty() { sentence.clone() } else { format!("{sentence}: {first}") }
+                let cause = if first.is_empty() { sentence.clone() } else { format!("{sentence}: {first}") };
+                // egui has no device to draw it with.
+                #[cfg(target_arch = "wasm32")]
+                crate::web::say(&cause);
+                cause
             });
             context.request_repaint();
         }

@@ -1,16 +1,26 @@
 //! The page: a canvas instead of a window.
 
 use crate::{app::Studio, device, options::Options, state};
+use std::panic;
 use wasm_bindgen::{JsCast, JsValue, prelude::*};
 
-/// Starts the studio in `canvas`. Fails with one sentence where the browser has no WebGPU.
+/// Where the page says in words what the canvas cannot show.
+const MESSAGE: &str = "message";
+
+/// Starts the studio in `canvas`, as the page's address has it ([`Options::of`]). Fails with one sentence
+/// where it is wrong, or the browser has no WebGPU.
 #[wasm_bindgen]
 pub async fn start(canvas: web_sys::HtmlCanvasElement) -> Result<(), JsValue> {
     expose()?;
+    let wanted = query()?;
+    let wanted = wanted.iter().map(|(name, value)| (name.as_str(), value.as_str()));
+    let wanted = Options::of(wanted).map_err(|error| format!("{error:#}"))?;
     let options = eframe::WebOptions { wgpu_options: device::configuration(), ..Default::default() };
     let create: eframe::AppCreator<'static> =
-        Box::new(|context| Ok(Box::new(Studio::new(context, Options::default())?) as Box<dyn eframe::App>));
-    eframe::WebRunner::new().start(canvas, options, create).await
+        Box::new(|context| Ok(Box::new(Studio::new(context, wanted)?) as Box<dyn eframe::App>));
+    let runner = eframe::WebRunner::new();
+    say_panics();
+    runner.start(canvas, options, create).await
 }
 
 /// What the studio tells of itself, as JSON.
@@ -26,4 +36,34 @@ fn expose() -> Result<(), JsValue> {
     js_sys::Reflect::set(&window, &"tresses_state".into(), tell.as_ref().unchecked_ref())?;
     tell.forget();
     Ok(())
+}
+
+/// Names and values behind the question mark of the page's address.
+fn query() -> Result<Vec<(String, String)>, JsValue> {
+    let Some(window) = web_sys::window() else { return Ok(Vec::new()) };
+    let pairs = web_sys::UrlSearchParams::new_with_str(&window.location().search()?)?;
+    let text = |pair: &JsValue, i| js_sys::Array::from(pair).get(i).as_string().unwrap_or_default();
+    Ok(js_sys::Array::from(&pairs).iter().map(|pair| (text(&pair, 0), text(&pair, 1))).collect())
+}
+
+/// Says a sentence over the canvas, for whatever happens after which nothing is drawn any more.
+pub(crate) fn say(sentence: &str) {
+    let element = web_sys::window()
+        .and_then(|window| window.document())
+        .and_then(|document| document.get_element_by_id(MESSAGE));
+    let Some(element) = element else { return };
+    element.set_text_content(Some(sentence));
+    // Otherwise the page stays as it is: there is nowhere else to say it.
+    let _ = element.remove_attribute("hidden");
+}
+
+/// After a panic, which the console has in full, the page says that it has ended.
+fn say_panics() {
+    let before = panic::take_hook();
+    panic::set_hook(Box::new(move |info| {
+        before(info);
+        say(
+            "The studio has ended because of an error of its own, which the browser's console shows. Load the page again to go on.",
+        );
+    }));
 }

@@ -4,6 +4,7 @@ use base64::{Engine, prelude::BASE64_STANDARD};
 use serde_json::{Value, json};
 use std::{
     net::TcpStream,
+    ops::Range,
     path::{Path, PathBuf},
     process::{Child, Command, Stdio},
     time::{Duration, Instant},
@@ -62,6 +63,22 @@ impl Picture {
         let (a, b) = (self.rgba.as_chunks::<4>().0, other.rgba.as_chunks::<4>().0);
         let differs = |(a, b): &(&[u8; 4], &[u8; 4])| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > least);
         a.iter().zip(b).filter(differs).count() as f64 / a.len() as f64
+    }
+
+    /// The part `xs` × `ys`, pixels from the left and from the top.
+    pub fn part(&self, xs: Range<u32>, ys: Range<u32>) -> Self {
+        let row = |y: u32| {
+            let at = |x: u32| 4 * (y * self.size[0] + x) as usize;
+            &self.rgba[at(xs.start)..at(xs.end)]
+        };
+        let rgba = ys.clone().flat_map(row).copied().collect();
+        Self { size: [xs.end - xs.start, ys.end - ys.start], rgba }
+    }
+
+    /// The share of pixels for which `is` holds, given their colour and that of the next to the right.
+    pub fn share(&self, is: impl Fn([u8; 4], [u8; 4]) -> bool) -> f64 {
+        let pixels = self.rgba.as_chunks::<4>().0;
+        pixels.array_windows().filter(|[a, b]| is(*a, *b)).count() as f64 / pixels.len() as f64
     }
 
     /// Writes a PNG, for people who want to see it: into the folder `TRESSES_PICTURES`, if it is set.
@@ -169,6 +186,27 @@ impl Browser {
         let button = if kind == "mouseMoved" { "none" } else { "left" };
         let event = json!({"type": kind, "x": x, "y": y, "button": button, "clickCount": 1});
         self.call("Input.dispatchMouseEvent", event);
+    }
+
+    /// Presses the mouse at `from` and lets it go at `to`; a click where both are one.
+    pub fn drag(&mut self, from: [f64; 2], to: [f64; 2]) {
+        self.mouse("mouseMoved", from);
+        self.mouse("mousePressed", from);
+        for i in 1..=4 {
+            let between = |c: usize| from[c] + (to[c] - from[c]) * f64::from(i) / 4.0;
+            self.mouse("mouseMoved", [between(0), between(1)]);
+        }
+        self.mouse("mouseReleased", to);
+    }
+
+    /// Types.
+    pub fn keys(&mut self, text: &str) {
+        for letter in text.chars() {
+            for kind in ["keyDown", "keyUp"] {
+                let event = json!({"type": kind, "key": letter.to_string(), "text": letter.to_string()});
+                self.call("Input.dispatchKeyEvent", event);
+            }
+        }
     }
 
     /// Drops files on the page.

@@ -1,0 +1,186 @@
+//! The studio in a real browser: its page opens, shows hair that moves, answers to mouse and keys, takes
+//! files, and neither the browser nor WebGPU complains.
+
+mod browser;
+
+use browser::{Browser, Picture};
+use serde_json::Value;
+use std::{fmt::Write, ops::Range, path::Path, thread, time::Instant};
+use tresses_web::{Page, Server, pack};
+
+/// Of the page, pixels.
+const SIZE: [u32; 2] = [640, 420];
+/// Few strands, and a colour that a slider turns.
+const ADDRESS: &str = "?style=short&style.strands=1500&shading.color=melanin";
+/// Where of the page the picture is, without what lies on it.
+const PICTURE: (Range<u32>, Range<u32>) = (110..280, 80..330);
+/// Where of the page sentences about errors are.
+const SENTENCES: (Range<u32>, Range<u32>) = (12..280, 290..360);
+/// The panel's field for words to search parameters by, the one slider that is left then, and its left end.
+const SEARCH: [f64; 2] = [440.0, 86.0];
+const SLIDER: [[f64; 2]; 2] = [[500.0, 130.0], [454.0, 130.0]];
+/// In the picture, where nothing lies on it.
+const MIDDLE: [f64; 2] = [200.0, 200.0];
+/// Strands of the file that is dropped.
+const DROPPED: usize = 400;
+
+#[test]
+fn the_studio_runs_in_a_browser() {
+    let Some(mut browser) = Browser::start(SIZE) else { return };
+    let folder = tempfile::tempdir().unwrap();
+    pack(Page::Studio, folder.path(), false).unwrap();
+    let server = Server::new(folder.path(), 0).unwrap();
+    let serving = thread::spawn({
+        let server = server.clone();
+        move || server.run()
+    });
+    browser.go(&format!("http://127.0.0.1:{}/{ADDRESS}", server.port()));
+    // WebAssembly is compiled, then the shaders.
+    browser.until("typeof window.tresses_state", |kind| kind == "function");
+    state(&mut browser, |state| state["strands"] == 1500 && state["frames"].as_u64() > Some(0));
+    let first = picture(&mut browser, "hair", |picture| hair(picture) > 0.05);
+    first.keep("studio-1-hair.png");
+    picture(&mut browser, "motion", |later| change(later, &first) > 0.03).keep("studio-2-motion.png");
+
+    // A click gives the page the keyboard.
+    browser.drag(MIDDLE, MIDDLE);
+    browser.keys(" ");
+    state(&mut browser, |state| state["playing"] == false);
+    let rest = still(&mut browser);
+    assert!(hair(&rest) > 0.05, "{}", hair(&rest));
+
+    browser.drag(SEARCH, SEARCH);
+    browser.keys("eumelanin");
+    still(&mut browser).keep("studio-3-search.png");
+    browser.drag(SLIDER[0], SLIDER[1]);
+    let turned = still(&mut browser);
+    turned.keep("studio-4-slider.png");
+    assert!(change(&turned, &rest) > 0.1, "without pigment it is white: {}", change(&turned, &rest));
+
+    // Files, a whole one and a broken one.
+    let (whole, broken) = (folder.path().join("drop.tfx"), folder.path().join("broken.tfx"));
+    let text = groom();
+    std::fs::write(&whole, &text).unwrap();
+    std::fs::write(&broken, &text[..text.len() / 2]).unwrap();
+    drop_file(&mut browser, &whole);
+    state(&mut browser, |state| state["file"] == "drop.tfx" && state["strands"] == DROPPED);
+    let dropped = still(&mut browser);
+    dropped.keep("studio-5-dropped.png");
+    assert!(hair(&dropped) > 0.05, "{}", hair(&dropped));
+    assert!(change(&dropped, &turned) > 0.1, "{}", change(&dropped, &turned));
+    assert_eq!(alarm(&dropped), 0.0);
+
+    drop_file(&mut browser, &broken);
+    let state = state(&mut browser, |state| state["error"] != "");
+    let sentence = state["error"].as_str().unwrap();
+    assert!(sentence.contains("broken.tfx") && sentence.contains("the file ends here"), "{sentence}");
+    assert_eq!(state["file"], "drop.tfx", "what was there stays");
+    let told = still(&mut browser);
+    told.keep("studio-6-sentence.png");
+    assert!(alarm(&told) > 0.005, "{}", alarm(&told));
+
+    assert!(browser.complaints().is_empty(), "{}", browser.complaints().join("\n"));
+    // That nothing was heard means something: what WebGPU refuses is heard.
+    browser.value(REFUSED);
+    let begin = Instant::now();
+    while browser.complaints().is_empty() {
+        assert!(begin.elapsed() < browser::PATIENCE, "a buffer without a use is no error");
+    }
+    server.stop();
+    serving.join().unwrap();
+}
+
+/// Something that WebGPU refuses.
+const REFUSED: &str = "navigator.gpu.requestAdapter().then(adapter => adapter.requestDevice())
+    .then(device => { device.createBuffer({ size: 4, usage: 0 }); return device.queue.onSubmittedWorkDone(); })";
+
+/// What the studio says of itself once `enough` is satisfied with it.
+fn state(browser: &mut Browser, enough: impl Fn(&Value) -> bool) -> Value {
+    let parse = |value: &Value| serde_json::from_str::<Value>(value.as_str().unwrap_or_default());
+    parse(&browser.until("window.tresses_state()", |value| parse(value).is_ok_and(|state| enough(&state))))
+        .unwrap()
+}
+
+/// The page once `is` holds of it.
+fn picture(browser: &mut Browser, what: &str, is: impl Fn(&Picture) -> bool) -> Picture {
+    let begin = Instant::now();
+    loop {
+        let picture = browser.picture();
+        if is(&picture) {
+            return picture;
+        }
+        assert!(browser.complaints().is_empty(), "{}", browser.complaints().join("\n"));
+        picture.keep("studio-last.png");
+        assert!(begin.elapsed() < browser::PATIENCE, "no {what} is seen");
+    }
+}
+
+/// The page once nothing is under way any more.
+fn still(browser: &mut Browser) -> Picture {
+    let mut last = None;
+    loop {
+        state(browser, |state| state["busy"] == false && state["step"] == "");
+        let now = Some(picture(browser, "page", |_| true));
+        if last == now {
+            return last.unwrap();
+        }
+        last = now;
+    }
+}
+
+fn drop_file(browser: &mut Browser, file: &Path) {
+    browser.drop_files(&[file], MIDDLE);
+}
+
+/// The share of the picture that differs visibly.
+fn change(a: &Picture, b: &Picture) -> f64 {
+    let of = |picture: &Picture| picture.part(PICTURE.0, PICTURE.1);
+    of(a).difference(&of(b), 12)
+}
+
+/// The share of the picture that is strands: of another brightness than the pixel beside it.
+fn hair(picture: &Picture) -> f64 {
+    let light = |[r, g, b, _]: [u8; 4]| i32::from(r) + i32::from(g) + i32::from(b);
+    picture.part(PICTURE.0, PICTURE.1).share(|a, b| (light(a) - light(b)).abs() > 15)
+}
+
+/// The share of the place of sentences that has the colour of those about errors.
+fn alarm(picture: &Picture) -> f64 {
+    let near = |a: u8, b: u8| a.abs_diff(b) < 24;
+    picture
+        .part(SENTENCES.0, SENTENCES.1)
+        .share(|[r, g, b, _], _| near(r, 0xe5) && near(g, 0x73) && near(b, 0x5f))
+}
+
+/// Strands that hang from the upper half of a ball, as text; metres.
+fn groom() -> String {
+    let mut text = format!("version 2.0\nscale 1\nnumStrands {DROPPED}\n");
+    for i in 0..DROPPED {
+        // Evenly over the half, by the golden angle.
+        let (height, turn) = (1.0 - i as f32 / DROPPED as f32, i as f32 * 2.399_963);
+        let out = (1.0 - height * height).sqrt();
+        let root = [out * turn.cos(), height, out * turn.sin()].map(|c| 0.1 * c);
+        writeln!(text, "strand {i} numVerts 8 texcoord 0.5 0.5").unwrap();
+        for j in 0..8 {
+            let along = 0.03 * j as f32;
+            let [x, y, z] = [root[0] * (1.0 + along), root[1] - along + 1.6, root[2] * (1.0 + along)];
+            writeln!(text, "{x:.5} {y:.5} {z:.5}").unwrap();
+        }
+    }
+    text
+}
+
+#[test]
+fn the_measures_can_say_no() {
+    let pixels = SIZE[0] * SIZE[1];
+    let flat = |color: [u8; 4]| Picture { size: SIZE, rgba: color.repeat(pixels as usize) };
+    let (grey, skin) = (flat([40, 42, 46, 255]), flat([200, 150, 120, 255]));
+    assert_eq!((hair(&grey), hair(&skin), change(&grey, &grey), alarm(&skin)), (0.0, 0.0, 0.0, 0.0));
+    assert_eq!(change(&grey, &skin), 1.0);
+    let mut strands = grey.clone();
+    for pixel in strands.rgba.chunks_mut(12) {
+        pixel[..4].copy_from_slice(&[120, 90, 60, 255]);
+    }
+    assert!(hair(&strands) > 0.5 && change(&strands, &grey) > 0.2);
+    assert!(alarm(&flat([0xe5, 0x73, 0x5f, 255])) > 0.9);
+}
