@@ -1,5 +1,5 @@
-//! Hair in a renderer that has its own colour and depth, camera, lights and shaders: a sphere of its own
-//! stands half before the hair, half behind it.
+//! Hair in a renderer that has its own colour and depth, camera, lights and shaders: one sphere of its own
+//! wears the hair, another hides some of it.
 //!
 //! `cargo run --example embed -- picture.png`
 
@@ -23,11 +23,13 @@ const SIZE: [u32; 2] = [480, 480];
 const COLOR: TextureFormat = TextureFormat::Rgba16Float;
 const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 
-/// Ray-traced, so that the example needs no mesh: a head and a ball in front of the hair.
+/// Ray-traced, so that the example needs no mesh: a head, and a ball in front of the hair.
 const SHADER: &str = "
 struct Camera { from_clip: mat4x4<f32>, to_clip: mat4x4<f32>, light: vec4<f32> }
 @group(0) @binding(0) var<uniform> camera: Camera;
 struct Out { @builtin(frag_depth) depth: f32, @location(0) color: vec4<f32> }
+const BALLS = array(vec4(0.0, 0.128, -0.005, 0.078), vec4(0.1, -0.02, 0.12, 0.06));
+const COLORS = array(vec3(0.5, 0.42, 0.36), vec3(0.9, 0.3, 0.2));
 
 @vertex fn corner(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
     return vec4(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
@@ -39,15 +41,22 @@ struct Out { @builtin(frag_depth) depth: f32, @location(0) color: vec4<f32> }
     let b = camera.from_clip * vec4(uv, 0.9, 1.0);
     let origin = a.xyz / a.w;
     let way = normalize(b.xyz / b.w - origin);
-    let o = origin - vec3(0.1, -0.02, 0.12);
-    let half = dot(o, way);
-    let inside = half * half - dot(o, o) + 0.0036;
-    if inside < 0.0 { return Out(1.0, vec4(0.05, 0.06, 0.08, 1.0)); }
-    let p = origin + way * (-half - sqrt(inside));
-    let n = normalize(p - vec3(0.1, -0.02, 0.12));
-    let clip = camera.to_clip * vec4(p, 1.0);
-    let lit = 0.1 + 0.3 * max(dot(n, camera.light.xyz), 0.0);
-    return Out(clip.z / clip.w, vec4(lit * vec3(0.9, 0.3, 0.2), 1.0));
+    var nearest = 1e9;
+    var out = Out(1.0, vec4(0.05, 0.06, 0.08, 1.0));
+    for (var i = 0; i < 2; i++) {
+        let ball = BALLS[i];
+        let o = origin - ball.xyz;
+        let half = dot(o, way);
+        let inside = half * half - dot(o, o) + ball.w * ball.w;
+        let t = -half - sqrt(max(inside, 0.0));
+        if inside < 0.0 || t > nearest { continue; }
+        nearest = t;
+        let p = origin + way * t;
+        let clip = camera.to_clip * vec4(p, 1.0);
+        let lit = 0.1 + 0.3 * max(dot((p - ball.xyz) / ball.w, camera.light.xyz), 0.0);
+        out = Out(clip.z / clip.w, vec4(lit * COLORS[i], 1.0));
+    }
+    return out;
 }";
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
