@@ -5,11 +5,15 @@ use eframe::egui::{self, Align, ComboBox, Layout, Panel, RichText, Ui};
 use tresses::groom::styles::Style;
 use tresses_scene::preset::{Extent, Preset};
 
+/// Narrower windows have it in two rows, points.
+const NARROW: f32 = 860.0;
+
 /// Shows it.
 pub fn show(studio: &mut Studio, ui: &mut Ui) {
     let frame = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(12, 7));
     Panel::top("top").frame(frame).show(ui, |ui| {
-        ui.horizontal(|ui| {
+        let narrow = ui.available_width() < NARROW;
+        let row = |ui: &mut Ui| {
             ui.label(RichText::new("Tresses").size(15.0).strong().color(theme::ACCENT));
             ui.add_space(10.0);
             source(studio, ui);
@@ -22,14 +26,17 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
             if ui.button("Save picture…").on_hover_text("The picture as it is, as PNG").clicked() {
                 studio.wants_picture = true;
             }
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let text = if studio.panels.folded { "Show panel" } else { "Hide panel" };
-                if ui.button(text).on_hover_text("The panel at the side\nKey Tab").clicked() {
-                    studio.panels.folded = !studio.panels.folded;
-                }
-                history(studio, ui);
-            });
-        });
+            if narrow {
+                history(studio, ui, true);
+                panel(studio, ui);
+            } else {
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    panel(studio, ui);
+                    history(studio, ui, false);
+                });
+            }
+        };
+        if narrow { ui.horizontal_wrapped(row) } else { ui.horizontal(row) };
     });
 }
 
@@ -56,7 +63,15 @@ fn source(studio: &mut Studio, ui: &mut Ui) {
     }
 }
 
-fn history(studio: &mut Studio, ui: &mut Ui) {
+fn panel(studio: &mut Studio, ui: &mut Ui) {
+    let text = if studio.panels.folded { "Show panel" } else { "Hide panel" };
+    if ui.button(text).on_hover_text("The panel at the side\nKey Tab").clicked() {
+        studio.panels.folded = !studio.panels.folded;
+    }
+}
+
+/// Undo and redo, from left to right or the other way round.
+fn history(studio: &mut Studio, ui: &mut Ui, undo_first: bool) {
     let (undoes, redoes) =
         (studio.settings.undoes().map(str::to_owned), studio.settings.redoes().map(str::to_owned));
     let mut button = |text: &str, what: &Option<String>, key: &str| {
@@ -68,8 +83,9 @@ fn history(studio: &mut Studio, ui: &mut Ui) {
             .on_disabled_hover_text(help)
             .clicked()
     };
-    // From right to left.
-    let (redo, undo) = (button("Redo", &redoes, "Ctrl Shift Z"), button("Undo", &undoes, "Ctrl Z"));
+    let mut undo = undo_first && button("Undo", &undoes, "Ctrl Z");
+    let redo = button("Redo", &redoes, "Ctrl Shift Z");
+    undo |= !undo_first && button("Undo", &undoes, "Ctrl Z");
     if undo {
         studio.undo(ui.ctx());
     }
