@@ -52,10 +52,9 @@ fn the_window_draws_answers_resizes_and_closes() {
     let back = desk.still();
     back.keep("back");
     let back_at = middle_of_hair(&back);
-    assert!(
-        (back_at - at_rest).abs() < 15.0,
-        "it comes back, from {pulled} to {back_at} instead of {at_rest}"
-    );
+    // How many strands are drawn may have changed, and with it where their middle is.
+    let left = (back_at - at_rest).abs() / (pulled - at_rest);
+    assert!(left < 0.4, "it comes back, from {pulled} to {back_at} instead of {at_rest}");
 
     // The right button turns the camera.
     let turned = desk.drag(3, [middle, [middle[0] + 150, middle[1]]], Desk::still);
@@ -63,12 +62,17 @@ fn the_window_draws_answers_resizes_and_closes() {
 
     turned.keep("turned");
 
-    // A picture follows the window.
+    // A picture follows the window. What the screen shows at first is a piece of the old one.
+    let size = |desk: &Desk| desk.state().map(|state| state["size"].to_string());
+    let before = size(&desk);
     desk.resize(640, 420);
-    let small = desk.wait_for("picture of the new size", |desk| {
-        let shot = desk.shot();
-        ((shot.width, shot.height) == (640, 420) && shot.hair() > 0.02).then_some(shot)
+    desk.wait_for("picture of the new size", |desk| {
+        let now = size(desk)?;
+        (Some(now) != before).then_some(())
     });
+    let small = desk.still();
+    assert_eq!((small.width, small.height), (640, 420));
+    assert!(small.hair() > 0.02, "{}", small.hair());
     small.keep("small");
     assert!(desk.close().success());
 }

@@ -8,19 +8,19 @@ use serde_json::Value;
 use std::{fmt::Write, ops::Range, path::Path, thread, time::Instant};
 use tresses_web::{Page, Server, pack};
 
-/// Of the page, pixels.
-const SIZE: [u32; 2] = [640, 420];
+/// Of the page, pixels; narrower ones fold the panel.
+const SIZE: [u32; 2] = [780, 420];
 /// Few strands, and a colour that a slider turns.
 const ADDRESS: &str = "?style=short&style.strands=1500&shading.color=melanin";
 /// Where of the page the picture is, without what lies on it.
-const PICTURE: (Range<u32>, Range<u32>) = (112..280, 116..330);
+const PICTURE: (Range<u32>, Range<u32>) = (112..420, 90..330);
 /// Where of the page sentences about errors are.
-const SENTENCES: (Range<u32>, Range<u32>) = (12..280, 270..345);
+const SENTENCES: (Range<u32>, Range<u32>) = (112..420, 270..345);
 /// The panel's field for words to search parameters by, the one slider that is left then, and its left end.
-const SEARCH: [f64; 2] = [440.0, 128.0];
-const SLIDER: [[f64; 2]; 2] = [[489.0, 188.0], [450.0, 188.0]];
+const SEARCH: [f64; 2] = [580.0, 98.0];
+const SLIDER: [[f64; 2]; 2] = [[629.0, 158.0], [590.0, 158.0]];
 /// In the picture, where nothing lies on it.
-const MIDDLE: [f64; 2] = [200.0, 220.0];
+const MIDDLE: [f64; 2] = [216.0, 220.0];
 /// Strands of the file that is dropped.
 const DROPPED: usize = 400;
 

@@ -40,7 +40,7 @@ pub fn answer(studio: &mut Studio, context: &egui::Context) {
         studio.play.reset();
     }
     if pressed(Key::Tab) {
-        studio.panels.folded = !studio.panels.folded;
+        studio.panels.fold(context);
     }
     for (tool, _, key, _) in Tool::ALL {
         if pressed(key) {

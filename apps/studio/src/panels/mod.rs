@@ -15,6 +15,8 @@ pub mod top;
 pub mod transport;
 pub mod wind;
 
+use eframe::egui;
+
 /// What panels remember.
 #[derive(Debug, Default)]
 pub struct Panels {
@@ -24,6 +26,21 @@ pub struct Panels {
     pub page: side::Page,
     /// The words that parameters are searched by.
     pub search: String,
+    /// Whether the panel at the side is hidden; `None`: where it would leave too little of the picture.
+    folded: Option<bool>,
+}
+
+/// Width of a window that has room for a panel beside the picture, points.
+const ROOM: f32 = 760.0;
+
+impl Panels {
     /// Whether the panel at the side is hidden.
-    pub folded: bool,
+    pub fn is_folded(&self, context: &egui::Context) -> bool {
+        self.folded.unwrap_or(context.content_rect().width() < ROOM)
+    }
+
+    /// Hides the panel at the side, or shows it.
+    pub fn fold(&mut self, context: &egui::Context) {
+        self.folded = Some(!self.is_folded(context));
+    }
 }

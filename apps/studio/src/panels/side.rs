@@ -32,7 +32,7 @@ impl Page {
 
 /// Shows it.
 pub fn show(studio: &mut Studio, ui: &mut Ui) {
-    if studio.panels.folded {
+    if studio.panels.is_folded(ui.ctx()) {
         return;
     }
     let frame = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(12, 8));

@@ -5,39 +5,44 @@ use eframe::egui::{self, Align, ComboBox, Layout, Panel, RichText, Ui};
 use tresses::groom::styles::Style;
 use tresses_scene::preset::{Extent, Preset};
 
-/// Narrower windows have it in two rows, points.
-const NARROW: f32 = 860.0;
+/// Width of a window in which everything has its button, points.
+const WIDE: f32 = 900.0;
 
 /// Shows it.
 pub fn show(studio: &mut Studio, ui: &mut Ui) {
     let frame = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(12, 7));
     Panel::top("top").frame(frame).show(ui, |ui| {
-        let narrow = ui.available_width() < NARROW;
-        let row = |ui: &mut Ui| {
+        ui.horizontal(|ui| {
             ui.label(RichText::new("Tresses").size(15.0).strong().color(theme::ACCENT));
             ui.add_space(10.0);
             source(studio, ui);
-            let help = "A groom (.hair, .tfx, .obj), a head for it (.obj, .gltf, .glb, .tfxmesh), or both. Files can also be dropped on the window.";
-            if ui.button("Open…").on_hover_text(help).clicked() {
-                studio.dialogs.open(ui.ctx());
-            }
-            ui.separator();
-            presets(studio, ui);
-            if ui.button("Save picture…").on_hover_text("The picture as it is, as PNG").clicked() {
-                studio.wants_picture = true;
-            }
-            if narrow {
-                history(studio, ui, true);
-                panel(studio, ui);
+            if ui.ctx().content_rect().width() < WIDE {
+                ui.menu_button("File", |ui| files(studio, ui));
             } else {
-                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    panel(studio, ui);
-                    history(studio, ui, false);
-                });
+                files(studio, ui);
             }
-        };
-        if narrow { ui.horizontal_wrapped(row) } else { ui.horizontal(row) };
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let text = if studio.panels.is_folded(ui.ctx()) { "Show panel" } else { "Hide panel" };
+                if ui.button(text).on_hover_text("The panel at the side\nKey Tab").clicked() {
+                    studio.panels.fold(ui.ctx());
+                }
+                history(studio, ui);
+            });
+        });
     });
+}
+
+/// What is opened and saved: in a row, or below each other in a menu.
+fn files(studio: &mut Studio, ui: &mut Ui) {
+    let help = "A groom (.hair, .tfx, .obj), a head for it (.obj, .gltf, .glb, .tfxmesh), or both. Files can also be dropped on the window.";
+    if ui.button("Open…").on_hover_text(help).clicked() {
+        studio.dialogs.open(ui.ctx());
+    }
+    ui.separator();
+    presets(studio, ui);
+    if ui.button("Save picture…").on_hover_text("The picture as it is, as PNG").clicked() {
+        studio.wants_picture = true;
+    }
 }
 
 fn source(studio: &mut Studio, ui: &mut Ui) {
@@ -63,15 +68,7 @@ fn source(studio: &mut Studio, ui: &mut Ui) {
     }
 }
 
-fn panel(studio: &mut Studio, ui: &mut Ui) {
-    let text = if studio.panels.folded { "Show panel" } else { "Hide panel" };
-    if ui.button(text).on_hover_text("The panel at the side\nKey Tab").clicked() {
-        studio.panels.folded = !studio.panels.folded;
-    }
-}
-
-/// Undo and redo, from left to right or the other way round.
-fn history(studio: &mut Studio, ui: &mut Ui, undo_first: bool) {
+fn history(studio: &mut Studio, ui: &mut Ui) {
     let (undoes, redoes) =
         (studio.settings.undoes().map(str::to_owned), studio.settings.redoes().map(str::to_owned));
     let mut button = |text: &str, what: &Option<String>, key: &str| {
@@ -83,9 +80,8 @@ fn history(studio: &mut Studio, ui: &mut Ui, undo_first: bool) {
             .on_disabled_hover_text(help)
             .clicked()
     };
-    let mut undo = undo_first && button("Undo", &undoes, "Ctrl Z");
-    let redo = button("Redo", &redoes, "Ctrl Shift Z");
-    undo |= !undo_first && button("Undo", &undoes, "Ctrl Z");
+    // From right to left.
+    let (redo, undo) = (button("Redo", &redoes, "Ctrl Shift Z"), button("Undo", &undoes, "Ctrl Z"));
     if undo {
         studio.undo(ui.ctx());
     }
