@@ -41,7 +41,7 @@ test: setup-tests ## Format, lints, docs, WebAssembly check, then every test
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --workspace --all-targets --quiet -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --quiet
-	$(CARGO) check --package tresses --target wasm32-unknown-unknown --quiet
+	$(CARGO) check --package tresses --lib --example minimal --target wasm32-unknown-unknown --quiet
 	TRESSES_REQUIRE_GPU=1 $(CARGO) test --workspace
 
 web: setup ## Build the web page into dist/, for any static file server

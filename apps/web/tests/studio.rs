@@ -8,19 +8,19 @@ use serde_json::Value;
 use std::{fmt::Write, ops::Range, path::Path, thread, time::Instant};
 use tresses_web::{Page, Server, pack};
 
-/// Of the page, pixels.
-const SIZE: [u32; 2] = [640, 420];
+/// Of the page, pixels; narrower ones fold the panel.
+const SIZE: [u32; 2] = [780, 420];
 /// Few strands, and a colour that a slider turns.
 const ADDRESS: &str = "?style=short&style.strands=1500&shading.color=melanin";
 /// Where of the page the picture is, without what lies on it.
-const PICTURE: (Range<u32>, Range<u32>) = (110..280, 80..330);
+const PICTURE: (Range<u32>, Range<u32>) = (112..420, 90..330);
 /// Where of the page sentences about errors are.
-const SENTENCES: (Range<u32>, Range<u32>) = (12..280, 290..360);
+const SENTENCES: (Range<u32>, Range<u32>) = (112..420, 270..345);
 /// The panel's field for words to search parameters by, the one slider that is left then, and its left end.
-const SEARCH: [f64; 2] = [440.0, 86.0];
-const SLIDER: [[f64; 2]; 2] = [[500.0, 130.0], [454.0, 130.0]];
+const SEARCH: [f64; 2] = [580.0, 98.0];
+const SLIDER: [[f64; 2]; 2] = [[629.0, 158.0], [590.0, 158.0]];
 /// In the picture, where nothing lies on it.
-const MIDDLE: [f64; 2] = [200.0, 200.0];
+const MIDDLE: [f64; 2] = [216.0, 220.0];
 /// Strands of the file that is dropped.
 const DROPPED: usize = 400;
 
@@ -51,11 +51,13 @@ fn the_studio_runs_in_a_browser() {
 
     browser.drag(SEARCH, SEARCH);
     browser.keys("eumelanin");
-    still(&mut browser).keep("studio-3-search.png");
+    let found = still(&mut browser);
+    found.keep("studio-3-search.png");
+    assert!(change(&found, &rest) < 0.01, "a search changes no picture: {}", change(&found, &rest));
     browser.drag(SLIDER[0], SLIDER[1]);
     let turned = still(&mut browser);
     turned.keep("studio-4-slider.png");
-    assert!(change(&turned, &rest) > 0.1, "without pigment it is white: {}", change(&turned, &rest));
+    assert!(change(&turned, &found) > 0.1, "without pigment it is white: {}", change(&turned, &found));
 
     // Files, a whole one and a broken one.
     let (whole, broken) = (folder.path().join("drop.tfx"), folder.path().join("broken.tfx"));
@@ -73,7 +75,7 @@ fn the_studio_runs_in_a_browser() {
     drop_file(&mut browser, &broken);
     let state = state(&mut browser, |state| state["error"] != "");
     let sentence = state["error"].as_str().unwrap();
-    assert!(sentence.contains("broken.tfx") && sentence.contains("the file ends here"), "{sentence}");
+    assert!(sentence.contains("broken.tfx at line"), "{sentence}");
     assert_eq!(state["file"], "drop.tfx", "what was there stays");
     let told = still(&mut browser);
     told.keep("studio-6-sentence.png");
@@ -117,14 +119,17 @@ fn picture(browser: &mut Browser, what: &str, is: impl Fn(&Picture) -> bool) -> 
 
 /// The page once nothing is under way any more.
 fn still(browser: &mut Browser) -> Picture {
-    let mut last = None;
+    // The caret beside it may blink.
+    let same = |a: &Picture, b: &Picture| change(a, b) == 0.0 && alarm(a) == alarm(b);
+    let (begin, mut last) = (Instant::now(), None);
     loop {
         state(browser, |state| state["busy"] == false && state["step"] == "");
-        let now = Some(picture(browser, "page", |_| true));
-        if last == now {
-            return last.unwrap();
+        let now = browser.picture();
+        if last.is_some_and(|last| same(&last, &now)) {
+            return now;
         }
-        last = now;
+        last = Some(now);
+        assert!(begin.elapsed() < browser::PATIENCE, "the page does not come to rest");
     }
 }
 

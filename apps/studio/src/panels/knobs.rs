@@ -18,14 +18,16 @@ const NAMES: f32 = 136.0;
 
 /// Shows them.
 pub fn show(studio: &mut Studio, ui: &mut Ui) {
-    ui.horizontal(|ui| {
+    // From right to left: the field takes what is left, and the panel does not grow.
+    let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+    ui.allocate_ui_with_layout(size, egui::Layout::right_to_left(egui::Align::Center), |ui| {
         let clear = !studio.panels.search.is_empty();
-        let width = ui.available_width() - if clear { 30.0 } else { 0.0 };
-        let edit = TextEdit::singleline(&mut studio.panels.search).hint_text("Search").desired_width(width);
-        ui.add(edit).on_hover_text("Shows the parameters whose name or hint has these words");
         if clear && ui.small_button("x").on_hover_text("Shows all parameters").clicked() {
             studio.panels.search.clear();
         }
+        let edit = TextEdit::singleline(&mut studio.panels.search).id_salt("search").hint_text("Search");
+        let edit = edit.desired_width(ui.available_width());
+        ui.add(edit).on_hover_text("Shows the parameters whose name or hint has these words");
     });
     ui.add_space(2.0);
     let words = studio.panels.search.to_lowercase();
