@@ -37,8 +37,8 @@ impl<P: Progress> Progress for &P {
     }
 }
 
-/// What a future gives that is ready when it is first polled: one without a [`Progress`] that waits, and
-/// without read-back or outside a browser.
+/// What a future gives that is ready when it is first polled: one without a [`Progress`] that waits and
+/// without read-back.
 pub(crate) fn at_once<T>(future: impl Future<Output = T>) -> T {
     match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
         Poll::Ready(value) => value,

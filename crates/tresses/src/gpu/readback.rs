@@ -2,8 +2,8 @@
 //! frame.
 //!
 //! [`buffer`] and [`texture`] wait: in a browser by giving the event loop its turn, elsewhere by polling
-//! the device, so that they are ready when they are first polled and any executor will do
-//! ([`blocking`] needs none). [`Pending`] does not wait: a program that polls its device anyway, as each
+//! the device, so that they are mostly ready when they are first polled. Where another thread polls the
+//! same device, it may be that one which brings the answer, a little later. [`blocking`] needs no executor. [`Pending`] does not wait: a program that polls its device anyway, as each
 //! `submit` does, asks now and then whether the copy has arrived.
 
 use crate::{Error, Result};
@@ -37,7 +37,8 @@ pub async fn texture(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu:
 /// The same for programs without an executor, such as tests. Not in a browser, where nothing can block.
 #[cfg(not(target_arch = "wasm32"))]
 pub mod blocking {
-    use crate::{Result, progress::at_once};
+    use crate::Result;
+    use pollster::block_on;
 
     /// What [`buffer`](super::buffer) gives.
     ///
@@ -48,7 +49,7 @@ pub mod blocking {
         queue: &wgpu::Queue,
         buffer: &wgpu::Buffer,
     ) -> Result<Vec<T>> {
-        at_once(super::buffer(device, queue, buffer))
+        block_on(super::buffer(device, queue, buffer))
     }
 
     /// What [`texture`](super::texture) gives.
@@ -56,7 +57,7 @@ pub mod blocking {
     /// # Errors
     /// As there.
     pub fn texture(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture) -> Result<Vec<u8>> {
-        at_once(super::texture(device, queue, texture))
+        block_on(super::texture(device, queue, texture))
     }
 }
 
