@@ -134,7 +134,8 @@ fn widget(knob: &Knob, value: Value, auto: bool, ui: &mut Ui) -> Option<Value> {
             let slider = Slider::new(&mut shown, least..=most)
                 .logarithmic(scale == Scale::Log)
                 .smallest_positive((most * 1e-5).max(1e-9))
-                .max_decimals(4)
+                // Not rounded: what is only shown must stay as it is to the bit.
+                .max_decimals(17)
                 .custom_formatter(|shown, _| short(shown))
                 .suffix(mark(unit.symbol));
             let turned = ui.add(slider).on_hover_text(knob.hint).changed();
@@ -218,6 +219,24 @@ mod tests {
             [(0.0, "0"), (9.81, "9.81"), (12.0, "12"), (0.0035, "0.0035"), (1234.6, "1235"), (20.04, "20")]
         {
             assert_eq!(short(number), text);
+        }
+    }
+
+    #[test]
+    fn to_show_a_parameter_changes_nothing() {
+        let settings = tresses_scene::Settings::default().resolved(Some(&Default::default()));
+        let context = eframe::egui::Context::default();
+        // Twice: some widgets answer in the frame after.
+        for _ in 0..2 {
+            let mut output = context.run_ui(Default::default(), |ui| {
+                for knob in SECTIONS.iter().flat_map(|section| section.knobs) {
+                    let value = knob.get(&settings);
+                    let new = ui.push_id(knob.path, |ui| widget(knob, value, false, ui)).inner;
+                    assert!(new.is_none_or(|new| new == value), "{}: {value:?} to {new:?}", knob.path);
+                }
+            });
+            // Nobody draws it.
+            output.textures_delta.clear();
         }
     }
 
