@@ -10,7 +10,7 @@
 //! ```
 //! The defaults are those of `tresses render`. What depends on the hairstyle or on the colour is an
 //! `Option`, `None` being *as it suits them*; [`Settings::resolved`] says what that comes to.
-//! Names, units, ranges and hints of all fields stand in one table, [`knobs`](crate::knobs).
+//! Names, units, ranges and hints of all fields stand in one table, [`knobs`].
 
 mod edges;
 mod lights;
