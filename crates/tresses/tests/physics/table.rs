@@ -123,9 +123,13 @@ fn docs(topic: &str, rows: &[Row]) {
         .map(|line| line.trim_matches('|').split(" | ").map(str::trim).collect())
         .collect();
     let help = "docs/physics.md is out of date: run TRESSES_PHYSICS=write cargo test --test physics";
-    assert_eq!(written.len(), rows.len(), "{topic}: {help}");
-    for (cells, row) in written.iter().zip(rows) {
+    // Rows of real grooms are there only where these are.
+    let complete = std::env::var_os("TRESSES_ASSETS").is_some();
+    assert!(rows.len() == written.len() || !complete && rows.len() < written.len(), "{topic}: {help}");
+    for row in rows {
         let now = row.cells();
+        let cells = written.iter().find(|cells| cells[0] == &*now[0]);
+        let cells = cells.unwrap_or_else(|| panic!("{topic} has no row {}: {help}", now[0]));
         assert_eq!((cells[0], cells[1], cells[4]), (&*now[0], &*now[1], &*now[4]), "{help}");
         let measured: f64 = cells[2].split(' ').next().and_then(|v| v.parse().ok()).unwrap();
         assert!((measured - row.measured).abs() <= row.slack(), "{cells:?}, now {now:?}: {help}");
