@@ -287,7 +287,8 @@ fn view() {
         exposure,
         shoulder,
         desaturation,
-        _pad
+        _pad,
+        distance
     });
     assert_eq!(wgsl_layout("ViewUniform"), rust);
 }
@@ -364,7 +365,7 @@ fn hair() {
         color_fit,
         rest_count,
         stride,
-        _pad_a,
+        shadow,
         _pad_b,
     });
     assert_eq!(wgsl_layout("HairUniform"), rust);

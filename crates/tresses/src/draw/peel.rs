@@ -25,6 +25,8 @@ pub(crate) struct Peel {
     under_layout: wgpu::BindGroupLayout,
     layer: ByRate,
     under: wgpu::RenderPipeline,
+    thickness: ByRate,
+    rest_layout: wgpu::BindGroupLayout,
     rest: ByRate,
 }
 
@@ -38,13 +40,15 @@ impl Peel {
         let fragment = wgpu::ShaderStages::FRAGMENT;
         let peel_layout = layout(device, "peel", fragment, &[Binding::Depth]);
         let under_layout = layout(device, "under", fragment, &[Binding::Texture2d]);
-        let pass = |kind: &str, write, targets: &[_]| {
+        let rest_layout =
+            layout(device, "rest", fragment, &[Binding::Depth, Binding::Texture2d, Binding::Texture2d]);
+        let pass = |kind: &str, last: &wgpu::BindGroupLayout, write, targets: &[_]| {
             ByRate::new(|rate| {
                 let [vertex, fragment] = [format!("alpha_{rate}"), format!("alpha_{rate}_{kind}")];
                 Recipe {
                     module: "draw::alpha",
                     entry: [&vertex, &fragment],
-                    layouts: &[frame, hair, fiber, &peel_layout].map(Some),
+                    layouts: &[frame, hair, fiber, last].map(Some),
                     buffers: &[],
                     targets,
                     depth: Some((write, Greater)),
@@ -66,10 +70,17 @@ impl Peel {
         };
         Self {
             layers,
-            layer: pass("layer", true, &[Some(HDR_FORMAT.into())]),
+            layer: pass("layer", &peel_layout, true, &[Some(HDR_FORMAT.into())]),
             under: under.build(device),
+            thickness: pass(
+                "thickness",
+                &peel_layout,
+                false,
+                &[(); 2].map(|()| blended(HDR_FORMAT, Factor::One, Factor::One)),
+            ),
             rest: pass(
                 "rest",
+                &rest_layout,
                 false,
                 &[
                     blended(HDR_FORMAT, Factor::One, Factor::One),
@@ -78,6 +89,7 @@ impl Peel {
             ),
             peel_layout,
             under_layout,
+            rest_layout,
         }
     }
 
@@ -122,11 +134,20 @@ impl Peel {
             pass.set_bind_group(0, &layers.under, &[]);
             pass.draw(0..3, 0..1);
         }
+        let last = (self.layers as usize + 1) % 2;
+        let colors = layers.thickness.each_ref().map(|texture| (texture, clear));
+        let timed = timings.as_deref_mut();
+        let mut pass = begin(encoder, timed, &colors, Some((&targets.depth, None)));
+        pass.set_pipeline(self.thickness.of(rate));
+        pass.set_bind_group(0, frame, &[]);
+        pass.set_bind_group(3, &layers.behind[last], &[]);
+        hair.record_strips(&mut pass);
+        drop(pass);
         let colors = [(&layers.rest, clear), (&layers.rest_passes, wgpu::LoadOp::Clear(wgpu::Color::WHITE))];
         let mut pass = begin(encoder, timings, &colors, Some((&targets.depth, None)));
         pass.set_pipeline(self.rest.of(rate));
         pass.set_bind_group(0, frame, &[]);
-        pass.set_bind_group(3, &layers.behind[(self.layers as usize + 1) % 2], &[]);
+        pass.set_bind_group(3, &layers.rest_behind[last], &[]);
         hair.record_strips(&mut pass);
     }
 
@@ -181,16 +202,20 @@ pub(crate) struct Layers {
     depth_views: [wgpu::TextureView; 2],
     layer: wgpu::TextureView,
     front: wgpu::TextureView,
+    /// How thick the hair behind the last layer is, at four knots each.
+    thickness: [wgpu::TextureView; 2],
     rest: wgpu::TextureView,
     rest_passes: wgpu::TextureView,
     /// Bound to peel what is behind each of `depths`.
     behind: [wgpu::BindGroup; 2],
+    /// The same, to blend it.
+    rest_behind: [wgpu::BindGroup; 2],
     under: wgpu::BindGroup,
 }
 
 impl Layers {
     /// Bytes per pixel of the linear target.
-    pub const BYTES: u64 = 2 * 4 + 3 * 8 + 2;
+    pub const BYTES: u64 = 2 * 4 + 5 * 8 + 2;
 
     /// Textures that `texture` makes, bound for `peel`.
     pub fn new(device: &wgpu::Device, peel: &Peel, texture: impl Fn(TextureKind) -> wgpu::Texture) -> Self {
@@ -203,6 +228,11 @@ impl Layers {
         let layer = color("layer", HDR_FORMAT);
         let behind =
             [0, 1].map(|i| group(device, "peel", &peel.peel_layout, &[TextureView(&depth_views[i])]));
+        let thickness = [color("thickness, near", HDR_FORMAT), color("thickness, far", HDR_FORMAT)];
+        let rest_behind = [0, 1].map(|i| {
+            let views = [&depth_views[i], &thickness[0], &thickness[1]].map(TextureView);
+            group(device, "rest", &peel.rest_layout, &views)
+        });
         Self {
             front: color("layers", HDR_FORMAT),
             rest: color("hair behind the layers", HDR_FORMAT),
@@ -210,6 +240,8 @@ impl Layers {
             behind,
             under: group(device, "under", &peel.under_layout, &[TextureView(&layer)]),
             layer,
+            thickness,
+            rest_behind,
             depths,
             depth_views,
         }

@@ -1,7 +1,7 @@
 //! The camera.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Mat4, Vec2, Vec3};
+use glam::{Mat4, Vec2, Vec3, Vec4};
 
 use crate::{present::ToneMap, simulate::Ray};
 
@@ -82,6 +82,11 @@ impl View {
             shoulder: tone.shoulder.clamp(0.0, 0.99),
             desaturation: tone.desaturation,
             _pad: 0.0,
+            // Depth is (c z + a) / (d z + b) of the view's z; solved for -z.
+            distance: {
+                let p = &self.projection;
+                Vec4::new(p.w_axis.z, p.w_axis.w, p.z_axis.z, p.z_axis.w)
+            },
         }
     }
 }
@@ -110,6 +115,8 @@ pub struct ViewUniform {
     pub desaturation: f32,
     /// Unused.
     pub _pad: f32,
+    /// Numbers a, b, c, d: depth `t` is `(a - b t) / (c - d t)` metres before the camera.
+    pub distance: Vec4,
 }
 
 #[cfg(test)]

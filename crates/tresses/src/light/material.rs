@@ -286,7 +286,7 @@ impl HairMaterial {
             color_fit: color_fit(shape.azimuthal).powi(-2),
             rest_count,
             stride: drawn.stride,
-            _pad_a: 0,
+            shadow: drawn.shadow,
             _pad_b: 0,
         }
     }
@@ -354,6 +354,7 @@ pub struct HairUniform {
     pub rest_count: u32,
     /// See [`crate::strands::Drawn::stride`].
     pub stride: f32,
-    pub _pad_a: u32,
+    /// See [`crate::strands::Drawn::shadow`].
+    pub shadow: f32,
     pub _pad_b: u32,
 }

@@ -19,7 +19,8 @@
 //! **Wider strands.** What is drawn is widened by the area of all strands over the area of those drawn,
 //! so that the total area is the same at any level, times a little less than 1: wide strands reach over gaps
 //! and outlines, which [`CoverTable`] measures at load. The kernel `widths` writes the radius of every drawn
-//! strand; shading, strips and shadows read that radius.
+//! strand; shading, strips and shadows read that radius. What light meets on its way is no outline: deep
+//! opacity maps count the whole area ([`Detail::shadow`]), so that as many fibres shade at any level.
 //!
 //! **Fewer segments.** At load [`CurveTable`] measures how far strands stray when they are drawn with fewer
 //! segments, and how much shorter they get (which widens them in turn). A frame takes the number for which
@@ -138,6 +139,9 @@ pub struct Detail {
     pub strands: u32,
     /// The factor on their widths.
     pub width: f32,
+    /// The factor on what light meets of those widths: all strands' area, whatever of it the drawn width
+    /// leaves out.
+    pub shadow: f32,
     /// The number of segments per strand, not always whole.
     pub segments: f32,
     /// The factor on the length of a fixed step.
@@ -228,6 +232,7 @@ impl Lod {
                 fraction: 1.0,
                 strands: buffers.count,
                 width: 1.0,
+                shadow: 1.0,
                 segments: (strands.vertex_count.saturating_sub(1).max(1)) as f32,
                 step: 1.0,
                 levels: [1.0, 0.0, 0.0, 0.0],
@@ -285,6 +290,10 @@ impl Lod {
             LodMode::Auto => (coarse / options.slow_pixel.max(1e-9)).clamp(1.0, options.slowest.max(1.0)),
             LodMode::Off | LodMode::Fixed(_) => 1.0,
         };
+        let cover = match options.mode {
+            LodMode::Off => 1.0,
+            _ => self.cover.factor(fraction, (limit / pixel.max(1e-12)).min(1.0)),
+        };
         Detail {
             pixel,
             size,
@@ -292,12 +301,9 @@ impl Lod {
             strands: self.ends[self.bucket(fraction * self.painted.most(&levels))],
             width: match options.mode {
                 LodMode::Off => 1.0,
-                _ => {
-                    let automatic = (limit / pixel.max(1e-12)).min(1.0);
-                    self.widening(fraction) * self.cover.factor(fraction, automatic)
-                        / self.curve.length(segments)
-                }
+                _ => self.widening(fraction) * cover / self.curve.length(segments),
             },
+            shadow: cover.recip(),
             segments,
             step,
             levels,
@@ -345,7 +351,8 @@ impl Lod {
         self.stale |= self.detail != detail;
         self.detail = detail;
         self.buffers.prepare(queue, &detail);
-        buffers.drawn = Drawn::new(detail.strands, self.segments + 1, detail.segments);
+        let drawn = Drawn::new(detail.strands, self.segments + 1, detail.segments);
+        buffers.drawn = Drawn { shadow: detail.shadow, ..drawn };
     }
 
     /// Begins a frame: how many strands the last one drew.
