@@ -288,7 +288,7 @@ fn view() {
         shoulder,
         desaturation,
         _pad,
-        distance
+        way
     });
     assert_eq!(wgsl_layout("ViewUniform"), rust);
 }

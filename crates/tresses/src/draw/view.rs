@@ -82,10 +82,12 @@ impl View {
             shoulder: tone.shoulder.clamp(0.0, 0.99),
             desaturation: tone.desaturation,
             _pad: 0.0,
-            // Depth is (c z + a) / (d z + b) of the view's z; solved for -z.
-            distance: {
-                let p = &self.projection;
-                Vec4::new(p.w_axis.z, p.w_axis.w, p.z_axis.z, p.z_axis.w)
+            // Depth is (c z + a) / (d z + b) of the view's z. Solved for z, and two of them subtracted: what
+            // is left does not suffer from the camera being far away.
+            way: {
+                let (a, b) = (self.projection.w_axis.z, self.projection.w_axis.w);
+                let (c, d) = (self.projection.z_axis.z, self.projection.z_axis.w);
+                Vec4::new(c, d, a * d - b * c, 0.0)
             },
         }
     }
@@ -115,8 +117,8 @@ pub struct ViewUniform {
     pub desaturation: f32,
     /// Unused.
     pub _pad: f32,
-    /// Numbers a, b, c, d: depth `t` is `(a - b t) / (c - d t)` metres before the camera.
-    pub distance: Vec4,
+    /// From depth `s` to depth `t` the view goes `z (t - s) / ((x - y s) (x - y t))` metres on.
+    pub way: Vec4,
 }
 
 #[cfg(test)]

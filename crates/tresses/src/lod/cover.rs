@@ -15,6 +15,8 @@ const LEAST: f32 = 0.004;
 /// How wide a strip that is drawn a pixel wide is for its coverage, pixels: found by comparing pictures of
 /// hair a few pixels large. Its mask leaves out samples, the more so where strips agree.
 const STRIP: f32 = 0.95;
+/// Shares of what is seen of a groom that are told apart by their thickness.
+const PLACES: usize = 32;
 /// The narrowest that strands are made.
 const NARROWEST: f32 = 0.5;
 /// The widest.
@@ -26,6 +28,9 @@ pub struct CoverTable {
     /// Share of the strands and the factor that belongs to it, shares falling from 1: in a picture as fine
     /// as can be, and with the pixel of [`CoverLevel`].
     points: [Vec<(f32, f32)>; 2],
+    /// How many fibres lie before each other where hair is, -ln of what it lets through: of equal shares of
+    /// what the views see of it, from thin to thick.
+    thickness: Vec<f32>,
 }
 
 /// A level of detail whose coverage is measured.
@@ -62,7 +67,7 @@ struct View {
 impl CoverTable {
     /// Nothing known: as wide as their area wants.
     pub fn none() -> Self {
-        Self { points: [vec![(1.0, 1.0)], vec![(1.0, 1.0)]] }
+        Self { points: [vec![(1.0, 1.0)], vec![(1.0, 1.0)]], thickness: Vec::new() }
     }
 
     /// For `strands` in the order of [`arrange`](super::arrange) with the radii of `infos`, inside the sphere
@@ -86,6 +91,7 @@ impl CoverTable {
         let mut views = views(middle, radius);
         // Where the base is not all strands it stands for them, a little wider.
         let full = covered(&mut views, &lines, share.recip(), 0.0, None);
+        table.thickness = thickness(&views);
         for (i, level) in levels.iter().enumerate() {
             // Each level has half the strands of the one before.
             let done = 1.0 - 0.5f32.powi(i as i32 + 1);
@@ -127,6 +133,32 @@ impl CoverTable {
         let [fine, coarse] = &self.points;
         at(fine, fraction) * (at(coarse, automatic) / at(fine, automatic))
     }
+
+    /// What light meets of strands whose widths have the factor `cover`, as a factor on those widths.
+    ///
+    /// The eye sees into hair of the thickness `T` as deep as `exp(-cover t)` of it is seen, on average to
+    /// `t = 1 / cover - T / (exp(cover T) - 1)`: the deeper, the narrower strands are. What it sees should on
+    /// average be lit as what it sees at full detail; so what light meets on the way there is scaled by
+    /// the quotient of the two mean depths. Hair that is thin is seen through at any level and keeps its
+    /// whole area (`1 / cover`); in the thickest light and eye reach as deep (1). A groom is both: the mean
+    /// over all that is seen of it.
+    pub fn shadow(&self, cover: f32) -> f32 {
+        let places = self.thickness.len();
+        if places == 0 {
+            return 1.0;
+        }
+        let at = |thickness: &f32| depth(1.0, *thickness) / depth(cover, *thickness);
+        self.thickness.iter().map(at).sum::<f32>() / (places as f32 * cover)
+    }
+}
+
+/// How deep into hair of a `thickness` the eye sees on average where strands' widths have the factor `cover`.
+fn depth(cover: f32, thickness: f32) -> f32 {
+    let scaled = cover * thickness;
+    if scaled < 1e-2 {
+        return thickness * (0.5 - scaled / 12.0);
+    }
+    1.0 / cover - thickness / scaled.exp_m1()
 }
 
 /// Between `points` by the logarithm of the share, constant beyond them.
@@ -175,6 +207,23 @@ fn covered(views: &mut [View], lines: &[Line], widening: f32, pixel: f32, segmen
         sum += view.passes.iter().map(|passes| 1.0 - passes).sum::<f32>() / view.passes.len() as f32;
     }
     sum / views.len() as f32
+}
+
+/// See [`CoverTable::thickness`].
+fn thickness(views: &[View]) -> Vec<f32> {
+    let mut passes: Vec<f32> = views.iter().flat_map(|view| &view.passes).copied().collect();
+    passes.retain(|passes| *passes < 0.999);
+    passes.sort_by(|a, b| b.total_cmp(a));
+    let all: f32 = passes.iter().map(|passes| 1.0 - passes).sum();
+    let (mut places, mut sum) = (Vec::new(), 0.0);
+    for passes in passes {
+        sum += 1.0 - passes;
+        // The middle of the next share.
+        if sum >= all * (places.len() as f32 + 0.5) / PLACES as f32 {
+            places.push(-passes.max(1e-9).ln());
+        }
+    }
+    places
 }
 
 impl View {
@@ -272,5 +321,26 @@ mod tests {
         assert!(table.factor(0.0625, 0.0625) < table.factor(0.0625, 1.0) - 0.01);
         assert!(table.factor(0.1, 1.0) > table.factor(0.0625, 1.0));
         assert_eq!(CoverTable::none().factor(0.1, 0.01), 1.0);
+    }
+
+    #[test]
+    fn light_meets_what_the_eye_sees() {
+        let table = |thickness: &[f32]| CoverTable { thickness: thickness.to_vec(), ..CoverTable::none() };
+        let shadow = |thickness| table(&[thickness]).shadow(0.5);
+        assert!((shadow(1e-3) - 2.0).abs() < 1e-3 && (shadow(30.0) - 1.0).abs() < 1e-3);
+        // Brute force: where what is seen of three fibres' thickness lies.
+        let mean = |cover: f32| {
+            let seen = |i: u32| (-cover * 3.0 * (i as f32 + 0.5) / 1000.0).exp();
+            let sum: f32 = (0..1000).map(|i| seen(i) * 3.0 * (i as f32 + 0.5) / 1000.0).sum();
+            sum / (0..1000).map(seen).sum::<f32>()
+        };
+        assert!((shadow(3.0) - 2.0 * mean(1.0) / mean(0.5)).abs() < 1e-3, "{}", shadow(3.0));
+        assert_eq!(table(&[3.0, 1.0]).shadow(1.0), 1.0);
+        assert!((table(&[1e-3, 30.0]).shadow(0.5) - 1.5).abs() < 2e-3);
+        // A curtain 200 mm wide of 1024 strands of a millimetre: five over each other.
+        let (strands, infos) = curtain(1024);
+        let table = at_once(CoverTable::new(&strands, &infos, (Vec3::ZERO, 0.55), &[], &()));
+        let middle = table.thickness[PLACES / 2];
+        assert!(table.thickness.is_sorted() && (4.0..10.0).contains(&middle), "{:?}", table.thickness);
     }
 }

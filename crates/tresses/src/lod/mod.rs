@@ -19,8 +19,9 @@
 //! **Wider strands.** What is drawn is widened by the area of all strands over the area of those drawn,
 //! so that the total area is the same at any level, times a little less than 1: wide strands reach over gaps
 //! and outlines, which [`CoverTable`] measures at load. The kernel `widths` writes the radius of every drawn
-//! strand; shading, strips and shadows read that radius. What light meets on its way is no outline: deep
-//! opacity maps count the whole area ([`Detail::shadow`]), so that as many fibres shade at any level.
+//! strand; shading, strips and shadows read that radius. Through
+//! those narrower strands the eye sees deeper; so that what it sees is as light, deep opacity maps count
+//! what light has met there at full detail ([`CoverTable::shadow`]).
 //!
 //! **Fewer segments.** At load [`CurveTable`] measures how far strands stray when they are drawn with fewer
 //! segments, and how much shorter they get (which widens them in turn). A frame takes the number for which
@@ -139,8 +140,7 @@ pub struct Detail {
     pub strands: u32,
     /// The factor on their widths.
     pub width: f32,
-    /// The factor on what light meets of those widths: all strands' area, whatever of it the drawn width
-    /// leaves out.
+    /// What light meets of those widths, see [`CoverTable::shadow`].
     pub shadow: f32,
     /// The number of segments per strand, not always whole.
     pub segments: f32,
@@ -303,7 +303,7 @@ impl Lod {
                 LodMode::Off => 1.0,
                 _ => self.widening(fraction) * cover / self.curve.length(segments),
             },
-            shadow: cover.recip(),
+            shadow: self.cover.shadow(cover),
             segments,
             step,
             levels,
