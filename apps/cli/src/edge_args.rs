@@ -20,7 +20,7 @@ pub struct EdgeArgs {
     /// How strands thinner than a pixel cover it [default: peel, or mask with --samples 4 and more]
     #[arg(long, value_name = "MODE", value_enum, help_heading = "Edges")]
     pub coverage: Option<Mode>,
-    /// How many layers of hair --coverage peel puts in order, 1 to 16; hair behind them has its mean colour [default: 4]
+    /// How many layers of hair --coverage peel puts in order, 1 to 16; hair behind them is blended by its depth [default: 4]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(Coverage::MAX_LAYERS)), help_heading = "Edges")]
     pub layers: Option<u32>,
 }

@@ -183,8 +183,8 @@ fn check(stage: &Stage, name: &str, hair: &mut Hair) -> [f32; 2] {
             100.0 * mean[1]
         );
         if distance > 20.0 {
-            // Not reached there: hair 17 pixels large shines by chance.
-            assert!(mean[0].abs() < 0.03 && mean[1].abs() < 0.12, "{mean:?}");
+            // Not reached there, see docs/appearance/lod.md.
+            assert!(mean[0].abs() < 0.03 && mean[1].abs() < 0.08, "{mean:?}");
             continue;
         }
         worst = [0, 1].map(|i| worst[i].max(mean[i].abs()));
@@ -192,8 +192,8 @@ fn check(stage: &Stage, name: &str, hair: &mut Hair) -> [f32; 2] {
     worst
 }
 
-/// What luminance may be off by; 3 % was asked, and is not reached everywhere (docs/appearance/lod.md).
-const LUMINANCE: f32 = 0.06;
+/// What luminance may be off by up to 20 m.
+const LUMINANCE: f32 = 0.03;
 
 /// From where nothing is left out to where the hair is a few pixels large, metres.
 const DISTANCES: [f32; 6] = [1.0, 2.0, 4.0, 8.0, 16.0, 40.0];

@@ -30,7 +30,7 @@ pub struct Edges {
     pub samples: Option<Samples>,
     /// How strands cover pixels; `None`: peeled with one sample, a mask with more.
     pub coverage: Option<CoverageMode>,
-    /// Layers that are peeled; hair behind them has its mean colour.
+    /// Layers that are peeled; hair behind them is blended by its depth.
     pub layers: u32,
     /// Pixels drawn per pixel shown, along each axis: 1 or 2.
     pub ssaa: u32,

@@ -23,8 +23,8 @@ pub enum Coverage {
     /// one layer per pass over the geometry (Everitt 2001, "Interactive order-independent
     /// transparency"; Bavoil and Myers 2008). One sample per pixel.
     DepthPeeling {
-        /// Layers in order, 1 to [`MAX_LAYERS`](Self::MAX_LAYERS); the hair behind them has its
-        /// mean colour.
+        /// Layers in order, 1 to [`MAX_LAYERS`](Self::MAX_LAYERS); the hair behind them is
+        /// blended by its depth, at eight knots.
         layers: u32,
     },
 }

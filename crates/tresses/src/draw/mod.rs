@@ -17,7 +17,7 @@
 //! SampleMask       strips ≥ min_width px ─► depth, colour of the strand's own samples
 //! AlphaToCoverage  strips + 1 px ─► depth of samples made from alpha ─► colour where depth is equal
 //! DepthPeeling     body ─► depth ─┬─► layer 1 ─► under ─► layer 2 ─► under ... ─► front ──────┐
-//!                                 └─► what lies behind the last layer, in any order ─► rest ─┴─► present
+//!                                 └─► what lies behind the last layer, by its depth ─► rest  ─┴─► present
 //! ```
 //!
 //! With masks, a strip is drawn at least [`min_width`](crate::light::HairMaterial::min_width) pixels
@@ -28,8 +28,9 @@
 //!
 //! The two others draw a strip as wide as it is and a pixel more, and ask each pixel which share of it
 //! the strand covers (`coverage.wesl`): exact for a pixel that is a square, so that nothing need be
-//! widened. Peeling (`peel.rs`) blends strands in order, as many as there are layers; what is behind
-//! them has its mean colour, and hides as much as it does in any order.
+//! widened. Peeling (`peel.rs`) blends strands in order, as many as there are layers. How thick the hair
+//! behind them is one more pass tells at eight depths (`thickness.wesl`), so that in the last one each
+//! strand counts by what lies before it.
 //!
 //! Not taken: linked lists of fragments (memory without bound, atomics per fragment), sorting strands
 //! (they cross), moments of transmittance. Untried: analytic coverage in a compute rasteriser, for
