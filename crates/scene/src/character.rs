@@ -29,9 +29,6 @@ const SKULL_ABOVE_NECK: Vec3 = Vec3::new(0.0, 0.075, 0.012);
 /// Vertices per turn below which curls are seen to be made of straight pieces.
 const SMOOTH: f32 = 6.0;
 
-/// Nodes along the longest side of the mannequin's distance field.
-const FIELD_RESOLUTION: u32 = 96;
-
 /// How strands become what is drawn, on a [`Base`].
 #[derive(Clone, Debug, Default)]
 pub struct Styling {
@@ -133,11 +130,8 @@ impl Base {
         simulate: &Simulate,
         progress: &impl Progress,
     ) -> Result<Self> {
-        let scalp = GridScalp::of_mannequin(mannequin::sdf_with(FIELD_RESOLUTION, progress).await);
         let head = mannequin::mesh_with(mannequin::RESOLUTION, progress).await;
-        let mut styled = styles::guides_with(&style.recipe(), &scalp, progress).await;
-        progress.step("letting the hair fall", 0.0).await;
-        styles::settle(&gpu.device, &gpu.queue, simulate, &mut styled, &scalp.field).await?;
+        let (styled, scalp) = styles::settled(&gpu.device, &gpu.queue, simulate, style, progress).await?;
         Ok(Self {
             head: Some(head),
             neck: mannequin::NECK_JOINT,
