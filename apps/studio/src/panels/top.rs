@@ -23,7 +23,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let text = if studio.panels.is_folded(ui.ctx()) { "Show panel" } else { "Hide panel" };
-                if ui.button(text).on_hover_text("The panel at the side\nKey Tab").clicked() {
+                if ui.button(text).on_hover_text("The panel at the side\nKey P").clicked() {
                     studio.panels.fold(ui.ctx());
                 }
                 history(studio, ui);
