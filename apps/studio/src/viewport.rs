@@ -16,18 +16,14 @@ const WHEEL: f32 = 0.0025;
 const TURN: f32 = 0.008;
 /// Radius of a lock that is pulled, metres.
 const LOCK: f32 = 0.02;
-/// Smallest picture, pixels.
-const LEAST: u32 = 16;
 
 /// Shows the picture and takes what the pointer does.
 pub fn show(studio: &mut Studio, ui: &mut Ui) {
     let rect = ui.available_rect_before_wrap();
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
-    let scale = ui.ctx().pixels_per_point() * studio.pace.scale();
-    let pixels = |points: f32| ((points * scale).round() as u32).max(LEAST);
-    let wanted = [pixels(rect.width()), pixels(rect.height())];
-    if wanted != studio.wanted {
-        (studio.wanted, studio.dirty) = (wanted, true);
+    let area = rect.size() * ui.ctx().pixels_per_point();
+    if area != studio.area {
+        (studio.area, studio.dirty) = (area, true);
     }
     studio.orbit.set_aspect(rect.width() / rect.height().max(1.0));
     pointer(studio, ui, &response);

@@ -3,6 +3,7 @@
 
 pub mod camera;
 pub mod character;
+pub mod coarse;
 pub mod colliders;
 pub mod history;
 pub mod knobs;
@@ -12,6 +13,7 @@ pub mod motion;
 pub mod preset;
 pub mod settings;
 pub mod stage;
+pub mod words;
 
 pub use camera::{Bounds, Camera, Shot};
 pub use character::{Base, Character, Files, Styling};

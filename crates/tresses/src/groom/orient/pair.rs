@@ -75,7 +75,7 @@ pub fn pair(
     {
         let (up, front) = (next.2.up.name(), next.2.front.name());
         own.doubts
-            .push(format!("up {up} and face {front} of the head is nearly as likely; give --up and --front"));
+            .push(format!("up {up} and face {front} of the head is nearly as likely; giving both axes settles it"));
     }
     (own, upright)
 }
