@@ -12,6 +12,7 @@ use crate::{
     pace::Pace,
     panels,
     play::Play,
+    record::{Recording, Wish},
     stage::{Moment, Show},
     state::{self, State},
     theme,
@@ -53,7 +54,7 @@ pub struct Shown {
 /// The studio.
 pub struct Studio {
     pub(crate) gpu: Gpu,
-    state: RenderState,
+    pub(crate) state: RenderState,
     pub(crate) renderer: Option<Arc<HairRenderer>>,
     pub(crate) dialogs: Dialogs,
     /// The picture is to be saved.
@@ -67,6 +68,10 @@ pub struct Studio {
     /// The pipelines are to be built again.
     pub(crate) rebuild: bool,
     pub(crate) job: Option<Job>,
+    /// A loop that is being recorded.
+    pub(crate) recording: Option<Recording>,
+    /// How the next loop is to be recorded.
+    pub(crate) wish: Wish,
     pub(crate) show: Option<Show>,
     pub(crate) shown: Option<Shown>,
     pub(crate) orbit: Orbit,
@@ -131,6 +136,8 @@ impl Studio {
             state,
             renderer: None,
             job: Some(job),
+            recording: None,
+            wish: Wish::default(),
             show: None,
             shown: None,
             orbit: Orbit::new(View::default(), (Vec3::new(-0.1, 1.4, -0.1), Vec3::new(0.1, 1.7, 0.1))),
@@ -239,6 +246,8 @@ impl Studio {
 
     /// Shows what has become ready.
     fn present(&mut self, ready: crate::job::Ready) {
+        // Of hair that is no longer there.
+        self.stop_recording();
         let crate::job::Ready { stage, source, base, notes, keep } = ready;
         self.renderer = Some(stage.renderer.clone());
         if !keep {
@@ -277,12 +286,12 @@ impl Studio {
         let (busy, landed) = show.landed();
         if let Some(ms) = landed {
             self.panels.frames.push(ms);
-            if self.pace.landed(ms) {
+            if self.recording.is_none() && self.pace.landed(ms) {
                 self.dirty = true;
                 context.request_repaint();
             }
         }
-        if busy {
+        if busy || self.record_on(context) {
             return;
         }
         if due {
@@ -324,7 +333,7 @@ impl Studio {
     }
 
     /// The size of the next picture, pixels.
-    fn size(&self) -> [u32; 2] {
+    pub(crate) fn size(&self) -> [u32; 2] {
         let size = self.area * self.pace.level().scale;
         [size.x, size.y].map(|side| (side.round() as u32).max(LEAST))
     }
@@ -358,6 +367,7 @@ impl Studio {
             adapter: self.gpu.info.name.clone(),
             lost: self.lost().is_some(),
             busy: self.dirty
+                || self.recording.is_some()
                 || self.pace.can_refine()
                 || self.play.is_due()
                 || self.is_live()
@@ -377,6 +387,7 @@ impl eframe::App for Studio {
         panels::transport::show(self, ui);
         panels::side::show(self, ui);
         egui::CentralPanel::no_frame().show(ui, |ui| viewport::show(self, ui));
+        panels::record::show(self, ui);
         self.work_off(&context);
         self.save_picture(&context);
         self.draw(&context);

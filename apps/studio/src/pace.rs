@@ -23,7 +23,7 @@ pub struct Level {
 
 impl Level {
     /// Everything.
-    const FULL: Self =
+    pub const FULL: Self =
         Self { scale: 1.0, bias: 0.0, stray: 1.0, coarse: false, slow: false, few_lights: false };
 
     const fn coarse(scale: f32, bias: f32, stray: f32) -> Self {
@@ -68,7 +68,7 @@ const ROOM: f32 = 0.45;
 /// So many frames in a row must be too long, or have room.
 const PATIENCE: (u32, u32) = (2, 24);
 /// The longest that the window may stand still for a finer picture, milliseconds.
-const LONGEST: f32 = 2000.0;
+const LONGEST: f32 = 3000.0;
 
 /// How finely frames are drawn.
 #[derive(Clone, Copy, Debug)]

@@ -107,6 +107,10 @@ impl Studio {
         if level.few_lights {
             stage.lighting.rim = 0.0;
         }
+        if level.coarse {
+            // Flat triangles shade themselves sooner.
+            stage.look.shadows.bias *= 2.0;
+        }
         stage.set_coarse(level.coarse);
         if let Err(error) = stage.set_lod(level.lod(settings.lod.options())) {
             self.error = Some(format!("{error:#}"));

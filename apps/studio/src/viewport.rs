@@ -31,13 +31,21 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
     painter.rect_filled(rect, 0.0, Color32::from_rgb(0x24, 0x26, 0x29));
     if let Some(texture) = studio.show.as_ref().and_then(|show| show.texture()) {
         let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
-        painter.image(texture, rect, whole, Color32::WHITE);
+        painter.image(texture, fitted(studio, rect), whole, Color32::WHITE);
     }
     if let Some(sentence) = studio.lost() {
         message(ui, rect, &sentence, theme::ALARM);
     } else {
         panels::overlay::show(studio, ui, rect);
     }
+}
+
+/// Where the picture goes: everywhere, unless one of another form is recorded.
+fn fitted(studio: &Studio, rect: Rect) -> Rect {
+    let (Some(show), Some(_)) = (&studio.show, &studio.recording) else { return rect };
+    let [width, height] = show.stage.targets.size.map(|side| side as f32);
+    let scale = (rect.width() / width).min(rect.height() / height);
+    Rect::from_center_size(rect.center(), scale * vec2(width, height))
 }
 
 fn message(ui: &Ui, rect: Rect, text: &str, color: Color32) {

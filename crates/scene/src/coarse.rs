@@ -51,10 +51,14 @@ pub fn with_triangles(mesh: &TriMesh, triangles: usize) -> TriMesh {
     if mesh.triangles.len() <= triangles {
         return mesh.clone();
     }
-    let area: f32 = mesh.triangles.iter().map(|t| {
-        let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
-        0.5 * (b - a).cross(c - a).length()
-    }).sum();
+    let area: f32 = mesh
+        .triangles
+        .iter()
+        .map(|t| {
+            let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
+            0.5 * (b - a).cross(c - a).length()
+        })
+        .sum();
     // A surface meets about 1.5 cubes per area of a cube's face, each with a vertex and so with two triangles.
     clustered(mesh, (3.0 * area / triangles.max(1) as f32).sqrt().max(1e-4))
 }

@@ -10,6 +10,7 @@ pub mod knobs;
 #[cfg(not(target_arch = "wasm32"))]
 mod measure;
 pub mod motion;
+pub mod picture;
 pub mod preset;
 pub mod settings;
 pub mod stage;

@@ -130,7 +130,10 @@ fn explain_unit(placement: &mut Placement, known: bool, seen: &str) {
         format!("1 unit is {:.3} mm, no usual unit but the size of a head: {seen}", 1e3 * unit.0)
     });
     if !known {
-        placement.doubts.push(format!("the size is a guess; a unit of {:.5} m or the like, given by hand, settles it", unit.0));
+        placement.doubts.push(format!(
+            "the size is a guess; a unit of {:.5} m or the like, given by hand, settles it",
+            unit.0
+        ));
     }
 }
 
