@@ -93,6 +93,11 @@ impl Play {
         dt
     }
 
+    /// Seconds of a run of the motion.
+    pub fn period(&self) -> f64 {
+        self.motion.as_ref().map_or(1.0, Motion::duration)
+    }
+
     /// The head's pose now; it turns about `pivot`.
     pub fn pose(&self, pivot: Vec3) -> Pose {
         let now = self.motion.as_ref().map_or(Pose::IDENTITY, |motion| motion.pose(self.time, pivot));

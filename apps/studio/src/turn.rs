@@ -4,6 +4,7 @@ use crate::{
     app::Studio,
     files::Files,
     job::{Order, Source},
+    pace::Level,
 };
 use eframe::egui;
 use tresses::{
@@ -11,7 +12,7 @@ use tresses::{
     gpu::Tier,
     groom::styles::Style,
 };
-use tresses_scene::{Settings, Styling, preset::Preset, settings::Maps};
+use tresses_scene::{Settings, preset::Preset};
 
 impl Studio {
     /// The built-in style that is shown, if it is one.
@@ -98,19 +99,20 @@ impl Studio {
         );
     }
 
-    /// Gives the stage the settings as they are; before each frame.
-    pub(crate) fn dress(&mut self) {
+    /// Gives the stage the settings as they are, drawn as `level` has it; before each frame.
+    pub(crate) fn dress(&mut self, level: &Level) {
         let Some(show) = &mut self.show else { return };
         let (settings, stage) = (self.settings.now(), &mut show.stage);
-        stage.physics = settings.physics();
-        settings.apply(&mut stage.look);
-        stage.hair.avoidance.options = settings.interpolation;
-        let camera = self.orbit.camera();
-        let back = camera.eye - camera.target;
-        stage.set_lights(Some(settings.lights.lights(back.x.atan2(back.z), None)));
-        let mut lod = settings.lod.options();
-        lod.bias = (lod.bias + self.pace.bias()).clamp(-8.0, 8.0);
-        if let Err(error) = stage.set_lod(lod) {
+        stage.take(settings);
+        if level.few_lights {
+            stage.lighting.rim = 0.0;
+        }
+        if level.coarse {
+            // Flat triangles shade themselves sooner.
+            stage.look.shadows.bias *= 2.0;
+        }
+        stage.set_coarse(level.coarse);
+        if let Err(error) = stage.set_lod(level.lod(settings.lod.options())) {
             self.error = Some(format!("{error:#}"));
         }
         stage.show(self.view);
@@ -123,24 +125,7 @@ pub fn draw_options(settings: &Settings, tier: &Tier) -> tresses::Result<DrawOpt
         return settings.draw_options(tier.max_samples);
     }
     let shadow_resolution =
-        if tier.software { settings.shadow_resolution.min(384) } else { settings.shadow_resolution };
+        if tier.software { settings.shadow_resolution.min(256) } else { settings.shadow_resolution };
     let samples = if tier.software { 1 } else { 4 };
     Ok(DrawOptions { samples, coverage: Coverage::SampleMask, shadow_resolution, ..Default::default() })
-}
-
-/// How strands are made of `source` under `settings`.
-pub fn styling(settings: &Settings, source: &Source) -> anyhow::Result<Styling> {
-    let maps = Maps::default();
-    let (mut growth, mut restyle) = (None, None);
-    match source {
-        Source::Style(name) => growth = Some(settings.style.growth(&name.parse()?, &maps)?),
-        Source::Files { .. } => restyle = settings.style.restyle(&maps)?,
-    }
-    Ok(Styling {
-        growth,
-        restyle,
-        guides: settings.style.guides(),
-        strands: settings.style.strands,
-        ..Default::default()
-    })
 }

@@ -1,12 +1,13 @@
 //! What is known of the groom: how it was read, what was found, and how to read it otherwise.
 
-use crate::{app::Studio, job::Source, panels::status::grouped, theme};
+use crate::{app::Studio, job::Source, theme};
 use eframe::egui::{self, ComboBox, Grid, RichText, ScrollArea, Ui};
 use tresses::groom::{
     import::{ImportOptions, ImportReport},
     lint::Severity,
     orient::{Axis, Choice, Placement, Unit},
 };
+use tresses_scene::words::grouped;
 
 /// Shows it.
 pub fn show(studio: &mut Studio, ui: &mut Ui) {
