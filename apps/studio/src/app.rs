@@ -9,7 +9,7 @@ use crate::{
     job::{Job, Order, Source},
     options::Options,
     orbit::Orbit,
-    pace::Pace,
+    pace::{Level, Pace},
     panels,
     play::Play,
     record::{Recording, Wish},
@@ -25,7 +25,13 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
     time::Duration,
 };
-use tresses::{HairRenderer, Pose, draw::debug, glam::Vec3, gpu::Gpu, groom::import::ImportOptions};
+use tresses::{
+    HairRenderer, Pose,
+    draw::debug,
+    glam::Vec3,
+    gpu::Gpu,
+    groom::{import::ImportOptions, styles::Style},
+};
 use tresses_scene::{Base, History, camera::View};
 use web_time::Instant;
 
@@ -223,11 +229,18 @@ impl Studio {
 
     /// What long work has come to, and what was dropped on the window.
     fn receive(&mut self, context: &egui::Context) {
-        if let Some(done) = self.job.as_ref().and_then(Job::take) {
-            self.job = None;
+        if let Some(done) = self.job.as_ref().and_then(Job::take)
+            && let Some(Job { source, .. }) = self.job.take()
+        {
             match done {
                 Ok(ready) => self.present(*ready),
-                Err(error) => self.error = Some(format!("{error:#}")),
+                Err(error) => {
+                    // A window that has nothing to show yet shows what is built in.
+                    if self.show.is_none() && matches!(source, Source::Files { .. }) {
+                        self.open(context, Source::Style(Style::default().name().into()));
+                    }
+                    self.error = Some(format!("{error:#}"));
+                }
             }
         }
         for answer in self.dialogs.take() {
@@ -334,7 +347,12 @@ impl Studio {
 
     /// The size of the next picture, pixels.
     pub(crate) fn size(&self) -> [u32; 2] {
-        let size = self.area * self.pace.level().scale;
+        self.size_at(self.pace.level())
+    }
+
+    /// The size of a picture at `level`, pixels.
+    pub(crate) fn size_at(&self, level: &Level) -> [u32; 2] {
+        let size = self.area * level.scale;
         [size.x, size.y].map(|side| (side.round() as u32).max(LEAST))
     }
 
@@ -389,7 +407,7 @@ impl eframe::App for Studio {
         egui::CentralPanel::no_frame().show(ui, |ui| viewport::show(self, ui));
         panels::record::show(self, ui);
         self.work_off(&context);
-        self.save_picture(&context);
+        self.save_picture(&self.state.clone(), &context);
         self.draw(&context);
         if self.job.is_some() {
             // Seconds are counted.

@@ -64,8 +64,12 @@ impl Play {
     /// The hair is to be put to rest, and the motion to its begin.
     pub fn reset(&mut self) {
         self.reset = true;
-        self.leaving = None;
-        self.time = 0.0;
+        self.begin();
+    }
+
+    /// The motion is at its begin, whatever was before.
+    pub fn begin(&mut self) {
+        (self.leaving, self.time) = (None, 0.0);
     }
 
     /// Whether the hair is to be put to rest; asked once.

@@ -34,19 +34,26 @@ impl Studio {
                 self.change(context, settings, "Preset");
                 // Names of files in it are relative to it.
                 let source = source.inside(path.parent().unwrap_or(std::path::Path::new("")));
-                if let Some(style) = source.style {
-                    self.open(context, Source::Style(style));
-                } else if !source.grooms.is_empty() {
-                    let options = Box::new(source.orientation);
-                    self.open(
-                        context,
-                        Source::Files {
-                            files: Files::Disk { grooms: source.grooms, heads: source.heads },
-                            options,
-                        },
-                    );
+                let mut said = format!("{} is applied", path.display());
+                let left = source.companions();
+                if !left.is_empty() {
+                    said += &format!(", without its {}: the studio takes none yet", left.join(", "));
                 }
-                self.said = Some(format!("{} is applied", path.display()));
+                let files =
+                    matches!(self.shown.as_ref().map(|shown| &shown.source), Some(Source::Files { .. }));
+                match source.style {
+                    // A look is tried on the hair that is there.
+                    Some(style) if files => {
+                        said += &format!(" to this groom; it was made for the style {style}")
+                    }
+                    Some(style) => self.open(context, Source::Style(style)),
+                    None if source.grooms.is_empty() => {}
+                    None => {
+                        let files = Files::Disk { grooms: source.grooms, heads: source.heads };
+                        self.open(context, Source::Files { files, options: Box::new(source.orientation) });
+                    }
+                }
+                self.said = Some(said);
             }
             Err(error) => self.error = Some(error.to_string()),
         }
