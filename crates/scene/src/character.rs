@@ -162,13 +162,16 @@ impl Base {
             }
             Files::Given(files) => import::read_given(files, options)?,
         };
-        let field = match &head {
-            Some(head) => {
-                let built = sdf::build_with(head, &SdfOptions::default(), progress).await;
-                Some(built.with_context(|| files.head_name())?)
-            }
-            None => None,
-        };
+        let field =
+            match &head {
+                Some(head) => {
+                    let built = sdf::build_with(head, &SdfOptions::default(), progress).await;
+                    Some(built.with_context(|| {
+                        format!("{}, {} high as it is read", files.head_name(), high(head))
+                    })?)
+                }
+                None => None,
+            };
         let neck = neck(&strands, head.as_ref());
         let mut notes = report.placement.doubts.clone();
         notes.extend(report.head_placement.iter().flat_map(|placement| placement.doubts.clone()));
@@ -228,6 +231,19 @@ impl Base {
         }
         let (head, levels) = (self.head.clone(), styling.levels.clone());
         Ok(Character { groom, head, field, neck: self.neck, levels, notes })
+    }
+}
+
+/// How high a mesh is, in a unit that makes a handy number: a wrong unit is seen at once.
+fn high(mesh: &TriMesh) -> String {
+    let (low, high) = mesh
+        .positions
+        .iter()
+        .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), p| (low.min(p.y), high.max(p.y)));
+    match high - low {
+        metres if metres >= 1.0 => format!("{metres:.3} m"),
+        metres if metres >= 0.01 => format!("{:.3} cm", 100.0 * metres),
+        metres => format!("{:.3} mm", 1000.0 * metres),
     }
 }
 

@@ -27,7 +27,8 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, rect: Rect) {
     if studio.show.is_some() {
         at("tools", Align2::LEFT_TOP, vec2(0.0, 0.0))
             .show(ui.ctx(), |ui| plate().show(ui, |ui| tools(studio, ui)));
-        at("views", Align2::RIGHT_TOP, vec2(0.0, 0.0))
+        // The panels of grids stand at the right.
+        at("views", Align2::CENTER_TOP, vec2(0.0, 0.0))
             .show(ui.ctx(), |ui| plate().show(ui, |ui| views(studio, ui)));
     }
     if studio.show.is_some() {
