@@ -99,7 +99,9 @@ impl Studio {
             (wish.length(period) / period).fract().min(1.0 - (wish.length(period) / period).fract()) < 1e-3;
         let lead = if closes { (period * f64::from(wish.fps)).round() as u32 } else { 0 };
         let before = self.play.clone();
-        (self.play.playing, self.play.time) = (false, 0.0);
+        // From the motion's begin, whatever was before it.
+        self.play.reset();
+        self.play.playing = false;
         self.ball = None;
         show.stage.hair.reset();
         (self.error, self.said) = (None, None);
