@@ -119,22 +119,23 @@ mod tests {
     fn another_motion_does_not_jerk_the_head() {
         let mut play = Play::default();
         let pivot = Vec3::Y;
-        let mut most = 0.0f32;
-        let mut step = |play: &mut Play| {
-            let before = play.pose(pivot);
-            play.advance(STEP, 1.0);
-            most = most.max(before.rotation.angle_between(play.pose(pivot).rotation));
+        let mut run = |play: &mut Play, steps: u32| {
+            let mut most = 0.0f32;
+            for _ in 0..steps {
+                let before = play.pose(pivot).rotation;
+                play.advance(STEP, 1.0);
+                most = most.max(before.angle_between(play.pose(pivot).rotation));
+            }
+            most
         };
-        for _ in 0..30 {
-            step(&mut play);
-        }
+        let usual = run(&mut play.clone(), 300);
+        run(&mut play, 30);
+        let turned = play.pose(pivot).rotation.angle_between(Pose::IDENTITY.rotation);
         play.choose("still");
-        assert!(play.pose(pivot).rotation.angle_between(Pose::IDENTITY.rotation) > 0.2);
-        for _ in 0..60 {
-            step(&mut play);
-        }
+        let fastest = run(&mut play, 60);
         assert_eq!(play.pose(pivot), Pose::IDENTITY);
-        assert!(most < 0.06, "{most} radians in a step");
+        assert!(turned > 3.0 * usual, "a jump would be seen: {turned}, {usual} radians");
+        assert!(fastest < 1.5 * usual, "{fastest} radians in a step, {usual} in the motion itself");
         play.choose("turn");
         play.reset();
         assert_eq!(play.pose(pivot), Pose::IDENTITY);

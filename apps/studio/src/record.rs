@@ -1,13 +1,14 @@
 //! A loop as a file: the motion is run from its begin in exact steps, one frame of hair at a time, however
 //! long each takes. The window goes on and shows what is recorded.
 
+#[cfg(not(target_arch = "wasm32"))]
+use crate::task;
 use crate::{
     app::Studio,
     dialog::{Answer, Dialogs},
     pace::{Level, Pace},
     play::Play,
     stage::{Moment, Show},
-    task,
 };
 use anyhow::Result;
 use eframe::egui;
