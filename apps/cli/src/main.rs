@@ -48,7 +48,7 @@ enum Command {
     /// Show the built-in character with moving hair: out/demo.png and out/demo.webp
     Demo(Box<demo::Args>),
     /// Open the window: move hair with the mouse, see inside, change everything
-    Studio(studio::Args),
+    Studio(Box<studio::Args>),
     /// Report what is in a groom and what is wrong with it
     Info(info::Args),
     /// Write a groom in another format
@@ -75,7 +75,7 @@ fn main() -> ExitCode {
     let result = match cli.command {
         Command::Render(args) => render::run(&args),
         Command::Demo(args) => demo::run(&args),
-        Command::Studio(args) => studio::run(args),
+        Command::Studio(args) => studio::run(&args),
         Command::Info(args) => info::run(args),
         Command::Convert(args) => convert::run(args),
         Command::Preset(args) => preset::run(&args),

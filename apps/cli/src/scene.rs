@@ -70,7 +70,9 @@ impl Scene {
             Some(path) => Colliders::read(Path::new(path))?,
             None => Colliders::default(),
         };
-        let mut stage = pollster::block_on(Stage::new(gpu, renderer, character, colliders, &quality, &()))?;
+        let physics = settings.physics();
+        let stage = Stage::new(gpu, renderer, character, colliders, &physics, &quality, &());
+        let mut stage = pollster::block_on(stage)?;
         stage.apply(settings)?;
         stage.set_lights(surroundings);
         Ok(Self { stage, debug: None })

@@ -1,32 +1,77 @@
 //! `tresses studio`: the window.
 
-use crate::orient_args::OrientArgs;
-use anyhow::Result;
-use std::path::PathBuf;
-use tresses::groom::styles::Style;
+use crate::settings_args::SettingsArgs;
+use anyhow::{Context, Result, ensure};
+use tresses_studio::Options;
 
 /// What the window shows first; everything can be changed there.
-#[derive(clap::Args)]
+#[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Files of one groom (.hair, .tfx, .obj and others, see `tresses info`) [default: a built-in style]
-    grooms: Vec<PathBuf>,
-    /// Meshes of the head that the groom grows on
-    #[arg(long, value_name = "MESH", requires = "grooms")]
-    head: Vec<PathBuf>,
-    /// Built-in style: long, bob, curly or short
-    #[arg(long, value_name = "STYLE", conflicts_with = "grooms", value_parser = style)]
-    style: Option<String>,
     #[command(flatten)]
-    orientation: OrientArgs,
-}
-
-fn style(name: &str) -> Result<String> {
-    Ok(name.parse::<Style>()?.name().into())
+    settings: SettingsArgs,
 }
 
 /// Opens the window and returns when it is closed.
-pub fn run(args: Args) -> Result<()> {
-    let Args { grooms, head, style, orientation } = args;
-    let import = orientation.options();
-    tresses_studio::run(tresses_studio::Options { grooms, heads: head, style, import, ..Default::default() })
+pub fn run(args: &Args) -> Result<()> {
+    tresses_studio::run(args.options()?)
+}
+
+impl Args {
+    fn options(&self) -> Result<Options> {
+        let preset = self.settings.preset()?;
+        let source = preset.source;
+        let companions = source.companions();
+        ensure!(
+            companions.is_empty(),
+            "the studio takes no {} yet; `tresses render` does",
+            companions.join(", no ")
+        );
+        // Said here, and not in a window that has nothing to show.
+        for path in source.grooms.iter().chain(&source.heads) {
+            std::fs::metadata(path).with_context(|| path.display().to_string())?;
+        }
+        Ok(Options {
+            grooms: source.grooms,
+            heads: source.heads,
+            style: source.style,
+            import: source.orientation,
+            settings: preset.settings,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Command {
+        #[command(flatten)]
+        args: Args,
+    }
+
+    fn options(words: &[&str]) -> Result<Options> {
+        Command::try_parse_from([&["x"], words].concat())?.args.options()
+    }
+
+    #[test]
+    fn the_window_begins_as_the_options_say() {
+        assert_eq!(options(&[]).unwrap(), Options::default());
+        let begun = options(&["--style", "bob", "--set", "wind.speed=3"]).unwrap();
+        assert_eq!((begun.style.as_deref(), begun.settings.wind.speed), (Some("bob"), 3.0));
+        let preset = concat!(env!("CARGO_MANIFEST_DIR"), "/../../presets/storm.toml");
+        let storm = options(&["--preset", preset]).unwrap();
+        assert_eq!((storm.style.as_deref(), storm.settings.wind.speed), (Some("long"), 14.0));
+    }
+
+    #[test]
+    fn what_the_window_cannot_show_is_said_before_it_opens() {
+        for (words, text) in
+            [(&["nowhere.tfx"][..], "nowhere.tfx"), (&["--density-map", "noise"], "no density_map")]
+        {
+            let said = format!("{:#}", options(words).unwrap_err());
+            assert!(said.contains(text), "{said}");
+        }
+    }
 }

@@ -9,9 +9,10 @@ use crate::{
     job::{Job, Order, Source},
     options::Options,
     orbit::Orbit,
-    pace::Pace,
+    pace::{Level, Pace},
     panels,
     play::Play,
+    record::{Recording, Wish},
     stage::{Moment, Show},
     state::{self, State},
     theme,
@@ -24,12 +25,24 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
     time::Duration,
 };
-use tresses::{HairRenderer, Pose, draw::debug, glam::Vec3, gpu::Gpu, groom::import::ImportOptions};
+use tresses::{
+    HairRenderer, Pose,
+    draw::debug,
+    glam::Vec3,
+    gpu::Gpu,
+    groom::{import::ImportOptions, styles::Style},
+};
 use tresses_scene::{Base, History, camera::View};
 use web_time::Instant;
 
 /// The longest stretch of hair's time that one frame moves on by, seconds: on a GPU, on a software driver.
 const LONGEST: (f32, f32) = (0.1, 1.0 / 30.0);
+
+/// How long nothing has moved before the picture is refined.
+const REST: Duration = Duration::from_millis(500);
+
+/// Smallest picture, pixels.
+const LEAST: u32 = 16;
 
 /// How long hair that was touched swings while time stands still, seconds.
 const AWAKE: f32 = 2.0;
@@ -47,7 +60,7 @@ pub struct Shown {
 /// The studio.
 pub struct Studio {
     pub(crate) gpu: Gpu,
-    state: RenderState,
+    pub(crate) state: RenderState,
     pub(crate) renderer: Option<Arc<HairRenderer>>,
     pub(crate) dialogs: Dialogs,
     /// The picture is to be saved.
@@ -61,6 +74,10 @@ pub struct Studio {
     /// The pipelines are to be built again.
     pub(crate) rebuild: bool,
     pub(crate) job: Option<Job>,
+    /// A loop that is being recorded.
+    pub(crate) recording: Option<Recording>,
+    /// How the next loop is to be recorded.
+    pub(crate) wish: Wish,
     pub(crate) show: Option<Show>,
     pub(crate) shown: Option<Shown>,
     pub(crate) orbit: Orbit,
@@ -84,8 +101,10 @@ pub struct Studio {
     awake: f32,
     /// Where the pointer was when the drag was looked at last.
     pub(crate) pointer: Option<egui::Pos2>,
-    /// The size that the picture should have, pixels.
-    pub(crate) wanted: [u32; 2],
+    /// What the picture takes of the screen, pixels.
+    pub(crate) area: egui::Vec2,
+    /// Since when nothing has moved.
+    rest: Option<Instant>,
     /// When the last frame of the hair was begun, while time goes by.
     last: Option<Instant>,
     pub(crate) panels: panels::Panels,
@@ -123,6 +142,8 @@ impl Studio {
             state,
             renderer: None,
             job: Some(job),
+            recording: None,
+            wish: Wish::default(),
             show: None,
             shown: None,
             orbit: Orbit::new(View::default(), (Vec3::new(-0.1, 1.4, -0.1), Vec3::new(0.1, 1.7, 0.1))),
@@ -137,7 +158,8 @@ impl Studio {
             dirty: true,
             awake: 0.0,
             pointer: None,
-            wanted: [0; 2],
+            area: egui::Vec2::ZERO,
+            rest: None,
             last: None,
             panels: panels::Panels::default(),
         })
@@ -207,11 +229,18 @@ impl Studio {
 
     /// What long work has come to, and what was dropped on the window.
     fn receive(&mut self, context: &egui::Context) {
-        if let Some(done) = self.job.as_ref().and_then(Job::take) {
-            self.job = None;
+        if let Some(done) = self.job.as_ref().and_then(Job::take)
+            && let Some(Job { source, .. }) = self.job.take()
+        {
             match done {
                 Ok(ready) => self.present(*ready),
-                Err(error) => self.error = Some(format!("{error:#}")),
+                Err(error) => {
+                    // A window that has nothing to show yet shows what is built in.
+                    if self.show.is_none() && matches!(source, Source::Files { .. }) {
+                        self.open(context, Source::Style(Style::default().name().into()));
+                    }
+                    self.error = Some(format!("{error:#}"));
+                }
             }
         }
         for answer in self.dialogs.take() {
@@ -230,6 +259,8 @@ impl Studio {
 
     /// Shows what has become ready.
     fn present(&mut self, ready: crate::job::Ready) {
+        // Of hair that is no longer there.
+        self.stop_recording();
         let crate::job::Ready { stage, source, base, notes, keep } = ready;
         self.renderer = Some(stage.renderer.clone());
         if !keep {
@@ -256,7 +287,7 @@ impl Studio {
         if !due {
             self.last = None;
         }
-        if self.lost().is_some() || self.wanted[0] == 0 {
+        if self.lost().is_some() || self.area.min_elem() < 1.0 {
             return;
         }
         if !self.hand.is_still()
@@ -268,14 +299,21 @@ impl Studio {
         let (busy, landed) = show.landed();
         if let Some(ms) = landed {
             self.panels.frames.push(ms);
-            if self.pace.landed(ms) {
+            if self.recording.is_none() && self.pace.landed(ms) {
                 self.dirty = true;
                 context.request_repaint();
             }
         }
-        if busy || !due {
+        if busy || self.record_on(context) {
             return;
         }
+        if due {
+            self.rest = None;
+            self.pace.moved();
+        } else if !self.refines(context) {
+            return;
+        }
+        let Some(show) = &mut self.show else { return };
         let now = Instant::now();
         let real = self.last.map_or(1.0 / 60.0, |last| now.duration_since(last).as_secs_f32());
         self.last = Some(now);
@@ -293,18 +331,42 @@ impl Studio {
             self.awake -= real;
         }
         let seconds = self.play.advance(real, most).max(hand);
-        self.dress();
-        let (pose, camera) = (self.pose(), self.orbit.camera());
+        self.dress(self.pace.level());
+        let (pose, camera, size) = (self.pose(), self.orbit.camera(), self.size());
         let Some(show) = &mut self.show else { return };
         let field = show.stage.field.as_ref().map(|field| (field, &pose));
         self.ball = self.ball.and_then(|ball| ball.advanced(seconds, field));
         let ball = self.ball.map(|ball| ball.at);
-        let moment = Moment { pose, seconds, camera, size: self.wanted, ball };
+        let moment = Moment { pose, seconds, camera, size, ball };
         self.dirty = false;
         if let Err(error) = show.draw(&self.state, context, &moment) {
             self.error = Some(format!("{error:#}"));
             self.play.playing = false;
         }
+    }
+
+    /// The size of the next picture, pixels.
+    pub(crate) fn size(&self) -> [u32; 2] {
+        self.size_at(self.pace.level())
+    }
+
+    /// The size of a picture at `level`, pixels.
+    pub(crate) fn size_at(&self, level: &Level) -> [u32; 2] {
+        let size = self.area * level.scale;
+        [size.x, size.y].map(|side| (side.round() as u32).max(LEAST))
+    }
+
+    /// Nothing is due: whether the picture is drawn once more, finer.
+    fn refines(&mut self, context: &egui::Context) -> bool {
+        let held = context.input(|input| input.pointer.any_down());
+        if held || self.job.is_some() || !self.pace.can_refine() {
+            self.rest = None;
+            return false;
+        }
+        let rested = self.rest.get_or_insert_with(Instant::now).elapsed();
+        let Some(left) = REST.checked_sub(rested) else { return self.pace.refine() };
+        context.request_repaint_after(left);
+        false
     }
 
     /// What others may know.
@@ -323,6 +385,8 @@ impl Studio {
             adapter: self.gpu.info.name.clone(),
             lost: self.lost().is_some(),
             busy: self.dirty
+                || self.recording.is_some()
+                || self.pace.can_refine()
                 || self.play.is_due()
                 || self.is_live()
                 || self.orbit.is_gliding()
@@ -341,8 +405,9 @@ impl eframe::App for Studio {
         panels::transport::show(self, ui);
         panels::side::show(self, ui);
         egui::CentralPanel::no_frame().show(ui, |ui| viewport::show(self, ui));
+        panels::record::show(self, ui);
         self.work_off(&context);
-        self.save_picture(&context);
+        self.save_picture(&self.state.clone(), &context);
         self.draw(&context);
         if self.job.is_some() {
             // Seconds are counted.

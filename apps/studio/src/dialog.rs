@@ -5,10 +5,12 @@ use eframe::egui::{self, DroppedFileHandle};
 use rfd::AsyncFileDialog;
 use std::{
     borrow::Cow,
-    path::PathBuf,
+    path::{Path, PathBuf},
     sync::{Arc, Mutex, PoisonError},
+    time::Duration,
 };
 use tresses::groom::import::{self, Kind};
+use web_time::Instant;
 
 /// What a person chose.
 #[derive(Clone, Debug)]
@@ -42,12 +44,24 @@ impl Dialogs {
         context.request_repaint();
     }
 
+    /// Says so if the dialog that was asked for at `asked` did not open.
+    fn nothing(&self, context: &egui::Context, asked: Instant) {
+        if no_dialog(asked) {
+            let help = "drop files on the window or name them on the command line";
+            self.tell(context, Answer::Failed(format!("{MISSING}: {help}")));
+        }
+    }
+
     /// Asks for a groom, a head, or both.
     pub fn open(&self, context: &egui::Context) {
         let (dialogs, context) = (self.clone(), context.clone());
         task::spawn(move || async move {
             let ask = AsyncFileDialog::new().set_title("Open a groom, a head, or both");
-            let Some(files) = ask.add_filter("Grooms and heads", &GROOMS).pick_files().await else { return };
+            let asked = Instant::now();
+            let Some(files) = ask.add_filter("Grooms and heads", &GROOMS).pick_files().await else {
+                dialogs.nothing(&context, asked);
+                return;
+            };
             let mut read = Vec::new();
             for file in &files {
                 read.push((path_of(file), file.read().await));
@@ -84,7 +98,11 @@ impl Dialogs {
         let (dialogs, context) = (self.clone(), context.clone());
         task::spawn(move || async move {
             let ask = AsyncFileDialog::new().set_title("Open a preset").add_filter("Presets", &["toml"]);
-            let Some(file) = ask.pick_file().await else { return };
+            let asked = Instant::now();
+            let Some(file) = ask.pick_file().await else {
+                dialogs.nothing(&context, asked);
+                return;
+            };
             dialogs.tell(&context, sorted(vec![(path_of(&file), file.read().await)]));
         });
     }
@@ -94,16 +112,66 @@ impl Dialogs {
         let (dialogs, context) = (self.clone(), context.clone());
         let (title, name) = (title.to_owned(), name.to_owned());
         task::spawn(move || async move {
-            let Some(file) = AsyncFileDialog::new().set_title(title).set_file_name(name).save_file().await
-            else {
-                return;
-            };
-            let answer = match file.write(&bytes).await {
-                Ok(()) => Answer::Wrote(format!("{} is written", file.file_name())),
-                Err(error) => Answer::Failed(format!("{} cannot be written: {error}", file.file_name())),
+            let asked = Instant::now();
+            let ask = AsyncFileDialog::new().set_title(title).set_file_name(&name);
+            let answer = match ask.save_file().await {
+                Some(file) => write(&file, &name, &bytes).await,
+                None if no_dialog(asked) => write_here(&name, &bytes),
+                None => return,
             };
             dialogs.tell(&context, answer);
         });
+    }
+}
+
+/// Whether a dialog that was asked for at `asked` cannot have been seen: nobody is so quick to close one. (The
+/// toolkit does not tell one from the other.)
+fn no_dialog(asked: Instant) -> bool {
+    cfg!(not(target_arch = "wasm32")) && asked.elapsed() < Duration::from_millis(250)
+}
+
+/// What is missing when no dialog opens.
+const MISSING: &str = "this desktop opens no dialogs for files (on Linux install a desktop portal or zenity)";
+
+/// Writes `bytes` where the person wants them; names without an ending get that of `name`.
+#[cfg(not(target_arch = "wasm32"))]
+async fn write(file: &rfd::FileHandle, name: &str, bytes: &[u8]) -> Answer {
+    let mut path = file.path().to_path_buf();
+    if path.extension().is_none()
+        && let Some(ending) = Path::new(name).extension()
+    {
+        path.set_extension(ending);
+    }
+    wrote(&path, std::fs::write(&path, bytes))
+}
+
+/// Offers `bytes` for download.
+#[cfg(target_arch = "wasm32")]
+async fn write(file: &rfd::FileHandle, name: &str, bytes: &[u8]) -> Answer {
+    wrote(Path::new(name), file.write(bytes).await)
+}
+
+fn wrote(path: &Path, result: std::io::Result<()>) -> Answer {
+    match result {
+        Ok(()) => Answer::Wrote(format!("{} is written", path.display())),
+        Err(error) => Answer::Failed(format!("{} cannot be written: {error}", path.display())),
+    }
+}
+
+/// Without a dialog: writes `bytes` into the folder that the studio was started in, over no other file.
+fn write_here(name: &str, bytes: &[u8]) -> Answer {
+    let name = Path::new(name);
+    let (stem, ending) = (name.with_extension(""), name.extension().unwrap_or_default());
+    let numbered = |i: u32| match i {
+        0 => name.to_path_buf(),
+        i => PathBuf::from(format!("{}-{i}", stem.display())).with_extension(ending),
+    };
+    let folder = std::env::current_dir().unwrap_or_default();
+    let path = (0..).map(|i| folder.join(numbered(i))).find(|path| !path.exists());
+    let path = path.unwrap_or_else(|| folder.join(name));
+    match wrote(&path, std::fs::write(&path, bytes)) {
+        Answer::Wrote(sentence) => Answer::Wrote(format!("{sentence}: {MISSING}")),
+        failed => failed,
     }
 }
 
@@ -140,4 +208,24 @@ fn sorted(files: Vec<(PathBuf, Vec<u8>)>) -> Answer {
         }
     }
     Answer::Open(Files::Disk { grooms, heads })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_a_dialog_no_file_is_overwritten() {
+        let folder = std::env::temp_dir().join(format!("tresses-dialog-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let name = folder.join("preset.toml");
+        for (i, bytes) in [b"first", b"other"].into_iter().enumerate() {
+            let Answer::Wrote(said) = write_here(name.to_str().unwrap(), bytes) else { panic!("{i}") };
+            assert!(said.contains(MISSING));
+        }
+        assert_eq!(std::fs::read(&name).unwrap(), b"first");
+        assert_eq!(std::fs::read(folder.join("preset-1.toml")).unwrap(), b"other");
+        std::fs::remove_dir_all(&folder).unwrap();
+        assert!(matches!(write_here(name.to_str().unwrap(), b"x"), Answer::Failed(_)));
+    }
 }

@@ -10,12 +10,12 @@ use tresses::{
     gpu::Gpu,
     groom::{import::ImportOptions, mannequin, styles::Style},
 };
-use tresses_scene::{Base, Colliders, Quality, Settings, Stage};
+use tresses_scene::{Base, Colliders, Quality, Settings, Stage, settings::Maps};
 
 /// Size of the very first picture, which nobody sees, pixels.
 const FIRST: [u32; 2] = [487, 305];
-/// Cells along the mannequin's mesh on a software driver.
-const COARSE: u32 = 80;
+/// Cells along the mannequin's mesh while frames must be short on a software driver.
+const COARSE: u32 = 48;
 /// How long work goes on before the window gets its turn.
 const PATIENCE: std::time::Duration = std::time::Duration::from_millis(40);
 
@@ -167,12 +167,9 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready
             Arc::new(Base::imported(&files.borrowed(), options, progress).await?)
         }
     };
-    let mut character = base.dress(&turn::styling(&settings, &source)?, progress).await?;
+    let styling = settings.styling(base.style(), &Maps::default())?;
+    let mut character = base.dress(&styling, progress).await?;
     let notes = std::mem::take(&mut character.notes);
-    if gpu.tier.software && matches!(source, Source::Style(_)) {
-        // Shadow maps draw it again and again, and here each of its corners takes its time.
-        character.head = Some(mannequin::mesh_with(COARSE, progress).await);
-    }
     let quality = Quality {
         samples: options.samples,
         coverage: options.coverage,
@@ -180,8 +177,14 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready
         ssaa: settings.edges.ssaa,
         ..Quality::new(FIRST)
     };
-    let mut stage = Stage::new(gpu, renderer, character, Colliders::default(), &quality, progress).await?;
+    let (physics, colliders) = (settings.physics(), Colliders::default());
+    let stage = Stage::new(gpu, renderer, character, colliders, &physics, &quality, progress).await;
+    let mut stage = stage?;
     settings.apply(&mut stage.look);
+    if stage.gpu.tier.software && matches!(source, Source::Style(_)) {
+        // Shadow maps draw it again and again, and here each of its corners takes its time.
+        stage.offer_coarse(mannequin::mesh_with(COARSE, progress).await);
+    }
     progress.step("drawing the first picture", 0.0).await;
     first_picture(&mut stage)?;
     Ok(Ready { stage, source, base, notes, keep })

@@ -27,6 +27,7 @@ pub mod pace;
 pub mod panels;
 pub mod picture;
 pub mod play;
+pub mod record;
 pub mod stage;
 pub mod state;
 pub mod task;

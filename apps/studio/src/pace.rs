@@ -1,8 +1,64 @@
 //! Keeps frames short: resolution and detail fall until a frame fits, and rise again when there is room.
+//! When nothing moves any more, there is time: level by level the picture becomes what it would be
+//! without any of that.
 
-/// Scale of the resolution and bias of the level of detail, from the best to the fastest.
-const LEVELS: [(f32, f32); 7] =
-    [(1.0, 0.0), (0.85, 0.0), (0.7, 0.3), (0.55, 0.7), (0.45, 1.2), (0.36, 1.8), (0.28, 2.5)];
+use tresses::lod::LodOptions;
+
+/// How finely a frame is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Level {
+    /// The factor on the resolution.
+    pub scale: f32,
+    /// What is added to the bias of the level of detail.
+    pub bias: f32,
+    /// The factor on how far strands may stray from their full shape: fewer segments.
+    pub stray: f32,
+    /// Whether the body has few triangles.
+    pub coarse: bool,
+    /// Whether the hair moves in steps of twice the length.
+    pub slow: bool,
+    /// Whether the light from behind is out: each light has a shadow of its own to be drawn and read.
+    pub few_lights: bool,
+}
+
+impl Level {
+    /// Everything.
+    pub const FULL: Self =
+        Self { scale: 1.0, bias: 0.0, stray: 1.0, coarse: false, slow: false, few_lights: false };
+
+    const fn coarse(scale: f32, bias: f32, stray: f32) -> Self {
+        Self { scale, bias, stray, coarse: true, ..Self::FULL }
+    }
+
+    /// The level of detail that this makes of what a person has chosen.
+    pub fn lod(&self, mut options: LodOptions) -> LodOptions {
+        options.bias = (options.bias + self.bias).clamp(-8.0, 8.0);
+        options.curve_error = (options.curve_error * self.stray).min(100.0);
+        if self.slow {
+            // From any distance, and by twice at most.
+            (options.slow_pixel, options.slowest) = (1e-6, options.slowest.max(2.0));
+        }
+        options
+    }
+
+    /// About how much longer a frame of `other` takes: pixels take most of it.
+    fn cost_of(&self, other: &Self) -> f32 {
+        let ratio = other.scale / self.scale;
+        ratio * ratio * (0.5 * (self.bias - other.bias).max(0.0)).exp2()
+    }
+}
+
+/// From the best to the fastest.
+const LEVELS: [Level; 8] = [
+    Level::FULL,
+    Level { scale: 0.85, ..Level::FULL },
+    Level::coarse(0.7, 0.3, 1.5),
+    Level::coarse(0.55, 0.7, 2.5),
+    Level { slow: true, ..Level::coarse(0.45, 1.2, 4.0) },
+    Level { slow: true, ..Level::coarse(0.36, 1.8, 6.0) },
+    Level { slow: true, ..Level::coarse(0.28, 2.5, 8.0) },
+    Level { slow: true, few_lights: true, ..Level::coarse(0.24, 2.8, 10.0) },
+];
 /// Milliseconds that a frame may take on a software driver.
 const SOFTWARE: f32 = 80.0;
 /// Milliseconds that a frame may take on a GPU: 30 per second.
@@ -11,6 +67,8 @@ const HARDWARE: f32 = 33.0;
 const ROOM: f32 = 0.45;
 /// So many frames in a row must be too long, or have room.
 const PATIENCE: (u32, u32) = (2, 24);
+/// The longest that the window may stand still for a finer picture, milliseconds.
+const LONGEST: f32 = 3000.0;
 
 /// How finely frames are drawn.
 #[derive(Clone, Copy, Debug)]
@@ -23,23 +81,27 @@ pub struct Pace {
     runs: (u32, u32),
     /// How often a finer level was tried and did not fit: the next try waits longer.
     failures: u32,
+    /// The level of a picture that is refined because nothing moves.
+    refined: Option<usize>,
+    /// Milliseconds of the last frame.
+    last: f32,
 }
 
 impl Pace {
     /// For a software driver or a GPU.
     pub fn new(software: bool) -> Self {
-        let (budget, level) = if software { (SOFTWARE, 3) } else { (HARDWARE, 0) };
-        Self { automatic: true, level, budget, runs: (0, 0), failures: 0 }
+        let (budget, level) = if software { (SOFTWARE, 4) } else { (HARDWARE, 0) };
+        Self { automatic: true, level, budget, runs: (0, 0), failures: 0, refined: None, last: 0.0 }
     }
 
-    /// The factor on the resolution.
-    pub fn scale(&self) -> f32 {
-        if self.automatic { LEVELS[self.level].0 } else { 1.0 }
+    /// How the next frame is drawn.
+    pub fn level(&self) -> &'static Level {
+        if self.automatic { &LEVELS[self.refined.unwrap_or(self.level)] } else { &LEVELS[0] }
     }
 
-    /// What is added to the bias of the level of detail.
-    pub fn bias(&self) -> f32 {
-        if self.automatic { LEVELS[self.level].1 } else { 0.0 }
+    /// Whether less is drawn than there is.
+    pub fn is_lowered(&self) -> bool {
+        *self.level() != LEVELS[0]
     }
 
     /// The longest a frame may be, milliseconds.
@@ -47,9 +109,38 @@ impl Pace {
         self.budget
     }
 
+    /// Something moves: frames must be short again. Whether the last one was finer.
+    pub fn moved(&mut self) -> bool {
+        self.refined.take().is_some()
+    }
+
+    /// Nothing has moved for a while: whether there is a finer level for the next frame, which lets the
+    /// window stand still for no more than a moment.
+    pub fn refine(&mut self) -> bool {
+        let Some(finer) = self.finer() else { return false };
+        self.refined = Some(finer);
+        true
+    }
+
+    /// Whether [`refine`](Self::refine) would find something.
+    pub fn can_refine(&self) -> bool {
+        self.finer().is_some()
+    }
+
+    /// The best level that can be afforded, as far as the last frame tells.
+    fn finer(&self) -> Option<usize> {
+        let now = self.refined.unwrap_or(self.level);
+        if !self.automatic || self.last == 0.0 {
+            return None;
+        }
+        let fits = |level: &usize| self.last * LEVELS[now].cost_of(&LEVELS[*level]) < LONGEST;
+        (0..now).find(fits)
+    }
+
     /// A frame took `milliseconds`. Whether the level has changed.
     pub fn landed(&mut self, milliseconds: f32) -> bool {
-        if !self.automatic {
+        self.last = milliseconds;
+        if !self.automatic || self.refined.is_some() {
             return false;
         }
         let (long, room) = (milliseconds > self.budget, milliseconds < ROOM * self.budget);
@@ -79,25 +170,25 @@ mod tests {
     fn slow_frames_make_it_coarser_until_they_fit() {
         let mut pace = Pace::new(true);
         // A frame costs 30 ms and 300 ms per full picture.
-        let cost = |pace: &Pace| 30.0 + 300.0 * pace.scale() * pace.scale();
+        let cost = |pace: &Pace| 30.0 + 300.0 * pace.level().scale * pace.level().scale;
         for _ in 0..40 {
             let ms = cost(&pace);
             pace.landed(ms);
         }
-        assert!(cost(&pace) < SOFTWARE && pace.scale() > 0.3, "{}", pace.scale());
+        assert!(cost(&pace) < SOFTWARE && pace.level().scale > 0.3, "{}", pace.level().scale);
     }
 
     #[test]
     fn fast_frames_make_it_finer_and_it_settles() {
         let mut pace = Pace::new(true);
-        assert!(pace.scale() < 1.0);
+        assert!(pace.level().scale < 1.0);
         for _ in 0..400 {
             pace.landed(5.0);
         }
-        assert_eq!((pace.scale(), pace.bias()), (1.0, 0.0));
+        assert_eq!((pace.level().scale, pace.level().bias), (1.0, 0.0));
         let mut changes = 0;
         for _ in 0..2000 {
-            let ms = if pace.scale() > 0.8 { 90.0 } else { 30.0 };
+            let ms = if pace.level().scale > 0.8 { 90.0 } else { 30.0 };
             changes += u32::from(pace.landed(ms));
         }
         assert!(changes < 20, "it does not hunt: {changes}");
@@ -106,6 +197,30 @@ mod tests {
     #[test]
     fn it_can_be_turned_off() {
         let mut pace = Pace { automatic: false, ..Pace::new(true) };
-        assert!(!pace.landed(1e4) && !pace.landed(1e4) && pace.scale() == 1.0);
+        assert!(!pace.landed(1e4) && !pace.landed(1e4) && pace.level().scale == 1.0);
+    }
+
+    #[test]
+    fn what_stands_still_is_refined_in_short_steps() {
+        let mut pace = Pace { level: LEVELS.len() - 1, ..Pace::new(true) };
+        assert!(!pace.refine(), "nothing is known of the time yet");
+        let cost = |pace: &Pace| 30.0 + 3000.0 * pace.level().scale * pace.level().scale;
+        let mut steps = 0;
+        loop {
+            let ms = cost(&pace);
+            assert!(ms < 1.2 * LONGEST || !pace.can_refine(), "{ms} ms");
+            assert!(!pace.landed(ms) || steps == 0);
+            if !pace.refine() {
+                break;
+            }
+            steps += 1;
+            assert!(steps < LEVELS.len());
+        }
+        assert!(pace.level().scale > 0.6, "{}", pace.level().scale);
+        assert!(pace.moved() && !pace.moved());
+        assert!(pace.level().scale < 0.3);
+        // A fast device has the whole picture at once.
+        pace.landed(20.0);
+        assert!(pace.refine() && !pace.is_lowered() && !pace.refine());
     }
 }

@@ -1,17 +1,28 @@
 //! The picture as a file.
 
-use crate::{app::Studio, dialog::Answer, task};
+use crate::{app::Studio, dialog::Answer, pace::Level, stage::Moment, task};
 use anyhow::Result;
-use eframe::egui;
+use eframe::{egui, egui_wgpu::RenderState};
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use tresses::gpu::readback::Pending;
 
 impl Studio {
-    /// Saves the picture, if somebody wants it.
-    pub(crate) fn save_picture(&mut self, context: &egui::Context) {
-        if !std::mem::take(&mut self.wants_picture) {
+    /// Saves the picture, if somebody wants it: as large and as fine as the window could show it.
+    pub(crate) fn save_picture(&mut self, state: &RenderState, context: &egui::Context) {
+        if !self.wants_picture || self.recording.is_some() {
             return;
         }
+        let Some(show) = &self.show else { return };
+        if self.pace.is_lowered() {
+            if show.is_under_way() {
+                // Its end wakes the window.
+                return;
+            }
+            if let Err(error) = self.draw_in_full(state, context) {
+                self.error = Some(format!("{error:#}"));
+            }
+        }
+        self.wants_picture = false;
         let Some(show) = &self.show else { return };
         let (device, targets) = (self.gpu.device.clone(), &show.stage.targets);
         let size = targets.size;
@@ -24,6 +35,17 @@ impl Studio {
                 Err(error) => dialogs.tell(&context, Answer::Failed(format!("{error:#}"))),
             }
         });
+    }
+}
+
+impl Studio {
+    /// Draws the hair as it is, whatever that takes.
+    fn draw_in_full(&mut self, state: &RenderState, context: &egui::Context) -> Result<()> {
+        self.dress(&Level::FULL);
+        let (pose, camera, size) = (self.pose(), self.orbit.camera(), self.size_at(&Level::FULL));
+        let ball = self.ball.map(|ball| ball.at);
+        let Some(show) = &mut self.show else { return Ok(()) };
+        show.draw(state, context, &Moment { pose, seconds: 0.0, camera, size, ball })
     }
 }
 

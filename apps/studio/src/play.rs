@@ -5,6 +5,8 @@ use tresses_scene::motion::Motion;
 
 /// What a single step takes, seconds.
 pub const STEP: f32 = 1.0 / 60.0;
+/// How long the head takes from one motion to another, seconds.
+const CHANGE: f32 = 0.6;
 /// Slowest and fastest.
 pub const SPEEDS: std::ops::RangeInclusive<f32> = 0.05..=2.0;
 
@@ -18,6 +20,8 @@ pub struct Play {
     /// The name of the motion.
     pub name: String,
     motion: Option<Motion>,
+    /// The motion before it, where that was, and how much of the way to the new one is done.
+    leaving: Option<(Motion, f64, f32)>,
     /// Seconds since the motion's begin.
     pub time: f64,
     /// Single steps that are due.
@@ -34,6 +38,7 @@ impl Default for Play {
             speed: 1.0,
             name: name.into(),
             motion: Motion::named(name),
+            leaving: None,
             time: 0.0,
             steps: 0,
             reset: false,
@@ -42,8 +47,9 @@ impl Default for Play {
 }
 
 impl Play {
-    /// Another built-in motion, from its begin.
+    /// Another built-in motion, from its begin. The head does not jump there.
     pub fn choose(&mut self, name: &str) {
+        self.leaving = self.motion.take().map(|motion| (motion, self.time, 0.0));
         self.motion = Motion::named(name);
         self.name = name.into();
         self.time = 0.0;
@@ -58,7 +64,12 @@ impl Play {
     /// The hair is to be put to rest, and the motion to its begin.
     pub fn reset(&mut self) {
         self.reset = true;
-        self.time = 0.0;
+        self.begin();
+    }
+
+    /// The motion is at its begin, whatever was before.
+    pub fn begin(&mut self) {
+        (self.leaving, self.time) = (None, 0.0);
     }
 
     /// Whether the hair is to be put to rest; asked once.
@@ -76,18 +87,58 @@ impl Play {
         let dt = if self.playing { (real * self.speed).min(most) } else { STEP * self.steps as f32 };
         self.steps = 0;
         self.time += f64::from(dt);
+        if let Some((_, at, done)) = &mut self.leaving {
+            *at += f64::from(dt);
+            *done += dt / CHANGE;
+            if *done >= 1.0 {
+                self.leaving = None;
+            }
+        }
         dt
+    }
+
+    /// Seconds of a run of the motion.
+    pub fn period(&self) -> f64 {
+        self.motion.as_ref().map_or(1.0, Motion::duration)
     }
 
     /// The head's pose now; it turns about `pivot`.
     pub fn pose(&self, pivot: Vec3) -> Pose {
-        self.motion.as_ref().map_or(Pose::IDENTITY, |motion| motion.pose(self.time, pivot))
+        let now = self.motion.as_ref().map_or(Pose::IDENTITY, |motion| motion.pose(self.time, pivot));
+        let Some((before, at, done)) = &self.leaving else { return now };
+        // Both go on meanwhile: velocities are continuous too.
+        before.pose(*at, pivot).lerp(&now, done * done * (3.0 - 2.0 * done))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn another_motion_does_not_jerk_the_head() {
+        let mut play = Play::default();
+        let pivot = Vec3::Y;
+        let mut most = 0.0f32;
+        let mut step = |play: &mut Play| {
+            let before = play.pose(pivot);
+            play.advance(STEP, 1.0);
+            most = most.max(before.rotation.angle_between(play.pose(pivot).rotation));
+        };
+        for _ in 0..30 {
+            step(&mut play);
+        }
+        play.choose("still");
+        assert!(play.pose(pivot).rotation.angle_between(Pose::IDENTITY.rotation) > 0.2);
+        for _ in 0..60 {
+            step(&mut play);
+        }
+        assert_eq!(play.pose(pivot), Pose::IDENTITY);
+        assert!(most < 0.06, "{most} radians in a step");
+        play.choose("turn");
+        play.reset();
+        assert_eq!(play.pose(pivot), Pose::IDENTITY);
+    }
 
     #[test]
     fn time_stops_and_steps() {

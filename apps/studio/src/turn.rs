@@ -4,6 +4,7 @@ use crate::{
     app::Studio,
     files::Files,
     job::{Order, Source},
+    pace::Level,
 };
 use eframe::egui;
 use tresses::{
@@ -11,7 +12,7 @@ use tresses::{
     gpu::Tier,
     groom::styles::Style,
 };
-use tresses_scene::{Settings, Styling, preset::Preset, settings::Maps};
+use tresses_scene::{Settings, preset::Preset};
 
 impl Studio {
     /// The built-in style that is shown, if it is one.
@@ -33,19 +34,26 @@ impl Studio {
                 self.change(context, settings, "Preset");
                 // Names of files in it are relative to it.
                 let source = source.inside(path.parent().unwrap_or(std::path::Path::new("")));
-                if let Some(style) = source.style {
-                    self.open(context, Source::Style(style));
-                } else if !source.grooms.is_empty() {
-                    let options = Box::new(source.orientation);
-                    self.open(
-                        context,
-                        Source::Files {
-                            files: Files::Disk { grooms: source.grooms, heads: source.heads },
-                            options,
-                        },
-                    );
+                let mut said = format!("{} is applied", path.display());
+                let left = source.companions();
+                if !left.is_empty() {
+                    said += &format!(", without its {}: the studio takes none yet", left.join(", "));
                 }
-                self.said = Some(format!("{} is applied", path.display()));
+                let files =
+                    matches!(self.shown.as_ref().map(|shown| &shown.source), Some(Source::Files { .. }));
+                match source.style {
+                    // A look is tried on the hair that is there.
+                    Some(style) if files => {
+                        said += &format!(" to this groom; it was made for the style {style}")
+                    }
+                    Some(style) => self.open(context, Source::Style(style)),
+                    None if source.grooms.is_empty() => {}
+                    None => {
+                        let files = Files::Disk { grooms: source.grooms, heads: source.heads };
+                        self.open(context, Source::Files { files, options: Box::new(source.orientation) });
+                    }
+                }
+                self.said = Some(said);
             }
             Err(error) => self.error = Some(error.to_string()),
         }
@@ -98,19 +106,20 @@ impl Studio {
         );
     }
 
-    /// Gives the stage the settings as they are; before each frame.
-    pub(crate) fn dress(&mut self) {
+    /// Gives the stage the settings as they are, drawn as `level` has it; before each frame.
+    pub(crate) fn dress(&mut self, level: &Level) {
         let Some(show) = &mut self.show else { return };
         let (settings, stage) = (self.settings.now(), &mut show.stage);
-        stage.physics = settings.physics();
-        settings.apply(&mut stage.look);
-        stage.hair.avoidance.options = settings.interpolation;
-        let camera = self.orbit.camera();
-        let back = camera.eye - camera.target;
-        stage.set_lights(Some(settings.lights.lights(back.x.atan2(back.z), None)));
-        let mut lod = settings.lod.options();
-        lod.bias = (lod.bias + self.pace.bias()).clamp(-8.0, 8.0);
-        if let Err(error) = stage.set_lod(lod) {
+        stage.take(settings);
+        if level.few_lights {
+            stage.lighting.rim = 0.0;
+        }
+        if level.coarse {
+            // Flat triangles shade themselves sooner.
+            stage.look.shadows.bias *= 2.0;
+        }
+        stage.set_coarse(level.coarse);
+        if let Err(error) = stage.set_lod(level.lod(settings.lod.options())) {
             self.error = Some(format!("{error:#}"));
         }
         stage.show(self.view);
@@ -123,24 +132,7 @@ pub fn draw_options(settings: &Settings, tier: &Tier) -> tresses::Result<DrawOpt
         return settings.draw_options(tier.max_samples);
     }
     let shadow_resolution =
-        if tier.software { settings.shadow_resolution.min(384) } else { settings.shadow_resolution };
+        if tier.software { settings.shadow_resolution.min(256) } else { settings.shadow_resolution };
     let samples = if tier.software { 1 } else { 4 };
     Ok(DrawOptions { samples, coverage: Coverage::SampleMask, shadow_resolution, ..Default::default() })
-}
-
-/// How strands are made of `source` under `settings`.
-pub fn styling(settings: &Settings, source: &Source) -> anyhow::Result<Styling> {
-    let maps = Maps::default();
-    let (mut growth, mut restyle) = (None, None);
-    match source {
-        Source::Style(name) => growth = Some(settings.style.growth(&name.parse()?, &maps)?),
-        Source::Files { .. } => restyle = settings.style.restyle(&maps)?,
-    }
-    Ok(Styling {
-        growth,
-        restyle,
-        guides: settings.style.guides(),
-        strands: settings.style.strands,
-        ..Default::default()
-    })
 }

@@ -16,18 +16,14 @@ const WHEEL: f32 = 0.0025;
 const TURN: f32 = 0.008;
 /// Radius of a lock that is pulled, metres.
 const LOCK: f32 = 0.02;
-/// Smallest picture, pixels.
-const LEAST: u32 = 16;
 
 /// Shows the picture and takes what the pointer does.
 pub fn show(studio: &mut Studio, ui: &mut Ui) {
     let rect = ui.available_rect_before_wrap();
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
-    let scale = ui.ctx().pixels_per_point() * studio.pace.scale();
-    let pixels = |points: f32| ((points * scale).round() as u32).max(LEAST);
-    let wanted = [pixels(rect.width()), pixels(rect.height())];
-    if wanted != studio.wanted {
-        (studio.wanted, studio.dirty) = (wanted, true);
+    let area = rect.size() * ui.ctx().pixels_per_point();
+    if area != studio.area {
+        (studio.area, studio.dirty) = (area, true);
     }
     studio.orbit.set_aspect(rect.width() / rect.height().max(1.0));
     pointer(studio, ui, &response);
@@ -35,13 +31,21 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
     painter.rect_filled(rect, 0.0, Color32::from_rgb(0x24, 0x26, 0x29));
     if let Some(texture) = studio.show.as_ref().and_then(|show| show.texture()) {
         let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
-        painter.image(texture, rect, whole, Color32::WHITE);
+        painter.image(texture, fitted(studio, rect), whole, Color32::WHITE);
     }
     if let Some(sentence) = studio.lost() {
         message(ui, rect, &sentence, theme::ALARM);
     } else {
         panels::overlay::show(studio, ui, rect);
     }
+}
+
+/// Where the picture goes: everywhere, unless one of another form is recorded.
+fn fitted(studio: &Studio, rect: Rect) -> Rect {
+    let (Some(show), Some(_)) = (&studio.show, &studio.recording) else { return rect };
+    let [width, height] = show.stage.targets.size.map(|side| side as f32);
+    let scale = (rect.width() / width).min(rect.height() / height);
+    Rect::from_center_size(rect.center(), scale * vec2(width, height))
 }
 
 fn message(ui: &Ui, rect: Rect, text: &str, color: Color32) {

@@ -29,9 +29,6 @@ const SKULL_ABOVE_NECK: Vec3 = Vec3::new(0.0, 0.075, 0.012);
 /// Vertices per turn below which curls are seen to be made of straight pieces.
 const SMOOTH: f32 = 6.0;
 
-/// Nodes along the longest side of the mannequin's distance field.
-const FIELD_RESOLUTION: u32 = 96;
-
 /// How strands become what is drawn, on a [`Base`].
 #[derive(Clone, Debug, Default)]
 pub struct Styling {
@@ -133,11 +130,8 @@ impl Base {
         simulate: &Simulate,
         progress: &impl Progress,
     ) -> Result<Self> {
-        let scalp = GridScalp::of_mannequin(mannequin::sdf_with(FIELD_RESOLUTION, progress).await);
         let head = mannequin::mesh_with(mannequin::RESOLUTION, progress).await;
-        let mut styled = styles::guides_with(&style.recipe(), &scalp, progress).await;
-        progress.step("letting the hair fall", 0.0).await;
-        styles::settle(&gpu.device, &gpu.queue, simulate, &mut styled, &scalp.field).await?;
+        let (styled, scalp) = styles::settled(&gpu.device, &gpu.queue, simulate, style, progress).await?;
         Ok(Self {
             head: Some(head),
             neck: mannequin::NECK_JOINT,
@@ -168,13 +162,16 @@ impl Base {
             }
             Files::Given(files) => import::read_given(files, options)?,
         };
-        let field = match &head {
-            Some(head) => {
-                let built = sdf::build_with(head, &SdfOptions::default(), progress).await;
-                Some(built.with_context(|| files.head_name())?)
-            }
-            None => None,
-        };
+        let field =
+            match &head {
+                Some(head) => {
+                    let built = sdf::build_with(head, &SdfOptions::default(), progress).await;
+                    Some(built.with_context(|| {
+                        format!("{}, {} high as it is read", files.head_name(), high(head))
+                    })?)
+                }
+                None => None,
+            };
         let neck = neck(&strands, head.as_ref());
         let mut notes = report.placement.doubts.clone();
         notes.extend(report.head_placement.iter().flat_map(|placement| placement.doubts.clone()));
@@ -234,6 +231,19 @@ impl Base {
         }
         let (head, levels) = (self.head.clone(), styling.levels.clone());
         Ok(Character { groom, head, field, neck: self.neck, levels, notes })
+    }
+}
+
+/// How high a mesh is, in a unit that makes a handy number: a wrong unit is seen at once.
+fn high(mesh: &TriMesh) -> String {
+    let (low, high) = mesh
+        .positions
+        .iter()
+        .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), p| (low.min(p.y), high.max(p.y)));
+    match high - low {
+        metres if metres >= 1.0 => format!("{metres:.3} m"),
+        metres if metres >= 0.01 => format!("{:.3} cm", 100.0 * metres),
+        metres => format!("{:.3} mm", 1000.0 * metres),
     }
 }
 

@@ -3,15 +3,18 @@
 
 pub mod camera;
 pub mod character;
+pub mod coarse;
 pub mod colliders;
 pub mod history;
 pub mod knobs;
 #[cfg(not(target_arch = "wasm32"))]
 mod measure;
 pub mod motion;
+pub mod picture;
 pub mod preset;
 pub mod settings;
 pub mod stage;
+pub mod words;
 
 pub use camera::{Bounds, Camera, Shot};
 pub use character::{Base, Character, Files, Styling};

@@ -3,6 +3,7 @@
 use crate::{
     camera::{self, Bounds, Camera},
     character::Character,
+    coarse,
     colliders::Colliders,
     settings::{LightSettings, Settings},
 };
@@ -59,6 +60,12 @@ impl Quality {
     }
 }
 
+/// Triangles of a body that is drawn with few.
+const COARSE: usize = 12_000;
+
+/// The cosine of the angle by which a camera goes around a body before its triangles are sorted again.
+const TURNED: f32 = 0.9;
+
 /// Sizes of what is drawn.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Facts {
@@ -107,6 +114,11 @@ pub struct Stage {
     /// Seconds since the hair was put to rest.
     time: f64,
     head: Option<TriMesh>,
+    /// The head with few triangles.
+    coarse: Option<TriMesh>,
+    /// Whether that one is drawn, and where its triangles look, groom space.
+    is_coarse: bool,
+    facing: Vec3,
     subject: Bounds,
     neck: Vec3,
     /// Who looks, for whom the level of detail is chosen.
@@ -114,7 +126,7 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// Brings `character` to the GPU, at rest, among `colliders`. `renderer` must be
+    /// Brings `character` to the GPU, at rest under `physics`, among `colliders`. `renderer` must be
     /// [`Quality::renderer`]'s.
     ///
     /// # Errors
@@ -124,13 +136,14 @@ impl Stage {
         renderer: Arc<HairRenderer>,
         character: Character,
         colliders: Colliders,
+        physics: &SimulationParams,
         quality: &Quality,
         progress: &impl Progress,
     ) -> Result<Self> {
         let hair_bounds = character.groom.bounds().context("the groom is empty")?;
         let head_bounds = character.head.as_ref().and_then(|head| head.bounds());
         let (device, queue) = (&gpu.device, &gpu.queue);
-        let options = HairOptions::default();
+        let options = HairOptions { simulation: *physics, ..Default::default() };
         let builder = (!colliders.list.is_empty()).then(|| FieldBuilder::new(device));
         let fields = builder.as_ref().map(|builder| colliders.fields(builder)).unwrap_or_default();
         let (head, list) = (character.field.as_ref(), colliders.list.as_slice());
@@ -143,7 +156,6 @@ impl Stage {
         if !character.levels.is_empty() {
             hair.paint_levels(queue, &character.groom, &character.levels, character.skull())?;
         }
-        let body = character.head.as_ref().map(|head| Body::new(device, &renderer.draw, head));
         let [width, height] = quality.size;
         let targets = renderer.draw.targets(device, width, height, quality.ssaa)?;
         #[cfg(not(target_arch = "wasm32"))]
@@ -156,10 +168,10 @@ impl Stage {
         // Hair that swings must not leave the shadow maps.
         focus.radius *= 1.15;
         let look = draw::Scene { focus, ..Default::default() };
-        Ok(Self {
+        let mut stage = Self {
             renderer,
             hair,
-            body,
+            body: None,
             targets,
             #[cfg(not(target_arch = "wasm32"))]
             timings,
@@ -172,12 +184,17 @@ impl Stage {
             colliders,
             time: 0.0,
             head: character.head,
+            coarse: None,
+            is_coarse: false,
+            facing: Vec3::ZERO,
             subject,
             neck: character.neck,
             field: character.field,
             watcher: None,
             gpu,
-        })
+        };
+        stage.make_body();
+        Ok(stage)
     }
 
     /// Everything that `settings` have for the frames from here on; strands, pipelines and targets stay
@@ -187,12 +204,71 @@ impl Stage {
     /// The first parameter that is out of its range.
     pub fn apply(&mut self, settings: &Settings) -> Result<()> {
         settings.check()?;
+        self.take(settings);
+        Ok(())
+    }
+
+    /// [`apply`](Self::apply) for settings that are known to be in their ranges; cheap enough for every frame.
+    pub fn take(&mut self, settings: &Settings) {
         self.physics = settings.physics();
         self.hair.avoidance.options = settings.interpolation;
         self.hair.lod.options = settings.lod.options();
         self.lighting = settings.lights;
         settings.apply(&mut self.look);
-        Ok(())
+    }
+
+    /// The head with few triangles, for [`set_coarse`](Self::set_coarse). Without it one is made of the head's.
+    pub fn offer_coarse(&mut self, head: TriMesh) {
+        self.coarse = Some(head);
+    }
+
+    /// Whether the body is drawn with few triangles, the near ones first, from here on.
+    pub fn set_coarse(&mut self, is_coarse: bool) {
+        if is_coarse == self.is_coarse {
+            return;
+        }
+        self.is_coarse = is_coarse;
+        if is_coarse && self.coarse.is_none() {
+            self.coarse = self.head.as_ref().map(|head| coarse::with_triangles(head, COARSE));
+        }
+        self.make_body();
+    }
+
+    /// The head that is drawn.
+    fn drawn_head(&self) -> Option<&TriMesh> {
+        if self.is_coarse { self.coarse.as_ref() } else { self.head.as_ref() }
+    }
+
+    /// The body on the GPU, its colliders still where their own frames are.
+    fn make_body(&mut self) {
+        let (device, stage) = (&self.gpu.device, &self.renderer.draw);
+        let bare = self.colliders.list.is_empty();
+        self.body = match self.drawn_head() {
+            Some(head) if bare => Some(Body::new(device, stage, head)),
+            None if bare => None,
+            head => {
+                let poses = vec![Pose::IDENTITY; self.colliders.list.len()];
+                Some(Body::new(device, stage, &self.colliders.with_body(head, &poses)))
+            }
+        };
+    }
+
+    /// Sorts the triangles of a coarse body when the camera has come around it.
+    fn face(&mut self, camera: &Camera) {
+        if !self.is_coarse {
+            return;
+        }
+        let towards = (camera.eye - camera.target).normalize_or(Vec3::Z);
+        let towards = self.look.pose.rotation.inverse() * towards;
+        if towards.dot(self.facing) > TURNED {
+            return;
+        }
+        self.facing = towards;
+        if let Some(head) = &mut self.coarse {
+            coarse::face(head, towards);
+            self.make_body();
+            self.place_colliders();
+        }
     }
 
     /// The light of the surroundings; `None` for a photographer's, as the settings have it.
@@ -294,25 +370,27 @@ impl Stage {
         }
         let Gpu { device, queue, .. } = &self.gpu;
         self.hair.set_colliders(device, queue, &self.colliders.list)?;
-        if self.colliders.list.is_empty() {
-            // The last one is no longer drawn with the head.
-            self.body = self.head.as_ref().map(|head| Body::new(device, &self.renderer.draw, head));
-        }
+        self.make_body();
         Ok(())
     }
 
-    /// Makes the body anew with the colliders where they are drawn: between a frame's motion and its picture.
+    /// Moves the body's colliders to where they are drawn: between a frame's motion and its picture.
     pub fn place_colliders(&mut self) {
-        if self.colliders.list.is_empty() {
+        let count = self.colliders.list.len();
+        let drawn = self.hair.colliders.drawn();
+        // The first is the head's field, where there is one. A collider that has just come has no place
+        // before the next frame's motion.
+        let Some(own) = drawn.len().checked_sub(count).map(|first| &drawn[first..]) else { return };
+        if count == 0 {
             return;
         }
         let to_head = self.look.pose.inverse();
-        let drawn = self.hair.colliders.drawn();
-        // The first is the head's field, where there is one.
-        let own = &drawn[drawn.len() - self.colliders.list.len()..];
         let poses: Vec<_> = own.iter().map(|pose| to_head.after(pose)).collect();
-        let mesh = self.colliders.with_body(self.head.as_ref(), &poses);
-        self.body = Some(Body::new(&self.gpu.device, &self.renderer.draw, &mesh));
+        let moved = self.colliders.with_body(None, &poses);
+        let first = self.drawn_head().map_or(0, |head| head.positions.len());
+        if let Some(body) = &self.body {
+            body.move_part(&self.gpu.queue, first, &moved);
+        }
     }
 
     /// Camera and lights: these go with it, as a photographer's do, unless there are others.
@@ -357,6 +435,7 @@ impl Stage {
         camera: &Camera,
     ) -> Result<()> {
         self.look_from(camera);
+        self.face(camera);
         let Self { gpu: Gpu { device, queue, .. }, renderer, hair, targets, look, .. } = self;
         let mut recorder = Recorder { renderer, device, queue, encoder, timings };
         let (body, output) = (self.body.as_ref(), targets.picture());

@@ -10,7 +10,7 @@ use tresses::{
     avoid::{AvoidMode, AvoidOptions, NO_HIT},
     glam::Vec3,
     gpu::Gpu,
-    groom::{BindOptions, SdfGrid, bind},
+    groom::{BindOptions, bind},
     strands::StrandVertex,
 };
 
@@ -38,11 +38,7 @@ impl Stage {
         tresses::lod::arrange(&mut groom.strands);
         Some(Self {
             renderer: HairRenderer::new(&gpu.device, &Default::default()),
-            character: Character {
-                groom,
-                field: SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), 64, |p| p.length() - HEAD),
-                neck: Vec3::new(0.0, 0.0, -0.02),
-            },
+            character: Character { groom, field: common::ball(HEAD, 64), neck: Vec3::new(0.0, 0.0, -0.02) },
             gpu,
         })
     }

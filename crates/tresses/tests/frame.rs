@@ -38,7 +38,7 @@ impl Stage {
         Some(Self {
             renderer: HairRenderer::new(&gpu.device, &Default::default()),
             groom,
-            field: SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), 64, |p| p.length() - HEAD),
+            field: common::ball(HEAD, 64),
             gpu,
         })
     }

@@ -45,7 +45,7 @@ impl Stage {
                 &BindOptions { guides: GuideCount::OneIn(2), ..Default::default() },
             )
             .unwrap(),
-            field: SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), 64, |p| p.length() - HEAD),
+            field: common::ball(HEAD, 64),
             physics,
             gpu,
         })

@@ -366,7 +366,7 @@ fn strands_that_come_back_have_forgotten() {
     let Some(stage) = Stage::open() else { return };
     let mut groom = bind(&common::hanging(600, 16, 0.16), &Default::default()).unwrap();
     arrange(&mut groom.strands);
-    let field = SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), 64, |p| p.length() - 0.09);
+    let field = common::ball(0.09, 64);
     let mut hair = stage.hair(&groom, Some(&field));
     let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
     let turn = |t: f32| Pose::about(Vec3::new(0.0, 0.0, -0.02), Quat::from_rotation_y((10.0 * t).sin()));

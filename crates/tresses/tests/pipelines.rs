@@ -28,14 +28,14 @@ fn a_frame_is_recorded_on_baseline_webgpu() {
             debug::{DebugView, DebugViews, Shown},
         },
         frame::{Frame, Recorder},
-        groom::{BindOptions, SdfGrid, TriMesh, bind},
+        groom::{BindOptions, TriMesh, bind},
         simulate::SimulationParams,
     };
     let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
     assert_eq!(device.limits().max_storage_buffers_per_shader_stage, 8);
     let renderer = HairRenderer::new(&device, &Default::default());
     let groom = bind(&common::hanging(50, 16, 0.1), &BindOptions::default()).unwrap();
-    let field = SdfGrid::from_fn(glam::Vec3::splat(-0.2), glam::Vec3::splat(0.2), 16, |p| p.length() - 0.09);
+    let field = common::ball(0.09, 16);
     let options = HairOptions::default();
     // As many colliders as there may be.
     let shapes = [

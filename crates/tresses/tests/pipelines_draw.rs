@@ -1,7 +1,7 @@
 //! Every pipeline of light, draw and present is valid within baseline limits. No GPU needed.
 
 use tresses::{
-    draw::{Body, Coverage, DrawOptions, DrawStage, HairSet, Scene, Targets},
+    draw::{Body, Coverage, DrawOptions, DrawStage, Embed, HairSet, Scene, Surroundings, Targets, View},
     groom::TriMesh,
     light::ShadingRate,
     strands::StrandBuffers,
@@ -50,6 +50,51 @@ fn a_frame_is_valid() {
 #[test]
 fn wrong_targets_are_refused() {
     assert!(frame(4, Coverage::SampleMask, Some(1)).is_some());
+}
+
+/// Hair in a scene of `format`, recorded; what wgpu objects to.
+fn embedded(samples: u32, format: wgpu::TextureFormat, color: wgpu::TextureFormat) -> Option<wgpu::Error> {
+    let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
+    let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
+    let options = DrawOptions { samples, coverage: Coverage::SampleMask, ..Default::default() };
+    let stage = DrawStage::new(&device, &options);
+    let embed = Embed::new(&device, &options, format).expect("masks");
+    let strands = StrandBuffers::new(&device, 5000, 16).expect("small enough");
+    let hair = HairSet::new(&device, &stage, &strands).expect("small enough");
+    let targets = stage.targets(&device, 64, 40, 2).expect("a fair size");
+    let texture = |format, usage| {
+        let descriptor = wgpu::TextureDescriptor {
+            label: None,
+            size: wgpu::Extent3d { width: 64, height: 40, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage,
+            view_formats: &[],
+        };
+        device.create_texture(&descriptor).create_view(&Default::default())
+    };
+    let into = Surroundings {
+        color: &texture(color, wgpu::TextureUsages::RENDER_ATTACHMENT),
+        depth: &texture(wgpu::TextureFormat::Depth24Plus, wgpu::TextureUsages::TEXTURE_BINDING),
+        projection: View::perspective(0.5, 1.6, 0.01),
+    };
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let scene = Scene::default();
+    embed.record(&device, &queue, &mut encoder, None, &stage, &scene, &targets, &hair, None, &into);
+    queue.submit([encoder.finish()]);
+    pollster::block_on(scope.pop())
+}
+
+#[test]
+fn hair_in_a_scene_is_valid() {
+    use wgpu::TextureFormat::{Rgba8UnormSrgb, Rgba16Float};
+    for (samples, format) in [(1, Rgba16Float), (4, Rgba16Float), (4, Rgba8UnormSrgb)] {
+        let error = embedded(samples, format, format);
+        assert!(error.is_none(), "{samples} samples, {format:?}: {error:?}");
+    }
+    assert!(embedded(4, Rgba16Float, Rgba8UnormSrgb).is_some());
 }
 
 /// Every debug view, recorded over a picture of `format`; what wgpu objects to.

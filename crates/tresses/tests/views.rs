@@ -13,7 +13,7 @@ use tresses::{
     frame::{Frame, Recorder},
     glam::Vec3,
     gpu::{Gpu, readback},
-    groom::{BindOptions, SdfGrid, bind},
+    groom::{BindOptions, bind},
     light::{Lights, ShadingModel, Sphere, Term},
     simulate::SimulationParams,
     wind::Wind,
@@ -37,7 +37,7 @@ impl Stage {
         let options = DrawOptions { samples: 4, shadow_resolution: 128, ..Default::default() };
         let renderer = HairRenderer::new(device, &options);
         let groom = bind(&common::hanging(400, 16, 0.15), &BindOptions::default()).unwrap();
-        let field = SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), 32, |p| p.length() - 0.085);
+        let field = common::ball(0.085, 32);
         let options = HairOptions::default();
         let mut hair = Hair::new(device, queue, &renderer, &groom, &options, Some(&field)).unwrap();
         let mut views = DebugViews::new(device, &renderer.draw, tresses::draw::targets::PICTURE_FORMAT);

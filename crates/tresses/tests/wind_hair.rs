@@ -89,7 +89,7 @@ fn a_storm_of_a_minute_breaks_nothing() {
     let Some(stage) = Stage::open() else { return };
     let options = BindOptions { guides: GuideCount::Count(24), ..Default::default() };
     let groom = bind(&common::hanging(200, 12, 0.2), &options).unwrap();
-    let field = SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), 40, |p| p.length() - 0.09);
+    let field = common::ball(0.09, 40);
     let mut hair = stage.hair(&groom, &field, 8);
     let physics = SimulationParams {
         wind: Wind { cells: 8, turbulence: 0.3, ..Wind::new(Vec3::new(30.0, 0.0, 4.0)) },
@@ -295,7 +295,7 @@ fn the_lee_side_of_the_long_style_moves_less() {
 fn calm_makes_no_air_and_changes_nothing() {
     let Some(stage) = Stage::open() else { return };
     let groom = bind(&common::hanging(60, 12, 0.12), &BindOptions::default()).unwrap();
-    let field = SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), 40, |p| p.length() - 0.09);
+    let field = common::ball(0.09, 40);
     let run = |wind: Wind| {
         let mut hair = stage.hair(&groom, &field, 8);
         let before = hair.bytes();

@@ -2,7 +2,7 @@
 //! pixels that the hair covers.
 
 use super::{
-    report::{count, ms, table},
+    report::{ms, table},
     statistics::Summary,
     workload::{self, FPS, WARM_UP},
 };
@@ -11,6 +11,7 @@ use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use serde::Serialize;
 use tresses::lod::{LodMode, LodOptions};
+use tresses_scene::words::grouped;
 use tresses_scene::{Camera, Motion, camera::View, settings::Samples};
 
 /// Pixels.
@@ -123,8 +124,8 @@ pub fn text(points: &[Point]) -> String {
     for Point { distance, pixels, full, lod } in points {
         rows.push(vec![
             format!("{distance:.1}"),
-            count(*pixels as u64),
-            count(lod.strands.into()),
+            grouped(*pixels as u64),
+            grouped(lod.strands.into()),
             format!("{:.1}", lod.segments),
             ms(full.strand_stages.median),
             ms(lod.strand_stages.median),
@@ -136,7 +137,7 @@ pub fn text(points: &[Point]) -> String {
     }
     format!(
         "\nLevel of detail (style long in motion, {} strands, {} × {}, {}×MSAA), medians, guide stages means\n{}",
-        count(STRANDS.into()),
+        grouped(STRANDS.into()),
         SIZE.width,
         SIZE.height,
         SAMPLES as u32,

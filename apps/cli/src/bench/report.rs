@@ -9,6 +9,7 @@ use super::{
 use serde::Serialize;
 use std::fmt::Write;
 use tresses::gpu::Gpu;
+use tresses_scene::words::grouped;
 
 /// Everything `tresses bench` found.
 #[derive(Debug, Default, Serialize)]
@@ -169,9 +170,9 @@ impl Report {
         let _ = write!(
             text,
             "\nSimulation costs (style long in motion, {} guides × {} vertices, {} strands, one fixed step)\n{}",
-            count(costs.guides.into()),
+            grouped(costs.guides.into()),
             costs.guide_vertices,
-            count(costs.strands.into()),
+            grouped(costs.strands.into()),
             table(&rows)
         );
         let mut rows = vec![["ratio of medians", "measured", "at most"].map(String::from).to_vec()];
@@ -219,7 +220,7 @@ impl Report {
         let (fixed, slope) = line(&points);
         let mut rows = vec![["strands", "frame", "p95", "GPU", "p95", "line"].map(String::from).to_vec()];
         for point in &self.line {
-            let mut row = vec![count(point.strands.into())];
+            let mut row = vec![grouped(point.strands.into())];
             row.extend([point.frame.median, point.frame.p95, point.gpu.median, point.gpu.p95].map(ms));
             row.push(ms(fixed + slope * f64::from(point.strands)));
             rows.push(row);
@@ -245,10 +246,10 @@ impl Group {
             self.name,
             if self.samples == 1 { "1 sample".into() } else { format!("{}×MSAA", self.samples) },
             if self.ssaa > 1 { format!(", {0}×{0} SSAA", self.ssaa) } else { String::new() },
-            count(self.guides.into()),
-            count(self.strands.into()),
+            grouped(self.guides.into()),
+            grouped(self.strands.into()),
             self.vertices_per_strand,
-            count(self.triangles),
+            grouped(self.triangles),
             self.bytes as f64 * 1e-6,
             self.bytes_per_vertex,
         );
@@ -291,19 +292,6 @@ pub fn ms(value: f64) -> String {
         1
     };
     format!("{value:.digits$}")
-}
-
-/// With a comma between thousands.
-pub fn count(value: u64) -> String {
-    let digits = value.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
 }
 
 /// Columns of equal width: the first to the left, the others to the right.

@@ -8,7 +8,7 @@ mod metrics;
 mod scenes;
 mod stage;
 
-use crate::{args, interrupt, picture::Picture, progress, say, shading_args::ShadingArgs};
+use crate::{args, interrupt, picture, progress, say, shading_args::ShadingArgs};
 use anyhow::{Context, Result, ensure};
 use metrics::Difference;
 use scenes::{Folders, Scenes};
@@ -92,8 +92,8 @@ pub fn run(args: &Args) -> Result<()> {
         });
         if let Some(folder) = &args.out {
             std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-            let sheet = Picture::beside(&[&ours, &reference, &map]);
-            sheet.write(&folder.join(format!("{}.png", view.name)))?;
+            let sheet = picture::beside(&[&ours, &reference, &map]);
+            picture::write(&sheet, &folder.join(format!("{}.png", view.name)))?;
         }
         bar.inc(1);
     }

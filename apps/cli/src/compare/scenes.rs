@@ -1,6 +1,6 @@
 //! The description of the reference pictures, and where what it names lies.
 
-use crate::picture::Picture;
+use crate::picture::{self, Picture};
 use anyhow::{Context, Result, bail, ensure};
 use serde::Deserialize;
 use std::{
@@ -194,7 +194,7 @@ impl Folders<'_> {
 
     /// A picture that lies there.
     pub fn picture(&self, name: &str) -> Result<Picture> {
-        Picture::read(&self.beside(Path::new(&format!("{name}.png"))))
+        picture::read(&self.beside(Path::new(&format!("{name}.png"))))
     }
 }
 

@@ -3,79 +3,47 @@
 //! Nothing half-written is ever seen under its final name: every file is written next to its place
 //! under a temporary name and moved there when it is complete.
 
-mod animation;
 mod file;
 
-use animation::{Apng, Gif, WebP};
 use anyhow::{Context, Result, bail, ensure};
 use std::path::{Path, PathBuf};
+pub use tresses_scene::picture::Picture;
+use tresses_scene::picture::{Animation, Format};
 
-/// Pixels from top left, row by row, sRGB.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Picture {
-    /// Pixels.
-    pub width: u32,
-    /// Pixels.
-    pub height: u32,
-    /// Four bytes per pixel: red, green, blue, alpha.
-    pub rgba: Vec<u8>,
+/// Reads a PNG file.
+pub fn read(path: &Path) -> Result<Picture> {
+    let read = || -> Result<Picture> {
+        let mut decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path)?));
+        decoder
+            .set_transformations(png::Transformations::normalize_to_color8() | png::Transformations::ALPHA);
+        let mut reader = decoder.read_info()?;
+        let mut bytes = vec![0; reader.output_buffer_size().context("the picture is too large")?];
+        let info = reader.next_frame(&mut bytes)?;
+        let pixel = |p: &[u8]| match p {
+            [grey, alpha] => [*grey, *grey, *grey, *alpha],
+            _ => [p[0], p[1], p[2], p[3]],
+        };
+        let rows = bytes[..info.buffer_size()].chunks_exact(info.color_type.samples());
+        Ok(Picture { width: info.width, height: info.height, rgba: rows.flat_map(pixel).collect() })
+    };
+    read().with_context(|| path.display().to_string())
 }
 
-impl Picture {
-    /// As the bytes of a PNG file without alpha.
-    pub fn png(&self) -> Result<Vec<u8>> {
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, self.width, self.height);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(&self.rgb())?;
-        writer.finish()?;
-        Ok(bytes)
-    }
+/// Pictures of one height, from left to right.
+pub fn beside(pictures: &[&Picture]) -> Picture {
+    let height = pictures.iter().map(|p| p.height).min().unwrap_or(0);
+    let row = |picture: &Picture, y: u32| {
+        let width = 4 * picture.width as usize;
+        let from = y as usize * width;
+        picture.rgba[from..from + width].to_vec()
+    };
+    let rgba = (0..height).flat_map(|y| pictures.iter().flat_map(move |p| row(p, y))).collect();
+    Picture { width: pictures.iter().map(|p| p.width).sum(), height, rgba }
+}
 
-    /// Reads a PNG file.
-    pub fn read(path: &Path) -> Result<Self> {
-        let read = || -> Result<Self> {
-            let mut decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path)?));
-            decoder.set_transformations(
-                png::Transformations::normalize_to_color8() | png::Transformations::ALPHA,
-            );
-            let mut reader = decoder.read_info()?;
-            let mut bytes = vec![0; reader.output_buffer_size().context("the picture is too large")?];
-            let info = reader.next_frame(&mut bytes)?;
-            let pixel = |p: &[u8]| match p {
-                [grey, alpha] => [*grey, *grey, *grey, *alpha],
-                _ => [p[0], p[1], p[2], p[3]],
-            };
-            let rows = bytes[..info.buffer_size()].chunks_exact(info.color_type.samples());
-            Ok(Self { width: info.width, height: info.height, rgba: rows.flat_map(pixel).collect() })
-        };
-        read().with_context(|| path.display().to_string())
-    }
-
-    /// Pictures of one height, from left to right.
-    pub fn beside(pictures: &[&Self]) -> Self {
-        let height = pictures.iter().map(|p| p.height).min().unwrap_or(0);
-        let row = |picture: &Self, y: u32| {
-            let width = 4 * picture.width as usize;
-            let from = y as usize * width;
-            picture.rgba[from..from + width].to_vec()
-        };
-        let rgba = (0..height).flat_map(|y| pictures.iter().flat_map(move |p| row(p, y))).collect();
-        Self { width: pictures.iter().map(|p| p.width).sum(), height, rgba }
-    }
-
-    /// Without alpha: three bytes per pixel.
-    pub fn rgb(&self) -> Vec<u8> {
-        self.rgba.as_chunks::<4>().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect()
-    }
-
-    /// Writes it as a PNG file.
-    pub fn write(&self, path: &Path) -> Result<()> {
-        file::write(path, &self.png()?)
-    }
+/// Writes it as a PNG file.
+pub fn write(picture: &Picture, path: &Path) -> Result<()> {
+    file::write(path, &picture.png()?)
 }
 
 /// What a path stands for.
@@ -126,12 +94,6 @@ impl Kind {
     }
 }
 
-/// Turns frames into one file.
-trait Animation {
-    fn add(&mut self, picture: &Picture) -> Result<()>;
-    fn finish(self: Box<Self>) -> Result<Vec<u8>>;
-}
-
 /// Takes the frames of one output in order.
 pub struct Output {
     path: PathBuf,
@@ -171,9 +133,9 @@ impl Output {
         let sink = match kind {
             Kind::Still => Sink::Still(None),
             Kind::Folder => Sink::Folder { next: 0 },
-            Kind::WebP => Sink::Animation(Box::new(WebP::new(width, height, fps)?)),
-            Kind::Gif => Sink::Animation(Box::new(Gif::new(width, height, fps)?)),
-            Kind::Apng => Sink::Animation(Box::new(Apng::new(width, height, frames, fps)?)),
+            Kind::WebP => Sink::Animation(Format::WebP.begin([width, height], frames, fps)?),
+            Kind::Gif => Sink::Animation(Format::Gif.begin([width, height], frames, fps)?),
+            Kind::Apng => Sink::Animation(Format::Apng.begin([width, height], frames, fps)?),
         };
         Ok(Self { path: path.to_owned(), sink })
     }
@@ -188,7 +150,7 @@ impl Output {
         match &mut self.sink {
             Sink::Still(last) => *last = Some(picture),
             Sink::Folder { next } => {
-                picture.write(&self.path.join(format!("frame_{next:04}.png")))?;
+                write(&picture, &self.path.join(format!("frame_{next:04}.png")))?;
                 *next += 1;
             }
             Sink::Animation(animation) => {
@@ -203,7 +165,7 @@ impl Output {
         let shown = self.path.display();
         match self.sink {
             Sink::Still(Some(picture)) => {
-                picture.write(&self.path)?;
+                write(&picture, &self.path)?;
                 Ok(format!("{shown} ({} × {})", picture.width, picture.height))
             }
             Sink::Still(None) => bail!("{shown}: there is no picture to write"),

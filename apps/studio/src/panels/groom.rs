@@ -1,12 +1,13 @@
 //! What is known of the groom: how it was read, what was found, and how to read it otherwise.
 
-use crate::{app::Studio, job::Source, panels::status::grouped, theme};
+use crate::{app::Studio, job::Source, theme};
 use eframe::egui::{self, ComboBox, Grid, RichText, ScrollArea, Ui};
 use tresses::groom::{
     import::{ImportOptions, ImportReport},
     lint::Severity,
     orient::{Axis, Choice, Placement, Unit},
 };
+use tresses_scene::words::grouped;
 
 /// Shows it.
 pub fn show(studio: &mut Studio, ui: &mut Ui) {
@@ -37,7 +38,11 @@ fn facts(studio: &Studio, ui: &mut Ui) {
     Grid::new("facts").num_columns(2).spacing([16.0, 4.0]).show(ui, |ui| {
         for (name, value, help) in [
             ("Strands", grouped(facts.strands.into()), "Strands of the groom that are drawn at full detail"),
-            ("Vertices per strand", facts.vertices_per_strand.to_string(), "Points along each of them"),
+            (
+                "Vertices per strand",
+                facts.vertices_per_strand.to_string(),
+                "Points along each of them as it is drawn; files may have fewer",
+            ),
             ("Triangles", grouped(facts.triangles), "What the picture is made of now"),
             ("Guides", grouped(facts.guides.into()), "Strands that are simulated; the others follow them"),
             (
@@ -69,8 +74,9 @@ fn findings(report: &ImportReport, ui: &mut Ui) {
         ui.label(
             RichText::new(format!("{} ({})", finding.kind.name(), grouped(finding.count as u64)))
                 .color(color),
-        )
-        .on_hover_text(format!("{}\n{}", finding.detail, finding.action));
+        );
+        let more = format!("{}; {}", finding.detail, finding.action);
+        ui.label(RichText::new(more).small().color(theme::QUIET));
     }
 }
 

@@ -39,7 +39,7 @@ pub fn answer(studio: &mut Studio, context: &egui::Context) {
     if pressed(Key::R) {
         studio.play.reset();
     }
-    if pressed(Key::Tab) {
+    if pressed(Key::P) {
         studio.panels.fold(context);
     }
     for (tool, _, key, _) in Tool::ALL {

@@ -27,7 +27,11 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
         }
         let edit = TextEdit::singleline(&mut studio.panels.search).id_salt("search").hint_text("Search");
         let edit = edit.desired_width(ui.available_width());
-        ui.add(edit).on_hover_text("Shows the parameters whose name or hint has these words");
+        let edit = ui.add(edit).on_hover_text("Shows the parameters whose name or hint has these words");
+        // Whoever turns something has done with the words: an undo is no longer theirs.
+        if edit.has_focus() && !edit.contains_pointer() && ui.input(|input| input.pointer.any_pressed()) {
+            edit.surrender_focus();
+        }
     });
     ui.add_space(2.0);
     let words = studio.panels.search.to_lowercase();
@@ -131,6 +135,7 @@ fn widget(knob: &Knob, value: Value, auto: bool, ui: &mut Ui) -> Option<Value> {
     match (knob.kind, value) {
         (Kind::Number { unit, least, most, scale }, Value::Number(number)) => {
             let mut shown = knob.shown(number);
+            let before = short(shown);
             let slider = Slider::new(&mut shown, least..=most)
                 .logarithmic(scale == Scale::Log)
                 .smallest_positive((most * 1e-5).max(1e-9))
@@ -138,7 +143,9 @@ fn widget(knob: &Knob, value: Value, auto: bool, ui: &mut Ui) -> Option<Value> {
                 .max_decimals(17)
                 .custom_formatter(|shown, _| short(shown))
                 .suffix(mark(unit.symbol));
-            let turned = ui.add(slider).on_hover_text(knob.hint).changed();
+            let slider = ui.add(slider).on_hover_text(knob.hint);
+            // A number that was only looked at comes back as its text, which has fewer digits.
+            let turned = slider.changed() && (slider.dragged() || short(shown) != before);
             turned.then(|| Value::Number(knob.inner(shown.clamp(least, most))))
         }
         (Kind::Integer { unit, least, most, step }, Value::Integer(mut number)) => {

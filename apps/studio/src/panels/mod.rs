@@ -8,6 +8,7 @@ pub mod keys;
 pub mod knobs;
 pub mod legend;
 pub mod overlay;
+pub mod record;
 pub mod side;
 pub mod status;
 pub mod time;
@@ -26,6 +27,8 @@ pub struct Panels {
     pub page: side::Page,
     /// The words that parameters are searched by.
     pub search: String,
+    /// Whether a loop is being ordered.
+    pub record: bool,
     /// Whether the panel at the side is hidden; `None`: where it would leave too little of the picture.
     folded: Option<bool>,
 }

@@ -12,6 +12,9 @@ use eframe::egui::{Align, Align2, Area, Id, Layout, Order, ProgressBar, Rect, Ri
 /// Distance from the picture's edges, points.
 const GAP: f32 = 12.0;
 
+/// What the wind's dial takes of the width and height, with room around it, points.
+const DIAL: f32 = 130.0;
+
 /// Shows all of it over the picture at `rect`.
 pub fn show(studio: &mut Studio, ui: &mut Ui, rect: Rect) {
     let at = |name: &str, anchor: Align2, offset| {
@@ -24,7 +27,8 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, rect: Rect) {
     if studio.show.is_some() {
         at("tools", Align2::LEFT_TOP, vec2(0.0, 0.0))
             .show(ui.ctx(), |ui| plate().show(ui, |ui| tools(studio, ui)));
-        at("views", Align2::RIGHT_TOP, vec2(0.0, 0.0))
+        // The panels of grids stand at the right.
+        at("views", Align2::CENTER_TOP, vec2(0.0, 0.0))
             .show(ui.ctx(), |ui| plate().show(ui, |ui| views(studio, ui)));
     }
     if studio.show.is_some() {
@@ -39,13 +43,20 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, rect: Rect) {
         };
         at("job", anchor, offset).show(ui.ctx(), |ui| plate().show(ui, |ui| job(studio, ui)));
     }
+    if studio.recording.is_some() {
+        at("recording", Align2::CENTER_TOP, vec2(0.0, 84.0))
+            .show(ui.ctx(), |ui| plate().show(ui, |ui| recording(studio, ui)));
+    }
     if studio.show.is_some() && panels::legend::wanted(studio) && studio.error.is_none() {
         at("legend", Align2::CENTER_BOTTOM, vec2(0.0, 0.0))
             .show(ui.ctx(), |ui| plate().show(ui, |ui| panels::legend::show(studio, ui)));
     }
     if studio.error.is_some() {
-        at("error", Align2::CENTER_BOTTOM, vec2(0.0, 0.0)).show(ui.ctx(), |ui| {
-            ui.set_max_width(0.8 * rect.width());
+        // Beside the wind's dial, or above it where there is no room.
+        let beside = rect.width() - 2.0 * DIAL;
+        let (lift, width) = if beside > 320.0 { (0.0, beside) } else { (DIAL, 0.9 * rect.width()) };
+        at("error", Align2::CENTER_BOTTOM, vec2(0.0, -lift)).show(ui.ctx(), |ui| {
+            ui.set_max_width(width);
             plate().show(ui, |ui| error(studio, ui));
         });
     }
@@ -106,6 +117,18 @@ fn job(studio: &Studio, ui: &mut Ui) {
         ui.add(bar);
         ui.label(format!("{}: {}", job.source.name(), job.step()));
         ui.label(RichText::new(format!("{:.0} s", job.begun.elapsed().as_secs_f32())).color(theme::QUIET));
+    });
+}
+
+fn recording(studio: &mut Studio, ui: &mut Ui) {
+    let Some(recording) = &studio.recording else { return };
+    let (fraction, step) = (recording.fraction(), recording.step());
+    ui.horizontal(|ui| {
+        ui.add(ProgressBar::new(fraction).desired_width(90.0).desired_height(6.0).fill(theme::ACCENT));
+        ui.label(step);
+        if ui.small_button("Stop").on_hover_text("Throws away what is recorded").clicked() {
+            studio.stop_recording();
+        }
     });
 }
 

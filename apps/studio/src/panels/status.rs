@@ -2,6 +2,7 @@
 
 use crate::{app::Studio, theme};
 use eframe::egui::{self, Align, Label, Layout, Panel, RichText, Ui};
+use tresses_scene::words::grouped;
 
 /// Shows it.
 pub fn show(studio: &mut Studio, ui: &mut Ui) {
@@ -28,17 +29,22 @@ fn right(studio: &mut Studio, ui: &mut Ui) {
         ui.label(quiet(format!("{ms:.0} ms"))).on_hover_text("The median of the last frames of hair");
     }
     let [width, height] = show.stage.targets.size;
-    let scale = studio.pace.scale();
+    let level = studio.pace.level();
     let drawn = show.stage.detail().strands;
     let mut text = format!("{} strands · {width}×{height}", grouped(u64::from(drawn)));
-    let coarse = scale < 1.0 || studio.pace.bias() > 0.0;
+    let coarse = studio.pace.is_lowered();
     if coarse {
-        text += &format!(" ({:.0} %)", scale * 100.0);
+        text += &format!(" ({:.0} %)", level.scale * 100.0);
     }
     let text = if coarse { quiet(text).color(theme::ACCENT) } else { quiet(text) };
     let help = if coarse {
+        let mut less = vec!["resolution and strands"];
+        less.extend(level.coarse.then_some("triangles of the body"));
+        less.extend(level.slow.then_some("steps of the hair per second"));
+        less.extend(level.few_lights.then_some("the light from behind"));
         format!(
-            "Resolution and strands are lowered so that a frame takes less than {:.0} ms. Under Inside this can be turned off.",
+            "Less is drawn ({}) so that a frame takes less than {:.0} ms. When nothing moves, the picture becomes finer. Under Time this can be turned off.",
+            less.join(", "),
             studio.pace.budget()
         )
     } else {
@@ -50,17 +56,4 @@ fn right(studio: &mut Studio, ui: &mut Ui) {
 /// The name of an adapter without what stands in brackets.
 fn short(name: &str) -> &str {
     name.split(" (").next().unwrap_or(name)
-}
-
-/// A number with its thousands apart.
-pub fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
 }

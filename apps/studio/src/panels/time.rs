@@ -17,7 +17,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
     );
     studio.panels.frames.plot(ui, budget).on_hover_text(help);
     let mut automatic = studio.pace.automatic;
-    let help = "Lowers resolution and strands until a frame fits, and raises them when there is room";
+    let help = "Lowers resolution and detail until a frame fits, and raises them when there is room or nothing moves";
     if ui.checkbox(&mut automatic, "Keep frames short").on_hover_text(help).changed() {
         (studio.pace.automatic, studio.dirty) = (automatic, true);
     }

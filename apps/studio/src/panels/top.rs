@@ -6,7 +6,7 @@ use tresses::groom::styles::Style;
 use tresses_scene::preset::{Extent, Preset};
 
 /// Width of a window in which everything has its button, points.
-const WIDE: f32 = 900.0;
+const WIDE: f32 = 1000.0;
 
 /// Shows it.
 pub fn show(studio: &mut Studio, ui: &mut Ui) {
@@ -23,7 +23,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let text = if studio.panels.is_folded(ui.ctx()) { "Show panel" } else { "Hide panel" };
-                if ui.button(text).on_hover_text("The panel at the side\nKey Tab").clicked() {
+                if ui.button(text).on_hover_text("The panel at the side\nKey P").clicked() {
                     studio.panels.fold(ui.ctx());
                 }
                 history(studio, ui);
@@ -42,6 +42,11 @@ fn files(studio: &mut Studio, ui: &mut Ui) {
     presets(studio, ui);
     if ui.button("Save picture…").on_hover_text("The picture as it is, as PNG").clicked() {
         studio.wants_picture = true;
+    }
+    let help = "The motion as an animated picture";
+    let can = studio.show.is_some() && studio.recording.is_none();
+    if ui.add_enabled(can, egui::Button::new("Record loop…")).on_hover_text(help).clicked() {
+        studio.panels.record = true;
     }
 }
 

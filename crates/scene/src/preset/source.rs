@@ -129,6 +129,18 @@ impl Source {
         *self == Self::default()
     }
 
+    /// The keys of the maps, curves and other files that it names besides groom and head.
+    pub fn companions(&self) -> Vec<&'static str> {
+        let rest = Self {
+            style: None,
+            grooms: Vec::new(),
+            heads: Vec::new(),
+            orientation: Default::default(),
+            ..self.clone()
+        };
+        TEXTS.iter().filter(|(_, get, _)| get(&rest).is_some()).map(|(key, ..)| *key).collect()
+    }
+
     /// All keys of the table.
     pub(super) fn keys() -> impl Iterator<Item = &'static str> {
         FILES.iter().map(|file| file.0).chain(TEXTS.iter().map(|text| text.0)).chain([MIRROR])

@@ -73,16 +73,7 @@ impl Body {
 
     /// Uploads `mesh`, to be drawn by `stage`.
     pub fn new(device: &wgpu::Device, stage: &DrawStage, mesh: &TriMesh) -> Self {
-        let vertices: Vec<_> = mesh
-            .positions
-            .iter()
-            .enumerate()
-            .map(|(i, position)| BodyVertex {
-                position: *position,
-                normal: mesh.normals.get(i).copied().unwrap_or(Vec3::Y),
-                color: mesh.colors.get(i).map_or(0, |color| crate::strands::strand::pack_color(*color)),
-            })
-            .collect();
+        let vertices = vertices(mesh);
         let buffer = |label, contents: &[u8], usage| {
             // An empty buffer cannot be bound.
             let contents = if contents.is_empty() { &[0; 28] } else { contents };
@@ -94,7 +85,11 @@ impl Body {
         };
         let uniform = crate::gpu::bindings::uniform(device, "body", size_of::<BodyUniform>());
         Self {
-            vertices: buffer("body vertices", bytemuck::cast_slice(&vertices), wgpu::BufferUsages::VERTEX),
+            vertices: buffer(
+                "body vertices",
+                bytemuck::cast_slice(&vertices),
+                wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+            ),
             triangles: buffer(
                 "body triangles",
                 bytemuck::cast_slice(&mesh.triangles),
@@ -104,6 +99,16 @@ impl Body {
             group: stage.bind_body(device, &uniform),
             uniform,
         }
+    }
+
+    /// Gives the vertices from `first` on the places, normals and colours of `part`'s, for the frames that are
+    /// submitted from here on; its triangles are not read. What would lie beyond the last one is left out.
+    pub fn move_part(&self, queue: &wgpu::Queue, first: usize, part: &TriMesh) {
+        let offset = (first * size_of::<BodyVertex>()) as u64;
+        let vertices = vertices(part);
+        let bytes: &[u8] = bytemuck::cast_slice(&vertices);
+        let room = self.vertices.size().saturating_sub(offset).min(bytes.len() as u64) as usize;
+        queue.write_buffer(&self.vertices, offset, &bytes[..room]);
     }
 
     pub(crate) fn record(&self, pass: &mut wgpu::RenderPass<'_>) {
@@ -117,6 +122,16 @@ impl Body {
     pub fn bytes(&self) -> u64 {
         self.vertices.size() + self.triangles.size() + self.uniform.size()
     }
+}
+
+/// As the shaders read them.
+fn vertices(mesh: &TriMesh) -> Vec<BodyVertex> {
+    let vertex = |(i, position): (usize, &Vec3)| BodyVertex {
+        position: *position,
+        normal: mesh.normals.get(i).copied().unwrap_or(Vec3::Y),
+        color: mesh.colors.get(i).map_or(0, |color| crate::strands::strand::pack_color(*color)),
+    };
+    mesh.positions.iter().enumerate().map(vertex).collect()
 }
 
 impl BodyMaterial {

@@ -69,7 +69,7 @@ impl Lights {
             irradiance: Vec3::new(5.6, 5.3, 4.85),
         };
         directional[Self::RIM] = Directional {
-            direction: turn * Vec3::new(0.45, 0.5, -0.74).normalize(),
+            direction: turn * Vec3::new(0.85, 0.28, -0.45).normalize(),
             irradiance: Vec3::new(3.1, 3.25, 3.5),
         };
         Self {

@@ -5,7 +5,7 @@ use tresses::{
     draw::{Body, DrawStage, HairSet, Scene, Targets, View},
     glam::{Mat4, Vec3},
     gpu::Gpu,
-    groom::{Groom, Strands, TriMesh},
+    groom::{Groom, SdfGrid, Strands, TriMesh},
 };
 
 /// Opens an adapter; without one, skips (`None`) or, when `TRESSES_REQUIRE_GPU=1`, panics.
@@ -36,6 +36,11 @@ pub fn hanging(count: usize, vertices: usize, length: f32) -> Strands {
         strands.push(&curve);
     }
     strands
+}
+
+/// The distance field of a ball around the origin, `resolution` nodes along each side of 40 cm.
+pub fn ball(radius: f32, resolution: u32) -> SdfGrid {
+    SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), resolution, |p| p.length() - radius)
 }
 
 /// The guides' rest positions as the GPU stores them: vertex-major `vec4`s.

@@ -13,7 +13,7 @@ use tresses::{
         import::{self, ImportOptions},
         mannequin,
         mesh::sdf::{self, SdfOptions},
-        styles::{self, GUIDE_VERTICES, GridScalp, Style},
+        styles::{self, GUIDE_VERTICES, Style},
     },
     simulate::{GuideTraits, RestShape, SimulationParams},
 };
@@ -29,16 +29,10 @@ pub struct Subject {
 
 /// A built-in style that has fallen into place.
 pub fn style(lab: &Lab, name: &str) -> Subject {
-    let scalp = GridScalp::mannequin(96);
-    let mut styled = styles::guides(&name.parse::<Style>().unwrap(), &scalp);
-    pollster::block_on(styles::settle(
-        &lab.gpu.device,
-        &lab.gpu.queue,
-        &lab.simulate,
-        &mut styled,
-        &scalp.field,
-    ))
-    .unwrap();
+    let (device, queue) = (&lab.gpu.device, &lab.gpu.queue);
+    let style = name.parse::<Style>().unwrap();
+    let (styled, scalp) =
+        pollster::block_on(styles::settled(device, queue, &lab.simulate, &style, &())).unwrap();
     let traits = styled.stiffness.iter().map(|&stiffness| GuideTraits { stiffness, ..Default::default() });
     Subject {
         name: name.into(),

@@ -223,7 +223,7 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], lenient: bool) -> Result<Raw> {
         "hair" => hair::read(&source)?,
         "obj" => obj_lines::read(&source)?,
         "gltf" | "glb" | "tfxmesh" => {
-            return Err(source.problem(At::File, "a mesh, not a groom; a head is given with --head"));
+            return Err(source.problem(At::File, "a mesh, not a groom; it can be the head of one"));
         }
         _ => return Err(source.problem(At::File, "a groom is a .tfx, .hair or .obj file")),
     };

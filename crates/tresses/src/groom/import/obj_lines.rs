@@ -34,7 +34,7 @@ pub(super) fn read(source: &Source) -> Result<Raw> {
     }
     if elements.is_empty() {
         let problem = if faces > 0 {
-            format!("a mesh of {faces} faces without line elements; a head is given with --head")
+            format!("a mesh of {faces} faces without line elements; it can be the head of one")
         } else {
             "no line elements, hence no strands".into()
         };

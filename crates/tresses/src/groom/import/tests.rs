@@ -244,8 +244,8 @@ fn the_wrong_kind_of_file_is_told_so() {
     let says = |name: &str, bytes: &[u8]| parse(Path::new(name), bytes, false).err().unwrap().to_string();
     assert!(says("a.hair", b"HAIL").contains("HAIR"));
     assert!(says("a.tfx", &[0; 400]).contains("version"));
-    assert!(says("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").contains("--head"));
+    assert!(says("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").contains("head"));
     assert!(says("a.obj", b"v 0 0 0\nl 1 2\n").contains("line 2"));
     assert!(says("a.tfx", b"").contains("empty"));
-    assert!(says("a.glb", b"glTF").contains("--head"));
+    assert!(says("a.glb", b"glTF").contains("head"));
 }

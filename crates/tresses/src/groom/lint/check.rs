@@ -293,7 +293,7 @@ fn roots(strands: &Strands, head: &TriMesh, report: &mut Report) {
         let bad = 4 * count > strands.len();
         let mut action = "they are kept where they are and move with the head".to_string();
         if bad {
-            action += "; if the picture is wrong, give --unit, --up, --front or --mirror";
+            action += "; if the picture is wrong, give unit, axes or mirroring by hand";
         }
         report.findings.push(Finding {
             kind: Kind::RootsOff,

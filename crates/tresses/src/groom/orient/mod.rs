@@ -74,7 +74,7 @@ fn explain_axes(placement: &mut Placement, choice: &Choice, declared: bool, why:
 fn explain_doubt(placement: &mut Placement, lead: f32, next: Option<Frame>) {
     if let (true, Some(next)) = (lead < DOUBT, next) {
         placement.doubts.push(format!(
-            "up {} and face {} is nearly as likely; give --up and --front to settle it",
+            "up {} and face {} is nearly as likely; giving both axes settles it",
             next.up.name(),
             next.front.name()
         ));
@@ -90,7 +90,7 @@ pub fn groom(strands: &Strands, declared: bool, choice: &Choice) -> Placement {
         placement.unit = choice.unit.unwrap_or(Unit(1.0));
         placement.up = choice.up.unwrap_or(Axis::Y);
         placement.front = choice.front.unwrap_or(Axis::Z);
-        placement.doubts.push("too few roots to guess from; give --unit, --up and --front".into());
+        placement.doubts.push("too few roots to guess from; give unit, up and front by hand".into());
         return placement;
     };
     let (frame, lead, next) = best_frame(&choice, |f| facts.score(f) + f.habit());
@@ -130,7 +130,10 @@ fn explain_unit(placement: &mut Placement, known: bool, seen: &str) {
         format!("1 unit is {:.3} mm, no usual unit but the size of a head: {seen}", 1e3 * unit.0)
     });
     if !known {
-        placement.doubts.push(format!("the size is a guess; --unit {:.5} or the like settles it", unit.0));
+        placement.doubts.push(format!(
+            "the size is a guess; a unit of {:.5} m or the like, given by hand, settles it",
+            unit.0
+        ));
     }
 }
 
@@ -203,7 +206,7 @@ fn unit_of_head(
         (None, None) => {
             placement
                 .doubts
-                .push("no crown and chin found, so the unit is taken for a metre; give --unit".into());
+                .push("no crown and chin found, so the unit is taken for a metre; if that is wrong, give it by hand".into());
             (true, "nothing says otherwise".into())
         }
     };

@@ -74,8 +74,9 @@ pub fn pair(
         && score - next.0 < DOUBT
     {
         let (up, front) = (next.2.up.name(), next.2.front.name());
-        own.doubts
-            .push(format!("up {up} and face {front} of the head is nearly as likely; give --up and --front"));
+        own.doubts.push(format!(
+            "up {up} and face {front} of the head is nearly as likely; giving both axes settles it"
+        ));
     }
     (own, upright)
 }

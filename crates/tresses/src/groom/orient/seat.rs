@@ -51,7 +51,7 @@ pub fn seat(strands: &Strands, own: Placement, mesh: &TriMesh, head: &Placement)
         median * 1e3
     ));
     placed.doubts.push(
-        "this groom was made for another head; if it was not, give --unit, --up, --front or --mirror".into(),
+        "this groom was made for another head; if it was not, give unit, axes or mirroring by hand".into(),
     );
     placed
 }

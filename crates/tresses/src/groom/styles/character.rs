@@ -69,10 +69,7 @@ pub async fn character_with(
     progress: &impl Progress,
 ) -> Result<Character> {
     growth.check()?;
-    let scalp = GridScalp::of_mannequin(mannequin::sdf_with(FIELD_RESOLUTION, progress).await);
-    let mut styled = guides_with(&style.recipe(), &scalp, progress).await;
-    progress.step("letting the hair fall", 0.0).await;
-    settle(device, queue, simulate, &mut styled, &scalp.field).await?;
+    let (styled, scalp) = settled(device, queue, simulate, style, progress).await?;
     let grown = grow::grow_with(&styled, growth, &scalp, progress).await?;
     Ok(Character {
         groom: bound(&styled, &grown),
@@ -80,6 +77,25 @@ pub async fn character_with(
         field: scalp.field,
         neck: mannequin::NECK_JOINT,
     })
+}
+
+/// The guides of `style` that have fallen into place on the mannequin, and its scalp: what strands are then
+/// grown from and on, with [`grow::grow_with`] and [`bound`].
+///
+/// # Errors
+/// [`Error::Gpu`](crate::Error::Gpu) when the device is lost.
+pub async fn settled(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    simulate: &Simulate,
+    style: &Style,
+    progress: &impl Progress,
+) -> Result<(StyledGuides, GridScalp)> {
+    let scalp = GridScalp::of_mannequin(mannequin::sdf_with(FIELD_RESOLUTION, progress).await);
+    let mut styled = guides_with(&style.recipe(), &scalp, progress).await;
+    progress.step("letting the hair fall", 0.0).await;
+    settle(device, queue, simulate, &mut styled, &scalp.field).await?;
+    Ok((styled, scalp))
 }
 
 /// Lets `styled` fall into place on a head with the distance field `field`, as far as its recipe's

@@ -23,7 +23,7 @@ mod roots;
 mod scalp;
 mod trace;
 
-pub use character::{Character, bound, character, character_with, settle};
+pub use character::{Character, bound, character, character_with, settle, settled};
 pub use face::Face;
 pub use hairline::Hairline;
 pub use parting::Parting;

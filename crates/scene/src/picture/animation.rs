@@ -1,18 +1,83 @@
 //! The animation files: every frame is compressed as it comes, the file is assembled at the end.
 
-use super::{Animation, Picture};
+use super::Picture;
 use anyhow::{Result, ensure};
+#[cfg(not(target_arch = "wasm32"))]
 use webp_animation::{EncoderOptions, EncodingConfig, EncodingType, LossyEncodingConfig};
 
+/// Turns frames into one file.
+pub trait Animation {
+    /// The next frame.
+    ///
+    /// # Errors
+    /// When it is not of the animation's size.
+    fn add(&mut self, picture: &Picture) -> Result<()>;
+
+    /// The bytes of the file.
+    ///
+    /// # Errors
+    /// When there are no frames.
+    fn finish(self: Box<Self>) -> Result<Vec<u8>>;
+}
+
+/// A kind of animation file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// `.webp`: small, in true colour, shown by every browser. Its encoder is libwebp, which is C and not
+    /// there in a browser.
+    #[cfg(not(target_arch = "wasm32"))]
+    WebP,
+    /// `.gif`: 256 colours per frame.
+    Gif,
+    /// `.apng`: lossless and large.
+    Apng,
+}
+
+impl Format {
+    /// What there is, the best for most first.
+    pub const ALL: &[Self] = &[
+        #[cfg(not(target_arch = "wasm32"))]
+        Self::WebP,
+        Self::Gif,
+        Self::Apng,
+    ];
+
+    /// The extension of its files.
+    pub fn extension(self) -> &'static str {
+        match self {
+            #[cfg(not(target_arch = "wasm32"))]
+            Self::WebP => "webp",
+            Self::Gif => "gif",
+            Self::Apng => "apng",
+        }
+    }
+
+    /// Begins a file of `frames` frames of `width` × `height` pixels at `fps` frames per second, which
+    /// repeats for ever.
+    ///
+    /// # Errors
+    /// One sentence, for what the format cannot hold.
+    pub fn begin(self, [width, height]: [u32; 2], frames: u32, fps: f64) -> Result<Box<dyn Animation>> {
+        Ok(match self {
+            #[cfg(not(target_arch = "wasm32"))]
+            Self::WebP => Box::new(WebP::new(width, height, fps)?),
+            Self::Gif => Box::new(Gif::new(width, height, fps)?),
+            Self::Apng => Box::new(Apng::new(width, height, frames, fps)?),
+        })
+    }
+}
+
 /// Animated WebP, lossy.
-pub struct WebP {
+#[cfg(not(target_arch = "wasm32"))]
+struct WebP {
     encoder: webp_animation::Encoder,
     frame: u32,
     fps: f64,
 }
 
+#[cfg(not(target_arch = "wasm32"))]
 impl WebP {
-    pub fn new(width: u32, height: u32, fps: f64) -> Result<Self> {
+    fn new(width: u32, height: u32, fps: f64) -> Result<Self> {
         let options = EncoderOptions {
             // A key frame now and then lets a viewer seek and bounds what one bad frame can spoil.
             kmin: 9,
@@ -34,6 +99,7 @@ impl WebP {
     }
 }
 
+#[cfg(not(target_arch = "wasm32"))]
 impl Animation for WebP {
     fn add(&mut self, picture: &Picture) -> Result<()> {
         self.encoder.add_frame(&picture.rgba, self.time())?;
@@ -48,15 +114,18 @@ impl Animation for WebP {
 }
 
 /// GIF with a palette of its own for every frame.
-pub struct Gif {
+struct Gif {
     encoder: gif::Encoder<Vec<u8>>,
     frame: u32,
     fps: f64,
 }
 
 impl Gif {
-    pub fn new(width: u32, height: u32, fps: f64) -> Result<Self> {
-        ensure!(fps <= 50.0, "a .gif shows at most 50 frames per second; choose .webp or a lower --fps");
+    fn new(width: u32, height: u32, fps: f64) -> Result<Self> {
+        ensure!(
+            fps <= 50.0,
+            "a .gif shows at most 50 frames per second; choose another kind of file or fewer"
+        );
         let mut encoder = gif::Encoder::new(Vec::new(), u16::try_from(width)?, u16::try_from(height)?, &[])?;
         encoder.set_repeat(gif::Repeat::Infinite)?;
         Ok(Self { encoder, frame: 0, fps })
@@ -83,13 +152,13 @@ impl Animation for Gif {
 }
 
 /// Animated PNG, lossless.
-pub struct Apng {
+struct Apng {
     writer: png::Writer<Shared>,
     bytes: Shared,
 }
 
 impl Apng {
-    pub fn new(width: u32, height: u32, frames: u32, fps: f64) -> Result<Self> {
+    fn new(width: u32, height: u32, frames: u32, fps: f64) -> Result<Self> {
         let bytes = Shared::default();
         let mut encoder = png::Encoder::new(bytes.clone(), width, height);
         encoder.set_color(png::ColorType::Rgb);

@@ -1,0 +1,75 @@
+//! The small window in which a loop is ordered.
+
+use crate::{
+    app::Studio,
+    record::{LARGEST, LONGEST, Wish},
+    theme,
+};
+use eframe::egui::{self, Align2, ComboBox, DragValue, Grid, RichText, Ui, vec2};
+use tresses_scene::picture::Format;
+
+/// Shows it while it is wanted.
+pub fn show(studio: &mut Studio, ui: &Ui) {
+    let mut open = studio.panels.record && studio.recording.is_none();
+    if !open {
+        return;
+    }
+    let window = egui::Window::new("Record a loop").collapsible(false).resizable(false);
+    window
+        .anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0))
+        .open(&mut open)
+        .show(ui.ctx(), |ui| inside(studio, ui));
+    studio.panels.record &= open;
+}
+
+fn inside(studio: &mut Studio, ui: &mut Ui) {
+    let period = studio.play.period();
+    let Wish { seconds, fps, size, format } = &mut studio.wish;
+    Grid::new("wish").num_columns(2).spacing([16.0, 6.0]).show(ui, |ui| {
+        let quiet = |text: &str| RichText::new(text).color(theme::QUIET);
+        ui.label(quiet("Length"));
+        ui.horizontal(|ui| {
+            let mut whole = seconds.is_none();
+            let help = "As long as the motion takes: the file can be played over and over";
+            if ui.checkbox(&mut whole, format!("One period ({period:.1} s)")).on_hover_text(help).changed() {
+                *seconds = (!whole).then_some(period);
+            }
+            if let Some(seconds) = seconds {
+                ui.add(DragValue::new(seconds).range(0.1..=LONGEST).speed(0.05).suffix(" s"));
+            }
+        });
+        ui.end_row();
+        ui.label(quiet("Frames per second"));
+        ui.add(DragValue::new(fps).range(1..=50));
+        ui.end_row();
+        ui.label(quiet("Size"));
+        ui.horizontal(|ui| {
+            ui.add(DragValue::new(&mut size[0]).range(16..=LARGEST));
+            ui.label("×");
+            ui.add(DragValue::new(&mut size[1]).range(16..=LARGEST).suffix(" pixels"));
+        });
+        ui.end_row();
+        ui.label(quiet("File"));
+        ComboBox::from_id_salt("format").selected_text(words(*format)).width(220.0).show_ui(ui, |ui| {
+            for each in Format::ALL {
+                ui.selectable_value(format, *each, words(*each));
+            }
+        });
+        ui.end_row();
+    });
+    ui.add_space(6.0);
+    let frames = studio.wish.frames(period);
+    if ui.button(format!("Record {frames} frames")).clicked() {
+        studio.panels.record = false;
+        studio.record(ui.ctx());
+    }
+}
+
+fn words(format: Format) -> &'static str {
+    match format {
+        #[cfg(not(target_arch = "wasm32"))]
+        Format::WebP => "WebP: small, true colours",
+        Format::Gif => "GIF: shown everywhere, 256 colours",
+        Format::Apng => "APNG: lossless, large",
+    }
+}

@@ -1,0 +1,267 @@
+//! A loop as a file: the motion is run from its begin in exact steps, one frame of hair at a time, however
+//! long each takes. The window goes on and shows what is recorded.
+
+use crate::{
+    app::Studio,
+    dialog::{Answer, Dialogs},
+    pace::{Level, Pace},
+    play::Play,
+    stage::{Moment, Show},
+    task,
+};
+use anyhow::Result;
+use eframe::egui;
+use tresses::gpu::readback::Pending;
+use tresses_scene::picture::{Format, Picture};
+
+/// The most pixels along a side.
+pub const LARGEST: u32 = 4096;
+/// The longest loop, seconds.
+pub const LONGEST: f64 = 60.0;
+
+/// What a person chooses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wish {
+    /// Seconds; `None` for one period of the motion.
+    pub seconds: Option<f64>,
+    /// Frames per second.
+    pub fps: u32,
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// The kind of file.
+    pub format: Format,
+}
+
+impl Default for Wish {
+    fn default() -> Self {
+        Self { seconds: None, fps: 20, size: [640, 400], format: Format::ALL[0] }
+    }
+}
+
+impl Wish {
+    /// How long the loop is if a period of the motion lasts `period` seconds.
+    pub fn length(&self, period: f64) -> f64 {
+        self.seconds.unwrap_or(period).clamp(0.1, LONGEST)
+    }
+
+    /// How many frames that are.
+    pub fn frames(&self, period: f64) -> u32 {
+        (self.length(period) * f64::from(self.fps)).round().max(1.0) as u32
+    }
+}
+
+/// A recording under way.
+pub struct Recording {
+    wish: Wish,
+    frames: u32,
+    /// Frames before the first, which bring the hair into the motion: the loop ends as it begins.
+    lead: u32,
+    /// The frame that is drawn next, the lead included.
+    next: u32,
+    /// The frame that is on its way to the encoder.
+    copy: Option<Pending>,
+    written: u32,
+    encoder: Encoder,
+    /// The transport as it was.
+    before: Play,
+}
+
+impl Recording {
+    /// How much of it is done, 0 to 1.
+    pub fn fraction(&self) -> f32 {
+        (self.next.min(self.lead) + self.written) as f32 / (self.lead + self.frames).max(1) as f32
+    }
+
+    /// What it does now.
+    pub fn step(&self) -> String {
+        if self.next < self.lead {
+            return "letting the hair find into the motion".into();
+        }
+        format!("recording frame {} of {}", self.written + 1, self.frames)
+    }
+
+    /// How frames are drawn: those that nobody keeps as fast as can be.
+    fn level(&self, pace: &Pace) -> &'static Level {
+        if self.next < self.lead { pace.level() } else { &Level::FULL }
+    }
+}
+
+impl Studio {
+    /// Starts to record as the wish has it.
+    pub(crate) fn record(&mut self, context: &egui::Context) {
+        let Some(show) = &mut self.show else { return };
+        let (wish, period) = (self.wish, self.play.period());
+        let frames = wish.frames(period);
+        let encoder = Encoder::new(context, &self.dialogs, wish, frames);
+        // Where a motion is cut before its end there is no loop to be closed.
+        let closes =
+            (wish.length(period) / period).fract().min(1.0 - (wish.length(period) / period).fract()) < 1e-3;
+        let lead = if closes { (period * f64::from(wish.fps)).round() as u32 } else { 0 };
+        let before = self.play.clone();
+        self.play.playing = false;
+        self.play.begin();
+        self.ball = None;
+        show.stage.hair.reset();
+        (self.error, self.said) = (None, None);
+        self.pace.moved();
+        self.recording =
+            Some(Recording { wish, frames, lead, next: 0, copy: None, written: 0, encoder, before });
+    }
+
+    /// Stops recording; what is there is thrown away.
+    pub(crate) fn stop_recording(&mut self) {
+        if let Some(recording) = self.recording.take() {
+            self.play = recording.before;
+            (self.dirty, self.said) = (true, Some("The recording was stopped; nothing is written".into()));
+        }
+    }
+
+    /// The next frame of the recording; no frame is under way. Whether there is a recording.
+    pub(crate) fn record_on(&mut self, context: &egui::Context) -> bool {
+        let Some(mut recording) = self.recording.take() else { return false };
+        match self.record_frame(context, &mut recording) {
+            Ok(true) => self.recording = Some(recording),
+            Ok(false) => {
+                self.play = recording.before;
+                self.dirty = true;
+                recording.encoder.finish();
+                self.said = Some("The loop is recorded".into());
+            }
+            Err(error) => {
+                self.play = recording.before;
+                (self.dirty, self.error) = (true, Some(format!("{error:#}")));
+            }
+        }
+        true
+    }
+
+    /// Whether there is more to come.
+    fn record_frame(&mut self, context: &egui::Context, recording: &mut Recording) -> Result<bool> {
+        if let Some(copy) = &mut recording.copy {
+            let Some(rgba) = copy.take() else {
+                // Nobody calls when it has arrived.
+                context.request_repaint_after(std::time::Duration::from_millis(5));
+                return Ok(true);
+            };
+            let [width, height] = recording.wish.size;
+            recording.encoder.add(Picture { width, height, rgba: rgba? })?;
+            (recording.copy, recording.written) = (None, recording.written + 1);
+        }
+        if recording.next == recording.lead + recording.frames {
+            return Ok(false);
+        }
+        let step = 1.0 / f64::from(recording.wish.fps);
+        let level = recording.level(&self.pace);
+        let kept = recording.next >= recording.lead;
+        let size = if kept { recording.wish.size } else { self.size() };
+        self.play.time = f64::from(recording.next) * step;
+        let seconds = if recording.next == 0 { 0.0 } else { step as f32 };
+        self.dress(level);
+        let (pose, camera) = (self.pose(), self.orbit.camera());
+        let Some(show) = &mut self.show else { return Ok(false) };
+        show.draw(&self.state, context, &Moment { pose, seconds, camera, size, ball: None })?;
+        if kept {
+            recording.copy = Some(copy(show)?);
+        }
+        recording.next += 1;
+        Ok(true)
+    }
+}
+
+/// The picture that is being drawn, on its way to the CPU.
+fn copy(show: &Show) -> Result<Pending> {
+    let gpu = &show.stage.gpu;
+    Ok(Pending::texture(&gpu.device, &gpu.queue, show.stage.targets.picture().texture())?)
+}
+
+/// The file's name before somebody chooses another.
+fn name(format: Format) -> String {
+    format!("tresses.{}", format.extension())
+}
+
+/// Compresses frames beside the window, and asks where the file shall go when it is complete.
+#[cfg(not(target_arch = "wasm32"))]
+struct Encoder(std::sync::mpsc::Sender<Option<Picture>>);
+
+#[cfg(not(target_arch = "wasm32"))]
+impl Encoder {
+    fn new(context: &egui::Context, dialogs: &Dialogs, wish: Wish, frames: u32) -> Self {
+        let (sender, receiver) = std::sync::mpsc::channel::<Option<Picture>>();
+        let (context, dialogs) = (context.clone(), dialogs.clone());
+        task::spawn(move || async move {
+            // Without an end the recording was stopped: nothing is written.
+            let encode = || -> Result<Option<Vec<u8>>> {
+                let mut animation = wish.format.begin(wish.size, frames, f64::from(wish.fps))?;
+                while let Ok(message) = receiver.recv() {
+                    match message {
+                        Some(picture) => animation.add(&picture)?,
+                        None => return animation.finish().map(Some),
+                    }
+                }
+                Ok(None)
+            };
+            match encode() {
+                Ok(Some(bytes)) => dialogs.save(&context, "Save the loop", &name(wish.format), bytes),
+                Ok(None) => {}
+                Err(error) => {
+                    dialogs.tell(&context, Answer::Failed(format!("the loop cannot be written: {error:#}")))
+                }
+            }
+        });
+        Self(sender)
+    }
+
+    fn add(&mut self, picture: Picture) -> Result<()> {
+        self.0.send(Some(picture)).map_err(|_| anyhow::anyhow!("the loop cannot be written"))
+    }
+
+    fn finish(self) {
+        // If nobody listens any more, he has said why.
+        let _ = self.0.send(None);
+    }
+}
+
+/// Compresses frames between those of the window: a page has no threads.
+#[cfg(target_arch = "wasm32")]
+struct Encoder {
+    animation: Result<Box<dyn tresses_scene::picture::Animation>>,
+    context: egui::Context,
+    dialogs: Dialogs,
+    name: String,
+}
+
+#[cfg(target_arch = "wasm32")]
+impl Encoder {
+    fn new(context: &egui::Context, dialogs: &Dialogs, wish: Wish, frames: u32) -> Self {
+        let animation = wish.format.begin(wish.size, frames, f64::from(wish.fps));
+        Self { animation, context: context.clone(), dialogs: dialogs.clone(), name: name(wish.format) }
+    }
+
+    fn add(&mut self, picture: Picture) -> Result<()> {
+        match &mut self.animation {
+            Ok(animation) => animation.add(&picture),
+            Err(error) => Err(anyhow::anyhow!("the loop cannot be written: {error:#}")),
+        }
+    }
+
+    fn finish(self) {
+        match self.animation.and_then(|animation| animation.finish()) {
+            Ok(bytes) => self.dialogs.save(&self.context, "Save the loop", &self.name, bytes),
+            Err(error) => self.dialogs.tell(&self.context, Answer::Failed(format!("{error:#}"))),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_loop_is_a_period_unless_somebody_wants_otherwise() {
+        let wish = Wish::default();
+        assert_eq!((wish.length(3.0), wish.frames(3.0)), (3.0, 60));
+        let short = Wish { seconds: Some(0.5), fps: 30, ..wish };
+        assert_eq!(short.frames(3.0), 15);
+        assert_eq!(Wish { seconds: Some(1e9), ..wish }.length(3.0), LONGEST);
+    }
+}

@@ -1,0 +1,175 @@
+//! What a frame does with a groom: [`begin`](Hair::begin) and [`prepare`](Hair::prepare) write what its
+//! stages read, the rest records them, in the order of [`crate::frame`].
+
+use super::{Hair, HairRenderer};
+use crate::{
+    Pose, Result,
+    avoid::Avoid,
+    collide::{ColliderPoses, Moments},
+    frame::Frame,
+    interpolate::{Interpolate, InterpolateParams},
+    lod::Widths,
+    simulate::{Forces, Mode, Simulate, SimulationParams, Step},
+    tessellate::{Tessellate, TessellateParams},
+    volume::{HairHairMode, VolumeStage},
+    wind::{Air, Fluid, HairGrid, Wind},
+};
+
+impl Hair {
+    /// Begins a frame: writes what its fixed steps read and returns how many are due.
+    pub(crate) fn begin(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        renderer: &HairRenderer,
+        frame: &Frame<'_>,
+    ) -> Result<u32> {
+        frame.simulation.check()?;
+        let slow = self.lod.current().step;
+        let physics =
+            &SimulationParams { step: (frame.simulation.step * slow).min(0.1), ..*frame.simulation };
+        self.windy = physics.wind.blows();
+        if self.windy {
+            self.make_air(device, queue, renderer, &physics.wind)?;
+        }
+        let steps = self.tick(queue, frame.dt, physics, &frame.head, frame.colliders)?;
+        self.forced = self.windy || physics.hair_hair.mode != HairHairMode::Off;
+        if self.forced {
+            self.volume.prepare(queue, physics, &steps, &self.colliders);
+            if let Some(air) = self.air.as_mut().filter(|_| self.windy) {
+                let grid = &self.volume.grid;
+                let hair = HairGrid { bias: grid.bias, scale: grid.scale };
+                air.prepare(queue, physics, &steps, Some(hair));
+            }
+            let air = self.air.as_ref().filter(|_| self.windy);
+            self.forces.prepare(queue, physics, air, steps.len());
+        }
+        if let Some(air) = self.air.as_mut().filter(|_| !self.windy) {
+            // When the wind comes back it finds no traces of the last one.
+            air.reset();
+        }
+        let (stage, buffers) = (&renderer.simulate, (&self.guides, &self.strands));
+        let held = self.grab.prepare(device, queue, stage, physics, &steps, buffers, self.forced)?;
+        self.simulation.prepare(queue, physics, &steps, self.forced || held)
+    }
+
+    /// Makes the air for `wind` unless it is there.
+    fn make_air(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        renderer: &HairRenderer,
+        wind: &Wind,
+    ) -> Result<()> {
+        let (middle, side) = self.extent;
+        let size = side * wind.room;
+        let fits = |air: &Air| air.cells == wind.cells && air.cell == size / wind.cells as f32;
+        if !self.air.as_ref().is_some_and(fits) {
+            let air = Air::new(device, queue, &renderer.wind, wind.cells, (middle, size), &self.volume.hair)?;
+            self.forces = Forces::new(device, &renderer.simulate, &self.guides, &self.volume, Some(&air));
+            self.air = Some(air);
+        }
+        Ok(())
+    }
+
+    /// Whether the wind blows in this frame.
+    pub(crate) fn uses_wind(&self) -> bool {
+        self.windy
+    }
+
+    /// Step `i` of the air.
+    pub(crate) fn record_wind(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Fluid, i: u32) {
+        if let Some(air) = &self.air {
+            stage.record(pass, air, &self.colliders, i);
+        }
+    }
+
+    /// Whether this frame needs the grid of the hair.
+    pub(crate) fn uses_volume(&self) -> bool {
+        self.forced
+    }
+
+    /// The fixed steps that are due `dt` seconds after the last frame, the head now at `head` and the
+    /// colliders at `poses`, which are moved.
+    ///
+    /// # Errors
+    /// What [`ColliderSet::advance`] says.
+    fn tick(
+        &mut self,
+        queue: &wgpu::Queue,
+        dt: f32,
+        params: &SimulationParams,
+        head: &Pose,
+        poses: &ColliderPoses,
+    ) -> Result<Vec<Step>> {
+        let ticks = self.clock.tick(dt, params.step, head);
+        let moments = Moments {
+            steps: &ticks.steps,
+            substeps: params.substeps,
+            step: params.step,
+            head: *head,
+            alpha: ticks.alpha,
+        };
+        self.colliders.advance(queue, poses, &moments)?;
+        self.states.2 = ticks.alpha;
+        self.moved_away = ticks.steps.iter().any(|step| step.mode != Mode::Step);
+        for step in &ticks.steps {
+            self.states = match step.mode {
+                Mode::Step => (step.begin, step.end, ticks.alpha),
+                Mode::Carry | Mode::Reset => (step.end, step.end, ticks.alpha),
+            };
+        }
+        Ok(ticks.steps)
+    }
+
+    /// Writes the uniforms of the stages that follow the guides: the head is at `head`, `dt` seconds
+    /// after the last frame.
+    pub(crate) fn prepare(&mut self, queue: &wgpu::Queue, head: &Pose, dt: f32) {
+        let (previous, current, blend) = self.states;
+        let params = TessellateParams::new(&self.guides, &previous, &current, head, blend);
+        queue.write_buffer(&self.tessellate_params, 0, bytemuck::bytes_of(&params));
+        let params = InterpolateParams::new(&self.guides, &self.strands);
+        queue.write_buffer(&self.interpolate_params, 0, bytemuck::bytes_of(&params));
+        let counts = (&self.guides, &self.strands);
+        let fresh = self.lod.begin();
+        self.avoidance.prepare(queue, counts, dt, self.moved_away, fresh);
+    }
+
+    /// Step `i` of the guides: what the grids do to them, then the step itself.
+    pub(crate) fn record_simulate(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        device: &wgpu::Device,
+        stage: &Simulate,
+        i: u32,
+    ) {
+        if self.forced {
+            self.forces.record(stage, pass, i);
+        }
+        self.grab.record(stage, pass, &self.colliders, i);
+        self.simulation.record_step(stage, device, pass, &self.colliders, i);
+    }
+
+    /// Step `i` of the grid of the hair.
+    pub(crate) fn record_volume(&mut self, pass: &mut wgpu::ComputePass<'_>, stage: &VolumeStage, i: u32) {
+        self.volume.record(stage, pass, &self.colliders, i);
+    }
+
+    pub(crate) fn record_tessellate(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Tessellate) {
+        stage.record(pass, &self.tessellate_group, &self.guides);
+    }
+
+    pub(crate) fn record_interpolate(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        stage: &Interpolate,
+        widths: &Widths,
+    ) {
+        self.lod.record(pass, widths);
+        stage.record(pass, &self.interpolate_group, &self.strands);
+    }
+
+    pub(crate) fn record_avoid(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Avoid) {
+        self.avoidance.record(pass, stage, &self.colliders, &self.strands);
+    }
+}
