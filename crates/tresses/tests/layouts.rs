@@ -113,7 +113,10 @@ fn grab() {
 
 #[test]
 fn volume() {
-    use tresses::{strands::GuideForce, volume::params::VolumeUniforms};
+    use tresses::{
+        strands::GuideForce,
+        volume::params::{Blur, VolumeUniforms},
+    };
     assert_eq!(wgsl_layout("GuideForce"), rust_layout!(GuideForce { xy, z_rate, tangent, along }));
     assert_eq!(
         wgsl_layout("VolumeUniforms"),
@@ -125,7 +128,7 @@ fn volume() {
             scale,
             drift,
             cell,
-            gain,
+            one,
             mode,
             resting,
             guide_count,
@@ -141,8 +144,14 @@ fn volume() {
             limit,
             fixed_push,
             moment,
+            vertices_per_sample,
+            samples,
+            _pad_a,
+            _pad_b,
         })
     );
+    let blur = rust_layout!(Blur { radius, taps, _pad_a, _pad_b, weights });
+    assert_eq!(wgsl_layout("Blur"), blur);
 }
 
 #[test]

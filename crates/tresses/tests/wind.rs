@@ -236,6 +236,36 @@ fn the_air_is_free_of_divergence() {
     }
 }
 
+/// The largest relative divergence of `steps` steps in 10 m/s on a grid of `cells` cells along an axis.
+fn divergence_of(cells: u32, steps: u32) -> Option<f32> {
+    let wind = Wind { cells, ..Wind::new(Vec3::new(0.8, 0.0, 0.6) * 10.0) };
+    let mut tunnel = Tunnel::new(wind, 0.1, Some(&mop))?;
+    let mut worst = 0.0f32;
+    for i in 0..steps {
+        let t = i as f32 * STEP;
+        tunnel.step(Pose { translation: Vec3::X * 0.1 * (10.0 * t).sin(), ..Pose::IDENTITY });
+        worst = worst.max(tunnel.flow().divergence());
+    }
+    println!("{cells}³ cells, 10 m/s: relative divergence at most {worst}");
+    Some(worst)
+}
+
+#[test]
+fn the_air_of_a_finer_grid_is_free_of_divergence() {
+    let Some(worst) = divergence_of(64, 6) else { return };
+    assert!(worst < 0.01, "{worst}");
+}
+
+/// `cargo test -p tresses --test wind -- --ignored --nocapture fine_grids`
+#[test]
+#[ignore = "a measurement of minutes"]
+fn divergence_of_fine_grids() {
+    for cells in [64, 96] {
+        let Some(worst) = divergence_of(cells, 20) else { return };
+        assert!(worst < 0.01, "{cells}: {worst}");
+    }
+}
+
 #[test]
 fn the_lee_of_the_head_is_calm() {
     let Some(mut tunnel) = Tunnel::new(Wind::new(Vec3::X * 8.0), 0.1, None) else { return };

@@ -6,11 +6,12 @@ use tresses::{
     Hair, HairOptions, HairRenderer, Pose,
     collide::ColliderPoses,
     frame::{Frame, Recorder},
-    glam::Vec3,
+    glam::{Vec2, Vec3},
     gpu::{Gpu, readback::blocking as readback},
-    groom::{BindOptions, Groom, GuideCount, SdfGrid, bind, styles},
-    simulate::SimulationParams,
-    volume::VolumeOptions,
+    groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind, styles},
+    simulate::{Along, SimulationParams, drag},
+    strands::GuideForce,
+    volume::{HairHair, VolumeOptions},
     wind::Wind,
 };
 
@@ -113,6 +114,136 @@ fn a_storm_of_a_minute_breaks_nothing() {
     assert!(strain(&now, &rest) > 0.01);
     now[3][last].x = f32::NAN;
     assert!(strain(&now, &rest) > 1.0);
+}
+
+/// The built-in style `long` with all its guides; the hair's grid and the air have 16 cells along an axis.
+/// `cargo test -p tresses --test wind_hair -- --ignored --nocapture whole_style`
+#[test]
+#[ignore = "a measurement of minutes"]
+fn a_whole_style_in_a_storm_of_a_minute() {
+    let Some(stage) = Stage::open() else { return };
+    let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
+    let style = "long".parse().unwrap();
+    let built =
+        pollster::block_on(styles::character(device, queue, &stage.renderer.simulate, &style, Some(1000)))
+            .unwrap();
+    let mut hair = stage.hair(&built.groom, &built.field, 16);
+    let physics = SimulationParams {
+        wind: Wind { cells: 16, turbulence: 0.3, ..Wind::new(Vec3::new(30.0, 0.0, 4.0)) },
+        ..Default::default()
+    };
+    stage.simulate(&mut hair, &physics, 0.0);
+    let rest: Vec<_> = stage.guides(&hair).iter().map(|line| length(line)).collect();
+    let mut worst = 0.0f32;
+    for second in 1..=60 {
+        stage.simulate(&mut hair, &physics, 1.0);
+        worst = worst.max(strain(&stage.guides(&hair), &rest));
+        if second % 10 == 0 {
+            println!("{} guides, {second} s of 30 m/s: lengths within {worst}", rest.len());
+        }
+    }
+    assert!(worst < 0.01, "{worst}");
+}
+
+/// Straight strands of 10 cm along `ways` from roots 2 cm apart, in wind of `velocity` without gusts, obstacles or forces
+/// of other hair.
+fn in_plain_air(
+    stage: &Stage,
+    ways: &[Vec3],
+    velocity: Vec3,
+    physics: SimulationParams,
+) -> (Hair, SimulationParams) {
+    let mut strands = Strands::default();
+    for (i, way) in ways.iter().enumerate() {
+        let root = Vec3::new(0.02 * i as f32, 0.0, 0.0);
+        strands.push(&(0..16).map(|j| root + *way * (0.1 * j as f32 / 15.0)).collect::<Vec<_>>());
+    }
+    let options = BindOptions { guides: GuideCount::Count(ways.len() as u32), ..Default::default() };
+    let groom = bind(&strands, &options).unwrap();
+    let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
+    let volume = VolumeOptions { resolution: 8, ..Default::default() };
+    let options = HairOptions { volume, simulation: physics, ..Default::default() };
+    let mut hair = Hair::new(device, queue, &stage.renderer, &groom, &options, None).unwrap();
+    let wind = Wind { cells: 16, turbulence: 0.0, ..Wind::new(velocity) };
+    let physics = SimulationParams { wind, hair_hair: HairHair::OFF, ..physics };
+    stage.simulate(&mut hair, &physics, 0.0);
+    (hair, physics)
+}
+
+/// The scalar formula's rates (1/s) across and along for a hair along `tangent`.
+fn rates(physics: &SimulationParams, relative: Vec3, tangent: Vec3) -> Vec2 {
+    let weight = drag::drag_weight(physics.diameter, physics.line_density);
+    drag::drag_rates(relative, tangent, physics.diameter / drag::AIR_VISCOSITY, weight)
+}
+
+#[test]
+fn the_drag_on_guides_is_that_of_the_formula() {
+    let Some(stage) = Stage::open() else { return };
+    let ways = [Vec3::X, Vec3::Y, Vec3::NEG_Z, Vec3::new(1.0, -1.0, 0.0), Vec3::new(1.0, 2.0, -3.0)];
+    let ways = ways.map(Vec3::normalize);
+    // Reynolds numbers of 0.3 to 64.
+    for velocity in [Vec3::X * 0.05, Vec3::new(1.0, 0.5, -0.3), Vec3::new(5.0, 0.0, 3.0), Vec3::X * 12.0] {
+        let (mut hair, physics) = in_plain_air(stage, &ways, velocity, SimulationParams::default());
+        // The forces of the first step act on hair that still rests.
+        let lines = stage.guides(&hair);
+        stage.simulate(&mut hair, &physics, 1.0 / 60.0);
+        let packed: Vec<GuideForce> =
+            readback::buffer(&stage.gpu.device, &stage.gpu.queue, &hair.guides.forces).unwrap();
+        let worst = |wrong: f32| {
+            let mut worst = 0.0f32;
+            for (i, force) in packed.iter().map(GuideForce::unpack).enumerate() {
+                let line = &lines[i % lines.len()];
+                let t = (line[1] - line[0]).normalize();
+                let exact = rates(&physics, velocity * wrong, t);
+                let pull = velocity * (exact.x + physics.drag) + t * ((exact.y - exact.x) * t.dot(velocity));
+                let rate = (force.rate - exact.x).abs().max((force.rate + force.along - exact.y).abs());
+                let off = rate.max((force.acceleration - pull).length() / velocity.length());
+                worst = worst.max(off / exact.x.max(exact.y));
+            }
+            worst
+        };
+        println!("{velocity} m/s: off by {:.5} of the larger rate at most", worst(1.0));
+        assert!(worst(1.0) < 0.01, "{}", worst(1.0));
+        // The comparer sees air that is a tenth faster.
+        assert!(worst(1.1) > 0.01, "{}", worst(1.1));
+    }
+}
+
+#[test]
+fn a_floppy_hair_hangs_aslant_in_the_wind_as_its_drag_says() {
+    let Some(stage) = Stage::open() else { return };
+    let floppy = SimulationParams {
+        bending: Along { root: 0.0, tip: 0.0, falloff: 1.0 },
+        goal: Along { root: 0.0, tip: 0.0, falloff: 1.0 },
+        drag: 0.0,
+        ..Default::default()
+    };
+    // In more it flutters: it has no stiffness at all.
+    for speed in [0.3, 0.8f32] {
+        let (mut hair, physics) = in_plain_air(stage, &[Vec3::NEG_Y], Vec3::X * speed, floppy);
+        stage.simulate(&mut hair, &physics, 3.0);
+        let mut found = 0.0;
+        for _ in 0..30 {
+            stage.simulate(&mut hair, &physics, 2.0 / 60.0);
+            let line = &stage.guides(&hair)[0];
+            let way = line[line.len() - 1] - line[1];
+            found += way.x.atan2(-way.y) / 30.0;
+        }
+        // Every part is in balance across itself: g sin θ = rate · u cos θ.
+        let pull = |angle: f32| {
+            let t = Vec3::new(angle.sin(), -angle.cos(), 0.0);
+            rates(&physics, Vec3::X * speed, t).x * speed * angle.cos() - 9.81 * angle.sin()
+        };
+        let (mut low, mut high) = (0.0, std::f32::consts::FRAC_PI_2);
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            if pull(middle) > 0.0 { low = middle } else { high = middle }
+        }
+        println!("{speed} m/s: {:.3}°, by the formula {:.3}°", found.to_degrees(), low.to_degrees());
+        assert!((found - low).abs().to_degrees() < 0.5);
+        // Across a fifth of the angle the formula would have to be far off.
+        assert!(pull(0.8 * low) > 0.0 && pull((1.2 * low).min(1.57)) < 0.0);
+    }
 }
 
 #[test]

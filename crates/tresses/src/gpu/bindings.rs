@@ -29,6 +29,10 @@ pub enum Binding {
     Texels3d,
     /// `texture_storage_3d<rgba32float, write>`.
     WriteFull3d,
+    /// `texture_3d<u32>`.
+    Words3d,
+    /// `texture_storage_3d<rgba32uint, write>`.
+    WriteWords3d,
     /// `texture_depth_2d_array`.
     DepthArray,
     /// `sampler` that filters.
@@ -70,6 +74,12 @@ impl Binding {
             Self::WriteFull3d => BindingType::StorageTexture {
                 access: wgpu::StorageTextureAccess::WriteOnly,
                 format: wgpu::TextureFormat::Rgba32Float,
+                view_dimension: TextureViewDimension::D3,
+            },
+            Self::Words3d => texture(TextureSampleType::Uint, TextureViewDimension::D3, false),
+            Self::WriteWords3d => BindingType::StorageTexture {
+                access: wgpu::StorageTextureAccess::WriteOnly,
+                format: wgpu::TextureFormat::Rgba32Uint,
                 view_dimension: TextureViewDimension::D3,
             },
             Self::DepthArray => texture(TextureSampleType::Depth, TextureViewDimension::D2Array, false),

@@ -24,16 +24,23 @@ pub(super) fn splat(g: &VolumeUniforms, hair: &Splatted<'_>) -> Vec<i32> {
     let n = g.resolution as usize;
     let mut cells = vec![0; n * n * n * CHANNELS];
     let back = Quat::from_array(g.head).conjugate();
-    for thread in 0..g.splat_count * g.vertex_count {
-        let (vertex, guide) = (thread / g.splat_count, (thread % g.splat_count) * g.stride);
-        let at = (vertex * g.guide_count + guide) as usize;
-        let x = back * (hair.current[at] - g.head_at);
-        let v = (hair.velocity[at] - g.drift).clamp(Vec3::splat(-MAX_SPEED), Vec3::splat(MAX_SPEED));
-        let density = hair.rested[at].min(MAX_DENSITY * g.reference) / (MAX_DENSITY * g.reference);
-        let end = vertex == 0 || vertex + 1 == g.vertex_count;
+    for thread in 0..g.splat_count * g.samples {
+        let (sample, guide) = (thread / g.splat_count, (thread % g.splat_count) * g.stride);
+        let first = sample * g.vertices_per_sample;
+        let (mut x, mut v, mut density, mut edges) = (Vec3::ZERO, Vec3::ZERO, 0.0, 0.0);
+        for vertex in first..(first + g.vertices_per_sample).min(g.vertex_count) {
+            let at = (vertex * g.guide_count + guide) as usize;
+            let share = if vertex == 0 || vertex + 1 == g.vertex_count { 0.5 } else { 1.0 };
+            let speed = hair.velocity[at] - g.drift;
+            let most = MAX_DENSITY * g.reference;
+            edges += share;
+            x += share * (back * (hair.current[at] - g.head_at));
+            v += share * speed.clamp(Vec3::splat(-MAX_SPEED), Vec3::splat(MAX_SPEED));
+            density += share * hair.rested[at].min(most) / most;
+        }
+        (x, v, density) = (x / edges, v / edges, density / edges);
         let info = &hair.info[guide as usize];
-        let share = if end { 0.5 } else { 1.0 };
-        let weight = info.strands * info.length / (g.vertex_count - 1) as f32 * share * g.units;
+        let weight = info.strands * info.length / (g.vertex_count - 1) as f32 * edges * g.units;
         let c = (x * g.scale + g.bias) * n as f32 - 0.5;
         if !(c.min_element() > -1.0 && c.max_element() < n as f32 && weight > 0.0) {
             continue;
