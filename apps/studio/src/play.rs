@@ -119,7 +119,7 @@ mod tests {
     fn another_motion_does_not_jerk_the_head() {
         let mut play = Play::default();
         let pivot = Vec3::Y;
-        let mut run = |play: &mut Play, steps: u32| {
+        let run = |play: &mut Play, steps: u32| {
             let mut most = 0.0f32;
             for _ in 0..steps {
                 let before = play.pose(pivot).rotation;
