@@ -32,8 +32,10 @@ pub fn drag_weight(diameter: f32, line_density: f32) -> f32 {
 /// itself (y). `relative` is the air's velocity as the hair sees it, m/s; `tangent` a unit vector;
 /// `reynolds` diameter over kinematic viscosity, s/m; `weight` from [`drag_weight`].
 pub fn drag_rates(relative: Vec3, tangent: Vec3, reynolds: f32, weight: f32) -> Vec2 {
-    let along = relative.dot(tangent).abs();
-    let across = (relative.length_squared() - along * along).max(0.0).sqrt();
+    let way = relative.dot(tangent);
+    let along = way.abs();
+    // Not by Pythagoras: rounding would leave a storm along the hair a breeze across it.
+    let across = (relative - way * tangent).length();
     weight
         * Vec2::new(
             normal_coefficient(across * reynolds) * across,
