@@ -38,7 +38,8 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
     let frame = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(12, 8));
     // However narrow the window is, there is a picture.
     let widest = (0.55 * ui.available_width()).clamp(280.0, 520.0);
-    Panel::right("side").frame(frame).default_size(404.0).size_range(280.0..=widest).show(ui, |ui| {
+    let usual = (0.31 * ui.available_width()).clamp(348.0, 404.0);
+    Panel::right("side").frame(frame).default_size(usual).size_range(280.0..=widest).show(ui, |ui| {
         ui.horizontal(|ui| {
             for (page, name, help) in Page::ALL {
                 ui.selectable_value(&mut studio.panels.page, page, name).on_hover_text(help);
