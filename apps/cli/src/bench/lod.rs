@@ -32,6 +32,8 @@ const OTHERS: [&str; 2] = ["draw body", "present"];
 pub struct Point {
     /// Metres.
     pub distance: f32,
+    /// Measured for each of the two.
+    pub frames: u32,
     /// What the hair covers.
     pub pixels: f64,
     /// All of it.
@@ -103,7 +105,7 @@ fn point(scene: &mut Scene, camera: &Camera, frames: u32, bar: &ProgressBar) -> 
     let pixels = scene.hair_pixels(camera)?;
     let lod = rows.pop().context("two ways")?;
     let full = rows.pop().context("two ways")?;
-    Ok(Point { distance: camera.distance(), pixels, full, lod })
+    Ok(Point { distance: camera.distance(), frames, pixels, full, lod })
 }
 
 /// As a table.
@@ -121,7 +123,7 @@ pub fn text(points: &[Point]) -> String {
         "level",
     ];
     let mut rows = vec![head.map(String::from).to_vec()];
-    for Point { distance, pixels, full, lod } in points {
+    for Point { distance, pixels, full, lod, .. } in points {
         rows.push(vec![
             format!("{distance:.1}"),
             grouped(*pixels as u64),

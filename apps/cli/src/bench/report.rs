@@ -139,6 +139,7 @@ impl Report {
         };
         let frames = self.groups.iter().flat_map(|group| &group.runs).map(|run| run.frames);
         let frames = frames.chain(self.looks.iter().map(|look| look.run.frames));
+        let frames = frames.chain(self.lod.iter().map(|point| point.frames));
         let frames = frames.chain((self.costs.frames > 0).then_some(self.costs.frames));
         let (fewest, most) = (frames.clone().min().unwrap_or(0), frames.max().unwrap_or(0));
         let frames = if fewest == most { format!("{most}") } else { format!("{fewest} to {most}") };
