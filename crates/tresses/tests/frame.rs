@@ -138,13 +138,18 @@ fn moving_strands_keep_their_lengths_and_stay_out_of_the_head() {
         assert!(vertices.iter().all(|v| v.position.is_finite()));
         let strain = stage.strain(&vertices);
         assert!(strain < 0.02, "frame {i}: {strain}");
-        // Some strands of this groom rest in the head; they may, but not deeper.
-        let deep = vertices
+        // Some strands of this groom rest in the head, a few of them centimetres deep, where a distance to
+        // the skin holds nothing any more; the others may not be deeper than they rest.
+        let rests = (0..stage.groom.strands.len()).flat_map(|i| stage.groom.strands.rest_positions(i));
+        let deeper: Vec<bool> = vertices
             .iter()
-            .zip((0..stage.groom.strands.len()).flat_map(|i| stage.groom.strands.rest_positions(i)))
+            .zip(rests)
             .filter(|(v, rest)| v.position.length() < HEAD.min(rest.length()) - 1e-3)
-            .count();
-        assert!(deep * 1000 <= vertices.len(), "frame {i}: {deep} of {} in the head", vertices.len());
+            .map(|(_, rest)| rest.length() < HEAD - 5e-3)
+            .collect();
+        let buried = deeper.iter().filter(|buried| **buried).count();
+        assert_eq!(deeper.len() - buried, 0, "frame {i}: in the head");
+        assert!(buried * 500 <= vertices.len(), "frame {i}: {buried} of {} deeper", vertices.len());
     }
 }
 
