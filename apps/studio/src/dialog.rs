@@ -124,10 +124,23 @@ impl Dialogs {
     }
 }
 
-/// Whether a dialog that was asked for at `asked` cannot have been seen: nobody is so quick to close one. (The
-/// toolkit does not tell one from the other.)
+/// Whether a dialog that was asked for at `asked` cannot have been seen: nothing could have opened it, or
+/// nobody is so quick to close one. (The toolkit does not tell one from the other.)
 fn no_dialog(asked: Instant) -> bool {
-    cfg!(not(target_arch = "wasm32")) && asked.elapsed() < Duration::from_millis(250)
+    cfg!(not(target_arch = "wasm32")) && (asked.elapsed() < Duration::from_millis(500) || !has_dialogs())
+}
+
+/// Whether there may be somebody to open dialogs: on Linux a desktop portal, for which there must be a
+/// session's bus, or zenity.
+fn has_dialogs() -> bool {
+    if !cfg!(target_os = "linux") {
+        return true;
+    }
+    let set = |name| std::env::var_os(name).filter(|value| !value.is_empty());
+    let bus = set("XDG_RUNTIME_DIR").is_some_and(|folder| Path::new(&folder).join("bus").exists());
+    let zenity = set("PATH")
+        .is_some_and(|paths| std::env::split_paths(&paths).any(|folder| folder.join("zenity").is_file()));
+    bus || zenity || set("DBUS_SESSION_BUS_ADDRESS").is_some()
 }
 
 /// What is missing when no dialog opens.

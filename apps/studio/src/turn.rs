@@ -114,8 +114,8 @@ impl Studio {
         if level.few_lights {
             stage.lighting.rim = 0.0;
         }
-        if level.coarse {
-            // Flat triangles shade themselves sooner.
+        if level.coarse || self.gpu.tier.software {
+            // Flat triangles shade themselves sooner, and so do the coarse maps of a software driver.
             stage.look.shadows.bias *= 2.0;
         }
         stage.set_coarse(level.coarse);
