@@ -182,9 +182,10 @@ fn check(stage: &Stage, name: &str, hair: &mut Hair) -> [f32; 2] {
             100.0 * mean[0],
             100.0 * mean[1]
         );
-        if distance > 20.0 {
+        if distance > 10.0 {
             // Not reached there, see docs/appearance/lod.md.
-            assert!(mean[0].abs() < 0.03 && mean[1].abs() < 0.1, "{mean:?}");
+            let luminance = if distance > 20.0 { 0.1 } else { 0.04 };
+            assert!(mean[0].abs() < 0.03 && mean[1].abs() < luminance, "{mean:?}");
             continue;
         }
         worst = [0, 1].map(|i| worst[i].max(mean[i].abs()));
@@ -192,7 +193,7 @@ fn check(stage: &Stage, name: &str, hair: &mut Hair) -> [f32; 2] {
     worst
 }
 
-/// What luminance may be off by up to 20 m.
+/// What luminance may be off by up to 10 m.
 const LUMINANCE: f32 = 0.03;
 
 /// From where nothing is left out to where the hair is a few pixels large, metres.
