@@ -358,8 +358,7 @@ impl Studio {
 
     /// Nothing is due: whether the picture is drawn once more, finer.
     fn refines(&mut self, context: &egui::Context) -> bool {
-        let held = context.input(|input| input.pointer.any_down());
-        if held || self.job.is_some() || !self.pace.can_refine() {
+        if !self.may_refine(context) {
             self.rest = None;
             return false;
         }
@@ -369,8 +368,13 @@ impl Studio {
         false
     }
 
+    /// Whether a picture that stands still is made finer: not under somebody's finger.
+    fn may_refine(&self, context: &egui::Context) -> bool {
+        self.job.is_none() && self.pace.can_refine() && !context.input(|input| input.pointer.any_down())
+    }
+
     /// What others may know.
-    fn publish(&self) {
+    fn publish(&self, context: &egui::Context) {
         let show = self.show.as_ref();
         state::publish(State {
             frames: show.map_or(0, |show| show.frames),
@@ -386,7 +390,7 @@ impl Studio {
             lost: self.lost().is_some(),
             busy: self.dirty
                 || self.recording.is_some()
-                || self.pace.can_refine()
+                || self.may_refine(context)
                 || self.play.is_due()
                 || self.is_live()
                 || self.orbit.is_gliding()
@@ -413,7 +417,7 @@ impl eframe::App for Studio {
             // Seconds are counted.
             context.request_repaint_after(Duration::from_millis(500));
         }
-        self.publish();
+        self.publish(&context);
     }
 
     fn clear_color(&self, _: &egui::Visuals) -> [f32; 4] {
