@@ -411,7 +411,7 @@ impl eframe::App for Studio {
         egui::CentralPanel::no_frame().show(ui, |ui| viewport::show(self, ui));
         panels::record::show(self, ui);
         self.work_off(&context);
-        self.save_picture(&self.state.clone(), &context);
+        self.save_picture(&context);
         self.draw(&context);
         if self.job.is_some() {
             // Seconds are counted.

@@ -2,13 +2,12 @@
 
 use crate::{app::Studio, dialog::Answer, pace::Level, stage::Moment, task};
 use anyhow::Result;
-use eframe::{egui, egui_wgpu::RenderState};
+use eframe::egui;
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
-use tresses::gpu::readback::Pending;
 
 impl Studio {
     /// Saves the picture, if somebody wants it: as large and as fine as the window could show it.
-    pub(crate) fn save_picture(&mut self, state: &RenderState, context: &egui::Context) {
+    pub(crate) fn save_picture(&mut self, context: &egui::Context) {
         if !self.wants_picture || self.recording.is_some() {
             return;
         }
@@ -18,15 +17,14 @@ impl Studio {
                 // Its end wakes the window.
                 return;
             }
-            if let Err(error) = self.draw_in_full(state, context) {
+            if let Err(error) = self.draw_in_full(context) {
                 self.error = Some(format!("{error:#}"));
             }
         }
         self.wants_picture = false;
         let Some(show) = &self.show else { return };
-        let (device, targets) = (self.gpu.device.clone(), &show.stage.targets);
-        let size = targets.size;
-        let copy = Pending::texture(&device, &self.gpu.queue, targets.picture().texture());
+        let (device, size) = (self.gpu.device.clone(), show.stage.targets.size);
+        let copy = show.copy();
         let (dialogs, context) = (self.dialogs.clone(), context.clone());
         task::spawn(move || async move {
             let done = async { encode(size, &copy?.wait(&device).await?) };
@@ -36,16 +34,14 @@ impl Studio {
             }
         });
     }
-}
 
-impl Studio {
     /// Draws the hair as it is, whatever that takes.
-    fn draw_in_full(&mut self, state: &RenderState, context: &egui::Context) -> Result<()> {
+    fn draw_in_full(&mut self, context: &egui::Context) -> Result<()> {
         self.dress(&Level::FULL);
         let (pose, camera, size) = (self.pose(), self.orbit.camera(), self.size_at(&Level::FULL));
         let ball = self.ball.map(|ball| ball.at);
         let Some(show) = &mut self.show else { return Ok(()) };
-        show.draw(state, context, &Moment { pose, seconds: 0.0, camera, size, ball })
+        show.draw(&self.state, context, &Moment { pose, seconds: 0.0, camera, size, ball })
     }
 }
 

@@ -8,7 +8,7 @@ use crate::{
     dialog::{Answer, Dialogs},
     pace::{Level, Pace},
     play::Play,
-    stage::{Moment, Show},
+    stage::Moment,
 };
 use anyhow::Result;
 use eframe::egui;
@@ -95,8 +95,8 @@ impl Studio {
         let frames = wish.frames(period);
         let encoder = Encoder::new(context, &self.dialogs, wish, frames);
         // Where a motion is cut before its end there is no loop to be closed.
-        let closes =
-            (wish.length(period) / period).fract().min(1.0 - (wish.length(period) / period).fract()) < 1e-3;
+        let periods = wish.length(period) / period;
+        let closes = periods.fract().min(1.0 - periods.fract()) < 1e-3;
         let lead = if closes { (period * f64::from(wish.fps)).round() as u32 } else { 0 };
         let before = self.play.clone();
         self.play.playing = false;
@@ -162,17 +162,11 @@ impl Studio {
         let Some(show) = &mut self.show else { return Ok(false) };
         show.draw(&self.state, context, &Moment { pose, seconds, camera, size, ball: None })?;
         if kept {
-            recording.copy = Some(copy(show)?);
+            recording.copy = Some(show.copy()?);
         }
         recording.next += 1;
         Ok(true)
     }
-}
-
-/// The picture that is being drawn, on its way to the CPU.
-fn copy(show: &Show) -> Result<Pending> {
-    let gpu = &show.stage.gpu;
-    Ok(Pending::texture(&gpu.device, &gpu.queue, show.stage.targets.picture().texture())?)
 }
 
 /// The file's name before somebody chooses another.

@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use tresses::{
     Pose,
     glam::Vec3,
-    gpu::{Timings, timings::Rows},
+    gpu::{Timings, readback::Pending, timings::Rows},
 };
 use tresses_scene::{Camera, Facts, Stage};
 use web_time::Instant;
@@ -148,6 +148,12 @@ impl Show {
         self.watcher.watch(&landed);
         self.flight = Some((begun, landed));
         Ok(())
+    }
+
+    /// The picture that is drawn or being drawn, on its way to the CPU.
+    pub fn copy(&self) -> tresses::Result<Pending> {
+        let gpu = &self.stage.gpu;
+        Pending::texture(&gpu.device, &gpu.queue, self.stage.targets.picture().texture())
     }
 
     /// egui knows the targets' picture by one name, whatever its size.
