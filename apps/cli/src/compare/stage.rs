@@ -134,6 +134,8 @@ impl Stage {
         scene.background = Background::flat(Vec3::ZERO);
         scene.tone = ToneMap { exposure: DIM, shoulder: 0.99, desaturation: 0.0 };
         let width = self.targets.size[0];
+        // Light that a body has thrown is scattered twice.
+        let shadows = Shadows { ambient: false, ..shadows };
         let off = Shadows { method: ShadowMethod::Off, ..shadows };
         let mut views = DebugViews::new(&self.gpu.device, &self.renderer.draw, FORMAT);
         let mut once = |shadows: Shadows| -> Result<Linear> {

@@ -231,7 +231,7 @@ impl DrawStage {
         let write = |buffer, bytes: &[u8]| queue.write_buffer(buffer, 0, bytes);
         let view = scene.view.uniform(targets.samples, targets.ssaa, &scene.tone);
         let mut lights = scene.lights.uniform(&scene.shadows, &scene.focus, self.shadow_maps.resolution);
-        if scene.shadows.ambient {
+        if scene.shadows.follows_ambient() {
             lights.ambient = self.ambient.cells();
         }
         write(&self.view, bytemuck::bytes_of(&view));
@@ -268,7 +268,7 @@ impl DrawStage {
         body: Option<&Body>,
     ) {
         self.shadow_maps.record(encoder, timings.as_deref_mut(), scene, hair, body);
-        if scene.shadows.ambient {
+        if scene.shadows.follows_ambient() {
             self.ambient.record(encoder, timings, hair, body);
         }
     }

@@ -62,6 +62,11 @@ impl Default for Shadows {
 }
 
 impl Shadows {
+    /// Whether light from all sides is followed: where nothing casts shadows all of the sky arrives.
+    pub(crate) fn follows_ambient(&self) -> bool {
+        self.ambient && self.method != ShadowMethod::Off
+    }
+
     /// Texels of a depth map along the edge of a texel of the hair's, where a depth map's is `texel`
     /// metres: the hair's maps are only as fine as its shadow is soft, and a filter that meets all of
     /// their texels leaves nothing to flicker. Deep opacity maps are read through a spline over three by
