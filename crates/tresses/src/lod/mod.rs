@@ -20,8 +20,8 @@
 //! so that the total area is the same at any level, times a little less than 1: wide strands reach over gaps
 //! and outlines, which [`CoverTable`] measures at load. The kernel `widths` writes the radius of every drawn
 //! strand; shading, strips and shadows read that radius. Through
-//! those narrower strands the eye sees deeper; so that what it sees is as light, deep opacity maps count
-//! what light has met there at full detail ([`CoverTable::factors`]).
+//! those narrower strands the eye sees deeper; so that what it sees is on average as light as at full
+//! detail, deep opacity maps count them by another factor that is measured at load ([`CoverTable::factors`]).
 //!
 //! **Fewer segments.** At load [`CurveTable`] measures how far strands stray when they are drawn with fewer
 //! segments, and how much shorter they get (which widens them in turn). A frame takes the number for which
