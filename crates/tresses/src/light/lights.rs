@@ -1,8 +1,9 @@
 //! The lights: up to four from afar and a sky, in linear units.
 
-#[cfg(doc)]
-use super::shadows::ShadowMethod;
-use super::{environment::Environment, shadows::Shadows};
+use super::{
+    environment::Environment,
+    shadows::{ShadowMethod, Shadows},
+};
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3, Vec4};
 
@@ -167,14 +168,22 @@ pub struct LightsUniform {
     pub method: u32,
     /// [`Shadows::per_pixel`].
     pub per_pixel: u32,
-    /// Unused.
-    pub _pad_a: u32,
+    /// Cells along an edge of [`super::Ambient`]; 0 where the sky's openness is guessed.
+    pub ambient: u32,
     /// Unused.
     pub _pad_b: u32,
     /// Unused.
     pub _pad_c: u32,
     /// [`Environment::coefficients`].
     pub environment: [Vec4; 9],
+    /// The corner of the cells at the least coordinates, metres.
+    pub ambient_origin: Vec3,
+    /// One over the length of an edge of all cells, 1/m.
+    pub ambient_scale: f32,
+    /// The share of what meets a fibre that it passes on, the mean over its inclinations and its length.
+    pub passes: Vec3,
+    /// The share of what is passed on that meets other hair or skin.
+    pub forward: f32,
 }
 
 impl Lights {
@@ -210,12 +219,20 @@ impl Lights {
             bias: shadows.bias,
             density: shadows.density.max(0.0),
             body_opacity: shadows.body_opacity.max(0.0),
-            method: shadows.method as u32,
+            // Maps with nothing in them let all light through; deep ones find that out soonest.
+            method: match shadows.method {
+                ShadowMethod::Off => ShadowMethod::DeepOpacity as u32,
+                method => method as u32,
+            },
             per_pixel: u32::from(shadows.per_pixel),
-            _pad_a: 0,
+            ambient: 0,
             _pad_b: 0,
             _pad_c: 0,
             environment: self.environment.coefficients.map(|c| c.extend(0.0)),
+            ambient_origin: focus.center - focus.radius,
+            ambient_scale: 0.5 / focus.radius,
+            passes: Vec3::ZERO,
+            forward: 0.0,
         }
     }
 }
