@@ -12,10 +12,12 @@ use serde::Serialize;
 use tresses::light::{ShadingModel, ShadingRate, ShadowMethod};
 use tresses_scene::settings::{CoverageMode, Edges, Lamp, Samples};
 
-/// Pixels.
-const SIZE: Size = Size { width: 1280, height: 720 };
-/// Drawn strands.
-const STRANDS: u32 = 20_000;
+/// Pixels, and drawn strands.
+const FULL: (Size, u32) = (Size { width: 1280, height: 720 }, 20_000);
+/// The same on a software adapter, where frames take seconds.
+const SOFTWARE: (Size, u32) = (Size { width: 640, height: 360 }, 5_000);
+/// Measured frames there, if none are asked for.
+pub const SOFTWARE_FRAMES: u32 = 3;
 /// Samples per pixel where samples are not what is compared.
 const SAMPLES: Samples = Samples::Four;
 
@@ -36,6 +38,12 @@ pub struct Look {
     pub topic: String,
     /// Which of its ways.
     pub name: String,
+    /// Of the picture, pixels.
+    pub size: [u32; 2],
+    /// Drawn.
+    pub strands: u32,
+    /// GPU memory per pixel of the picture: colours, depth, layers.
+    pub bytes_per_pixel: f64,
     /// Times.
     pub run: Run,
 }
@@ -97,10 +105,18 @@ pub fn variants() -> Vec<Variant> {
 }
 
 /// Measures one of them.
-pub fn measure(variant: &Variant, frames: u32, bar: &ProgressBar) -> Result<Look> {
-    let mut scene = Scene::with_samples_at_most(&workload::style(Some(STRANDS), variant.edges), SIZE)
+pub fn measure(variant: &Variant, software: bool, frames: u32, bar: &ProgressBar) -> Result<Look> {
+    let (size, strands) = if software { SOFTWARE } else { FULL };
+    let mut scene = Scene::with_samples_at_most(&workload::style(Some(strands), variant.edges), size)
         .with_context(|| format!("{}, {}", variant.topic, variant.name))?;
     (variant.set)(&mut scene);
-    let run = workload::run(&mut scene, "in motion", "turn", SIZE, frames, bar)?;
-    Ok(Look { topic: variant.topic.into(), name: variant.name.into(), run })
+    let run = workload::run(&mut scene, "in motion", "turn", size, frames, bar)?;
+    Ok(Look {
+        topic: variant.topic.into(),
+        name: variant.name.into(),
+        size: [size.width, size.height],
+        strands: scene.facts().strands,
+        bytes_per_pixel: scene.bytes_per_pixel(),
+        run,
+    })
 }

@@ -29,7 +29,7 @@ pub struct Args {
     /// Measure only the hair and the settings of a preset, at 1280x720
     #[arg(long, value_name = "FILE", conflicts_with_all = ["grooms", "costs", "appearance", "lod"])]
     pub preset: Option<PathBuf>,
-    /// Measured frames per scene [default: 30, with --quick 8]
+    /// Measured frames per scene [default: 30, with --quick 8; of the ways to draw 3 on a software adapter]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: Option<u32>,
     /// Fewer frames and a shorter line of strand counts
@@ -60,6 +60,7 @@ pub fn run(args: &Args) -> Result<()> {
     let own = args.preset.as_ref().map(workload::own).transpose()?;
     let gpu = pollster::block_on(Gpu::open())?;
     let mut report = Report { adapter: Adapter::of(&gpu), ..Report::default() };
+    let software = gpu.tier.software;
     drop(gpu);
     let mut groups = Vec::new();
     let mut counts = Vec::new();
@@ -79,10 +80,14 @@ pub fn run(args: &Args) -> Result<()> {
     let costs = if all || args.costs { costs::RUNS } else { 0 };
     let runs = scenes as u64
         + counts.len() as u64
-        + looks.len() as u64
         + costs
         + if args.lod { 2 * lod::DISTANCES.len() as u64 } else { 0 };
-    let bar = progress::frames("measuring", runs * u64::from(frames));
+    let look_frames = match args.frames {
+        None if software => appearance::SOFTWARE_FRAMES,
+        _ => frames,
+    };
+    let measured = runs * u64::from(frames) + looks.len() as u64 * u64::from(look_frames);
+    let bar = progress::frames("measuring", measured);
     for group in &groups {
         report.groups.push(workload::measure(group, frames, &bar)?);
     }
@@ -94,7 +99,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     for variant in &looks {
         interrupt::check()?;
-        report.looks.push(appearance::measure(variant, frames, &bar)?);
+        report.looks.push(appearance::measure(variant, software, look_frames, &bar)?);
     }
     for strands in counts {
         interrupt::check()?;

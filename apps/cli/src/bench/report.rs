@@ -193,9 +193,22 @@ impl Report {
             let from = run.stages.iter().position(|stage| stage.name == "shadow").unwrap_or(0);
             run.stages[from..].iter().map(|stage| (stage.name.clone(), stage.time.median)).collect::<Vec<_>>()
         };
-        let names: Vec<_> = drawing(&first.run).into_iter().map(|(name, _)| name).collect();
-        let head = [String::new()].into_iter().chain(names.iter().cloned()).chain(["sum".into()]);
-        let mut rows = vec![head.collect::<Vec<_>>()];
+        let mut names: Vec<String> = Vec::new();
+        for look in &self.looks {
+            // One that only some have goes behind the one that it follows there.
+            let mut at = 0;
+            for (name, _) in drawing(&look.run) {
+                match names.iter().position(|known| *known == name) {
+                    Some(known) => at = known + 1,
+                    None => {
+                        names.insert(at, name);
+                        at += 1;
+                    }
+                }
+            }
+        }
+        let head = [String::new()].into_iter().chain(names.iter().cloned());
+        let mut rows = vec![head.chain(["sum".into(), "bytes per pixel".into()]).collect::<Vec<_>>()];
         let mut topic = "";
         for look in &self.looks {
             if look.topic != topic {
@@ -207,11 +220,16 @@ impl Report {
             let mut row = vec![format!("  {}", look.name)];
             row.extend(names.iter().map(|name| time(name).map_or("-".into(), ms)));
             row.push(ms(times.iter().map(|(_, ms)| ms).sum()));
+            row.push(format!("{:.0}", look.bytes_per_pixel));
             rows.push(row);
         }
         let _ = write!(
             text,
-            "\nDrawing (style long in motion, 20,000 strands, 1280 × 720; 4×MSAA where nothing else is said), medians\n{}",
+            "\nDrawing (style long in motion, {} strands, {} × {}{}; 4×MSAA where nothing else is said), medians\n{}",
+            grouped(first.strands.into()),
+            first.size[0],
+            first.size[1],
+            if self.adapter.software { ", less than on a GPU" } else { "" },
             table(&rows)
         );
     }

@@ -110,7 +110,12 @@ impl Peel {
         // Before the first layer lies nothing.
         let nearest = wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Store };
         let timed = timings.as_deref_mut();
-        begin(encoder, timed, &[(&layers.front, clear)], Some((&layers.depth_views[1], Some(nearest))));
+        begin(
+            encoder,
+            (timed, "hair"),
+            &[(&layers.front, clear)],
+            Some((&layers.depth_views[1], Some(nearest))),
+        );
         for i in 0..self.layers as usize {
             let now = &layers.depths[i % 2];
             // The body hides what is behind it; hair that it hides must not take up a layer.
@@ -122,32 +127,50 @@ impl Peel {
             let kept = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
             let timed = timings.as_deref_mut();
             let depth = Some((&layers.depth_views[i % 2], Some(kept)));
-            let mut pass = begin(encoder, timed, &[(&layers.layer, clear)], depth);
+            let mut pass = begin(encoder, (timed, "hair"), &[(&layers.layer, clear)], depth);
             pass.set_pipeline(self.layer.of(rate));
             pass.set_bind_group(0, frame, &[]);
             pass.set_bind_group(3, &layers.behind[(i + 1) % 2], &[]);
             hair.record_strips(&mut pass);
             drop(pass);
             let timed = timings.as_deref_mut();
-            let mut pass = begin(encoder, timed, &[(&layers.front, wgpu::LoadOp::Load)], None);
+            let mut pass = begin(encoder, (timed, "hair"), &[(&layers.front, wgpu::LoadOp::Load)], None);
             pass.set_pipeline(&self.under);
             pass.set_bind_group(0, &layers.under, &[]);
             pass.draw(0..3, 0..1);
         }
-        let last = (self.layers as usize + 1) % 2;
-        let colors = layers.thickness.each_ref().map(|texture| (texture, clear));
-        let timed = timings.as_deref_mut();
-        let mut pass = begin(encoder, timed, &colors, Some((&targets.depth, None)));
-        pass.set_pipeline(self.thickness.of(rate));
-        pass.set_bind_group(0, frame, &[]);
-        pass.set_bind_group(3, &layers.behind[last], &[]);
-        hair.record_strips(&mut pass);
-        drop(pass);
+        self.record_thickness(encoder, timings.as_deref_mut(), frame, rate, targets, hair);
+        let last = self.last();
         let colors = [(&layers.rest, clear), (&layers.rest_passes, wgpu::LoadOp::Clear(wgpu::Color::WHITE))];
-        let mut pass = begin(encoder, timings, &colors, Some((&targets.depth, None)));
+        let mut pass = begin(encoder, (timings, "hair"), &colors, Some((&targets.depth, None)));
         pass.set_pipeline(self.rest.of(rate));
         pass.set_bind_group(0, frame, &[]);
         pass.set_bind_group(3, &layers.rest_behind[last], &[]);
+        hair.record_strips(&mut pass);
+    }
+
+    /// Which of the two depths is that of the last layer.
+    fn last(&self) -> usize {
+        (self.layers as usize + 1) % 2
+    }
+
+    /// Records how thick the hair behind the last layer is; that layer's depth is in `targets`.
+    pub fn record_thickness(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        timings: Option<&mut Timings>,
+        frame: &wgpu::BindGroup,
+        rate: ShadingRate,
+        targets: &Targets,
+        hair: &HairSet,
+    ) {
+        let Some(layers) = &targets.layers else { return };
+        let clear = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
+        let colors = layers.thickness.each_ref().map(|texture| (texture, clear));
+        let mut pass = begin(encoder, (timings, "thickness"), &colors, Some((&targets.depth, None)));
+        pass.set_pipeline(self.thickness.of(rate));
+        pass.set_bind_group(0, frame, &[]);
+        pass.set_bind_group(3, &layers.behind[self.last()], &[]);
         hair.record_strips(&mut pass);
     }
 
@@ -156,17 +179,17 @@ impl Peel {
         let Some(layers) = &targets.layers else { return };
         let clear = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
         let white = wgpu::LoadOp::Clear(wgpu::Color::WHITE);
-        begin(encoder, None, &[(&layers.front, clear), (&layers.rest, clear)], None);
-        begin(encoder, None, &[(&layers.rest_passes, white)], None);
+        begin(encoder, (None, "hair"), &[(&layers.front, clear), (&layers.rest, clear)], None);
+        begin(encoder, (None, "hair"), &[(&layers.rest_passes, white)], None);
     }
 }
 
 type Cleared<'a> = (&'a wgpu::TextureView, wgpu::LoadOp<wgpu::Color>);
 
-/// A pass of hair into `colors`; without operations, depth is read only.
+/// A pass of hair into `colors`, timed under a name; without operations, depth is read only.
 fn begin<'e>(
     encoder: &'e mut wgpu::CommandEncoder,
-    timings: Option<&mut Timings>,
+    (timings, name): (Option<&mut Timings>, &'static str),
     colors: &[Cleared<'_>],
     depth: Option<(&wgpu::TextureView, Option<wgpu::Operations<f32>>)>,
 ) -> wgpu::RenderPass<'e> {
@@ -182,14 +205,14 @@ fn begin<'e>(
         })
         .collect();
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some("hair"),
+        label: Some(name),
         color_attachments: &attachments,
         depth_stencil_attachment: depth.map(|(view, depth_ops)| wgpu::RenderPassDepthStencilAttachment {
             view,
             depth_ops,
             stencil_ops: None,
         }),
-        timestamp_writes: timings.and_then(|timings| timings.render("hair")),
+        timestamp_writes: timings.and_then(|timings| timings.render(name)),
         ..Default::default()
     })
 }

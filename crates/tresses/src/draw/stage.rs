@@ -348,6 +348,20 @@ impl DrawStage {
         self.record_hair(encoder, timings, scene, targets, hair, true);
     }
 
+    /// Records once more how thick the hair behind the last peeled layer is, which [`draw_hair`](Self::draw_hair)
+    /// has recorded: for tools that time it on its own. Returns whether this stage peels at all.
+    pub fn draw_thickness(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        scene: &Scene,
+        targets: &Targets,
+        hair: &HairSet,
+    ) -> bool {
+        let Strips::Peeled(peel) = &self.strips else { return false };
+        peel.record_thickness(encoder, None, &self.frame_group, scene.shading, targets, hair);
+        true
+    }
+
     /// Records the hair over what is in `targets`. A stage that peels has no use for it.
     pub(crate) fn draw_hair_over(
         &self,

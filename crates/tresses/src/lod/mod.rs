@@ -20,8 +20,8 @@
 //! so that the total area is the same at any level, times a little less than 1: wide strands reach over gaps
 //! and outlines, which [`CoverTable`] measures at load. The kernel `widths` writes the radius of every drawn
 //! strand; shading, strips and shadows read that radius. Through
-//! those narrower strands the eye sees deeper; so that what it sees is as light, deep opacity maps count
-//! what light has met there at full detail ([`CoverTable::shadow`]).
+//! those narrower strands the eye sees deeper; so that what it sees is on average as light as at full
+//! detail, deep opacity maps count them by another factor that is measured at load ([`CoverTable::factors`]).
 //!
 //! **Fewer segments.** At load [`CurveTable`] measures how far strands stray when they are drawn with fewer
 //! segments, and how much shorter they get (which widens them in turn). A frame takes the number for which
@@ -49,6 +49,7 @@ mod cover;
 mod curve;
 mod maps;
 mod order;
+mod seen;
 mod widths;
 
 pub use cover::{CoverLevel, CoverTable};
@@ -140,7 +141,7 @@ pub struct Detail {
     pub strands: u32,
     /// The factor on their widths.
     pub width: f32,
-    /// What light meets of those widths, see [`CoverTable::shadow`].
+    /// What light meets of those widths, see [`CoverTable::factors`].
     pub shadow: f32,
     /// The number of segments per strand, not always whole.
     pub segments: f32,
@@ -153,6 +154,9 @@ pub struct Detail {
 /// The most strands of the first bucket: fewer than it has are never drawn. With a few hundred, how light
 /// they happen to be would show.
 const LEAST: u32 = 1000;
+
+/// Fewer segments are never drawn: with one or two, light along a strand would be that at its ends.
+const LEAST_SEGMENTS: f32 = 3.0;
 
 /// A last segment shorter than this share of the others is left out: rounding would turn it about.
 const LEAST_REST: f32 = 0.02;
@@ -290,9 +294,9 @@ impl Lod {
             LodMode::Auto => (coarse / options.slow_pixel.max(1e-9)).clamp(1.0, options.slowest.max(1.0)),
             LodMode::Off | LodMode::Fixed(_) => 1.0,
         };
-        let cover = match options.mode {
-            LodMode::Off => 1.0,
-            _ => self.cover.factor(fraction, (limit / pixel.max(1e-12)).min(1.0)),
+        let [cover, shadow] = match options.mode {
+            LodMode::Off => [1.0; 2],
+            _ => self.cover.factors(fraction, (limit / pixel.max(1e-12)).min(1.0)),
         };
         Detail {
             pixel,
@@ -303,7 +307,7 @@ impl Lod {
                 LodMode::Off => 1.0,
                 _ => self.widening(fraction) * cover / self.curve.length(segments),
             },
-            shadow: self.cover.shadow(cover),
+            shadow,
             segments,
             step,
             levels,
@@ -322,7 +326,8 @@ impl Lod {
 
     /// `segments` without a last one that is too short to point anywhere.
     fn whole(&self, segments: f32) -> f32 {
-        let segments = segments.clamp(1.0, self.segments as f32);
+        let least = LEAST_SEGMENTS.min(self.segments as f32);
+        let segments = segments.clamp(least, self.segments as f32);
         if segments.fract() < LEAST_REST { segments.floor() } else { segments }
     }
 

@@ -1,13 +1,13 @@
 //! The total coverage of a groom, near and far.
 
 use super::{
-    ALPHA_4, ALPHA_4_2X, MASK_1, MASK_2X, MASK_4_2X, MODES, Mode, PEEL_2X, common,
+    MASK_1, MASK_2X, MASK_4_2X, Mode, PEEL_2X, common,
     groom::Groom,
-    oracle,
+    modes, oracle,
     picture::{Studio, total},
 };
 use tresses::{
-    draw::{Background, Scene, View},
+    draw::{Background, Coverage, Scene, View},
     glam::Vec3,
     gpu::Gpu,
     light::{HairMaterial, Sphere},
@@ -62,10 +62,10 @@ fn total_coverage_is_exact_at_any_distance() {
     let exact = DISTANCES.map(|distance| oracle::covered(&groom, &scene(distance, SIZE).view));
     println!("exact: {exact:.1?} pixels");
     let material = HairMaterial::default();
-    for mode in MODES {
+    for mode in modes(gpu.tier.max_samples) {
         let errors = errors(&gpu, mode, &groom, &material, &exact);
         say(mode.name, &errors);
-        if mode == ALPHA_4 || mode == ALPHA_4_2X {
+        if mode.coverage == Coverage::AlphaToCoverage {
             // Equal alpha is equal samples: strands hide behind each other, and the comparison sees it.
             assert!(!good(mode, &errors));
         } else {
