@@ -179,12 +179,12 @@ impl Studio {
         })
     }
 
-    /// Closes a window that has no device any more, and leaves what it takes to open another.
+    /// Closes a window that has no device any more; [`crate::native::run`] opens another.
     #[cfg(not(target_arch = "wasm32"))]
     fn leave_if_gone(&mut self, context: &egui::Context) {
         crate::native::lose_for_tests(&self.gpu.device, self.show.as_ref().map_or(0, |show| show.frames));
+        crate::native::remember(self.again());
         if self.is_gone() {
-            crate::native::leave(self.again());
             context.send_viewport_cmd(egui::ViewportCommand::Close);
         }
     }
@@ -248,7 +248,7 @@ impl Studio {
         self.lost.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// What the studio is to be opened with to show again what it shows, and why.
+    /// What the studio is to be opened with to show again what it shows.
     #[cfg(not(target_arch = "wasm32"))]
     pub(crate) fn again(&self) -> Options {
         let named = self.wanted().named();
@@ -259,7 +259,7 @@ impl Studio {
             import: named.orientation,
             companions: self.wanted().companions,
             settings: self.settings.now().clone(),
-            trouble: self.lost().map(|why| format!("{why}; this is the studio opened again")),
+            trouble: None,
         }
     }
 
@@ -508,6 +508,10 @@ fn listen(device: &wgpu::Device, context: &egui::Context, lost: &Arc<Mutex<Optio
                 // egui has no device to draw it with.
                 #[cfg(target_arch = "wasm32")]
                 crate::web::say(&cause);
+                #[cfg(not(target_arch = "wasm32"))]
+                if is_gone {
+                    crate::native::gone(&cause);
+                }
                 *lost = Some(Loss { sentence: cause, is_gone });
             }
             context.request_repaint();
@@ -515,8 +519,12 @@ fn listen(device: &wgpu::Device, context: &egui::Context, lost: &Arc<Mutex<Optio
     };
     let gone = tell("The GPU was lost", true);
     device.set_device_lost_callback(move |reason, message| {
-        // That of a page that is left is none.
-        if !(cfg!(target_arch = "wasm32") && reason == wgpu::DeviceLostReason::Destroyed) {
+        #[cfg(target_arch = "wasm32")]
+        let destroys = false;
+        #[cfg(not(target_arch = "wasm32"))]
+        let destroys = crate::native::DESTROYS.load(std::sync::atomic::Ordering::Relaxed);
+        // That of a window that closes is none.
+        if destroys || reason != wgpu::DeviceLostReason::Destroyed {
             gone(message);
         }
     });
@@ -550,6 +558,7 @@ mod tests {
             mapped_at_creation: false,
         });
         assert!(now(&lost).is_some_and(|loss| !loss.is_gone && loss.sentence.contains("refused")));
+        crate::native::DESTROYS.store(true, std::sync::atomic::Ordering::Relaxed);
         gpu.device.destroy();
         let _ = gpu.device.poll(wgpu::PollType::Poll);
         assert!(now(&lost).is_some_and(|loss| loss.is_gone && loss.sentence.starts_with("The GPU was lost")));

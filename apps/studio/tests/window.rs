@@ -77,6 +77,23 @@ fn the_window_draws_answers_resizes_and_closes() {
     assert!(desk.close().success());
 }
 
+#[test]
+fn a_lost_device_opens_another_window() {
+    if !can_run() {
+        return;
+    }
+    let mut desk = Desk::open_with(&[], &[("TRESSES_STUDIO_LOSE_AT", "2")]);
+    let state = desk.wait_for("the window after the loss", |desk| {
+        let state = desk.state()?;
+        let told = state["error"].as_str()?.starts_with("The GPU was lost");
+        (told && state["lost"] == false && state["frames"].as_u64() > Some(0)).then_some(state)
+    });
+    assert!(state["error"].as_str().unwrap().contains("opened again"), "{state}");
+    assert_eq!(state["file"], "long");
+    desk.follow();
+    assert!(desk.close().success());
+}
+
 /// Where the strands are on average, pixels from the left.
 fn middle_of_hair(shot: &Shot) -> f64 {
     let (sum, count) = (std::cell::Cell::new(0.0), std::cell::Cell::new(0.0));
