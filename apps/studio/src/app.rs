@@ -179,14 +179,17 @@ impl Studio {
         })
     }
 
-    /// Closes a window that has no device any more; [`crate::native::run`] opens another.
+    /// Closes a window that has no device any more; [`crate::native::run`] opens another. Whether it does:
+    /// then nothing must be shown, as there is nothing to draw it with.
     #[cfg(not(target_arch = "wasm32"))]
-    fn leave_if_gone(&mut self, context: &egui::Context) {
+    fn leaves_if_gone(&mut self, context: &egui::Context) -> bool {
         crate::native::lose_for_tests(&self.gpu.device, self.show.as_ref().map_or(0, |show| show.frames));
         crate::native::remember(self.again());
-        if self.is_gone() {
+        let gone = self.is_gone();
+        if gone {
             context.send_viewport_cmd(egui::ViewportCommand::Close);
         }
+        gone
     }
 
     /// Starts long work.
@@ -462,7 +465,9 @@ impl eframe::App for Studio {
     fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
         let context = ui.ctx().clone();
         #[cfg(not(target_arch = "wasm32"))]
-        self.leave_if_gone(&context);
+        if self.leaves_if_gone(&context) {
+            return;
+        }
         self.receive(&context);
         panels::keys::answer(self, &context);
         panels::top::show(self, ui);

@@ -33,15 +33,17 @@ pub(crate) static DESTROYS: AtomicBool = AtomicBool::new(false);
 pub fn run(options: Options) -> Result<()> {
     let mut next = options;
     for _ in 0..=MOST {
-        // Whoever asks a device for memory that is gone panics, wgpu's helpers and egui's painter among them.
+        // Whoever asks a device that is gone for memory panics, wgpu's helpers and egui's painter among them.
         let done = panic::catch_unwind(AssertUnwindSafe(|| open(next)));
         let gone = GONE.lock().unwrap_or_else(PoisonError::into_inner).take();
         let shown = SHOWN.lock().unwrap_or_else(PoisonError::into_inner).take();
         next = match (done, gone, shown) {
-            (_, Some(why), Some(shown)) => {
+            (Ok(_), Some(why), Some(shown)) => {
                 let trouble = format!("{why}. This is the studio opened again");
                 Options { trouble: Some(trouble), ..*shown }
             }
+            // In the midst of a frame: the toolkit opens no other window after that.
+            (Err(_), Some(why), _) => return Err(anyhow!("{why}; open the studio again")),
             (Ok(done), ..) => return done,
             (Err(other), ..) => panic::resume_unwind(other),
         };
