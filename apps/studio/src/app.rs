@@ -45,6 +45,9 @@ const REST: Duration = Duration::from_millis(500);
 /// Smallest picture, pixels.
 const LEAST: u32 = 16;
 
+/// The most of a frame that a hand on the head has for itself, seconds: hair has at most [`LONGEST`].
+const FELT: f32 = 0.1;
+
 /// How long hair that was touched swings while time stands still, seconds.
 const AWAKE: f32 = 2.0;
 
@@ -385,9 +388,10 @@ impl Studio {
         let live = self.is_live();
         let hand = if live { real.min(most) } else { 0.0 };
         if live {
-            // A head follows the pointer at once, however long frames are.
-            self.hand.advance(real);
-            self.awake -= real;
+            // A head follows the pointer soon, however long frames are, and yet does not tear its hair.
+            let felt = real.min(FELT);
+            self.hand.advance(felt);
+            self.awake -= felt;
         }
         let seconds = self.play.advance(real, most).max(hand);
         self.dress(self.pace.level());
