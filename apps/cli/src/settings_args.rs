@@ -54,6 +54,7 @@ impl SettingsArgs {
         }
         self.lod.apply(settings);
         self.shading.apply(&mut settings.look);
+        settings.shadows.ambient = self.shading.follows(settings.shadows.ambient);
         self.shadows.apply(settings)?;
         self.preset.finish(&mut preset)?;
         Ok(preset)

@@ -22,6 +22,15 @@ pub enum Per {
     Pixel,
 }
 
+/// Whether something is done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Switch {
+    /// Done
+    On,
+    /// Left out
+    Off,
+}
+
 /// Concentrations of the two pigments of hair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Melanin {
@@ -85,6 +94,10 @@ pub struct ShadingArgs {
     /// Where light is computed [default: vertex]
     #[arg(long, value_name = "WHERE", value_enum)]
     pub shade_per: Option<Per>,
+    /// Follow light from the sky and from the skin through the hair; off guesses how open the sky is
+    /// [default: on]
+    #[arg(long, value_name = "WHETHER", value_enum)]
+    pub ambient: Option<Switch>,
 }
 
 impl ShadingArgs {
@@ -97,6 +110,11 @@ impl ShadingArgs {
             anyhow::bail!("{name} is a matter of --shading fiber");
         }
         Ok(())
+    }
+
+    /// Whether light from all sides is to be followed, where `now` is what holds otherwise.
+    pub fn follows(&self, now: bool) -> bool {
+        self.ambient.map_or(now, |switch| switch == Switch::On)
     }
 
     /// Puts what is given into `look`.

@@ -15,6 +15,7 @@ pub const SHARED: &[(&str, u32)] = &[
     ("MAX_LIGHTS", MAX_LIGHTS),
     ("SHADOW_BLOCK", SHADOW_BLOCK),
     ("DEEP_LAYERS", DEEP_LAYERS),
+    ("AMBIENT_STRANDS", AMBIENT_STRANDS),
 ];
 /// Threads of one workgroup of the passes that run once per guide.
 pub const GUIDE_WORKGROUP: u32 = 32;
@@ -38,3 +39,5 @@ pub const MAX_LIGHTS: u32 = 4;
 pub const SHADOW_BLOCK: u32 = 4;
 /// Layers of a deep opacity map.
 pub const DEEP_LAYERS: u32 = 8;
+/// About how many strands stand for all in the grid of light from all sides.
+pub const AMBIENT_STRANDS: u32 = 4096;

@@ -324,10 +324,14 @@ fn lights() {
         body_opacity,
         method,
         per_pixel,
-        _pad_a,
+        ambient,
         _pad_b,
         _pad_c,
         environment,
+        ambient_origin,
+        ambient_scale,
+        passes,
+        forward,
     });
     assert_eq!(wgsl_layout("LightsUniform"), rust);
 }
@@ -382,7 +386,7 @@ fn hair() {
 
 #[test]
 fn body() {
-    let rust = rust_layout!(BodyUniform { pose, color, gloss, wrap, gloss_exponent, _pad });
+    let rust = rust_layout!(BodyUniform { pose, color, gloss, wrap, gloss_exponent, outward, _pad });
     assert_eq!(wgsl_layout("BodyUniform"), rust);
 }
 

@@ -110,6 +110,7 @@ impl Stage {
     ) -> Result<(Picture, Linear)> {
         let mut scene = Scene { shadows, ..self.scene(view, scenes)? };
         shading.vary(&mut scene.hair, &mut scene.shading);
+        scene.shadows.ambient = shading.follows(scene.shadows.ambient);
         let shown = self.pixels(&scene)?;
         scene.background = Background::flat(Vec3::ZERO);
         scene.tone = ToneMap { exposure: DIM, shoulder: 0.99, desaturation: 0.0 };

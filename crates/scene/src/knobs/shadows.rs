@@ -59,7 +59,7 @@ const KNOBS: &[Knob] = &[
         "Shadow on skin",
         number(PERCENT, 0.0, 100.0),
         Frame,
-        "Share of the light that one fibre takes from the skin behind it.",
+        "How much the hair before the skin takes of its light: at 100 % what it takes from other hair.",
         shadows.body_opacity
     ),
     knob!(
@@ -77,5 +77,13 @@ const KNOBS: &[Knob] = &[
         Frame,
         "Shade hair, and look its shadows up, for every pixel; dearer.",
         shadows.per_pixel
+    ),
+    knob!(
+        "shadows.ambient",
+        "Light from all sides",
+        Kind::Toggle,
+        Frame,
+        "Follow light from the sky and from the skin through the hair; off guesses how open the sky is.",
+        shadows.ambient
     ),
 ];

@@ -5,7 +5,7 @@ use glam::{Mat4, Vec3};
 use wgpu::util::DeviceExt;
 
 use super::DrawStage;
-use crate::{Pose, groom::TriMesh};
+use crate::{Pose, groom::TriMesh, light::ambient::Surface};
 
 /// The look of the body: matt with a soft gloss.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +35,8 @@ pub struct Body {
     index_count: u32,
     pub(crate) uniform: wgpu::Buffer,
     group: wgpu::BindGroup,
+    pub(crate) surface: Surface,
+    pub(crate) surface_group: wgpu::BindGroup,
 }
 
 /// What the shaders know of a body.
@@ -51,8 +53,10 @@ pub struct BodyUniform {
     pub wrap: f32,
     /// [`BodyMaterial::gloss_exponent`].
     pub gloss_exponent: f32,
+    /// [`Surface::outward`].
+    pub outward: f32,
     /// Unused.
-    pub _pad: [f32; 2],
+    pub _pad: f32,
 }
 
 /// A vertex of a body.
@@ -84,12 +88,16 @@ impl Body {
             })
         };
         let uniform = crate::gpu::bindings::uniform(device, "body", size_of::<BodyUniform>());
+        let vertices = buffer(
+            "body vertices",
+            bytemuck::cast_slice(&vertices),
+            wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+        );
+        let surface = Surface::new(device, mesh);
         Self {
-            vertices: buffer(
-                "body vertices",
-                bytemuck::cast_slice(&vertices),
-                wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
-            ),
+            surface_group: stage.bind_surface(device, [&uniform, &vertices, &surface.buffer]),
+            surface,
+            vertices,
             triangles: buffer(
                 "body triangles",
                 bytemuck::cast_slice(&mesh.triangles),
@@ -120,7 +128,7 @@ impl Body {
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        self.vertices.size() + self.triangles.size() + self.uniform.size()
+        self.vertices.size() + self.triangles.size() + self.uniform.size() + self.surface.buffer.size()
     }
 }
 
@@ -135,14 +143,15 @@ fn vertices(mesh: &TriMesh) -> Vec<BodyVertex> {
 }
 
 impl BodyMaterial {
-    pub(crate) fn uniform(&self, pose: &Pose) -> BodyUniform {
+    pub(crate) fn uniform(&self, pose: &Pose, outward: f32) -> BodyUniform {
         BodyUniform {
             pose: pose.matrix(),
             color: self.color,
             gloss: self.gloss,
             wrap: self.wrap,
             gloss_exponent: self.gloss_exponent,
-            _pad: [0.0; 2],
+            outward,
+            _pad: 0.0,
         }
     }
 }

@@ -76,6 +76,7 @@ pub struct HairSet {
     pub(crate) fiber: FiberTables,
     pub(crate) shade_group: wgpu::BindGroup,
     pub(crate) splat_group: wgpu::BindGroup,
+    pub(crate) ambient_group: wgpu::BindGroup,
 }
 
 impl HairSet {
@@ -103,6 +104,7 @@ impl HairSet {
             splat: [1; 2],
             fiber: FiberTables::new(device, stage.fiber_layout()),
             splat_group: stage.bind_splat(device, &uniform, strands),
+            ambient_group: stage.bind_ambient(device, &uniform, strands),
             group: stage.bind_hair(device, &uniform, strands, &shaded),
             shade_group: stage.bind_shade(device, &uniform, strands, &shaded),
             uniform,

@@ -14,7 +14,7 @@ use crate::{
         Binding, Timings,
         bindings::{self, group, layout},
     },
-    light::{Shade, ShadingModel, ShadowMaps, fiber::FiberTables, lights::LightsUniform},
+    light::{Ambient, Shade, ShadingModel, ShadowMaps, fiber::FiberTables, lights::LightsUniform},
     present::Present,
     strands::StrandBuffers,
 };
@@ -30,6 +30,9 @@ pub struct DrawOptions {
     /// or fewer where shadows are to be soft. Five maps take 43 bytes per texel
     /// ([`DrawStage::shadow_bytes`]).
     pub shadow_resolution: u32,
+    /// Cells along each edge of the grid of light from all sides, brought into 4 to 64
+    /// ([`crate::light::ambient`]); each takes 488 bytes.
+    pub ambient_cells: u32,
     /// Format of what `present` writes to.
     pub output: wgpu::TextureFormat,
 }
@@ -40,6 +43,7 @@ impl Default for DrawOptions {
             samples: 4,
             coverage: Coverage::default(),
             shadow_resolution: 1024,
+            ambient_cells: 24,
             output: super::targets::PICTURE_FORMAT,
         }
     }
@@ -51,6 +55,7 @@ impl Default for DrawOptions {
 #[derive(Debug)]
 pub struct DrawStage {
     shadow_maps: ShadowMaps,
+    ambient: Ambient,
     shade: Shade,
     present: Present,
     view: wgpu::Buffer,
@@ -74,15 +79,26 @@ impl DrawStage {
         let uniform = |label, size| bindings::uniform(device, label, size);
         let view = uniform("view", size_of::<ViewUniform>());
         let lights = uniform("lights", size_of::<LightsUniform>());
-        use Binding::{Comparison, DepthArray, Storage, Uniform};
-        let frame_layout =
-            layout(device, "frame", both, &[Uniform, Uniform, DepthArray, Comparison, Storage, Storage]);
+        use Binding::{Comparison, DepthArray, Sampler, Storage, Texture3d, Uniform};
+        let entries = [Uniform, Uniform, DepthArray, Comparison, Storage, Storage, Texture3d, Sampler];
+        let frame_layout = layout(device, "frame", both, &entries);
         let hair_layout = layout(device, "hair", both, &[Uniform, Storage, Storage, Storage]);
         let body_layout = layout(device, "body", both, &[Uniform]);
         let fiber_layout = FiberTables::layout(device);
         let shadow_maps = ShadowMaps::new(device, options.shadow_resolution, &body_layout);
+        let ambient = Ambient::new(device, options.ambient_cells, &lights, shadow_maps.resources());
         let [maps, comparison, hair, blocks] = shadow_maps.resources();
-        let frame = [view.as_entire_binding(), lights.as_entire_binding(), maps, comparison, hair, blocks];
+        let [grid, linear] = ambient.resources();
+        let frame = [
+            view.as_entire_binding(),
+            lights.as_entire_binding(),
+            maps,
+            comparison,
+            hair,
+            blocks,
+            grid,
+            linear,
+        ];
         let frame_group = group(device, "frame", &frame_layout, &frame);
         let body = Recipe {
             module: "draw::body",
@@ -102,6 +118,7 @@ impl DrawStage {
             samples: options.samples,
             coverage: options.coverage,
             shadow_maps,
+            ambient,
             view,
             lights,
             frame_layout,
@@ -160,13 +177,20 @@ impl DrawStage {
     ) -> wgpu::BindGroup {
         let view = self.view.as_entire_binding();
         let [lights, maps, comparison, hair, blocks] = self.light_resources();
-        self.shade.bind(device, [view, lights, maps, comparison, hair, blocks], strands, uniform, shaded)
+        let [grid, linear] = self.ambient.resources();
+        let frame = [view, lights, maps, comparison, hair, blocks, grid, linear];
+        self.shade.bind(device, frame, strands, uniform, shaded)
     }
 
     /// What the light stage offers to those that ask for light.
     pub(crate) fn light_resources(&self) -> [wgpu::BindingResource<'_>; 5] {
         let [maps, comparison, hair, blocks] = self.shadow_maps.resources();
         [self.lights.as_entire_binding(), maps, comparison, hair, blocks]
+    }
+
+    /// And what it offers to those that ask for light from all sides.
+    pub(crate) fn ambient_resources(&self) -> [wgpu::BindingResource<'_>; 2] {
+        self.ambient.resources()
     }
 
     pub(crate) fn bind_splat(
@@ -176,6 +200,19 @@ impl DrawStage {
         strands: &StrandBuffers,
     ) -> wgpu::BindGroup {
         self.shadow_maps.bind_splat(device, &self.lights, uniform, strands)
+    }
+
+    pub(crate) fn bind_ambient(
+        &self,
+        device: &wgpu::Device,
+        uniform: &wgpu::Buffer,
+        strands: &StrandBuffers,
+    ) -> wgpu::BindGroup {
+        self.ambient.bind_hair(device, &self.lights, uniform, strands)
+    }
+
+    pub(crate) fn bind_surface(&self, device: &wgpu::Device, buffers: [&wgpu::Buffer; 3]) -> wgpu::BindGroup {
+        self.ambient.bind_body(device, buffers)
     }
 
     pub(crate) fn bind_body(&self, device: &wgpu::Device, uniform: &wgpu::Buffer) -> wgpu::BindGroup {
@@ -193,39 +230,57 @@ impl DrawStage {
     ) {
         let write = |buffer, bytes: &[u8]| queue.write_buffer(buffer, 0, bytes);
         let view = scene.view.uniform(targets.samples, targets.ssaa, &scene.tone);
-        let lights = scene.lights.uniform(&scene.shadows, &scene.focus, self.shadow_maps.resolution);
+        let mut lights = scene.lights.uniform(&scene.shadows, &scene.focus, self.shadow_maps.resolution);
+        if scene.shadows.ambient {
+            lights.ambient = self.ambient.cells();
+        }
         write(&self.view, bytemuck::bytes_of(&view));
-        write(&self.lights, bytemuck::bytes_of(&lights));
         self.shadow_maps.prepare(queue, &lights);
         self.present.prepare(queue, scene, targets);
         if let Some(hair) = hair {
             let uniform = scene.hair.uniform(scene.shading, &hair.drawn, hair.rest_count, hair.splat);
             write(&hair.uniform, bytemuck::bytes_of(&uniform));
             if scene.hair.model == ShadingModel::Fiber {
-                hair.fiber.fill(queue, &scene.hair.fiber.shape, scene.hair.fiber.density_back);
+                let fiber = &scene.hair.fiber;
+                hair.fiber.fill(queue, &fiber.shape, fiber.density_back);
+                let absorption = 0.5 * (fiber.root_absorption + fiber.tip_absorption);
+                lights.passes = hair.fiber.passes(absorption);
+                lights.forward = fiber.density_forward.clamp(0.0, 1.0);
+            } else {
+                lights.passes = glam::Vec3::splat(1.0 - scene.hair.opacity.clamp(0.0, 1.0));
+                lights.forward = 1.0;
             }
         }
+        write(&self.lights, bytemuck::bytes_of(&lights));
         if let Some(body) = body {
-            let uniform: BodyUniform = scene.body.uniform(&scene.pose);
+            let uniform: BodyUniform = scene.body.uniform(&scene.pose, body.surface.outward);
             write(&body.uniform, bytemuck::bytes_of(&uniform));
         }
     }
 
-    /// Records the shadow maps of the lights of `scene` that are on.
+    /// Records the shadow maps of the lights of `scene` that are on, and light from all sides.
     pub fn shadow(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        timings: Option<&mut Timings>,
+        mut timings: Option<&mut Timings>,
         scene: &Scene,
         hair: Option<&HairSet>,
         body: Option<&Body>,
     ) {
-        self.shadow_maps.record(encoder, timings, scene, hair, body);
+        self.shadow_maps.record(encoder, timings.as_deref_mut(), scene, hair, body);
+        if scene.shadows.ambient {
+            self.ambient.record(encoder, timings, hair, body);
+        }
     }
 
     /// Bytes of GPU memory of the shadow maps.
     pub fn shadow_bytes(&self) -> u64 {
         self.shadow_maps.bytes()
+    }
+
+    /// Bytes of GPU memory of light from all sides.
+    pub fn ambient_bytes(&self) -> u64 {
+        self.ambient.bytes()
     }
 
     /// Records the shading of strand vertices.

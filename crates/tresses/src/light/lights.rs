@@ -168,14 +168,22 @@ pub struct LightsUniform {
     pub method: u32,
     /// [`Shadows::per_pixel`].
     pub per_pixel: u32,
-    /// Unused.
-    pub _pad_a: u32,
+    /// Cells along an edge of [`super::Ambient`]; 0 where the sky's openness is guessed.
+    pub ambient: u32,
     /// Unused.
     pub _pad_b: u32,
     /// Unused.
     pub _pad_c: u32,
     /// [`Environment::coefficients`].
     pub environment: [Vec4; 9],
+    /// The corner of the cells at the least coordinates, metres.
+    pub ambient_origin: Vec3,
+    /// One over the length of an edge of all cells, 1/m.
+    pub ambient_scale: f32,
+    /// The share of what meets a fibre that it passes on, the mean over its inclinations and its length.
+    pub passes: Vec3,
+    /// The share of what is passed on that meets other hair or skin.
+    pub forward: f32,
 }
 
 impl Lights {
@@ -217,10 +225,14 @@ impl Lights {
                 method => method as u32,
             },
             per_pixel: u32::from(shadows.per_pixel),
-            _pad_a: 0,
+            ambient: 0,
             _pad_b: 0,
             _pad_c: 0,
             environment: self.environment.coefficients.map(|c| c.extend(0.0)),
+            ambient_origin: focus.center - focus.radius,
+            ambient_scale: 0.5 / focus.radius,
+            passes: Vec3::ZERO,
+            forward: 0.0,
         }
     }
 }

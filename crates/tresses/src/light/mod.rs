@@ -44,6 +44,7 @@
 //! the hair's density for the sky, whose openness is guessed from the zenith and the lights that are on;
 //! moments instead of layers.
 
+pub mod ambient;
 pub mod environment;
 pub mod fiber;
 pub mod lights;
@@ -54,6 +55,7 @@ pub mod shadow;
 pub mod shadows;
 pub mod terms;
 
+pub use ambient::Ambient;
 pub use environment::Environment;
 pub use lights::{Directional, Lights, MAX_LIGHTS, Sky, Sphere};
 pub use material::{FiberMaterial, HairMaterial, ShadingModel, ShadingRate};

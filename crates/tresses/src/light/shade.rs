@@ -11,13 +11,15 @@ use crate::{
 };
 
 /// What it and its sibling `light::terms` bind.
-pub(super) const BINDINGS: [Binding; 10] = [
+pub(super) const BINDINGS: [Binding; 12] = [
     Binding::Uniform,
     Binding::Uniform,
     Binding::DepthArray,
     Binding::Comparison,
     Binding::Storage,
     Binding::Storage,
+    Binding::Texture3d,
+    Binding::Sampler,
     Binding::Uniform,
     Binding::Storage,
     Binding::Storage,
@@ -42,11 +44,11 @@ impl Shade {
         }
     }
 
-    /// `frame` is the first six resources: view, lights and what the shadow maps offer.
+    /// `frame` is the first eight resources: view, lights, what the shadow maps offer and light from all sides.
     pub(crate) fn bind(
         &self,
         device: &wgpu::Device,
-        frame: [wgpu::BindingResource<'_>; 6],
+        frame: [wgpu::BindingResource<'_>; 8],
         strands: &StrandBuffers,
         uniform: &wgpu::Buffer,
         shaded: &wgpu::Buffer,

@@ -32,13 +32,18 @@ pub struct Shadows {
     /// Fibres that light meets per metre of its way through hair, 1/m: what
     /// [`ShadowMethod::Absorption`] supposes.
     pub density: f32,
-    /// The share of the light that one fibre takes from the body behind it.
+    /// The weight of the hair before the body: at 1, a fibre takes as much from the body behind it as from
+    /// other hair.
     pub body_opacity: f32,
     /// How far a surface is lifted towards the light before it is compared, metres.
     pub bias: f32,
     /// Whether the maps are asked for every pixel of the hair, not for every strand vertex; only where
     /// hair is shaded per pixel ([`super::ShadingRate::PerPixel`]).
     pub per_pixel: bool,
+    /// Whether light from the sky and from the body is followed through the hair
+    /// ([`super::ambient`]). Otherwise the sky's openness is guessed from the zenith and the lights that
+    /// are on, and bodies throw no light.
+    pub ambient: bool,
 }
 
 impl Default for Shadows {
@@ -51,6 +56,7 @@ impl Default for Shadows {
             body_opacity: 1.0,
             bias: 0.0015,
             per_pixel: false,
+            ambient: true,
         }
     }
 }

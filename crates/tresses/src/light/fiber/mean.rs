@@ -97,6 +97,22 @@ pub fn table(far: &FarField, density: f32) -> Vec<Mean> {
     table
 }
 
+/// The share scattered on of each hue of a [`table`], the mean over light from all directions: of those, fibres meet
+/// most across them.
+pub fn forward(table: &[Mean]) -> Vec<f32> {
+    let hue = |means: &[Mean]| {
+        // Of a sphere cos θ dθ lies at the inclination θ, and a fibre shows it cos θ of its width.
+        let angle = |c: usize| cosine(c.min(means.len() - 1) as u32).acos();
+        let weight = |c: usize| {
+            let step = 0.5 * (angle(c.saturating_sub(1)) - angle(c + 1));
+            (cosine(c as u32).powi(2) * step) as f32
+        };
+        let whole: f32 = (0..means.len()).map(weight).sum();
+        means.iter().enumerate().map(|(c, mean)| weight(c) * mean.forward).sum::<f32>() / whole
+    };
+    table.chunks(COSINES as usize).map(hue).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

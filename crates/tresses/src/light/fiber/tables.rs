@@ -2,13 +2,14 @@
 
 use super::{
     FiberShape,
-    far::{AZIMUTHS, Around, COSINES, FarField, HUES},
+    far::{AZIMUTHS, Around, COSINES, FarField, HUES, hue},
     mean,
 };
 use crate::gpu::{
     Binding,
     bindings::{self, group, layout},
 };
+use glam::Vec3;
 use half::f16;
 use std::sync::Mutex;
 
@@ -22,7 +23,14 @@ pub struct FiberTables {
     around: wgpu::Texture,
     mean: wgpu::Texture,
     pub(crate) group: wgpu::BindGroup,
-    filled: Mutex<Option<Key>>,
+    filled: Mutex<Option<Filled>>,
+}
+
+#[derive(Debug)]
+struct Filled {
+    key: Key,
+    /// The share that a fibre passes on, by hue: mean over the directions that light comes from.
+    forward: Vec<f32>,
 }
 
 impl FiberTables {
@@ -74,7 +82,7 @@ impl FiberTables {
         let shape = shape.clamped();
         // A panic elsewhere leaves the key whole.
         let mut filled = self.filled.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if *filled == Some((shape, density)) {
+        if filled.as_ref().is_some_and(|filled| filled.key == (shape, density)) {
             return;
         }
         let far = FarField::new(&shape);
@@ -88,7 +96,20 @@ impl FiberTables {
         let first = means.iter().flat_map(|m| [m.forward, m.forward_variance, m.local, m.local_variance]);
         let second = means.iter().flat_map(|m| [m.local_turn, m.rest, m.backward, m.backward_variance]);
         write(queue, &self.mean, first.chain(second).collect());
-        *filled = Some((shape, density));
+        *filled = Some(Filled { key: (shape, density), forward: mean::forward(&means) });
+    }
+
+    /// The share of the light from all around that fibres of these absorptions per radius pass on; nothing
+    /// before the tables are filled.
+    pub(crate) fn passes(&self, absorption: Vec3) -> Vec3 {
+        let filled = self.filled.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let Some(Filled { forward, .. }) = &*filled else { return Vec3::ZERO };
+        let share = |sigma: f32| {
+            let at = hue(f64::from(sigma.max(0.0))) as f32 * (HUES - 1) as f32;
+            let low = (at as usize).min(HUES as usize - 2);
+            forward[low] + (forward[low + 1] - forward[low]) * (at - low as f32)
+        };
+        Vec3::from_array(absorption.to_array().map(share))
     }
 
     /// Bytes of GPU memory.

@@ -1,0 +1,116 @@
+//! Points all over a body's surface, each of which stands for as much of it.
+
+use crate::groom::TriMesh;
+use glam::Vec3;
+use wgpu::util::DeviceExt;
+
+/// The most points.
+const POINTS: usize = 8192;
+
+/// Points on the triangles of a mesh. They name vertices, so that they follow those that move.
+#[derive(Debug)]
+pub struct Surface {
+    pub(crate) buffer: wgpu::Buffer,
+    /// How many there are.
+    pub points: u32,
+    /// Whether triangles are seen counter-clockwise from outside (1) or clockwise (-1).
+    pub outward: f32,
+}
+
+impl Surface {
+    /// Of `mesh`.
+    pub(crate) fn new(device: &wgpu::Device, mesh: &TriMesh) -> Self {
+        let mut points = points(mesh);
+        let count = points.len() as u32;
+        // An empty buffer cannot be bound; a point without an area is none.
+        points.resize(points.len().max(1), [0; 4]);
+        let buffer = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("surface"),
+            contents: bytemuck::cast_slice(&points),
+            usage: wgpu::BufferUsages::STORAGE,
+        });
+        Self { buffer, points: count, outward: outward(mesh) }
+    }
+}
+
+/// The corners of each triangle that lie in the mesh.
+fn triangles(mesh: &TriMesh) -> impl Iterator<Item = ([u32; 3], [Vec3; 3])> {
+    mesh.triangles.iter().filter_map(|triangle| {
+        let [a, b, c] = triangle.map(|i| mesh.positions.get(i as usize).copied());
+        Some((*triangle, [a?, b?, c?]))
+    })
+}
+
+fn area([a, b, c]: [Vec3; 3]) -> f64 {
+    0.5 * f64::from((b - a).cross(c - a).length())
+}
+
+/// Vertices and area (the bits of a float, square metres) of points at even distances along the sum of the
+/// triangles' areas.
+fn points(mesh: &TriMesh) -> Vec<[u32; 4]> {
+    let whole: f64 = triangles(mesh).map(|(_, corners)| area(corners)).filter(|a| a.is_finite()).sum();
+    if whole <= 0.0 {
+        return Vec::new();
+    }
+    let each = whole / POINTS as f64;
+    let bits = (each as f32).to_bits();
+    let mut points = Vec::with_capacity(POINTS);
+    let mut sum = 0.0;
+    for ([a, b, c], corners) in triangles(mesh) {
+        let area = area(corners);
+        sum += if area.is_finite() { area } else { 0.0 };
+        while points.len() < POINTS && (points.len() as f64 + 0.5) * each < sum {
+            points.push([a, b, c, bits]);
+        }
+    }
+    points
+}
+
+/// By the volume that the triangles enclose, seen from their middle.
+fn outward(mesh: &TriMesh) -> f32 {
+    let middle = mesh.positions.iter().sum::<Vec3>() / mesh.positions.len().max(1) as f32;
+    let volume: f32 = triangles(mesh)
+        .map(|(_, [a, b, c])| (a - middle).dot((b - middle).cross(c - middle)))
+        .filter(|v| v.is_finite())
+        .sum();
+    if volume < 0.0 { -1.0 } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two triangles, one three times as large as the other.
+    fn mesh() -> TriMesh {
+        TriMesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(0.0, 0.0, 1.0), Vec3::new(0.0, 3.0, 1.0)],
+            triangles: vec![[0, 1, 2], [3, 4, 1]],
+            ..Default::default()
+        }
+    }
+
+    #[test]
+    fn points_stand_for_all_of_the_surface() {
+        let mesh = mesh();
+        let points = points(&mesh);
+        assert_eq!(points.len(), POINTS);
+        let sum: f32 = points.iter().map(|point| f32::from_bits(point[3])).sum();
+        let whole: f64 = triangles(&mesh).map(|(_, corners)| area(corners)).sum();
+        assert!((f64::from(sum) / whole - 1.0).abs() < 1e-3);
+        let first = points.iter().filter(|point| point[..3] == [0, 1, 2]).count() as f64;
+        assert!((first / POINTS as f64 - 0.5 / whole).abs() < 1e-3);
+        assert!(super::points(&TriMesh::default()).is_empty());
+    }
+
+    #[test]
+    fn outside_is_where_the_volume_is_not() {
+        let mut mesh = TriMesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z],
+            triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+            ..Default::default()
+        };
+        assert_eq!(outward(&mesh), 1.0);
+        mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(0, 1));
+        assert_eq!(outward(&mesh), -1.0);
+    }
+}
