@@ -45,6 +45,9 @@ const REST: Duration = Duration::from_millis(500);
 /// Smallest picture, pixels.
 const LEAST: u32 = 16;
 
+/// The most of a frame that a hand on the head has for itself, seconds: hair has at most [`LONGEST`].
+const FELT: f32 = 0.1;
+
 /// How long hair that was touched swings while time stands still, seconds.
 const AWAKE: f32 = 2.0;
 
@@ -179,14 +182,17 @@ impl Studio {
         })
     }
 
-    /// Closes a window that has no device any more, and leaves what it takes to open another.
+    /// Closes a window that has no device any more; [`crate::native::run`] opens another. Whether it does:
+    /// then nothing must be shown, as there is nothing to draw it with.
     #[cfg(not(target_arch = "wasm32"))]
-    fn leave_if_gone(&mut self, context: &egui::Context) {
+    fn leaves_if_gone(&mut self, context: &egui::Context) -> bool {
         crate::native::lose_for_tests(&self.gpu.device, self.show.as_ref().map_or(0, |show| show.frames));
-        if self.is_gone() {
-            crate::native::leave(self.again());
+        crate::native::remember(self.again());
+        let gone = self.is_gone();
+        if gone {
             context.send_viewport_cmd(egui::ViewportCommand::Close);
         }
+        gone
     }
 
     /// Starts long work.
@@ -248,7 +254,7 @@ impl Studio {
         self.lost.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// What the studio is to be opened with to show again what it shows, and why.
+    /// What the studio is to be opened with to show again what it shows.
     #[cfg(not(target_arch = "wasm32"))]
     pub(crate) fn again(&self) -> Options {
         let named = self.wanted().named();
@@ -259,7 +265,7 @@ impl Studio {
             import: named.orientation,
             companions: self.wanted().companions,
             settings: self.settings.now().clone(),
-            trouble: self.lost().map(|why| format!("{why}; this is the studio opened again")),
+            trouble: None,
         }
     }
 
@@ -382,9 +388,10 @@ impl Studio {
         let live = self.is_live();
         let hand = if live { real.min(most) } else { 0.0 };
         if live {
-            // A head follows the pointer at once, however long frames are.
-            self.hand.advance(real);
-            self.awake -= real;
+            // A head follows the pointer soon, however long frames are, and yet does not tear its hair.
+            let felt = real.min(FELT);
+            self.hand.advance(felt);
+            self.awake -= felt;
         }
         let seconds = self.play.advance(real, most).max(hand);
         self.dress(self.pace.level());
@@ -462,7 +469,9 @@ impl eframe::App for Studio {
     fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
         let context = ui.ctx().clone();
         #[cfg(not(target_arch = "wasm32"))]
-        self.leave_if_gone(&context);
+        if self.leaves_if_gone(&context) {
+            return;
+        }
         self.receive(&context);
         panels::keys::answer(self, &context);
         panels::top::show(self, ui);
@@ -508,6 +517,10 @@ fn listen(device: &wgpu::Device, context: &egui::Context, lost: &Arc<Mutex<Optio
                 // egui has no device to draw it with.
                 #[cfg(target_arch = "wasm32")]
                 crate::web::say(&cause);
+                #[cfg(not(target_arch = "wasm32"))]
+                if is_gone {
+                    crate::native::gone(&cause);
+                }
                 *lost = Some(Loss { sentence: cause, is_gone });
             }
             context.request_repaint();
@@ -515,8 +528,12 @@ fn listen(device: &wgpu::Device, context: &egui::Context, lost: &Arc<Mutex<Optio
     };
     let gone = tell("The GPU was lost", true);
     device.set_device_lost_callback(move |reason, message| {
-        // That of a page that is left is none.
-        if !(cfg!(target_arch = "wasm32") && reason == wgpu::DeviceLostReason::Destroyed) {
+        #[cfg(target_arch = "wasm32")]
+        let destroys = false;
+        #[cfg(not(target_arch = "wasm32"))]
+        let destroys = crate::native::DESTROYS.load(std::sync::atomic::Ordering::Relaxed);
+        // That of a window that closes is none.
+        if destroys || reason != wgpu::DeviceLostReason::Destroyed {
             gone(message);
         }
     });
@@ -550,6 +567,7 @@ mod tests {
             mapped_at_creation: false,
         });
         assert!(now(&lost).is_some_and(|loss| !loss.is_gone && loss.sentence.contains("refused")));
+        crate::native::DESTROYS.store(true, std::sync::atomic::Ordering::Relaxed);
         gpu.device.destroy();
         let _ = gpu.device.poll(wgpu::PollType::Poll);
         assert!(now(&lost).is_some_and(|loss| loss.is_gone && loss.sentence.starts_with("The GPU was lost")));

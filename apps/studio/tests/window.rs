@@ -5,9 +5,17 @@
 mod desk;
 
 use desk::{Desk, Shot};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Keysyms.
 const SPACE: u32 = 0x20;
+
+/// One window at a time: two make each other's frames long.
+static TURN: Mutex<()> = Mutex::new(());
+
+fn turn() -> MutexGuard<'static, ()> {
+    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 fn can_run() -> bool {
     let Some(why) = desk::missing() else { return true };
@@ -21,6 +29,7 @@ fn the_window_draws_answers_resizes_and_closes() {
     if !can_run() {
         return;
     }
+    let _turn = turn();
     let mut desk = Desk::open(&[]);
     desk.resize(900, 620);
     let first = desk.wait_for("hair", |desk| {
@@ -74,6 +83,24 @@ fn the_window_draws_answers_resizes_and_closes() {
     assert_eq!((small.width, small.height), (640, 420));
     assert!(small.hair() > 0.02, "{}", small.hair());
     small.keep("small");
+    assert!(desk.close().success());
+}
+
+#[test]
+fn a_lost_device_opens_another_window() {
+    if !can_run() {
+        return;
+    }
+    let _turn = turn();
+    let mut desk = Desk::open_with(&[], &[("TRESSES_STUDIO_LOSE_AT", "2")]);
+    let state = desk.wait_for("the window after the loss", |desk| {
+        let state = desk.state()?;
+        let told = state["error"].as_str()?.starts_with("The GPU was lost");
+        (told && state["lost"] == false && state["frames"].as_u64() > Some(0)).then_some(state)
+    });
+    assert!(state["error"].as_str().unwrap().contains("opened again"), "{state}");
+    assert_eq!(state["file"], "long");
+    desk.follow();
     assert!(desk.close().success());
 }
 

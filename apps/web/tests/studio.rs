@@ -81,6 +81,20 @@ fn the_studio_runs_in_a_browser() {
     told.keep("studio-6-sentence.png");
     assert!(alarm(&told) > 0.005, "{}", alarm(&told));
 
+    // Surroundings are there at once, and the hair goes on; a picture may be any map.
+    let (sky, map) = (folder.path().join("sky.hdr"), folder.path().join("map.png"));
+    std::fs::write(&sky, surroundings()).unwrap();
+    std::fs::write(&map, grey()).unwrap();
+    drop_file(&mut browser, &sky);
+    self::state(&mut browser, |state| state["companions"][0] == "environment: sky.hdr");
+    let lit = still(&mut browser);
+    lit.keep("studio-7-surroundings.png");
+    assert!(change(&lit, &told) > 0.1, "{}", change(&lit, &told));
+    assert_eq!(alarm(&lit), 0.0);
+    drop_file(&mut browser, &map);
+    let asked = picture(&mut browser, "question", |now| change(now, &lit) > 0.1);
+    asked.keep("studio-8-question.png");
+
     assert!(browser.complaints().is_empty(), "{}", browser.complaints().join("\n"));
     // That nothing was heard means something: what WebGPU refuses is heard.
     browser.value(REFUSED);
@@ -90,6 +104,45 @@ fn the_studio_runs_in_a_browser() {
     }
     server.stop();
     serving.join().unwrap();
+}
+
+#[test]
+fn without_webgpu_there_is_a_sentence() {
+    let Some(mut browser) = Browser::without_webgpu(SIZE) else { return };
+    let folder = tempfile::tempdir().unwrap();
+    // The page asks before it loads anything.
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("pages/studio.html");
+    std::fs::copy(page, folder.path().join("index.html")).unwrap();
+    let server = Server::new(folder.path(), 0).unwrap();
+    let serving = thread::spawn({
+        let server = server.clone();
+        move || server.run()
+    });
+    browser.go(&format!("http://127.0.0.1:{}/", server.port()));
+    let said = "document.getElementById('message')?.textContent";
+    let said = browser.until(said, |text| text.as_str().is_some_and(|text| !text.contains("loading")));
+    assert!(said.as_str().unwrap().starts_with("This browser has"), "{said}");
+    assert_eq!(browser.value("document.querySelector('canvas') === null"), true, "no blank picture below");
+    server.stop();
+    serving.join().unwrap();
+}
+
+/// Surroundings, bright and blue above: pixels of four bytes each, as they are.
+fn surroundings() -> Vec<u8> {
+    let mut bytes = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n".to_vec();
+    for i in 0..32 {
+        bytes.extend(if i < 16 { [40, 90, 250, 131] } else { [60, 40, 20, 126] });
+    }
+    bytes
+}
+
+/// A grey picture.
+fn grey() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 2, 2);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.write_header().unwrap().write_image_data(&[0, 80, 160, 255]).unwrap();
+    bytes
 }
 
 /// Something that WebGPU refuses.

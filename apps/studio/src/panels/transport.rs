@@ -6,8 +6,11 @@ use crate::{
     play::SPEEDS,
     theme,
 };
-use eframe::egui::{self, Panel, RichText, Slider, Ui};
+use eframe::egui::{self, DragValue, Panel, RichText, Slider, Ui};
 use tresses_scene::motion::NAMES;
+
+/// The room that the slider of the speed takes with its words, points.
+const SLIDER: f32 = 250.0;
 
 /// Shows it.
 pub fn show(studio: &mut Studio, ui: &mut Ui) {
@@ -46,12 +49,20 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
                 }
             }
             ui.separator();
-            ui.label(RichText::new("Speed").color(theme::QUIET));
+            let roomy = ui.available_width() > SLIDER;
+            if roomy {
+                ui.label(RichText::new("Speed").color(theme::QUIET));
+            }
+            let slider = match roomy {
+                true => ui.add(
+                    Slider::new(&mut play.speed, SPEEDS).logarithmic(true).fixed_decimals(2).suffix(" ×"),
+                ),
+                false => ui.add(
+                    DragValue::new(&mut play.speed).range(SPEEDS).speed(0.01).fixed_decimals(2).suffix(" ×"),
+                ),
+            };
             let slider =
-                Slider::new(&mut play.speed, SPEEDS).logarithmic(true).fixed_decimals(2).suffix(" ×");
-            let slider = ui
-                .add(slider)
-                .on_hover_text("Seconds of hair per second of the clock. A double click gives 1.");
+                slider.on_hover_text("Seconds of hair per second of the clock. A double click gives 1.");
             if slider.double_clicked() {
                 play.speed = 1.0;
             }

@@ -90,6 +90,11 @@ pub fn missing() -> Option<String> {
 impl Desk {
     /// A screen of 1280 × 900 with the studio on it.
     pub fn open(arguments: &[&str]) -> Self {
+        Self::open_with(arguments, &[])
+    }
+
+    /// The same with variables of the environment.
+    pub fn open_with(arguments: &[&str], variables: &[(&str, &str)]) -> Self {
         let mut server = Command::new("Xvfb")
             .args(["-displayfd", "1", "-screen", "0", "1280x900x24", "-nolisten", "tcp", "-noreset"])
             .stdout(Stdio::piped())
@@ -99,12 +104,13 @@ impl Desk {
         let mut number = String::new();
         BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
         let display = format!(":{}", number.trim());
-        let state = Path::new(env!("CARGO_TARGET_TMPDIR")).join("studio-state.json");
+        let state = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("studio-state{display}.json"));
         // Of an earlier run; there may be none.
         let _ = std::fs::remove_file(&state);
         let studio = Command::new(env!("CARGO_BIN_EXE_tresses-studio"))
             .args(arguments)
             .env("DISPLAY", &display)
+            .envs(variables.iter().copied())
             .env("TRESSES_STUDIO_STATE", &state)
             .env_remove("WAYLAND_DISPLAY")
             .env_remove("WAYLAND_SOCKET")
@@ -115,6 +121,11 @@ impl Desk {
         let mut desk = Self { server, studio, connection, state, root, window: 0 };
         desk.window = desk.wait_for("the window", Self::find);
         desk
+    }
+
+    /// Goes on with the window that is there now, if there is another.
+    pub fn follow(&mut self) {
+        self.window = self.wait_for("the window", Self::find);
     }
 
     /// Waits until `what` is there.

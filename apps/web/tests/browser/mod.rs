@@ -95,7 +95,18 @@ impl Picture {
 impl Browser {
     /// A browser that shows nothing yet in `size` pixels, or `None` where none is installed and none
     /// need be.
-    pub fn start([width, height]: [u32; 2]) -> Option<Self> {
+    pub fn start(size: [u32; 2]) -> Option<Self> {
+        Self::with_flags(size, &FLAGS)
+    }
+
+    /// The same without WebGPU.
+    pub fn without_webgpu(size: [u32; 2]) -> Option<Self> {
+        let mut flags: Vec<&str> = FLAGS.into_iter().filter(|flag| !flag.contains("webgpu")).collect();
+        flags.push("--disable-features=WebGPU,WebGPUService");
+        Self::with_flags(size, &flags)
+    }
+
+    fn with_flags([width, height]: [u32; 2], flags: &[&str]) -> Option<Self> {
         let Some(program) = installed() else {
             let required = std::env::var_os("TRESSES_REQUIRE_GPU").is_some_and(|v| v == "1");
             assert!(!required, "no Chromium was found; scripts/setup installs it");
@@ -104,7 +115,7 @@ impl Browser {
         };
         let profile = tempfile::tempdir().unwrap();
         let child = Command::new(program)
-            .args(FLAGS)
+            .args(flags)
             .arg(format!("--window-size={width},{height}"))
             .arg(format!("--user-data-dir={}", profile.path().display()))
             .arg("about:blank")
