@@ -21,7 +21,6 @@ mod preset;
 mod preset_args;
 mod progress;
 mod render;
-mod scalp_map;
 mod scene;
 mod settings_args;
 mod shading_args;

@@ -3,18 +3,16 @@
 use crate::{
     args::Size,
     debug::{self, Debug},
-    environment_args::surroundings,
     load,
     picture::Picture,
 };
 use anyhow::{Result, ensure};
 use std::{
     ops::{Deref, DerefMut},
-    path::Path,
     sync::Arc,
 };
 use tresses::{draw::Background, gpu::Gpu};
-use tresses_scene::{Camera, Colliders, Preset, Stage};
+use tresses_scene::{Camera, Companions, Preset, Shelf, Stage};
 
 /// A stage, and what is shown over its pictures.
 pub struct Scene {
@@ -50,7 +48,8 @@ impl Scene {
     fn with_samples(preset: &Preset, size: Size, fewer: bool) -> Result<Self> {
         let settings = &preset.settings;
         settings.check()?;
-        let surroundings = surroundings(preset)?;
+        let companions = Companions::of(&preset.source, Shelf::default());
+        let surroundings = companions.surroundings()?;
         let gpu = pollster::block_on(Gpu::open())?;
         let most = gpu.tier.max_samples;
         let mut quality = settings.quality([size.width, size.height], most)?;
@@ -66,15 +65,12 @@ impl Scene {
         for note in &character.notes {
             eprintln!("note: {note}");
         }
-        let colliders = match &preset.source.colliders {
-            Some(path) => Colliders::read(Path::new(path))?,
-            None => Colliders::default(),
-        };
+        let colliders = companions.colliders()?;
         let physics = settings.physics();
         let stage = Stage::new(gpu, renderer, character, colliders, &physics, &quality, &());
         let mut stage = pollster::block_on(stage)?;
         stage.apply(settings)?;
-        stage.set_lights(surroundings);
+        stage.set_surroundings(surroundings.map(Arc::new));
         Ok(Self { stage, debug: None })
     }
 

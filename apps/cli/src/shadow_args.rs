@@ -14,6 +14,20 @@ pub enum Method {
     Absorption,
     /// Fibres are counted where they are, in layers behind the hair's front
     Deep,
+    /// No shadows at all
+    Off,
+}
+
+impl Method {
+    /// The library's.
+    pub fn method(self) -> ShadowMethod {
+        match self {
+            Self::Opaque => ShadowMethod::Opaque,
+            Self::Absorption => ShadowMethod::Absorption,
+            Self::Deep => ShadowMethod::DeepOpacity,
+            Self::Off => ShadowMethod::Off,
+        }
+    }
 }
 
 /// Shadows.
@@ -78,12 +92,7 @@ impl ShadowArgs {
             }
         }
         let shadows = &mut settings.shadows;
-        match self.shadows {
-            Some(Method::Opaque) => shadows.method = ShadowMethod::Opaque,
-            Some(Method::Absorption) => shadows.method = ShadowMethod::Absorption,
-            Some(Method::Deep) => shadows.method = ShadowMethod::DeepOpacity,
-            None => {}
-        }
+        shadows.method = self.shadows.map_or(shadows.method, Method::method);
         shadows.hair_radius = self.shadow_softness.map_or(shadows.hair_radius, |mm| 1e-3 * mm);
         shadows.per_pixel |= self.shadows_per_pixel;
         settings.shadow_resolution = self.shadow_resolution.unwrap_or(settings.shadow_resolution);

@@ -1,7 +1,8 @@
 //! `tresses studio`: the window.
 
 use crate::settings_args::SettingsArgs;
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
+use tresses_scene::{Companions, Shelf};
 use tresses_studio::Options;
 
 /// What the window shows first; everything can be changed there.
@@ -20,22 +21,24 @@ impl Args {
     fn options(&self) -> Result<Options> {
         let preset = self.settings.preset()?;
         let source = preset.source;
-        let companions = source.companions();
-        ensure!(
-            companions.is_empty(),
-            "the studio takes no {} yet; `tresses render` does",
-            companions.join(", no ")
-        );
         // Said here, and not in a window that has nothing to show.
         for path in source.grooms.iter().chain(&source.heads) {
             std::fs::metadata(path).with_context(|| path.display().to_string())?;
+        }
+        let companions = Companions::of(&source, Shelf::default());
+        companions.maps()?;
+        companions.colliders()?;
+        if let Some(path) = &source.environment {
+            std::fs::metadata(path).with_context(|| path.clone())?;
         }
         Ok(Options {
             grooms: source.grooms,
             heads: source.heads,
             style: source.style,
             import: source.orientation,
+            companions,
             settings: preset.settings,
+            trouble: None,
         })
     }
 }
@@ -63,13 +66,18 @@ mod tests {
         let preset = concat!(env!("CARGO_MANIFEST_DIR"), "/../../presets/storm.toml");
         let storm = options(&["--preset", preset]).unwrap();
         assert_eq!((storm.style.as_deref(), storm.settings.wind.speed), (Some("long"), 14.0));
+        let sparse = options(&["--density-map", "noise"]).unwrap();
+        assert_eq!(sparse.companions.names().density_map.as_deref(), Some("noise"));
     }
 
     #[test]
     fn what_the_window_cannot_show_is_said_before_it_opens() {
-        for (words, text) in
-            [(&["nowhere.tfx"][..], "nowhere.tfx"), (&["--density-map", "noise"], "no density_map")]
-        {
+        for (words, text) in [
+            (&["nowhere.tfx"][..], "nowhere.tfx"),
+            (&["--length-map", "nowhere.png"], "nowhere.png"),
+            (&["--environment", "nowhere.hdr"], "nowhere.hdr"),
+            (&["--colliders", "nowhere.json"], "nowhere.json"),
+        ] {
             let said = format!("{:#}", options(words).unwrap_err());
             assert!(said.contains(text), "{said}");
         }

@@ -1,9 +1,9 @@
 //! How hair grows: curls, clumps, stray hairs, widths, and maps on the scalp.
 
-use crate::scalp_map::{ColorSource, MapSource};
 use std::{path::PathBuf, str::FromStr};
 use tresses_scene::{
     Preset,
+    companions::{ColorSource, MapSource},
     settings::{Curl, HairColor, StyleSettings},
 };
 

@@ -5,8 +5,9 @@ use crate::{
     device,
     dialog::{Answer, Dialogs},
     files::Files,
+    hair::Hair,
     head,
-    job::{Job, Order, Source},
+    job::{Done, Job, Order, Source},
     options::Options,
     orbit::Orbit,
     pace::{Level, Pace},
@@ -32,7 +33,7 @@ use tresses::{
     gpu::Gpu,
     groom::{import::ImportOptions, styles::Style},
 };
-use tresses_scene::{Base, History, camera::View};
+use tresses_scene::{Base, History, Surroundings, camera::View};
 use web_time::Instant;
 
 /// The longest stretch of hair's time that one frame moves on by, seconds: on a GPU, on a software driver.
@@ -50,11 +51,13 @@ const AWAKE: f32 = 2.0;
 /// What is shown and what is known of it.
 pub struct Shown {
     /// From what it was made.
-    pub source: Source,
+    pub hair: Hair,
     /// What the user should know, a sentence each.
     pub notes: Vec<String>,
     /// What can be styled anew, and what was read.
     pub base: Arc<Base>,
+    /// What lights it instead of a photographer.
+    pub surroundings: Option<Arc<Surroundings>>,
 }
 
 /// The studio.
@@ -67,8 +70,8 @@ pub struct Studio {
     pub(crate) wants_picture: bool,
     /// What has been done last, a sentence.
     pub(crate) said: Option<String>,
-    /// Every parameter, with all that they were before.
-    pub(crate) settings: History,
+    /// Every parameter and the hair, with all that they were before.
+    pub(crate) settings: History<Hair>,
     /// The strands are to be grown again.
     pub(crate) regrow: bool,
     /// The pipelines are to be built again.
@@ -89,12 +92,14 @@ pub struct Studio {
     balls: u32,
     pub(crate) tool: Tool,
     pub(crate) pace: Pace,
+    /// How finely the last picture was drawn.
+    pub(crate) drawn: Level,
     /// What is looked at instead of hair as it looks.
     pub(crate) view: Option<debug::Shown>,
     /// One sentence about what went wrong last.
     pub(crate) error: Option<String>,
     /// Why the device is gone, told by the driver.
-    lost: Arc<Mutex<Option<String>>>,
+    lost: Arc<Mutex<Option<Loss>>>,
     /// Something has changed that the picture does not show yet.
     pub(crate) dirty: bool,
     /// Seconds for which hair that was touched goes on to move although time stands still.
@@ -119,25 +124,34 @@ impl Studio {
         theme::apply(&context.egui_ctx);
         let state = context.wgpu_render_state.clone().context("the window has no GPU that can draw hair")?;
         let gpu = device::gpu(&state);
-        let lost = Arc::<Mutex<Option<String>>>::default();
+        let lost = Arc::<Mutex<Option<Loss>>>::default();
         listen(&gpu.device, &context.egui_ctx, &lost);
         let source = if options.grooms.is_empty() {
-            Source::Style(options.style.unwrap_or_else(|| "long".into()))
+            Source::Style(options.style.unwrap_or_else(|| Style::default().name().into()))
         } else {
             let files = Files::Disk { grooms: options.grooms, heads: options.heads };
             Source::Files { files, options: Box::new(options.import) }
         };
         let settings = options.settings;
-        let order = Order { source, base: None, renderer: None, settings: settings.clone(), keep: false };
+        let hair = Hair { source, companions: options.companions };
+        let order = Order {
+            hair: hair.clone(),
+            base: None,
+            surroundings: None,
+            renderer: None,
+            settings: settings.clone(),
+            keep: false,
+        };
         let job = Job::start(&context.egui_ctx, device::gpu(&state), order);
         Ok(Self {
-            settings: History::new(settings),
+            settings: History::new(settings, hair),
             dialogs: Dialogs::default(),
             wants_picture: false,
             said: None,
             regrow: false,
             rebuild: false,
             pace: Pace::new(gpu.tier.software),
+            drawn: Level::FULL,
             gpu,
             state,
             renderer: None,
@@ -153,7 +167,7 @@ impl Studio {
             balls: 0,
             tool: Tool::default(),
             view: None,
-            error: None,
+            error: options.trouble,
             lost,
             dirty: true,
             awake: 0.0,
@@ -165,10 +179,14 @@ impl Studio {
         })
     }
 
-    /// Starts to make `source` ready; what is shown stays until then.
-    pub(crate) fn open(&mut self, context: &egui::Context, source: Source) {
-        let (renderer, settings) = (self.renderer.clone(), self.settings.now().clone());
-        self.start(context, Order { source, base: None, renderer, settings, keep: false });
+    /// Closes a window that has no device any more, and leaves what it takes to open another.
+    #[cfg(not(target_arch = "wasm32"))]
+    fn leave_if_gone(&mut self, context: &egui::Context) {
+        crate::native::lose_for_tests(&self.gpu.device, self.show.as_ref().map_or(0, |show| show.frames));
+        if self.is_gone() {
+            crate::native::leave(self.again());
+            context.send_viewport_cmd(egui::ViewportCommand::Close);
+        }
     }
 
     /// Starts long work.
@@ -183,15 +201,13 @@ impl Studio {
         if let Files::Disk { grooms, .. } = &mut files
             && grooms.is_empty()
         {
-            let Some(Shown {
-                source: Source::Files { files: Files::Disk { grooms: shown, .. }, options },
-                ..
-            }) = &self.shown
+            let Hair { source: Source::Files { files: Files::Disk { grooms: shown, .. }, options }, .. } =
+                self.wanted()
             else {
                 self.error = Some("a head needs a groom: open a groom first, or both together".into());
                 return;
             };
-            (*grooms, choice) = (shown.clone(), options.clone());
+            (*grooms, choice) = (shown, options);
         }
         self.open(context, Source::Files { files, options: choice });
     }
@@ -219,7 +235,32 @@ impl Studio {
 
     /// Why nothing can be drawn any more.
     pub(crate) fn lost(&self) -> Option<String> {
+        self.loss().map(|loss| loss.sentence)
+    }
+
+    /// Whether there is no device any more with which a window could say so.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn is_gone(&self) -> bool {
+        self.loss().is_some_and(|loss| loss.is_gone)
+    }
+
+    fn loss(&self) -> Option<Loss> {
         self.lost.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// What the studio is to be opened with to show again what it shows, and why.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn again(&self) -> Options {
+        let named = self.wanted().named();
+        Options {
+            grooms: named.grooms,
+            heads: named.heads,
+            style: named.style,
+            import: named.orientation,
+            companions: self.wanted().companions,
+            settings: self.settings.now().clone(),
+            trouble: self.lost().map(|why| format!("{why}; this is the studio opened again")),
+        }
     }
 
     /// Whether somebody has his hands on head or hair, or had until just now.
@@ -230,14 +271,17 @@ impl Studio {
     /// What long work has come to, and what was dropped on the window.
     fn receive(&mut self, context: &egui::Context) {
         if let Some(done) = self.job.as_ref().and_then(Job::take)
-            && let Some(Job { source, .. }) = self.job.take()
+            && let Some(Job { hair, .. }) = self.job.take()
         {
             match done {
-                Ok(ready) => self.present(*ready),
+                Ok(Done::Hair(ready)) => self.present(*ready),
+                Ok(Done::Light(surroundings)) => self.light_up(hair, surroundings),
                 Err(error) => {
-                    // A window that has nothing to show yet shows what is built in.
-                    if self.show.is_none() && matches!(source, Source::Files { .. }) {
-                        self.open(context, Source::Style(Style::default().name().into()));
+                    match &self.shown {
+                        Some(shown) => self.settings.set_hair(shown.hair.clone()),
+                        // A window that has nothing to show yet shows what is built in.
+                        None if hair != Hair::default() => self.make(context, Hair::default(), true),
+                        None => {}
                     }
                     self.error = Some(format!("{error:#}"));
                 }
@@ -246,7 +290,9 @@ impl Studio {
         for answer in self.dialogs.take() {
             match answer {
                 Answer::Open(files) => self.open_files(context, files),
-                Answer::Preset(path, text) => self.open_preset(context, &path, &text),
+                Answer::Preset(path, text, files) => self.open_preset(context, &path, &text, files),
+                Answer::Companion(companion, name, files) => self.put(context, companion, Some(name), &files),
+                Answer::Picture(name, files) => self.panels.asked.push(panels::ask::Asked::new(name, files)),
                 Answer::Wrote(sentence) => self.said = Some(sentence),
                 Answer::Failed(sentence) => self.error = Some(sentence),
             }
@@ -261,7 +307,8 @@ impl Studio {
     fn present(&mut self, ready: crate::job::Ready) {
         // Of hair that is no longer there.
         self.stop_recording();
-        let crate::job::Ready { stage, source, base, notes, keep } = ready;
+        let crate::job::Ready { stage, hair, base, surroundings, notes, keep } = ready;
+        self.arrived(&hair);
         self.renderer = Some(stage.renderer.clone());
         if !keep {
             self.orbit.show(stage.subject());
@@ -272,7 +319,16 @@ impl Studio {
             Some(show) => show.replace(stage),
             None => self.show = Some(Show::new(stage)),
         }
-        self.shown = Some(Shown { source, notes, base });
+        self.shown = Some(Shown { hair, notes, base, surroundings });
+        self.dirty = true;
+    }
+
+    /// Shows what is shown in the light of `surroundings`, or of a photographer.
+    fn light_up(&mut self, hair: Hair, surroundings: Option<Arc<Surroundings>>) {
+        self.arrived(&hair);
+        let (Some(shown), Some(show)) = (&mut self.shown, &mut self.show) else { return };
+        show.stage.set_surroundings(surroundings.clone());
+        (shown.hair, shown.surroundings) = (hair, surroundings);
         self.dirty = true;
     }
 
@@ -319,7 +375,7 @@ impl Studio {
         self.last = Some(now);
         if self.play.take_reset() {
             self.ball = None;
-            show.stage.hair.reset();
+            show.stage.rewind();
         }
         let most = if self.gpu.tier.software { LONGEST.1 } else { LONGEST.0 };
         // A hand moves in its own time: it shakes hair that stands still otherwise.
@@ -379,7 +435,10 @@ impl Studio {
         state::publish(State {
             frames: show.map_or(0, |show| show.frames),
             strands: show.map_or(0, |show| show.facts().strands),
-            file: self.shown.as_ref().map(|shown| shown.source.name()).unwrap_or_default(),
+            file: self.shown.as_ref().map(|shown| shown.hair.source.name()).unwrap_or_default(),
+            companions: self.shown.as_ref().map_or_else(Vec::new, |shown| {
+                shown.hair.companions.all().map(|(what, name)| format!("{}: {name}", what.key)).collect()
+            }),
             step: self.job.as_ref().map(Job::step).unwrap_or_default().into(),
             error: self.error.clone().or_else(|| self.lost()).unwrap_or_default(),
             playing: self.play.playing,
@@ -402,6 +461,8 @@ impl Studio {
 impl eframe::App for Studio {
     fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
         let context = ui.ctx().clone();
+        #[cfg(not(target_arch = "wasm32"))]
+        self.leave_if_gone(&context);
         self.receive(&context);
         panels::keys::answer(self, &context);
         panels::top::show(self, ui);
@@ -410,6 +471,7 @@ impl eframe::App for Studio {
         panels::side::show(self, ui);
         egui::CentralPanel::no_frame().show(ui, |ui| viewport::show(self, ui));
         panels::record::show(self, ui);
+        panels::ask::show(self, ui);
         self.work_off(&context);
         self.save_picture(&context);
         self.draw(&context);
@@ -425,34 +487,71 @@ impl eframe::App for Studio {
     }
 }
 
+/// Why nothing can be drawn any more.
+#[derive(Clone, Debug, PartialEq)]
+struct Loss {
+    sentence: String,
+    /// Whether the device itself is gone, and not only its work refused.
+    is_gone: bool,
+}
+
 /// From here on `lost` says what went wrong on `device`, instead of a panic.
-fn listen(device: &wgpu::Device, context: &egui::Context, lost: &Arc<Mutex<Option<String>>>) {
-    let tell = |sentence: &str| {
+fn listen(device: &wgpu::Device, context: &egui::Context, lost: &Arc<Mutex<Option<Loss>>>) {
+    let tell = |sentence: &str, is_gone: bool| {
         let (lost, context, sentence) = (lost.clone(), context.clone(), sentence.to_owned());
         move |message: String| {
             let first = message.lines().next().unwrap_or_default().to_owned();
             let mut lost = lost.lock().unwrap_or_else(PoisonError::into_inner);
-            // What comes first is the cause.
-            lost.get_or_insert_with(|| {
+            // What comes first is the cause; what is gone is worse than what is refused.
+            if lost.as_ref().is_none_or(|before| is_gone && !before.is_gone) {
                 let cause = if first.is_empty() { sentence.clone() } else { format!("{sentence}: {first}") };
                 // egui has no device to draw it with.
                 #[cfg(target_arch = "wasm32")]
                 crate::web::say(&cause);
-                cause
-            });
+                *lost = Some(Loss { sentence: cause, is_gone });
+            }
             context.request_repaint();
         }
     };
-    let gone = tell("The GPU was lost. Close the studio and open it again");
+    let gone = tell("The GPU was lost", true);
     device.set_device_lost_callback(move |reason, message| {
-        // That of a window that closes is none.
-        if reason != wgpu::DeviceLostReason::Destroyed {
+        // That of a page that is left is none.
+        if !(cfg!(target_arch = "wasm32") && reason == wgpu::DeviceLostReason::Destroyed) {
             gone(message);
         }
     });
-    let wrong = tell("The GPU refused its work");
+    let wrong = tell("The GPU refused its work", false);
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
         eprintln!("{error}");
         wrong(error.to_string());
     }));
+}
+
+#[cfg(all(test, not(target_arch = "wasm32")))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lost_device_is_told() {
+        let Ok(gpu) = pollster::block_on(Gpu::open()) else {
+            assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none(), "there is no adapter");
+            return;
+        };
+        let (context, lost) = (egui::Context::default(), Arc::<Mutex<Option<Loss>>>::default());
+        let now = |lost: &Mutex<Option<Loss>>| lost.lock().unwrap().clone();
+        listen(&gpu.device, &context, &lost);
+        assert_eq!(now(&lost), None);
+        // Refused work is told, and leaves a device.
+        let usage = wgpu::BufferUsages::empty();
+        let _ = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: 4,
+            usage,
+            mapped_at_creation: false,
+        });
+        assert!(now(&lost).is_some_and(|loss| !loss.is_gone && loss.sentence.contains("refused")));
+        gpu.device.destroy();
+        let _ = gpu.device.poll(wgpu::PollType::Poll);
+        assert!(now(&lost).is_some_and(|loss| loss.is_gone && loss.sentence.starts_with("The GPU was lost")));
+    }
 }

@@ -11,7 +11,7 @@ const ABOVE: f32 = 0.12;
 /// How far beside the middle, metres: it must roll off somewhere.
 const BESIDE: f32 = 0.03;
 /// How far below the picture it is gone, metres.
-const BELOW: f32 = 0.3;
+const BELOW: f32 = 0.12;
 /// Gravity, m/s².
 const GRAVITY: f32 = 9.81;
 /// The share of the speed that is left of a bounce.
@@ -87,6 +87,23 @@ mod tests {
         let fallen = ball.at.y - later.at.y;
         assert!((fallen - 0.5 * GRAVITY * 0.04).abs() < 0.003, "{fallen}");
         assert_eq!(ball.advanced(1.0, None), None, "it leaves the picture");
+    }
+
+    #[test]
+    fn it_is_gone_soon() {
+        use tresses::groom::mannequin;
+        let field = SdfGrid::from_fn(Vec3::splat(-0.4), Vec3::splat(0.4), 96, mannequin::distance);
+        let subject = (Vec3::new(-0.13, -0.2, -0.15), Vec3::new(0.13, 0.25, 0.13));
+        for number in 0..12 {
+            let mut ball = Some(Ball::dropped(subject, number));
+            let mut frames = 0;
+            while let Some(now) = ball {
+                ball = now.advanced(1.0 / 60.0, Some((&field, &Pose::IDENTITY)));
+                frames += 1;
+            }
+            println!("{number}: {frames}");
+            assert!(frames < 120, "{number}: {frames} frames of 1/60 s");
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Files by dialog: the desktop's own, asked beside the window, which goes on.
 
-use crate::{files::Files, task};
+use crate::{files::Files, sort, task};
 use eframe::egui::{self, DroppedFileHandle};
 use rfd::AsyncFileDialog;
 use std::{
@@ -9,20 +9,69 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
     time::Duration,
 };
-use tresses::groom::import::{self, Kind};
+use tresses_scene::{Companion, Preset, Shelf, preset::Extent};
 use web_time::Instant;
+
+/// A file that was read.
+pub type Read = (PathBuf, Vec<u8>);
 
 /// What a person chose.
 #[derive(Clone, Debug)]
 pub enum Answer {
     /// Groom and head files to open.
     Open(Files),
-    /// The text of a preset, and where it is from.
-    Preset(PathBuf, String),
+    /// The text of a preset, where it is from, and the files that came with it.
+    Preset(PathBuf, String, Shelf),
+    /// A file beside the hair, and the bytes that came with it.
+    Companion(&'static Companion, String, Shelf),
+    /// A picture that may be any map.
+    Picture(String, Shelf),
     /// Something was written.
     Wrote(String),
     /// Something went wrong.
     Failed(String),
+}
+
+/// What is saved.
+#[derive(Clone, Debug)]
+pub enum Content {
+    /// The same wherever it goes.
+    Bytes(Vec<u8>),
+    /// A preset, in which the names of files are relative to where it is.
+    Preset(Box<Preset>),
+}
+
+impl From<Vec<u8>> for Content {
+    fn from(bytes: Vec<u8>) -> Self {
+        Self::Bytes(bytes)
+    }
+}
+
+impl From<Preset> for Content {
+    fn from(preset: Preset) -> Self {
+        Self::Preset(Box::new(preset))
+    }
+}
+
+impl Content {
+    /// What is written to `path`.
+    fn bytes(&self, path: &Path) -> std::io::Result<Cow<'_, [u8]>> {
+        match self {
+            Self::Bytes(bytes) => Ok(Cow::Borrowed(bytes)),
+            // A browser has names, and no folders that they could be relative to.
+            Self::Preset(preset) if cfg!(target_arch = "wasm32") => {
+                Ok(Cow::Owned(preset.write(Extent::Changed).into_bytes()))
+            }
+            Self::Preset(preset) => {
+                preset.text_at(path, Extent::Changed).map(|text| text.into_bytes().into())
+            }
+        }
+    }
+
+    #[cfg_attr(target_arch = "wasm32", allow(dead_code))] // No test runs there.
+    fn write(&self, path: &Path) -> std::io::Result<()> {
+        std::fs::write(path, self.bytes(path)?)
+    }
 }
 
 /// Extensions of grooms and heads.
@@ -52,13 +101,17 @@ impl Dialogs {
         }
     }
 
-    /// Asks for a groom, a head, or both.
-    pub fn open(&self, context: &egui::Context) {
+    /// Asks for files, and tells what is to be done with them.
+    fn ask(
+        &self,
+        context: &egui::Context,
+        ask: impl FnOnce() -> AsyncFileDialog + Send + 'static,
+        sort: impl FnOnce(Vec<Read>) -> Vec<Answer> + Send + 'static,
+    ) {
         let (dialogs, context) = (self.clone(), context.clone());
         task::spawn(move || async move {
-            let ask = AsyncFileDialog::new().set_title("Open a groom, a head, or both");
             let asked = Instant::now();
-            let Some(files) = ask.add_filter("Grooms and heads", &GROOMS).pick_files().await else {
+            let Some(files) = ask().pick_files().await else {
                 dialogs.nothing(&context, asked);
                 return;
             };
@@ -66,11 +119,41 @@ impl Dialogs {
             for file in &files {
                 read.push((path_of(file), file.read().await));
             }
-            dialogs.tell(&context, sorted(read));
+            for answer in sort(read) {
+                dialogs.tell(&context, answer);
+            }
         });
     }
 
-    /// Takes what was dropped on the window: a groom, a head, both, or a preset.
+    /// Asks for a groom, a head, or both.
+    pub fn open(&self, context: &egui::Context) {
+        let ask = || {
+            let ask = AsyncFileDialog::new().set_title("Open a groom, a head, or both");
+            ask.add_filter("Grooms and heads", &GROOMS)
+        };
+        self.ask(context, ask, |files| sort::files(files, sort::IN_MEMORY));
+    }
+
+    /// Asks for a preset.
+    pub fn preset(&self, context: &egui::Context) {
+        let ask = || AsyncFileDialog::new().set_title("Open a preset").add_filter("Presets", &["toml"]);
+        self.ask(context, ask, |files| sort::files(files, sort::IN_MEMORY));
+    }
+
+    /// Asks for a file beside the hair.
+    pub fn companion(&self, context: &egui::Context, companion: &'static Companion) {
+        let ask = move || {
+            let mut endings = companion.kind.extensions().to_vec();
+            if sort::IN_MEMORY {
+                // What it names is not found otherwise.
+                endings.extend(companion.kind.needs());
+            }
+            AsyncFileDialog::new().set_title(companion.title).add_filter(companion.title, &endings)
+        };
+        self.ask(context, ask, move |files| vec![sort::chosen(companion, files, sort::IN_MEMORY)]);
+    }
+
+    /// Takes what was dropped on the window: a groom, a head, a preset, maps, obstacles, surroundings.
     pub fn dropped(&self, context: &egui::Context, files: Vec<DroppedFileHandle>) {
         let (dialogs, context) = (self.clone(), context.clone());
         task::spawn(move || async move {
@@ -89,34 +172,23 @@ impl Dialogs {
                     }
                 }
             }
-            dialogs.tell(&context, sorted(read));
+            for answer in sort::files(read, sort::IN_MEMORY) {
+                dialogs.tell(&context, answer);
+            }
         });
     }
 
-    /// Asks for a preset.
-    pub fn preset(&self, context: &egui::Context) {
-        let (dialogs, context) = (self.clone(), context.clone());
-        task::spawn(move || async move {
-            let ask = AsyncFileDialog::new().set_title("Open a preset").add_filter("Presets", &["toml"]);
-            let asked = Instant::now();
-            let Some(file) = ask.pick_file().await else {
-                dialogs.nothing(&context, asked);
-                return;
-            };
-            dialogs.tell(&context, sorted(vec![(path_of(&file), file.read().await)]));
-        });
-    }
-
-    /// Asks where `bytes` shall go, with `name` as a proposal.
-    pub fn save(&self, context: &egui::Context, title: &str, name: &str, bytes: Vec<u8>) {
+    /// Asks where `content` shall go, with `name` as a proposal.
+    pub fn save(&self, context: &egui::Context, title: &str, name: &str, content: impl Into<Content>) {
+        let content = content.into();
         let (dialogs, context) = (self.clone(), context.clone());
         let (title, name) = (title.to_owned(), name.to_owned());
         task::spawn(move || async move {
             let asked = Instant::now();
             let ask = AsyncFileDialog::new().set_title(title).set_file_name(&name);
             let answer = match ask.save_file().await {
-                Some(file) => write(&file, &name, &bytes).await,
-                None if no_dialog(asked) => write_here(&name, &bytes),
+                Some(file) => write(&file, &name, &content).await,
+                None if no_dialog(asked) => write_here(&name, &content),
                 None => return,
             };
             dialogs.tell(&context, answer);
@@ -148,20 +220,24 @@ const MISSING: &str = "this desktop opens no dialogs for files (on Linux install
 
 /// Writes `bytes` where the person wants them; names without an ending get that of `name`.
 #[cfg(not(target_arch = "wasm32"))]
-async fn write(file: &rfd::FileHandle, name: &str, bytes: &[u8]) -> Answer {
+async fn write(file: &rfd::FileHandle, name: &str, content: &Content) -> Answer {
     let mut path = file.path().to_path_buf();
     if path.extension().is_none()
         && let Some(ending) = Path::new(name).extension()
     {
         path.set_extension(ending);
     }
-    wrote(&path, std::fs::write(&path, bytes))
+    wrote(&path, content.write(&path))
 }
 
-/// Offers `bytes` for download.
+/// Offers `content` for download.
 #[cfg(target_arch = "wasm32")]
-async fn write(file: &rfd::FileHandle, name: &str, bytes: &[u8]) -> Answer {
-    wrote(Path::new(name), file.write(bytes).await)
+async fn write(file: &rfd::FileHandle, name: &str, content: &Content) -> Answer {
+    let name = Path::new(name);
+    match content.bytes(name) {
+        Ok(bytes) => wrote(name, file.write(&bytes).await),
+        failed => wrote(name, failed.map(|_| ())),
+    }
 }
 
 fn wrote(path: &Path, result: std::io::Result<()>) -> Answer {
@@ -171,8 +247,8 @@ fn wrote(path: &Path, result: std::io::Result<()>) -> Answer {
     }
 }
 
-/// Without a dialog: writes `bytes` into the folder that the studio was started in, over no other file.
-fn write_here(name: &str, bytes: &[u8]) -> Answer {
+/// Without a dialog: writes `content` into the folder that the studio was started in, over no other file.
+fn write_here(name: &str, content: &Content) -> Answer {
     let name = Path::new(name);
     let (stem, ending) = (name.with_extension(""), name.extension().unwrap_or_default());
     let numbered = |i: u32| match i {
@@ -182,7 +258,7 @@ fn write_here(name: &str, bytes: &[u8]) -> Answer {
     let folder = std::env::current_dir().unwrap_or_default();
     let path = (0..).map(|i| folder.join(numbered(i))).find(|path| !path.exists());
     let path = path.unwrap_or_else(|| folder.join(name));
-    match wrote(&path, std::fs::write(&path, bytes)) {
+    match wrote(&path, content.write(&path)) {
         Answer::Wrote(sentence) => Answer::Wrote(format!("{sentence}: {MISSING}")),
         failed => failed,
     }
@@ -196,33 +272,6 @@ fn path_of(file: &rfd::FileHandle) -> PathBuf {
     file.path().to_path_buf()
 }
 
-/// What is done with files of these names and bytes. On a desktop, readers go to the disk again: there they
-/// find the companions that nobody names.
-fn sorted(files: Vec<(PathBuf, Vec<u8>)>) -> Answer {
-    if let [(path, bytes)] = files.as_slice()
-        && path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
-    {
-        return match String::from_utf8(bytes.clone()) {
-            Ok(text) => Answer::Preset(path.clone(), text),
-            Err(_) => Answer::Failed(format!("{} is no text in UTF-8", path.display())),
-        };
-    }
-    if cfg!(target_arch = "wasm32") {
-        let given = files.into_iter().map(|(path, bytes)| (path, Cow::Owned(bytes))).collect();
-        return Answer::Open(Files::Given(Arc::new(given)));
-    }
-    let (mut grooms, mut heads) = (Vec::new(), Vec::new());
-    for (path, bytes) in files {
-        match import::kind(&path, &bytes) {
-            Some(Kind::Mesh) => heads.push(path),
-            Some(Kind::Companion) => {}
-            // Of one that no reader takes the reader says so.
-            Some(Kind::Groom) | None => grooms.push(path),
-        }
-    }
-    Answer::Open(Files::Disk { grooms, heads })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -233,12 +282,14 @@ mod tests {
         std::fs::create_dir_all(&folder).unwrap();
         let name = folder.join("preset.toml");
         for (i, bytes) in [b"first", b"other"].into_iter().enumerate() {
-            let Answer::Wrote(said) = write_here(name.to_str().unwrap(), bytes) else { panic!("{i}") };
+            let Answer::Wrote(said) = write_here(name.to_str().unwrap(), &bytes.to_vec().into()) else {
+                panic!("{i}")
+            };
             assert!(said.contains(MISSING));
         }
         assert_eq!(std::fs::read(&name).unwrap(), b"first");
         assert_eq!(std::fs::read(folder.join("preset-1.toml")).unwrap(), b"other");
         std::fs::remove_dir_all(&folder).unwrap();
-        assert!(matches!(write_here(name.to_str().unwrap(), b"x"), Answer::Failed(_)));
+        assert!(matches!(write_here(name.to_str().unwrap(), &b"x".to_vec().into()), Answer::Failed(_)));
     }
 }

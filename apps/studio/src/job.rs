@@ -1,6 +1,6 @@
 //! Long work, beside the window: pipelines, then a character on the GPU.
 
-use crate::{files::Files, task, turn};
+use crate::{files::Files, hair::Hair, task, turn};
 use anyhow::Result;
 use eframe::egui;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -10,7 +10,7 @@ use tresses::{
     gpu::Gpu,
     groom::{import::ImportOptions, mannequin, styles::Style},
 };
-use tresses_scene::{Base, Colliders, Quality, Settings, Stage, settings::Maps};
+use tresses_scene::{Base, Quality, Settings, Stage, Surroundings};
 
 /// Size of the very first picture, which nobody sees, pixels.
 const FIRST: [u32; 2] = [487, 305];
@@ -19,8 +19,8 @@ const COARSE: u32 = 48;
 /// How long work goes on before the window gets its turn.
 const PATIENCE: std::time::Duration = std::time::Duration::from_millis(40);
 
-/// What is to be shown.
-#[derive(Clone, Debug)]
+/// Groom and head.
+#[derive(Clone, Debug, PartialEq)]
 pub enum Source {
     /// A built-in style, by its name.
     Style(String),
@@ -45,10 +45,12 @@ impl Source {
 
 /// What is to be made ready.
 pub struct Order {
-    /// From what.
-    pub source: Source,
+    /// Which hair, with what beside it.
+    pub hair: Hair,
     /// What is there of it already.
     pub base: Option<Arc<Base>>,
+    /// Its surroundings, if they are read already.
+    pub surroundings: Option<Arc<Surroundings>>,
     /// The pipelines, if they are made already.
     pub renderer: Option<Arc<HairRenderer>>,
     /// How.
@@ -62,13 +64,23 @@ pub struct Ready {
     /// On the GPU.
     pub stage: Stage,
     /// What it was made from.
-    pub source: Source,
+    pub hair: Hair,
     /// What can be styled anew.
     pub base: Arc<Base>,
+    /// What lights it instead of a photographer.
+    pub surroundings: Option<Arc<Surroundings>>,
     /// What the user should know.
     pub notes: Vec<String>,
     /// Whether camera and motion stay as they are.
     pub keep: bool,
+}
+
+/// What came of work.
+pub enum Done {
+    /// A character.
+    Hair(Box<Ready>),
+    /// Other surroundings, or none, for the character that is shown.
+    Light(Option<Arc<Surroundings>>),
 }
 
 /// How far it is.
@@ -78,14 +90,17 @@ struct Inbox {
     fraction: f32,
     /// When the window had its turn last.
     breath: Option<web_time::Instant>,
-    done: Option<Result<Box<Ready>>>,
+    done: Option<Result<Done>>,
 }
 
 /// Work that is under way.
 pub struct Job {
     inbox: Arc<Mutex<Inbox>>,
     /// What will be shown.
-    pub source: Source,
+    pub hair: Hair,
+    /// Whether pipelines are built again.
+    pub rebuilds: bool,
+    is_light: bool,
     /// When it was begun.
     pub begun: web_time::Instant,
 }
@@ -98,6 +113,14 @@ struct Teller {
 
 fn lock(inbox: &Mutex<Inbox>) -> MutexGuard<'_, Inbox> {
     inbox.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Teller {
+    /// Hands in what came of the work.
+    fn done(&self, done: Result<Done>) {
+        lock(&self.inbox).done = Some(done);
+        self.context.request_repaint();
+    }
 }
 
 impl Progress for Teller {
@@ -123,16 +146,36 @@ impl Progress for Teller {
 impl Job {
     /// Starts to make `order` ready.
     pub fn start(context: &egui::Context, gpu: Gpu, order: Order) -> Self {
-        let inbox = Arc::<Mutex<Inbox>>::default();
-        let job =
-            Self { inbox: inbox.clone(), source: order.source.clone(), begun: web_time::Instant::now() };
-        let teller = Teller { inbox, context: context.clone() };
+        let rebuilds = order.renderer.is_none();
+        let (job, teller) = Self::begin(context, order.hair.clone(), rebuilds, false);
         task::spawn(move || async move {
             let done = ready(gpu, order, &teller).await;
-            lock(&teller.inbox).done = Some(done.map(Box::new));
-            teller.context.request_repaint();
+            teller.done(done.map(|ready| Done::Hair(Box::new(ready))));
         });
         job
+    }
+
+    /// Starts to read the surroundings of `hair`, which is shown but for them.
+    pub fn light(context: &egui::Context, hair: Hair) -> Self {
+        let companions = hair.companions.clone();
+        let (job, teller) = Self::begin(context, hair, false, true);
+        task::spawn(move || async move {
+            teller.step("reading the surroundings", 0.0).await;
+            teller.done(companions.surroundings().map(|read| Done::Light(read.map(Arc::new))));
+        });
+        job
+    }
+
+    fn begin(context: &egui::Context, hair: Hair, rebuilds: bool, is_light: bool) -> (Self, Teller) {
+        let inbox = Arc::<Mutex<Inbox>>::default();
+        let begun = web_time::Instant::now();
+        let teller = Teller { inbox: inbox.clone(), context: context.clone() };
+        (Self { inbox, hair, rebuilds, is_light, begun }, teller)
+    }
+
+    /// Whether only the light will be another.
+    pub fn is_light(&self) -> bool {
+        self.is_light
     }
 
     /// What it does now, a few words.
@@ -146,19 +189,27 @@ impl Job {
     }
 
     /// What came of it, once.
-    pub fn take(&self) -> Option<Result<Box<Ready>>> {
+    pub fn take(&self) -> Option<Result<Done>> {
         lock(&self.inbox).done.take()
     }
 }
 
 async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready> {
-    let Order { source, base, renderer, settings, keep } = order;
+    let Order { hair, base, surroundings, renderer, settings, keep } = order;
+    let Hair { source, companions } = &hair;
+    // What can be refused is refused before anything is made.
+    progress.step("reading maps and surroundings", 0.0).await;
+    let (maps, colliders) = (companions.maps()?, companions.colliders()?);
+    let surroundings = match surroundings {
+        Some(surroundings) => Some(surroundings),
+        None => companions.surroundings()?.map(Arc::new),
+    };
     let options = turn::draw_options(&settings, &gpu.tier)?;
     let renderer = match renderer {
         Some(renderer) => renderer,
         None => Arc::new(pipelines(&gpu, &options, progress).await),
     };
-    let base = match (base, &source) {
+    let base = match (base, source) {
         (Some(base), _) => base,
         (None, Source::Style(name)) => {
             Arc::new(Base::built_in(&name.parse::<Style>()?, &gpu, &renderer.simulate, progress).await?)
@@ -167,7 +218,7 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready
             Arc::new(Base::imported(&files.borrowed(), options, progress).await?)
         }
     };
-    let styling = settings.styling(base.style(), &Maps::default())?;
+    let styling = settings.styling(base.style(), &maps)?;
     let mut character = base.dress(&styling, progress).await?;
     let notes = std::mem::take(&mut character.notes);
     let quality = Quality {
@@ -177,17 +228,18 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready
         ssaa: settings.edges.ssaa,
         ..Quality::new(FIRST)
     };
-    let (physics, colliders) = (settings.physics(), Colliders::default());
+    let physics = settings.physics();
     let stage = Stage::new(gpu, renderer, character, colliders, &physics, &quality, progress).await;
     let mut stage = stage?;
     settings.apply(&mut stage.look);
+    stage.set_surroundings(surroundings.clone());
     if stage.gpu.tier.software && matches!(source, Source::Style(_)) {
         // Shadow maps draw it again and again, and here each of its corners takes its time.
         stage.offer_coarse(mannequin::mesh_with(COARSE, progress).await);
     }
     progress.step("drawing the first picture", 0.0).await;
     first_picture(&mut stage)?;
-    Ok(Ready { stage, source, base, notes, keep })
+    Ok(Ready { stage, hair, base, surroundings, notes, keep })
 }
 
 /// All pipelines, one kind after the other.

@@ -17,6 +17,7 @@ pub mod ball;
 pub mod device;
 pub mod dialog;
 pub mod files;
+pub mod hair;
 pub mod head;
 pub mod job;
 #[cfg(not(target_arch = "wasm32"))]
@@ -28,6 +29,7 @@ pub mod panels;
 pub mod picture;
 pub mod play;
 pub mod record;
+pub mod sort;
 pub mod stage;
 pub mod state;
 pub mod task;

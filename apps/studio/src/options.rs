@@ -3,7 +3,7 @@
 use anyhow::{Context, Result, anyhow};
 use std::path::PathBuf;
 use tresses::groom::{import::ImportOptions, styles::Style};
-use tresses_scene::{Settings, knobs};
+use tresses_scene::{Companions, Settings, knobs};
 
 /// What the studio shows first.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,8 +16,12 @@ pub struct Options {
     pub style: Option<String>,
     /// What is known of the files' units and axes.
     pub import: ImportOptions,
+    /// Maps, obstacles and surroundings.
+    pub companions: Companions,
     /// Every parameter.
     pub settings: Settings,
+    /// What went wrong before, a sentence that is shown.
+    pub trouble: Option<String>,
 }
 
 impl Options {

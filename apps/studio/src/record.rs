@@ -102,7 +102,7 @@ impl Studio {
         self.play.playing = false;
         self.play.begin();
         self.ball = None;
-        show.stage.hair.reset();
+        show.stage.rewind();
         (self.error, self.said) = (None, None);
         self.pace.moved();
         self.recording =

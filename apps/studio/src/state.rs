@@ -12,6 +12,8 @@ pub struct State {
     pub strands: u32,
     /// What is shown.
     pub file: String,
+    /// What stands beside it: maps, obstacles, surroundings.
+    pub companions: Vec<String>,
     /// What is being done, or empty.
     pub step: String,
     /// The last sentence about something that went wrong, or empty.

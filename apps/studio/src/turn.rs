@@ -1,18 +1,17 @@
 //! Parameters are turned: what a change means for what is shown.
 
-use crate::{
-    app::Studio,
-    files::Files,
-    job::{Order, Source},
-    pace::Level,
-};
+use crate::{app::Studio, files::Files, hair::Hair, job::Source, pace::Level};
 use eframe::egui;
+use std::{path::Path, sync::Arc};
 use tresses::{
     draw::{Coverage, DrawOptions},
     gpu::Tier,
-    groom::styles::Style,
+    groom::{import, styles::Style},
 };
-use tresses_scene::{Settings, preset::Preset};
+use tresses_scene::{
+    Companions, Settings, Shelf,
+    preset::{self, Preset},
+};
 
 impl Studio {
     /// The built-in style that is shown, if it is one.
@@ -27,36 +26,49 @@ impl Studio {
         self.follow(context, &before);
     }
 
-    /// Takes all parameters from the preset at `path`, and the hair that it is for.
-    pub(crate) fn open_preset(&mut self, context: &egui::Context, path: &std::path::Path, text: &str) {
-        match Preset::read(text, &path.display().to_string()) {
-            Ok(Preset { source, settings, .. }) => {
-                self.change(context, settings, "Preset");
-                // Names of files in it are relative to it.
-                let source = source.inside(path.parent().unwrap_or(std::path::Path::new("")));
-                let mut said = format!("{} is applied", path.display());
-                let left = source.companions();
-                if !left.is_empty() {
-                    said += &format!(", without its {}: the studio takes none yet", left.join(", "));
-                }
-                let files =
-                    matches!(self.shown.as_ref().map(|shown| &shown.source), Some(Source::Files { .. }));
-                match source.style {
-                    // A look is tried on the hair that is there.
-                    Some(style) if files => {
-                        said += &format!(" to this groom; it was made for the style {style}")
-                    }
-                    Some(style) => self.open(context, Source::Style(style)),
-                    None if source.grooms.is_empty() => {}
-                    None => {
-                        let files = Files::Disk { grooms: source.grooms, heads: source.heads };
-                        self.open(context, Source::Files { files, options: Box::new(source.orientation) });
-                    }
-                }
-                self.said = Some(said);
+    /// Takes all parameters from the preset at `path`, the hair that it is for, and what stands beside it;
+    /// `files` are there as bytes.
+    pub(crate) fn open_preset(&mut self, context: &egui::Context, path: &Path, text: &str, files: Shelf) {
+        let preset = match Preset::read(text, &path.display().to_string()) {
+            Ok(preset) => preset,
+            Err(error) => {
+                self.error = Some(error.to_string());
+                return;
             }
-            Err(error) => self.error = Some(error.to_string()),
+        };
+        self.change(context, preset.settings, "Preset");
+        // Names of files in it are relative to it.
+        let source = preset.source.inside(path.parent().unwrap_or(Path::new("")));
+        let mut said = format!("{} is applied", path.display());
+        let before = self.wanted();
+        let on_files = matches!(before.source, Source::Files { .. });
+        let hair = match &source.style {
+            // A look is tried on the hair that is there.
+            Some(style) if on_files => {
+                said += &format!(" to this groom; it was made for the style {style}");
+                None
+            }
+            Some(style) => Some(Source::Style(style.clone())),
+            None if source.grooms.is_empty() => None,
+            None => match groom(&source, &files) {
+                Some(files) => Some(Source::Files { files, options: Box::new(source.orientation.clone()) }),
+                None => {
+                    said += " to this hair; its groom has to be given with it";
+                    None
+                }
+            },
+        };
+        let companions = Companions::of(&source, files);
+        // Those of another hair go with it.
+        let companions = match hair.is_some() || companions.all().next().is_some() {
+            true => companions,
+            false => before.companions.clone(),
+        };
+        let hair = Hair { source: hair.unwrap_or(before.source.clone()), companions };
+        if hair != before {
+            self.go_to(context, hair);
         }
+        self.said = Some(said);
     }
 
     /// Takes the last change back.
@@ -64,6 +76,7 @@ impl Studio {
         let before = self.settings.now().clone();
         if self.settings.undo().is_some() {
             self.follow(context, &before);
+            self.go_to(context, self.settings.hair().clone());
         }
     }
 
@@ -72,6 +85,7 @@ impl Studio {
         let before = self.settings.now().clone();
         if self.settings.redo().is_some() {
             self.follow(context, &before);
+            self.go_to(context, self.settings.hair().clone());
         }
     }
 
@@ -97,18 +111,14 @@ impl Studio {
             return;
         }
         let Some(shown) = &self.shown else { return };
-        let (source, base) = (shown.source.clone(), Some(shown.base.clone()));
-        let renderer = self.renderer.clone().filter(|_| !self.rebuild);
-        (self.regrow, self.rebuild) = (false, false);
-        self.start(
-            context,
-            Order { source, base, renderer, settings: self.settings.now().clone(), keep: true },
-        );
+        let hair = shown.hair.clone();
+        self.make(context, hair, false);
     }
 
     /// Gives the stage the settings as they are, drawn as `level` has it; before each frame.
     pub(crate) fn dress(&mut self, level: &Level) {
         let Some(show) = &mut self.show else { return };
+        self.drawn = *level;
         let (settings, stage) = (self.settings.now(), &mut show.stage);
         stage.take(settings);
         if level.few_lights {
@@ -124,6 +134,18 @@ impl Studio {
         }
         stage.show(self.view);
     }
+}
+
+/// Groom and head of a preset: where it says they are or, in a browser, among the bytes that came with it.
+fn groom(source: &preset::Source, given: &Shelf) -> Option<Files> {
+    if !cfg!(target_arch = "wasm32") {
+        return Some(Files::Disk { grooms: source.grooms.clone(), heads: source.heads.clone() });
+    }
+    let there = source.grooms.iter().chain(&source.heads).all(|path| given.holds(path));
+    there.then(|| {
+        let files = given.given().into_iter().filter(|(name, bytes)| import::kind(name, bytes).is_some());
+        Files::Given(Arc::new(files.map(|(name, bytes)| (name, bytes.into_owned().into())).collect()))
+    })
 }
 
 /// How pictures are sampled: as `settings` say, and where they say nothing so that it is fast.

@@ -7,6 +7,9 @@ use wasm_bindgen::{JsCast, JsValue, prelude::*};
 /// Where the page says in words what the canvas cannot show.
 const MESSAGE: &str = "message";
 
+/// The button that loads the page again.
+const AGAIN: &str = "again";
+
 /// Starts the studio in `canvas`, as the page's address has it ([`Options::of`]). Fails with one sentence
 /// where it is wrong, or the browser has no WebGPU.
 #[wasm_bindgen]
@@ -55,6 +58,10 @@ pub(crate) fn say(sentence: &str) {
     element.set_text_content(Some(sentence));
     // Otherwise the page stays as it is: there is nowhere else to say it.
     let _ = element.remove_attribute("hidden");
+    let again = web_sys::window().and_then(|window| window.document()?.get_element_by_id(AGAIN));
+    if let Some(again) = again {
+        let _ = again.remove_attribute("hidden");
+    }
 }
 
 /// After a panic, which the console has in full, the page says that it has ended.
@@ -62,8 +69,6 @@ fn say_panics() {
     let before = panic::take_hook();
     panic::set_hook(Box::new(move |info| {
         before(info);
-        say(
-            "The studio has ended because of an error of its own, which the browser's console shows. Load the page again to go on.",
-        );
+        say("The studio has ended because of an error of its own, which the browser's console shows.");
     }));
 }

@@ -12,7 +12,10 @@
 //! Metres, seconds, degrees (yaw, pitch, roll). Meshes are taken as they are, in metres, Y up, from the folder of the file;
 //! their distance fields are made on the GPU.
 
-use crate::motion::{Key, Motion};
+use crate::{
+    companions::Shelf,
+    motion::{Key, Motion},
+};
 use anyhow::{Context, Result, ensure};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -87,22 +90,25 @@ pub struct Colliders {
 
 impl Colliders {
     /// Reads the file at `path` and the meshes that it names.
-    pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+    ///
+    /// # Errors
+    /// One sentence that names the file, when it or a mesh cannot be read.
+    pub fn read(path: &Path, files: &Shelf) -> Result<Self> {
+        let bytes = files.load(path)?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::parse(&text, folder).with_context(|| path.display().to_string())
+        Self::parse(&bytes, folder, files).with_context(|| path.display().to_string())
     }
 
-    fn parse(text: &str, folder: &Path) -> Result<Self> {
-        let File { colliders } = serde_json::from_str(text)?;
+    fn parse(text: &[u8], folder: &Path, files: &Shelf) -> Result<Self> {
+        let File { colliders } = serde_json::from_slice(text)?;
         let mut all = Self::default();
         for (i, entry) in colliders.into_iter().enumerate() {
-            all.add(entry, folder).with_context(|| format!("collider {i}"))?;
+            all.add(entry, folder, files).with_context(|| format!("collider {i}"))?;
         }
         Ok(all)
     }
 
-    fn add(&mut self, entry: Entry, folder: &Path) -> Result<()> {
+    fn add(&mut self, entry: Entry, folder: &Path, files: &Shelf) -> Result<()> {
         let (shape, look) = match entry.shape {
             Form::Capsule { radius, half_length } => {
                 let stretch = |p: Vec3| p * radius + Vec3::Y * half_length * p.y.signum();
@@ -113,7 +119,11 @@ impl Colliders {
                 (Shape::Ellipsoid { radii }, ball(|p| p * radii))
             }
             Form::Mesh { file, resolution } => {
-                let mesh = import::mesh::read(&folder.join(file))?.mesh;
+                let path = folder.join(file);
+                let mesh = match files.holds(&path) || cfg!(target_arch = "wasm32") {
+                    true => import::mesh::read_given(&files.given(), &path)?.mesh,
+                    false => import::mesh::read(&path)?.mesh,
+                };
                 let options = SdfOptions { resolution: resolution.unwrap_or(64), ..Default::default() };
                 self.fields.push((mesh.clone(), options));
                 (Shape::Field(FieldId(self.fields.len() as u32 - 1)), mesh)
@@ -215,6 +225,22 @@ fn ball(stretch: impl Fn(Vec3) -> Vec3) -> TriMesh {
 mod tests {
     use super::*;
 
+    fn parse(text: &str) -> Result<Colliders> {
+        Colliders::parse(text.as_bytes(), Path::new(""), &Shelf::default())
+    }
+
+    #[test]
+    fn meshes_are_read_from_bytes() {
+        let text =
+            br#"{"colliders": [{"shape": {"mesh": {"file": "far/leaf.obj"}}, "keys": [{"time": 0}]}]}"#;
+        let mut files = Shelf::default();
+        files.put("c.json".into(), *text);
+        assert!(Colliders::read(Path::new("c.json"), &files).is_err(), "the mesh is not given");
+        files.put("leaf.obj".into(), *b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+        let all = Colliders::read(Path::new("c.json"), &files).unwrap();
+        assert_eq!((all.list.len(), all.looks[0].triangles.len()), (1, 1));
+    }
+
     #[test]
     fn a_file_is_read() {
         let text = r#"{"colliders": [
@@ -222,7 +248,7 @@ mod tests {
              "keys": [{"time": 0, "translation": [0, 0, 0]}, {"time": 2, "translation": [1, 0, 0]}]},
             {"shape": {"ellipsoid": {"radii": [0.1, 0.2, 0.3]}}, "anchor": "head", "friction": 2,
              "keys": [{"time": 0, "translation": [0, 1, 0]}]}]}"#;
-        let all = Colliders::parse(text, Path::new("")).unwrap();
+        let all = parse(text).unwrap();
         assert_eq!((all.list.len(), all.looks.len()), (2, 2));
         assert_eq!((all.list[1].anchor, all.list[1].friction), (Anchor::Head, 2.0));
         assert!((all.poses(1.0).colliders[0].translation - Vec3::X * 0.5).length() < 1e-6);
@@ -249,7 +275,7 @@ mod tests {
 
     #[test]
     fn nonsense_is_refused() {
-        let bad = |text: &str| assert!(Colliders::parse(text, Path::new("")).is_err(), "{text}");
+        let bad = |text: &str| assert!(parse(text).is_err(), "{text}");
         bad("{}");
         bad(r#"{"colliders": [{"shape": {"cone": {}}, "keys": [{"time": 0}]}]}"#);
         bad(r#"{"colliders": [{"shape": {"capsule": {"radius": 0.1}}, "keys": []}]}"#);

@@ -5,34 +5,65 @@ use crate::{knobs, settings::Settings};
 /// The most steps that can be undone.
 const DEPTH: usize = 500;
 
-/// Settings with all that they were before. Turning one knob again and again, as under a finger, is one
+/// Settings with all that they were before, and which hair `H` they were for. Turning one knob again and again, as under a finger, is one
 /// step, until [`settle`](Self::settle) says that the finger has left it.
 #[derive(Clone, Debug)]
-pub struct History {
+pub struct History<H> {
     now: Settings,
-    past: Vec<Step>,
-    future: Vec<Step>,
+    hair: H,
+    past: Vec<Step<H>>,
+    future: Vec<Step<H>>,
     /// Whether the last step goes on.
     open: bool,
 }
 
-/// Settings, and what led from the earlier to the later of them.
+/// Settings and hair, and what led from the earlier to the later of them.
 #[derive(Clone, Debug)]
-struct Step {
+struct Step<H> {
     settings: Settings,
+    hair: H,
     knob: Option<&'static str>,
     label: String,
 }
 
-impl History {
+impl<H: Clone + PartialEq> History<H> {
     /// Nothing to undo.
-    pub fn new(settings: Settings) -> Self {
-        Self { now: settings, past: Vec::new(), future: Vec::new(), open: false }
+    pub fn new(settings: Settings, hair: H) -> Self {
+        Self { now: settings, hair, past: Vec::new(), future: Vec::new(), open: false }
     }
 
     /// The settings as they are.
     pub fn now(&self) -> &Settings {
         &self.now
+    }
+
+    /// The hair as it is.
+    pub fn hair(&self) -> &H {
+        &self.hair
+    }
+
+    /// The hair is another one from here on, which is a step named `label`.
+    pub fn change_hair(&mut self, hair: H, label: &str) {
+        if hair == self.hair {
+            return;
+        }
+        let before = std::mem::replace(&mut self.hair, hair);
+        let step = Step { settings: self.now.clone(), hair: before, knob: None, label: label.to_owned() };
+        self.future.clear();
+        self.open = false;
+        self.push(step);
+    }
+
+    /// The hair is another one, and that is no step: what should have been shown cannot be.
+    pub fn set_hair(&mut self, hair: H) {
+        self.hair = hair;
+    }
+
+    fn push(&mut self, step: Step<H>) {
+        self.past.push(step);
+        if self.past.len() > DEPTH {
+            self.past.remove(0);
+        }
     }
 
     /// The settings are others from here on. A single knob that differs is a step by its own label, and
@@ -48,17 +79,15 @@ impl History {
         let before = std::mem::replace(&mut self.now, settings);
         if goes_on {
             // Back where it began: nothing happened.
-            if self.past.last().is_some_and(|step| step.settings == self.now) {
+            if self.past.last().is_some_and(|step| step.settings == self.now && step.hair == self.hair) {
                 self.past.pop();
                 self.open = false;
             }
             return;
         }
         let label = if single { first.label.to_owned() } else { label.to_owned() };
-        self.past.push(Step { settings: before, knob, label });
-        if self.past.len() > DEPTH {
-            self.past.remove(0);
-        }
+        let hair = self.hair.clone();
+        self.push(Step { settings: before, hair, knob, label });
     }
 
     /// The next change is a step of its own.
@@ -69,8 +98,9 @@ impl History {
     /// Takes the last step back; the settings as they are then, `None` when there is nothing to undo.
     pub fn undo(&mut self) -> Option<&Settings> {
         let step = self.past.pop()?;
-        let after = std::mem::replace(&mut self.now, step.settings);
-        self.future.push(Step { settings: after, ..step });
+        let settings = std::mem::replace(&mut self.now, step.settings);
+        let hair = std::mem::replace(&mut self.hair, step.hair);
+        self.future.push(Step { settings, hair, ..step });
         self.open = false;
         Some(&self.now)
     }
@@ -78,8 +108,9 @@ impl History {
     /// Takes the last [`undo`](Self::undo) back.
     pub fn redo(&mut self) -> Option<&Settings> {
         let step = self.future.pop()?;
-        let before = std::mem::replace(&mut self.now, step.settings);
-        self.past.push(Step { settings: before, ..step });
+        let settings = std::mem::replace(&mut self.now, step.settings);
+        let hair = std::mem::replace(&mut self.hair, step.hair);
+        self.past.push(Step { settings, hair, ..step });
         self.open = false;
         Some(&self.now)
     }
@@ -105,7 +136,7 @@ mod tests {
         settings
     }
 
-    fn drag(history: &mut History, drag: f32) {
+    fn drag(history: &mut History<&str>, drag: f32) {
         let settings = with(history.now(), |s| s.simulation.drag = drag);
         history.change(settings, "?");
     }
@@ -113,7 +144,7 @@ mod tests {
     #[test]
     fn a_drag_is_one_step() {
         let start = Settings::default();
-        let mut history = History::new(start.clone());
+        let mut history = History::new(start.clone(), "bob");
         assert!(history.undo().is_none() && history.redo().is_none());
         for value in [3.5, 4.0, 9.0] {
             drag(&mut history, value);
@@ -137,7 +168,7 @@ mod tests {
 
     #[test]
     fn a_preset_is_one_step_with_a_name() {
-        let mut history = History::new(Settings::default());
+        let mut history = History::new(Settings::default(), "bob");
         drag(&mut history, 5.0);
         let storm = with(&Settings::default(), |s| {
             s.wind.speed = 14.0;
@@ -154,7 +185,7 @@ mod tests {
 
     #[test]
     fn a_new_change_ends_what_was_undone() {
-        let mut history = History::new(Settings::default());
+        let mut history = History::new(Settings::default(), "bob");
         drag(&mut history, 5.0);
         history.undo();
         drag(&mut history, 6.0);
@@ -169,8 +200,28 @@ mod tests {
     }
 
     #[test]
+    fn hair_comes_back_too() {
+        let mut history = History::new(Settings::default(), "bob");
+        drag(&mut history, 5.0);
+        history.change_hair("bob", "the same is no step");
+        history.change_hair("curly", "Hair");
+        drag(&mut history, 6.0);
+        assert_eq!(history.undo().unwrap().simulation.drag, 5.0);
+        assert_eq!((*history.hair(), history.undoes()), ("curly", Some("Hair")));
+        history.undo();
+        assert_eq!((*history.hair(), history.now().simulation.drag), ("bob", 5.0));
+        assert_eq!((history.undoes(), history.redoes()), (Some("Drag"), Some("Hair")));
+        history.redo();
+        assert_eq!(*history.hair(), "curly");
+        history.set_hair("long");
+        history.undo();
+        history.redo();
+        assert_eq!(*history.hair(), "long");
+    }
+
+    #[test]
     fn depth_is_bounded() {
-        let mut history = History::new(Settings::default());
+        let mut history = History::new(Settings::default(), "bob");
         for i in 0..2 * DEPTH {
             drag(&mut history, 0.01 * i as f32);
             history.settle();

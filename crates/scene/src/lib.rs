@@ -5,6 +5,7 @@ pub mod camera;
 pub mod character;
 pub mod coarse;
 pub mod colliders;
+pub mod companions;
 pub mod history;
 pub mod knobs;
 #[cfg(not(target_arch = "wasm32"))]
@@ -19,6 +20,7 @@ pub mod words;
 pub use camera::{Bounds, Camera, Shot};
 pub use character::{Base, Character, Files, Styling};
 pub use colliders::Colliders;
+pub use companions::{Companion, Companions, Shelf, Surroundings};
 pub use history::History;
 pub use knobs::{Knob, Value};
 pub use motion::Motion;

@@ -5,6 +5,7 @@ use crate::{
     character::Character,
     coarse,
     colliders::Colliders,
+    companions::Surroundings,
     settings::{LightSettings, Settings},
 };
 use anyhow::{Context, Result};
@@ -81,6 +82,11 @@ pub struct Facts {
     pub bytes: u64,
 }
 
+/// What the light of surroundings depends on: their turn, radians, and strength.
+fn turned(lights: &LightSettings) -> [f32; 2] {
+    [lights.environment_turn, lights.environment_strength]
+}
+
 /// A character on the GPU.
 pub struct Stage {
     /// Adapter, device, queue.
@@ -106,8 +112,8 @@ pub struct Stage {
     shown: Option<Shown>,
     /// The pipelines for that, once there was something.
     views: Option<DebugViews>,
-    /// Lights that stay where they are, instead of the photographer's.
-    lights: Option<Lights>,
+    /// What lights instead of a photographer, and its light as turned and strengthened when it was asked last.
+    surroundings: Option<(Arc<Surroundings>, [f32; 2], Lights)>,
     /// Key, rim, sky and lamps.
     pub lighting: LightSettings,
     colliders: Colliders,
@@ -178,7 +184,7 @@ impl Stage {
             shown: None,
             views: None,
             look,
-            lights: None,
+            surroundings: None,
             lighting: LightSettings::default(),
             physics: options.simulation,
             colliders,
@@ -214,6 +220,11 @@ impl Stage {
         self.hair.avoidance.options = settings.interpolation;
         self.hair.lod.options = settings.lod.options();
         self.lighting = settings.lights;
+        if let Some((surroundings, as_then, lights)) = &mut self.surroundings
+            && *as_then != turned(&settings.lights)
+        {
+            (*as_then, *lights) = (turned(&settings.lights), surroundings.lights(&settings.lights));
+        }
         settings.apply(&mut self.look);
     }
 
@@ -271,9 +282,13 @@ impl Stage {
         }
     }
 
-    /// The light of the surroundings; `None` for a photographer's, as the settings have it.
-    pub fn set_lights(&mut self, lights: Option<Lights>) {
-        self.lights = lights;
+    /// What lights the scene; `None` for a photographer, as the settings have it.
+    pub fn set_surroundings(&mut self, surroundings: Option<Arc<Surroundings>>) {
+        let lighting = &self.lighting;
+        self.surroundings = surroundings.map(|surroundings| {
+            let lights = surroundings.lights(lighting);
+            (surroundings, turned(lighting), lights)
+        });
     }
 
     /// How much of the hair is drawn from here on.
@@ -348,9 +363,14 @@ impl Stage {
 
     /// The hair at rest on a head at `pose`.
     pub fn reset(&mut self, pose: &Pose) -> Result<()> {
+        self.rewind();
+        self.advance(pose, 0.0)
+    }
+
+    /// From the next frame on the hair is at rest, and obstacles are where their motions begin.
+    pub fn rewind(&mut self) {
         self.hair.reset();
         self.time = 0.0;
-        self.advance(pose, 0.0)
     }
 
     /// The head moves to `pose` in `seconds`, and the hair with it.
@@ -397,7 +417,8 @@ impl Stage {
     pub(crate) fn look_from(&mut self, camera: &Camera) {
         self.look.view = View::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, self.targets.size);
         let back = camera.eye - camera.target;
-        self.look.lights = self.lighting.lights(back.x.atan2(back.z), self.lights.as_ref());
+        let surroundings = self.surroundings.as_ref().map(|(.., lights)| lights);
+        self.look.lights = self.lighting.lights(back.x.atan2(back.z), surroundings);
     }
 
     /// Records what moves the head to `pose` in `seconds`, and the hair with it.

@@ -14,11 +14,29 @@ pub struct Difference {
     pub hair: f64,
 }
 
-/// Radiance: rows from the top, linear red, green and blue.
-pub struct Linear(pub Vec<[f32; 3]>);
+/// Radiance.
+pub struct Linear {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows from the top, linear red, green and blue.
+    pub pixels: Vec<[f32; 3]>,
+}
+
+impl Linear {
+    /// Width and height, pixels.
+    pub fn size(&self) -> (u32, u32) {
+        (self.width, self.pixels.len() as u32 / self.width.max(1))
+    }
+
+    /// Rec. 709.
+    pub fn luminance(&self, pixel: usize) -> f64 {
+        let [r, g, b] = self.pixels[pixel].map(f64::from);
+        0.2126 * r + 0.7152 * g + 0.0722 * b
+    }
+}
 
 /// The indices of the pixels in which `mask` is more than half.
-fn hair(mask: &Picture) -> impl Iterator<Item = usize> {
+pub fn hair(mask: &Picture) -> impl Iterator<Item = usize> {
     mask.rgba.as_chunks::<4>().0.iter().enumerate().filter(|(_, rgba)| rgba[0] > 127).map(|(i, _)| i)
 }
 
@@ -44,10 +62,7 @@ pub fn flip(reference: &Picture, test: &Picture, mask: &Picture) -> (Difference,
 
 /// The mean luminance (Rec. 709) over the pixels of hair.
 pub fn luminance(picture: &Linear, mask: &Picture) -> f64 {
-    mean(hair(mask).map(|i| {
-        let [r, g, b] = picture.0[i].map(f64::from);
-        0.2126 * r + 0.7152 * g + 0.0722 * b
-    }))
+    mean(hair(mask).map(|i| picture.luminance(i)))
 }
 
 #[cfg(test)]
@@ -80,7 +95,7 @@ mod tests {
     fn luminance_is_that_of_the_hair() {
         let mut pixels = vec![[0.0, 1.0, 0.0]; 64 * 32];
         pixels.iter_mut().enumerate().filter(|(i, _)| i % 64 >= 32).for_each(|(_, p)| *p = [9.0; 3]);
-        let light = luminance(&Linear(pixels), &flat(255, 0));
+        let light = luminance(&Linear { width: 64, pixels }, &flat(255, 0));
         assert!((light - 0.7152).abs() < 1e-9, "{light}");
     }
 }

@@ -2,19 +2,23 @@
 //! the difference that people would see (FLIP) and the light on the hair.
 //!
 //! Strands and head come from the files the reference names, as they are: nothing is oriented,
-//! simulated or fitted. What differs is rendering alone.
+//! simulated or fitted. What differs is rendering alone. Where the reference has light that is scattered once, with
+//! shadows and without, the shares that arrive are compared too ([`share`]).
 
 mod metrics;
 mod scenes;
+mod share;
 mod stage;
 
-use crate::{args, interrupt, picture, progress, say, shading_args::ShadingArgs};
+use crate::{args, interrupt, picture, progress, say, shading_args::ShadingArgs, shadow_args::Method};
 use anyhow::{Context, Result, ensure};
 use metrics::Difference;
-use scenes::{Folders, Scenes};
+use scenes::{Folders, Pair, Scenes, View};
 use serde::Serialize;
+use share::Share;
 use stage::Stage;
 use std::{fmt::Write, path::PathBuf};
+use tresses::light::{ShadowMethod, Shadows};
 
 /// The options of `tresses compare`.
 #[derive(clap::Args, Debug)]
@@ -33,6 +37,9 @@ pub struct Args {
     pub samples: Option<u32>,
     #[command(flatten)]
     pub shading: ShadingArgs,
+    /// How hair shadows hair, head and body [default: deep]
+    #[arg(long, value_name = "METHOD", value_enum)]
+    pub shadows: Option<Method>,
     /// Folder for ours, the reference and the map of the difference side by side, a picture each
     #[arg(long, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
@@ -52,30 +59,39 @@ struct Row {
     reference_luminance: f64,
 }
 
+/// All that was found.
+#[derive(Debug, Default, Serialize)]
+struct Report {
+    /// All of the light.
+    views: Vec<Row>,
+    /// How much of one light arrives.
+    shares: Vec<Share>,
+}
+
 /// Runs `tresses compare`.
 pub fn run(args: &Args) -> Result<()> {
     args.shading.check()?;
     let assets = args.assets.clone().or_else(|| std::env::var_os("TRESSES_ASSETS").map(PathBuf::from));
     let folders = Folders { scenes: &args.scenes, assets: assets.as_deref() };
     let scenes = Scenes::read(&args.scenes)?;
-    let views = scenes.views(&args.only)?;
-    ensure!(!views.is_empty(), "{}: no picture shows all of the light", args.scenes.display());
-    let bar = progress::frames("comparing", views.len() as u64);
-    let mut rows = Vec::new();
-    let mut stage: Option<Stage> = None;
-    for view in views {
-        interrupt::check()?;
-        // Pictures of one groom follow each other.
-        let stage = match &mut stage {
-            Some(stage) if stage.groom() == view.groom_name => stage,
-            other => other.insert(Stage::new(&view, &folders, args.samples)?),
-        };
-        let (ours, linear) = stage.draw(&view, &scenes, &args.shading)?;
+    let (views, pairs) = (scenes.views(&args.only)?, scenes.pairs(&args.only)?);
+    ensure!(
+        !(views.is_empty() && pairs.is_empty()),
+        "{}: nothing can be compared with what was asked for",
+        args.scenes.display()
+    );
+    let method = args.shadows.map_or(ShadowMethod::default(), Method::method);
+    let shadows = Shadows { method, ..Default::default() };
+    let bar = progress::frames("comparing", (views.len() + pairs.len()) as u64);
+    let mut report = Report::default();
+    let mut last = None;
+    for view in &views {
+        let stage = stage(&mut last, view, &folders, args.samples)?;
+        let (ours, linear) = stage.draw(view, &scenes, &args.shading, shadows)?;
         let reference = folders.picture(view.name)?;
-        let mask = folders.picture(&format!("{}_hairmask", view.groom_name))?;
+        let mask = folders.mask(view, (ours.width, ours.height))?;
         ensure!(
-            (ours.width, ours.height) == (reference.width, reference.height)
-                && (mask.width, mask.height) == (reference.width, reference.height),
+            (ours.width, ours.height) == (reference.width, reference.height),
             "{}: the reference is {} × {} pixels, its description says {} × {}",
             view.name,
             reference.width,
@@ -84,7 +100,7 @@ pub fn run(args: &Args) -> Result<()> {
             ours.height
         );
         let (difference, map) = metrics::flip(&reference, &ours, &mask);
-        rows.push(Row {
+        report.views.push(Row {
             name: view.name.to_owned(),
             difference,
             luminance: metrics::luminance(&linear, &mask),
@@ -97,32 +113,82 @@ pub fn run(args: &Args) -> Result<()> {
         }
         bar.inc(1);
     }
+    for Pair { view, unshadowed } in &pairs {
+        let stage = stage(&mut last, view, &folders, args.samples)?;
+        let ours = stage.draw_once(view, &scenes, &args.shading, shadows)?;
+        let size @ (width, height) = ours[0].size();
+        let reference = [folders.radiance(view.name)?, folders.radiance(unshadowed)?];
+        ensure!(
+            reference.iter().all(|picture| picture.size() == size),
+            "{}: the reference is not {width} × {height} pixels, as its description says",
+            view.name
+        );
+        report.shares.push(Share::new(view.name, &ours, &reference, &folders.mask(view, size)?));
+        bar.inc(1);
+    }
     bar.finish_and_clear();
     if args.json {
-        say!("{}", serde_json::to_string_pretty(&rows)?);
+        say!("{}", serde_json::to_string_pretty(&report)?);
     } else {
-        say!("{}", table(&rows).trim_end());
+        say!("{}", report.text().trim_end());
     }
     Ok(())
 }
 
-fn table(rows: &[Row]) -> String {
-    let wide = rows.iter().map(|row| row.name.len()).max().unwrap_or(0);
-    let mut text = format!(
-        "{:wide$}  {:>8}  {:>9}  {:>10}  {:>10}  {:>6}\n",
-        "", "FLIP", "on hair", "luminance", "reference", "ratio"
-    );
-    for row in rows {
-        let _ = writeln!(
-            text,
-            "{:wide$}  {:8.4}  {:9.4}  {:10.4}  {:10.4}  {:6.3}",
-            row.name,
-            row.difference.picture,
-            row.difference.hair,
-            row.luminance,
-            row.reference_luminance,
-            row.luminance / row.reference_luminance.max(1e-9)
-        );
+/// The stage with the groom of `view`: pictures of one groom follow each other.
+fn stage<'a>(
+    last: &'a mut Option<Stage>,
+    view: &View<'_>,
+    folders: &Folders<'_>,
+    samples: Option<u32>,
+) -> Result<&'a mut Stage> {
+    interrupt::check()?;
+    if last.as_ref().is_none_or(|stage| stage.groom() != view.groom_name) {
+        *last = Some(Stage::new(view, folders, samples)?);
     }
-    text
+    last.as_mut().context("the stage was made just now")
+}
+
+impl Report {
+    /// As tables.
+    fn text(&self) -> String {
+        let mut text = String::new();
+        let names = self.views.iter().map(|row| &row.name).chain(self.shares.iter().map(|row| &row.name));
+        let wide = names.map(String::len).max().unwrap_or(0);
+        if !self.views.is_empty() {
+            let _ = writeln!(
+                text,
+                "{:wide$}  {:>8}  {:>9}  {:>10}  {:>10}  {:>6}",
+                "", "FLIP", "on hair", "luminance", "reference", "ratio"
+            );
+        }
+        for row in &self.views {
+            let _ = writeln!(
+                text,
+                "{:wide$}  {:8.4}  {:9.4}  {:10.4}  {:10.4}  {:6.3}",
+                row.name,
+                row.difference.picture,
+                row.difference.hair,
+                row.luminance,
+                row.reference_luminance,
+                row.luminance / row.reference_luminance.max(1e-9)
+            );
+        }
+        if !self.shares.is_empty() {
+            let _ = writeln!(
+                text,
+                "\nThe share of a light that arrives (scattered once, with shadows over without)\n\
+                 {:wide$}  {:>8}  {:>9}  {:>10}  {:>10}",
+                "", "ours", "reference", "mean error", "unshadowed"
+            );
+        }
+        for row in &self.shares {
+            let _ = writeln!(
+                text,
+                "{:wide$}  {:8.4}  {:9.4}  {:10.4}  {:10.4}",
+                row.name, row.share, row.reference_share, row.error, row.unshadowed
+            );
+        }
+        text
+    }
 }

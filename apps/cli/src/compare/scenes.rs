@@ -1,5 +1,6 @@
 //! The description of the reference pictures, and where what it names lies.
 
+use super::metrics::Linear;
 use crate::picture::{self, Picture};
 use anyhow::{Context, Result, bail, ensure};
 use serde::Deserialize;
@@ -86,6 +87,15 @@ struct Shot {
     environment: bool,
     #[serde(default)]
     mean_luminance_hair_pixels: f64,
+    /// Two: light that one surface has scattered, once.
+    #[serde(default)]
+    max_depth: u32,
+    #[serde(default = "yes")]
+    shadow_rays: bool,
+}
+
+fn yes() -> bool {
+    true
 }
 
 /// One picture that can be compared.
@@ -106,6 +116,14 @@ pub struct View<'a> {
     pub luminance: f64,
 }
 
+/// Two pictures of light that is scattered once, with shadows and without.
+pub struct Pair<'a> {
+    /// The one with shadows.
+    pub view: View<'a>,
+    /// The name of the other.
+    pub unshadowed: &'a str,
+}
+
 impl Scenes {
     /// Reads a description.
     pub fn read(path: &Path) -> Result<Self> {
@@ -122,28 +140,57 @@ impl Scenes {
         let mut views = Vec::new();
         for (name, shot) in &self.pictures {
             let wanted = if only.is_empty() { shot.environment } else { only.contains(name) };
-            if !wanted {
+            if !wanted || shot.scatters_once() {
                 continue;
             }
-            let (Some(groom_name), Some(material)) = (&shot.groom, &shot.material) else {
-                ensure!(only.is_empty(), "{name} shows no shaded hair");
-                continue;
-            };
-            views.push(View {
-                name,
-                groom_name,
-                groom: self
-                    .grooms
-                    .get(groom_name)
-                    .with_context(|| format!("{name}: no groom {groom_name}"))?,
-                material,
-                lights: &shot.lights,
-                environment: shot.environment,
-                luminance: shot.mean_luminance_hair_pixels,
-            });
+            match self.view(name, shot)? {
+                Some(view) => views.push(view),
+                None => ensure!(only.is_empty(), "{name} shows no shaded hair"),
+            }
         }
         views.sort_by_key(|view| view.groom_name);
         Ok(views)
+    }
+
+    /// The pictures that tell how much of a light arrives: those that are named, or all.
+    pub fn pairs(&self, only: &[String]) -> Result<Vec<Pair<'_>>> {
+        let mut pairs = Vec::new();
+        for (name, shot) in &self.pictures {
+            if !(shot.scatters_once() && shot.shadow_rays && (only.is_empty() || only.contains(name))) {
+                continue;
+            }
+            let twin = self.pictures.iter().find(|(_, other)| {
+                other.scatters_once()
+                    && !other.shadow_rays
+                    && (&other.groom, &other.material, &other.lights)
+                        == (&shot.groom, &shot.material, &shot.lights)
+            });
+            if let (Some(view), Some((unshadowed, _))) = (self.view(name, shot)?, twin) {
+                pairs.push(Pair { view, unshadowed });
+            }
+        }
+        Ok(pairs)
+    }
+
+    /// The view of a picture that shows shaded hair.
+    fn view<'a>(&'a self, name: &'a str, shot: &'a Shot) -> Result<Option<View<'a>>> {
+        let (Some(groom_name), Some(material)) = (&shot.groom, &shot.material) else { return Ok(None) };
+        let groom = self.grooms.get(groom_name).with_context(|| format!("{name}: no groom {groom_name}"))?;
+        Ok(Some(View {
+            name,
+            groom_name,
+            groom,
+            material,
+            lights: &shot.lights,
+            environment: shot.environment,
+            luminance: shot.mean_luminance_hair_pixels,
+        }))
+    }
+}
+
+impl Shot {
+    fn scatters_once(&self) -> bool {
+        self.max_depth == 2
     }
 }
 
@@ -190,6 +237,28 @@ impl Folders<'_> {
     /// A file that lies beside the description.
     pub fn beside(&self, path: &Path) -> PathBuf {
         self.scenes.parent().unwrap_or(Path::new("")).join(path)
+    }
+
+    /// The linear radiance of a picture that lies there.
+    pub fn radiance(&self, name: &str) -> Result<Linear> {
+        let path = self.beside(Path::new(&format!("{name}.exr")));
+        let picture = image::open(&path).with_context(|| path.display().to_string())?.into_rgb32f();
+        Ok(Linear { width: picture.width(), pixels: picture.pixels().map(|pixel| pixel.0).collect() })
+    }
+
+    /// Where the picture of `view`, of `size` pixels, shows hair.
+    pub fn mask(&self, view: &View<'_>, size: (u32, u32)) -> Result<Picture> {
+        let mask = self.picture(&format!("{}_hairmask", view.groom_name))?;
+        ensure!(
+            (mask.width, mask.height) == size,
+            "{}: the mask of the hair is {} × {} pixels, the picture {} × {}",
+            view.name,
+            mask.width,
+            mask.height,
+            size.0,
+            size.1
+        );
+        Ok(mask)
     }
 
     /// A picture that lies there.

@@ -10,7 +10,10 @@ use half::f16;
 use tresses::{
     Hair, HairOptions, HairRenderer, Pose,
     collide::ColliderPoses,
-    draw::{Background, Body, BodyMaterial, DrawOptions, Scene, Targets, View as Projection},
+    draw::{
+        Background, Body, BodyMaterial, DrawOptions, Scene, Targets, View as Projection,
+        debug::{DebugView, DebugViews, Shown},
+    },
     frame::{Frame, Recorder},
     glam::{Affine3A, Mat4, Vec3},
     gpu::{Gpu, readback::blocking as readback},
@@ -19,7 +22,9 @@ use tresses::{
         import::{self, ImportOptions},
         orient::{Axis, Choice, Unit},
     },
-    light::{Directional, HairMaterial, Lights, MAX_LIGHTS, Sky, Sphere, material::linear},
+    light::{
+        Directional, HairMaterial, Lights, MAX_LIGHTS, ShadowMethod, Shadows, Sky, Sphere, material::linear,
+    },
     present::ToneMap,
     simulate::SimulationParams,
 };
@@ -101,8 +106,9 @@ impl Stage {
         view: &View<'_>,
         scenes: &Scenes,
         shading: &ShadingArgs,
+        shadows: Shadows,
     ) -> Result<(Picture, Linear)> {
-        let mut scene = self.scene(view, scenes)?;
+        let mut scene = Scene { shadows, ..self.scene(view, scenes)? };
         shading.vary(&mut scene.hair, &mut scene.shading);
         scene.shadows.ambient = shading.follows(scene.shadows.ambient);
         let shown = self.pixels(&scene)?;
@@ -112,8 +118,36 @@ impl Stage {
         let [width, height] = self.targets.size;
         let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
         let rgba = shown.iter().flat_map(|[r, g, b]| [byte(*r), byte(*g), byte(*b), 255]).collect();
-        let radiance = dim.iter().map(|rgb| rgb.map(|v| linear(v) / DIM)).collect();
-        Ok((Picture { width, height, rgba }, Linear(radiance)))
+        Ok((Picture { width, height, rgba }, radiance(width, &dim)))
+    }
+
+    /// The radiance of light that one fibre has scattered, with shadows and without.
+    pub fn draw_once(
+        &mut self,
+        view: &View<'_>,
+        scenes: &Scenes,
+        shading: &ShadingArgs,
+        shadows: Shadows,
+    ) -> Result<[Linear; 2]> {
+        let mut scene = self.scene(view, scenes)?;
+        shading.vary(&mut scene.hair, &mut scene.shading);
+        scene.background = Background::flat(Vec3::ZERO);
+        scene.tone = ToneMap { exposure: DIM, shoulder: 0.99, desaturation: 0.0 };
+        let width = self.targets.size[0];
+        let off = Shadows { method: ShadowMethod::Off, ..shadows };
+        let mut views = DebugViews::new(&self.gpu.device, &self.renderer.draw, FORMAT);
+        let mut once = |shadows: Shadows| -> Result<Linear> {
+            let scene = Scene { shadows, ..scene };
+            // All light but that which several fibres have scattered. The body is in each picture: where hair
+            // adds nothing, as of a sky that is black, it is alone.
+            let [all, many, none] = [DebugView::Direct, DebugView::Multiple, DebugView::Sky]
+                .map(|view| self.shown(&scene, Some((&mut views, view))));
+            let [all, many, none] = [all?, many?, none?].map(|pixels| radiance(width, &pixels));
+            let add = |i: usize, c: usize| all.pixels[i][c] - many.pixels[i][c] + none.pixels[i][c];
+            let pixels = (0..all.pixels.len()).map(|i| [0, 1, 2].map(|c| add(i, c))).collect();
+            Ok(Linear { width, pixels })
+        };
+        Ok([once(shadows)?, once(off)?])
     }
 
     fn scene(&self, view: &View<'_>, scenes: &Scenes) -> Result<Scene> {
@@ -155,6 +189,11 @@ impl Stage {
 
     /// Draws `scene`; sRGB, from 0 to 1.
     fn pixels(&mut self, scene: &Scene) -> Result<Vec<[f32; 3]>> {
+        self.shown(scene, None)
+    }
+
+    /// Draws `scene`, or what a view shows of it.
+    fn shown(&mut self, scene: &Scene, shown: Option<(&mut DebugViews, DebugView)>) -> Result<Vec<[f32; 3]>> {
         let Gpu { device, queue, .. } = &self.gpu;
         let mut encoder = device.create_command_encoder(&Default::default());
         let mut recorder =
@@ -167,7 +206,13 @@ impl Stage {
         };
         recorder.advance(&mut self.hair, &frame)?;
         let view = self.output.create_view(&Default::default());
-        recorder.draw(&self.hair, Some(&self.body), scene, &self.targets, &view);
+        let (hair, body) = (&self.hair, Some(&self.body));
+        match shown {
+            None => recorder.draw(hair, body, scene, &self.targets, &view),
+            Some((views, which)) => {
+                recorder.draw_view(views, &Shown::new(which), hair, body, scene, &self.targets, &view)?;
+            }
+        }
         queue.submit([encoder.finish()]);
         let bytes = readback::texture(device, queue, &self.output)?;
         let halves: Vec<f16> = bytemuck::pod_collect_to_vec(&bytes);
@@ -178,6 +223,11 @@ impl Stage {
             .map(|[r, g, b, _]| [r.to_f32(), g.to_f32(), b.to_f32()])
             .collect())
     }
+}
+
+/// What the pixels of a picture at [`DIM`] were before tone mapping.
+fn radiance(width: u32, dim: &[[f32; 3]]) -> Linear {
+    Linear { width, pixels: dim.iter().map(|rgb| rgb.map(|v| linear(v) / DIM)).collect() }
 }
 
 /// Ours that comes closest to a material of the reference.

@@ -1,11 +1,14 @@
 //! A small rolling plot of what frames took.
 
 use crate::theme;
-use eframe::egui::{self, Color32, Rect, Sense, Stroke, Ui, pos2, vec2};
+use eframe::egui::{self, Align2, Color32, Rect, Sense, Stroke, TextStyle, Ui, pos2, vec2};
 use std::collections::VecDeque;
 
 /// Frames that are remembered.
 const MANY: usize = 120;
+
+/// Room for the numbers of the axis, points.
+const AXIS: f32 = 52.0;
 
 /// Milliseconds of the last frames.
 #[derive(Debug, Default)]
@@ -29,10 +32,13 @@ impl Frames {
 
     /// Draws them, with a line at `budget` milliseconds.
     pub fn plot(&self, ui: &mut Ui, budget: f32) -> egui::Response {
-        let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 54.0), Sense::hover());
-        let painter = ui.painter_at(rect);
+        let (whole, response) = ui.allocate_exact_size(vec2(ui.available_width(), 72.0), Sense::hover());
+        let painter = ui.painter_at(whole);
+        let rect = Rect::from_min_max(pos2(whole.left() + AXIS, whole.top()), whole.max);
         painter.rect_filled(rect, 4.0, Color32::from_rgb(0x12, 0x13, 0x14));
-        let most = self.0.iter().copied().fold(1.5 * budget, f32::max);
+        let longest = self.0.iter().copied().fold(1.5 * budget, f32::max);
+        let step = step(longest);
+        let most = 1.08 * longest;
         let high = |ms: f32| rect.bottom() - rect.height() * ms / most;
         let width = rect.width() / MANY as f32;
         for (i, ms) in self.0.iter().enumerate() {
@@ -43,6 +49,47 @@ impl Frames {
             painter.rect_filled(bar, 0.0, color);
         }
         painter.hline(rect.x_range(), high(budget), Stroke::new(1.0, theme::QUIET.gamma_multiply(0.6)));
+        let font = TextStyle::Small.resolve(ui.style());
+        let text = |ms: f32, anchor: Align2, words: String| {
+            painter.text(pos2(rect.left() - 5.0, high(ms)), anchor, words, font.clone(), theme::QUIET);
+        };
+        text(0.0, Align2::RIGHT_BOTTOM, "0".into());
+        let marks = (1..).map(|i| i as f32 * step).take_while(|ms| *ms <= longest);
+        for ms in marks {
+            painter.hline(rect.x_range(), high(ms), Stroke::new(1.0, Color32::from_white_alpha(14)));
+            text(ms, Align2::RIGHT_CENTER, format!("{ms} ms"));
+        }
         response
+    }
+}
+
+/// Milliseconds from one mark of the axis to the next, so that there are two or three: 1, 2 or 5, and zeros.
+fn step(most: f32) -> f32 {
+    let least = most / 3.5;
+    let power = 10f32.powf(least.log10().floor());
+    [1.0, 2.0, 5.0, 10.0].map(|digit| digit * power).into_iter().find(|step| *step >= least).unwrap_or(least)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_axis_has_few_round_marks() {
+        for most in [0.3, 16.7, 50.0, 120.0, 121.0, 999.0, 12345.0] {
+            let step = step(most);
+            assert!((1.0..=3.6).contains(&(most / step)), "{most}: {step}");
+        }
+        assert_eq!((step(120.0), step(50.0), step(1000.0)), (50.0, 20.0, 500.0));
+    }
+
+    #[test]
+    fn the_median_is_in_the_middle() {
+        let mut frames = Frames::default();
+        assert_eq!(frames.median(), None);
+        for ms in 0..2 * MANY {
+            frames.push(ms as f32);
+        }
+        assert_eq!((frames.median(), frames.0.len()), (Some(1.5 * MANY as f32), MANY));
     }
 }

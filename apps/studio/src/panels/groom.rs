@@ -22,7 +22,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
         ui.separator();
         findings(report, ui);
         ui.separator();
-        let Source::Files { files, options } = &shown.source else { return };
+        let Source::Files { files, options } = &shown.hair.source else { return };
         let mut changed = options.clone();
         orientation(&mut changed, report, ui);
         if changed != *options {

@@ -17,6 +17,8 @@ pub enum Icon {
     Rewind,
     /// An arrow that turns back.
     Undo,
+    /// Two strokes that cross.
+    Cross,
 }
 
 /// A button with it.
@@ -59,6 +61,11 @@ fn paint(painter: &Painter, icon: Icon, at: Rect, color: Color32) {
             triangle(at.right(), at.left() + 4.0);
         }
         Icon::Undo => turning(painter, at, color),
+        Icon::Cross => {
+            let (at, stroke) = (at.shrink(1.0), Stroke::new(1.5, color));
+            painter.line_segment([at.left_top(), at.right_bottom()], stroke);
+            painter.line_segment([at.left_bottom(), at.right_top()], stroke);
+        }
     }
 }
 

@@ -77,7 +77,7 @@ fn matches(knob: &Knob, section: &Section, words: &str) -> bool {
 }
 
 /// One parameter; whether it was changed.
-fn row(knob: &Knob, settings: &mut Settings, resolved: &Settings, ui: &mut Ui) -> bool {
+pub fn row(knob: &Knob, settings: &mut Settings, resolved: &Settings, ui: &mut Ui) -> bool {
     let value = knob.get(settings);
     let mut new = None;
     ui.horizontal(|ui| {

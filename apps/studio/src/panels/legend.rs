@@ -1,8 +1,11 @@
 //! What the colours of a view stand for, at the bottom of the picture.
 
 use crate::{app::Studio, theme};
-use eframe::egui::{Color32, Mesh, RichText, Sense, Ui, pos2, vec2};
+use eframe::egui::{Align2, Color32, Mesh, Pos2, Rect, RichText, Sense, TextStyle, Ui, pos2, vec2};
 use tresses::draw::debug::ramp;
+
+/// How wide it is where there is room, points.
+const WIDTH: f32 = 280.0;
 
 /// Pieces of the bar.
 const PIECES: u32 = 32;
@@ -12,26 +15,33 @@ pub fn wanted(studio: &Studio) -> bool {
     studio.view.is_some()
 }
 
-/// Shows the name of the view and its scale.
-pub fn show(studio: &Studio, ui: &mut Ui) {
+/// Shows the name of the view and its scale, not wider than `room` points.
+pub fn show(studio: &Studio, ui: &mut Ui, room: f32) {
     let Some(shown) = &studio.view else { return };
     let physics = studio.show.as_ref().map(|show| &show.stage.physics);
     ui.vertical_centered(|ui| {
-        ui.set_max_width(300.0);
+        ui.set_max_width(room.min(WIDTH));
         ui.label(RichText::new(shown.view.label()).strong()).on_hover_text(shown.view.hint());
         if let Some(why) = physics.and_then(|physics| shown.view.missing(physics)) {
             ui.label(RichText::new(format!("There is nothing to show: {why}")).color(theme::ACCENT));
             return;
         }
         let Some(scale) = shown.scale() else { return };
-        bar(ui);
-        ui.label(RichText::new(scale.title).small().color(theme::QUIET));
-        ui.label(RichText::new(format!("{}  to  {}", scale.low, scale.high)).small());
+        let bar = bar(ui);
+        // The numbers under the ends of the bar that they belong to.
+        let (row, _) = ui.allocate_exact_size(vec2(bar.width(), 14.0), Sense::hover());
+        let font = TextStyle::Small.resolve(ui.style());
+        let put = |at: Pos2, anchor: Align2, text: &str, color| {
+            ui.painter().text(at, anchor, text, font.clone(), color);
+        };
+        put(row.left_center(), Align2::LEFT_CENTER, &scale.low.to_string(), theme::TEXT);
+        put(row.center(), Align2::CENTER_CENTER, scale.title, theme::QUIET);
+        put(row.right_center(), Align2::RIGHT_CENTER, &scale.high.to_string(), theme::TEXT);
     });
 }
 
-fn bar(ui: &mut Ui) {
-    let (rect, _) = ui.allocate_exact_size(vec2(260.0, 8.0), Sense::hover());
+fn bar(ui: &mut Ui) -> Rect {
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 8.0), Sense::hover());
     let mut mesh = Mesh::default();
     for i in 0..=PIECES {
         let t = i as f32 / PIECES as f32;
@@ -47,6 +57,7 @@ fn bar(ui: &mut Ui) {
         }
     }
     ui.painter().add(mesh);
+    rect
 }
 
 fn linear_to_srgb(v: f32) -> f32 {

@@ -1,5 +1,7 @@
 //! What surrounds the picture, a file each.
 
+pub mod ask;
+pub mod files;
 pub mod frames;
 pub mod groom;
 pub mod icons;
@@ -29,6 +31,8 @@ pub struct Panels {
     pub search: String,
     /// Whether a loop is being ordered.
     pub record: bool,
+    /// Pictures that were dropped, and may be any map.
+    pub asked: Vec<ask::Asked>,
     /// Whether the panel at the side is hidden; `None`: where it would leave too little of the picture.
     folded: Option<bool>,
 }

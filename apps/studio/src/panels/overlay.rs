@@ -7,13 +7,19 @@ use crate::{
     tool::Tool,
     viewport::plate,
 };
-use eframe::egui::{Align, Align2, Area, Id, Layout, Order, ProgressBar, Rect, RichText, Ui, vec2};
+use eframe::egui::{Align, Align2, Area, Id, Label, Layout, Order, ProgressBar, Rect, RichText, Ui, vec2};
 
 /// Distance from the picture's edges, points.
 const GAP: f32 = 12.0;
 
 /// What the wind's dial takes of the width and height, with room around it, points.
 const DIAL: f32 = 130.0;
+
+/// The height of a picture that has room for the dial under the tools, points.
+const LOW: f32 = 290.0;
+
+/// How wide the words about long work may be, points.
+const WORDS: f32 = 260.0;
 
 /// Shows all of it over the picture at `rect`.
 pub fn show(studio: &mut Studio, ui: &mut Ui, rect: Rect) {
@@ -31,9 +37,9 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, rect: Rect) {
         at("views", Align2::CENTER_TOP, vec2(0.0, 0.0))
             .show(ui.ctx(), |ui| plate().show(ui, |ui| views(studio, ui)));
     }
+    let (dial, free) = (dial(rect), free(rect));
     if studio.show.is_some() {
-        at("wind", Align2::LEFT_BOTTOM, vec2(0.0, 0.0))
-            .show(ui.ctx(), |ui| plate().show(ui, |ui| wind(studio, ui)));
+        at("wind", dial, vec2(0.0, 0.0)).show(ui.ctx(), |ui| plate().show(ui, |ui| wind(studio, ui)));
     }
     if studio.job.is_some() {
         let (anchor, offset) = if studio.show.is_some() {
@@ -48,17 +54,42 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, rect: Rect) {
             .show(ui.ctx(), |ui| plate().show(ui, |ui| recording(studio, ui)));
     }
     if studio.show.is_some() && panels::legend::wanted(studio) && studio.error.is_none() {
-        at("legend", Align2::CENTER_BOTTOM, vec2(0.0, 0.0))
-            .show(ui.ctx(), |ui| plate().show(ui, |ui| panels::legend::show(studio, ui)));
+        at("legend", free.anchor, vec2(0.0, -free.lift))
+            .show(ui.ctx(), |ui| plate().show(ui, |ui| panels::legend::show(studio, ui, free.width)));
     }
     if studio.error.is_some() {
-        // Beside the wind's dial, or above it where there is no room.
-        let beside = rect.width() - 2.0 * DIAL;
-        let (lift, width) = if beside > 320.0 { (0.0, beside) } else { (DIAL, 0.9 * rect.width()) };
-        at("error", Align2::CENTER_BOTTOM, vec2(0.0, -lift)).show(ui.ctx(), |ui| {
-            ui.set_max_width(width);
+        at("error", free.anchor, vec2(0.0, -free.lift)).show(ui.ctx(), |ui| {
+            ui.set_max_width(free.width);
             plate().show(ui, |ui| error(studio, ui));
         });
+    }
+}
+
+/// Where the wind's dial is: under the tools, or beside them where the picture is low.
+fn dial(rect: Rect) -> Align2 {
+    if rect.height() < LOW { Align2::RIGHT_BOTTOM } else { Align2::LEFT_BOTTOM }
+}
+
+/// Where there is room for words at the bottom of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Free {
+    anchor: Align2,
+    /// How far above the bottom, points.
+    lift: f32,
+    /// How wide they may be, points.
+    width: f32,
+}
+
+/// In the middle, else beside the dial, else above it.
+fn free(rect: Rect) -> Free {
+    let (middle, beside) = (rect.width() - 2.0 * DIAL, rect.width() - DIAL - GAP);
+    let other = if dial(rect) == Align2::LEFT_BOTTOM { Align2::RIGHT_BOTTOM } else { Align2::LEFT_BOTTOM };
+    if middle > 320.0 {
+        Free { anchor: Align2::CENTER_BOTTOM, lift: 0.0, width: middle }
+    } else if beside > 180.0 {
+        Free { anchor: other, lift: 0.0, width: beside }
+    } else {
+        Free { anchor: Align2::CENTER_BOTTOM, lift: DIAL, width: 0.9 * rect.width() }
     }
 }
 
@@ -115,8 +146,14 @@ fn job(studio: &Studio, ui: &mut Ui) {
         let bar =
             ProgressBar::new(job.fraction()).desired_width(90.0).desired_height(6.0).fill(theme::ACCENT);
         ui.add(bar);
-        ui.label(format!("{}: {}", job.source.name(), job.step()));
-        ui.label(RichText::new(format!("{:.0} s", job.begun.elapsed().as_secs_f32())).color(theme::QUIET));
+        // The step is worth more than the name.
+        ui.label(job.step());
+        let seconds = format!("{:.0} s", job.begun.elapsed().as_secs_f32());
+        ui.label(RichText::new(seconds).color(theme::QUIET));
+        ui.scope(|ui| {
+            ui.set_max_width(WORDS);
+            ui.add(Label::new(RichText::new(job.hair.source.name()).color(theme::QUIET)).truncate());
+        });
     });
 }
 
@@ -140,4 +177,34 @@ fn error(studio: &mut Studio, ui: &mut Ui) {
             studio.error = None;
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eframe::egui::pos2;
+
+    #[test]
+    fn words_and_dial_have_room_in_any_window() {
+        for size in [
+            vec2(1080.0, 790.0),
+            vec2(500.0, 300.0),
+            vec2(480.0, 220.0),
+            vec2(432.0, 500.0),
+            vec2(260.0, 400.0),
+        ] {
+            let rect = Rect::from_min_size(pos2(0.0, 36.0), size);
+            let inner = rect.shrink(GAP);
+            let place = |anchor: Align2, lift: f32, size| {
+                anchor.anchor_size(anchor.pos_in_rect(&inner) - vec2(0.0, lift), size)
+            };
+            let dial = place(dial(rect), 0.0, vec2(DIAL - 2.0 * GAP, DIAL - GAP));
+            let free = free(rect);
+            let words = place(free.anchor, free.lift, vec2(free.width, 60.0));
+            assert!(!dial.intersects(words), "{size}: {dial} {words}");
+            assert!(free.width > 170.0 && rect.contains_rect(words), "{size}: {words}");
+            let tools = place(Align2::LEFT_TOP, 0.0, vec2(76.0, 134.0));
+            assert!(!dial.intersects(tools), "{size}: {dial} {tools}");
+        }
+    }
 }

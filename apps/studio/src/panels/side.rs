@@ -2,7 +2,7 @@
 
 use crate::{
     app::Studio,
-    panels::{groom, inside, knobs, time},
+    panels::{files, groom, inside, knobs, time},
     theme,
 };
 use eframe::egui::{self, Panel, Ui};
@@ -17,14 +17,17 @@ pub enum Page {
     Knobs,
     /// The groom.
     Groom,
+    /// Maps, obstacles, surroundings.
+    Files,
     /// Timings.
     Time,
 }
 
 impl Page {
-    const ALL: [(Self, &str, &str); 4] = [
+    const ALL: [(Self, &str, &str); 5] = [
         (Self::Knobs, "Parameters", "Everything that can be turned"),
         (Self::Groom, "Groom", "What it has, what is odd about it, its unit and axes"),
+        (Self::Files, "Files", "Maps on the scalp, obstacles, surroundings"),
         (Self::Inside, "Inside", "See guides, grids, single terms of the light"),
         (Self::Time, "Time", "Where the time of a frame goes"),
     ];
@@ -41,6 +44,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
     let usual = (0.31 * ui.available_width()).clamp(348.0, 404.0);
     Panel::right("side").frame(frame).default_size(usual).size_range(280.0..=widest).show(ui, |ui| {
         ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 2.0;
             for (page, name, help) in Page::ALL {
                 ui.selectable_value(&mut studio.panels.page, page, name).on_hover_text(help);
             }
@@ -50,6 +54,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
             Page::Knobs => knobs::show(studio, ui),
             Page::Inside => inside::show(studio, ui),
             Page::Groom => groom::show(studio, ui),
+            Page::Files => files::show(studio, ui),
             Page::Time => time::show(studio, ui),
         }
     });

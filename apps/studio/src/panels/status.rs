@@ -1,6 +1,6 @@
 //! The line at the bottom: what the pointer can do, and what is drawn how fast.
 
-use crate::{app::Studio, theme};
+use crate::{app::Studio, pace::Level, theme};
 use eframe::egui::{self, Align, Label, Layout, Panel, RichText, Ui};
 use tresses_scene::words::grouped;
 
@@ -29,10 +29,11 @@ fn right(studio: &mut Studio, ui: &mut Ui) {
         ui.label(quiet(format!("{ms:.0} ms"))).on_hover_text("The median of the last frames of hair");
     }
     let [width, height] = show.stage.targets.size;
-    let level = studio.pace.level();
+    // Of the picture that is seen, which is not always that of the next.
+    let level = &studio.drawn;
     let drawn = show.stage.detail().strands;
     let mut text = format!("{} strands · {width}×{height}", grouped(u64::from(drawn)));
-    let coarse = studio.pace.is_lowered();
+    let coarse = *level != Level::FULL;
     if coarse {
         text += &format!(" ({:.0} %)", level.scale * 100.0);
     }

@@ -3,7 +3,7 @@
 use crate::{app::Studio, job::Source, theme};
 use eframe::egui::{self, Align, ComboBox, Layout, Panel, RichText, Ui};
 use tresses::groom::styles::Style;
-use tresses_scene::preset::{Extent, Preset};
+use tresses_scene::preset::Preset;
 
 /// Width of a window in which everything has its button, points.
 const WIDE: f32 = 1000.0;
@@ -34,7 +34,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
 
 /// What is opened and saved: in a row, or below each other in a menu.
 fn files(studio: &mut Studio, ui: &mut Ui) {
-    let help = "A groom (.hair, .tfx, .obj), a head for it (.obj, .gltf, .glb, .tfxmesh), or both. Files can also be dropped on the window.";
+    let help = "A groom (.hair, .tfx, .obj), a head for it (.obj, .gltf, .glb, .tfxmesh), or both. Files can also be dropped on the window, as can maps (.png), surroundings (.hdr, .exr) and obstacles (.json).";
     if ui.button("Open…").on_hover_text(help).clicked() {
         studio.dialogs.open(ui.ctx());
     }
@@ -51,14 +51,15 @@ fn files(studio: &mut Studio, ui: &mut Ui) {
 }
 
 fn source(studio: &mut Studio, ui: &mut Ui) {
-    let shown =
-        studio.job.as_ref().map(|job| &job.source).or(studio.shown.as_ref().map(|shown| &shown.source));
+    let shown = studio.job.as_ref().map(|job| &job.hair).or(studio.shown.as_ref().map(|shown| &shown.hair));
+    let shown = shown.map(|hair| &hair.source);
     let name = shown.map(Source::name).unwrap_or_default();
     let built_in = matches!(shown, Some(Source::Style(_)));
     let mut chosen = None;
     ComboBox::from_id_salt("style")
         .selected_text(if built_in { format!("Style: {name}") } else { name.clone() })
         .width(150.0)
+        .truncate()
         .show_ui(ui, |ui| {
             for style in Style::NAMES {
                 if ui.selectable_label(built_in && style == name, style).clicked() {
@@ -67,7 +68,7 @@ fn source(studio: &mut Studio, ui: &mut Ui) {
             }
         })
         .response
-        .on_hover_text("The built-in styles");
+        .on_hover_text(if built_in { "The built-in styles".into() } else { name.clone() });
     if let Some(style) = chosen {
         studio.open(ui.ctx(), Source::Style(style.into()));
     }
@@ -100,13 +101,10 @@ fn presets(studio: &mut Studio, ui: &mut Ui) {
     if ui.button("Open preset…").on_hover_text(help).clicked() {
         studio.dialogs.preset(ui.ctx());
     }
-    if ui.button("Save preset…").on_hover_text("All parameters into a readable file").clicked() {
-        let preset = Preset { settings: studio.settings.now().clone(), ..Default::default() };
-        studio.dialogs.save(
-            ui.ctx(),
-            "Save the preset",
-            "preset.toml",
-            preset.write(Extent::Changed).into_bytes(),
-        );
+    let help = "All parameters, the hair and the files beside it, into a readable file";
+    if ui.button("Save preset…").on_hover_text(help).clicked() {
+        let (settings, source) = (studio.settings.now().clone(), studio.wanted().named());
+        let preset = Preset { settings, source, ..Default::default() };
+        studio.dialogs.save(ui.ctx(), "Save the preset", "preset.toml", preset);
     }
 }

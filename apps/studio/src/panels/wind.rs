@@ -1,7 +1,9 @@
 //! The wind as a dial: the head from above as the camera sees it, and a handle where the wind comes from.
 
 use crate::theme;
-use eframe::egui::{Color32, CursorIcon, Painter, Pos2, Response, Sense, Shape, Stroke, Ui, Vec2, vec2};
+use eframe::egui::{
+    Color32, CursorIcon, Painter, Pos2, RectAlign, Response, Sense, Shape, Stroke, Tooltip, Ui, Vec2, vec2,
+};
 use std::f32::consts::TAU;
 
 /// The speed at the dial's rim, m/s.
@@ -23,7 +25,11 @@ pub fn show(ui: &mut Ui, wind: Wind, azimuth: f32) -> Option<Wind> {
     paint(ui.painter(), center, handle, wind, azimuth, &response);
     let turned = pull(&response, center, azimuth);
     let text = "Drag the handle to where the wind comes from; the farther from the head, the stronger. A double click makes it calm.";
-    response.on_hover_cursor(CursorIcon::PointingHand).on_hover_text(text);
+    let response = response.on_hover_cursor(CursorIcon::PointingHand);
+    // Not below, where the transport is.
+    let mut tooltip = Tooltip::for_enabled(&response);
+    tooltip.popup = tooltip.popup.align(RectAlign::TOP_START).align_alternatives(&[RectAlign::TOP_END]);
+    tooltip.show(|ui| ui.label(text));
     turned
 }
 

@@ -102,7 +102,7 @@ const KNOBS: &[Knob] = &[
     ),
     knob!(
         "lights.environment_turn",
-        "Turn of the surroundings",
+        "Turn of surroundings",
         number(DEGREES, -360.0, 360.0),
         Frame,
         "Turns a picture of the surroundings about the head, towards its left.",

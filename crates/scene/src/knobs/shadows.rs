@@ -16,7 +16,7 @@ const KNOBS: &[Knob] = &[
         "Method",
         choice::<ShadowMethod>(),
         Frame,
-        "Solid hair, light lost on the way behind the front, or fibres counted in layers.",
+        "Solid hair, light lost on the way behind the front, fibres counted in layers, or none at all.",
         shadows.method
     ),
     knob!(

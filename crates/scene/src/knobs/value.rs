@@ -272,7 +272,7 @@ named! {
     }
     ShadingModel { "fiber" => Fiber, "kajiya-kay" => KajiyaKay }
     ShadingRate { "vertex" => PerVertex, "pixel" => PerPixel }
-    ShadowMethod { "opaque" => Opaque, "absorption" => Absorption, "deep" => DeepOpacity }
+    ShadowMethod { "opaque" => Opaque, "absorption" => Absorption, "deep" => DeepOpacity, "off" => Off }
     Samples { "1" => One, "4" => Four, "8" => Eight, "16" => Sixteen }
     CoverageMode { "mask" => Mask, "alpha" => Alpha, "peel" => Peel }
     LodChoice { "auto" => Auto, "off" => Off, "fraction" => Fixed }

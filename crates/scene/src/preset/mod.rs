@@ -88,10 +88,19 @@ impl Preset {
     /// # Errors
     /// When the file cannot be written.
     pub fn save(&self, path: &Path, extent: Extent) -> std::io::Result<()> {
+        let text = self.text_at(path, extent)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         std::fs::create_dir_all(if folder.as_os_str().is_empty() { Path::new(".") } else { folder })?;
-        let here = Self { source: self.source.seen_from(folder)?, ..self.clone() };
-        std::fs::write(path, here.write(extent))
+        std::fs::write(path, text)
+    }
+
+    /// What [`save`](Self::save) would write to `path`.
+    ///
+    /// # Errors
+    /// When it is not known where the program runs.
+    pub fn text_at(&self, path: &Path, extent: Extent) -> std::io::Result<String> {
+        let source = self.source.seen_from(path.parent().unwrap_or(Path::new("")))?;
+        Ok(Self { source, ..self.clone() }.write(extent))
     }
 }
 

@@ -1,5 +1,6 @@
 //! Which hair a preset is for.
 
+use crate::companions::COMPANIONS;
 use std::path::{Component, Path, PathBuf};
 use tresses::groom::{
     grow::ScalpMap,
@@ -109,36 +110,10 @@ pub(super) const TEXTS: &[Text] = &[
 /// The only toggle.
 pub(super) const MIRROR: &str = "mirror";
 
-/// Those of the texts that name files.
-const NAMES: [fn(&mut Source) -> &mut Option<String>; 10] = [
-    |s| &mut s.density_map,
-    |s| &mut s.thickness_map,
-    |s| &mut s.length_map,
-    |s| &mut s.curl_map,
-    |s| &mut s.stiffness_map,
-    |s| &mut s.color_map,
-    |s| &mut s.curl_curve,
-    |s| &mut s.lod_maps,
-    |s| &mut s.colliders,
-    |s| &mut s.environment,
-];
-
 impl Source {
     /// Whether nothing is said.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
-    }
-
-    /// The keys of the maps, curves and other files that it names besides groom and head.
-    pub fn companions(&self) -> Vec<&'static str> {
-        let rest = Self {
-            style: None,
-            grooms: Vec::new(),
-            heads: Vec::new(),
-            orientation: Default::default(),
-            ..self.clone()
-        };
-        TEXTS.iter().filter(|(_, get, _)| get(&rest).is_some()).map(|(key, ..)| *key).collect()
     }
 
     /// All keys of the table.
@@ -164,8 +139,8 @@ impl Source {
                 *path = rename(path)?;
             }
         }
-        for name in NAMES {
-            if let Some(name) = name(&mut renamed)
+        for companion in &COMPANIONS {
+            if let Some(name) = (companion.place)(&mut renamed)
                 && !ScalpMap::NAMES.contains(&name.strip_prefix("not-").unwrap_or(name))
             {
                 *name = slashes(&rename(Path::new(&name))?);

@@ -1,8 +1,9 @@
 //! The lights: up to four from afar and a sky, in linear units.
 
-#[cfg(doc)]
-use super::shadows::ShadowMethod;
-use super::{environment::Environment, shadows::Shadows};
+use super::{
+    environment::Environment,
+    shadows::{ShadowMethod, Shadows},
+};
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3, Vec4};
 
@@ -218,7 +219,11 @@ impl Lights {
             bias: shadows.bias,
             density: shadows.density.max(0.0),
             body_opacity: shadows.body_opacity.max(0.0),
-            method: shadows.method as u32,
+            // Maps with nothing in them let all light through; deep ones find that out soonest.
+            method: match shadows.method {
+                ShadowMethod::Off => ShadowMethod::DeepOpacity as u32,
+                method => method as u32,
+            },
             per_pixel: u32::from(shadows.per_pixel),
             ambient: 0,
             _pad_b: 0,

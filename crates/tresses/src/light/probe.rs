@@ -8,7 +8,7 @@ use crate::{
     gpu::{Binding, Kernel, readback},
     strands::buffers::storage,
 };
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 /// What is between a point and a light.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -29,7 +29,8 @@ pub struct ShadowProbe {
 }
 
 impl ShadowProbe {
-    /// Takes `points` (metres, at most four million) to the GPU, to be asked about in the maps of `stage`.
+    /// Takes `points` (metres, at most four million) to the GPU, to be asked about in the maps of `stage`: as
+    /// points that are seen from afar in the direction `eye` (unit), or, without, as any points of the hair.
     ///
     /// # Errors
     /// [`crate::Error::Limit`] when the adapter cannot hold them.
@@ -38,13 +39,16 @@ impl ShadowProbe {
         queue: &wgpu::Queue,
         stage: &DrawStage,
         points: &[Vec3],
+        eye: Option<Vec3>,
     ) -> Result<Self> {
         use Binding::{Comparison, DepthArray, Storage, StorageMut, Uniform};
         let entries = [Storage, Uniform, DepthArray, Comparison, Storage, Storage, StorageMut];
         let kernel = Kernel::new(device, "light::probe", &entries);
         let count = points.len().max(1);
-        let buffer = storage::<[f32; 4]>(device, "probe points", count as u64)?;
-        let positions: Vec<_> = points.iter().map(|point| point.extend(0.0)).collect();
+        let buffer = storage::<[f32; 4]>(device, "probe points", 1 + count as u64)?;
+        let eye = eye.map_or(Vec4::ZERO, |eye| eye.extend(1.0));
+        let positions: Vec<_> =
+            std::iter::once(eye).chain(points.iter().map(|point| point.extend(0.0))).collect();
         queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&positions));
         let answers = storage::<[f32; 2]>(device, "probe answers", (count * MAX_LIGHTS) as u64)?;
         let [lights, maps, comparison, hair, blocks] = stage.light_resources();

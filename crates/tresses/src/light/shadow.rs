@@ -217,6 +217,9 @@ impl ShadowMaps {
         hair: Option<&HairSet>,
         body: Option<&Body>,
     ) {
+        let Shadows { method, .. } = scene.shadows;
+        let casts = method != ShadowMethod::Off;
+        let (hair, body) = (hair.filter(|_| casts), body.filter(|_| casts));
         let maps = 1 + scene.lights.active().count();
         for (i, layer) in self.layers[..maps].iter().enumerate() {
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -239,7 +242,6 @@ impl ShadowMaps {
                 body.record(&mut pass);
             }
         }
-        let Shadows { method, .. } = scene.shadows;
         let across = scene.shadows.hair_texels(2.0 * scene.focus.radius.max(1e-6) / self.resolution as f32);
         let words = maps as u64 * map_words(method, self.resolution, across);
         encoder.clear_buffer(&self.hair, 0, Some(4 * words));
@@ -257,7 +259,7 @@ impl ShadowMaps {
         };
         run(&self.splat, u64::from(hair.drawn.count) * u64::from(hair.splat[1]));
         match method {
-            ShadowMethod::DeepOpacity => {
+            ShadowMethod::DeepOpacity | ShadowMethod::Off => {
                 let texels = words / u64::from(DEEP_WORDS);
                 let [front, cover, stack] = &self.deep;
                 run(front, texels);
@@ -278,7 +280,7 @@ impl ShadowMaps {
 fn map_words(method: ShadowMethod, resolution: u32, across: u32) -> u64 {
     let words = match method {
         ShadowMethod::Opaque | ShadowMethod::Absorption => 1,
-        ShadowMethod::DeepOpacity => u64::from(DEEP_WORDS),
+        ShadowMethod::DeepOpacity | ShadowMethod::Off => u64::from(DEEP_WORDS),
     };
     u64::from(resolution.div_ceil(across)).pow(2) * words
 }

@@ -15,6 +15,8 @@ pub enum ShadowMethod {
     /// follow the hair's front.
     #[default]
     DeepOpacity,
+    /// None: every light reaches every point. To compare with, and for pictures that need no shadows.
+    Off,
 }
 
 /// How shadows are made.
@@ -68,7 +70,7 @@ impl Shadows {
     pub(crate) fn hair_texels(&self, texel: f32) -> u32 {
         let texels = |share: f32| (share * self.hair_radius / texel).round() as u32;
         match self.method {
-            ShadowMethod::DeepOpacity => texels(0.866).clamp(DEEP_FINEST, 64),
+            ShadowMethod::DeepOpacity | ShadowMethod::Off => texels(0.866).clamp(DEEP_FINEST, 64),
             ShadowMethod::Opaque | ShadowMethod::Absorption => texels(0.333).clamp(1, 64),
         }
     }

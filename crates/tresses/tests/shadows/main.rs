@@ -48,8 +48,7 @@ impl<'a> Bench<'a> {
     fn new(gpu: &'a Gpu, tangle: &Tangle, points: &[(Vec3, u32)]) -> Self {
         let stage = DrawStage::new(&gpu.device, &DrawOptions { samples: 1, ..Default::default() });
         let hair = HairSet::new(&gpu.device, &stage, &tangle.upload(gpu)).expect("fits");
-        let places: Vec<_> = points.iter().map(|(at, _)| *at).collect();
-        let probe = ShadowProbe::new(&gpu.device, &gpu.queue, &stage, &places).expect("fits");
+        let probe = probe(gpu, &stage, points, None);
         let targets = Targets::new(&gpu.device, 64, 64, 1, 1).expect("fits");
         let scene = Scene { focus: tangle.focus(), ..Default::default() };
         Self { gpu, stage, hair, body: None, targets, probe, scene }
@@ -77,6 +76,12 @@ impl<'a> Bench<'a> {
         self.scene.shadows.method = method;
         self.frame().1.iter().map(|lights| lights[0].fibers).collect()
     }
+}
+
+/// Asks about `points`, which are seen from the direction `eye`.
+fn probe(gpu: &Gpu, stage: &DrawStage, points: &[(Vec3, u32)], eye: Option<Vec3>) -> ShadowProbe {
+    let places: Vec<_> = points.iter().map(|(at, _)| *at).collect();
+    ShadowProbe::new(&gpu.device, &gpu.queue, stage, &places, eye).expect("fits")
 }
 
 /// Points spread over all strands and all along them, and the strands they are on.
@@ -133,6 +138,39 @@ fn every_method_against_strands_counted_one_by_one() {
         let fewer: Vec<_> =
             bench.fibers(key(), ShadowMethod::DeepOpacity).iter().map(|fibers| 0.6 * fibers).collect();
         assert!(error(&fewer, &truth) > bounds[2]);
+    }
+}
+
+#[test]
+fn what_is_seen_is_lit_as_rays_tell() {
+    let Some(gpu) = common::gpu() else { return };
+    println!(
+        "share of light at seen points, eye and light apart: style, radians, rays, deep, deep for any point"
+    );
+    let across = key().cross(Vec3::Y).normalize() + 0.6 * Vec3::Y;
+    // As fine as a picture shows them: the hot spot is as large as a few strands are wide.
+    for (style, strands) in [("long", 12000), ("bob", 12000), ("curly", 8000), ("short", 12000)] {
+        let tangle = Tangle::style(style, strands);
+        let points = points(&tangle, 12000);
+        let to_light = Oracle::new(&tangle, key());
+        let mut bench = Bench::new(&gpu, &tangle, &[]);
+        for apart in [0.3, 0.65, 1.2] {
+            let eye = Quat::from_axis_angle(across.normalize(), apart) * key();
+            let to_eye = Oracle::new(&tangle, eye);
+            let open = |oracle: &Oracle, (at, own): (Vec3, u32)| oracle.at(at, own, 0.0, 1).transmittance;
+            let seen: Vec<_> = points.iter().copied().filter(|point| open(&to_eye, *point) > 0.5).collect();
+            let mean = |shares: &mut dyn Iterator<Item = f32>| shares.sum::<f32>() / seen.len() as f32;
+            let truth = mean(&mut seen.iter().map(|point| open(&to_light, *point)));
+            let [found, any] = [Some(eye), None].map(|eye| {
+                bench.probe = probe(&gpu, &bench.stage, &seen, eye);
+                let fibers = bench.fibers(key(), ShadowMethod::DeepOpacity);
+                mean(&mut fibers.iter().map(|n| (-n).exp()))
+            });
+            println!("{style} {apart} {truth:.3} {found:.3} {any:.3}");
+            assert!((found / truth - 1.0).abs() < 0.08, "{style} {apart}");
+            // The comparison sees what the eye's part is.
+            assert!(apart > 0.3 || any < 0.97 * found, "{style}");
+        }
     }
 }
 

@@ -72,7 +72,15 @@ impl CurlCurve {
     /// What reading the file says; [`Error::File`] for a file of several curves and for a curve that
     /// [`new`](Self::new) refuses.
     pub fn read(path: &Path) -> Result<Self> {
-        let raw = import::parse(path, &import::load(path)?, false)?;
+        Self::parse(path, &import::load(path)?)
+    }
+
+    /// [`read`](Self::read) from bytes; `path` decides the format and stands in errors.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self> {
+        let raw = import::parse(path, bytes, false)?;
         let wrong = |problem| Error::File { path: path.to_path_buf(), at: At::File, problem };
         if raw.strands.len() != 1 {
             return Err(wrong(format!("{} curves; a curl is one", raw.strands.len())));

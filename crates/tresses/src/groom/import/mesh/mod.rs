@@ -7,8 +7,8 @@ mod tfxmesh;
 
 use std::path::Path;
 
-use super::Files;
 pub(crate) use super::Source;
+use super::{Files, Given};
 use crate::{
     error::{At, Error, Result},
     groom::TriMesh,
@@ -30,6 +30,15 @@ const PLAIN: glam::Vec3 = glam::Vec3::new(0.45, 0.32, 0.265);
 /// that the file lacks are computed, angle-weighted; colours are the materials' base colours.
 pub fn read(path: &Path) -> Result<RawMesh> {
     parse(Files::Disk, path, &Files::Disk.load(path)?)
+}
+
+/// [`read`] from bytes: the mesh called `path` and what it needs are among `files`.
+///
+/// # Errors
+/// As [`read`], and [`Error::File`] when a file that it needs is not among them.
+pub fn read_given(files: &[Given<'_>], path: &Path) -> Result<RawMesh> {
+    let files = Files::Given(files);
+    parse(files, path, &files.load(path)?)
 }
 
 /// Reads several meshes that share one unit and one set of axes into one.

@@ -1,9 +1,9 @@
 //! Maps on the scalp from pictures and by name.
 
+use super::Shelf;
 use anyhow::{Context, Result, bail};
 use std::{
-    fs::File,
-    io::BufReader,
+    io::Cursor,
     path::{Path, PathBuf},
     str::FromStr,
 };
@@ -55,12 +55,15 @@ impl std::fmt::Display for MapSource {
 }
 
 impl MapSource {
-    /// The map, values from 0 to 1.
-    pub fn read(&self) -> Result<ScalpMap> {
+    /// The map, values from 0 to 1, whose picture is among `files`.
+    ///
+    /// # Errors
+    /// One sentence that names the picture, when it cannot be read or has no such channel.
+    pub fn read(&self, files: &Shelf) -> Result<ScalpMap> {
         match self {
             Self::Named(name) => ScalpMap::named(name).with_context(|| format!("there is no map {name}")),
             Self::Picture(path, channel) => {
-                let picture = Picture::read(path)?;
+                let picture = Picture::read(path, files)?;
                 if channel.is_some() && picture.channels == 1 {
                     bail!("{}: a grey picture has no red, green and blue", path.display());
                 }
@@ -92,9 +95,12 @@ impl std::fmt::Display for ColorSource {
 }
 
 impl ColorSource {
-    /// The map, linear.
-    pub fn read(&self) -> Result<ColorMap> {
-        let picture = Picture::read(&self.0)?;
+    /// The map, linear, whose picture is among `files`.
+    ///
+    /// # Errors
+    /// One sentence that names the picture, when it cannot be read.
+    pub fn read(&self, files: &Shelf) -> Result<ColorMap> {
+        let picture = Picture::read(&self.0, files)?;
         let channel = |c: usize| picture.map(|pixel| linear(pixel[c.min(pixel.len() - 1)]));
         Ok(ColorMap { channels: [channel(0)?, channel(1)?, channel(2)?] })
     }
@@ -115,9 +121,11 @@ struct Picture {
 }
 
 impl Picture {
-    fn read(path: &Path) -> Result<Self> {
+    fn read(path: &Path, files: &Shelf) -> Result<Self> {
+        // Its errors name the file.
+        let file = files.load(path)?;
         let read = || -> Result<Self> {
-            let mut decoder = png::Decoder::new(BufReader::new(File::open(path)?));
+            let mut decoder = png::Decoder::new(Cursor::new(&*file));
             // Palettes and few bits become 8 bits; 16 bits stay.
             decoder.set_transformations(png::Transformations::EXPAND);
             let mut reader = decoder.read_info()?;
@@ -155,6 +163,7 @@ impl Picture {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs::File;
     use tresses::glam::Vec2;
 
     /// A picture of 2 x 2 pixels; `bytes` row by row from the top.
@@ -179,7 +188,7 @@ mod tests {
     }
 
     fn read(path: &Path, suffix: &str) -> Result<ScalpMap> {
-        format!("{}{suffix}", path.display()).parse::<MapSource>().unwrap().read()
+        format!("{}{suffix}", path.display()).parse::<MapSource>().unwrap().read(&Shelf::default())
     }
 
     #[test]
@@ -199,7 +208,8 @@ mod tests {
         assert_eq!(corners(&read(&path, ":r").unwrap()), [1.0, 0.0, 0.0, 1.0]);
         assert_eq!(corners(&read(&path, ":g").unwrap()), [0.0, 1.0, 0.0, 1.0]);
         assert!((corners(&read(&path, "").unwrap())[0] - 1.0 / 3.0).abs() < 1e-6);
-        let color = path.display().to_string().parse::<ColorSource>().unwrap().read().unwrap();
+        let color =
+            path.display().to_string().parse::<ColorSource>().unwrap().read(&Shelf::default()).unwrap();
         assert_eq!(color.sample(Vec2::ZERO).to_array(), [0.0, 0.0, 1.0]);
         std::fs::write(&path, "no picture").unwrap();
         let error = format!("{:#}", read(&path, "").unwrap_err());
@@ -209,7 +219,7 @@ mod tests {
     #[test]
     fn names_and_nonsense() {
         assert_eq!("not-front".parse(), Ok(MapSource::Named("not-front".into())));
-        assert!("front".parse::<MapSource>().unwrap().read().is_ok());
+        assert!("front".parse::<MapSource>().unwrap().read(&Shelf::default()).is_ok());
         for text in ["not-front", "map.png", "deep/map.png:g"] {
             assert_eq!(text.parse::<MapSource>().unwrap().to_string(), text);
         }

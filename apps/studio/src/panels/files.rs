@@ -1,0 +1,173 @@
+//! What stands beside the hair: maps on the scalp, obstacles, surroundings. Each has its row, with the file
+//! and a cross that takes it away.
+
+use crate::{
+    app::Studio,
+    panels::{
+        icons::{self, Icon},
+        knobs,
+    },
+    theme,
+};
+use eframe::egui::{self, Align, Button, Layout, RichText, ScrollArea, Ui};
+use tresses::groom::grow::ScalpMap;
+use tresses_scene::{
+    Companion, Shelf,
+    companions::{COMPANIONS, Kind},
+    knobs::SECTIONS,
+    settings::HairColor,
+};
+
+/// Width of the titles, points.
+const TITLES: f32 = 112.0;
+
+/// The groups: a title, a line about it, and what is in it.
+const GROUPS: [(&str, &str, &[Kind]); 4] = [
+    ("Light", "A picture all around that lights the hair (.hdr, .exr)", &[Kind::Surroundings]),
+    (
+        "Maps on the scalp",
+        "Pictures (.png) that are seen from above: their top is the front, their right the head's left",
+        &[Kind::Map, Kind::Colors],
+    ),
+    ("Strands", "Drawn curls and painted levels of detail", &[Kind::Curve, Kind::Levels]),
+    ("Collisions", "What hair collides with besides the head", &[Kind::Colliders]),
+];
+
+/// What a person wants of a row.
+enum Wish {
+    /// A file by dialog.
+    Choose,
+    /// A map of the library.
+    Named(String),
+    /// Nothing there.
+    Remove,
+}
+
+/// Shows them.
+pub fn show(studio: &mut Studio, ui: &mut Ui) {
+    let companions = studio.wanted().companions;
+    let mut wish = None;
+    ScrollArea::vertical().id_salt("files").auto_shrink(false).show(ui, |ui| {
+        for (title, help, kinds) in GROUPS {
+            ui.label(RichText::new(title).strong()).on_hover_text(help);
+            for companion in COMPANIONS.iter().filter(|companion| kinds.contains(&companion.kind)) {
+                let name = companions.name(companion);
+                if let Some(wanted) = row(companion, name.as_deref(), ui) {
+                    wish = Some((companion, wanted));
+                }
+                if name.is_some() {
+                    more(studio, companion, ui);
+                }
+            }
+            ui.add_space(8.0);
+        }
+        let help = "They can be dropped on the window too, as can presets that name them.";
+        ui.label(RichText::new(help).small().color(theme::QUIET));
+    });
+    match wish {
+        None => {}
+        Some((companion, Wish::Choose)) => studio.dialogs.companion(ui.ctx(), companion),
+        Some((companion, Wish::Named(name))) => {
+            studio.put(ui.ctx(), companion, Some(name), &Shelf::default());
+        }
+        Some((companion, Wish::Remove)) => studio.put(ui.ctx(), companion, None, &Shelf::default()),
+    }
+}
+
+fn row(companion: &Companion, name: Option<&str>, ui: &mut Ui) -> Option<Wish> {
+    let mut wish = None;
+    ui.horizontal(|ui| {
+        let size = egui::vec2(TITLES, ui.spacing().interact_size.y);
+        ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+            ui.set_min_width(TITLES);
+            let color = if name.is_some() { theme::ACCENT } else { theme::TEXT };
+            ui.label(RichText::new(companion.title).color(color)).on_hover_text(companion.hint);
+        });
+        let width = ui.available_width() - 26.0;
+        let text = name.map_or(RichText::new("none").color(theme::QUIET), |name| RichText::new(last(name)));
+        let button = Button::new(text).truncate().min_size(egui::vec2(width, 0.0));
+        let help = name.unwrap_or(companion.hint);
+        ui.scope(|ui| {
+            ui.set_max_width(width);
+            if companion.kind == Kind::Map {
+                let (response, _) = egui::containers::menu::MenuButton::from_button(button)
+                    .ui(ui, |ui| wish = menu(name, ui));
+                response.on_hover_text(help);
+            } else if ui.add(button).on_hover_text(format!("{help}\nPress to choose a file")).clicked() {
+                wish = Some(Wish::Choose);
+            }
+        });
+        if name.is_some() && icons::small(ui, Icon::Cross).on_hover_text("Takes it away").clicked() {
+            wish = Some(Wish::Remove);
+        }
+    });
+    wish
+}
+
+/// A picture, or what the library has.
+fn menu(name: Option<&str>, ui: &mut Ui) -> Option<Wish> {
+    let mut wish = None;
+    if ui.button("Picture…").clicked() {
+        wish = Some(Wish::Choose);
+    }
+    ui.separator();
+    for prefix in ["", "not-"] {
+        for map in ScalpMap::NAMES {
+            let each = format!("{prefix}{map}");
+            if ui.selectable_label(name == Some(&each), &each).clicked() {
+                wish = Some(Wish::Named(each));
+            }
+        }
+    }
+    if wish.is_some() {
+        ui.close();
+    }
+    wish
+}
+
+/// What can be turned of a file that is there, and why nothing is seen of it.
+fn more(studio: &mut Studio, companion: &Companion, ui: &mut Ui) {
+    let mut settings = studio.settings.now().clone();
+    match companion.kind {
+        Kind::Surroundings => {
+            let resolved = settings.resolved(studio.style().as_ref());
+            let all = SECTIONS.iter().flat_map(|section| section.knobs);
+            for knob in all.filter(|knob| knob.path.starts_with("lights.environment")) {
+                if knobs::row(knob, &mut settings, &resolved, ui) {
+                    studio.change(ui.ctx(), settings.clone(), knob.path);
+                }
+            }
+        }
+        Kind::Colors if settings.look.color != HairColor::File => {
+            ui.horizontal_wrapped(|ui| {
+                ui.label(RichText::new("The hair has a colour of its own.").color(theme::ACCENT));
+                if ui.small_button("Show the map").clicked() {
+                    settings.look.color = HairColor::File;
+                    studio.change(ui.ctx(), settings, "Colour");
+                }
+            });
+        }
+        _ => {}
+    }
+}
+
+/// The last part of a path.
+pub fn last(name: &str) -> &str {
+    name.rsplit(['/', '\\']).next().unwrap_or(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_companion_has_one_row() {
+        for companion in &COMPANIONS {
+            let rows = GROUPS.iter().filter(|group| group.2.contains(&companion.kind)).count();
+            assert_eq!(rows, 1, "{}", companion.key);
+        }
+        let knobs = SECTIONS.iter().flat_map(|section| section.knobs);
+        assert_eq!(knobs.filter(|knob| knob.path.starts_with("lights.environment")).count(), 2);
+        assert_eq!((last("a/b.png:r"), last("noise"), last("c:\\d.png")), ("b.png:r", "noise", "d.png"));
+    }
+}

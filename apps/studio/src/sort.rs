@@ -1,0 +1,186 @@
+//! What is done with files that were chosen or dropped, by their names and what is in them.
+
+use crate::{
+    dialog::{Answer, Read},
+    files::Files,
+};
+use std::{
+    borrow::Cow,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+use tresses::groom::import::{self, Kind};
+use tresses_scene::{
+    Companion, Shelf,
+    companions::{COMPANIONS, companion},
+};
+
+/// Whether files are there as bytes only. On a desktop, readers go to the disk again: there they find the
+/// companions that nobody names.
+pub const IN_MEMORY: bool = cfg!(target_arch = "wasm32");
+
+/// What is done with these files; `in_memory`: their bytes are all there is of them.
+pub fn files(mut files: Vec<Read>, in_memory: bool) -> Vec<Answer> {
+    if let Some(at) = files.iter().position(|(path, _)| has_ending(path, &["toml"])) {
+        let (path, bytes) = files.swap_remove(at);
+        return match String::from_utf8(bytes) {
+            Ok(text) => vec![Answer::Preset(path, text, shelf(files, in_memory))],
+            Err(_) => vec![Answer::Failed(format!("{} is no text in UTF-8", path.display()))],
+        };
+    }
+    let mut answers = Vec::new();
+    while let Some(at) = files.iter().position(|(path, _)| has_ending(path, &["json"])) {
+        let list = files.swap_remove(at);
+        let text = String::from_utf8_lossy(&list.1).into_owned();
+        let named: Vec<Read> = files.extract_if(.., |(path, _)| is_named(path, &text)).collect();
+        answers.push(match what(&list.1) {
+            Some(companion) => put(companion, list, named, in_memory),
+            None => {
+                let name = list.0.display();
+                Answer::Failed(format!("{name} is neither a list of colliders nor one of painted levels"))
+            }
+        });
+    }
+    let mut rest = Vec::new();
+    for file in files {
+        if has_ending(&file.0, surroundings().kind.extensions()) {
+            answers.push(put(surroundings(), file, Vec::new(), in_memory));
+        } else if has_ending(&file.0, &["png"]) {
+            let name = file.0.display().to_string();
+            answers.push(Answer::Picture(name, shelf(vec![file], in_memory)));
+        } else {
+            rest.push(file);
+        }
+    }
+    if !rest.is_empty() {
+        answers.push(Answer::Open(hair(rest, in_memory)));
+    }
+    answers
+}
+
+/// What was chosen for a place beside the hair, and what it may need.
+pub fn chosen(companion: &'static Companion, mut files: Vec<Read>, in_memory: bool) -> Answer {
+    let endings = companion.kind.extensions();
+    match files.iter().position(|(path, _)| has_ending(path, endings)) {
+        Some(at) => {
+            let file = files.swap_remove(at);
+            put(companion, file, files, in_memory)
+        }
+        None => Answer::Failed(format!("{} is read from .{} files", companion.title, endings.join(" and ."))),
+    }
+}
+
+fn put(companion: &'static Companion, file: Read, mut with: Vec<Read>, in_memory: bool) -> Answer {
+    let name = file.0.display().to_string();
+    with.push(file);
+    Answer::Companion(companion, name, shelf(with, in_memory))
+}
+
+fn surroundings() -> &'static Companion {
+    companion("environment").unwrap_or(&COMPANIONS[COMPANIONS.len() - 1])
+}
+
+/// Which list a .json file is.
+fn what(bytes: &[u8]) -> Option<&'static Companion> {
+    let list: serde_json::Value = serde_json::from_slice(bytes).ok()?;
+    [("colliders", "colliders"), ("levels", "lod_maps")]
+        .into_iter()
+        .find(|(field, _)| list.get(field).is_some())
+        .and_then(|(_, key)| companion(key))
+}
+
+/// Whether a list has the name of a file in it.
+fn is_named(path: &Path, text: &str) -> bool {
+    path.file_name().is_some_and(|name| text.contains(&*name.to_string_lossy()))
+}
+
+fn has_ending(path: &Path, endings: &[&str]) -> bool {
+    let ending = path.extension().unwrap_or_default();
+    endings.iter().any(|each| ending.eq_ignore_ascii_case(each))
+}
+
+fn shelf(files: Vec<Read>, in_memory: bool) -> Shelf {
+    let mut shelf = Shelf::default();
+    for (path, bytes) in files.into_iter().filter(|_| in_memory) {
+        shelf.put(path, bytes);
+    }
+    shelf
+}
+
+/// Groom and head.
+fn hair(files: Vec<Read>, in_memory: bool) -> Files {
+    if in_memory {
+        let given = files.into_iter().map(|(path, bytes)| (path, Cow::Owned(bytes))).collect();
+        return Files::Given(Arc::new(given));
+    }
+    let (mut grooms, mut heads) = (Vec::<PathBuf>::new(), Vec::new());
+    for (path, bytes) in files {
+        match import::kind(&path, &bytes) {
+            Some(Kind::Mesh) => heads.push(path),
+            Some(Kind::Companion) => {}
+            // Of one that no reader takes the reader says so.
+            Some(Kind::Groom) | None => grooms.push(path),
+        }
+    }
+    Files::Disk { grooms, heads }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(name: &str, text: &str) -> Read {
+        (name.into(), text.as_bytes().to_vec())
+    }
+
+    #[test]
+    fn dropped_files_find_their_places() {
+        let dropped = vec![
+            read("far/sky.HDR", ""),
+            read("far/d.png", ""),
+            read("far/leaf.obj", "v 0 0 0\nf 1 1 1\n"),
+            read("far/a.tfx", ""),
+            read("far/c.json", r#"{"colliders": [{"shape": {"mesh": {"file": "leaf.obj"}}}]}"#),
+        ];
+        for in_memory in [false, true] {
+            let answers = files(dropped.clone(), in_memory);
+            let found = |is: &dyn Fn(&Answer) -> bool| answers.iter().filter(|a| is(a)).count();
+            assert_eq!(answers.len(), 4, "{answers:?}");
+            let sky = |a: &Answer| {
+                matches!(a, Answer::Companion(c, name, files) if c.key == "environment"
+                && name == "far/sky.HDR" && files.holds(Path::new("sky.HDR")) == in_memory)
+            };
+            assert_eq!(found(&sky), 1);
+            let list = |a: &Answer| {
+                matches!(a, Answer::Companion(c, _, files) if c.key == "colliders"
+                && files.given().len() == if in_memory { 2 } else { 0 })
+            };
+            assert_eq!(found(&list), 1, "the mesh goes with the list that names it");
+            assert_eq!(found(&|a| matches!(a, Answer::Picture(name, _) if name == "far/d.png")), 1);
+            let groom = |a: &Answer| match a {
+                Answer::Open(Files::Disk { grooms, heads }) => grooms.len() == 1 && heads.is_empty(),
+                Answer::Open(Files::Given(files)) => files.len() == 1,
+                _ => false,
+            };
+            assert_eq!(found(&groom), 1);
+        }
+    }
+
+    #[test]
+    fn a_preset_takes_its_files_with_it() {
+        let answers = files(vec![read("d.png", "x"), read("look.toml", "version = 1")], true);
+        assert!(matches!(&answers[..], [Answer::Preset(_, text, files)]
+            if text == "version = 1" && files.holds(Path::new("d.png"))));
+    }
+
+    #[test]
+    fn what_fits_nowhere_is_said() {
+        let said =
+            |answer: &Answer, word: &str| matches!(answer, Answer::Failed(text) if text.contains(word));
+        assert!(said(&files(vec![read("x.json", "{}")], false)[0], "x.json"));
+        let curl = companion("curl_map").unwrap();
+        assert!(said(&chosen(curl, vec![read("a.tfx", "")], false), ".png"));
+        let put = chosen(curl, vec![read("a.tfx", ""), read("b.png", "")], true);
+        assert!(matches!(put, Answer::Companion(c, name, _) if c == curl && name == "b.png"));
+    }
+}

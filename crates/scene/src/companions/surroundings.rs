@@ -1,0 +1,141 @@
+//! A picture of the surroundings that lights the scene.
+
+use super::Shelf;
+use crate::settings::LightSettings;
+use anyhow::{Context, Result, ensure};
+use std::{io::Cursor, path::Path};
+use tresses::{
+    glam::Vec3,
+    light::{Directional, Environment, Lights, MAX_LIGHTS, Sky},
+};
+
+/// The most pixels of a picture that is read: 16K by 8K.
+const MAX_PIXELS: u64 = 16_384 * 8_192;
+
+/// Columns that light is gathered in: finer makes no difference to hair.
+const COLUMNS: usize = 512;
+
+/// An equirectangular picture, linear, made small enough; its middle lies before the face.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surroundings {
+    width: usize,
+    height: usize,
+    pixels: Vec<[f32; 3]>,
+}
+
+impl Surroundings {
+    /// The picture (.hdr or .exr) at `path`.
+    ///
+    /// # Errors
+    /// One sentence that names the file, when it cannot be read or is not twice as wide as high.
+    pub fn read(path: &Path, files: &Shelf) -> Result<Self> {
+        let bytes = files.load(path)?;
+        decode(path, &bytes).with_context(|| path.display().to_string())
+    }
+
+    /// The light of it, turned and strengthened as `settings` have it.
+    pub fn lights(&self, settings: &LightSettings) -> Lights {
+        let (turn, strength) = (settings.environment_turn, settings.environment_strength);
+        // There are pixels: a picture without any is refused.
+        let (mut environment, suns) =
+            Environment::from_equirectangular(self.width, self.height, &self.pixels, turn)
+                .unwrap_or_default();
+        for coefficient in &mut environment.coefficients {
+            *coefficient *= strength;
+        }
+        let mut directional = [Directional::OFF; MAX_LIGHTS];
+        for (place, sun) in directional.iter_mut().zip(suns) {
+            *place = Directional { irradiance: sun.irradiance * strength, ..sun };
+        }
+        Lights { directional, sky: Sky::default(), environment }
+    }
+}
+
+fn decode(path: &Path, bytes: &[u8]) -> Result<Surroundings> {
+    let format = image::ImageFormat::from_path(path).ok();
+    let format =
+        format.filter(|format| matches!(format, image::ImageFormat::Hdr | image::ImageFormat::OpenExr));
+    let format = format.context("surroundings are read from .hdr and .exr files")?;
+    let mut reader = image::ImageReader::with_format(Cursor::new(bytes), format);
+    let mut limits = image::Limits::default();
+    limits.max_alloc = Some(MAX_PIXELS * 16);
+    reader.limits(limits);
+    let picture = reader.decode()?.into_rgb32f();
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    ensure!(
+        width > 0 && width.abs_diff(2 * height) <= 2,
+        "the picture is {width} × {height} pixels, but surroundings are twice as wide as high"
+    );
+    // Whole blocks, so that every pixel counts.
+    let block = width.div_ceil(COLUMNS);
+    let (columns, rows) = (width.div_ceil(block), height.div_ceil(block));
+    let pixels = (0..rows * columns).map(|i| {
+        let (x0, y0) = (i % columns * block, i / columns * block);
+        let (mut sum, mut count) = (Vec3::ZERO, 0.0);
+        for y in y0..(y0 + block).min(height) {
+            for x in x0..(x0 + block).min(width) {
+                let v = Vec3::from(picture.get_pixel(x as u32, y as u32).0);
+                sum += if v.is_finite() { v.max(Vec3::ZERO) } else { Vec3::ZERO };
+                count += 1.0;
+            }
+        }
+        (sum / count).to_array()
+    });
+    Ok(Surroundings { width: columns, height: rows, pixels: pixels.collect() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tresses::glam::Quat;
+
+    /// Bright above, and a sun; on a shelf.
+    fn written(name: &str, width: u32, height: u32) -> Shelf {
+        let picture = image::Rgb32FImage::from_fn(width, height, |x, y| match (x, y) {
+            (10..12, 5..7) => image::Rgb([800.0, 700.0, 600.0]),
+            _ if y < height / 2 => image::Rgb([0.5, 0.6, 0.8]),
+            _ => image::Rgb([0.1; 3]),
+        });
+        let mut bytes = Cursor::new(Vec::new());
+        let format = image::ImageFormat::from_path(name).unwrap();
+        image::DynamicImage::from(picture).write_to(&mut bytes, format).unwrap();
+        let mut shelf = Shelf::default();
+        shelf.put(name.into(), bytes.into_inner());
+        shelf
+    }
+
+    #[test]
+    fn both_formats_are_read() {
+        for name in ["sky.hdr", "sky.exr"] {
+            let read = Surroundings::read(Path::new(name), &written(name, 64, 32)).unwrap();
+            let usual = LightSettings::default();
+            let lights = read.lights(&usual);
+            assert_eq!(lights.active().count(), 1, "{name}");
+            let (above, below) = (lights.environment.around(Vec3::Y), lights.environment.around(Vec3::NEG_Y));
+            assert!((above - Vec3::new(0.5, 0.6, 0.8)).abs().max_element() < 0.05, "{name} {above}");
+            assert!(below.x < 0.15);
+            let brighter = read.lights(&LightSettings { environment_strength: 2.0, ..usual });
+            assert!((brighter.environment.around(Vec3::Y) / above - 2.0).abs().max_element() < 1e-3);
+            assert!(brighter.directional[0].irradiance.x > 1.9 * lights.directional[0].irradiance.x);
+            let turned = read.lights(&LightSettings { environment_turn: 1.0, ..usual });
+            let (before, after) = (lights.directional[0].direction, turned.directional[0].direction);
+            let expected = Quat::from_rotation_y(1.0) * before;
+            assert!(after.angle_between(expected) < 0.05, "{before} {after}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_picture_of_surroundings_is_refused() {
+        let read = |name: &str, shelf: &Shelf| match Surroundings::read(Path::new(name), shelf) {
+            Ok(_) => panic!("{name}"),
+            Err(error) => format!("{error:#}"),
+        };
+        assert!(read("square.hdr", &written("square.hdr", 64, 64)).contains("twice as wide"));
+        assert!(read("missing.hdr", &Shelf::default()).contains("missing.hdr"));
+        let mut shelf = Shelf::default();
+        shelf.put("map.png".into(), *b"x");
+        shelf.put("broken.exr".into(), *b"x");
+        assert!(read("map.png", &shelf).contains(".hdr and .exr"));
+        assert!(read("broken.exr", &shelf).contains("broken.exr"));
+    }
+}

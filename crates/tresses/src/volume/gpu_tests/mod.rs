@@ -1,0 +1,6 @@
+//! The kernels against the twin, closed forms and invariants.
+
+mod push;
+mod samples;
+mod scene;
+mod splat;

@@ -1,0 +1,156 @@
+//! Guides, a head's pose and a grid on the GPU.
+
+use crate::{
+    Pose,
+    collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
+    gpu::{Gpu, for_tests as gpu, readback::blocking as readback},
+    simulate::{
+        Forces, GuideTraits, RestGuides, RestOptions, Simulate, SimulationParams, Step, params::Mode, rest,
+    },
+    strands::{Force, GuideBuffers, GuideForce},
+    volume::{HairHair, Volume, VolumeOptions, VolumeStage},
+};
+use glam::{Quat, Vec3};
+use half::f16;
+
+/// Vertices per guide of [`cube`].
+pub(super) const N: usize = 8;
+
+/// Evenly spread guides that fill a cube of 24 cm, each as many strands as its place in the list
+/// modulo 5; vertex `i` of guide `g` at `g * N + i`.
+pub(super) fn cube(across: usize) -> (Vec<Vec3>, Vec<GuideTraits>) {
+    let mut positions = Vec::new();
+    let mut traits = Vec::new();
+    for g in 0..across * across {
+        let (x, z) = (g % across, g / across);
+        let at = |k: usize| 0.24 * (k as f32 + 0.5) / across as f32 - 0.12;
+        for i in 0..N {
+            positions.push(Vec3::new(at(x), 0.12 - 0.24 * i as f32 / (N - 1) as f32, at(z)));
+        }
+        traits.push(GuideTraits { strands: 1.0 + (g % 5) as f32, ..Default::default() });
+    }
+    (positions, traits)
+}
+
+pub(super) struct Scene {
+    pub(super) gpu: Gpu,
+    pub(super) stage: VolumeStage,
+    pub(super) simulate: Simulate,
+    pub(super) guides: GuideBuffers,
+    pub(super) rest: RestGuides,
+    pub(super) volume: Volume,
+    pub(super) forces: Forces,
+    pub(super) colliders: ColliderSet,
+    /// Where the colliders are, in the world.
+    pub(super) places: Vec<Pose>,
+}
+
+impl Scene {
+    pub(super) fn new(
+        (positions, traits): (Vec<Vec3>, Vec<GuideTraits>),
+        options: &VolumeOptions,
+    ) -> Option<Self> {
+        Self::with(positions, traits, N, options, &Default::default())
+    }
+
+    pub(super) fn with(
+        positions: Vec<Vec3>,
+        traits: Vec<GuideTraits>,
+        n: usize,
+        options: &VolumeOptions,
+        colliders: &ColliderDescriptor<'_>,
+    ) -> Option<Self> {
+        let gpu = gpu()?;
+        let params = SimulationParams::default();
+        let rest =
+            rest::guides(&positions, n as u32, &traits, &params, &RestOptions::default(), None).unwrap();
+        let guides = GuideBuffers::new(&gpu.device, rest.info.len() as u32, n as u32, 2).unwrap();
+        rest.upload(&gpu.queue, &guides).unwrap();
+        let stage = VolumeStage::new(&gpu.device);
+        let simulate = Simulate::new(&gpu.device);
+        let volume = Volume::new(&gpu.device, &stage, &guides, &rest, options).unwrap();
+        let forces = Forces::new(&gpu.device, &simulate, &guides, &volume, None);
+        let colliders = ColliderSet::new(&gpu.device, &gpu.queue, colliders).unwrap();
+        Some(Self { gpu, stage, simulate, guides, rest, volume, forces, colliders, places: Vec::new() })
+    }
+
+    /// Vertex-major, from the rest positions.
+    pub(super) fn moved(&self, place: impl Fn(Vec3) -> Vec3) -> Vec<Vec3> {
+        self.rest.rest.iter().map(|r| place(r.position)).collect()
+    }
+
+    pub(super) fn put(&self, current: &[Vec3], velocity: &[Vec3]) {
+        let write = |buffer, values: &[Vec3]| {
+            let values: Vec<[f32; 4]> = values.iter().map(|v| v.extend(0.0).into()).collect();
+            self.gpu.queue.write_buffer(buffer, 0, bytemuck::cast_slice(&values));
+        };
+        write(&self.guides.current, current);
+        write(&self.guides.velocity, velocity);
+    }
+
+    pub(super) fn submit(&mut self, record: impl FnOnce(&mut Self, &mut wgpu::ComputePass<'_>)) {
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        record(self, &mut encoder.begin_compute_pass(&Default::default()));
+        self.gpu.queue.submit([encoder.finish()]);
+    }
+
+    pub(super) fn prepare(&mut self, params: &HairHair, step: &Step) {
+        let params = SimulationParams { hair_hair: *params, step: H, ..Default::default() };
+        let steps = [*step];
+        let moments =
+            Moments { steps: &steps, substeps: params.substeps, step: H, head: step.end, alpha: 1.0 };
+        let poses = ColliderPoses { head: None, colliders: self.places.clone() };
+        self.colliders.advance(&self.gpu.queue, &poses, &moments).unwrap();
+        self.volume.prepare(&self.gpu.queue, &params, &steps, &self.colliders);
+    }
+
+    /// The integers after `splat` alone; zeroed again.
+    pub(super) fn splatted(&mut self, step: &Step) -> Vec<i32> {
+        self.prepare(&HairHair::default(), step);
+        self.submit(|scene, pass| {
+            let workgroups = (scene.volume.base.splat_count * scene.volume.base.samples).div_ceil(64);
+            scene.stage.splat.record(pass, &scene.volume.groups.splat, &[0], workgroups);
+        });
+        let cells = readback::buffer(&self.gpu.device, &self.gpu.queue, &self.volume.cells).unwrap();
+        self.submit(|scene, pass| scene.volume.grids(&scene.stage, pass, 0));
+        let clear: Vec<i32> =
+            readback::buffer(&self.gpu.device, &self.gpu.queue, &self.volume.cells).unwrap();
+        assert!(clear.iter().all(|i| *i == 0), "a step leaves the integers at zero");
+        cells
+    }
+
+    /// The forces on all vertices when the head moves by `step`.
+    pub(super) fn forces(&mut self, params: &HairHair, step: &Step) -> Vec<Force> {
+        self.prepare(params, step);
+        self.submit(|scene, pass| {
+            scene.volume.record(&scene.stage, pass, &scene.colliders, 0);
+            scene.forces.record(&scene.simulate, pass, 0);
+        });
+        let forces: Vec<GuideForce> =
+            readback::buffer(&self.gpu.device, &self.gpu.queue, &self.guides.forces).unwrap();
+        forces.iter().map(GuideForce::unpack).collect()
+    }
+
+    pub(super) fn texture(&self, texture: &wgpu::Texture) -> Vec<[f32; 4]> {
+        let bytes = readback::texture(&self.gpu.device, &self.gpu.queue, texture).unwrap();
+        bytemuck::pod_collect_to_vec::<u8, [f16; 4]>(&bytes).iter().map(|t| t.map(f16::to_f32)).collect()
+    }
+}
+
+/// Length of a step.
+pub(super) const H: f32 = 1.0 / 60.0;
+
+pub(super) fn still(pose: Pose) -> Step {
+    Step { mode: Mode::Step, begin: pose, end: pose, from: 0.0, to: 1.0 }
+}
+
+pub(super) fn somewhere() -> Pose {
+    Pose {
+        rotation: Quat::from_rotation_y(0.7) * Quat::from_rotation_x(-0.4),
+        translation: Vec3::new(3.0, 1.5, -2.0),
+    }
+}
+
+pub(super) fn swirl(p: Vec3) -> Vec3 {
+    Vec3::new(2.0 * p.z - 0.3, (20.0 * p.x).sin(), 5.0 * p.y)
+}

@@ -1,0 +1,40 @@
+//! The kernels.
+
+use crate::{
+    collide,
+    gpu::{Binding, Kernel},
+};
+
+/// The pipelines of the stage.
+#[derive(Debug)]
+pub struct VolumeStage {
+    pub(super) obstacles: Kernel,
+    pub(super) splat: Kernel,
+    pub(super) sum: Kernel,
+    pub(super) blur: [Kernel; 2],
+    pub(super) density: Kernel,
+    pub(super) push: Kernel,
+    pub(super) settle: Kernel,
+}
+
+impl VolumeStage {
+    /// Builds the pipelines.
+    pub fn new(device: &wgpu::Device) -> Self {
+        use Binding::{
+            Storage as Read, StorageMut as Write, Texels3d, Uniform as Always, UniformDynamic as Uniform,
+            Words3d, Write3d, WriteFull3d, WriteWords3d,
+        };
+        let kernel = |name, entries: &[Binding]| Kernel::new(device, name, entries);
+        let colliders = collide::layout(device);
+        Self {
+            obstacles: Kernel::beside(device, "volume::obstacles", &[Uniform, Write], &[&colliders]),
+            splat: kernel("volume::splat", &[Uniform, Read, Read, Read, Read, Read, Write]),
+            sum: kernel("volume::sum", &[Uniform, Write, Read, WriteWords3d]),
+            blur: ["volume::blur_x", "volume::blur_y"]
+                .map(|name| kernel(name, &[Uniform, Always, Words3d, WriteWords3d])),
+            density: kernel("volume::density", &[Uniform, Always, Words3d, Write, WriteFull3d, Write3d]),
+            push: kernel("volume::push", &[Uniform, Texels3d, Write3d]),
+            settle: kernel("volume::settle", &[Uniform, Read, Read, Write]),
+        }
+    }
+}

@@ -1,0 +1,365 @@
+//! The grid of one groom: its memory, and what is recorded of it in a step.
+
+use super::{
+    Grid, HairHair, HairHairMode, VolumeStage,
+    params::{Blur, VolumeUniforms},
+};
+use crate::{
+    Error, Pose, Result,
+    collide::ColliderSet,
+    constants::VOLUME_WORKGROUP,
+    gpu::bindings,
+    simulate::{MAX_STEPS, RestGuides, SimulationParams, Step, params::Mode},
+    strands::{GuideBuffers, buffers::storage},
+};
+use glam::Vec3;
+
+/// Bytes from one step's uniforms to the next's: a multiple of every adapter's alignment.
+const STRIDE: u32 = 512;
+/// The slot of the uniforms of the rest pose, after those of a frame's steps.
+const RESTING: u32 = MAX_STEPS;
+/// Integers per cell, as in the shaders.
+const CHANNELS: u64 = 8;
+/// The size of a groom's grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct VolumeOptions {
+    /// Cells along each axis, 8 to 96.
+    pub resolution: u32,
+    /// The most samples that are splatted in a step: vertices of guides, or a few together where they lie within
+    /// a cell or so. Of more, every second guide counts twice, and so on.
+    pub most_splatted: u32,
+}
+
+impl Default for VolumeOptions {
+    fn default() -> Self {
+        Self { resolution: 32, most_splatted: 4_096 }
+    }
+}
+
+/// The grid of one groom.
+#[derive(Debug)]
+pub struct Volume {
+    /// Where it is.
+    pub grid: Grid,
+    /// The texture behind [`hair`](Self::hair).
+    pub hair_texture: wgpu::Texture,
+    /// Mean velocity of hair (xyz, m/s, world axes) and its length per volume (w, km/m³), 3-D, rgba16float.
+    pub hair: wgpu::TextureView,
+    /// The texture behind [`push`](Self::push).
+    pub push_texture: wgpu::Texture,
+    /// What the excess of density does to hair: acceleration (xyz, m/s², axes of the head), 3-D, rgba16float.
+    pub push: wgpu::TextureView,
+    uniforms: wgpu::Buffer,
+    pub(super) cells: wgpu::Buffer,
+    obstacles: wgpu::Buffer,
+    rest: wgpu::Buffer,
+    blur: wgpu::Buffer,
+    rested: wgpu::Buffer,
+    pub(super) groups: Groups,
+    /// What does not change from step to step.
+    pub(super) base: VolumeUniforms,
+    modes: Vec<Mode>,
+    /// Whether the obstacles have moved when a step begins, and where relative to the head they were when
+    /// they were last put into the grid.
+    obstacles_moved: Vec<bool>,
+    obstacles_at: Option<Vec<Pose>>,
+    /// The variance (cells², as bits) of the blur for which the rest density was computed, if it was, of the one
+    /// asked for, and of the one whose weights the GPU has.
+    rest_blur: (Option<u32>, u32),
+    written_blur: Option<u32>,
+}
+
+#[derive(Debug)]
+pub(super) struct Groups {
+    pub(super) obstacles: wgpu::BindGroup,
+    pub(super) splat: wgpu::BindGroup,
+    pub(super) sum: wgpu::BindGroup,
+    pub(super) blur: [wgpu::BindGroup; 2],
+    pub(super) density: wgpu::BindGroup,
+    pub(super) push: wgpu::BindGroup,
+    pub(super) settle: wgpu::BindGroup,
+}
+
+impl Volume {
+    /// The grid of `guides`, which rest as `rest` says.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a resolution out of its range, [`Error::Limit`] when the adapter
+    /// cannot hold the grid.
+    pub fn new(
+        device: &wgpu::Device,
+        stage: &VolumeStage,
+        guides: &GuideBuffers,
+        rest: &RestGuides,
+        options: &VolumeOptions,
+    ) -> Result<Self> {
+        let VolumeOptions { resolution, most_splatted } = *options;
+        if !(8..=96).contains(&resolution) {
+            return Err(Error::Parameter {
+                name: "grid resolution",
+                value: resolution.to_string(),
+                range: "from 8 to 96 cells",
+            });
+        }
+        let grid = Grid::around(rest.rest.iter().map(|r| r.position), resolution);
+        let n = u64::from(resolution).pow(3);
+        let vertices = u64::from(guides.count) * u64::from(guides.vertex_count);
+        let texture = |label, format| {
+            let texture = device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d {
+                    width: resolution,
+                    height: resolution,
+                    depth_or_array_layers: resolution,
+                },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D3,
+                format,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING
+                    | wgpu::TextureUsages::STORAGE_BINDING
+                    | wgpu::TextureUsages::COPY_SRC,
+                view_formats: &[],
+            });
+            let view = texture.create_view(&Default::default());
+            (texture, view)
+        };
+        use wgpu::TextureFormat::{Rgba16Float, Rgba32Float, Rgba32Uint};
+        let (hair_texture, hair) = texture("volume hair", Rgba16Float);
+        let (push_texture, push) = texture("volume push", Rgba16Float);
+        let [(_, first), (_, second)] =
+            [texture("volume sums a", Rgba32Uint), texture("volume sums b", Rgba32Uint)];
+        let (_, dense) = texture("volume density", Rgba32Float);
+        let uniforms = bindings::uniform(device, "volume steps", (STRIDE * (MAX_STEPS + 1)) as usize);
+        let cells = storage::<i32>(device, "volume cells", n * CHANNELS)?;
+        let obstacles = storage::<f32>(device, "volume obstacles", n)?;
+        let rest_density = storage::<f32>(device, "volume rest", n)?;
+        let blur = bindings::uniform(device, "volume blur", size_of::<Blur>());
+        let rested = storage::<f32>(device, "volume rested", vertices)?;
+        let step = || slot(&uniforms);
+        let view = wgpu::BindingResource::TextureView;
+        let groups = Groups {
+            obstacles: stage.obstacles.bind(device, &[step(), obstacles.as_entire_binding()]),
+            splat: stage.splat.bind(
+                device,
+                &[
+                    step(),
+                    guides.info.as_entire_binding(),
+                    guides.rest.as_entire_binding(),
+                    guides.current.as_entire_binding(),
+                    guides.velocity.as_entire_binding(),
+                    rested.as_entire_binding(),
+                    cells.as_entire_binding(),
+                ],
+            ),
+            sum: stage.sum.bind(
+                device,
+                &[step(), cells.as_entire_binding(), obstacles.as_entire_binding(), view(&first)],
+            ),
+            blur: [(&stage.blur[0], &first, &second), (&stage.blur[1], &second, &first)].map(
+                |(kernel, from, to)| {
+                    kernel.bind(device, &[step(), blur.as_entire_binding(), view(from), view(to)])
+                },
+            ),
+            density: stage.density.bind(
+                device,
+                &[
+                    step(),
+                    blur.as_entire_binding(),
+                    view(&first),
+                    rest_density.as_entire_binding(),
+                    view(&dense),
+                    view(&hair),
+                ],
+            ),
+            push: stage.push.bind(device, &[step(), view(&dense), view(&push)]),
+            settle: stage.settle.bind(
+                device,
+                &[
+                    step(),
+                    guides.rest.as_entire_binding(),
+                    rest_density.as_entire_binding(),
+                    rested.as_entire_binding(),
+                ],
+            ),
+        };
+        let base = VolumeUniforms::of(&grid, guides, rest, most_splatted.max(1));
+        Ok(Self {
+            grid,
+            hair_texture,
+            hair,
+            push_texture,
+            push,
+            uniforms,
+            cells,
+            obstacles,
+            rest: rest_density,
+            blur,
+            rested,
+            groups,
+            base,
+            modes: Vec::new(),
+            obstacles_moved: Vec::new(),
+            obstacles_at: None,
+            rest_blur: (None, 0),
+            written_blur: None,
+        })
+    }
+
+    /// Bytes of GPU memory.
+    pub fn bytes(&self) -> u64 {
+        let buffers = [&self.uniforms, &self.cells, &self.obstacles, &self.rest, &self.blur, &self.rested];
+        // Hair and push, twice the sums, the density.
+        let texels = (2 * 8 + 2 * 16 + 16) * u64::from(self.grid.resolution).pow(3);
+        buffers.iter().map(|buffer| buffer.size()).sum::<u64>() + texels
+    }
+
+    /// Mean density of the groom, weighted by hair, km/m³.
+    pub fn reference(&self) -> f32 {
+        self.base.reference
+    }
+
+    /// Writes the uniforms of a frame's `steps`, at most [`MAX_STEPS`]. `colliders` have been advanced to
+    /// the frame.
+    pub fn prepare(
+        &mut self,
+        queue: &wgpu::Queue,
+        params: &SimulationParams,
+        steps: &[Step],
+        colliders: &ColliderSet,
+    ) {
+        let h = params.step;
+        let steps = &steps[steps.len().saturating_sub(MAX_STEPS as usize)..];
+        self.modes = steps.iter().map(|step| step.mode).collect();
+        self.obstacles_moved = (0..steps.len())
+            .map(|i| self.obstacles_move(&steps[i].begin, colliders, i * params.substeps as usize))
+            .collect();
+        let base = self.with(&params.hair_hair, h);
+        // The rest density holds for one blur.
+        let variance = self.variance(&params.hair_hair);
+        self.rest_blur.1 = variance.to_bits();
+        if self.written_blur != Some(self.rest_blur.1) {
+            queue.write_buffer(&self.blur, 0, bytemuck::bytes_of(&Blur::new(variance)));
+            self.written_blur = Some(self.rest_blur.1);
+        }
+        let mut bytes = vec![0u8; (STRIDE * (RESTING + 1)) as usize];
+        let mut put = |i: usize, uniforms: &VolumeUniforms| {
+            let at = i * STRIDE as usize;
+            bytes[at..at + size_of::<VolumeUniforms>()].copy_from_slice(bytemuck::bytes_of(uniforms));
+        };
+        for (i, step) in steps.iter().enumerate() {
+            let drift = (step.end.translation - step.begin.translation) / h.max(1e-6);
+            let moment = i as u32 * params.substeps;
+            put(i, &VolumeUniforms { moment, ..base.placed(&step.begin, drift) });
+        }
+        put(RESTING as usize, &VolumeUniforms { resting: 1, ..base.placed(&Pose::IDENTITY, Vec3::ZERO) });
+        queue.write_buffer(&self.uniforms, 0, &bytes);
+    }
+
+    /// Records step `i` of those that [`prepare`](Self::prepare) wrote.
+    pub fn record(
+        &mut self,
+        stage: &VolumeStage,
+        pass: &mut wgpu::ComputePass<'_>,
+        colliders: &ColliderSet,
+        i: u32,
+    ) {
+        let mode = self.modes[i as usize];
+        if self.obstacles_moved[i as usize] {
+            pass.set_bind_group(1, colliders.group(), &[]);
+            let cells = self.grid.resolution.pow(3).div_ceil(VOLUME_WORKGROUP);
+            stage.obstacles.record(pass, &self.groups.obstacles, &[Self::offset(i)], cells);
+        }
+        if mode == Mode::Reset || (mode == Mode::Step && self.rest_blur.0 != Some(self.rest_blur.1)) {
+            self.grids(stage, pass, RESTING);
+            let vertices = self.base.guide_count * self.base.vertex_count;
+            let workgroups = vertices.div_ceil(VOLUME_WORKGROUP);
+            stage.settle.record(pass, &self.groups.settle, &[Self::offset(RESTING)], workgroups);
+            self.rest_blur.0 = Some(self.rest_blur.1);
+        }
+        if mode == Mode::Step {
+            self.grids(stage, pass, i);
+            stage.push.record_grid(pass, &self.groups.push, &[Self::offset(i)], self.tiles([1, 1, 1]));
+        }
+    }
+
+    /// Whether any of `colliders` is elsewhere relative to the head (at `head`) at `moment` than when
+    /// they were last put into the grid; then they are taken to be put there.
+    fn obstacles_move(&mut self, head: &Pose, colliders: &ColliderSet, moment: usize) -> bool {
+        let count = colliders.len();
+        let poses = colliders.moments().get(moment * count..(moment + 1) * count).unwrap_or_default();
+        let back = head.inverse();
+        let now: Vec<_> = poses.iter().map(|pose| back.after(pose)).collect();
+        let near = |a: &Pose, b: &Pose| {
+            a.translation.distance(b.translation) < 0.01 * self.grid.cell
+                && (a.rotation.dot(b.rotation).abs() - 1.0).abs() < 1e-6
+        };
+        let same = self
+            .obstacles_at
+            .as_ref()
+            .is_some_and(|at| at.len() == now.len() && at.iter().zip(&now).all(|(a, b)| near(a, b)));
+        if !same {
+            self.obstacles_at = Some(now);
+        }
+        !same
+    }
+
+    /// Hair into the grid.
+    pub(super) fn grids(&self, stage: &VolumeStage, pass: &mut wgpu::ComputePass<'_>, slot: u32) {
+        let offset = [Self::offset(slot)];
+        let splatted = (self.base.splat_count * self.base.samples).div_ceil(VOLUME_WORKGROUP);
+        stage.splat.record(pass, &self.groups.splat, &offset, splatted);
+        stage.sum.record_grid(pass, &self.groups.sum, &offset, self.tiles([1, 1, 1]));
+        for (axis, four) in [[4, 1, 1], [1, 4, 1]].into_iter().enumerate() {
+            stage.blur[axis].record_grid(pass, &self.groups.blur[axis], &offset, self.tiles(four));
+        }
+        stage.density.record_grid(pass, &self.groups.density, &offset, self.tiles([1, 1, 4]));
+    }
+
+    /// Workgroups for threads of so many cells each along each axis.
+    pub(super) fn tiles(&self, cells: [u32; 3]) -> [u32; 3] {
+        let n = self.grid.resolution;
+        [(0, 8), (1, 4), (2, 2)].map(|(axis, threads)| n.div_ceil(cells[axis]).div_ceil(threads))
+    }
+
+    /// The variance of the blur, cells². The splat itself blurs, by a sixth of a cell's square.
+    fn variance(&self, params: &HairHair) -> f32 {
+        let smooth = params.mode != HairHairMode::Fixed;
+        if smooth { ((params.blur / self.base.cell).powi(2) - 1.0 / 6.0).max(0.0) } else { 0.0 }
+    }
+
+    /// The uniforms of one step, bound with a dynamic offset.
+    pub(crate) fn uniforms(&self) -> wgpu::BindingResource<'_> {
+        slot(&self.uniforms)
+    }
+
+    /// The dynamic offset of step `i`.
+    pub(crate) fn offset(i: u32) -> u32 {
+        i * STRIDE
+    }
+
+    /// The uniforms with what the user sets.
+    fn with(&self, params: &HairHair, h: f32) -> VolumeUniforms {
+        let smooth = params.mode != HairHairMode::Fixed;
+        let cell = self.base.cell;
+        let speed = params.speed.min(params.blur.max(cell) / h.max(1e-6));
+        VolumeUniforms {
+            mode: params.mode as u32,
+            speed_squared: speed * speed,
+            tolerance: params.tolerance,
+            friction: if smooth { params.friction } else { 0.0 },
+            limit: params.limit,
+            fixed_push: params.fixed,
+            ..self.base
+        }
+    }
+}
+
+/// One step's uniforms.
+fn slot(uniforms: &wgpu::Buffer) -> wgpu::BindingResource<'_> {
+    wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+        buffer: uniforms,
+        offset: 0,
+        size: wgpu::BufferSize::new(size_of::<VolumeUniforms>() as u64),
+    })
+}
