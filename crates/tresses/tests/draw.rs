@@ -175,6 +175,7 @@ fn hair_shades_hair() {
     // With two vertices per strand, what bends or jumps along a strand cannot agree.
     scene.hair.root_darkness = 1.0;
     scene.hair.shift_noise = 0.0;
+    scene.shadows.ambient = false;
     // How many fibres each method counts before the second curtain, whose hairs stand 1.6 deep.
     let behind = scene.shadows.density * (0.01 - scene.shadows.bias);
     for (method, expected, tolerance) in [

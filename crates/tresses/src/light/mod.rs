@@ -39,10 +39,12 @@
 //! **Surroundings** ([`Environment`], [`Sky`]): three colours by elevation, or a picture as spherical
 //! harmonics; its small bright parts become directional lights, with shadows.
 //!
+//! **All sides** ([`ambient`]): how open the sky is in the hair, and what the body throws on it, in a grid of
+//! cells that light is followed through. Hair and body ask it instead of guessing.
+//!
 //! Not taken: filters of a few turned taps (they trembled twelve times as much as hair in a turning
-//! light truly does), uniform slices (48 of them hardly erred less than these eight). Untried: a grid of
-//! the hair's density for the sky, whose openness is guessed from the zenith and the lights that are on;
-//! moments instead of layers.
+//! light truly does), uniform slices (48 of them hardly erred less than these eight). Untried: moments
+//! instead of layers.
 
 pub mod ambient;
 pub mod environment;

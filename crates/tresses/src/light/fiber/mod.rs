@@ -27,16 +27,16 @@
 //! **Spread lobes** keep their light: where the paper adds variances of Gaussians in the inclination,
 //! which lose what falls beyond the poles, the normalised distribution of the lobes themselves is widened.
 //!
-//! **The sky**: integrated over the half before and the half behind the fibre, each as open as the shadow
-//! maps of the lights nearest in direction tell; towards the eye it is open, since the eye sees the fibre.
+//! **The sky** and what bodies throw: integrated over the half before and the half behind the fibre, with what
+//! arrives from each as [`super::ambient`] tells. Without that, each is as open as the shadow maps of the lights
+//! nearest in direction tell; towards the eye it is open, since the eye sees the fibre.
 //!
 //! Checked: the near field against 256 directions and four colours of Mitsuba's plugin; furnaces of the
 //! near field, the tables and the shader; the shader against its twin [`FarField::scatter`]
 //! (`tests/fiber.rs`). Pictures against path tracing: `docs/appearance/shading.md`.
 //!
 //! Untried: a fit of `density_forward` and `density_back` to path tracing (0.7 is the paper's value); the
-//! position across the strip where hair is wider than pixels (near field); elliptic fibres; light that
-//! skin throws onto hair.
+//! position across the strip where hair is wider than pixels (near field); elliptic fibres.
 
 pub mod bsdf;
 pub mod far;
