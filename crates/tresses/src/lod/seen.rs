@@ -14,8 +14,9 @@ const PIECE: f32 = 0.04;
 const COARSE: f32 = 3.0;
 /// Cells along each edge of the grid that fibres are counted in.
 const GRID: usize = 96;
-/// How far a strand is lifted out of its own shadow, metres: [`Shadows::bias`](crate::light::Shadows::bias).
-const BIAS: f32 = 0.0015;
+/// How near fibres are not counted, metres: what `NEAR` and, for eyes and lights as far apart as these, `SHARED`
+/// of `light/transmittance.wesl` come to.
+const BIAS: f32 = 0.00275;
 
 /// From before, from a side, and between them from above.
 const EYES: [Vec3; 3] = [Vec3::Z, Vec3::X, Vec3::new(-1.0, 0.6, -1.0)];
