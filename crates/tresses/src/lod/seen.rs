@@ -225,7 +225,7 @@ pub(super) fn fibers(strips: &[Strip], (middle, radius): (Vec3, f32)) -> Vec<[f3
         };
         grid.fill(0.0);
         count(strips, cell.recip(), &mut grid, place);
-        for column in grid.chunks_exact_mut(GRID + 1) {
+        for column in grid.as_chunks_mut::<{ GRID + 1 }>().0 {
             let mut sum = 0.0;
             for cell in column {
                 sum += std::mem::replace(cell, sum);
