@@ -163,7 +163,7 @@ fn errors(stage: &Stage, hair: &mut Hair, shot: &Shot, change: impl Fn(&mut Deta
 /// What coverage and luminance may be off by.
 const MOST: f32 = 0.03;
 /// And where the hair is less than 20 pixels large: docs/appearance/lod.md says what is not reached there.
-const FAR: [f32; 2] = [0.05, 0.06];
+const FAR: [f32; 2] = [0.05, 0.1];
 
 fn most(distance: f32) -> [f32; 2] {
     if distance < 30.0 { [MOST; 2] } else { FAR }

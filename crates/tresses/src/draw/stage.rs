@@ -31,7 +31,7 @@ pub struct DrawOptions {
     /// ([`DrawStage::shadow_bytes`]).
     pub shadow_resolution: u32,
     /// Cells along each edge of the grid of light from all sides, brought into 4 to 64
-    /// ([`crate::light::ambient`]); each takes 488 bytes.
+    /// ([`crate::light::ambient`]); each takes 300 bytes.
     pub ambient_cells: u32,
     /// Format of what `present` writes to.
     pub output: wgpu::TextureFormat,
