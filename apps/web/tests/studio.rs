@@ -15,7 +15,7 @@ const ADDRESS: &str = "?style=short&style.strands=1500&shading.color=melanin";
 /// Where of the page the picture is, without what lies on it.
 const PICTURE: (Range<u32>, Range<u32>) = (112..420, 90..330);
 /// Where of the page sentences about errors are.
-const SENTENCES: (Range<u32>, Range<u32>) = (20..420, 120..240);
+const SENTENCES: (Range<u32>, Range<u32>) = (150..420, 276..336);
 /// The panel's field for words to search parameters by, the one slider that is left then, and its left end.
 const SEARCH: [f64; 2] = [580.0, 98.0];
 const SLIDER: [[f64; 2]; 2] = [[629.0, 158.0], [590.0, 158.0]];
