@@ -225,6 +225,7 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready
         samples: options.samples,
         coverage: options.coverage,
         shadow_resolution: options.shadow_resolution,
+        ambient_cells: options.ambient_cells,
         ssaa: settings.edges.ssaa,
         ..Quality::new(FIRST)
     };

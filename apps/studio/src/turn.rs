@@ -153,8 +153,12 @@ pub fn draw_options(settings: &Settings, tier: &Tier) -> tresses::Result<DrawOpt
     if settings.edges.samples.is_some() || settings.edges.coverage.is_some() {
         return settings.draw_options(tier.max_samples);
     }
-    let shadow_resolution =
-        if tier.software { settings.shadow_resolution.min(256) } else { settings.shadow_resolution };
-    let samples = if tier.software { 1 } else { 4 };
-    Ok(DrawOptions { samples, coverage: Coverage::SampleMask, shadow_resolution, ..Default::default() })
+    let fast = DrawOptions { samples: 4, coverage: Coverage::SampleMask, ..Default::default() };
+    let shadow_resolution = settings.shadow_resolution;
+    Ok(if tier.software {
+        // An eighth of the cells, whose work does not fall with the strands.
+        DrawOptions { samples: 1, shadow_resolution: shadow_resolution.min(256), ambient_cells: 12, ..fast }
+    } else {
+        DrawOptions { shadow_resolution, ..fast }
+    })
 }

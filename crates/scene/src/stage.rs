@@ -40,13 +40,15 @@ pub struct Quality {
     pub ssaa: u32,
     /// Texels along each edge of a shadow map.
     pub shadow_resolution: u32,
+    /// Cells along each edge of the grid of light from all sides.
+    pub ambient_cells: u32,
 }
 
 impl Quality {
     /// Peeled strands, one sample per pixel.
     pub fn new(size: [u32; 2]) -> Self {
-        let shadow_resolution = DrawOptions::default().shadow_resolution;
-        Self { size, samples: 1, coverage: Coverage::PEELING, ssaa: 1, shadow_resolution }
+        let DrawOptions { shadow_resolution, ambient_cells, .. } = DrawOptions::default();
+        Self { size, samples: 1, coverage: Coverage::PEELING, ssaa: 1, shadow_resolution, ambient_cells }
     }
 
     /// The pipelines for it.
@@ -55,6 +57,7 @@ impl Quality {
             samples: self.samples,
             coverage: self.coverage,
             shadow_resolution: self.shadow_resolution,
+            ambient_cells: self.ambient_cells,
             ..Default::default()
         };
         HairRenderer::new(device, &options)

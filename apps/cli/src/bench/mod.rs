@@ -35,6 +35,9 @@ pub struct Args {
     /// Fewer frames and a shorter line of strand counts
     #[arg(long)]
     pub quick: bool,
+    /// Measure only the scenes that others have measured, and a line of strand counts
+    #[arg(long, conflicts_with_all = ["costs", "appearance", "lod", "preset"])]
+    pub scenes: bool,
     /// Measure only the parts of the simulation, against each other
     #[arg(long)]
     pub costs: bool,
@@ -65,12 +68,12 @@ pub fn run(args: &Args) -> Result<()> {
     let mut groups = Vec::new();
     let mut counts = Vec::new();
     let mut looks = Vec::new();
-    let all = !(args.costs || args.appearance || args.lod || own.is_some());
+    let all = !(args.scenes || args.costs || args.appearance || args.lod || own.is_some());
     groups.extend(own);
     if all || args.appearance {
         looks.extend(appearance::variants());
     }
-    if all {
+    if all || args.scenes {
         groups.extend(workload::seed());
         groups.extend(workload::peer(args));
         counts.extend(workload::strand_counts(args.quick));

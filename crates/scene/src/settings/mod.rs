@@ -207,8 +207,9 @@ impl Settings {
     /// # Errors
     /// As [`draw_options`](Self::draw_options).
     pub fn quality(&self, size: [u32; 2], most: u32) -> Result<Quality> {
-        let DrawOptions { samples, coverage, shadow_resolution, .. } = self.draw_options(most)?;
-        Ok(Quality { size, samples, coverage, ssaa: self.edges.ssaa, shadow_resolution })
+        let DrawOptions { samples, coverage, shadow_resolution, ambient_cells, .. } =
+            self.draw_options(most)?;
+        Ok(Quality { size, samples, coverage, ssaa: self.edges.ssaa, shadow_resolution, ambient_cells })
     }
 
     /// How strands become what is drawn: on a built-in style, or `None` for a groom from files.
