@@ -67,7 +67,8 @@ impl Level {
     }
 }
 
-/// From the best to the fastest.
+/// From the best to the fastest. Few strands are wide enough for all (`tresses::lod`), but few segments are chords
+/// that sink into the skull: no level strays so far that skin shows through (`tests/levels.rs`).
 pub const LEVELS: [Level; 8] = [
     Level::FULL,
     Level { scale: 0.85, ..Level::FULL },
@@ -75,8 +76,8 @@ pub const LEVELS: [Level; 8] = [
     Level::coarse(0.55, 0.7, 2.5),
     Level { slow: true, ..Level::coarse(0.45, 1.2, 4.0) },
     Level { slow: true, ..Level::coarse(0.36, 1.8, 6.0) },
-    Level { slow: true, ..Level::coarse(0.28, 2.5, 8.0) },
-    Level { slow: true, few_lights: true, ..Level::coarse(0.24, 2.8, 10.0) },
+    Level { slow: true, ..Level::coarse(0.28, 2.5, 4.0) },
+    Level { slow: true, few_lights: true, ..Level::coarse(0.24, 2.8, 3.0) },
 ];
 /// Milliseconds that a frame may take on a software driver.
 const SOFTWARE: f32 = 80.0;

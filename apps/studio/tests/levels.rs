@@ -1,12 +1,13 @@
 //! What is drawn less finely covers as much as what is drawn in full: a small picture is coarser hair, not less.
 
-use std::sync::Arc;
+use std::{path::Path, sync::Arc};
 use tresses::{
     Pose,
     draw::Background,
     glam::Vec3,
     gpu::Gpu,
     groom::{mannequin, styles::Style},
+    lod::Detail,
 };
 use tresses_scene::{Base, Camera, Colliders, Quality, Settings, Stage, camera::View, settings::HairColor};
 use tresses_studio::{
@@ -17,13 +18,13 @@ use tresses_studio::{
 /// Width and height of the picture in a window of the size that it opens in, points.
 const AREA: [f32; 2] = [884.0, 692.0];
 
-fn stage(style: &str) -> Option<(Stage, Settings)> {
+fn stage() -> Option<(Stage, Settings)> {
     let Ok(gpu) = pollster::block_on(Gpu::open()) else {
         assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none(), "there is no adapter");
         return None;
     };
     let mut settings = Settings::default();
-    settings.look.color = HairColor::Red;
+    settings.look.color = HairColor::Blond;
     let options = turn::draw_options(&settings, &gpu.tier).unwrap();
     let quality = Quality {
         samples: options.samples,
@@ -33,9 +34,8 @@ fn stage(style: &str) -> Option<(Stage, Settings)> {
         ..Quality::new([64, 64])
     };
     let renderer = Arc::new(quality.renderer(&gpu.device));
-    let style: Style = style.parse().unwrap();
     let stage = pollster::block_on(async {
-        let base = Base::built_in(&style, &gpu, &renderer.simulate, &()).await.unwrap();
+        let base = Base::built_in(&Style::default(), &gpu, &renderer.simulate, &()).await.unwrap();
         let styling = settings.styling(base.style(), &Default::default()).unwrap();
         let character = base.dress(&styling, &()).await.unwrap();
         let physics = settings.physics();
@@ -52,8 +52,9 @@ fn picture(stage: &mut Stage, settings: &Settings, level: &Level, view: View) ->
     let size = AREA.map(|side| (side * level.scale).round() as u32);
     stage.resize(size).unwrap();
     level.dress(stage, settings).unwrap();
-    // Hair is red, skin green: what is which is seen of every pixel.
-    stage.look.body.color = Vec3::Y;
+    // Skin is black in any light, hair is not: what is which is seen of every pixel.
+    stage.look.body.color = Vec3::ZERO;
+    stage.look.tone.exposure *= 16.0;
     stage.look.body.gloss = 0.0;
     stage.look.background = Background::transparent();
     let camera = Camera::portrait(view, stage.subject(), AREA[0] / AREA[1], 1.0);
@@ -66,47 +67,63 @@ fn picture(stage: &mut Stage, settings: &Settings, level: &Level, view: View) ->
     pollster::block_on(stage.targets.read(&stage.gpu.device, &stage.gpu.queue)).unwrap()
 }
 
-#[test]
-fn probe() {
-    let style = std::env::var("STYLE").unwrap_or("long".into());
-    let Some((mut stage, settings)) = stage(&style) else { return };
-    let strays: Vec<f32> =
-        std::env::var("STRAYS").unwrap_or_default().split(',').filter_map(|s| s.parse().ok()).collect();
-    let mut levels: Vec<Level> = LEVELS.to_vec();
-    for s in strays {
-        levels.push(Level { stray: s, ..LEVELS[7] });
+/// Blocks along each edge of a picture.
+const BLOCKS: usize = 24;
+
+/// The share of each block of the picture that is hair.
+fn hair(stage: &Stage, picture: &[u8]) -> Vec<f32> {
+    let [width, height] = stage.targets.size.map(|side| side as usize);
+    let mut blocks = vec![[0.0; 2]; BLOCKS * BLOCKS];
+    for (i, [r, g, b, alpha]) in picture.as_chunks().0.iter().enumerate() {
+        let [x, y] = [i % width * BLOCKS / width, i / width * BLOCKS / height];
+        let block = &mut blocks[y * BLOCKS + x];
+        block[0] += 1.0;
+        block[1] += f32::from(*alpha > 127 && [*r, *g, *b] != [0; 3]);
     }
-    for view in [View::Front, View::ThreeQuarter, View::Back] {
-        for (i, level) in levels.iter().enumerate() {
-            let p = picture(&mut stage, &settings, level, view);
-            let px = p.as_chunks::<4>().0;
-            let n = px.len() as f32;
-            let hair = px.iter().filter(|p| p[3] > 127 && p[1] <= p[0]).count() as f32 / n;
-            let skin = px.iter().filter(|p| p[3] > 127 && p[1] > p[0]).count() as f32 / n;
-            let d = *stage.detail();
-            let t = std::time::Instant::now();
-            for _ in 0..4 {
-                let _ = picture(&mut stage, &settings, level, view);
+    blocks.into_iter().map(|[all, hair]| hair / all).collect()
+}
+
+/// What there is of the hair in all, and in the block that lacks the most of those that are full of it.
+fn left(full: &[f32], now: &[f32]) -> [f32; 2] {
+    let all = now.iter().sum::<f32>() / full.iter().sum::<f32>();
+    let dense = full.iter().zip(now).filter(|(full, _)| **full > 0.9);
+    [all, dense.map(|(full, now)| now / full).fold(1.0, f32::min)]
+}
+
+/// How much hair may lack or be too much in all, and how much must be there where it is full.
+const ALL: f32 = 0.05;
+const LEAST: f32 = 0.75;
+
+fn fits([all, least]: [f32; 2]) -> bool {
+    (all - 1.0).abs() < ALL && least > LEAST
+}
+
+#[test]
+fn what_is_lowered_covers_as_much() {
+    let Some((mut stage, settings)) = stage() else { return };
+    let whole = Level { scale: 0.5, ..Level::FULL };
+    // The chords of so few segments sink into the skull.
+    let bald = Level { stray: 10.0, ..LEVELS[LEVELS.len() - 1] };
+    for view in [View::ThreeQuarter, View::Back] {
+        let mut seen = |name: &str, level: &Level| {
+            let picture = picture(&mut stage, &settings, level, view);
+            if let Some(folder) = std::env::var_os("TRESSES_PICTURES") {
+                let path = Path::new(&folder).join(format!("level-{view:?}-{name}.png"));
+                let [width, height] = stage.targets.size;
+                image::save_buffer(path, &picture, width, height, image::ExtendedColorType::Rgba8).unwrap();
             }
-            println!(
-                "{view:?} {i} stray {}: hair {:.2} skin {:.2} strands {} width {:.2} seg {:.2} {:.0} ms",
-                level.stray,
-                hair * 100.0,
-                skin * 100.0,
-                d.strands,
-                d.width,
-                d.segments,
-                t.elapsed().as_secs_f32() * 250.0
-            );
-            let size = stage.targets.size;
-            image::save_buffer(
-                format!("/tmp/studio8/{view:?}-{i}.png"),
-                &p,
-                size[0],
-                size[1],
-                image::ExtendedColorType::Rgba8,
-            )
-            .unwrap();
+            let Detail { strands, segments, .. } = stage.detail();
+            println!("{view:?}, {name}: {strands} strands, {segments:.1} segments");
+            hair(&stage, &picture)
+        };
+        let full = seen("full", &whole);
+        for (i, level) in LEVELS.iter().enumerate().skip(4) {
+            let left = left(&full, &seen(&i.to_string(), level));
+            println!("  {left:.3?}");
+            assert!(fits(left), "{view:?}, {level:?}: {left:?}");
         }
+        let bald = left(&full, &seen("bald", &bald));
+        println!("  {bald:.3?}");
+        assert!(!fits(bald), "the comparer sees a bald crown: {bald:?}");
     }
 }
