@@ -26,6 +26,8 @@ pub struct State {
     pub time: f64,
     /// Pixels of the picture.
     pub size: [u32; 2],
+    /// How far the camera is from what it looks at, metres.
+    pub distance: f32,
     /// Milliseconds of the last frame.
     pub milliseconds: f32,
     /// The adapter.
@@ -71,6 +73,7 @@ impl Studio {
             playing: self.play.playing,
             time: self.play.time,
             size: show.map_or([0; 2], |show| show.stage.targets.size),
+            distance: self.orbit.camera().distance(),
             milliseconds: show.map_or(0.0, |show| show.milliseconds),
             adapter: self.gpu.info.name.clone(),
             lost: self.lost().is_some(),
