@@ -79,7 +79,7 @@ impl CoverTable {
         progress.step(TASK, 0.1).await;
         let seen = pictures.seen(share.recip(), fine);
         progress.step(TASK, 0.3).await;
-        let lit = Lit::new(&seen, &fibers(&all, sphere), share.recip());
+        let lit = Lit::new(&seen, &fibers(&all, sphere, share.recip()), share.recip());
         drop((pictures, all, seen));
         for (i, level) in levels.iter().enumerate() {
             // Each level has half the strands of the one before.
@@ -92,7 +92,7 @@ impl CoverTable {
             progress.step(TASK, done).await;
             let strips = strips(count.max(1), Some(level.segments));
             let mut pictures = Pictures::new(&strips, sphere);
-            let fibers = fibers(&strips, sphere);
+            let fibers = fibers(&strips, sphere, level.widening);
             progress.step(TASK, done).await;
             for (points, cell) in table.points.iter_mut().zip([fine, level.pixel.max(fine)]) {
                 // The secant method: coverage grows smoothly, and ever slower, with the width.

@@ -12,8 +12,8 @@ const PIECE: f32 = 0.04;
 /// From this many fine cells on a picture is made of several, half a cell apart: where its cells happen to
 /// lie would show.
 const COARSE: f32 = 3.0;
-/// Cells along each edge of the grid that fibres are counted in.
-const GRID: usize = 96;
+/// Cells along each edge of the maps that fibres are counted in, about as large as texels of shadow maps.
+const GRID: usize = 192;
 /// How near fibres are not counted, metres: what `NEAR` and, for eyes and lights as far apart as these, `SHARED`
 /// of `light/transmittance.wesl` come to.
 const BIAS: f32 = 0.00275;
@@ -256,29 +256,25 @@ fn splat(
     }
 }
 
-/// How many fibres lie before each vertex of `strips` towards each light.
-pub(super) fn fibers(strips: &[Strip], (middle, radius): (Vec3, f32)) -> Vec<[f32; LIGHTS.len()]> {
-    let mut grid = vec![0.0f32; GRID * GRID * (GRID + 1)];
+/// How many fibres lie before each vertex of `strips` towards each light, as deep opacity maps count them:
+/// in layers behind a front that strips `wide` cells wide leave.
+pub(super) fn fibers(strips: &[Strip], sphere: (Vec3, f32), wide: f32) -> Vec<[f32; LIGHTS.len()]> {
+    let (middle, radius) = sphere;
     let cell = 2.1 * radius / GRID as f32;
     let points = || strips.iter().flat_map(|strip| &strip.points);
     let mut fibers = vec![[0.0; LIGHTS.len()]; points().count()];
+    let mut map = DeepMap::default();
     for (i, back) in LIGHTS.into_iter().enumerate() {
         let (right, up, back) = axes(back);
-        // Cells across and behind the light's side of the hair.
+        // Cells across, metres behind the light's side of the hair.
         let place = |p: Vec3| {
-            let p = (p - middle) / cell;
-            Vec3::new(p.dot(right), p.dot(up), -p.dot(back)) + 0.5 * GRID as f32
+            let p = p - middle;
+            let across = Vec2::new(p.dot(right), p.dot(up)) / cell + 0.5 * GRID as f32;
+            across.extend(1.05 * radius - p.dot(back))
         };
-        grid.fill(0.0);
-        count(strips, cell.recip(), &mut grid, place);
-        for column in grid.as_chunks_mut::<{ GRID + 1 }>().0 {
-            let mut sum = 0.0;
-            for cell in column {
-                sum += std::mem::replace(cell, sum);
-            }
-        }
+        map.lay(strips, cell, wide.clamp(1.0, WIDEST), place);
         for (p, fibers) in points().zip(&mut fibers) {
-            fibers[i] = before(&grid, place(*p) - Vec3::Z * (BIAS / cell));
+            fibers[i] = map.before(place(*p));
         }
     }
     fibers
@@ -370,35 +366,101 @@ fn power(light: impl Fn(f32) -> f32, wanted: f32) -> f32 {
     0.5 * (low + high)
 }
 
-/// Adds the area of `strips`, in cells, to the cells they lie in: four side by side share it. `scale`: a
-/// strip's width in cells over its own in metres.
-fn count(strips: &[Strip], scale: f32, grid: &mut [f32], place: impl Fn(Vec3) -> Vec3) {
-    for strip in strips {
-        for (points, radii) in strip.points.windows(2).zip(strip.radii.windows(2)) {
-            let (a, b) = (place(points[0]), place(points[1]));
-            let way = b - a;
-            let steps = way.abs().max_element().ceil().max(1.0);
-            let amount = (radii[0] + radii[1]) * scale * way.truncate().length() / steps;
-            for i in 0..steps as u32 {
-                let at = a + way * ((i as f32 + 0.5) / steps);
-                let z = at.z.clamp(0.0, (GRID - 1) as f32) as usize;
-                for (column, weight) in columns(at) {
-                    grid[column * (GRID + 1) + z] += amount * weight;
+/// Layers of a deep opacity map.
+const LAYERS: usize = crate::constants::DEEP_LAYERS as usize;
+/// The most cells of the front that a strip lies in side by side: `WIDEST` of `light/splat.wesl`.
+const WIDEST: f32 = 6.0;
+
+/// A deep opacity map (`light/deep.wesl`), cells for texels.
+#[derive(Default)]
+struct DeepMap {
+    /// Metres, of each cell; infinite where there is no hair.
+    fronts: Vec<f32>,
+    /// Fibres before the far end of each layer.
+    layers: Vec<[f32; LAYERS]>,
+}
+
+/// Twin of `layer_of` in `light/deep.wesl`.
+fn layer_of(way: f32) -> f32 {
+    if way < 0.0 {
+        return (way / 0.012).max(-1.0);
+    }
+    (1.2 * (1.0 + way / 0.004).log2()).min((LAYERS - 1) as f32)
+}
+
+impl DeepMap {
+    /// Of `strips`, with cells of `cell` metres; `place` tells where they are.
+    fn lay(&mut self, strips: &[Strip], cell: f32, wide: f32, place: impl Fn(Vec3) -> Vec3) {
+        let mut nearest = vec![f32::INFINITY; GRID * GRID];
+        walk(strips, &place, |at, aside, _| {
+            for lane in 0..wide.round() as u32 {
+                let off = aside * (lane as f32 - 0.5 * (wide.round() - 1.0));
+                let (x, y) = (at.x + off.x, at.y + off.y);
+                if x >= 0.0 && y >= 0.0 && x < GRID as f32 && y < GRID as f32 {
+                    let nearest = &mut nearest[y as usize * GRID + x as usize];
+                    *nearest = nearest.min(at.z);
                 }
+            }
+        });
+        self.fronts.clear();
+        self.fronts.extend((0..GRID * GRID).map(|at| {
+            let around = |at: usize| at.saturating_sub(1)..(at + 2).min(GRID);
+            let (mut sum, mut count) = (0.0, 0.0);
+            for y in around(at / GRID) {
+                for near in around(at % GRID).map(|x| nearest[y * GRID + x]).filter(|near| near.is_finite()) {
+                    (sum, count) = (sum + near, count + 1.0);
+                }
+            }
+            if count > 0.0 { sum / count } else { f32::INFINITY }
+        }));
+        self.layers.clear();
+        self.layers.resize(GRID * GRID, [0.0; LAYERS]);
+        walk(strips, &place, |at, _, area| {
+            for (column, weight) in columns(at) {
+                // The layers follow the front: what is far before it is in none.
+                let layer = layer_of(at.z - self.fronts[column]).floor() + 1.0;
+                self.layers[column][(layer as usize).min(LAYERS - 1)] += weight * area / cell;
+            }
+        });
+        for layers in &mut self.layers {
+            let mut sum = 0.0;
+            for layer in layers {
+                sum += *layer;
+                *layer = sum;
             }
         }
     }
+
+    /// The fibres before a place, those too near to it left out.
+    fn before(&self, at: Vec3) -> f32 {
+        let of = |(column, weight): (usize, f32)| {
+            let (layer, layers) = (layer_of(at.z - BIAS - self.fronts[column]), &self.layers[column]);
+            if layer < 0.0 {
+                return weight * layers[0] * (1.0 + layer);
+            }
+            let k = (layer as usize).min(LAYERS - 2);
+            weight * (layers[k] + (layers[k + 1] - layers[k]) * (layer - k as f32))
+        };
+        columns(at).into_iter().map(of).sum()
+    }
 }
 
-/// The fibres before a place, once the cells hold sums.
-fn before(grid: &[f32], at: Vec3) -> f32 {
-    let z = at.z.clamp(0.0, GRID as f32 - 1e-3);
-    let k = z as usize;
-    let of = |(column, weight): (usize, f32)| {
-        let column = &grid[column * (GRID + 1)..];
-        weight * (column[k] + (column[k + 1] - column[k]) * (z - k as f32))
-    };
-    columns(at).into_iter().map(of).sum()
+/// Tells of each step of `strips` from cell to cell where it is, which way lies aside, and the area over the
+/// edge of a cell (metres) that a step covers.
+fn walk(strips: &[Strip], place: impl Fn(Vec3) -> Vec3, mut see: impl FnMut(Vec3, Vec2, f32)) {
+    for strip in strips {
+        for (points, radii) in strip.points.windows(2).zip(strip.radii.windows(2)) {
+            let a = place(points[0]);
+            let way = place(points[1]) - a;
+            let across = way.truncate().abs();
+            let steps = across.max_element().ceil().max(1.0);
+            let aside = if across.x > across.y { Vec2::Y } else { Vec2::X };
+            let area = (radii[0] + radii[1]) * way.truncate().length() / steps;
+            for i in 0..steps as u32 {
+                see(a + way * ((i as f32 + 0.5) / steps), aside, area);
+            }
+        }
+    }
 }
 
 /// The four columns about a place and their weights.
@@ -451,7 +513,7 @@ mod tests {
     #[test]
     fn fibers_are_counted_towards_the_light() {
         let strips = curtains(3, 0.4);
-        let fibers = fibers(&strips, (Vec3::ZERO, 0.8));
+        let fibers = fibers(&strips, (Vec3::ZERO, 0.8), 1.0);
         // The light meets 0.4 per curtain, the more the more aslant it comes; at its own curtain half of that.
         let light = LIGHTS[0].normalize();
         let across = Vec2::new(light.x, light.z).normalize().y;
