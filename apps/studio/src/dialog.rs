@@ -179,6 +179,7 @@ impl Dialogs {
     }
 
     /// Asks where `content` shall go, with `name` as a proposal.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn save(&self, context: &egui::Context, title: &str, name: &str, content: impl Into<Content>) {
         let content = content.into();
         let (dialogs, context) = (self.clone(), context.clone());
@@ -187,12 +188,26 @@ impl Dialogs {
             let asked = Instant::now();
             let ask = AsyncFileDialog::new().set_title(title).set_file_name(&name);
             let answer = match ask.save_file().await {
-                Some(file) => write(&file, &name, &content).await,
+                Some(file) => write(&file, &name, &content),
                 None if no_dialog(asked) => write_here(&name, &content),
                 None => return,
             };
             dialogs.tell(&context, answer);
         });
+    }
+
+    /// Offers `content` for download as `name`: where it goes is the browser's business.
+    #[cfg(target_arch = "wasm32")]
+    pub fn save(&self, context: &egui::Context, _: &str, name: &str, content: impl Into<Content>) {
+        let done = content.into().bytes(Path::new(name)).map(|bytes| crate::web::download(name, &bytes));
+        self.tell(
+            context,
+            match done {
+                Ok(Ok(())) => Answer::Wrote(format!("{name} is handed to the browser as a download")),
+                Ok(Err(error)) => Answer::Failed(format!("{name} cannot be downloaded: {error:?}")),
+                Err(error) => Answer::Failed(format!("{name} cannot be written: {error}")),
+            },
+        );
     }
 }
 
@@ -220,7 +235,7 @@ const MISSING: &str = "this desktop opens no dialogs for files (on Linux install
 
 /// Writes `bytes` where the person wants them; names without an ending get that of `name`.
 #[cfg(not(target_arch = "wasm32"))]
-async fn write(file: &rfd::FileHandle, name: &str, content: &Content) -> Answer {
+fn write(file: &rfd::FileHandle, name: &str, content: &Content) -> Answer {
     let mut path = file.path().to_path_buf();
     if path.extension().is_none()
         && let Some(ending) = Path::new(name).extension()
@@ -230,16 +245,7 @@ async fn write(file: &rfd::FileHandle, name: &str, content: &Content) -> Answer 
     wrote(&path, content.write(&path))
 }
 
-/// Offers `content` for download.
-#[cfg(target_arch = "wasm32")]
-async fn write(file: &rfd::FileHandle, name: &str, content: &Content) -> Answer {
-    let name = Path::new(name);
-    match content.bytes(name) {
-        Ok(bytes) => wrote(name, file.write(&bytes).await),
-        failed => wrote(name, failed.map(|_| ())),
-    }
-}
-
+#[cfg(not(target_arch = "wasm32"))]
 fn wrote(path: &Path, result: std::io::Result<()>) -> Answer {
     match result {
         Ok(()) => Answer::Wrote(format!("{} is written", path.display())),
@@ -248,6 +254,7 @@ fn wrote(path: &Path, result: std::io::Result<()>) -> Answer {
 }
 
 /// Without a dialog: writes `content` into the folder that the studio was started in, over no other file.
+#[cfg(not(target_arch = "wasm32"))]
 fn write_here(name: &str, content: &Content) -> Answer {
     let name = Path::new(name);
     let (stem, ending) = (name.with_extension(""), name.extension().unwrap_or_default());

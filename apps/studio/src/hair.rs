@@ -7,7 +7,10 @@ use crate::{
 };
 use eframe::egui;
 use tresses::groom::styles::Style;
-use tresses_scene::{Companion, Companions, Shelf, preset, settings::HairColor};
+use tresses_scene::{Companion, Companions, Settings, Shelf, preset, settings::HairColor};
+
+/// The key of the colours painted on the scalp.
+const COLORS: &str = "color_map";
 
 /// Which hair, and the maps, obstacles and surroundings beside it.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +31,15 @@ impl Hair {
     /// Whether `other` is the same hair in another light.
     pub fn is_lit_otherwise(&self, other: &Self) -> bool {
         self.source == other.source && !self.companions.differ_in_hair(&other.companions)
+    }
+
+    /// The settings under which one sees it: colours that were `painted` for it hide behind no other.
+    fn seen_with(&self, settings: &Settings, painted: Option<&str>) -> Settings {
+        let mut settings = settings.clone();
+        if painted.is_some() && painted == self.companions.names().color_map.as_deref() {
+            settings.look.color = HairColor::File;
+        }
+        settings
     }
 
     /// What leads from `before` to this, a word or two.
@@ -81,11 +93,8 @@ impl Studio {
         files: &Shelf,
     ) {
         let Hair { source, companions } = self.wanted();
-        if companion.key == "color_map" && name.is_some() {
-            // What is painted is to be seen.
-            let mut settings = self.settings.now().clone();
-            settings.look.color = HairColor::File;
-            self.change(context, settings, "Colour");
+        if companion.key == COLORS {
+            self.painted.clone_from(&name);
         }
         let hair = Hair { source, companions: companions.with(companion, name, files) };
         if companion.kind.is_of_hair() { self.make(context, hair, false) } else { self.light(context, hair) }
@@ -93,6 +102,7 @@ impl Studio {
 
     /// Goes to `hair`, if it is not there already.
     pub(crate) fn go_to(&mut self, context: &egui::Context, hair: Hair) {
+        self.painted = None;
         if self.job.as_ref().is_some_and(|job| job.hair == hair) {
             return;
         }
@@ -135,16 +145,19 @@ impl Studio {
         self.start(context, Order { hair, base, surroundings, renderer, settings, keep });
     }
 
-    /// `hair` is shown from here on, which is a step that can be undone.
-    pub(crate) fn arrived(&mut self, hair: &Hair) {
-        match self.shown {
+    /// `hair` is shown from here on, which is a step that can be undone. Colours that were painted for it are
+    /// seen at once, whatever colour it had: that belongs to the same step.
+    pub(crate) fn arrived(&mut self, context: &egui::Context, hair: &Hair) {
+        let painted = self.painted.take();
+        if self.shown.is_none() {
             // The first is where one begins.
-            None => self.settings.set_hair(hair.clone()),
-            Some(_) => {
-                let label = hair.step_from(self.settings.hair());
-                self.settings.change_hair(hair.clone(), &label);
-            }
+            self.settings.set_hair(hair.clone());
+            return;
         }
+        let label = hair.step_from(self.settings.hair());
+        let before = self.settings.now().clone();
+        self.settings.change_both(hair.seen_with(&before, painted.as_deref()), hair.clone(), &label);
+        self.follow(context, &before);
     }
 }
 
@@ -169,5 +182,20 @@ mod tests {
         assert!(!bob.is_lit_otherwise(&Hair::default()));
         assert_eq!(sparse.named().style.as_deref(), Some("bob"));
         assert_eq!(sparse.named().density_map.as_deref(), Some("front"));
+    }
+
+    #[test]
+    fn painted_colours_are_seen() {
+        let name = || Some("colours.png".to_owned());
+        let companions = Companions::default().with(companion(COLORS).unwrap(), name(), &Shelf::default());
+        let hair = Hair { companions, ..Hair::default() };
+        let mut brown = Settings::default();
+        brown.look.color = HairColor::Brown;
+        let color =
+            |hair: &Hair, painted: Option<String>| hair.seen_with(&brown, painted.as_deref()).look.color;
+        assert_eq!(color(&hair, name()), HairColor::File);
+        // Those of a preset that says brown, and of hair that came in their place, are not.
+        assert_eq!(color(&hair, None), HairColor::Brown);
+        assert_eq!(color(&Hair::default(), name()), HairColor::Brown);
     }
 }

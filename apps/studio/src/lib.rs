@@ -13,13 +13,17 @@
 //! takes steers the resolution ([`pace`]). Nothing is drawn unless hair moves or something changed.
 
 pub mod app;
+pub mod arrive;
 pub mod ball;
 pub mod device;
 pub mod dialog;
 pub mod files;
+pub mod frame;
 pub mod hair;
 pub mod head;
 pub mod job;
+pub mod loss;
+
 #[cfg(not(target_arch = "wasm32"))]
 mod native;
 pub mod options;

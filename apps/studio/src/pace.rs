@@ -2,7 +2,9 @@
 //! When nothing moves any more, there is time: level by level the picture becomes what it would be
 //! without any of that.
 
+use anyhow::Result;
 use tresses::lod::LodOptions;
+use tresses_scene::{Settings, Stage};
 
 /// How finely a frame is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,6 +43,23 @@ impl Level {
         options
     }
 
+    /// Gives `stage` the settings as they are, drawn so finely; before each frame.
+    ///
+    /// # Errors
+    /// When the level of detail is out of its range.
+    pub fn dress(&self, stage: &mut Stage, settings: &Settings) -> Result<()> {
+        stage.take(settings);
+        if self.few_lights {
+            stage.lighting.rim = 0.0;
+        }
+        if self.coarse || stage.gpu.tier.software {
+            // Flat triangles shade themselves sooner, and so do the coarse maps of a software driver.
+            stage.look.shadows.bias *= 2.0;
+        }
+        stage.set_coarse(self.coarse);
+        stage.set_lod(self.lod(settings.lod.options()))
+    }
+
     /// About how much longer a frame of `other` takes: pixels take most of it.
     fn cost_of(&self, other: &Self) -> f32 {
         let ratio = other.scale / self.scale;
@@ -48,16 +67,17 @@ impl Level {
     }
 }
 
-/// From the best to the fastest.
-const LEVELS: [Level; 8] = [
+/// From the best to the fastest. Few strands are wide enough for all (`tresses::lod`), but few segments are chords
+/// that sink into the skull: no level strays so far that skin shows through (`tests/levels.rs`).
+pub const LEVELS: [Level; 8] = [
     Level::FULL,
     Level { scale: 0.85, ..Level::FULL },
     Level::coarse(0.7, 0.3, 1.5),
     Level::coarse(0.55, 0.7, 2.5),
     Level { slow: true, ..Level::coarse(0.45, 1.2, 4.0) },
     Level { slow: true, ..Level::coarse(0.36, 1.8, 6.0) },
-    Level { slow: true, ..Level::coarse(0.28, 2.5, 8.0) },
-    Level { slow: true, few_lights: true, ..Level::coarse(0.24, 2.8, 10.0) },
+    Level { slow: true, ..Level::coarse(0.28, 2.5, 4.0) },
+    Level { slow: true, few_lights: true, ..Level::coarse(0.24, 2.8, 3.0) },
 ];
 /// Milliseconds that a frame may take on a software driver.
 const SOFTWARE: f32 = 80.0;

@@ -1,5 +1,7 @@
 //! What the studio tells of itself, for tests that drive it from outside.
 
+use crate::{app::Studio, job::Job, stage::Show};
+use eframe::egui;
 use serde::Serialize;
 use std::sync::{Mutex, PoisonError};
 
@@ -24,6 +26,8 @@ pub struct State {
     pub time: f64,
     /// Pixels of the picture.
     pub size: [u32; 2],
+    /// How far the camera is from what it looks at, metres.
+    pub distance: f32,
     /// Milliseconds of the last frame.
     pub milliseconds: f32,
     /// The adapter.
@@ -51,4 +55,35 @@ pub fn publish(state: State) {
 pub fn json() -> String {
     let state = STATE.lock().unwrap_or_else(PoisonError::into_inner);
     state.as_ref().and_then(|state| serde_json::to_string(state).ok()).unwrap_or_else(|| "{}".into())
+}
+
+impl Studio {
+    /// What others may know.
+    pub(crate) fn publish(&self, context: &egui::Context) {
+        let show = self.show.as_ref();
+        publish(State {
+            frames: show.map_or(0, |show| show.frames),
+            strands: show.map_or(0, |show| show.facts().strands),
+            file: self.shown.as_ref().map(|shown| shown.hair.source.name()).unwrap_or_default(),
+            companions: self.shown.as_ref().map_or_else(Vec::new, |shown| {
+                shown.hair.companions.all().map(|(what, name)| format!("{}: {name}", what.key)).collect()
+            }),
+            step: self.job.as_ref().map(Job::step).unwrap_or_default().into(),
+            error: self.error.clone().or_else(|| self.lost()).unwrap_or_default(),
+            playing: self.play.playing,
+            time: self.play.time,
+            size: show.map_or([0; 2], |show| show.stage.targets.size),
+            distance: self.orbit.camera().distance(),
+            milliseconds: show.map_or(0.0, |show| show.milliseconds),
+            adapter: self.gpu.info.name.clone(),
+            lost: self.lost().is_some(),
+            busy: self.dirty
+                || self.recording.is_some()
+                || self.may_refine(context)
+                || self.play.is_due()
+                || self.is_live()
+                || self.orbit.is_gliding()
+                || show.is_some_and(Show::is_under_way),
+        });
+    }
 }

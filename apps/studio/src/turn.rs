@@ -90,7 +90,7 @@ impl Studio {
     }
 
     /// Does what the way from `before` to the settings as they are takes.
-    fn follow(&mut self, context: &egui::Context, before: &Settings) {
+    pub(crate) fn follow(&mut self, context: &egui::Context, before: &Settings) {
         let changes = self.settings.now().changes(before);
         self.dirty |= changes.any();
         // Those that take long wait until nobody turns any more.
@@ -119,17 +119,8 @@ impl Studio {
     pub(crate) fn dress(&mut self, level: &Level) {
         let Some(show) = &mut self.show else { return };
         self.drawn = *level;
-        let (settings, stage) = (self.settings.now(), &mut show.stage);
-        stage.take(settings);
-        if level.few_lights {
-            stage.lighting.rim = 0.0;
-        }
-        if level.coarse || self.gpu.tier.software {
-            // Flat triangles shade themselves sooner, and so do the coarse maps of a software driver.
-            stage.look.shadows.bias *= 2.0;
-        }
-        stage.set_coarse(level.coarse);
-        if let Err(error) = stage.set_lod(level.lod(settings.lod.options())) {
+        let stage = &mut show.stage;
+        if let Err(error) = level.dress(stage, self.settings.now()) {
             self.error = Some(format!("{error:#}"));
         }
         stage.show(self.view);

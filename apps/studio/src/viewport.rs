@@ -90,7 +90,8 @@ fn pointer(studio: &mut Studio, ui: &Ui, response: &Response) {
         studio.orbit.zoom(touch.zoom_delta);
         let by = touch.translation_delta;
         studio.orbit.pan(Vec2::new(by.x, by.y), rect.height());
-        studio.dirty |= delta != Vec2::ZERO;
+        // Any of the fingers may be the one that moves.
+        studio.dirty = true;
     } else if response.dragged_by(PointerButton::Primary) {
         if let Some(depth) = studio.hand.held() {
             if shift {
@@ -156,7 +157,12 @@ fn hover(studio: &mut Studio, ui: &Ui, response: &Response) {
     if !response.contains_pointer() {
         return;
     }
-    let (wheel, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+    let (wheel, pinch, fingers) =
+        ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta(), input.multi_touch().is_some()));
+    // Fingers have zoomed already, in `pointer`.
+    if fingers {
+        return;
+    }
     if wheel != 0.0 || pinch != 1.0 {
         studio.orbit.zoom((wheel * WHEEL).exp() * pinch);
         studio.dirty = true;

@@ -49,6 +49,30 @@ fn query() -> Result<Vec<(String, String)>, JsValue> {
     Ok(js_sys::Array::from(&pairs).iter().map(|pair| (text(&pair, 0), text(&pair, 1))).collect())
 }
 
+/// How long bytes of a download are kept for the browser to take, milliseconds.
+const TAKEN: i32 = 60_000;
+
+/// Has the browser download `bytes` as the file `name`.
+///
+/// # Errors
+/// What the browser says.
+pub(crate) fn download(name: &str, bytes: &[u8]) -> Result<(), JsValue> {
+    let window = web_sys::window().ok_or("there is no window")?;
+    let document = window.document().ok_or("there is no document")?;
+    let parts = js_sys::Array::of1(&js_sys::Uint8Array::from(bytes));
+    let kind = web_sys::BlobPropertyBag::new();
+    kind.set_type("application/octet-stream");
+    let blob = web_sys::Blob::new_with_u8_array_sequence_and_options(&parts, &kind)?;
+    let url = web_sys::Url::create_object_url_with_blob(&blob)?;
+    let link: web_sys::HtmlAnchorElement = document.create_element("a")?.dyn_into()?;
+    link.set_href(&url);
+    link.set_download(name);
+    link.click();
+    let forget = Closure::once_into_js(move || web_sys::Url::revoke_object_url(&url));
+    window.set_timeout_with_callback_and_timeout_and_arguments_0(forget.unchecked_ref(), TAKEN)?;
+    Ok(())
+}
+
 /// Says a sentence over the canvas, for whatever happens after which nothing is drawn any more.
 pub(crate) fn say(sentence: &str) {
     let element = web_sys::window()

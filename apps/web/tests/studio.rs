@@ -21,6 +21,15 @@ const SEARCH: [f64; 2] = [580.0, 98.0];
 const SLIDER: [[f64; 2]; 2] = [[629.0, 158.0], [590.0, 158.0]];
 /// In the picture, where nothing lies on it.
 const MIDDLE: [f64; 2] = [216.0, 220.0];
+/// In the picture, beside the hair.
+const BESIDE: [f64; 2] = [340.0, 130.0];
+/// The menu of files, its entry for a loop, and what is in the window that opens then: the pictures per second,
+/// a place where nothing is, and the button that begins.
+const MENU: [f64; 2] = [256.0, 18.0];
+const RECORD: [f64; 2] = [288.0, 172.0];
+const RATE: [f64; 2] = [363.0, 193.0];
+const WISH: [f64; 2] = [500.0, 285.0];
+const GO: [f64; 2] = [278.0, 285.0];
 /// Strands of the file that is dropped.
 const DROPPED: usize = 400;
 
@@ -71,6 +80,10 @@ fn the_studio_runs_in_a_browser() {
     assert!(hair(&dropped) > 0.05, "{}", hair(&dropped));
     assert!(change(&dropped, &turned) > 0.1, "{}", change(&dropped, &turned));
     assert_eq!(alarm(&dropped), 0.0);
+
+    gestures(&mut browser, &dropped);
+    recording(&mut browser, folder.path());
+    let dropped = still(&mut browser);
 
     drop_file(&mut browser, &broken);
     let state = state(&mut browser, |state| state["error"] != "");
@@ -125,6 +138,66 @@ fn without_webgpu_there_is_a_sentence() {
     assert_eq!(browser.value("document.querySelector('canvas') === null"), true, "no blank picture below");
     server.stop();
     serving.join().unwrap();
+}
+
+/// One finger looks around, two come nearer.
+fn gestures(browser: &mut Browser, before: &Picture) {
+    let distance = |state: &Value| state["distance"].as_f64().unwrap();
+    let far = distance(&state(browser, |_| true));
+    browser.swipe(&[BESIDE], &[[BESIDE[0] - 60.0, BESIDE[1]]]);
+    let around = still(browser);
+    around.keep("studio-touch-1-around.png");
+    assert!(change(&around, before) > 0.1, "{}", change(&around, before));
+    assert_eq!(distance(&state(browser, |_| true)), far, "one finger comes no nearer");
+    let [x, y] = MIDDLE;
+    browser.swipe(&[[x - 20.0, y], [x + 20.0, y]], &[[x - 30.0, y], [x + 30.0, y]]);
+    let near = still(browser);
+    near.keep("studio-touch-2-near.png");
+    // Half as far apart again as they were, in the picture as on the glass.
+    let ratio = far / distance(&state(browser, |_| true));
+    assert!((ratio - 1.5).abs() < 0.05, "{ratio}");
+    assert!(change(&near, &around) > 0.1, "{}", change(&near, &around));
+}
+
+/// A loop is recorded, and comes as a file that moves.
+fn recording(browser: &mut Browser, folder: &Path) {
+    browser.download_into(folder);
+    browser.drag(MENU, MENU);
+    still(browser);
+    browser.drag(RECORD, RECORD);
+    still(browser).keep("studio-record-1-wish.png");
+    browser.drag(RATE, RATE);
+    browser.keys("2");
+    still(browser);
+    // Elsewhere: what was typed holds.
+    browser.drag(WISH, WISH);
+    still(browser).keep("studio-record-2-rate.png");
+    browser.drag(GO, GO);
+    let (path, begin) = (folder.join("tresses.gif"), Instant::now());
+    while !path.exists() {
+        assert!(begin.elapsed() < browser::PATIENCE, "no loop arrives");
+        assert!(browser.complaints().is_empty(), "{}", browser.complaints().join("\n"));
+        thread::sleep(std::time::Duration::from_millis(200));
+    }
+    let bytes = std::fs::read(&path).unwrap();
+    let (frames, differ) = frames(&bytes);
+    println!("a loop of {} bytes and {frames} frames", bytes.len());
+    // Three seconds, two a second.
+    assert_eq!(frames, 6);
+    assert!(differ, "it moves");
+    still(browser).keep("studio-record-3-done.png");
+}
+
+/// How many pictures a GIF has, and whether any differs from the first.
+fn frames(gif: &[u8]) -> (usize, bool) {
+    let mut options = gif::DecodeOptions::new();
+    options.set_color_output(gif::ColorOutput::RGBA);
+    let mut decoder = options.read_info(gif).expect("a GIF");
+    let mut frames = Vec::new();
+    while let Some(frame) = decoder.read_next_frame().expect("a whole GIF") {
+        frames.push(frame.buffer.to_vec());
+    }
+    (frames.len(), frames.iter().any(|frame| *frame != frames[0]))
 }
 
 /// Surroundings, bright and blue above: pixels of four bytes each, as they are.

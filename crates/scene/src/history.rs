@@ -5,8 +5,8 @@ use crate::{knobs, settings::Settings};
 /// The most steps that can be undone.
 const DEPTH: usize = 500;
 
-/// Settings with all that they were before, and which hair `H` they were for. Turning one knob again and again, as under a finger, is one
-/// step, until [`settle`](Self::settle) says that the finger has left it.
+/// Settings with all that they were before, and which hair `H` they were for. Turning one knob again and again,
+/// as under a finger, is one step, until [`settle`](Self::settle) says that the finger has left it.
 #[derive(Clone, Debug)]
 pub struct History<H> {
     now: Settings,
@@ -42,13 +42,14 @@ impl<H: Clone + PartialEq> History<H> {
         &self.hair
     }
 
-    /// The hair is another one from here on, which is a step named `label`.
-    pub fn change_hair(&mut self, hair: H, label: &str) {
-        if hair == self.hair {
+    /// Settings and hair are others from here on, which is a step named `label`.
+    pub fn change_both(&mut self, settings: Settings, hair: H, label: &str) {
+        if hair == self.hair && settings == self.now {
             return;
         }
-        let before = std::mem::replace(&mut self.hair, hair);
-        let step = Step { settings: self.now.clone(), hair: before, knob: None, label: label.to_owned() };
+        let hair = std::mem::replace(&mut self.hair, hair);
+        let settings = std::mem::replace(&mut self.now, settings);
+        let step = Step { settings, hair, knob: None, label: label.to_owned() };
         self.future.clear();
         self.open = false;
         self.push(step);
@@ -203,8 +204,8 @@ mod tests {
     fn hair_comes_back_too() {
         let mut history = History::new(Settings::default(), "bob");
         drag(&mut history, 5.0);
-        history.change_hair("bob", "the same is no step");
-        history.change_hair("curly", "Hair");
+        history.change_both(history.now().clone(), "bob", "the same is no step");
+        history.change_both(history.now().clone(), "curly", "Hair");
         drag(&mut history, 6.0);
         assert_eq!(history.undo().unwrap().simulation.drag, 5.0);
         assert_eq!((*history.hair(), history.undoes()), ("curly", Some("Hair")));
@@ -217,6 +218,13 @@ mod tests {
         history.undo();
         history.redo();
         assert_eq!(*history.hair(), "long");
+        // Hair with settings that belong to it is one step.
+        let before = history.now().clone();
+        history.change_both(with(&before, |s| s.wind.speed = 5.0), "painted", "Colours");
+        assert_eq!(history.undo(), Some(&before));
+        assert_eq!((*history.hair(), history.redoes()), ("long", Some("Colours")));
+        history.redo();
+        assert_eq!((*history.hair(), history.now().wind.speed), ("painted", 5.0));
     }
 
     #[test]

@@ -91,28 +91,41 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let measured = runs * u64::from(frames) + looks.len() as u64 * u64::from(look_frames);
     let bar = progress::frames("measuring", measured);
+    // Each table as soon as it is known: a software driver takes minutes for all.
+    let tell = |text: String| {
+        if !(args.json || text.is_empty()) {
+            bar.suspend(|| say!("{}", text.trim_end()));
+        }
+    };
+    tell(report.adapter.text());
     for group in &groups {
-        report.groups.push(workload::measure(group, frames, &bar)?);
+        let group = workload::measure(group, frames, &bar)?;
+        tell(group.text());
+        report.groups.push(group);
     }
     if costs > 0 {
         report.costs = costs::measure(frames, &bar)?;
+        tell(report.costs_text());
     }
     if args.lod {
         report.lod = lod::measure(frames, &bar)?;
+        tell(lod::text(&report.lod));
     }
     for variant in &looks {
         interrupt::check()?;
         report.looks.push(appearance::measure(variant, software, look_frames, &bar)?);
     }
-    for strands in counts {
+    tell(report.looks_text());
+    for strands in &counts {
         interrupt::check()?;
-        report.line.push(workload::point(strands, frames, &bar)?);
+        report.line.push(workload::point(*strands, frames, &bar)?);
+    }
+    if !counts.is_empty() {
+        tell(report.line_text());
     }
     bar.finish_and_clear();
     if args.json {
         say!("{}", serde_json::to_string_pretty(&report)?);
-    } else {
-        say!("{}", report.text().trim_end());
     }
     Ok(())
 }

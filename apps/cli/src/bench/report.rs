@@ -124,56 +124,44 @@ pub struct Point {
     pub frame: Summary,
 }
 
-impl Report {
-    /// As tables.
+impl Adapter {
+    /// What it is, and how it was timed.
     pub fn text(&self) -> String {
-        let a = &self.adapter;
-        let kind = if a.software { ", on the CPU" } else { "" };
-        let mut text = format!("{} ({}, {}{kind})\n", a.name, a.backend, a.driver);
-        text += match a {
-            Adapter { software: true, .. } => {
-                "Each stage submitted alone and timed by the clock: this driver's timestamps do not compare.\n"
+        let kind = if self.software { ", on the CPU" } else { "" };
+        let timed = match self {
+            Self { software: true, .. } => {
+                "Each stage submitted alone and timed by the clock: this driver's timestamps do not compare."
             }
-            Adapter { timestamps: false, .. } => "This adapter cannot time its passes: whole frames only.\n",
-            _ => "Stages by GPU timestamps, whole frames by the clock.\n",
+            Self { timestamps: false, .. } => "This adapter cannot time its passes: whole frames only.",
+            _ => "Stages by GPU timestamps, whole frames by the clock.",
         };
-        let frames = self.groups.iter().flat_map(|group| &group.runs).map(|run| run.frames);
-        let frames = frames.chain(self.looks.iter().map(|look| look.run.frames));
-        let frames = frames.chain(self.lod.iter().map(|point| point.frames));
-        let frames = frames.chain((self.costs.frames > 0).then_some(self.costs.frames));
-        let (fewest, most) = (frames.clone().min().unwrap_or(0), frames.max().unwrap_or(0));
-        let frames = if fewest == most { format!("{most}") } else { format!("{fewest} to {most}") };
-        let _ = writeln!(text, "Milliseconds, median and 95th percentile of {frames} frames.");
-        for group in &self.groups {
-            group.write(&mut text);
-        }
-        if !self.costs.parts.is_empty() {
-            self.write_costs(&mut text);
-        }
-        if !self.looks.is_empty() {
-            self.write_looks(&mut text);
-        }
-        if !self.lod.is_empty() {
-            text += &lod::text(&self.lod);
-        }
-        if !self.line.is_empty() {
-            self.write_line(&mut text);
-        }
-        text
+        format!(
+            "{} ({}, {}{kind})\n{timed}\nMilliseconds: medians and 95th percentiles.\n",
+            self.name, self.backend, self.driver
+        )
     }
+}
 
-    fn write_costs(&self, text: &mut String) {
+/// So many frames were measured in each of `runs`.
+fn measured(runs: impl Iterator<Item = u32> + Clone) -> String {
+    let (fewest, most) = (runs.clone().min().unwrap_or(0), runs.max().unwrap_or(0));
+    if fewest == most { format!("{most} frames") } else { format!("{fewest} to {most} frames") }
+}
+
+impl Report {
+    /// The parts of the simulation, as tables.
+    pub fn costs_text(&self) -> String {
         let costs = &self.costs;
         let mut rows = vec![["", "median", "p95"].map(String::from).to_vec()];
         rows.extend(
             costs.parts.iter().map(|part| vec![part.name.clone(), ms(part.time.median), ms(part.time.p95)]),
         );
-        let _ = write!(
-            text,
-            "\nSimulation costs (style long in motion, {} guides × {} vertices, {} strands, one fixed step)\n{}",
+        let text = format!(
+            "\nSimulation costs (style long in motion, {} guides × {} vertices, {} strands, one fixed step, {})\n{}",
             grouped(costs.guides.into()),
             costs.guide_vertices,
             grouped(costs.strands.into()),
+            measured(std::iter::once(costs.frames)),
             table(&rows)
         );
         let mut rows = vec![["ratio of medians", "measured", "at most"].map(String::from).to_vec()];
@@ -183,11 +171,12 @@ impl Report {
                 .iter()
                 .map(|l| vec![l.what.clone(), format!("{:.2}", l.ratio), format!("{:.2}", l.most)]),
         );
-        *text += &table(&rows);
+        text + &table(&rows)
     }
 
-    fn write_looks(&self, text: &mut String) {
-        let Some(first) = self.looks.first() else { return };
+    /// The ways to draw, as a table; empty without any.
+    pub fn looks_text(&self) -> String {
+        let Some(first) = self.looks.first() else { return String::new() };
         // What moves the hair is the same for all.
         let drawing = |run: &Run| {
             let from = run.stages.iter().position(|stage| stage.name == "shadow").unwrap_or(0);
@@ -223,18 +212,20 @@ impl Report {
             row.push(format!("{:.0}", look.bytes_per_pixel));
             rows.push(row);
         }
-        let _ = write!(
-            text,
-            "\nDrawing (style long in motion, {} strands, {} × {}{}; 4×MSAA where nothing else is said), medians\n{}",
+        format!(
+            "\nDrawing (style long in motion, {} strands, {} × {}{}; 4×MSAA where nothing else is said), \
+             medians of {}\n{}",
             grouped(first.strands.into()),
             first.size[0],
             first.size[1],
             if self.adapter.software { ", less than on a GPU" } else { "" },
+            measured(self.looks.iter().map(|look| look.run.frames)),
             table(&rows)
-        );
+        )
     }
 
-    fn write_line(&self, text: &mut String) {
+    /// Cost against the number of strands, as a table.
+    pub fn line_text(&self) -> String {
         let points: Vec<_> = self.line.iter().map(|p| (f64::from(p.strands), p.frame.median)).collect();
         let (fixed, slope) = line(&points);
         let mut rows = vec![["strands", "frame", "p95", "GPU", "p95", "line"].map(String::from).to_vec()];
@@ -244,27 +235,27 @@ impl Report {
             row.push(ms(fixed + slope * f64::from(point.strands)));
             rows.push(row);
         }
-        let _ = write!(
-            text,
+        format!(
             "\nCost against the number of strands (style long in motion, 1280 × 720, 1 sample): \
              {} ms + {} ms per 1,000 strands\n{}",
             ms(fixed),
             ms(slope * 1000.0),
             table(&rows)
-        );
+        )
     }
 }
 
 impl Group {
-    fn write(&self, text: &mut String) {
+    /// As a table.
+    pub fn text(&self) -> String {
         let [width, height] = self.size;
-        let _ = writeln!(
-            text,
-            "\n{}: {width} × {height}, {}{}\n{} guides, {} strands × {} vertices, {} triangles, \
-             {:.1} MB on the GPU, {:.1} bytes per drawn vertex",
+        let mut text = format!(
+            "\n{}: {width} × {height}, {}{}, {}\n{} guides, {} strands × {} vertices, {} triangles, \
+             {:.1} MB on the GPU, {:.1} bytes per drawn vertex\n",
             self.name,
             if self.samples == 1 { "1 sample".into() } else { format!("{}×MSAA", self.samples) },
             if self.ssaa > 1 { format!(", {0}×{0} SSAA", self.ssaa) } else { String::new() },
+            measured(self.runs.iter().map(|run| run.frames)),
             grouped(self.guides.into()),
             grouped(self.strands.into()),
             self.vertices_per_strand,
@@ -275,7 +266,7 @@ impl Group {
         if !self.others.is_empty() {
             let _ = writeln!(text, "{}", self.others);
         }
-        let Some(first) = self.runs.first() else { return };
+        let Some(first) = self.runs.first() else { return text };
         let mut rows = vec![vec![String::new()]];
         for run in &self.runs {
             rows[0].extend([run.state.clone(), "p95".into()]);
@@ -297,7 +288,7 @@ impl Group {
             row("all stages", &|run| run.gpu);
         }
         row("whole frame", &|run| run.frame);
-        *text += &table(&rows);
+        text + &table(&rows)
     }
 }
 
@@ -375,8 +366,9 @@ mod tests {
 
     #[test]
     fn tables_are_aligned() {
-        let text = report().text();
-        assert!(text.contains("990,016 triangles") && text.contains("1920 × 1200, 4×MSAA"));
+        let report = report();
+        let text = report.groups[0].text() + &report.costs_text() + &report.line_text();
+        assert!(text.contains("990,016 triangles") && text.contains("1920 × 1200, 4×MSAA, 9 frames"));
         let line = |name: &str| text.lines().find(|l| l.trim_start().starts_with(name)).unwrap();
         assert_eq!(line("simulate").len(), line("whole frame").len());
         assert!(line("simulate").contains("0.250") && line("draw").contains("100.0"));

@@ -230,6 +230,34 @@ impl Browser {
         }
     }
 
+    /// Puts fingers on the page, moves them there, or lifts those that are not named: `kind` is one of the
+    /// protocol's, such as `touchStart`.
+    pub fn touch(&mut self, kind: &str, fingers: &[[f64; 2]]) {
+        let points: Vec<_> =
+            fingers.iter().enumerate().map(|(i, [x, y])| json!({"x": x, "y": y, "id": i})).collect();
+        self.call("Input.dispatchTouchEvent", json!({"type": kind, "touchPoints": points}));
+    }
+
+    /// Fingers go from one place to another.
+    pub fn swipe(&mut self, from: &[[f64; 2]], to: &[[f64; 2]]) {
+        for count in 1..=from.len() {
+            self.touch("touchStart", &from[..count]);
+        }
+        for i in 1..=4 {
+            let between =
+                |(a, b): (&[f64; 2], &[f64; 2])| [0, 1].map(|c| a[c] + (b[c] - a[c]) * f64::from(i) / 4.0);
+            let now: Vec<_> = from.iter().zip(to).map(between).collect();
+            self.touch("touchMove", &now);
+        }
+        self.touch("touchEnd", &[]);
+    }
+
+    /// From here on the page's downloads go into `folder`.
+    pub fn download_into(&mut self, folder: &Path) {
+        let how = json!({"behavior": "allow", "downloadPath": folder.display().to_string()});
+        self.call("Browser.setDownloadBehavior", how);
+    }
+
     /// What the page's console has heard of errors and warnings, wgpu's and WebGPU's among them.
     pub fn complaints(&mut self) -> &[String] {
         // Events come before the answer to whatever is asked after them.

@@ -4,6 +4,7 @@
 
 pub mod bindings;
 pub mod device;
+pub(crate) mod grid;
 pub mod kernel;
 pub mod readback;
 pub mod timings;

@@ -113,7 +113,7 @@ impl Sphere {
     }
 }
 
-/// The number of shadow maps there may be: one per light, and the first from above for the sky.
+/// The number of shadow maps there may be: one per light, and one from above for the sky.
 pub const SHADOW_MAPS: usize = MAX_LIGHTS + 1;
 
 /// What the shaders know of a light that is on.
@@ -134,9 +134,9 @@ pub struct LightUniform {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct LightsUniform {
-    /// World to the clip space of each shadow map, the sky's first; depth 0 is nearest the light.
+    /// World to the clip space of each shadow map, the sky's behind those of the lights; depth 0 is nearest the light.
     pub shadow: [Mat4; SHADOW_MAPS],
-    /// The lights that are on; light `i` has the map `i + 1`.
+    /// The lights that are on; light `i` has the map `i`.
     pub directional: [LightUniform; MAX_LIGHTS],
     /// [`Sky::zenith`].
     pub zenith: Vec3,
@@ -170,10 +170,10 @@ pub struct LightsUniform {
     pub per_pixel: u32,
     /// Cells along an edge of [`super::Ambient`]; 0 where the sky's openness is guessed.
     pub ambient: u32,
+    /// How many shadow maps are drawn: one per light, and one for the sky where its openness is guessed.
+    pub maps: u32,
     /// Unused.
-    pub _pad_b: u32,
-    /// Unused.
-    pub _pad_c: u32,
+    pub _pad: u32,
     /// [`Environment::coefficients`].
     pub environment: [Vec4; 9],
     /// The corner of the cells at the least coordinates, metres.
@@ -198,15 +198,16 @@ impl Lights {
         let fit = |direction| fit(direction, focus, step as f32 * texel);
         let mut shadow = [fit(Vec3::Y); SHADOW_MAPS];
         let mut directional = [LightUniform::zeroed(); MAX_LIGHTS];
+        let count = self.active().count();
         for (i, light) in self.active().enumerate() {
-            shadow[i + 1] = fit(light.direction);
+            shadow[i] = fit(light.direction);
             directional[i].direction = light.direction.normalize_or(Vec3::Y);
             directional[i].irradiance = light.irradiance;
         }
         LightsUniform {
             shadow,
             directional,
-            count: self.active().count() as u32,
+            count: count as u32,
             zenith: self.sky.zenith,
             horizon: self.sky.horizon,
             ground: self.sky.ground,
@@ -226,8 +227,8 @@ impl Lights {
             },
             per_pixel: u32::from(shadows.per_pixel),
             ambient: 0,
-            _pad_b: 0,
-            _pad_c: 0,
+            maps: shadows.maps(count) as u32,
+            _pad: 0,
             environment: self.environment.coefficients.map(|c| c.extend(0.0)),
             ambient_origin: focus.center - focus.radius,
             ambient_scale: 0.5 / focus.radius,

@@ -1,19 +1,19 @@
 //! Light on hair: how much of it arrives, and what comes back.
 //!
 //! ```text
-//! strand vertices ─┬─► hair maps (sky, then each light that is on) ─► fibres ─► shading ─► shaded
+//! strand vertices ─┬─► hair maps (each light that is on)   ─► fibres ─► shading ─► shaded
 //! body ────────────┴─► depth maps, a layer each ──────────────────► solid    per vertex   per vertex
 //!                                                                             or per pixel
 //! ```
 //!
 //! **Lights** ([`Lights`]): four from afar and a sky. What is off has neither a map nor a turn of a loop.
 //!
-//! **Shadow** ([`ShadowMaps`]): one orthographic map per light, and one from the zenith. The body is
-//! rasterised into a depth texture; hair, which is thinner than a texel, is walked into a buffer by
-//! kernels, one thread per segment. What comes out is a count, not a share: the mean number of fibres
-//! between a light and a point, so that every model of shading may take of each what it needs
-//! (`transmittance.wesl`). Bodies in between are a factor of their own. Three methods
-//! ([`ShadowMethod`]) answer, all from the same buffer:
+//! **Shadow** ([`ShadowMaps`]): one orthographic map per light, and one from the zenith where light from all
+//! sides is guessed, not followed. The body is rasterised into a depth texture; hair, which is thinner than
+//! a texel, is walked into a buffer by kernels, one thread per segment. What comes out is a count, not a
+//! share: the mean number of fibres between a light and a point, so that every model of shading may take
+//! of each what it needs (`transmittance.wesl`). Bodies in between are a factor of their own. Three
+//! methods ([`ShadowMethod`]) answer, all from the same buffer:
 //!
 //! - *Deep opacity maps*: `splat` leaves the nearest hair in each texel, `front` smooths it into a
 //!   front that no single hair moves, `cover` adds width times length over area of every segment, in
@@ -47,6 +47,7 @@
 //! instead of layers.
 
 pub mod ambient;
+mod asked;
 pub mod environment;
 pub mod fiber;
 pub mod lights;

@@ -1,13 +1,7 @@
 //! Asks the shadow maps about any points: what tests and tools measure shadows with.
 
-use super::MAX_LIGHTS;
-use crate::{
-    Result,
-    constants::STRAND_WORKGROUP,
-    draw::DrawStage,
-    gpu::{Binding, Kernel, readback},
-    strands::buffers::storage,
-};
+use super::{MAX_LIGHTS, asked::Asked};
+use crate::{Result, draw::DrawStage, gpu::Binding};
 use glam::{Vec3, Vec4};
 
 /// What is between a point and a light.
@@ -21,12 +15,7 @@ pub struct Shadow {
 
 /// A set of points that the shadow maps are asked about.
 #[derive(Debug)]
-pub struct ShadowProbe {
-    kernel: Kernel,
-    group: wgpu::BindGroup,
-    answers: wgpu::Buffer,
-    count: u32,
-}
+pub struct ShadowProbe(Asked<[[f32; 2]; MAX_LIGHTS]>);
 
 impl ShadowProbe {
     /// Takes `points` (metres, at most four million) to the GPU, to be asked about in the maps of `stage`: as
@@ -41,27 +30,18 @@ impl ShadowProbe {
         points: &[Vec3],
         eye: Option<Vec3>,
     ) -> Result<Self> {
-        use Binding::{Comparison, DepthArray, Storage, StorageMut, Uniform};
-        let entries = [Storage, Uniform, DepthArray, Comparison, Storage, Storage, StorageMut];
-        let kernel = Kernel::new(device, "light::probe", &entries);
-        let count = points.len().max(1);
-        let buffer = storage::<[f32; 4]>(device, "probe points", 1 + count as u64)?;
+        use Binding::{Comparison, DepthArray, Storage, Uniform};
+        let entries = [Uniform, DepthArray, Comparison, Storage, Storage];
+        let frame = entries.into_iter().zip(stage.light_resources());
         let eye = eye.map_or(Vec4::ZERO, |eye| eye.extend(1.0));
-        let positions: Vec<_> =
+        let words: Vec<_> =
             std::iter::once(eye).chain(points.iter().map(|point| point.extend(0.0))).collect();
-        queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&positions));
-        let answers = storage::<[f32; 2]>(device, "probe answers", (count * MAX_LIGHTS) as u64)?;
-        let [lights, maps, comparison, hair, blocks] = stage.light_resources();
-        let resources =
-            [buffer.as_entire_binding(), lights, maps, comparison, hair, blocks, answers.as_entire_binding()];
-        let group = kernel.bind(device, &resources);
-        Ok(Self { kernel, group, answers, count: count as u32 })
+        Ok(Self(Asked::new((device, queue), "light::probe", (&words, points.len()), frame)?))
     }
 
     /// Asks, after [`DrawStage::shadow`] has been recorded.
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
-        let mut pass = encoder.begin_compute_pass(&Default::default());
-        self.kernel.record(&mut pass, &self.group, &[], self.count.div_ceil(STRAND_WORKGROUP));
+        self.0.record(encoder);
     }
 
     /// The answers, for each point those of the lights that are on, in their order.
@@ -73,7 +53,7 @@ impl ShadowProbe {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
     ) -> Result<Vec<[Shadow; MAX_LIGHTS]>> {
-        let answers: Vec<[[f32; 2]; MAX_LIGHTS]> = readback::buffer(device, queue, &self.answers).await?;
+        let answers = self.0.read(device, queue).await?;
         let shadow = |[fibers, solid]: [f32; 2]| Shadow { fibers, solid };
         Ok(answers.into_iter().map(|lights| lights.map(shadow)).collect())
     }

@@ -208,7 +208,7 @@ impl ShadowMaps {
         }
     }
 
-    /// Records the maps of the sky and of the lights of `scene` that are on.
+    /// Records the maps of the lights of `scene` that are on, and of the sky where its openness is guessed.
     pub(crate) fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -220,7 +220,10 @@ impl ShadowMaps {
         let Shadows { method, .. } = scene.shadows;
         let casts = method != ShadowMethod::Off;
         let (hair, body) = (hair.filter(|_| casts), body.filter(|_| casts));
-        let maps = 1 + scene.lights.active().count();
+        let maps = scene.shadows.maps(scene.lights.active().count());
+        if maps == 0 {
+            return;
+        }
         for (i, layer) in self.layers[..maps].iter().enumerate() {
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("shadow"),

@@ -67,6 +67,11 @@ impl Shadows {
         self.ambient && self.method != ShadowMethod::Off
     }
 
+    /// How many maps `lights` that are on take. The sky's is the last: only a guess of its openness asks for it.
+    pub(crate) fn maps(&self, lights: usize) -> usize {
+        lights + usize::from(!self.follows_ambient())
+    }
+
     /// Texels of a depth map along the edge of a texel of the hair's, where a depth map's is `texel`
     /// metres: the hair's maps are only as fine as its shadow is soft, and a filter that meets all of
     /// their texels leaves nothing to flicker. Deep opacity maps are read through a spline over three by

@@ -522,7 +522,8 @@ mod tests {
             let strip = 100 * 3 + layer;
             let count = fibers[3 * strip + 1][0];
             let expected = 0.4 / across * (layer as f32 + 0.5);
-            assert!((count - expected).abs() < 0.2, "{layer}: {count} {expected}");
+            // A layer so far behind the front is thicker than a curtain: of that anything may be counted.
+            assert!((count - expected).abs() < 0.01 + 0.2 / across, "{layer}: {count} {expected}");
         }
     }
 

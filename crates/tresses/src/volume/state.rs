@@ -8,7 +8,7 @@ use crate::{
     Error, Pose, Result,
     collide::ColliderSet,
     constants::VOLUME_WORKGROUP,
-    gpu::bindings,
+    gpu::{bindings, grid::grid_texture},
     simulate::{MAX_STEPS, RestGuides, SimulationParams, Step, params::Mode},
     strands::{GuideBuffers, buffers::storage},
 };
@@ -104,26 +104,7 @@ impl Volume {
         let grid = Grid::around(rest.rest.iter().map(|r| r.position), resolution);
         let n = u64::from(resolution).pow(3);
         let vertices = u64::from(guides.count) * u64::from(guides.vertex_count);
-        let texture = |label, format| {
-            let texture = device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d {
-                    width: resolution,
-                    height: resolution,
-                    depth_or_array_layers: resolution,
-                },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D3,
-                format,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING
-                    | wgpu::TextureUsages::STORAGE_BINDING
-                    | wgpu::TextureUsages::COPY_SRC,
-                view_formats: &[],
-            });
-            let view = texture.create_view(&Default::default());
-            (texture, view)
-        };
+        let texture = |label, format| grid_texture(device, label, format, [resolution; 3]);
         use wgpu::TextureFormat::{Rgba16Float, Rgba32Float, Rgba32Uint};
         let (hair_texture, hair) = texture("volume hair", Rgba16Float);
         let (push_texture, push) = texture("volume push", Rgba16Float);

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     Error, Pose, Result,
-    gpu::bindings::uniform,
+    gpu::{bindings::uniform, grid::grid_texture},
     simulate::{MAX_STEPS, Mode, SimulationParams, Step, drag},
 };
 use bytemuck::Zeroable;
@@ -105,22 +105,10 @@ impl Air {
         }
         use wgpu::TextureFormat::{Rgba16Float, Rgba32Float};
         let mut bytes = 0;
-        let mut texture = |label, format: wgpu::TextureFormat, [x, y, z]: [u32; 3]| {
-            bytes += u64::from(x * y * z) * u64::from(format.block_copy_size(None).unwrap_or(0));
-            let texture = device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d { width: x, height: y, depth_or_array_layers: z },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D3,
-                format,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING
-                    | wgpu::TextureUsages::STORAGE_BINDING
-                    | wgpu::TextureUsages::COPY_SRC,
-                view_formats: &[],
-            });
-            let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-            (texture, view)
+        let mut texture = |label, format: wgpu::TextureFormat, size: [u32; 3]| {
+            bytes += u64::from(size.iter().product::<u32>())
+                * u64::from(format.block_copy_size(None).unwrap_or(0));
+            grid_texture(device, label, format, size)
         };
         let all = [cells; 3];
         let blocks = [cells / 4, cells, cells];

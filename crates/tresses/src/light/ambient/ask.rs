@@ -1,12 +1,6 @@
 //! Asks for light from all sides at any points: what tests and tools measure it with.
 
-use crate::{
-    Result,
-    constants::STRAND_WORKGROUP,
-    draw::DrawStage,
-    gpu::{Binding, Kernel, readback},
-    strands::buffers::storage,
-};
+use crate::{Result, draw::DrawStage, gpu::Binding, light::asked::Asked};
 use glam::{Vec3, Vec4};
 
 /// What arrives at a point from some directions.
@@ -21,12 +15,7 @@ pub struct Around {
 
 /// A set of points at which light from all sides is asked for.
 #[derive(Debug)]
-pub struct AmbientProbe {
-    kernel: Kernel,
-    group: wgpu::BindGroup,
-    answers: wgpu::Buffer,
-    count: u32,
-}
+pub struct AmbientProbe(Asked<[Vec4; 2]>);
 
 impl AmbientProbe {
     /// Takes `points` to the GPU, to be asked about in the cells of `stage`: positions (metres), and the mean vector of
@@ -40,29 +29,18 @@ impl AmbientProbe {
         stage: &DrawStage,
         points: &[(Vec3, Vec3)],
     ) -> Result<Self> {
-        use Binding::{Comparison, DepthArray, Sampler, Storage, StorageMut, Texture3d, Uniform};
-        let entries =
-            [Storage, Uniform, DepthArray, Comparison, Storage, Storage, Texture3d, Sampler, StorageMut];
-        let kernel = Kernel::new(device, "light::ambient::ask", &entries);
-        let count = points.len().max(1) as u64;
-        let buffer = storage::<[f32; 8]>(device, "ambient points", count)?;
-        let words: Vec<[Vec4; 2]> =
-            points.iter().map(|(at, middle)| [at.extend(0.0), middle.extend(0.0)]).collect();
-        queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&words));
-        let answers = storage::<[f32; 8]>(device, "ambient answers", count)?;
-        let frame = stage.light_resources().into_iter().chain(stage.ambient_resources());
-        let resources: Vec<_> = std::iter::once(buffer.as_entire_binding())
-            .chain(frame)
-            .chain([answers.as_entire_binding()])
-            .collect();
-        let group = kernel.bind(device, &resources);
-        Ok(Self { kernel, group, answers, count: points.len() as u32 })
+        use Binding::{Comparison, DepthArray, Sampler, Storage, Texture3d, Uniform};
+        let entries = [Uniform, DepthArray, Comparison, Storage, Storage, Texture3d, Sampler];
+        let resources = stage.light_resources().into_iter().chain(stage.ambient_resources());
+        let frame = entries.into_iter().zip(resources);
+        let words: Vec<_> =
+            points.iter().flat_map(|(at, middle)| [at.extend(0.0), middle.extend(0.0)]).collect();
+        Ok(Self(Asked::new((device, queue), "light::ambient::ask", (&words, points.len()), frame)?))
     }
 
     /// Asks, after [`DrawStage::shadow`] has been recorded.
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
-        let mut pass = encoder.begin_compute_pass(&Default::default());
-        self.kernel.record(&mut pass, &self.group, &[], self.count.div_ceil(STRAND_WORKGROUP));
+        self.0.record(encoder);
     }
 
     /// The answers.
@@ -70,7 +48,7 @@ impl AmbientProbe {
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.
     pub async fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<Around>> {
-        let answers: Vec<[Vec4; 2]> = readback::buffer(device, queue, &self.answers).await?;
+        let answers = self.0.read(device, queue).await?;
         let around = |[open, glow]: [Vec4; 2]| Around { open, glow: glow.truncate() };
         Ok(answers.into_iter().map(around).collect())
     }

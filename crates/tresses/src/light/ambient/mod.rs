@@ -44,6 +44,7 @@ use crate::{
     gpu::{
         Binding, Kernel, Timings,
         bindings::{group, layout, linear},
+        grid::grid_texture,
     },
     strands::StrandBuffers,
 };
@@ -118,17 +119,8 @@ impl Ambient {
         let fields = storage("ambient fields", 8 * u64::from(DIRECTIONS) * count);
         let weights = storage("ambient weights", 4 * count);
         let slices = slices(device, cells);
-        let texture = device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("ambient"),
-            size: wgpu::Extent3d { width: cells, height: cells, depth_or_array_layers: LAYERS * cells },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D3,
-            format: wgpu::TextureFormat::Rgba16Float,
-            usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        });
-        let result = texture.create_view(&Default::default());
+        let format = wgpu::TextureFormat::Rgba16Float;
+        let (_, result) = grid_texture(device, "ambient", format, [cells, cells, LAYERS * cells]);
         let sampler = linear(device);
         let body_layout =
             layout(device, "surface", wgpu::ShaderStages::COMPUTE, &[Uniform, Storage, Storage]);

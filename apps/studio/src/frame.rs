@@ -1,0 +1,148 @@
+//! One picture of the hair: when it is due, what has moved since the last, and how finely it is drawn.
+
+use crate::{app::Studio, ball::Ball, pace::Level, stage::Moment};
+use eframe::egui;
+use std::time::Duration;
+use tresses::{Pose, glam::Vec3};
+use web_time::Instant;
+
+/// The longest stretch of hair's time that one frame moves on by, seconds: on a GPU, on a software driver.
+const LONGEST: (f32, f32) = (0.1, 1.0 / 30.0);
+
+/// How long nothing has moved before the picture is refined.
+const REST: Duration = Duration::from_millis(500);
+
+/// Smallest picture, pixels.
+const LEAST: u32 = 16;
+
+/// The most of a frame that a hand on the head has for itself, seconds: hair has at most [`LONGEST`].
+const FELT: f32 = 0.1;
+
+/// How long hair that was touched swings while time stands still, seconds.
+const AWAKE: f32 = 2.0;
+
+impl Studio {
+    /// Draws the hair if it moves or something has changed, and no frame is under way.
+    pub(crate) fn draw(&mut self, context: &egui::Context) {
+        let seconds = context.input(|input| input.stable_dt);
+        if self.orbit.is_gliding() {
+            self.orbit.advance(seconds);
+            self.dirty = true;
+        }
+        let due = self.dirty || self.play.is_due() || self.is_live();
+        if !due {
+            self.last = None;
+        }
+        if self.lost().is_some() || self.area.min_elem() < 1.0 {
+            return;
+        }
+        if !self.hand.is_still()
+            || self.show.as_ref().is_some_and(|show| show.stage.hair.grabbed().is_active())
+        {
+            self.awake = AWAKE;
+        }
+        let Some(show) = &mut self.show else { return };
+        let (busy, landed) = show.landed();
+        if let Some(ms) = landed {
+            self.panels.frames.push(ms);
+            if self.recording.is_none() && self.pace.landed(ms) {
+                self.dirty = true;
+                context.request_repaint();
+            }
+        }
+        if busy || self.record_on(context) {
+            return;
+        }
+        if due {
+            self.rest = None;
+            self.pace.moved();
+        } else if !self.refines(context) {
+            return;
+        }
+        let Some(show) = &mut self.show else { return };
+        let now = Instant::now();
+        let real = self.last.map_or(1.0 / 60.0, |last| now.duration_since(last).as_secs_f32());
+        self.last = Some(now);
+        if self.play.take_reset() {
+            self.ball = None;
+            show.stage.rewind();
+        }
+        let most = if self.gpu.tier.software { LONGEST.1 } else { LONGEST.0 };
+        // A hand moves in its own time: it shakes hair that stands still otherwise.
+        let live = self.is_live();
+        let hand = if live { real.min(most) } else { 0.0 };
+        if live {
+            // A head follows the pointer soon, however long frames are, and yet does not tear its hair.
+            let felt = real.min(FELT);
+            self.hand.advance(felt);
+            self.awake -= felt;
+        }
+        let seconds = self.play.advance(real, most).max(hand);
+        self.dress(self.pace.level());
+        let (pose, camera, size) = (self.pose(), self.orbit.camera(), self.size());
+        let Some(show) = &mut self.show else { return };
+        let field = show.stage.field.as_ref().map(|field| (field, &pose));
+        self.ball = self.ball.and_then(|ball| ball.advanced(seconds, field));
+        let ball = self.ball.map(|ball| ball.at);
+        let moment = Moment { pose, seconds, camera, size, ball };
+        self.dirty = false;
+        if let Err(error) = show.draw(&self.state, context, &moment) {
+            self.error = Some(format!("{error:#}"));
+            self.play.playing = false;
+        }
+    }
+
+    /// The size of the next picture, pixels.
+    pub(crate) fn size(&self) -> [u32; 2] {
+        self.size_at(self.pace.level())
+    }
+
+    /// The size of a picture at `level`, pixels.
+    pub(crate) fn size_at(&self, level: &Level) -> [u32; 2] {
+        let size = self.area * level.scale;
+        [size.x, size.y].map(|side| (side.round() as u32).max(LEAST))
+    }
+
+    /// Nothing is due: whether the picture is drawn once more, finer.
+    fn refines(&mut self, context: &egui::Context) -> bool {
+        if !self.may_refine(context) {
+            self.rest = None;
+            return false;
+        }
+        let rested = self.rest.get_or_insert_with(Instant::now).elapsed();
+        let Some(left) = REST.checked_sub(rested) else { return self.pace.refine() };
+        context.request_repaint_after(left);
+        false
+    }
+
+    /// Whether a picture that stands still is made finer: not under somebody's finger.
+    pub(crate) fn may_refine(&self, context: &egui::Context) -> bool {
+        self.job.is_none() && self.pace.can_refine() && !context.input(|input| input.pointer.any_down())
+    }
+
+    /// Lets a ball fall on the head.
+    pub(crate) fn drop_ball(&mut self) {
+        if let Some(show) = &self.show {
+            self.ball = Some(Ball::dropped(show.stage.subject(), self.balls));
+            self.balls += 1;
+            self.play.playing = true;
+            self.dirty = true;
+        }
+    }
+
+    /// The pose of the head now.
+    pub(crate) fn pose(&self) -> Pose {
+        let pivot = self.pivot();
+        self.hand.apply(&self.play.pose(pivot), pivot)
+    }
+
+    /// What the head turns about, metres.
+    pub(crate) fn pivot(&self) -> Vec3 {
+        self.show.as_ref().map_or(Vec3::ZERO, |show| show.stage.pivot())
+    }
+
+    /// Whether somebody has his hands on head or hair, or had until just now.
+    pub(crate) fn is_live(&self) -> bool {
+        self.awake > 0.0 || !self.hand.is_still()
+    }
+}

@@ -1,0 +1,64 @@
+//! A kernel that is asked about points, and what it answers.
+
+use crate::{
+    Result,
+    constants::STRAND_WORKGROUP,
+    gpu::{Binding, Kernel, readback},
+    strands::buffers::storage,
+};
+use bytemuck::Pod;
+use glam::Vec4;
+
+/// Points on the GPU, the kernel that is asked about them, and room for an answer `A` to each.
+#[derive(Debug)]
+pub(super) struct Asked<A> {
+    kernel: Kernel,
+    group: wgpu::BindGroup,
+    answers: wgpu::Buffer,
+    points: u32,
+    answer: std::marker::PhantomData<A>,
+}
+
+impl<A: Pod> Asked<A> {
+    /// Takes `words`, which tell of so many `points`, to the GPU. The kernel in `module` binds them, what it needs of the
+    /// `frame` (with its layouts), and its answers.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] when the adapter cannot hold them.
+    pub(super) fn new<'a>(
+        (device, queue): (&wgpu::Device, &wgpu::Queue),
+        module: &'static str,
+        (words, points): (&[Vec4], usize),
+        frame: impl IntoIterator<Item = (Binding, wgpu::BindingResource<'a>)>,
+    ) -> Result<Self> {
+        let buffer = storage::<Vec4>(device, module, words.len().max(1) as u64)?;
+        queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words));
+        let answers = storage::<A>(device, module, points.max(1) as u64)?;
+        let (mut entries, mut resources) = (vec![Binding::Storage], vec![buffer.as_entire_binding()]);
+        for (entry, resource) in frame {
+            entries.push(entry);
+            resources.push(resource);
+        }
+        entries.push(Binding::StorageMut);
+        resources.push(answers.as_entire_binding());
+        let kernel = Kernel::new(device, module, &entries);
+        let group = kernel.bind(device, &resources);
+        Ok(Self { kernel, group, answers, points: points as u32, answer: std::marker::PhantomData })
+    }
+
+    /// Asks; after the passes that make what it asks for.
+    pub(super) fn record(&self, encoder: &mut wgpu::CommandEncoder) {
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        self.kernel.record(&mut pass, &self.group, &[], self.points.div_ceil(STRAND_WORKGROUP));
+    }
+
+    /// The answers, in the order of the points.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the device is lost.
+    pub(super) async fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<A>> {
+        let mut answers = readback::buffer(device, queue, &self.answers).await?;
+        answers.truncate(self.points as usize);
+        Ok(answers)
+    }
+}
