@@ -167,6 +167,7 @@ fn recording(browser: &mut Browser, folder: &Path) {
     browser.drag(RECORD, RECORD);
     still(browser).keep("studio-record-1-wish.png");
     browser.drag(RATE, RATE);
+    still(browser);
     browser.keys("2");
     still(browser);
     // Elsewhere: what was typed holds.
