@@ -83,7 +83,6 @@ fn the_studio_runs_in_a_browser() {
 
     gestures(&mut browser, &dropped);
     recording(&mut browser, folder.path());
-    let dropped = still(&mut browser);
 
     drop_file(&mut browser, &broken);
     let state = state(&mut browser, |state| state["error"] != "");
