@@ -8,7 +8,7 @@ use tresses::{
         lights::{LightUniform, LightsUniform},
         material::HairUniform,
     },
-    present::PresentUniform,
+    present::{Footprint, PresentUniform},
 };
 
 /// Byte layout of a struct: (name, offset) of each member, and the whole size.
@@ -409,6 +409,7 @@ fn present() {
         encode,
     });
     assert_eq!(wgsl_layout("PresentUniform"), rust);
+    assert_eq!(wgsl_layout("Footprint"), rust_layout!(Footprint { samples, count, _pad_a, _pad_b, _pad_c }));
 }
 
 #[test]

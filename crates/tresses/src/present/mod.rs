@@ -4,13 +4,19 @@
 //! pixel. Averaging first would let a single bright sample decide a pixel, which sparkles and
 //! undoes the antialiasing of a highlight's edge. With twofold supersampling the mean is over the
 //! texels that the original's five bilinear samples read (`taps.wesl`), a little wider than the
-//! pixel; with more, over the pixel's square. A single sample per pixel is blended with its
+//! pixel; with more, over the pixel's square. Masks of several samples are averaged over a disc that is
+//! wider than the pixel when they are few (`footprint.rs`). A single sample per pixel is blended with its
 //! neighbours along the strand or edge that it belongs to, which the structure tensor of its
 //! neighbourhood finds. Peeled hair is tone mapped where it is drawn and lies over the rest
 //! (`layers.wesl`).
 
+mod footprint;
+
+pub use footprint::Footprint;
+
 use bytemuck::{Pod, Zeroable};
 use glam::Vec2;
+use wgpu::util::DeviceExt;
 
 use crate::{
     draw::{Background, Coverage, Scene, Targets},
@@ -66,6 +72,8 @@ pub struct Present {
     pipeline: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,
     uniform: wgpu::Buffer,
+    /// Of targets with several samples.
+    footprint: Option<wgpu::Buffer>,
     encode: bool,
 }
 
@@ -78,7 +86,7 @@ impl Present {
                 ("present::layers", &[Uniform, Texture2d, Texture2d, Texture2d, Texture2d, Depth])
             }
             (_, 1) => ("present::single", &[Uniform, Texture2d]),
-            _ => ("present::resolve", &[Uniform, TextureMultisampled]),
+            _ => ("present::resolve", &[Uniform, TextureMultisampled, Uniform]),
         };
         let name = module.rsplit("::").next().unwrap_or(module);
         let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -112,7 +120,18 @@ impl Present {
             cache: None,
         });
         let uniform = crate::gpu::bindings::uniform(device, "present", size_of::<PresentUniform>());
-        Self { pipeline, layout, uniform, encode: !format.is_srgb() }
+        let footprint = (samples > 1).then(|| {
+            let footprint = match coverage {
+                Coverage::SampleMask => Footprint::disc(samples),
+                _ => Footprint::square(samples),
+            };
+            device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some("footprint"),
+                contents: bytemuck::bytes_of(&footprint),
+                usage: wgpu::BufferUsages::UNIFORM,
+            })
+        });
+        Self { pipeline, layout, uniform, footprint, encode: !format.is_srgb() }
     }
 
     pub(crate) fn prepare(&self, queue: &wgpu::Queue, scene: &Scene, targets: &Targets) {
@@ -140,6 +159,7 @@ impl Present {
     ) {
         use wgpu::BindingResource::TextureView;
         let mut resources = vec![self.uniform.as_entire_binding(), TextureView(&targets.hdr)];
+        resources.extend(self.footprint.iter().map(|footprint| footprint.as_entire_binding()));
         if let Some(layers) = &targets.layers {
             resources.extend(layers.presented().map(TextureView));
             resources.push(TextureView(&targets.depth));
