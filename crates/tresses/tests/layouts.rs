@@ -378,8 +378,11 @@ fn hair() {
         color_fit,
         rest_count,
         stride,
-        shadow,
+        deeper,
+        area,
         _pad_b,
+        _pad_c,
+        _pad_d,
     });
     assert_eq!(wgsl_layout("HairUniform"), rust);
 }

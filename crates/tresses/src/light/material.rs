@@ -6,7 +6,7 @@ use super::fiber::{
 };
 use crate::strands::Drawn;
 use bytemuck::{Pod, Zeroable};
-use glam::{Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 
 /// Where hair is shaded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -286,8 +286,11 @@ impl HairMaterial {
             color_fit: color_fit(shape.azimuthal).powi(-2),
             rest_count,
             stride: drawn.stride,
-            shadow: drawn.shadow,
+            deeper: drawn.deeper.into(),
+            area: drawn.area,
             _pad_b: 0,
+            _pad_c: 0,
+            _pad_d: 0,
         }
     }
 }
@@ -354,7 +357,11 @@ pub struct HairUniform {
     pub rest_count: u32,
     /// See [`crate::strands::Drawn::stride`].
     pub stride: f32,
-    /// See [`crate::strands::Drawn::shadow`].
-    pub shadow: f32,
+    /// See [`crate::strands::Drawn::deeper`].
+    pub deeper: Vec2,
+    /// See [`crate::strands::Drawn::area`].
+    pub area: f32,
     pub _pad_b: u32,
+    pub _pad_c: u32,
+    pub _pad_d: u32,
 }

@@ -19,12 +19,15 @@ const NARROWEST: f32 = 0.3;
 /// The widest.
 const WIDEST: f32 = 1.5;
 
+/// On widths, and on the fibres before what is seen: towards a light on the eye's side, and one behind.
+type Factors = [f32; 3];
+
 /// The factors of a groom on the widths of fewer strands, and on what light meets of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoverTable {
     /// Share of the strands and the factors that belong to it, shares falling from 1: in a picture as fine
     /// as can be, and with the pixel of [`CoverLevel`].
-    points: [Vec<(f32, [f32; 2])>; 2],
+    points: [Vec<(f32, Factors)>; 2],
 }
 
 /// A level of detail whose coverage is measured.
@@ -45,7 +48,7 @@ pub struct CoverLevel {
 impl CoverTable {
     /// Nothing known: as wide as their area wants.
     pub fn none() -> Self {
-        Self { points: [vec![(1.0, [1.0; 2])], vec![(1.0, [1.0; 2])]] }
+        Self { points: [vec![(1.0, [1.0; 3])], vec![(1.0, [1.0; 3])]] }
     }
 
     /// For `strands` in the order of [`arrange`](super::arrange) with the radii of `infos`, inside `sphere`
@@ -76,7 +79,7 @@ impl CoverTable {
         progress.step(TASK, 0.1).await;
         let seen = pictures.seen(share.recip(), fine);
         progress.step(TASK, 0.3).await;
-        let lit = Lit::new(&seen, &fibers(&all, sphere), share.recip());
+        let lit = Lit::new(&seen, &fibers(&all, sphere, share.recip()), share.recip());
         drop((pictures, all, seen));
         for (i, level) in levels.iter().enumerate() {
             // Each level has half the strands of the one before.
@@ -89,7 +92,7 @@ impl CoverTable {
             progress.step(TASK, done).await;
             let strips = strips(count.max(1), Some(level.segments));
             let mut pictures = Pictures::new(&strips, sphere);
-            let fibers = fibers(&strips, sphere);
+            let fibers = fibers(&strips, sphere, level.widening);
             progress.step(TASK, done).await;
             for (points, cell) in table.points.iter_mut().zip([fine, level.pixel.max(fine)]) {
                 // The secant method: coverage grows smoothly, and ever slower, with the width.
@@ -109,39 +112,40 @@ impl CoverTable {
                     progress.step(TASK, done).await;
                     at_b = cover(b);
                 }
-                let widening = level.widening * b;
-                let seen = pictures.seen(widening, cell);
-                let shadow = lit.matching(&Lit::new(&seen, &fibers, widening));
-                points.push((level.fraction, [b, shadow]));
+                let seen = pictures.seen(level.widening * b, cell);
+                // Shadow maps hold the area of full detail.
+                let [before, behind] = lit.matching(&Lit::new(&seen, &fibers, level.widening));
+                points.push((level.fraction, [b, before, behind]));
             }
         }
         table
     }
 
     /// The factors where the share `fraction` of the strands is drawn, and the pixel is that at which the
-    /// share `automatic` would be: on their widths, and on what light meets of those widths.
+    /// share `automatic` would be: on their widths; on the fibres before what is seen where light comes from the
+    /// eye's side; and where it comes from behind the hair.
     ///
-    /// The second is such that what the eye sees of the hair is on average as light as what it sees of it at
+    /// The last two are such that what the eye sees of the hair is on average as light as what it sees of it at
     /// full detail: narrower strands let it see deeper, wide ones close gaps that it would have looked into,
     /// and few segments cut corners.
-    pub fn factors(&self, fraction: f32, automatic: f32) -> [f32; 2] {
+    pub fn factors(&self, fraction: f32, automatic: f32) -> [f32; 3] {
         let [fine, coarse] = &self.points;
         let (own, beside, there) = (at(fine, fraction), at(coarse, automatic), at(fine, automatic));
-        [0, 1].map(|i| own[i] * (beside[i] / there[i]))
+        [0, 1, 2].map(|i| own[i] * (beside[i] / there[i]))
     }
 }
 
 /// Between `points` by the logarithm of the share, constant beyond them.
-fn at(points: &[(f32, [f32; 2])], fraction: f32) -> [f32; 2] {
+fn at(points: &[(f32, Factors)], fraction: f32) -> Factors {
     let Some(k) = points.iter().position(|(at, _)| *at <= fraction) else {
-        return points.last().map_or([1.0; 2], |(_, factors)| *factors);
+        return points.last().map_or([1.0; 3], |(_, factors)| *factors);
     };
     if k == 0 {
         return points[0].1;
     }
     let ((many, a), (few, b)) = (points[k - 1], points[k]);
     let t = (many / fraction).ln() / (many / few).ln();
-    [0, 1].map(|i| a[i] + (b[i] - a[i]) * t)
+    [0, 1, 2].map(|i| a[i] + (b[i] - a[i]) * t)
 }
 
 /// The levels that [`CoverTable::new`] looks at: octaves. The share `first` is always drawn. At full detail the pixel
@@ -200,11 +204,11 @@ mod tests {
         let levels = [level(0.25, 0.0), level(0.0625, 0.06)];
         let table = at_once(CoverTable::new(&strands, &infos, (Vec3::ZERO, 0.55), &levels, &()));
         let width = |fraction, automatic| table.factors(fraction, automatic)[0];
-        assert_eq!(table.factors(1.0, 1.0), [1.0; 2]);
+        assert_eq!(table.factors(1.0, 1.0), [1.0; 3]);
         assert!(width(0.0625, 1.0) < 1.0, "{}", width(0.0625, 1.0));
         // A coarse pixel more so.
         assert!(width(0.0625, 0.0625) < width(0.0625, 1.0) - 0.01);
         assert!(width(0.1, 1.0) > width(0.0625, 1.0));
-        assert_eq!(CoverTable::none().factors(0.1, 0.01), [1.0; 2]);
+        assert_eq!(CoverTable::none().factors(0.1, 0.01), [1.0; 3]);
     }
 }

@@ -19,9 +19,10 @@
 //! **Wider strands.** What is drawn is widened by the area of all strands over the area of those drawn,
 //! so that the total area is the same at any level, times a little less than 1: wide strands reach over gaps
 //! and outlines, which [`CoverTable`] measures at load. The kernel `widths` writes the radius of every drawn
-//! strand; shading, strips and shadows read that radius. Through
-//! those narrower strands the eye sees deeper; so that what it sees is on average as light as at full
-//! detail, deep opacity maps count them by another factor that is measured at load ([`CoverTable::factors`]).
+//! strand; shading, strips and shadows read that radius. Shadow maps
+//! and the grid of light from all sides hold the area of full detail. Through those narrower strands the eye sees
+//! deeper; so that what it sees is on average as light as at full detail, the fibres before it count by a factor,
+//! measured at load too, that differs between lights beside the eye and behind the hair ([`CoverTable::factors`]).
 //!
 //! **Fewer segments.** At load [`CurveTable`] measures how far strands stray when they are drawn with fewer
 //! segments, and how much shorter they get (which widens them in turn). A frame takes the number for which
@@ -141,8 +142,11 @@ pub struct Detail {
     pub strands: u32,
     /// The factor on their widths.
     pub width: f32,
-    /// What light meets of those widths, see [`CoverTable::factors`].
-    pub shadow: f32,
+    /// What light meets of those widths, as a factor: the area of all strands at full detail.
+    pub area: f32,
+    /// The factors on the fibres before what is seen: towards a light on the eye's side, and towards one behind
+    /// the hair, see [`CoverTable::factors`].
+    pub deeper: [f32; 2],
     /// The number of segments per strand, not always whole.
     pub segments: f32,
     /// The factor on the length of a fixed step.
@@ -236,7 +240,8 @@ impl Lod {
                 fraction: 1.0,
                 strands: buffers.count,
                 width: 1.0,
-                shadow: 1.0,
+                area: 1.0,
+                deeper: [1.0; 2],
                 segments: (strands.vertex_count.saturating_sub(1).max(1)) as f32,
                 step: 1.0,
                 levels: [1.0, 0.0, 0.0, 0.0],
@@ -294,8 +299,8 @@ impl Lod {
             LodMode::Auto => (coarse / options.slow_pixel.max(1e-9)).clamp(1.0, options.slowest.max(1.0)),
             LodMode::Off | LodMode::Fixed(_) => 1.0,
         };
-        let [cover, shadow] = match options.mode {
-            LodMode::Off => [1.0; 2],
+        let [cover, before, behind] = match options.mode {
+            LodMode::Off => [1.0; 3],
             _ => self.cover.factors(fraction, (limit / pixel.max(1e-12)).min(1.0)),
         };
         Detail {
@@ -307,7 +312,8 @@ impl Lod {
                 LodMode::Off => 1.0,
                 _ => self.widening(fraction) * cover / self.curve.length(segments),
             },
-            shadow,
+            area: cover.recip(),
+            deeper: [before, behind],
             segments,
             step,
             levels,
@@ -357,7 +363,7 @@ impl Lod {
         self.detail = detail;
         self.buffers.prepare(queue, &detail);
         let drawn = Drawn::new(detail.strands, self.segments + 1, detail.segments);
-        buffers.drawn = Drawn { shadow: detail.shadow, ..drawn };
+        buffers.drawn = Drawn { area: detail.area, deeper: detail.deeper, ..drawn };
     }
 
     /// Begins a frame: how many strands the last one drew.

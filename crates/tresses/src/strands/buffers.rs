@@ -66,8 +66,10 @@ pub struct Drawn {
     pub vertex_count: u32,
     /// Segments of the rest curve that a drawn segment spans; the last one may be shorter.
     pub stride: f32,
-    /// What light meets of a strand, as a factor on its width ([`crate::lod::Detail::shadow`]).
-    pub shadow: f32,
+    /// What light meets of a strand, as a factor on its width ([`crate::lod::Detail::area`]).
+    pub area: f32,
+    /// Factors on the fibres before what is seen ([`crate::lod::Detail::deeper`]).
+    pub deeper: [f32; 2],
 }
 
 impl Drawn {
@@ -76,11 +78,11 @@ impl Drawn {
     pub fn new(count: u32, vertex_count: u32, segments: f32) -> Self {
         let last = vertex_count.saturating_sub(1).max(1);
         if segments >= last as f32 {
-            return Self { count, vertex_count, stride: 1.0, shadow: 1.0 };
+            return Self { count, vertex_count, stride: 1.0, area: 1.0, deeper: [1.0; 2] };
         }
         let segments = segments.max(1.0);
         let vertex_count = segments.ceil() as u32 + 1;
-        Self { count, vertex_count, stride: last as f32 / segments, shadow: 1.0 }
+        Self { count, vertex_count, stride: last as f32 / segments, area: 1.0, deeper: [1.0; 2] }
     }
 }
 
