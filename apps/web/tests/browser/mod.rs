@@ -243,6 +243,8 @@ impl Browser {
         for count in 1..=from.len() {
             self.touch("touchStart", &from[..count]);
         }
+        // A gesture is measured from where the fingers are in its first frame.
+        self.frames();
         for i in 1..=4 {
             let between =
                 |(a, b): (&[f64; 2], &[f64; 2])| [0, 1].map(|c| a[c] + (b[c] - a[c]) * f64::from(i) / 4.0);
@@ -250,6 +252,14 @@ impl Browser {
             self.touch("touchMove", &now);
         }
         self.touch("touchEnd", &[]);
+    }
+
+    /// Lets the page have its frames.
+    fn frames(&mut self) {
+        let frame = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))";
+        for _ in 0..2 {
+            self.value(frame);
+        }
     }
 
     /// From here on the page's downloads go into `folder`.

@@ -9,8 +9,9 @@ use crate::{Error, Result};
 pub enum Coverage {
     /// A strip is drawn at least [`min_width`](crate::light::HairMaterial::min_width) pixels wide
     /// and covers only the share of the samples that it is too wide for, each strand others. One
-    /// pass, no sorting, right on average however many strands overlap. With a single sample the
-    /// share becomes a probability: a strand ends where it is too thin for its number.
+    /// pass, no sorting, right on average however many strands overlap. A pixel is the mean of the
+    /// samples in a disc, wider than itself when it has few ([`Footprint`](crate::present::Footprint)),
+    /// or hair in motion would shimmer. With a single sample the share becomes a probability: a strand ends where it is too thin for its number.
     #[default]
     SampleMask,
     /// The exact share of the pixel becomes alpha, which the adapter turns into samples

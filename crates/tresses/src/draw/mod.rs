@@ -23,8 +23,9 @@
 //! With masks, a strip is drawn at least [`min_width`](crate::light::HairMaterial::min_width) pixels
 //! wide, so that it meets samples everywhere along its way, and covers only the share
 //! `width / drawn width` of the samples. Which samples is a property of the strand: strands that
-//! overlap then add up as independent things do, and there is no noise along a strand. With a single
-//! sample per pixel the share becomes a probability that the strand is there at all.
+//! overlap then add up as independent things do, and there is no noise along a strand. A pixel of few
+//! samples is made of its neighbours' too (`present::footprint`), so that hair in motion is quiet. With a
+//! single sample per pixel the share becomes a probability that the strand is there at all.
 //!
 //! The two others draw a strip as wide as it is and a pixel more, and ask each pixel which share of it
 //! the strand covers (`coverage.wesl`): exact for a pixel that is a square, so that nothing need be
