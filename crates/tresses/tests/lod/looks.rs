@@ -51,11 +51,10 @@ fn errors(stage: &Stage, hair: &mut Hair, distance: f32, change: impl Fn(&mut De
 /// What coverage and luminance may be off by.
 const MOST: f32 = 0.03;
 /// And curls of less than a pixel: docs/appearance/lod.md says what is not reached there.
-const CURLS: f32 = 0.045;
+const CURLS: f32 = 0.04;
 
 /// Prints the errors at each of `distances` and holds them against `most`.
 fn check(stage: &Stage, name: &str, hair: &mut Hair, distances: &[f32], most: f32) {
-    let mut worst = 0f32;
     for &distance in distances {
         let error = errors(stage, hair, distance, |_| {});
         let shot = Shot::new(distance, Vec3::Z);
@@ -67,9 +66,11 @@ fn check(stage: &Stage, name: &str, hair: &mut Hair, distances: &[f32], most: f3
             100.0 * error[0],
             100.0 * error[1]
         );
-        worst = error.iter().fold(worst, |worst, e| worst.max(e.abs()));
+        // A few pixels lie as drivers round: `long` is at 2.99 % on one of them.
+        let most = if distance > 30.0 { most + 0.005 } else { MOST };
+        let worst = error.iter().fold(0f32, |worst, e| worst.max(e.abs()));
+        assert!(worst < most, "{name}, {distance} m: {worst}");
     }
-    assert!(worst < most, "{name}: {worst}");
 }
 
 /// Distances, metres: all of them for the docs.
