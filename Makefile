@@ -1,5 +1,6 @@
 # Two commands do everything, set-up included: `make demo` and `make test`.
-# All of them build with one profile, so that dependencies are compiled once.
+# All of them build with one profile, and by the names of programs, not of packages: so dependencies have the
+# same features for all, and are compiled once.
 
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
@@ -32,7 +33,7 @@ setup: ## Install what is missing: toolchain, C compiler, a Vulkan driver
 WINDOW := $(or $(DISPLAY),$(WAYLAND_DISPLAY),$(filter Windows_NT,$(OS)),$(filter Darwin,$(shell uname -s)))
 
 demo: setup ## Open the studio; without a display, draw out/demo.png and out/demo.webp
-	$(CARGO) run --quiet --package tresses-cli -- $(if $(WINDOW),studio,demo)
+	$(CARGO) run --quiet --bin tresses -- $(if $(WINDOW),studio,demo)
 
 setup-tests:
 	@scripts/setup --tests
@@ -45,13 +46,13 @@ test: setup-tests ## Format, lints, docs, WebAssembly check, then every test
 	TRESSES_REQUIRE_GPU=1 $(CARGO) test --workspace
 
 web: setup ## Build the web page into dist/, for any static file server
-	$(CARGO) run --quiet --package tresses-web -- build
+	$(CARGO) run --quiet --bin tresses-web -- build
 
 web-serve: web ## Serve the web page on http://127.0.0.1:8080/
-	$(CARGO) run --quiet --package tresses-web -- serve
+	$(CARGO) run --quiet --bin tresses-web -- serve
 
 bench: setup ## Measure every stage on this machine's GPU
-	$(CARGO) run --quiet --package tresses-cli -- bench
+	$(CARGO) run --quiet --bin tresses -- bench
 
 clean: ## Remove what was built, out/ and dist/
 	$(CARGO) clean
