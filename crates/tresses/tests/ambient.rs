@@ -35,7 +35,11 @@ struct Bench<'a> {
 
 impl<'a> Bench<'a> {
     fn new(gpu: &'a Gpu) -> Self {
-        let options = DrawOptions { samples: 1, shadow_resolution: 256, ..Default::default() };
+        Self::with_cells(gpu, DrawOptions::default().ambient_cells)
+    }
+
+    fn with_cells(gpu: &'a Gpu, ambient_cells: u32) -> Self {
+        let options = DrawOptions { samples: 1, shadow_resolution: 256, ambient_cells, ..Default::default() };
         let mut scene = Scene { focus: Sphere { center: Vec3::ZERO, radius: HALF }, ..Default::default() };
         scene.lights =
             Lights { directional: [Directional::OFF; MAX_LIGHTS], sky: Sky::default(), ..Default::default() };
@@ -193,6 +197,25 @@ fn a_wall_throws_its_form_factor() {
     // In its shade, or without light, it throws none.
     let dark = Bench::new(&gpu).body(&wall(-0.1)).light(Vec3::NEG_Z).ask(&[(close, Vec3::ZERO)])[0];
     assert!(dark.glow.x < 1e-3, "{dark:?}");
+}
+
+/// Coarse cells take fewer points of a body for the same surface.
+#[test]
+fn coarse_cells_hold_the_same_body() {
+    let Some(gpu) = common::gpu() else { return };
+    let at = Vec3::new(0.01, 0.02, 0.02);
+    let seen = |cells| {
+        let bench = Bench::with_cells(&gpu, cells).body(&wall(-0.1)).light(Vec3::Z);
+        bench.ask(&[(at, Vec3::ZERO), (at, Vec3::NEG_Z * COSINES)])
+    };
+    let fine = seen(24);
+    for cells in [12, 16] {
+        for (coarse, fine) in seen(cells).iter().zip(&fine) {
+            println!("{cells} cells: {coarse:?}, 24: {fine:?}");
+            assert!((coarse.open - fine.open).abs().max_element() < 0.04, "{coarse:?} {fine:?}");
+            assert!((coarse.glow - fine.glow).abs().max_element() < 0.04 * WHITE, "{coarse:?} {fine:?}");
+        }
+    }
 }
 
 #[test]

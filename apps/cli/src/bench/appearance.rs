@@ -48,6 +48,13 @@ pub struct Look {
     pub run: Run,
 }
 
+impl Variant {
+    /// Whether an adapter that offers at most `most` samples per pixel can draw it.
+    pub fn fits(&self, most: u32) -> bool {
+        self.edges.samples.is_none_or(|samples| samples as u32 <= most)
+    }
+}
+
 /// All that are measured, topic by topic; the first of a topic is the default.
 pub fn variants() -> Vec<Variant> {
     let light = |topic, name, set| Variant { topic, name, edges: masks(SAMPLES, 1), set };
@@ -107,7 +114,7 @@ pub fn variants() -> Vec<Variant> {
 /// Measures one of them.
 pub fn measure(variant: &Variant, software: bool, frames: u32, bar: &ProgressBar) -> Result<Look> {
     let (size, strands) = if software { SOFTWARE } else { FULL };
-    let mut scene = Scene::with_samples_at_most(&workload::style(Some(strands), variant.edges), size)
+    let mut scene = Scene::open(&workload::style(Some(strands), variant.edges), size)
         .with_context(|| format!("{}, {}", variant.topic, variant.name))?;
     (variant.set)(&mut scene);
     let run = workload::run(&mut scene, "in motion", "turn", size, frames, bar)?;

@@ -71,7 +71,7 @@ pub fn run(args: &Args) -> Result<()> {
     let all = !(args.scenes || args.costs || args.appearance || args.lod || own.is_some());
     groups.extend(own);
     if all || args.appearance {
-        looks.extend(appearance::variants());
+        looks.extend(appearance::variants().into_iter().filter(|look| look.fits(report.adapter.max_samples)));
     }
     if all || args.scenes {
         groups.extend(workload::seed());

@@ -212,13 +212,15 @@ impl Report {
             row.push(format!("{:.0}", look.bytes_per_pixel));
             rows.push(row);
         }
+        let most = self.adapter.max_samples;
         format!(
-            "\nDrawing (style long in motion, {} strands, {} × {}{}; 4×MSAA where nothing else is said), \
+            "\nDrawing (style long in motion, {} strands, {} × {}{}; 4×MSAA where nothing else is said{}), \
              medians of {}\n{}",
             grouped(first.strands.into()),
             first.size[0],
             first.size[1],
             if self.adapter.software { ", less than on a GPU" } else { "" },
+            if most < 8 { format!(", no more than {most} on this adapter") } else { String::new() },
             measured(self.looks.iter().map(|look| look.run.frames)),
             table(&rows)
         )

@@ -163,11 +163,11 @@ impl HairMaterial {
             diffuse: 0.42,
             primary: 1.0,
             secondary: 1.4,
-            transmission: 1.9,
-            opacity: 0.2,
-            secondary_color: Vec3::new(0.80, 0.62, 0.36),
+            transmission: 1.7,
+            opacity: 0.3,
+            secondary_color: Vec3::new(0.80, 0.60, 0.33),
             fiber: FiberMaterial::natural(melanin(0.25, 0.05)),
-            ..Self::colored(Vec3::new(0.36, 0.235, 0.12))
+            ..Self::colored(Vec3::new(0.36, 0.23, 0.105))
         }
     }
 
@@ -185,7 +185,7 @@ impl HairMaterial {
         Self {
             primary: 0.8,
             secondary: 1.0,
-            opacity: 0.24,
+            opacity: 0.4,
             secondary_color: Vec3::new(0.55, 0.27, 0.05),
             fiber: FiberMaterial::natural(melanin(0.12, 1.5)),
             ..Self::colored(Vec3::new(0.19, 0.078, 0.026))
@@ -198,7 +198,7 @@ impl HairMaterial {
             primary: 1.1,
             secondary: 0.5,
             transmission: 0.2,
-            opacity: 0.4,
+            opacity: 0.7,
             fiber: FiberMaterial::natural(melanin(6.0, 0.3)),
             ..Self::colored(Vec3::new(0.012, 0.010, 0.009))
         }
@@ -227,8 +227,8 @@ impl HairMaterial {
             transmission_exponent: 40.0,
             shift_spread: 0.12,
             shift_noise: 0.05,
-            opacity: 0.36 - 0.22 * lightness,
-            saturation: 0.8,
+            opacity: 0.52 - 0.3 * lightness,
+            saturation: 1.0,
             min_width: 1.0,
             model: ShadingModel::default(),
             fiber: FiberMaterial::natural(absorption_of(albedo, FiberShape::default().azimuthal)),
