@@ -5,7 +5,8 @@
 
 use super::{
     curve::CurveTable,
-    seen::{Lit, Pictures, Strip, fibers},
+    lit::{Lit, fibers},
+    seen::{Pictures, Strip},
 };
 use crate::{Progress, groom::BoundStrands, strands::Strand};
 use glam::Vec3;

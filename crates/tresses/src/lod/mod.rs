@@ -48,6 +48,7 @@
 
 mod cover;
 mod curve;
+mod lit;
 mod maps;
 mod order;
 mod seen;
