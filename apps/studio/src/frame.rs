@@ -78,13 +78,16 @@ impl Studio {
             self.awake -= felt;
         }
         let seconds = self.play.advance(real, most).max(hand);
-        self.dress(self.pace.level());
-        let (pose, camera, size) = (self.pose(), self.orbit.camera(), self.size());
+        let level = self.pace.level();
+        let again = !due && self.view.is_none() && self.drawn.is_only_smoothed(level);
+        self.dress(level);
+        let (pose, camera, size) = (self.pose(), self.orbit.camera(), self.size_at(level));
+        let ssaa = self.ssaa_at(level, size);
         let Some(show) = &mut self.show else { return };
         let field = show.stage.field.as_ref().map(|field| (field, &pose));
         self.ball = self.ball.and_then(|ball| ball.advanced(seconds, field));
         let ball = self.ball.map(|ball| ball.at);
-        let moment = Moment { pose, seconds, camera, size, ball };
+        let moment = Moment { pose, seconds, camera, size, ssaa, ball, again };
         self.dirty = false;
         if let Err(error) = show.draw(&self.state, context, &moment) {
             self.error = Some(format!("{error:#}"));
@@ -92,15 +95,17 @@ impl Studio {
         }
     }
 
-    /// The size of the next picture, pixels.
-    pub(crate) fn size(&self) -> [u32; 2] {
-        self.size_at(self.pace.level())
-    }
-
     /// The size of a picture at `level`, pixels.
     pub(crate) fn size_at(&self, level: &Level) -> [u32; 2] {
         let size = self.area * level.scale;
         [size.x, size.y].map(|side| (side.round() as u32).max(LEAST))
+    }
+
+    /// Pixels drawn per pixel of such a picture, along each axis: more than the settings ask for only where the
+    /// adapter has textures for it.
+    pub(crate) fn ssaa_at(&self, level: &Level, size: [u32; 2]) -> u32 {
+        let most = self.gpu.device.limits().max_texture_dimension_2d / size[0].max(size[1]);
+        self.settings.now().edges.ssaa.max(level.ssaa.min(most))
     }
 
     /// Nothing is due: whether the picture is drawn once more, finer.

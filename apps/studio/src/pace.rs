@@ -21,12 +21,18 @@ pub struct Level {
     pub slow: bool,
     /// Whether the light from behind is out: each light has a shadow of its own to be drawn and read.
     pub few_lights: bool,
+    /// Pixels drawn per pixel shown, along each axis, if the settings do not ask for more.
+    pub ssaa: u32,
 }
 
 impl Level {
     /// Everything.
     pub const FULL: Self =
-        Self { scale: 1.0, bias: 0.0, stray: 1.0, coarse: false, slow: false, few_lights: false };
+        Self { scale: 1.0, bias: 0.0, stray: 1.0, coarse: false, slow: false, few_lights: false, ssaa: 1 };
+
+    /// Everything, for a device that draws one sample per pixel because it is slow: what nobody waits for, or
+    /// what is kept, has four. Layers would be better still, and take as long again.
+    pub const STILL: Self = Self { ssaa: 2, ..Self::FULL };
 
     const fn coarse(scale: f32, bias: f32, stray: f32) -> Self {
         Self { scale, bias, stray, coarse: true, ..Self::FULL }
@@ -60,10 +66,21 @@ impl Level {
         stage.set_lod(self.lod(settings.lod.options()))
     }
 
-    /// About how much longer a frame of `other` takes: pixels take most of it.
+    /// Whether `finer` only has more samples: what is lit stays as it is.
+    pub fn is_only_smoothed(&self, finer: &Self) -> bool {
+        self.ssaa < finer.ssaa && Self { ssaa: finer.ssaa, ..*self } == *finer
+    }
+
+    /// About how much longer a frame of `other` takes: pixels take most of it. Four times as many of full
+    /// hair take two to three times as long (`tresses bench --appearance`), but not the light that is there already.
     fn cost_of(&self, other: &Self) -> f32 {
         let ratio = other.scale / self.scale;
-        ratio * ratio * (0.5 * (self.bias - other.bias).max(0.0)).exp2()
+        let samples = match (self.ssaa < other.ssaa, self.is_only_smoothed(other)) {
+            (true, true) => 1.2,
+            (true, false) => 2.5,
+            (false, _) => 1.0,
+        };
+        ratio * ratio * (0.5 * (self.bias - other.bias).max(0.0)).exp2() * samples
     }
 }
 
@@ -102,7 +119,9 @@ pub struct Pace {
     /// How often a finer level was tried and did not fit: the next try waits longer.
     failures: u32,
     /// The level of a picture that is refined because nothing moves.
-    refined: Option<usize>,
+    refined: Option<&'static Level>,
+    /// The finest.
+    finest: &'static Level,
     /// Milliseconds of the last frame.
     last: f32,
 }
@@ -111,17 +130,18 @@ impl Pace {
     /// For a software driver or a GPU.
     pub fn new(software: bool) -> Self {
         let (budget, level) = if software { (SOFTWARE, 4) } else { (HARDWARE, 0) };
-        Self { automatic: true, level, budget, runs: (0, 0), failures: 0, refined: None, last: 0.0 }
+        let finest = if software { &Level::STILL } else { &LEVELS[0] };
+        Self { automatic: true, level, budget, runs: (0, 0), failures: 0, refined: None, finest, last: 0.0 }
     }
 
     /// How the next frame is drawn.
     pub fn level(&self) -> &'static Level {
-        if self.automatic { &LEVELS[self.refined.unwrap_or(self.level)] } else { &LEVELS[0] }
+        if self.automatic { self.refined.unwrap_or(&LEVELS[self.level]) } else { &LEVELS[0] }
     }
 
-    /// Whether less is drawn than there is.
-    pub fn is_lowered(&self) -> bool {
-        *self.level() != LEVELS[0]
+    /// How a picture is drawn that is kept.
+    pub fn finest(&self) -> &'static Level {
+        if self.automatic { self.finest } else { &LEVELS[0] }
     }
 
     /// The longest a frame may be, milliseconds.
@@ -148,13 +168,14 @@ impl Pace {
     }
 
     /// The best level that can be afforded, as far as the last frame tells.
-    fn finer(&self) -> Option<usize> {
-        let now = self.refined.unwrap_or(self.level);
+    fn finer(&self) -> Option<&'static Level> {
         if !self.automatic || self.last == 0.0 {
             return None;
         }
-        let fits = |level: &usize| self.last * LEVELS[now].cost_of(&LEVELS[*level]) < LONGEST;
-        (0..now).find(fits)
+        let now = self.level();
+        let all = std::iter::once(self.finest).chain(&LEVELS);
+        let mut finer = all.take_while(|level| *level != now);
+        finer.find(|level| self.last * now.cost_of(level) < LONGEST)
     }
 
     /// A frame took `milliseconds`. Whether the level has changed.
@@ -241,6 +262,19 @@ mod tests {
         assert!(pace.level().scale < 0.3);
         // A fast device has the whole picture at once.
         pace.landed(20.0);
-        assert!(pace.refine() && !pace.is_lowered() && !pace.refine());
+        assert!(pace.refine() && pace.level() == pace.finest() && !pace.refine());
+        assert_eq!(*pace.level(), Level::STILL);
+    }
+
+    #[test]
+    fn a_gpu_has_its_samples_always() {
+        let mut pace = Pace::new(false);
+        pace.landed(20.0);
+        assert!(!pace.refine(), "it draws in full already");
+        assert_eq!(*pace.finest(), Level::FULL);
+        let mut software = Pace { automatic: false, ..Pace::new(true) };
+        software.landed(20.0);
+        assert!(!software.refine());
+        assert_eq!(*software.finest(), Level::FULL);
     }
 }

@@ -1,6 +1,6 @@
 //! The picture as a file.
 
-use crate::{app::Studio, dialog::Answer, pace::Level, stage::Moment, task};
+use crate::{app::Studio, dialog::Answer, stage::Moment, task};
 use anyhow::Result;
 use eframe::egui;
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
@@ -12,7 +12,7 @@ impl Studio {
             return;
         }
         let Some(show) = &self.show else { return };
-        if self.pace.is_lowered() {
+        if self.drawn != *self.pace.finest() {
             if show.is_under_way() {
                 // Its end wakes the window.
                 return;
@@ -37,11 +37,16 @@ impl Studio {
 
     /// Draws the hair as it is, whatever that takes.
     fn draw_in_full(&mut self, context: &egui::Context) -> Result<()> {
-        self.dress(&Level::FULL);
-        let (pose, camera, size) = (self.pose(), self.orbit.camera(), self.size_at(&Level::FULL));
-        let ball = self.ball.map(|ball| ball.at);
+        let level = self.pace.finest();
+        self.dress(level);
+        let (pose, camera, size) = (self.pose(), self.orbit.camera(), self.size_at(level));
+        let (ssaa, ball) = (self.ssaa_at(level, size), self.ball.map(|ball| ball.at));
         let Some(show) = &mut self.show else { return Ok(()) };
-        show.draw(&self.state, context, &Moment { pose, seconds: 0.0, camera, size, ball })
+        show.draw(
+            &self.state,
+            context,
+            &Moment { pose, seconds: 0.0, camera, size, ssaa, ball, again: false },
+        )
     }
 }
 

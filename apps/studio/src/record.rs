@@ -83,7 +83,7 @@ impl Recording {
 
     /// How frames are drawn: those that nobody keeps as fast as can be.
     fn level(&self, pace: &Pace) -> &'static Level {
-        if self.next < self.lead { pace.level() } else { &Level::FULL }
+        if self.next < self.lead { pace.level() } else { pace.finest() }
     }
 }
 
@@ -154,13 +154,18 @@ impl Studio {
         let step = 1.0 / f64::from(recording.wish.fps);
         let level = recording.level(&self.pace);
         let kept = recording.next >= recording.lead;
-        let size = if kept { recording.wish.size } else { self.size() };
+        let size = if kept { recording.wish.size } else { self.size_at(level) };
+        let ssaa = self.ssaa_at(level, size);
         self.play.time = f64::from(recording.next) * step;
         let seconds = if recording.next == 0 { 0.0 } else { step as f32 };
         self.dress(level);
         let (pose, camera) = (self.pose(), self.orbit.camera());
         let Some(show) = &mut self.show else { return Ok(false) };
-        show.draw(&self.state, context, &Moment { pose, seconds, camera, size, ball: None })?;
+        show.draw(
+            &self.state,
+            context,
+            &Moment { pose, seconds, camera, size, ssaa, ball: None, again: false },
+        )?;
         if kept {
             recording.copy = Some(show.copy()?);
         }

@@ -26,8 +26,12 @@ pub struct Moment {
     pub camera: Camera,
     /// Width and height, pixels.
     pub size: [u32; 2],
+    /// Pixels that are drawn per pixel of it, along each axis.
+    pub ssaa: u32,
     /// The middle of the ball, metres.
     pub ball: Option<Vec3>,
+    /// Whether nothing but `ssaa` is other than in the frame before.
+    pub again: bool,
 }
 
 /// When a frame's work was done, and whether it is.
@@ -116,8 +120,9 @@ impl Show {
     /// Draws a frame; the one before must have [landed](Self::landed).
     pub fn draw(&mut self, state: &RenderState, context: &egui::Context, moment: &Moment) -> Result<()> {
         let begun = Instant::now();
-        if self.stage.targets.size != moment.size || self.texture.is_none() {
-            self.stage.resize(moment.size)?;
+        let targets = &self.stage.targets;
+        if (targets.size, targets.ssaa) != (moment.size, moment.ssaa) || self.texture.is_none() {
+            self.stage.resample(moment.size, moment.ssaa)?;
         }
         self.register(state);
         let mut encoder = state.device.create_command_encoder(&Default::default());
@@ -128,9 +133,13 @@ impl Show {
         }
         // One frame's times at a time.
         let mut timings = self.timings.as_mut().filter(|_| self.rows.is_none());
-        self.stage.record_advance(&mut encoder, timings.as_deref_mut(), &moment.pose, moment.seconds)?;
-        self.stage.place_colliders();
-        self.stage.record_draw(&mut encoder, timings.as_deref_mut(), &moment.camera)?;
+        if moment.again {
+            self.stage.record_redraw(&mut encoder, timings.as_deref_mut());
+        } else {
+            self.stage.record_advance(&mut encoder, timings.as_deref_mut(), &moment.pose, moment.seconds)?;
+            self.stage.place_colliders();
+            self.stage.record_draw(&mut encoder, timings.as_deref_mut(), &moment.camera)?;
+        }
         if let Some(timings) = &timings {
             timings.resolve(&mut encoder);
         }

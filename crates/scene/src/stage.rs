@@ -358,8 +358,18 @@ impl Stage {
     }
 
     /// Pictures of another size from here on.
-    pub fn resize(&mut self, [width, height]: [u32; 2]) -> Result<()> {
-        let ssaa = self.targets.ssaa;
+    ///
+    /// # Errors
+    /// One sentence, when the adapter has no textures of that size.
+    pub fn resize(&mut self, size: [u32; 2]) -> Result<()> {
+        self.resample(size, self.targets.ssaa)
+    }
+
+    /// The same, each pixel of which is made of `ssaa` × `ssaa` that are drawn.
+    ///
+    /// # Errors
+    /// As [`resize`](Self::resize).
+    pub fn resample(&mut self, [width, height]: [u32; 2], ssaa: u32) -> Result<()> {
         self.targets = self.renderer.draw.targets(&self.gpu.device, width, height, ssaa)?;
         Ok(())
     }
@@ -471,6 +481,14 @@ impl Stage {
             _ => recorder.draw(hair, body, look, targets, output),
         }
         Ok(())
+    }
+
+    /// Records the picture of the last [`record_draw`](Self::record_draw) once more, after the targets have become
+    /// others: hair, camera, and what is shown are the same, and it is hair as it looks.
+    pub fn record_redraw(&mut self, encoder: &mut wgpu::CommandEncoder, timings: Option<&mut Timings>) {
+        let Self { gpu: Gpu { device, queue, .. }, renderer, hair, targets, look, .. } = self;
+        let mut recorder = Recorder { renderer, device, queue, encoder, timings };
+        recorder.redraw(hair, self.body.as_ref(), look, targets, targets.picture());
     }
 
     pub(crate) fn submit(&self, encoder: wgpu::CommandEncoder) -> Result<()> {

@@ -120,6 +120,23 @@ impl Recorder<'_> {
         stage.present(self.device, self.encoder, self.timings.as_deref_mut(), targets, output);
     }
 
+    /// Draws what the last [`draw`](Self::draw) has lit once more, into `targets` of another size or with more
+    /// samples: a picture that stands still becomes finer without being lit anew. Hair, body and `scene` must be
+    /// the same; what is lit per strand vertex stays as it is.
+    pub fn redraw(
+        &mut self,
+        hair: &Hair,
+        body: Option<&Body>,
+        scene: &Scene,
+        targets: &Targets,
+        output: &wgpu::TextureView,
+    ) {
+        let (stage, set) = (&self.renderer.draw, &hair.set);
+        stage.prepare(self.queue, scene, targets, Some(set), body);
+        stage.draw(self.encoder, self.timings.as_deref_mut(), scene, targets, Some(set), body);
+        stage.present(self.device, self.encoder, self.timings.as_deref_mut(), targets, output);
+    }
+
     /// Draws hair as it is now over a scene that is drawn already, hidden by what is in front of it:
     /// see [`draw::embed`](crate::draw::embed). `body`'s shadow falls on it.
     pub fn draw_into(

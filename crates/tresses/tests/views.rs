@@ -82,6 +82,22 @@ impl Stage {
         (pollster::block_on(targets.read(device, queue)).unwrap(), colors)
     }
 
+    /// What the last picture has lit, with twice the pixels along each axis.
+    fn finer(&mut self, anew: bool) -> Vec<u8> {
+        let Gpu { device, queue, .. } = &self.gpu;
+        let targets = self.renderer.draw.targets(device, 120, 96, 2).unwrap();
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let mut recorder =
+            Recorder { renderer: &self.renderer, device, queue, encoder: &mut encoder, timings: None };
+        let (hair, body, scene, output) = (&self.hair, Some(&self.body), &self.scene, targets.picture());
+        match anew {
+            true => recorder.draw(hair, body, scene, &targets, output),
+            false => recorder.redraw(hair, body, scene, &targets, output),
+        }
+        queue.submit([encoder.finish()]);
+        pollster::block_on(targets.read(device, queue)).unwrap()
+    }
+
     fn term(&mut self, term: Term) -> Vec<Vec3> {
         let view = DebugView::ALL.into_iter().find(|view| view.term() == Some(term)).unwrap();
         self.picture(Some(view)).1
@@ -143,4 +159,16 @@ fn every_view_is_a_picture_of_its_own_and_leaves_no_trace() {
         let before = &seen.iter().find(|(name, _)| *name == view.name()).unwrap().1;
         assert!(again == *before, "{} twice", view.name());
     }
+}
+
+#[test]
+fn what_is_lit_is_drawn_again_finer() {
+    let Some(mut stage) = Stage::new() else { return };
+    let coarse = stage.picture(None).0;
+    let again = stage.finer(false);
+    assert!(again != coarse, "more samples are seen");
+    assert!(again == stage.finer(true), "it is the picture that is lit anew");
+    // Where something has changed it is not.
+    stage.scene.lights = Lights::around(1.5);
+    assert!(stage.finer(false) != stage.finer(true), "the comparer sees hair in another light");
 }

@@ -33,9 +33,11 @@ fn right(studio: &mut Studio, ui: &mut Ui) {
     let level = &studio.drawn;
     let drawn = show.stage.detail().strands;
     let mut text = format!("{} strands · {width}×{height}", grouped(u64::from(drawn)));
-    let coarse = *level != Level::FULL;
+    let coarse = ![Level::FULL, Level::STILL].contains(level);
     if coarse {
         text += &format!(" ({:.0} %)", level.scale * 100.0);
+    } else if show.stage.targets.ssaa > 1 {
+        text += &format!(", {0}×{0} SSAA", show.stage.targets.ssaa);
     }
     let text = if coarse { quiet(text).color(theme::ACCENT) } else { quiet(text) };
     let help = if coarse {
