@@ -4,7 +4,7 @@ use crate::{
     Hair, HairRenderer, Pose, Result,
     collide::ColliderPoses,
     draw::{
-        Body, Embed, Scene, Surroundings, Targets,
+        Body, Embed, HairSet, Scene, Surroundings, Targets,
         debug::{DebugViews, Shown},
     },
     gpu::Timings,
@@ -116,8 +116,7 @@ impl Recorder<'_> {
         stage.prepare(self.queue, scene, targets, Some(set), body);
         stage.shadow(self.encoder, self.timings.as_deref_mut(), scene, Some(set), body);
         stage.shade(self.encoder, self.timings.as_deref_mut(), set);
-        stage.draw(self.encoder, self.timings.as_deref_mut(), scene, targets, Some(set), body);
-        stage.present(self.device, self.encoder, self.timings.as_deref_mut(), targets, output);
+        self.picture(set, body, scene, targets, output);
     }
 
     /// Draws what the last [`draw`](Self::draw) has lit once more, into `targets` of another size or with more
@@ -131,10 +130,8 @@ impl Recorder<'_> {
         targets: &Targets,
         output: &wgpu::TextureView,
     ) {
-        let (stage, set) = (&self.renderer.draw, &hair.set);
-        stage.prepare(self.queue, scene, targets, Some(set), body);
-        stage.draw(self.encoder, self.timings.as_deref_mut(), scene, targets, Some(set), body);
-        stage.present(self.device, self.encoder, self.timings.as_deref_mut(), targets, output);
+        self.renderer.draw.prepare(self.queue, scene, targets, Some(&hair.set), body);
+        self.picture(&hair.set, body, scene, targets, output);
     }
 
     /// Draws hair as it is now over a scene that is drawn already, hidden by what is in front of it:
@@ -183,6 +180,20 @@ impl Recorder<'_> {
             targets,
             output,
         )
+    }
+
+    /// The HDR picture, and the finished one.
+    fn picture(
+        &mut self,
+        hair: &HairSet,
+        body: Option<&Body>,
+        scene: &Scene,
+        targets: &Targets,
+        output: &wgpu::TextureView,
+    ) {
+        let stage = &self.renderer.draw;
+        stage.draw(self.encoder, self.timings.as_deref_mut(), scene, targets, Some(hair), body);
+        stage.present(self.device, self.encoder, self.timings.as_deref_mut(), targets, output);
     }
 
     /// A compute pass under the name of a stage.
