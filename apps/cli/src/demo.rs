@@ -69,13 +69,14 @@ pub fn run(args: &Args) -> Result<()> {
     let camera = Camera::portrait(View::ThreeQuarter, scene.subject(), LOOP.aspect(), 0.95);
     // How long it takes is told by a frame of it: most of its work does not depend on the size. A second one,
     // since the first still makes pipelines.
-    let mut start = Instant::now();
-    for time in [0.0, 1.0 / LOOP_FPS] {
-        start = Instant::now();
+    let mut seconds_at = |time| -> Result<f64> {
+        let start = Instant::now();
         scene.advance(&motion.pose(time, pivot), (1.0 / LOOP_FPS) as f32)?;
         scene.picture(&camera)?;
-    }
-    let seconds = f64::from(frames) * start.elapsed().as_secs_f64();
+        Ok(start.elapsed().as_secs_f64())
+    };
+    seconds_at(0.0)?;
+    let seconds = f64::from(frames) * seconds_at(1.0 / LOOP_FPS)?;
     eprintln!("Drawing a loop of {frames} frames; about {seconds:.0} s.");
     animate(&mut scene, &Shot::still(camera), &motion, times, &mut output)?;
     say!("{picture}");

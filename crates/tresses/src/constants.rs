@@ -17,7 +17,6 @@ pub const SHARED: &[(&str, u32)] = &[
     ("SHADOW_BLOCK", SHADOW_BLOCK),
     ("DEEP_LAYERS", DEEP_LAYERS),
     ("AMBIENT_STRANDS", AMBIENT_STRANDS),
-    ("AMBIENT_FINE", AMBIENT_FINE),
 ];
 /// Threads of one workgroup of the passes that run once per guide.
 pub const GUIDE_WORKGROUP: u32 = 32;
@@ -45,5 +44,3 @@ pub const SHADOW_BLOCK: u32 = 4;
 pub const DEEP_LAYERS: u32 = 8;
 /// About how many strands stand for all in the grid of light from all sides.
 pub const AMBIENT_STRANDS: u32 = 4096;
-/// Cells to an edge of that grid from which on all points of a body's surface count: ten or so to a cell.
-pub const AMBIENT_FINE: u32 = 24;

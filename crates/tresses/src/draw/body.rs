@@ -93,7 +93,7 @@ impl Body {
             bytemuck::cast_slice(&vertices),
             wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
         );
-        let surface = Surface::new(device, mesh);
+        let surface = Surface::new(device, mesh, stage.ambient_cells());
         Self {
             surface_group: stage.bind_surface(device, [&uniform, &vertices, &surface.buffer]),
             surface,

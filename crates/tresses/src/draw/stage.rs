@@ -211,6 +211,10 @@ impl DrawStage {
         self.ambient.bind_hair(device, &self.lights, uniform, strands)
     }
 
+    pub(crate) fn ambient_cells(&self) -> u32 {
+        self.ambient.cells()
+    }
+
     pub(crate) fn bind_surface(&self, device: &wgpu::Device, buffers: [&wgpu::Buffer; 3]) -> wgpu::BindGroup {
         self.ambient.bind_body(device, buffers)
     }

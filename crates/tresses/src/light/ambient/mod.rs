@@ -39,7 +39,7 @@ pub use ask::{AmbientProbe, Around};
 pub use surface::Surface;
 
 use crate::{
-    constants::{AMBIENT_FINE, AMBIENT_STRANDS, STRAND_WORKGROUP},
+    constants::{AMBIENT_STRANDS, STRAND_WORKGROUP},
     draw::{Body, HairSet},
     gpu::{
         Binding, Kernel, Timings,
@@ -211,12 +211,11 @@ impl Ambient {
             self.lay.record(pass, &hair.ambient_group, &[], workgroups);
         }
         let cells = self.cells.pow(3);
-        let points_per_sample = (AMBIENT_FINE.pow(2) / self.cells.pow(2)).max(1);
         let slice = [self.cells.pow(2).div_ceil(STRAND_WORKGROUP), DIRECTIONS, 1];
         for (i, (sweep, gather)) in self.sweeps.iter().zip(&self.gathers).enumerate() {
             if let Some(body) = body {
                 pass.set_bind_group(1, &body.surface_group, &[]);
-                [&self.skin, &self.glow][i].record(pass, body.surface.points.div_ceil(points_per_sample));
+                [&self.skin, &self.glow][i].record(pass, body.surface.points);
             }
             self.settle.record(pass, cells);
             for i in 0..u64::from(self.cells) {

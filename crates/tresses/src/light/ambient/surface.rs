@@ -4,8 +4,9 @@ use crate::groom::TriMesh;
 use glam::Vec3;
 use wgpu::util::DeviceExt;
 
-/// The most points.
+/// The most points, taken from so many cells along each edge of the grid on: ten or so to a cell of the surface.
 const POINTS: usize = 8192;
+const FINE: usize = 24;
 
 /// Points on the triangles of a mesh. They name vertices, so that they follow those that move.
 #[derive(Debug)]
@@ -18,9 +19,10 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// Of `mesh`.
-    pub(crate) fn new(device: &wgpu::Device, mesh: &TriMesh) -> Self {
-        let mut points = points(mesh);
+    /// Of `mesh`, for a grid of `cells` along each edge: coarse cells hold more of the surface, and need as many
+    /// points for it.
+    pub(crate) fn new(device: &wgpu::Device, mesh: &TriMesh, cells: u32) -> Self {
+        let mut points = points(mesh, count(cells));
         let count = points.len() as u32;
         // An empty buffer cannot be bound; a point without an area is none.
         points.resize(points.len().max(1), [0; 4]);
@@ -31,6 +33,11 @@ impl Surface {
         });
         Self { buffer, points: count, outward: outward(mesh) }
     }
+}
+
+/// How many points a grid of `cells` along each edge needs.
+fn count(cells: u32) -> usize {
+    POINTS * (cells as usize).min(FINE).pow(2) / FINE.pow(2)
 }
 
 /// The corners of each triangle that lie in the mesh.
@@ -45,21 +52,21 @@ fn area([a, b, c]: [Vec3; 3]) -> f64 {
     0.5 * f64::from((b - a).cross(c - a).length())
 }
 
-/// Vertices and area (the bits of a float, square metres) of points at even distances along the sum of the
-/// triangles' areas.
-fn points(mesh: &TriMesh) -> Vec<[u32; 4]> {
+/// Vertices and area (the bits of a float, square metres) of `count` points at even distances along the sum of
+/// the triangles' areas.
+fn points(mesh: &TriMesh, count: usize) -> Vec<[u32; 4]> {
     let whole: f64 = triangles(mesh).map(|(_, corners)| area(corners)).filter(|a| a.is_finite()).sum();
     if whole <= 0.0 {
         return Vec::new();
     }
-    let each = whole / POINTS as f64;
+    let each = whole / count as f64;
     let bits = (each as f32).to_bits();
-    let mut points = Vec::with_capacity(POINTS);
+    let mut points = Vec::with_capacity(count);
     let mut sum = 0.0;
     for ([a, b, c], corners) in triangles(mesh) {
         let area = area(corners);
         sum += if area.is_finite() { area } else { 0.0 };
-        while points.len() < POINTS && (points.len() as f64 + 0.5) * each < sum {
+        while points.len() < count && (points.len() as f64 + 0.5) * each < sum {
             points.push([a, b, c, bits]);
         }
     }
@@ -92,14 +99,21 @@ mod tests {
     #[test]
     fn points_stand_for_all_of_the_surface() {
         let mesh = mesh();
-        let points = points(&mesh);
+        let points = points(&mesh, POINTS);
         assert_eq!(points.len(), POINTS);
         let sum: f32 = points.iter().map(|point| f32::from_bits(point[3])).sum();
         let whole: f64 = triangles(&mesh).map(|(_, corners)| area(corners)).sum();
         assert!((f64::from(sum) / whole - 1.0).abs() < 1e-3);
         let first = points.iter().filter(|point| point[..3] == [0, 1, 2]).count() as f64;
         assert!((first / POINTS as f64 - 0.5 / whole).abs() < 1e-3);
-        assert!(super::points(&TriMesh::default()).is_empty());
+        assert!(super::points(&TriMesh::default(), POINTS).is_empty());
+    }
+
+    #[test]
+    fn coarse_cells_take_as_many_points_each() {
+        assert_eq!([12, 24, 64].map(count), [POINTS / 4, POINTS, POINTS]);
+        let points = points(&mesh(), count(12));
+        assert_eq!(points.len(), POINTS / 4);
     }
 
     #[test]
