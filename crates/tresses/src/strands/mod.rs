@@ -19,6 +19,7 @@ pub mod binding;
 pub mod buffers;
 pub mod force;
 pub mod guide;
+pub(crate) mod indices;
 pub mod strand;
 pub mod vertex;
 
