@@ -81,7 +81,7 @@ pub fn run(args: &Args) -> Result<()> {
     args.debug.check(&preset.settings.physics())?;
     let start = progress::spinner("preparing");
     let mut scene = Scene::open(&preset, args.size)?;
-    scene.show(&args.debug);
+    scene.show(&args.debug)?;
     start.finish_and_clear();
     let camera = Camera::portrait(args.camera, scene.subject(), args.size.aspect(), args.zoom);
     let camera = args.distance.map_or(camera, |distance| camera.moved(distance));

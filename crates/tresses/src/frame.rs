@@ -117,8 +117,16 @@ impl Recorder<'_> {
     /// # Errors
     /// As [`record`](Self::record).
     pub fn advance(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
+        self.simulate(hair, frame)?;
+        self.follow(hair, frame)
+    }
+
+    /// Only the guides: they move by as many fixed steps as have become due.
+    ///
+    /// # Errors
+    /// As [`record`](Self::record).
+    pub fn simulate(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
         let (pipelines, device) = (self.pipelines, self.device);
-        // Guides move: as many fixed steps as have become due.
         for step in 0..hair.begin(device, self.queue, pipelines, frame)? {
             if hair.uses_volume() {
                 self.stage(Stage::Volume, |pass| hair.record_volume(pass, &pipelines.volume, step));
@@ -128,7 +136,15 @@ impl Recorder<'_> {
             }
             self.stage(Stage::Simulate, |pass| hair.record_simulate(pass, device, &pipelines.simulate, step));
         }
-        // Drawn strands follow.
+        kernel::refused()
+    }
+
+    /// Only the drawn strands: they follow the guides, which do not move.
+    ///
+    /// # Errors
+    /// As [`record`](Self::record).
+    pub fn follow(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
+        let pipelines = self.pipelines;
         hair.prepare(self.queue, &frame.head, frame.dt);
         self.stage(Stage::Tessellate, |pass| hair.record_tessellate(pass, &pipelines.tessellate));
         self.stage(Stage::Interpolate, |pass| {
@@ -168,8 +184,7 @@ impl Recorder<'_> {
         picture: &Picture,
     ) -> Result<()> {
         let shares = view.shares(self.device, self.pipelines, strands)?;
-        let seen: Vec<_> =
-            strands.iter().zip(&shares).map(|(hair, shaded)| Seen { hair, shaded }).collect();
+        let seen: Vec<_> = strands.iter().zip(&shares).map(|(hair, shaded)| Seen { hair, shaded }).collect();
         bodies.iter().for_each(|body| body.prepare(self.queue));
         let lit = view.prepare(self.queue, picture, &seen);
         self.cast(view, &lit, &seen, bodies)
@@ -249,7 +264,18 @@ impl Recorder<'_> {
         self.lap("present");
         if let Shows::Inside(views, shown) = shows {
             let timings = self.timings.as_deref_mut();
-            views.over(self.device, self.encoder, timings, shown, picture, view, hair, &seen, bodies, output)?;
+            views.over(
+                self.device,
+                self.encoder,
+                timings,
+                shown,
+                picture,
+                view,
+                hair,
+                &seen,
+                bodies,
+                output,
+            )?;
             self.lap("debug");
         }
         kernel::refused()

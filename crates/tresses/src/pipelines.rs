@@ -100,9 +100,9 @@ impl Pipelines {
                 [one] => one()?,
                 many => std::thread::scope(|scope| {
                     let running: Vec<_> = many.iter().map(|job| scope.spawn(job)).collect();
-                    running.into_iter().try_for_each(|job| job.join().unwrap_or_else(|panic| {
-                        std::panic::resume_unwind(panic)
-                    }))
+                    running.into_iter().try_for_each(|job| {
+                        job.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+                    })
                 })?,
             }
             if let Some(scopes) = scopes {

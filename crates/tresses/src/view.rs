@@ -4,10 +4,7 @@
 use crate::{
     Pipelines, Result,
     camera::{Camera, CameraUniform, ToneMap},
-    draw::{
-        Coverage, Targets,
-        targets::PICTURE_FORMAT,
-    },
+    draw::{Coverage, Targets, targets::PICTURE_FORMAT},
     gpu::bindings,
     light::{self, HairSet, Lights, Lit, Seen, Shaded, ShadingRate, Shadows, Sphere},
     present::{self, Background},
@@ -117,8 +114,8 @@ impl View {
         options: &ViewOptions,
     ) -> Result<()> {
         let lit = |options: &ViewOptions| (options.shadow_resolution, options.ambient_cells);
-        let light = (lit(options) != lit(&self.options))
-            .then(|| light(device, pipelines, options, &self.camera));
+        let light =
+            (lit(options) != lit(&self.options)).then(|| light(device, pipelines, options, &self.camera));
         let before = std::mem::replace(&mut self.options, *options);
         let Targets { size, ssaa, .. } = self.targets;
         let drawn = |options: &ViewOptions| (options.samples, options.coverage, options.output);

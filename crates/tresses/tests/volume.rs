@@ -6,7 +6,7 @@ mod common;
 
 use std::collections::HashMap;
 use tresses::{
-    Hair, HairOptions, HairRenderer, Pose,
+    Hair, HairOptions, Pipelines, Pose,
     collide::ColliderPoses,
     frame::{Frame, Recorder},
     glam::{IVec3, Quat, Vec3},
@@ -43,38 +43,38 @@ fn shaken(t: f32, neck: Vec3) -> Pose {
 
 struct Stage {
     gpu: Gpu,
-    renderer: HairRenderer,
+    pipelines: Pipelines,
     character: Character,
 }
 
 impl Stage {
     fn new(style: &str) -> Option<Self> {
         let gpu = common::gpu()?;
-        let renderer = HairRenderer::new(&gpu.device, &Default::default());
+        let pipelines = Pipelines::new(&gpu.device);
         let style: Style = style.parse().unwrap();
         let character = pollster::block_on(styles::character(
             &gpu.device,
             &gpu.queue,
-            &renderer.simulate,
+            &pipelines.simulate,
             &style,
             Some(3000),
         ))
         .unwrap();
-        Some(Self { gpu, renderer, character })
+        Some(Self { gpu, pipelines, character })
     }
 
     fn hair(&self, options: &HairOptions) -> Hair {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         let Character { groom, field, .. } = &self.character;
-        Hair::new(device, queue, &self.renderer, groom, options, Some(field)).unwrap()
+        Hair::new(device, queue, &self.pipelines, groom, options, Some(field)).unwrap()
     }
 
     fn advance(&self, hair: &mut Hair, simulation: &SimulationParams, head: Pose, dt: f32) {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         let mut encoder = device.create_command_encoder(&Default::default());
         let frame = Frame { dt, head, colliders: &ColliderPoses::default(), simulation };
-        let renderer = &self.renderer;
-        Recorder { renderer, device, queue, encoder: &mut encoder, timings: None }
+        let pipelines = &self.pipelines;
+        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
             .advance(hair, &frame)
             .unwrap();
         queue.submit([encoder.finish()]);

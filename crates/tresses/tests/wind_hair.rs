@@ -3,7 +3,7 @@
 mod common;
 
 use tresses::{
-    Hair, HairOptions, HairRenderer, Pose,
+    Hair, HairOptions, Pipelines, Pose,
     collide::ColliderPoses,
     frame::{Frame, Recorder},
     glam::{Vec2, Vec3},
@@ -17,7 +17,7 @@ use tresses::{
 
 struct Stage {
     gpu: Gpu,
-    renderer: HairRenderer,
+    pipelines: Pipelines,
 }
 
 impl Stage {
@@ -26,7 +26,7 @@ impl Stage {
         static STAGE: std::sync::OnceLock<Option<Stage>> = std::sync::OnceLock::new();
         let new = || {
             let gpu = common::gpu()?;
-            Some(Self { renderer: HairRenderer::new(&gpu.device, &Default::default()), gpu })
+            Some(Self { pipelines: Pipelines::new(&gpu.device), gpu })
         };
         STAGE.get_or_init(new).as_ref()
     }
@@ -36,7 +36,7 @@ impl Stage {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         let volume = VolumeOptions { resolution: cells, ..Default::default() };
         let options = HairOptions { volume, ..Default::default() };
-        Hair::new(device, queue, &self.renderer, groom, &options, Some(field)).unwrap()
+        Hair::new(device, queue, &self.pipelines, groom, &options, Some(field)).unwrap()
     }
 
     /// The guides alone, `seconds` on.
@@ -49,8 +49,8 @@ impl Stage {
             let dt = part as f32 / 60.0;
             let frame = Frame { dt, head: Pose::IDENTITY, colliders: &colliders, simulation: physics };
             let mut encoder = device.create_command_encoder(&Default::default());
-            let renderer = &self.renderer;
-            Recorder { renderer, device, queue, encoder: &mut encoder, timings: None }
+            let pipelines = &self.pipelines;
+            Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
                 .simulate(hair, &frame)
                 .unwrap();
             queue.submit([encoder.finish()]);
@@ -125,7 +125,7 @@ fn a_whole_style_in_a_storm_of_a_minute() {
     let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
     let style = "long".parse().unwrap();
     let built =
-        pollster::block_on(styles::character(device, queue, &stage.renderer.simulate, &style, Some(1000)))
+        pollster::block_on(styles::character(device, queue, &stage.pipelines.simulate, &style, Some(1000)))
             .unwrap();
     let mut hair = stage.hair(&built.groom, &built.field, 16);
     let physics = SimulationParams {
@@ -163,7 +163,7 @@ fn in_plain_air(
     let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
     let volume = VolumeOptions { resolution: 8, ..Default::default() };
     let options = HairOptions { volume, simulation: physics, ..Default::default() };
-    let mut hair = Hair::new(device, queue, &stage.renderer, &groom, &options, None).unwrap();
+    let mut hair = Hair::new(device, queue, &stage.pipelines, &groom, &options, None).unwrap();
     let wind = Wind { cells: 16, turbulence: 0.0, ..Wind::new(velocity) };
     let physics = SimulationParams { wind, hair_hair: HairHair::OFF, ..physics };
     stage.simulate(&mut hair, &physics, 0.0);
@@ -258,7 +258,7 @@ fn the_lee_side_of_the_long_style_moves_less() {
     let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
     let style = "long".parse().unwrap();
     let built =
-        pollster::block_on(styles::character(device, queue, &stage.renderer.simulate, &style, Some(2000)))
+        pollster::block_on(styles::character(device, queue, &stage.pipelines.simulate, &style, Some(2000)))
             .unwrap();
     let mut hair = stage.hair(&built.groom, &built.field, 32);
     // From the head's left, +X.

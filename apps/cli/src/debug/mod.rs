@@ -60,20 +60,20 @@ pub struct Debug {
 
 impl Debug {
     /// Makes `stage` show what `args` ask for, if anything.
-    pub fn new(stage: &mut Stage, args: &DebugArgs) -> Option<Self> {
-        let view = args.debug?;
-        stage.show(Some(Shown { high: args.debug_max, ..Shown::new(view) }));
-        Some(Self { peak: Peak::new(&stage.gpu.device) })
+    pub fn new(stage: &mut Stage, args: &DebugArgs) -> Result<Option<Self>> {
+        let Some(view) = args.debug else { return Ok(None) };
+        stage.show(Some(Shown { high: args.debug_max, ..Shown::new(view) }))?;
+        Ok(Some(Self { peak: Peak::new(&stage.gpu.device) }))
     }
 
     /// Before a picture: for the first one, the range of the colours. Blocks.
     pub fn prepare(&mut self, stage: &mut Stage) -> Result<()> {
         let Some(mut shown) = stage.shown() else { return Ok(()) };
-        let Stage { gpu, look, hair, .. } = &*stage;
-        if let (None, Some(grid)) = (shown.high, shown.view.grid(look, hair)) {
+        let Stage { gpu, hair, .. } = &*stage;
+        if let (None, Some(grid)) = (shown.high, shown.view.grid(hair)) {
             let peak = pollster::block_on(self.peak.measure(&gpu.device, &gpu.queue, &grid))?;
             shown.high = Some(legend::rounded_up(peak));
-            stage.show(Some(shown));
+            stage.show(Some(shown))?;
         }
         Ok(())
     }

@@ -4,8 +4,8 @@
 //! Settings ─┬─ style ─────────────────────► Growth, Restyle        strands are grown again
 //!           ├─ simulation, wind ──────────► SimulationParams       the next frame
 //!           ├─ interpolation ─────────────► AvoidOptions           the next frame
-//!           ├─ look, lights, shadows ─────► draw::Scene            the next frame
-//!           ├─ edges, shadow_resolution ──► DrawOptions, targets   pipelines are built again
+//!           ├─ look, lights, shadows ─────► Picture, HairMaterial  the next frame
+//!           ├─ edges, shadow_resolution ──► ViewOptions            the view is made again
 //!           └─ lod ───────────────────────► LodOptions             the next frame
 //! ```
 //! The defaults are those of `tresses render`. What depends on the hairstyle or on the colour is an
@@ -31,11 +31,11 @@ use crate::{
 use tresses::{
     Result,
     avoid::AvoidOptions,
-    draw::{self, DrawOptions},
     glam::Vec3,
     groom::styles::Style,
-    light::{ShadingRate, Shadows},
+    light::{HairMaterial, ShadingRate, Shadows},
     simulate::SimulationParams,
+    view::{Picture, ViewOptions},
 };
 
 /// What a change of a parameter costs.
@@ -112,7 +112,7 @@ impl Default for Settings {
             look: LookSettings::default(),
             lights: LightSettings::default(),
             shadows: Shadows::default(),
-            shadow_resolution: DrawOptions::default().shadow_resolution,
+            shadow_resolution: ViewOptions::default().shadow_resolution,
             edges: Edges::default(),
             lod: LodSettings::default(),
         }
@@ -196,10 +196,10 @@ impl Settings {
     ///
     /// # Errors
     /// Samples and coverage that do not go together.
-    pub fn draw_options(&self, most: u32) -> Result<DrawOptions> {
+    pub fn draw_options(&self, most: u32) -> Result<ViewOptions> {
         let (samples, coverage) = self.edges.choose(most)?;
         let shadow_resolution = self.shadow_resolution;
-        Ok(DrawOptions { samples, coverage, shadow_resolution, ..Default::default() })
+        Ok(ViewOptions { samples, coverage, shadow_resolution, ..Default::default() })
     }
 
     /// How pictures of `size` (pixels) are sampled where the adapter offers `most` samples per pixel.
@@ -207,7 +207,7 @@ impl Settings {
     /// # Errors
     /// As [`draw_options`](Self::draw_options).
     pub fn quality(&self, size: [u32; 2], most: u32) -> Result<Quality> {
-        let DrawOptions { samples, coverage, shadow_resolution, ambient_cells, .. } =
+        let ViewOptions { samples, coverage, shadow_resolution, ambient_cells, .. } =
             self.draw_options(most)?;
         Ok(Quality { size, samples, coverage, ssaa: self.edges.ssaa, shadow_resolution, ambient_cells })
     }
@@ -228,13 +228,12 @@ impl Settings {
         })
     }
 
-    /// Puts hair colour, shading, shadows and exposure into `scene`; the lights, which may go with the
-    /// camera, are [`LightSettings::lights`].
-    pub fn apply(&self, scene: &mut draw::Scene) {
-        scene.hair = self.look.material();
-        scene.hair.min_width = self.edges.min_width;
-        scene.shading = self.shading();
-        scene.shadows = self.shadows;
-        scene.tone.exposure = self.lights.exposure;
+    /// Puts hair colour, shading, shadows and exposure into `picture` and `material`; the lights, which may go with
+    /// the camera, are [`LightSettings::lights`].
+    pub fn apply(&self, picture: &mut Picture, material: &mut HairMaterial) {
+        *material = HairMaterial { min_width: self.edges.min_width, ..self.look.material() };
+        picture.shading = self.shading();
+        picture.shadows = self.shadows;
+        picture.tone.exposure = self.lights.exposure;
     }
 }

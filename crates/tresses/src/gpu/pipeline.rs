@@ -163,11 +163,7 @@ impl Scopes {
 
 /// What `make` makes, unless wgpu objects. In a browser, where the answer comes later, whoever wants to know asks
 /// [`Pipelines::prepare`](crate::Pipelines::prepare).
-pub(crate) fn scoped<T>(
-    device: &wgpu::Device,
-    stage: &'static str,
-    make: impl FnOnce() -> T,
-) -> Result<T> {
+pub(crate) fn scoped<T>(device: &wgpu::Device, stage: &'static str, make: impl FnOnce() -> T) -> Result<T> {
     #[cfg(not(target_arch = "wasm32"))]
     {
         let scopes = Scopes::open(device);

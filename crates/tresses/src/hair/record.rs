@@ -65,7 +65,8 @@ impl Hair {
         let size = side * wind.room;
         let fits = |air: &Air| air.cells == wind.cells && air.cell == size / wind.cells as f32;
         if !self.air.as_ref().is_some_and(fits) {
-            let air = Air::new(device, queue, &pipelines.wind, wind.cells, (middle, size), &self.volume.hair)?;
+            let air =
+                Air::new(device, queue, &pipelines.wind, wind.cells, (middle, size), &self.volume.hair)?;
             self.forces = Forces::new(device, &pipelines.simulate, &self.guides, &self.volume, Some(&air));
             self.air = Some(air);
         }

@@ -122,7 +122,8 @@ impl Shaded {
         hair: &HairSet,
     ) -> Result<Self> {
         let StrandBuffers { count, vertex_count, vertices, strands, widening, .. } = &hair.strands;
-        let colors = storage::<[u32; 2]>(device, "shaded strands", u64::from(*count) * u64::from(*vertex_count))?;
+        let colors =
+            storage::<[u32; 2]>(device, "shaded strands", u64::from(*count) * u64::from(*vertex_count))?;
         let uniform = bindings::uniform(device, "hair", size_of::<HairUniform>());
         let own = [&uniform, vertices, strands, &colors].map(wgpu::Buffer::as_entire_binding);
         let maps = state.maps.hair_buffers();

@@ -62,15 +62,15 @@ pub mod terms;
 
 pub use ambient::Ambient;
 pub use environment::Environment;
-pub use hair::{HairSet, Shaded};
 pub(crate) use hair::Seen;
+pub use hair::{HairSet, Shaded};
 pub use lights::{Directional, Lights, MAX_LIGHTS, Sky, Sphere};
 pub use material::{FiberMaterial, HairMaterial, ShadingModel, ShadingRate};
-pub use pipelines::Pipelines;
 use pipelines::FRAME;
+pub use pipelines::Pipelines;
 pub use probe::{Shadow, ShadowProbe};
 pub use shadow::ShadowMaps;
 pub use shadows::{ShadowMethod, Shadows};
-pub use state::State;
 pub(crate) use state::Lit;
+pub use state::State;
 pub use terms::{Term, Terms};

@@ -107,16 +107,7 @@ impl ShadowMaps {
             ..Default::default()
         });
         let view = texture.create_view(&Default::default());
-        Self {
-            resolution,
-            view,
-            layers,
-            matrices,
-            layer_group,
-            hair,
-            blocks,
-            comparison,
-        }
+        Self { resolution, view, layers, matrices, layer_group, hair, blocks, comparison }
     }
 
     /// What shaders need to ask for light: body maps, their sampler, the hair's maps, its blocks.

@@ -66,7 +66,12 @@ impl Terms {
             });
             group(device, "term", &which, &[uniform.as_entire_binding()])
         });
-        let kernel = Kernel::beside(device, "light::terms", &super::pipelines::shade_bindings(), &[&which, &FiberTables::layout(device)]);
+        let kernel = Kernel::beside(
+            device,
+            "light::terms",
+            &super::pipelines::shade_bindings(),
+            &[&which, &FiberTables::layout(device)],
+        );
         Self { kernel, groups: groups.into() }
     }
 

@@ -157,7 +157,8 @@ impl DebugViews {
         if what == DebugView::Overdraw {
             let drawn = (&view.light.frame, view.options().coverage);
             let (stage, paint) = (&mut self.stage, paint(1.0));
-            return stage.record_overdraw(device, encoder, timings, camera, bodies, output, drawn, seen, &paint);
+            return stage
+                .record_overdraw(device, encoder, timings, camera, bodies, output, drawn, seen, &paint);
         }
         for hair in hair {
             let grid = grid(what, hair);
@@ -174,13 +175,7 @@ impl DebugViews {
     }
 
     /// The box of a grid, or the head's contours.
-    fn lines(
-        &self,
-        view: DebugView,
-        hair: &Hair,
-        grid: Option<&Grid<'_>>,
-        high: f32,
-    ) -> Vec<LinePoint> {
+    fn lines(&self, view: DebugView, hair: &Hair, grid: Option<&Grid<'_>>, high: f32) -> Vec<LinePoint> {
         let mut lines = Vec::new();
         match (view, grid) {
             (DebugView::Density | DebugView::Push | DebugView::Wind, Some(grid)) => {
@@ -263,9 +258,8 @@ fn layers<'a>(
         }
         (DebugView::Distance, Some(grid)) => {
             // The plane that the camera looks at.
-            let eye = (grid.pose.inverse().point(camera.eye())
-                - (Vec3::splat(0.5) - grid.bias) / grid.scale)
-                .abs();
+            let eye =
+                (grid.pose.inverse().point(camera.eye()) - (Vec3::splat(0.5) - grid.bias) / grid.scale).abs();
             let axis = if eye.x > eye.y.max(eye.z) { 0 } else { 1 + u32::from(eye.z >= eye.y) };
             let plane = Slices { facing: Some(axis), contours: CONTOURS, ..Default::default() };
             vec![Layer::Distance(

@@ -177,8 +177,10 @@ impl Canvas<'_> {
         self.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(name),
             color_attachments: &attachments,
-            depth_stencil_attachment: depth.map(|(view, depth_ops)| {
-                wgpu::RenderPassDepthStencilAttachment { view, depth_ops, stencil_ops: None }
+            depth_stencil_attachment: depth.map(|(view, depth_ops)| wgpu::RenderPassDepthStencilAttachment {
+                view,
+                depth_ops,
+                stencil_ops: None,
             }),
             timestamp_writes: self.timings.as_deref_mut().and_then(|timings| timings.render(name)),
             ..Default::default()
@@ -219,8 +221,7 @@ impl Layers {
         let depths = [depth("layer depth, even"), depth("layer depth, odd")];
         let depth_views = [view(&depths[0]), view(&depths[1])];
         let layer = color("layer", HDR_FORMAT);
-        let behind =
-            [0, 1].map(|i| group(device, "peel", &before, &[TextureView(&depth_views[i])]));
+        let behind = [0, 1].map(|i| group(device, "peel", &before, &[TextureView(&depth_views[i])]));
         let thickness = [color("thickness, near", HDR_FORMAT), color("thickness, far", HDR_FORMAT)];
         let rest_behind = [0, 1].map(|i| {
             let views = [&depth_views[i], &thickness[0], &thickness[1]].map(TextureView);
