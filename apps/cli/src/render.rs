@@ -2,7 +2,7 @@
 
 use crate::{
     args::{self, Size},
-    debug, interrupt, lod_args,
+    debug, interrupt,
     picture::{Kind, Output},
     progress, say,
     scene::Scene,
@@ -43,10 +43,10 @@ pub struct Args {
     #[arg(long, value_name = "FACTOR", default_value = "normal", value_parser = args::zoom)]
     pub zoom: f32,
     /// How far the camera is from the middle of what it looks at, metres; instead of --zoom
-    #[arg(long, value_name = "METRES", value_parser = lod_args::distance, conflicts_with = "zoom")]
+    #[arg(long, value_name = "METRES", value_parser = args::distance, conflicts_with = "zoom")]
     pub distance: Option<f32>,
     /// How far it is in the last frame: it moves away, or nearer, by equal factors in equal times
-    #[arg(long, value_name = "METRES", value_parser = lod_args::distance)]
+    #[arg(long, value_name = "METRES", value_parser = args::distance)]
     pub distance_to: Option<f32>,
     /// Where to: one .png, a folder of numbered frames, or an animation (.webp, .gif, .apng)
     #[arg(long, value_name = "PATH", default_value = "out/render.png")]
