@@ -69,7 +69,9 @@ impl<R: Rows> FromArgMatches for RowFlags<R> {
         for (_, row, flag) in Self::rows() {
             let texts: Vec<&str> = match flag.value {
                 "" => matches.get_flag(flag.name).then_some("on").into_iter().collect(),
-                _ => matches.get_many::<String>(flag.name).into_iter().flatten().map(String::as_str).collect(),
+                _ => {
+                    matches.get_many::<String>(flag.name).into_iter().flatten().map(String::as_str).collect()
+                }
             };
             if texts.len() > flag.times {
                 let (name, count, most) = (flag.name, texts.len(), flag.times);

@@ -6,6 +6,8 @@ mod compare;
 mod convert;
 mod debug;
 mod demo;
+#[cfg(test)]
+mod flag_tests;
 mod flags;
 mod info;
 mod interrupt;

@@ -12,10 +12,22 @@ pub struct OrientArgs {
     #[arg(long, value_name = "UNIT", help_heading = "Unit and axes", hide_short_help = true)]
     unit: Option<Unit>,
     /// The groom's axis that points up, such as y, z or -z [default: guessed]
-    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, help_heading = "Unit and axes", hide_short_help = true)]
+    #[arg(
+        long,
+        value_name = "AXIS",
+        allow_hyphen_values = true,
+        help_heading = "Unit and axes",
+        hide_short_help = true
+    )]
     up: Option<Axis>,
     /// The groom's axis that the face looks along [default: guessed]
-    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, help_heading = "Unit and axes", hide_short_help = true)]
+    #[arg(
+        long,
+        value_name = "AXIS",
+        allow_hyphen_values = true,
+        help_heading = "Unit and axes",
+        hide_short_help = true
+    )]
     front: Option<Axis>,
     /// Whether to swap the left and right of the groom [default: guessed, with a head]
     #[arg(
@@ -28,10 +40,22 @@ pub struct OrientArgs {
     #[arg(long, value_name = "UNIT", help_heading = "Unit and axes", hide_short_help = true)]
     head_unit: Option<Unit>,
     /// The head's axis that points up [default: guessed]
-    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, help_heading = "Unit and axes", hide_short_help = true)]
+    #[arg(
+        long,
+        value_name = "AXIS",
+        allow_hyphen_values = true,
+        help_heading = "Unit and axes",
+        hide_short_help = true
+    )]
     head_up: Option<Axis>,
     /// The head's axis that the face looks along [default: guessed]
-    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, help_heading = "Unit and axes", hide_short_help = true)]
+    #[arg(
+        long,
+        value_name = "AXIS",
+        allow_hyphen_values = true,
+        help_heading = "Unit and axes",
+        hide_short_help = true
+    )]
     head_front: Option<Axis>,
 }
 

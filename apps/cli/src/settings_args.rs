@@ -247,7 +247,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("preset.toml");
         let file = path.to_str().unwrap();
-        let words = ["--curl", "radius=7mm,flatness=0.3", "--coverage", "peel", "--layers", "8", "--ssaa", "2"];
+        let words =
+            ["--curl", "radius=7mm,flatness=0.3", "--coverage", "peel", "--layers", "8", "--ssaa", "2"];
         parse(&[&words[..], &["--save-preset", file]].concat()).unwrap();
         let other = parse(&["--preset", file, "--curl", "waves,shrink=0.2", "--samples", "4"]).unwrap();
         let settings = &other.settings;

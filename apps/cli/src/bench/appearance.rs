@@ -51,7 +51,10 @@ pub struct Look {
 impl Variant {
     /// Whether an adapter that offers at most `most` samples per pixel can draw it.
     pub fn fits(&self, most: u32) -> bool {
-        self.edges.modes.and_then(|(samples, _)| samples.parse().ok()).is_none_or(|samples: u32| samples <= most)
+        self.edges
+            .modes
+            .and_then(|(samples, _)| samples.parse().ok())
+            .is_none_or(|samples: u32| samples <= most)
     }
 }
 

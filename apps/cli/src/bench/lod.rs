@@ -142,7 +142,7 @@ pub fn text(points: &[Point]) -> String {
         grouped(STRANDS.into()),
         SIZE.width,
         SIZE.height,
-        SAMPLES as u32,
+        SAMPLES,
         table(&rows)
     )
 }

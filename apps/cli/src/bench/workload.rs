@@ -10,9 +10,7 @@ use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use std::{path::PathBuf, time::Instant};
 use tresses::lod::LodMode;
-use tresses_scene::{
-    Camera, Motion, Preset, Settings, camera::View, character::strands_for, preset::Source,
-};
+use tresses_scene::{Camera, Motion, Preset, Settings, camera::View, character::strands_for, preset::Source};
 
 /// Frames before the first that counts: shaders are compiled, caches and clocks are warm.
 pub const WARM_UP: u32 = 2;

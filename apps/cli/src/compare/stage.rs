@@ -1,10 +1,10 @@
 //! A groom of the reference on the GPU, and its pictures.
 
+use super::Look;
 use super::{
     metrics::Linear,
     scenes::{Folders, Groom as Description, Radius, Scenes, View},
 };
-use super::Look;
 use crate::{flags::RowFlags, picture::Picture, settings_args::apply_rows};
 use anyhow::{Context, Error, Result, ensure};
 use half::f16;
@@ -23,9 +23,7 @@ use tresses::{
         import::{self, ImportOptions},
         orient::{Axis, Choice, Unit},
     },
-    light::{
-        Directional, Lights, MAX_LIGHTS, ShadowMethod, Shadows, Sky, Sphere, material::linear,
-    },
+    light::{Directional, Lights, MAX_LIGHTS, ShadowMethod, Shadows, Sky, Sphere, material::linear},
     present::ToneMap,
     simulate::SimulationParams,
 };

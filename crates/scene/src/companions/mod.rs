@@ -127,7 +127,13 @@ pub static COMPANIONS: [Companion; 10] = [
         "Stiffness",
         "Black is a quarter as stiff, white four times, middle grey as it was"
     ),
-    companion!(color_map, "color-map", Colors, "Colours", "The colours of the hair, where shading.color is on file"),
+    companion!(
+        color_map,
+        "color-map",
+        Colors,
+        "Colours",
+        "The colours of the hair, where shading.color is on file"
+    ),
     companion!(
         curl_curve,
         "curl-curve",

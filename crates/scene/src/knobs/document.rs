@@ -17,7 +17,9 @@ pub fn markdown() -> String {
     for section in SECTIONS {
         // Writing to a string cannot fail.
         let _ = write!(page, "\n## {}\n{}\n\n", section.title, section.about);
-        page.push_str("| path | what it does | allowed | default | flag | costs |\n|---|---|---|---|---|---|\n");
+        page.push_str(
+            "| path | what it does | allowed | default | flag | costs |\n|---|---|---|---|---|---|\n",
+        );
         for knob in section.knobs {
             let cost = match knob.cost {
                 Change::Frame => "",

@@ -291,7 +291,10 @@ impl Assigned {
             let path = path.replace('1', &(time + 1).to_string());
             find(&path).map_or("", |row| row.path)
         };
-        Self { resets: self.resets, sets: self.sets.iter().map(|(path, value)| (other(path), *value)).collect() }
+        Self {
+            resets: self.resets,
+            sets: self.sets.iter().map(|(path, value)| (other(path), *value)).collect(),
+        }
     }
 
     /// Puts back what goes with what is replaced. Before any of several flags [sets](Self::set) something.

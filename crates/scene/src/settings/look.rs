@@ -2,11 +2,8 @@
 
 use super::Settings;
 use crate::knobs;
-use tresses::{
-    glam::Vec3,
-    light::{
-        FiberMaterial, HairMaterial, ShadingModel, ShadingRate, fiber::bsdf::melanin, material::srgb,
-    },
+use tresses::light::{
+    FiberMaterial, HairMaterial, ShadingModel, ShadingRate, fiber::bsdf::melanin, material::srgb,
 };
 
 /// Where hair has its colour from.
@@ -96,8 +93,7 @@ impl Settings {
     /// The look of hair as the library has it.
     pub fn material(&self) -> HairMaterial {
         let mut onto = self.clone();
-        onto.look.material =
-            HairMaterial { min_width: self.look.material.min_width, ..self.look.of_color() };
+        onto.look.material = HairMaterial { min_width: self.look.material.min_width, ..self.look.of_color() };
         knobs::section("shading").for_each(|knob| knob.lay(&mut onto, self));
         let mut material = onto.look.material;
         let fiber = &mut material.fiber;
@@ -127,6 +123,7 @@ impl Settings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tresses::glam::Vec3;
 
     fn colored(color: HairColor) -> Settings {
         Settings { look: LookSettings { color, ..Default::default() }, ..Default::default() }
