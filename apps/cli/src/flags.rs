@@ -139,7 +139,7 @@ impl CompanionFlags {
 }
 
 /// What a picture over the scalp is.
-const SCALP: &str = "A .png over the scalp, its top the front and its right the left of the head (:r, :g or :b \
+const SCALP: &str = "\nA .png over the scalp, its top the front and its right the left of the head (:r, :g or :b \
     behind it for one channel), or front, crown, sides, nape, hairline, noise, or not-front ..";
 
 impl Args for CompanionFlags {
@@ -152,7 +152,11 @@ impl Args for CompanionFlags {
             };
             let mut long = format!("{}.", companion.hint);
             if companion.kind == Companionship::Map {
-                long += &format!("\n{SCALP}");
+                long += if companion.key == COMPANIONS[0].key {
+                    SCALP
+                } else {
+                    "\nA picture or a name as for --density-map."
+                };
             }
             let kind = companion.kind;
             let arg = Arg::new(companion.key)
