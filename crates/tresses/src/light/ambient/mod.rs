@@ -15,7 +15,7 @@
 //! (the set named S4; Carlson and Lathrop 1965) through the cells, slice by slice, where each slice needs
 //! only the previous one (short characteristics, Kunasz and Auer 1988). That is one step per cell and
 //! direction, whereas marching rays from each cell takes as many as a ray crosses. It carries the fraction
-//! of the sky that is left where fibres absorb none, an eighth, half and all of the light that meets them:
+//! of the sky that is left where fibres remove none, an eighth, half and all of the light that meets them:
 //! the fraction for any absorption and colour channel is interpolated between these, and since this happens
 //! before the sum over directions, thin and dense sides are not mixed. It also carries the radiance of the
 //! body, of which each fibre removes what it does not pass on in dual scattering.
