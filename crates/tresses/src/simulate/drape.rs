@@ -1,5 +1,5 @@
-//! Letting a groom fall into place once, before it is used: how the built-in styles get a shape
-//! that gravity and the head agree with.
+//! Draping: a groom settles once before it is used, which gives the built-in styles a shape consistent with
+//! gravity and the head.
 
 use super::{
     RestOptions, RestShape, Simulate, Simulation, SimulationParams, Step,

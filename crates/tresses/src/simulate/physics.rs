@@ -1,4 +1,4 @@
-//! Invariants on the twin, where thousands of steps cost nothing. The closed forms are measured on the GPU:
+//! Invariants on the twin, where thousands of steps are cheap. The closed forms are measured on the GPU:
 //! `tests/physics`.
 
 use super::{

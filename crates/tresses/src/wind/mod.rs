@@ -13,8 +13,8 @@
 //!
 //! - `predict` advects the air by itself, backwards along its paths (Stam 1999); `correct` adds
 //!   MacCormack's correction (Selle et al. 2008), clamped to the advected values of the cell and its six
-//!   neighbours: those are means of old values, so nothing grows at any speed. Of gusts nine cells long 71
-//!   % are left when they leave the grid, against 62 % without the correction.
+//!   neighbours: those are means of old values, so nothing grows at any speed. Of gusts nine cells long
+//!   71 % are left when they leave the grid, against 62 % without the correction.
 //! - **Inflow.** Air from outside the grid has the mean wind and its [`gusts`]. The upwind sides have that
 //!   velocity, the others are open: their pressure is 0. The last cells along each axis count as outside.
 //! - **The grid moves by whole cells** with the head, so that a moving head causes no interpolation.
@@ -62,7 +62,7 @@
 //! A thread of `obstacles` for four cells, which reads each collider once for them: a sixth slower.
 //!
 //! **One step of the air in several of the hair?** In light wind that would be possible. In the 8 m/s that
-//! `tresses bench --costs` measures the air travels 16 cm in a step, which is close to the limit.
+//! `tresses bench --costs` measures the air travels 16 cm in a step, which is the limit.
 //!
 //! **Untried.** Blocks of 4 × 2 × 2 cells: two thirds of the fetches of a sweep per cell, and in the scalar
 //! model eight sweeps leave what twelve of rows leave. Anisotropic drag of the medium by the direction of
