@@ -9,9 +9,10 @@ use std::path::PathBuf;
 use tresses::{
     HairRenderer,
     avoid::{AvoidMode, AvoidOptions},
+    drape,
     glam::Vec3,
     gpu::Gpu,
-    groom::{BindOptions, BoundStrands, GuideCount, Strands, bind, import, mesh::sdf, styles},
+    groom::{BindOptions, BoundStrands, GuideCount, Strands, bind, import, mesh::sdf},
     lod,
     strands::StrandVertex,
 };
@@ -74,14 +75,9 @@ fn check(name: &str, gpu: &Gpu, renderer: &HairRenderer, character: &Character, 
 
 fn style(gpu: &Gpu, renderer: &HairRenderer, name: &str) -> Character {
     let style = name.parse().unwrap();
-    let mut built = pollster::block_on(styles::character(
-        &gpu.device,
-        &gpu.queue,
-        &renderer.simulate,
-        &style,
-        Some(1200),
-    ))
-    .unwrap();
+    let mut built =
+        pollster::block_on(drape::character(&gpu.device, &gpu.queue, &renderer.simulate, &style, Some(1200)))
+            .unwrap();
     lod::arrange(&mut built.groom.strands);
     Character { groom: built.groom, field: built.field, neck: built.neck }
 }

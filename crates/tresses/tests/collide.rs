@@ -7,14 +7,11 @@ use std::path::PathBuf;
 use tresses::{
     Hair, HairOptions, HairRenderer, Pose,
     collide::{Collider, ColliderDescriptor, ColliderPoses, Shape, shape},
+    drape,
     frame::{Frame, Recorder},
     glam::{Quat, Vec3},
     gpu::{Gpu, readback::blocking as readback},
-    groom::{
-        BindOptions, Groom, GuideCount, SdfGrid, Strands, bind, import,
-        mesh::sdf,
-        styles::{self, Style},
-    },
+    groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind, import, mesh::sdf, styles::Style},
     simulate::SimulationParams,
     strands::GuideRest,
     volume::HairHair,
@@ -33,7 +30,7 @@ struct Character {
 
 fn built_in(gpu: &Gpu, renderer: &HairRenderer, style: Style) -> Character {
     let built =
-        pollster::block_on(styles::character(&gpu.device, &gpu.queue, &renderer.simulate, &style, Some(500)))
+        pollster::block_on(drape::character(&gpu.device, &gpu.queue, &renderer.simulate, &style, Some(500)))
             .unwrap();
     Character { groom: built.groom, field: built.field, neck: built.neck }
 }

@@ -8,10 +8,11 @@ use std::collections::HashMap;
 use tresses::{
     Hair, HairOptions, HairRenderer, Pose,
     collide::ColliderPoses,
+    drape::{self, Character},
     frame::{Frame, Recorder},
     glam::{IVec3, Quat, Vec3},
     gpu::{Gpu, readback::blocking as readback},
-    groom::styles::{self, Character, Style},
+    groom::styles::Style,
     simulate::SimulationParams,
     strands::StrandVertex,
     volume::{HairHair, HairHairMode},
@@ -52,7 +53,7 @@ impl Stage {
         let gpu = common::gpu()?;
         let renderer = HairRenderer::new(&gpu.device, &Default::default());
         let style: Style = style.parse().unwrap();
-        let character = pollster::block_on(styles::character(
+        let character = pollster::block_on(drape::character(
             &gpu.device,
             &gpu.queue,
             &renderer.simulate,

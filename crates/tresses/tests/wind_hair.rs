@@ -5,10 +5,11 @@ mod common;
 use tresses::{
     Hair, HairOptions, HairRenderer, Pose,
     collide::ColliderPoses,
+    drape,
     frame::{Frame, Recorder},
     glam::{Vec2, Vec3},
     gpu::{Gpu, readback::blocking as readback},
-    groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind, styles},
+    groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind},
     simulate::{Along, SimulationParams, drag},
     strands::GuideForce,
     volume::{HairHair, VolumeOptions},
@@ -125,7 +126,7 @@ fn a_whole_style_in_a_storm_of_a_minute() {
     let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
     let style = "long".parse().unwrap();
     let built =
-        pollster::block_on(styles::character(device, queue, &stage.renderer.simulate, &style, Some(1000)))
+        pollster::block_on(drape::character(device, queue, &stage.renderer.simulate, &style, Some(1000)))
             .unwrap();
     let mut hair = stage.hair(&built.groom, &built.field, 16);
     let physics = SimulationParams {
@@ -258,7 +259,7 @@ fn the_lee_side_of_the_long_style_moves_less() {
     let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
     let style = "long".parse().unwrap();
     let built =
-        pollster::block_on(styles::character(device, queue, &stage.renderer.simulate, &style, Some(2000)))
+        pollster::block_on(drape::character(device, queue, &stage.renderer.simulate, &style, Some(2000)))
             .unwrap();
     let mut hair = stage.hair(&built.groom, &built.field, 32);
     // From the head's left, +X.

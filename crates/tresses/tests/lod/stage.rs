@@ -4,11 +4,12 @@ use crate::common;
 use tresses::{
     Hair, HairOptions, HairRenderer, Pose,
     collide::ColliderPoses,
+    drape,
     draw::{Background, Coverage, DrawOptions, Scene, View},
     frame::{Frame, Recorder},
     glam::Vec3,
     gpu::{Gpu, readback::blocking as readback},
-    groom::{Groom, SdfGrid, styles},
+    groom::{Groom, SdfGrid},
     light::{Lights, Sphere, material::linear},
     lod::Detail,
     present::ToneMap,
@@ -43,7 +44,7 @@ impl Stage {
     pub fn style(&self, name: &str, strands: u32) -> (Groom, SdfGrid) {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         let style = name.parse().unwrap();
-        let built = pollster::block_on(styles::character(
+        let built = pollster::block_on(drape::character(
             device,
             queue,
             &self.renderer.simulate,
