@@ -30,6 +30,7 @@ pub mod styles;
 pub mod error;
 pub mod hash;
 pub mod progress;
+mod rice;
 
 pub use bind::{BindOptions, GuideCount, bind};
 pub use bound::{BoundStrands, Groom, Influence};

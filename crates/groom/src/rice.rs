@@ -70,7 +70,11 @@ impl Writer {
         let zeros = high.min(ESCAPE);
         (0..zeros).for_each(|_| self.bit(false));
         self.bit(true);
-        if zeros == ESCAPE { self.bits(folded, 32) } else { self.bits(folded, k) }
+        if zeros == ESCAPE {
+            self.bits(folded, 32)
+        } else {
+            self.bits(folded, k)
+        }
         context.learn(folded);
     }
 

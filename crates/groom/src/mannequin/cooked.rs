@@ -12,9 +12,13 @@
 //! `cargo run -p tresses --example cook` writes the file anew when the sculpture has changed; a test compares
 //! it with its source.
 
-use super::{FIELD_RESOLUTION, RESOLUTION, meshing::Lattice};
+use super::{
+    FIELD_RESOLUTION, RESOLUTION,
+    meshing::{Lattice, grid, measure, model},
+};
 use crate::{
     SdfGrid, TriMesh,
+    progress::at_once,
     rice::{Context, Reader, Writer},
 };
 use fast_surface_nets::SurfaceNetsBuffer;
@@ -44,8 +48,8 @@ pub(super) fn bust() -> &'static Bust {
 
 /// The file for the bust as it is sculpted now.
 pub fn cook() -> Vec<u8> {
-    let (mesh, nets) = super::meshing::modelled(RESOLUTION);
-    write(&nets.0, &mesh, &super::meshing::measured(FIELD_RESOLUTION))
+    let (mesh, lattice) = at_once(model(RESOLUTION, &()));
+    write(&lattice, &mesh, &at_once(measure(FIELD_RESOLUTION, &())))
 }
 
 /// What reader and writer keep of each kind of number.
@@ -68,7 +72,8 @@ fn write(lattice: &Lattice, mesh: &TriMesh, field: &SdfGrid) -> Vec<u8> {
             begin = i;
         }
     }
-    let (signs, nets) = outline(lattice.signs());
+    let signs = lattice.signs();
+    let nets = signs.nets();
     for (i, at) in nets.surface_points.iter().enumerate() {
         if signs.is_left(*at) {
             let off = steps(mesh.positions[i] - signs.point(nets.positions[i]));
@@ -98,17 +103,17 @@ fn write(lattice: &Lattice, mesh: &TriMesh, field: &SdfGrid) -> Vec<u8> {
 
 fn read(bytes: &[u8]) -> Bust {
     let (mut from, mut kinds) = (Reader::new(bytes), Contexts::default());
-    let mut lattice = Lattice::empty(RESOLUTION);
+    let mut signs = Lattice::empty(RESOLUTION);
     let (mut inside, mut left) = (true, 0);
-    for i in lattice.left_half().collect::<Vec<_>>() {
+    for i in signs.left_half() {
         if left == 0 {
             left = from.get(&mut kinds.run);
             inside = !inside;
         }
         left -= 1;
-        lattice.set(i, if inside { -1.0 } else { 1.0 });
+        signs.set(i, if inside { -1.0 } else { 1.0 });
     }
-    let (signs, nets) = outline(lattice);
+    let nets = signs.nets();
     let mut mesh = TriMesh::default();
     for (i, at) in nets.surface_points.iter().enumerate() {
         let p = match signs.is_left(*at) {
@@ -133,7 +138,7 @@ fn read(bytes: &[u8]) -> Bust {
         };
         mesh.normals.push(normal);
     }
-    let mut field = super::meshing::grid(FIELD_RESOLUTION);
+    let mut field = grid(FIELD_RESOLUTION);
     let mut rounded = Vec::with_capacity(field.size.element_product() as usize);
     for i in 0..rounded.capacity() {
         let d = beside(&rounded, &field, i) + from.get(&mut kinds.field);
@@ -142,12 +147,6 @@ fn read(bytes: &[u8]) -> Bust {
     assert!(from.is_done(), "the cooked bust is that of another program: run the example `cook`");
     field.distances = rounded.iter().map(|d| *d as f32 * STEP).collect();
     Bust { mesh, field }
-}
-
-/// The lattice of mere signs and the surface through it.
-fn outline(signs: Lattice) -> (Lattice, SurfaceNetsBuffer) {
-    let nets = signs.nets();
-    (signs, nets)
 }
 
 fn steps(v: Vec3) -> IVec3 {
@@ -204,9 +203,7 @@ fn flat(v: Vec3) -> IVec2 {
     let n = v / (v.x.abs() + v.y.abs() + v.z.abs()).max(1e-20);
     let p = match n.z >= 0.0 {
         true => n.truncate(),
-        false => {
-            Vec2::new((1.0 - n.y.abs()) * 1f32.copysign(n.x), (1.0 - n.x.abs()) * 1f32.copysign(n.y))
-        }
+        false => Vec2::new((1.0 - n.y.abs()) * 1f32.copysign(n.x), (1.0 - n.x.abs()) * 1f32.copysign(n.y)),
     };
     (p * FINE).round().as_ivec2()
 }
@@ -246,7 +243,10 @@ mod tests {
     fn off(a: &Bust, b: &Bust) -> (f32, f32, f32, usize) {
         assert_eq!(a.mesh.positions.len(), b.mesh.positions.len());
         assert_eq!(a.mesh.triangles.len(), b.mesh.triangles.len());
-        assert_eq!((a.field.size, a.field.origin, a.field.cell), (b.field.size, b.field.origin, b.field.cell));
+        assert_eq!(
+            (a.field.size, a.field.origin, a.field.cell),
+            (b.field.size, b.field.origin, b.field.cell)
+        );
         let most = |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
         let sorted = |bust: &Bust| -> Vec<[u32; 3]> {
             let mut all: Vec<[u32; 3]> = bust.mesh.triangles.clone();
@@ -270,8 +270,8 @@ mod tests {
 
     #[test]
     fn the_cooked_bust_is_that_of_its_source() {
-        let (mesh, _) = super::super::meshing::modelled(RESOLUTION);
-        let mut live = Bust { mesh, field: super::super::meshing::measured(FIELD_RESOLUTION) };
+        let (mesh, _) = at_once(model(RESOLUTION, &()));
+        let mut live = Bust { mesh, field: at_once(measure(FIELD_RESOLUTION, &())) };
         let (place, normal, distance, others) = off(bust(), &live);
         println!("{} bytes: off by {place} m, {normal}, {distance} m, {others} triangles", FILE.len());
         // Rounding, and the last bits of sines and roots on other machines.

@@ -1,6 +1,6 @@
 //! From the field to triangles and to a grid.
 
-use super::{distance, forms};
+use super::{FIELD_RESOLUTION, RESOLUTION, cooked::bust, distance, forms};
 use crate::{Progress, SdfGrid, TriMesh, progress::at_once};
 use fast_surface_nets::{SurfaceNetsBuffer, ndshape::RuntimeShape, ndshape::Shape, surface_nets};
 use glam::{Vec3, vec3};
@@ -10,14 +10,27 @@ const LO: Vec3 = vec3(-0.235, -0.260, -0.155);
 const HI: Vec3 = vec3(0.235, 0.240, 0.140);
 
 /// The bust's field on a regular grid: the collider. `resolution` is the number of nodes along the
-/// longest axis.
+/// longest axis; that of [`FIELD_RESOLUTION`] comes cooked.
 pub fn sdf(resolution: u32) -> SdfGrid {
     at_once(sdf_with(resolution, &()))
 }
 
 /// The same, telling `progress`.
 pub async fn sdf_with(resolution: u32, progress: &impl Progress) -> SdfGrid {
-    let mut grid = SdfGrid::over(LO, HI, resolution);
+    match resolution {
+        FIELD_RESOLUTION => bust().field.clone(),
+        _ => measure(resolution, progress).await,
+    }
+}
+
+/// The field's grid without distances.
+pub(super) fn grid(resolution: u32) -> SdfGrid {
+    SdfGrid::over(LO, HI, resolution)
+}
+
+/// The field as it is sculpted.
+pub(super) async fn measure(resolution: u32, progress: &impl Progress) -> SdfGrid {
+    let mut grid = grid(resolution);
     let (row, rows) = (grid.size.x, grid.size.y * grid.size.z);
     for i in 0..rows {
         if i % 16 == 0 {
@@ -46,10 +59,10 @@ fn nodes(lo: f32, hi: f32, fine: f32, cell: f32) -> Vec<f32> {
 }
 
 /// Nodes along x, y and z and the distances at them. Cells are smallest in the face.
-struct Lattice {
+pub(super) struct Lattice {
     axes: [Vec<f32>; 3],
     shape: RuntimeShape<u32, 3>,
-    distances: Vec<f32>,
+    pub distances: Vec<f32>,
 }
 
 /// What takes long.
@@ -60,6 +73,14 @@ const BLOCK: usize = 6;
 
 impl Lattice {
     async fn new(resolution: u32, progress: &impl Progress) -> Self {
+        let mut lattice = Self::empty(resolution);
+        lattice.fill(progress).await;
+        lattice.close_pinholes();
+        lattice
+    }
+
+    /// Without distances.
+    pub fn empty(resolution: u32) -> Self {
         let cell = 0.30 / resolution.clamp(16, 512) as f32;
         // Lips and lids run across: rows are closer than columns.
         let axes = [
@@ -69,10 +90,46 @@ impl Lattice {
         ];
         let shape = RuntimeShape::<u32, 3>::new([0, 1, 2].map(|a| axes[a].len() as u32));
         let distances = vec![0.0; axes.iter().map(Vec::len).product()];
-        let mut lattice = Self { axes, shape, distances };
-        lattice.fill(progress).await;
-        lattice.close_pinholes();
-        lattice
+        Self { axes, shape, distances }
+    }
+
+    /// The indices of the nodes of the left half and of the middle.
+    pub fn left_half(&self) -> impl Iterator<Item = usize> + use<> {
+        let across = self.axes[0].len();
+        (0..self.distances.len()).filter(move |i| i % across <= across / 2)
+    }
+
+    /// Puts a distance at a node and at the one that mirrors it.
+    pub fn set(&mut self, i: usize, distance: f32) {
+        let across = self.axes[0].len();
+        let x = i % across;
+        self.distances[i] = distance;
+        self.distances[i - x + across - 1 - x] = distance;
+    }
+
+    /// The same with nothing but the signs of the distances.
+    pub fn signs(&self) -> Self {
+        let distances = self.distances.iter().map(|d| if *d < 0.0 { -1.0 } else { 1.0 }).collect();
+        Self { axes: self.axes.clone(), shape: self.shape.clone(), distances }
+    }
+
+    /// The surface: a vertex per cell that it passes through, at fractional nodes.
+    pub fn nets(&self) -> SurfaceNetsBuffer {
+        let mut nets = SurfaceNetsBuffer::default();
+        let last = self.shape.as_array().map(|n| n - 1);
+        surface_nets(&self.distances, &self.shape, [0; 3], last, &mut nets);
+        nets
+    }
+
+    /// Whether a cell is in the left half.
+    pub fn is_left(&self, cell: [u32; 3]) -> bool {
+        (cell[0] as usize) < self.axes[0].len() / 2
+    }
+
+    /// The vertex in the cell that mirrors this one.
+    pub fn twin(&self, nets: &SurfaceNetsBuffer, [x, y, z]: [u32; 3]) -> usize {
+        let across = self.axes[0].len() as u32;
+        nets.stride_to_index[self.shape.linearize([across - 2 - x, y, z]) as usize] as usize
     }
 
     fn at(&self, i: [usize; 3]) -> Vec3 {
@@ -133,7 +190,7 @@ impl Lattice {
     }
 
     /// The point at fractional node `q`.
-    fn point(&self, q: [f32; 3]) -> Vec3 {
+    pub fn point(&self, q: [f32; 3]) -> Vec3 {
         Vec3::from_array([0, 1, 2].map(|a| {
             let i = (q[a] as usize).min(self.axes[a].len() - 2);
             let (lo, hi) = (self.axes[a][i], self.axes[a][i + 1]);
@@ -156,17 +213,23 @@ pub(super) fn distance_and_gradient(p: Vec3) -> (f32, Vec3) {
 }
 
 /// The bust as triangles with smooth normals. `resolution` (clamped to 16…512) is how many of the face's
-/// cells make 30 cm; elsewhere cells are up to three times wider.
+/// cells make 30 cm; elsewhere cells are up to three times wider. That of [`RESOLUTION`] comes cooked.
 pub fn mesh(resolution: u32) -> TriMesh {
     at_once(mesh_with(resolution, &()))
 }
 
 /// The same, telling `progress`.
 pub async fn mesh_with(resolution: u32, progress: &impl Progress) -> TriMesh {
+    match resolution {
+        RESOLUTION => bust().mesh.clone(),
+        _ => model(resolution, progress).await.0,
+    }
+}
+
+/// The bust as it is sculpted, and the lattice that it was meshed with.
+pub(super) async fn model(resolution: u32, progress: &impl Progress) -> (TriMesh, Lattice) {
     let lattice = Lattice::new(resolution, progress).await;
-    let mut nets = SurfaceNetsBuffer::default();
-    let last = lattice.shape.as_array().map(|n| n - 1);
-    surface_nets(&lattice.distances, &lattice.shape, [0; 3], last, &mut nets);
+    let nets = lattice.nets();
     let mut mesh = TriMesh::default();
     for (i, q) in nets.positions.iter().enumerate() {
         if i % 1024 == 0 {
@@ -187,5 +250,5 @@ pub async fn mesh_with(resolution: u32, progress: &impl Progress) -> TriMesh {
         mesh.normals.push(normal * mirror);
     }
     mesh.triangles = nets.indices.as_chunks().0.to_vec();
-    mesh
+    (mesh, lattice)
 }

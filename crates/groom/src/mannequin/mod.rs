@@ -9,8 +9,10 @@
 //! images. `y = 0` is the underside of the chin, `x = z = 0` the axis through the ears; the skull's centre
 //! is [`SKULL_CENTRE`]. Inside the modules the unit is the millimetre, which is how one thinks of a face.
 //!
-//! Why not a mesh in a file? It would have to come from someone, and hair needs the field anyway.
+//! Why not a mesh in a file? It would have to come from someone, and hair needs the field anyway. What the
+//! sculpture gives at the resolutions that are used most does come as a file of ours ([`cook`]).
 
+mod cooked;
 mod ears;
 mod face;
 mod forms;
@@ -22,6 +24,8 @@ mod skull;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use cooked::STEP;
+pub use cooked::cook;
 pub use meshing::{mesh, mesh_with, sdf, sdf_with};
 pub use scalp::scalp_point;
 
@@ -30,6 +34,8 @@ use glam::{Vec3, vec3};
 
 /// A good resolution for [`mesh`]: cells of 1.9 mm in the face, about 130,000 triangles.
 pub const RESOLUTION: u32 = 160;
+/// Nodes along the longest axis of the field, [`sdf`], that the built-in styles grow on and collide with.
+pub const FIELD_RESOLUTION: u32 = 96;
 /// The middle of the cranium, metres: rays from here meet the scalp once.
 pub const SKULL_CENTRE: Vec3 = vec3(0.0, 0.130, -0.010);
 /// The joint about which the head nods and turns, metres: the top of the spine, between the ears.

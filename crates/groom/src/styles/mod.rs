@@ -13,6 +13,7 @@
 //! around them.
 
 mod bound;
+mod cooked;
 mod face;
 mod hairline;
 mod parting;
@@ -23,6 +24,7 @@ mod scalp;
 mod trace;
 
 pub use bound::bound;
+pub use cooked::{cook, settled};
 pub use face::Face;
 pub use hairline::Hairline;
 pub use parting::Parting;
@@ -69,21 +71,11 @@ pub fn guides_of(recipe: &Recipe, scalp: &dyn Scalp) -> StyledGuides {
 
 /// The same, telling `progress`.
 pub async fn guides_with(recipe: &Recipe, scalp: &dyn Scalp, progress: &impl Progress) -> StyledGuides {
-    let marks = scalp.landmarks();
-    let hairline = Hairline::new(scalp, recipe.hairline_raise, recipe.hairline_irregularity, recipe.seed);
-    let parting = recipe.parting.map(|x| Parting::new(scalp, x, recipe));
-    let whorl = scalp.point(Vec3::new(-0.12, 0.85, -0.5));
-    let field = trace::Field {
-        recipe,
-        scalp,
-        marks,
-        parting: parting.as_ref(),
-        face: Face::new(scalp),
-        whorl: parting.as_ref().map_or(whorl, Parting::end),
-    };
+    let lines = Lines::new(recipe, scalp);
+    let field = lines.field(recipe, scalp);
     let mut strands = Strands::default();
-    let mut stiffness = Vec::new();
-    let roots = roots::guide_roots(scalp, &hairline, parting.as_ref(), recipe.guides as usize, recipe.seed);
+    let Lines { hairline, parting, .. } = &lines;
+    let roots = roots::guide_roots(scalp, hairline, parting.as_ref(), recipe.guides as usize, recipe.seed);
     let count = roots.len();
     for (i, root) in roots.into_iter().enumerate() {
         if i % 4 == 0 {
@@ -100,11 +92,40 @@ pub async fn guides_with(recipe: &Recipe, scalp: &dyn Scalp, progress: &impl Pro
             }
         }
         strands.push(&line);
-        strands.root_uvs.push(scalp_uv(root - marks.skull));
-        stiffness.push(recipe.stiffness.at(field.layer(root)));
     }
-    let (face, whorl) = ((!recipe.fringe).then_some(field.face), field.whorl);
-    StyledGuides { guides: strands, stiffness, hairline, parting, whorl, face, recipe: *recipe }
+    lines.styled(recipe, scalp, strands)
+}
+
+/// The lines on a scalp that a recipe's guides follow.
+struct Lines {
+    hairline: Hairline,
+    parting: Option<Parting>,
+    whorl: Vec3,
+}
+
+impl Lines {
+    fn new(recipe: &Recipe, scalp: &dyn Scalp) -> Self {
+        let hairline = Hairline::new(scalp, recipe.hairline_raise, recipe.hairline_irregularity, recipe.seed);
+        let parting = recipe.parting.map(|x| Parting::new(scalp, x, recipe));
+        let whorl = || scalp.point(Vec3::new(-0.12, 0.85, -0.5));
+        Self { whorl: parting.as_ref().map_or_else(whorl, Parting::end), hairline, parting }
+    }
+
+    fn field<'a>(&'a self, recipe: &'a Recipe, scalp: &'a dyn Scalp) -> trace::Field<'a> {
+        let (marks, face) = (scalp.landmarks(), Face::new(scalp));
+        trace::Field { recipe, scalp, marks, parting: self.parting.as_ref(), face, whorl: self.whorl }
+    }
+
+    /// What is known of `guides` that follow these lines.
+    fn styled(self, recipe: &Recipe, scalp: &dyn Scalp, mut guides: Strands) -> StyledGuides {
+        let field = self.field(recipe, scalp);
+        let roots: Vec<Vec3> = guides.iter().map(|guide| guide[0]).collect();
+        guides.root_uvs = roots.iter().map(|root| scalp_uv(root - field.marks.skull)).collect();
+        let stiffness = roots.iter().map(|root| recipe.stiffness.at(field.layer(*root))).collect();
+        let face = (!recipe.fringe).then_some(field.face);
+        let Self { hairline, parting, whorl } = self;
+        StyledGuides { guides, stiffness, hairline, parting, whorl, face, recipe: *recipe }
+    }
 }
 
 #[cfg(test)]

@@ -8,14 +8,11 @@ use crate::{
         curve::resample_chords,
         grow::{self, Growth},
         mannequin,
-        styles::{GUIDE_VERTICES, GridScalp, Hold, Style, StyledGuides, bound, guides_with},
+        styles::{self, GUIDE_VERTICES, GridScalp, Hold, Recipe, Style, StyledGuides, bound},
     },
     simulate::{Along, GuideTraits, Simulate, SimulationParams},
 };
 use glam::Vec3;
-
-/// Nodes along the longest side of the mannequin's distance field.
-const FIELD_RESOLUTION: u32 = 96;
 
 /// Distance that settled guides keep from the skin at least, metres.
 const CLEARANCE: f32 = 1e-3;
@@ -80,7 +77,8 @@ pub async fn character_with(
 }
 
 /// The guides of `style` that have fallen into place on the mannequin, and its scalp: what strands are then
-/// grown from and on, with [`grow::grow_with`] and [`bound`].
+/// grown from and on, with [`grow::grow_with`] and [`bound`]. Those of a style as it is by default are stored
+/// ([`styles::settled`]) and need no GPU.
 ///
 /// # Errors
 /// [`Error::Gpu`](crate::Error::Gpu) when the device is lost.
@@ -91,11 +89,32 @@ pub async fn settled(
     style: &Style,
     progress: &impl Progress,
 ) -> Result<(StyledGuides, GridScalp)> {
-    let scalp = GridScalp::of_mannequin(mannequin::sdf_with(FIELD_RESOLUTION, progress).await);
-    let mut styled = guides_with(&style.recipe(), &scalp, progress).await;
+    let scalp = GridScalp::of_mannequin(mannequin::sdf_with(mannequin::FIELD_RESOLUTION, progress).await);
+    let recipe = style.recipe();
+    let styled = match styles::settled(&recipe, &scalp) {
+        Some(cooked) => cooked,
+        None => fallen(device, queue, simulate, &recipe, &scalp, progress).await?,
+    };
+    Ok((styled, scalp))
+}
+
+/// The guides of `recipe` on `scalp`, traced and fallen into place: what [`settled`] gives for a style that is
+/// not stored.
+///
+/// # Errors
+/// [`Error::Gpu`](crate::Error::Gpu) when the device is lost.
+pub async fn fallen(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    simulate: &Simulate,
+    recipe: &Recipe,
+    scalp: &GridScalp,
+    progress: &impl Progress,
+) -> Result<StyledGuides> {
+    let mut styled = styles::guides_with(recipe, scalp, progress).await;
     progress.step("letting the hair fall", 0.0).await;
     settle(device, queue, simulate, &mut styled, &scalp.field).await?;
-    Ok((styled, scalp))
+    Ok(styled)
 }
 
 /// Lets `styled` fall into place on a head with the distance field `field`, as far as its recipe's

@@ -6,11 +6,12 @@
 //! a groom ever needs of the GPU before it is drawn: so it stands here and not in `groom`.
 //!
 //! ```text
-//! Style ─► guides (CPU) ─► settle: drape on the head (GPU), read back ─► grow (CPU) ─► Character
+//! Style ─┬─ default: stored guides ─────────────────────────────────────────┬─► grow (CPU) ─► Character
+//!        └─ else: trace (CPU) ─► settle: drape on the head (GPU), read back ┘
 //! ```
 
 mod character;
 mod fall;
 
-pub use character::{Character, character, character_with, settle, settled};
+pub use character::{Character, character, character_with, fallen, settle, settled};
 pub use fall::{DrapeOptions, drape};

@@ -12,6 +12,7 @@ use super::{Files, Given};
 use crate::{
     TriMesh,
     error::{At, Error, Result},
+    formats,
 };
 
 /// A mesh as its file has it.
