@@ -65,6 +65,7 @@ mod reference;
 use crate::{
     Pose, Result,
     collide::{self, ColliderSet},
+    constants::GUIDE_CAPACITIES,
     gpu::bindings::{group, layout},
     strands::GuideBuffers,
 };
@@ -87,7 +88,7 @@ const STRIDE: u64 = 512;
 pub struct Simulate {
     layout: wgpu::BindGroupLayout,
     colliders: wgpu::BindGroupLayout,
-    pipelines: [OnceLock<wgpu::ComputePipeline>; step::CAPACITIES.len()],
+    pipelines: [OnceLock<wgpu::ComputePipeline>; GUIDE_CAPACITIES.len()],
     pub(crate) forces: forces::ForcesKernel,
     /// Made at the first grab.
     pub(crate) grab: OnceLock<grab::GrabKernels>,
@@ -111,7 +112,7 @@ impl Simulate {
         self.pipelines[class].get_or_init(|| {
             let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some("simulate::step"),
-                source: wgpu::ShaderSource::Wgsl(step::source(step::CAPACITIES[class]).into()),
+                source: wgpu::ShaderSource::Wgsl(step::source(GUIDE_CAPACITIES[class]).into()),
             });
             device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some("simulate::step"),
