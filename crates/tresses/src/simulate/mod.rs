@@ -47,7 +47,6 @@
 
 pub mod clock;
 pub mod drag;
-pub mod drape;
 mod forces;
 pub mod grab;
 pub mod params;
@@ -72,7 +71,6 @@ use params::StepUniforms;
 use std::sync::OnceLock;
 
 pub use clock::{Clock, Ticks};
-pub use drape::{DrapeOptions, drape};
 pub use forces::{AirUniforms, Forces};
 pub use grab::{Grab, Ray, Target};
 pub use params::{Along, Mode, SimulationParams};

@@ -100,7 +100,7 @@ impl RestGuides {
     pub fn upload(&self, queue: &wgpu::Queue, buffers: &GuideBuffers) -> Result<()> {
         let counts = (buffers.count as usize, buffers.vertex_count);
         if counts != (self.info.len(), self.vertex_count) {
-            return Err(Error::Groom(format!(
+            return Err(Error::unusable(format!(
                 "buffers for {} guides with {} vertices cannot take {} guides with {}",
                 counts.0,
                 counts.1,
@@ -145,14 +145,14 @@ pub fn guides(
     let n = n as usize;
     let count = positions.len() / n;
     if count * n != positions.len() || !(traits.is_empty() || traits.len() == count) {
-        return Err(Error::Groom(format!(
+        return Err(Error::unusable(format!(
             "{} positions and {} traits do not make guides of {n} vertices",
             positions.len(),
             traits.len()
         )));
     }
     if let Some(at) = positions.iter().position(|p| !(p.is_finite() && p.abs().max_element() < 1e3)) {
-        return Err(Error::Groom(format!(
+        return Err(Error::unusable(format!(
             "vertex {} of guide {} is at {}, which is not within a kilometre of the head",
             at % n,
             at / n,

@@ -43,6 +43,8 @@ use bytemuck::{Pod, Zeroable};
 use glam::{UVec3, Vec3};
 use wgpu::util::DeviceExt;
 
+pub use crate::groom::mesh::TreeNode;
+
 #[cfg(test)]
 mod tests;
 
@@ -70,28 +72,6 @@ pub struct BuildParams {
     pub jump: u32,
     /// Unused.
     pub _pad: u32,
-}
-
-/// A node of the tree, depth first.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct TreeNode {
-    /// Smallest corner of the box, metres.
-    pub low: Vec3,
-    /// A leaf's first triangle; else the second child, the first being the next node.
-    pub first: u32,
-    /// Largest corner.
-    pub high: Vec3,
-    /// Triangles of a leaf; 0 for others.
-    pub count: u32,
-    /// Centroid of the triangles, weighted by area.
-    pub center: Vec3,
-    /// Distance from there to the farthest corner of the box.
-    pub radius: f32,
-    /// Sum of the triangles' area vectors, m².
-    pub area: Vec3,
-    /// The next node that is not below this one.
-    pub skip: u32,
 }
 
 /// Voxels of one submission: some hundred milliseconds on two cores of a software driver.
@@ -179,7 +159,7 @@ impl FieldBuilder {
         let distances = self.distances(device, queue, &plan)?;
         let distances: Vec<f32> = readback::buffer(device, queue, &distances).await?;
         if !distances.iter().any(|d| *d < 0.0) {
-            return Err(Error::Groom(sdf::NOTHING.into()));
+            return Err(Error::unusable(sdf::NOTHING));
         }
         Ok(SdfGrid { distances, ..plan.grid })
     }
