@@ -32,7 +32,7 @@
 //! between them: 30 and 60 frames per second differ by less than 2 mm in the middle of a turn. When the
 //! head jumps or the hair is reset this state is cleared, and strands that hit have changed over at once.
 //!
-//! **Measured** (`tests/avoid_grooms.rs`): vertices deeper in the head than 0.5 mm (or than 0.5 mm below
+//! **Measured** (`tests/gpu/avoid_grooms.rs`): vertices deeper in the head than 0.5 mm (or than 0.5 mm below
 //! where they rest, if they rest in it) in the worst frame of a turn and of a shake, in percent: without
 //! avoidance, with penetrating vertices moved, with the method:
 //!
@@ -47,7 +47,7 @@
 //! | Sintel, one guide in 64 | 0.11, 0.01, 0.01 | 0.28, 0.02, 0.01 |
 //!
 //! In a turn a third as fast, on a coarse groom, avoidance moves no vertex by more than 1.6 mm per frame
-//! relative to the head; without smoothing, by up to 15 mm (`tests/avoid.rs`). The stage costs about two
+//! relative to the head; without smoothing, by up to 15 mm (`tests/gpu/avoid.rs`). The stage costs about two
 //! thirds of [`crate::interpolate`] for the turning long style with 16,000 strands, half of that in the
 //! search.
 //!

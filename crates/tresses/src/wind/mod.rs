@@ -30,7 +30,7 @@
 //! - **Pressure.** Red-black block relaxation, four cells of a row at once, started from the last step's
 //!   pressure: at 32³ eight sweeps, over-relaxed by 1.7, the last but one by 1.3, the last not at all. The
 //!   first sweeps spread the smooth part of the error over the grid but leave it rough, the last ones
-//!   smooth it. This leaves 0.3 to 0.6 % of relative divergence (`tests/wind.rs`), six sweeps up to 0.9 %;
+//!   smooth it. This leaves 0.3 to 0.6 % of relative divergence (`tests/gpu/wind.rs`), six sweeps up to 0.9 %;
 //!   twelve at a constant 1.5 left up to 0.8 % although the air moved less far per step.
 //! - **Effect on hair.** `simulate::forces` adds the drag of single hairs ([`crate::simulate::drag`]) in
 //!   the air of the cells that have hair: hair receives what the air has lost. The outer hair thus shields

@@ -35,7 +35,7 @@
 //!
 //! Verified: the near field against 256 directions and four colours of Mitsuba's plugin; white furnaces of
 //! the near field, the tables and the shader; the shader against its CPU twin [`FarField::scatter`]
-//! (`tests/fiber.rs`). Pictures against path tracing: `docs/appearance/shading.md`.
+//! (`tests/gpu/fiber.rs`). Pictures against path tracing: `docs/appearance/shading.md`.
 //!
 //! Untried: a fit of `density_forward` and `density_back` to path tracing (0.7 is the paper's value); the
 //! offset across the strip where hair is wider than pixels (near field); elliptical fibres.

@@ -34,7 +34,7 @@
 //! **Cost.** Buffers and pipelines are created at the first grab; without a grab, nothing is dispatched.
 //! During a grab there are two small kernels per step, and `simulate::step` reads their forces.
 //!
-//! **Measured** (`tests/grab.rs`): held hair is within 1.5 mm of its target half a second after a drag of
+//! **Measured** (`tests/gpu/grab.rs`): held hair is within 1.5 mm of its target half a second after a drag of
 //! 3 cm; pulled out of reach, and through the head, no edge is more than 0.82 % from its rest length and no
 //! vertex in the head; released from there it moves at 0.5 m/s after a step and never faster than 2.1 m/s.
 //! At 30, 60 and 144 frames per second positions differ by 2 µm.
