@@ -1,5 +1,5 @@
-//! Links every entry-point shader of `src/**/*.wesl` into one plain WGSL file of `OUT_DIR`
-//! and writes the table `shaders.rs` that `src/shaders.rs` includes.
+//! Links every entry-point shader of `src/**/*.wesl` into one plain WGSL file of `OUT_DIR`, or into one for each
+//! value of a constant (`constants::VARIANTS`), and writes the table `shaders.rs` that `src/shaders.rs` includes.
 
 use std::{
     env, fs,
@@ -32,14 +32,21 @@ fn main() {
             .collect::<Vec<_>>()
             .join("::");
         let path = format!("package::{module}").parse().expect("a module path");
-        let wgsl = compiler
-            .compile_module("src", &path)
-            .unwrap_or_else(|error| panic!("{error}"))
-            .syntax
-            .to_string();
-        let linked = out.join(format!("{}.wgsl", module.replace("::", "_")));
-        fs::write(&linked, wgsl).expect("OUT_DIR is writable");
-        table += &format!("    ({module:?}, include_str!({linked:?})),\n");
+        let mut link = |name: String, compiler: &wesl::Compiler| {
+            let linked = compiler.compile_module("src", &path).unwrap_or_else(|error| panic!("{error}"));
+            let file = out.join(format!("{}.wgsl", name.replace("::", "_")));
+            fs::write(&file, linked.syntax.to_string()).expect("OUT_DIR is writable");
+            table += &format!("    ({name:?}, include_str!({file:?})),\n");
+        };
+        match constants::VARIANTS.iter().find(|(of, ..)| *of == module) {
+            None => link(module, &compiler),
+            Some((_, constant, values)) => {
+                for value in *values {
+                    compiler.options.constants.set(*constant, *value);
+                    link(format!("{module}::{value}"), &compiler);
+                }
+            }
+        }
     }
     fs::write(out.join("shaders.rs"), table + "];\n").expect("OUT_DIR is writable");
 }

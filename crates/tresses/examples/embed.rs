@@ -8,11 +8,12 @@ use std::borrow::Cow;
 use tresses::{
     Camera, Hair, Pipelines, Pose, View,
     collide::ColliderPoses,
+    drape,
     draw::{Embed, Surroundings},
     frame::{Frame, Recorder, Shows, Sight},
     glam::{Mat4, Vec3, camera::rh::proj::directx::perspective},
     gpu::{Gpu, readback},
-    groom::styles::{self, Style},
+    groom::styles::Style,
     light::{Directional, Lights, Sky, Sphere},
     simulate::SimulationParams,
     view::{Picture, ViewOptions},
@@ -99,7 +100,7 @@ async fn picture() -> tresses::Result<Vec<u8>> {
     let view = View::new(&device, &pipelines, &options, SIZE, 1)?;
     let embed = Embed::new(&device, (options.samples, options.coverage), COLOR)?;
     let style = Style::Long(Default::default());
-    let made = styles::character(&device, &queue, &pipelines.simulate, &style, Some(8000)).await?;
+    let made = drape::character(&device, &queue, &pipelines.simulate, &style, Some(8000)).await?;
     let mut hair =
         Hair::new(&device, &queue, &pipelines, &made.groom, &Default::default(), Some(&made.field))?;
     let camera = Camera { view: world_to_eye, projection: Camera::perspective(0.5, 1.0, 0.01), size: SIZE };

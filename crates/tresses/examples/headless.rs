@@ -6,10 +6,11 @@ use tresses::{
     Camera, Hair, Pipelines, Pose, View,
     body::Body,
     collide::ColliderPoses,
+    drape,
     frame::{Frame, Recorder, Sight},
     glam::{Quat, Vec3},
     gpu::Gpu,
-    groom::styles::{self, Style},
+    groom::styles::Style,
     light::Sphere,
     simulate::SimulationParams,
     view::{Picture, ViewOptions},
@@ -26,7 +27,7 @@ async fn picture(path: &str) -> Result<(), Box<dyn std::error::Error>> {
     let pipelines = Pipelines::new(&device);
     // Once per groom.
     let style = Style::Long(Default::default());
-    let made = styles::character(&device, &queue, &pipelines.simulate, &style, Some(8000)).await?;
+    let made = drape::character(&device, &queue, &pipelines.simulate, &style, Some(8000)).await?;
     let mut hair =
         Hair::new(&device, &queue, &pipelines, &made.groom, &Default::default(), Some(&made.field))?;
     let mut body = Body::new(&device, &made.mesh);

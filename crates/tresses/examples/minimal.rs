@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use tresses::wgpu::{self, CurrentSurfaceTexture as Shown};
 use tresses::{Camera, Hair, Pipelines, Pose, Result, View, body::Body, collide::ColliderPoses, frame::*};
-use tresses::{glam::*, gpu::Gpu, groom::styles, light::Sphere, simulate::SimulationParams, view::*};
+use tresses::{drape, glam::*, gpu::Gpu, groom::styles, light::Sphere, simulate::SimulationParams, view::*};
 use winit::{application::ApplicationHandler, event::WindowEvent, event_loop::*, window::*};
 
 struct Show {
@@ -28,7 +28,7 @@ impl Show {
         let (size, output) = fit(&surface, &gpu, &window);
         let view = View::new(device, &pipelines, &ViewOptions { output, ..Default::default() }, size, 1)?;
         let style = styles::Style::Long(Default::default());
-        let made = styles::character(device, queue, &pipelines.simulate, &style, Some(4000)).await?;
+        let made = drape::character(device, queue, &pipelines.simulate, &style, Some(4000)).await?;
         let hair = Hair::new(device, queue, &pipelines, &made.groom, &Default::default(), Some(&made.field))?;
         let body = Body::new(device, &made.mesh);
         window.request_redraw();

@@ -18,6 +18,12 @@ pub const SHARED: &[(&str, u32)] = &[
     ("DEEP_LAYERS", DEEP_LAYERS),
     ("AMBIENT_STRANDS", AMBIENT_STRANDS),
 ];
+
+/// Shaders that are linked once for each value of a constant: module, constant, values. Each has the value as
+/// a last part of its path.
+#[allow(dead_code)]
+pub const VARIANTS: &[(&str, &str, &[u32])] = &[("simulate::step", "GUIDE_CAPACITY", &GUIDE_CAPACITIES)];
+
 /// Threads of one workgroup of the passes that run once per guide.
 pub const GUIDE_WORKGROUP: u32 = 32;
 /// Threads of one workgroup of the passes that run once per strand vertex.
@@ -28,6 +34,9 @@ pub const MAX_TAPS: u32 = 96;
 pub const MAX_FOOTPRINT: u32 = 32;
 /// Threads of one workgroup of the passes that run once per cell or guide vertex.
 pub const VOLUME_WORKGROUP: u32 = 64;
+/// The vertex counts that the step of the guides is linked for: WGSL sizes private arrays by constants, and
+/// short guides shall not pay for the private memory of long ones.
+pub const GUIDE_CAPACITIES: [u32; 6] = [8, 16, 24, 32, 48, MAX_GUIDE_VERTICES];
 /// The most vertices a guide may have.
 pub const MAX_GUIDE_VERTICES: u32 = 64;
 /// The most vertices a drawn strand may have.

@@ -7,9 +7,10 @@
 //!     Camera, Hair, Pipelines, Pose,
 //!     body::Body,
 //!     collide::ColliderPoses,
+//!     drape,
 //!     frame::{Frame, Recorder, Sight},
 //!     gpu::Gpu,
-//!     groom::styles::{self, Style},
+//!     groom::styles::Style,
 //!     simulate::SimulationParams,
 //!     view::{Picture, View, ViewOptions},
 //! };
@@ -21,7 +22,7 @@
 //!
 //! // Once per groom: here a built-in one, else `groom::import` and `groom::bind`.
 //! let style = Style::Long(Default::default());
-//! let made = styles::character(&device, &queue, &pipelines.simulate, &style, None).await?;
+//! let made = drape::character(&device, &queue, &pipelines.simulate, &style, None).await?;
 //! let mut hair = Hair::new(&device, &queue, &pipelines, &made.groom, &Default::default(), Some(&made.field))?;
 //! let body = Body::new(&device, &made.mesh);
 //! // Once per picture that is to be seen at a time.
@@ -48,7 +49,7 @@
 //! picture; `embed` puts hair into a scene with its own targets, camera and lights ([`draw::embed`]);
 //! `portrait` reads a groom and a head from files.
 
-pub mod groom;
+pub use tresses_groom as groom;
 
 pub mod strands;
 
@@ -76,6 +77,8 @@ pub mod present;
 
 pub mod collide;
 
+pub mod drape;
+
 pub mod camera;
 pub mod frame;
 pub mod hair;
@@ -87,15 +90,14 @@ pub mod constants;
 pub mod error;
 pub mod gpu;
 pub mod math;
-pub mod progress;
 pub mod shaders;
 
 pub use camera::Camera;
 pub use error::{Error, Result};
 pub use glam;
+pub use groom::{Progress, progress};
 pub use hair::{Hair, HairOptions};
 pub use math::pose::Pose;
 pub use pipelines::{Pipelines, Wanted};
-pub use progress::Progress;
 pub use view::View;
 pub use wgpu;

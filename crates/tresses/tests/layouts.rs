@@ -15,21 +15,46 @@ use tresses::{
 /// Byte layout of a struct: (name, offset) of each member, and the whole size.
 type Layout = (Vec<(String, u32)>, u32);
 
-/// The layout of the WGSL struct `name`, from whichever linked shader has it.
-fn wgsl_layout(name: &str) -> Layout {
-    for (path, source) in tresses::shaders::all() {
-        let module = naga::front::wgsl::parse_str(source)
-            .unwrap_or_else(|error| panic!("{path}: {}", error.emit_to_string(source)));
-        for (_, ty) in module.types.iter() {
-            if let (Some(found), naga::TypeInner::Struct { members, span }) = (&ty.name, &ty.inner)
-                && (found == name || found.ends_with(&format!("_{name}")))
-            {
-                let member = |m: &naga::StructMember| (m.name.clone().unwrap_or_default(), m.offset);
-                return (members.iter().map(member).collect(), *span);
-            }
+/// The layout of the struct `path` (module and name, as a shader imports it), which every linked shader that
+/// has it agrees on.
+fn wgsl_layout(path: &str) -> Layout {
+    let (module, name) = path.rsplit_once("::").expect("a module and a name");
+    // As the linker writes what is imported; what a shader declares itself keeps its name.
+    let escaped = |part: &str| match part.matches('_').count() {
+        0 => part.to_owned(),
+        count => format!("_{count}{part}"),
+    };
+    let parts: Vec<_> = path.split("::").map(escaped).collect();
+    let imported = format!("package_{}", parts.join("_"));
+    let mut layout: Option<Layout> = None;
+    for (shader, parsed) in parsed() {
+        let wanted = if *shader == module { name } else { &*imported };
+        for (_, ty) in parsed.types.iter().filter(|(_, ty)| ty.name.as_deref() == Some(wanted)) {
+            let naga::TypeInner::Struct { members, span } = &ty.inner else { continue };
+            let member = |m: &naga::StructMember| (m.name.clone().unwrap_or_default(), m.offset);
+            let found = (members.iter().map(member).collect(), *span);
+            assert_eq!(layout.get_or_insert_with(|| found.clone()), &found, "{path} in {shader}");
         }
     }
-    panic!("no linked shader has a struct {name}")
+    layout.unwrap_or_else(|| panic!("no linked shader has a struct {path}"))
+}
+
+/// Every linked shader, parsed once.
+fn parsed() -> &'static [(&'static str, naga::Module)] {
+    static PARSED: std::sync::OnceLock<Vec<(&str, naga::Module)>> = std::sync::OnceLock::new();
+    let parse = |(path, source): &(&'static str, &'static str)| {
+        let module = naga::front::wgsl::parse_str(source)
+            .unwrap_or_else(|error| panic!("{path}: {}", error.emit_to_string(source)));
+        (*path, module)
+    };
+    PARSED.get_or_init(|| tresses::shaders::all().iter().map(parse).collect())
+}
+
+#[test]
+fn a_struct_is_found_by_its_whole_path() {
+    for wrong in ["draw::View", "view::ViewUniform", "draw::body::ViewUniform"] {
+        assert!(std::panic::catch_unwind(|| wgsl_layout(wrong)).is_err(), "{wrong}");
+    }
 }
 
 macro_rules! rust_layout {
@@ -48,11 +73,14 @@ macro_rules! rust_layout {
 fn simulate() {
     use tresses::simulate::params::StepUniforms;
     use tresses::strands::{Guide, GuideRest, GuideShape};
-    assert_eq!(wgsl_layout("Guide"), rust_layout!(Guide { length, stiffness, strands, flags }));
-    assert_eq!(wgsl_layout("GuideRest"), rust_layout!(GuideRest { position, contact }));
-    assert_eq!(wgsl_layout("GuideShape"), rust_layout!(GuideShape { curvature, length }));
     assert_eq!(
-        wgsl_layout("StepUniforms"),
+        wgsl_layout("strands::guide::Guide"),
+        rust_layout!(Guide { length, stiffness, strands, flags })
+    );
+    assert_eq!(wgsl_layout("strands::guide::GuideRest"), rust_layout!(GuideRest { position, contact }));
+    assert_eq!(wgsl_layout("strands::guide::GuideShape"), rust_layout!(GuideShape { curvature, length }));
+    assert_eq!(
+        wgsl_layout("simulate::params::StepUniforms"),
         rust_layout!(StepUniforms {
             head_begin,
             head_end,
@@ -88,7 +116,7 @@ fn simulate() {
 fn grab() {
     use tresses::simulate::grab::{GrabState, GrabUniform};
     assert_eq!(
-        wgsl_layout("GrabUniform"),
+        wgsl_layout("simulate::grab::params::GrabUniform"),
         rust_layout!(GrabUniform {
             origin,
             radius,
@@ -109,7 +137,7 @@ fn grab() {
         })
     );
     let state = rust_layout!(GrabState { hit, held, at, _pad_a, velocity, _pad_b });
-    assert_eq!(wgsl_layout("GrabState"), state);
+    assert_eq!(wgsl_layout("simulate::grab::params::GrabState"), state);
 }
 
 #[test]
@@ -118,9 +146,12 @@ fn volume() {
         strands::GuideForce,
         volume::params::{Blur, VolumeUniforms},
     };
-    assert_eq!(wgsl_layout("GuideForce"), rust_layout!(GuideForce { xy, z_rate, tangent, along }));
     assert_eq!(
-        wgsl_layout("VolumeUniforms"),
+        wgsl_layout("strands::force::GuideForce"),
+        rust_layout!(GuideForce { xy, z_rate, tangent, along })
+    );
+    assert_eq!(
+        wgsl_layout("volume::params::VolumeUniforms"),
         rust_layout!(VolumeUniforms {
             head,
             head_at,
@@ -152,7 +183,7 @@ fn volume() {
         })
     );
     let blur = rust_layout!(Blur { radius, taps, _pad_a, _pad_b, weights });
-    assert_eq!(wgsl_layout("Blur"), blur);
+    assert_eq!(wgsl_layout("volume::params::Blur"), blur);
 }
 
 #[test]
@@ -173,18 +204,24 @@ fn collide() {
         high,
         _pad_c,
     });
-    assert_eq!(wgsl_layout("ShapeData"), rust);
+    assert_eq!(wgsl_layout("collide::shape::ShapeData"), rust);
     assert_eq!(
-        wgsl_layout("BuildParams"),
+        wgsl_layout("collide::build::tree::BuildParams"),
         rust_layout!(BuildParams { origin, cell, size, begin, tile, end, sign, node_count, jump, _pad })
     );
     let rust = rust_layout!(TreeNode { low, first, high, count, center, radius, area, skip });
-    assert_eq!(wgsl_layout("TreeNode"), rust);
-    assert_eq!(wgsl_layout("ShapeTable"), rust_layout!(ShapeTable { count, has_head, _pad_a, _pad_b, list }));
-    assert_eq!(wgsl_layout("Place"), rust_layout!(Place { rotation, translation, bound, center, _pad }));
+    assert_eq!(wgsl_layout("collide::build::tree::TreeNode"), rust);
+    assert_eq!(
+        wgsl_layout("collide::shape::ShapeTable"),
+        rust_layout!(ShapeTable { count, has_head, _pad_a, _pad_b, list })
+    );
+    assert_eq!(
+        wgsl_layout("collide::shape::Place"),
+        rust_layout!(Place { rotation, translation, bound, center, _pad })
+    );
     // The shader's struct ends with the places themselves.
     let (members, size) = rust_layout!(Places { interval, moments, _pad_a, _pad_b });
-    let found = wgsl_layout("Places").0;
+    let found = wgsl_layout("collide::shape::Places").0;
     assert_eq!(found[..members.len()], members);
     assert_eq!(found[members.len()..], [("list".to_string(), size)]);
 }
@@ -192,9 +229,12 @@ fn collide() {
 #[test]
 fn tessellate() {
     use tresses::{strands::GuideSample, tessellate::TessellateParams};
-    assert_eq!(wgsl_layout("GuideSample"), rust_layout!(GuideSample { position, _pad, rotation }));
     assert_eq!(
-        wgsl_layout("TessellateParams"),
+        wgsl_layout("strands::guide::GuideSample"),
+        rust_layout!(GuideSample { position, _pad, rotation })
+    );
+    assert_eq!(
+        wgsl_layout("tessellate::spline::TessellateParams"),
         rust_layout!(TessellateParams {
             previous_rotation,
             current_rotation,
@@ -218,14 +258,20 @@ fn interpolate() {
         strands::{PackedRest, Strand, StrandBinding, StrandVertex},
     };
     assert_eq!(
-        wgsl_layout("StrandBinding"),
+        wgsl_layout("strands::binding::StrandBinding"),
         rust_layout!(StrandBinding { origin, extent, guides, weight_b, scale, weight_c })
     );
-    assert_eq!(wgsl_layout("PackedRest"), rust_layout!(PackedRest { xy, z_radius_sunk }));
-    assert_eq!(wgsl_layout("StrandVertex"), rust_layout!(StrandVertex { position, tangent }));
-    assert_eq!(wgsl_layout("Strand"), rust_layout!(Strand { radius, seed, root_color, tip_color }));
+    assert_eq!(wgsl_layout("strands::binding::PackedRest"), rust_layout!(PackedRest { xy, z_radius_sunk }));
     assert_eq!(
-        wgsl_layout("InterpolateParams"),
+        wgsl_layout("strands::vertex::StrandVertex"),
+        rust_layout!(StrandVertex { position, tangent })
+    );
+    assert_eq!(
+        wgsl_layout("strands::strand::Strand"),
+        rust_layout!(Strand { radius, seed, root_color, tip_color })
+    );
+    assert_eq!(
+        wgsl_layout("interpolate::blend::InterpolateParams"),
         rust_layout!(InterpolateParams {
             strand_count,
             vertex_count,
@@ -242,9 +288,12 @@ fn interpolate() {
 #[test]
 fn avoid() {
     use tresses::avoid::{AvoidParams, StrandState};
-    assert_eq!(wgsl_layout("StrandState"), rust_layout!(StrandState { hit, amount, at, hit_before }));
     assert_eq!(
-        wgsl_layout("AvoidParams"),
+        wgsl_layout("avoid::state::StrandState"),
+        rust_layout!(StrandState { hit, amount, at, hit_before })
+    );
+    assert_eq!(
+        wgsl_layout("avoid::obstacles::AvoidParams"),
         rust_layout!(AvoidParams {
             clearance,
             tolerance,
@@ -269,9 +318,12 @@ fn avoid() {
 #[test]
 fn lod() {
     use tresses::lod::{StrandLod, WidthParams};
-    assert_eq!(wgsl_layout("StrandLod"), rust_layout!(StrandLod { radius, span, density, thickness }));
     assert_eq!(
-        wgsl_layout("WidthParams"),
+        wgsl_layout("lod::widths::StrandLod"),
+        rust_layout!(StrandLod { radius, span, density, thickness })
+    );
+    assert_eq!(
+        wgsl_layout("lod::widths::WidthParams"),
         rust_layout!(WidthParams { weights, fraction, width, count, _pad })
     );
 }
@@ -282,7 +334,7 @@ fn a_swapped_member_is_seen() {
         contact: f32,
         position: [f32; 3],
     }
-    assert_ne!(wgsl_layout("GuideRest"), rust_layout!(GuideRest { contact, position }));
+    assert_ne!(wgsl_layout("strands::guide::GuideRest"), rust_layout!(GuideRest { contact, position }));
 }
 
 #[test]
@@ -300,13 +352,13 @@ fn view() {
         _pad,
         way
     });
-    assert_eq!(wgsl_layout("CameraUniform"), rust);
+    assert_eq!(wgsl_layout("camera::CameraUniform"), rust);
 }
 
 #[test]
 fn lights() {
     let light = rust_layout!(LightUniform { direction, _pad_a, irradiance, _pad_b });
-    assert_eq!(wgsl_layout("LightUniform"), light);
+    assert_eq!(wgsl_layout("light::lights::LightUniform"), light);
     let rust = rust_layout!(LightsUniform {
         shadow,
         directional,
@@ -334,7 +386,7 @@ fn lights() {
         passes,
         forward,
     });
-    assert_eq!(wgsl_layout("LightsUniform"), rust);
+    assert_eq!(wgsl_layout("light::lights::LightsUniform"), rust);
 }
 
 #[test]
@@ -385,19 +437,19 @@ fn hair() {
         _pad_c,
         _pad_d,
     });
-    assert_eq!(wgsl_layout("HairUniform"), rust);
+    assert_eq!(wgsl_layout("light::material::HairUniform"), rust);
 }
 
 #[test]
 fn body() {
     let rust = rust_layout!(BodyUniform { pose, color, gloss, wrap, gloss_exponent, outward, _pad });
-    assert_eq!(wgsl_layout("BodyUniform"), rust);
+    assert_eq!(wgsl_layout("draw::body::BodyUniform"), rust);
 }
 
 #[test]
 fn background() {
     let rust = rust_layout!(Background { center, transparent, edge, falloff });
-    assert_eq!(wgsl_layout("Background"), rust);
+    assert_eq!(wgsl_layout("draw::background::Background"), rust);
 }
 
 #[test]
@@ -412,14 +464,20 @@ fn present() {
         samples,
         encode,
     });
-    assert_eq!(wgsl_layout("PresentUniform"), rust);
-    assert_eq!(wgsl_layout("Footprint"), rust_layout!(Footprint { samples, count, _pad_a, _pad_b, _pad_c }));
+    assert_eq!(wgsl_layout("present::tonemap::PresentUniform"), rust);
+    assert_eq!(
+        wgsl_layout("present::resolve::Footprint"),
+        rust_layout!(Footprint { samples, count, _pad_a, _pad_b, _pad_c })
+    );
 }
 
 #[test]
 fn embed() {
     use tresses::draw::embed::EmbedUniform;
-    assert_eq!(wgsl_layout("EmbedUniform"), rust_layout!(EmbedUniform { depth, samples, ssaa, _pad }));
+    assert_eq!(
+        wgsl_layout("draw::embed::scene::EmbedUniform"),
+        rust_layout!(EmbedUniform { depth, samples, ssaa, _pad })
+    );
 }
 
 #[test]
@@ -429,25 +487,31 @@ fn debug_views() {
         StrandsUniform, StreamsUniform,
     };
     let paint = rust_layout!(PaintUniform { inverse, low, high, opacity, encode });
-    assert_eq!(wgsl_layout("PaintUniform"), paint);
+    assert_eq!(wgsl_layout("draw::debug::paint::PaintUniform"), paint);
     let grid = rust_layout!(GridUniform { rotation, translation, quantity, scale, turns, bias, _pad });
-    assert_eq!(wgsl_layout("GridUniform"), grid);
+    assert_eq!(wgsl_layout("draw::debug::grid::GridUniform"), grid);
     assert_eq!(
-        wgsl_layout("SliceUniform"),
+        wgsl_layout("draw::debug::slices::SliceUniform"),
         rust_layout!(SliceUniform { at, panels, panel, contours, _pad_a, _pad_b, _pad_c })
     );
     assert_eq!(
-        wgsl_layout("LinePoint"),
+        wgsl_layout("draw::debug::line::LinePoint"),
         rust_layout!(LinePoint { position, value, width, alpha, tint, _pad })
     );
-    assert_eq!(wgsl_layout("LinesUniform"), rust_layout!(LinesUniform { points, rim, _pad }));
+    assert_eq!(
+        wgsl_layout("draw::debug::lines::LinesUniform"),
+        rust_layout!(LinesUniform { points, rim, _pad })
+    );
     let arrows = rust_layout!(ArrowsUniform { first, seconds, step, longest, count, least });
-    assert_eq!(wgsl_layout("ArrowsUniform"), arrows);
-    assert_eq!(wgsl_layout("StreamsUniform"), rust_layout!(StreamsUniform { seeds, points, step, least }));
+    assert_eq!(wgsl_layout("draw::debug::arrows::ArrowsUniform"), arrows);
+    assert_eq!(
+        wgsl_layout("draw::debug::streams::StreamsUniform"),
+        rust_layout!(StreamsUniform { seeds, points, step, least })
+    );
     let guides = rust_layout!(GuidesUniform { count, vertex_count, sample_count, quantity });
-    assert_eq!(wgsl_layout("GuidesUniform"), guides);
+    assert_eq!(wgsl_layout("draw::debug::guides::GuidesUniform"), guides);
     let strands = rust_layout!(StrandsUniform { eye, quantity, high, _pad_a, _pad_b, _pad_c });
-    assert_eq!(wgsl_layout("StrandsUniform"), strands);
+    assert_eq!(wgsl_layout("draw::debug::strands::StrandsUniform"), strands);
 }
 
 #[test]
@@ -462,7 +526,7 @@ fn a_wrong_order_is_seen() {
         edge: [f32; 3],
     }
     let rust = rust_layout!(Wrong { center, transparent, falloff, edge });
-    assert_eq!(wgsl_layout("Background"), rust);
+    assert_eq!(wgsl_layout("draw::background::Background"), rust);
 }
 
 #[test]
@@ -474,10 +538,13 @@ fn wind() {
             params::{Half, WindUniforms},
         },
     };
-    assert_eq!(wgsl_layout("GustMode"), rust_layout!(GustMode { wave, phase, amplitude, _pad }));
-    assert_eq!(wgsl_layout("Half"), rust_layout!(Half { color, keep_own, keep_other, relaxation }));
+    assert_eq!(wgsl_layout("wind::grid::GustMode"), rust_layout!(GustMode { wave, phase, amplitude, _pad }));
     assert_eq!(
-        wgsl_layout("WindUniforms"),
+        wgsl_layout("wind::grid::Half"),
+        rust_layout!(Half { color, keep_own, keep_other, relaxation })
+    );
+    assert_eq!(
+        wgsl_layout("wind::grid::WindUniforms"),
         rust_layout!(WindUniforms {
             mean,
             cells,
@@ -502,7 +569,7 @@ fn wind() {
         })
     );
     assert_eq!(
-        wgsl_layout("AirUniforms"),
+        wgsl_layout("simulate::forces::AirUniforms"),
         rust_layout!(AirUniforms { corner, scale, drag, reynolds, weight, blows })
     );
 }

@@ -1,11 +1,12 @@
 //! A groom of the reference on the GPU, and its pictures.
 
+use super::Look;
 use super::{
     metrics::Linear,
     scenes::{Folders, Groom as Description, Radius, Scenes, View as Wanted},
 };
-use crate::{picture::Picture, shading_args::ShadingArgs};
-use anyhow::{Context, Result, ensure};
+use crate::{flags::RowFlags, picture::Picture, settings_args::apply_rows};
+use anyhow::{Context, Error, Result, ensure};
 use half::f16;
 use tresses::{
     Camera, Hair, HairOptions, Pipelines, Pose, View,
@@ -21,14 +22,12 @@ use tresses::{
         import::{self, ImportOptions},
         orient::{Axis, Choice, Unit},
     },
-    light::{
-        Directional, HairMaterial, Lights, MAX_LIGHTS, ShadowMethod, Shadows, Sky, Sphere, material::linear,
-    },
+    light::{Directional, Lights, MAX_LIGHTS, ShadowMethod, Shadows, Sky, Sphere, material::linear},
     present::Background,
     simulate::SimulationParams,
     view::{Picture as Shot, ViewOptions},
 };
-use tresses_scene::camera;
+use tresses_scene::{Settings, camera, knobs};
 
 /// What the pictures are read from.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -106,12 +105,9 @@ impl Stage {
         &mut self,
         view: &Wanted<'_>,
         scenes: &Scenes,
-        shading: &ShadingArgs,
-        shadows: Shadows,
+        look: &RowFlags<Look>,
     ) -> Result<(Picture, Linear)> {
-        let mut scene = Shot { shadows, ..self.scene(view, scenes)? };
-        shading.vary(&mut self.hair.set.material, &mut scene.shading);
-        scene.shadows.ambient = shading.follows(scene.shadows.ambient);
+        let mut scene = self.scene(view, scenes, look)?;
         let shown = self.pixels(&scene)?;
         scene.background = Background::flat(Vec3::ZERO);
         scene.tone = ToneMap { exposure: DIM, shoulder: 0.99, desaturation: 0.0 };
@@ -127,16 +123,14 @@ impl Stage {
         &mut self,
         view: &Wanted<'_>,
         scenes: &Scenes,
-        shading: &ShadingArgs,
-        shadows: Shadows,
+        look: &RowFlags<Look>,
     ) -> Result<[Linear; 2]> {
-        let mut scene = self.scene(view, scenes)?;
-        shading.vary(&mut self.hair.set.material, &mut scene.shading);
+        let mut scene = self.scene(view, scenes, look)?;
         scene.background = Background::flat(Vec3::ZERO);
         scene.tone = ToneMap { exposure: DIM, shoulder: 0.99, desaturation: 0.0 };
         let width = self.view.targets().size[0];
         // Light that a body has thrown is scattered twice.
-        let shadows = Shadows { ambient: false, ..shadows };
+        let shadows = Shadows { ambient: false, ..scene.shadows };
         let off = Shadows { method: ShadowMethod::Off, ..shadows };
         let mut views = DebugViews::new(&self.gpu.device, FORMAT)?;
         let mut once = |shadows: Shadows| -> Result<Linear> {
@@ -154,7 +148,9 @@ impl Stage {
     }
 
     /// What `view` shows; its material is the hair's from here on.
-    fn scene(&mut self, view: &Wanted<'_>, scenes: &Scenes) -> Result<Shot> {
+    fn scene(&mut self, view: &Wanted<'_>, scenes: &Scenes, look: &RowFlags<Look>) -> Result<Shot> {
+        let mut settings = material(view.material)?;
+        apply_rows(look, &mut settings)?;
         let camera = &view.groom.camera;
         let place = |p: [f32; 3]| Vec3::from(p) * self.unit;
         let (eye, target) = (place(camera.origin), place(camera.target));
@@ -171,7 +167,7 @@ impl Stage {
             *place = light(name)?;
         }
         let sky = if view.environment { scenes.environment_radiance_rgb.into() } else { Vec3::ZERO };
-        self.hair.set.material = HairMaterial { file_colors: false, ..material(view.material)? };
+        self.hair.set.material = settings.material();
         Ok(Shot {
             camera: Camera::look_at(eye, target, camera.vertical_fov_degrees.to_radians(), camera.resolution),
             lights: Lights {
@@ -180,6 +176,8 @@ impl Stage {
                 ..Default::default()
             },
             focus: self.focus,
+            shading: settings.shading(),
+            shadows: settings.shadows,
             background: Background::flat(Vec3::splat(scenes.background_linear)),
             ..Default::default()
         })
@@ -229,9 +227,12 @@ fn radiance(width: u32, dim: &[[f32; 3]]) -> Linear {
 }
 
 /// Ours that comes closest to a material of the reference.
-fn material(name: &str) -> Result<HairMaterial> {
+fn material(name: &str) -> Result<Settings> {
     let name = if name == "brunette" { "brown" } else { name };
-    HairMaterial::named(name).with_context(|| format!("there is no material {name}"))
+    let mut settings = Settings::default();
+    let color = knobs::named("shading.color").map_err(Error::msg)?;
+    color.set(&mut settings, color.parse(name)?).with_context(|| format!("there is no material {name}"))?;
+    Ok(settings)
 }
 
 /// The strands as the reference draws them: uniform cubic B-splines from the first to the last

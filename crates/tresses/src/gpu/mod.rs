@@ -15,15 +15,17 @@ pub use device::{Gpu, Tier};
 pub use kernel::Kernel;
 pub use timings::Timings;
 
-/// The adapter of a test, or `None` where the machine has none and need not have one.
+/// The adapter of all unit tests, opened once, or `None` where the machine has none and need not have one.
 #[cfg(test)]
-pub(crate) fn for_tests() -> Option<Gpu> {
-    match pollster::block_on(Gpu::open()) {
+pub(crate) fn for_tests() -> Option<&'static Gpu> {
+    static GPU: std::sync::OnceLock<Option<Gpu>> = std::sync::OnceLock::new();
+    GPU.get_or_init(|| match pollster::block_on(Gpu::open()) {
         Ok(gpu) => Some(gpu),
         Err(error) => {
             assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none_or(|v| v != "1"), "{error}");
             println!("skipped: {error}");
             None
         }
-    }
+    })
+    .as_ref()
 }

@@ -262,14 +262,14 @@ fn compare(gpu: &Gpu, n: usize, frames: usize, disturb: f32, shifted: Option<usi
 fn kernel_and_twin_agree() {
     let Some(gpu) = gpu() else { return };
     for (n, tolerance) in [(5, 2e-6), (12, 5e-5), (16, 5e-5), (24, 1e-4), (32, 3e-4), (64, 4e-3)] {
-        let (worst, _) = compare(&gpu, n, 4, 0.0, None);
+        let (worst, _) = compare(gpu, n, 4, 0.0, None);
         println!("{n} vertices: kernel and twin differ by {worst} m after 4 steps");
         assert!(worst < tolerance, "{n}: {worst}");
     }
-    let (worst, _) = compare(&gpu, 16, 4, 0.1, None);
+    let (worst, _) = compare(gpu, 16, 4, 0.1, None);
     assert!(worst > 1e-4, "the comparison sees a slight side wind: {worst}");
     for i in 0..5 {
-        let (worst, _) = compare(&gpu, 16, 4, 0.0, Some(i));
+        let (worst, _) = compare(gpu, 16, 4, 0.0, Some(i));
         println!("collider {i} aside by 1.7 mm: {worst} m");
         assert!(worst > 1e-4, "the comparison sees collider {i} elsewhere: {worst}");
     }
@@ -278,7 +278,7 @@ fn kernel_and_twin_agree() {
 #[test]
 fn same_bits_twice() {
     let Some(gpu) = gpu() else { return };
-    assert_eq!(compare(&gpu, 16, 20, 0.0, None).1, compare(&gpu, 16, 20, 0.0, None).1);
+    assert_eq!(compare(gpu, 16, 20, 0.0, None).1, compare(gpu, 16, 20, 0.0, None).1);
 }
 
 #[test]
@@ -290,8 +290,8 @@ fn draped_hair_lies_on_the_sphere() {
     let grid = sphere();
     let simulate = Simulate::new(&gpu.device);
     let start = std::time::Instant::now();
-    let options = super::DrapeOptions { clearance: 0.002, ..Default::default() };
-    let settled = pollster::block_on(super::drape(
+    let options = crate::drape::DrapeOptions { clearance: 0.002, ..Default::default() };
+    let settled = pollster::block_on(crate::drape::drape(
         &gpu.device,
         &gpu.queue,
         &simulate,
@@ -355,12 +355,12 @@ fn worst_strain(gpu: &Gpu, n: usize, frames: usize, motion: impl Fn(f32) -> Pose
 #[test]
 fn lengths_are_kept_in_a_shake_and_a_turn() {
     let Some(gpu) = gpu() else { return };
-    let shake = worst_strain(&gpu, 32, 90, |t| Pose {
+    let shake = worst_strain(gpu, 32, 90, |t| Pose {
         translation: Vec3::X * 0.1 * (std::f32::consts::TAU * 2.0 * t).sin(),
         ..Pose::IDENTITY
     });
     // 90 degrees in half a second and back.
-    let turn = worst_strain(&gpu, 32, 90, |t| Pose {
+    let turn = worst_strain(gpu, 32, 90, |t| Pose {
         rotation: Quat::from_rotation_y(0.785 * (1.0 - (std::f32::consts::TAU * t).cos())),
         ..Pose::IDENTITY
     });
@@ -376,16 +376,16 @@ fn hair_returns_to_its_shape() {
     let grid = sphere();
     let rest =
         rest::guides(&positions, n as u32, &traits, &params, &RestOptions::default(), Some(&grid)).unwrap();
-    let mut scene = Scene::new(&gpu, &rest, Some(&grid));
+    let mut scene = Scene::new(gpu, &rest, Some(&grid));
     // Three seconds of shaking the head, then two of rest.
     let motion = |t: f32| Pose {
         rotation: Quat::from_rotation_y(0.6 * (std::f32::consts::TAU * t.min(3.0)).sin()),
         ..Pose::IDENTITY
     };
     let start = Step { begin: motion(0.0), end: motion(0.0), ..carry_to_start() };
-    scene.run(&gpu, &params, &[start], &ColliderPoses::default(), None, false);
+    scene.run(gpu, &params, &[start], &ColliderPoses::default(), None, false);
     let mean = |scene: &Scene| {
-        let found = scene.positions(&gpu);
+        let found = scene.positions(gpu);
         let count = rest.info.len();
         // Guide 1 has no stiffness, so no shape. This groom stands out from the head by up to 29 cm:
         // `rest::support` makes the long ones stiff enough to return, all but one.
@@ -402,7 +402,7 @@ fn hair_returns_to_its_shape() {
     for frame in 0..300 {
         let t = frame as f32 * params.step;
         let step = Step { begin: motion(t), end: motion(t + params.step), ..at(0.0, 0.0) };
-        scene.run(&gpu, &params, &[step], &ColliderPoses::default(), None, false);
+        scene.run(gpu, &params, &[step], &ColliderPoses::default(), None, false);
         if frame % 10 == 0 && frame < 180 {
             shaken = shaken.max(mean(&scene));
         }
@@ -426,10 +426,10 @@ fn absurd_parameters_give_finite_positions() {
     let (positions, traits) = groom(24, 16);
     let grid = sphere();
     let rest = rest::guides(&positions, 16, &traits, &params, &RestOptions::default(), Some(&grid)).unwrap();
-    let mut scene = Scene::new(&gpu, &rest, Some(&grid));
+    let mut scene = Scene::new(gpu, &rest, Some(&grid));
     for i in 0..40 {
         let step = at(i as f32 * 1.7, 0.9);
-        scene.run(&gpu, &params, &[step], &ColliderPoses::default(), None, false);
+        scene.run(gpu, &params, &[step], &ColliderPoses::default(), None, false);
     }
-    assert!(scene.positions(&gpu).iter().flatten().all(|x| x.is_finite()));
+    assert!(scene.positions(gpu).iter().flatten().all(|x| x.is_finite()));
 }

@@ -1,4 +1,4 @@
-//! The GPU's builder against the CPU's and against closed forms.
+//! The GPU builder against the CPU builder and against closed forms.
 
 use super::*;
 use crate::{
@@ -51,7 +51,7 @@ fn both(gpu: &Gpu, name: &str, mesh: &TriMesh, resolution: u32) -> (SdfGrid, Sdf
 fn a_sphere_is_a_sphere() {
     let Some(gpu) = gpu() else { return };
     for mesh in [shapes::sphere(0.1, 48), shapes::inverted(shapes::sphere(0.1, 48))] {
-        let (ours, _, d) = both(&gpu, "sphere", &mesh, 32);
+        let (ours, _, d) = both(gpu, "sphere", &mesh, 32);
         assert!(d.most < 0.01 && d.signs == 0.0, "{d:?}");
         let exact = |i: usize| ours.node(i as u32).length() - 0.1;
         let off = |by: f32| {
@@ -78,7 +78,7 @@ fn bowl() -> TriMesh {
 #[test]
 fn an_open_mesh_has_a_lid() {
     let Some(gpu) = gpu() else { return };
-    let (ours, _, d) = both(&gpu, "bowl", &bowl(), 48);
+    let (ours, _, d) = both(gpu, "bowl", &bowl(), 48);
     assert!(d.most < 1.5 && d.p99 < 0.5 && d.signs == 0.0, "{d:?}");
     // On the axis the field passes zero at the rim's height.
     let (above, below) = (ours.sample(Vec3::Y * -0.05), ours.sample(Vec3::Y * -0.07));
@@ -98,7 +98,7 @@ fn an_open_mesh_has_a_lid() {
 fn heads_are_those_of_the_other_builder() {
     let Some(gpu) = gpu() else { return };
     let mannequin = crate::groom::mannequin::mesh(64);
-    let (_, _, d) = both(&gpu, "mannequin", &mannequin, 64);
+    let (_, _, d) = both(gpu, "mannequin", &mannequin, 64);
     assert!(d.p99 < 0.1 && d.signs < 1e-4, "{d:?}");
     let Some(assets) = std::env::var_os("TRESSES_ASSETS").map(PathBuf::from).filter(|f| f.is_dir()) else {
         println!("skipped: TRESSES_ASSETS names no folder");
@@ -106,7 +106,7 @@ fn heads_are_those_of_the_other_builder() {
     };
     for (file, resolution) in [("sintel/sintel.obj", 64), ("tressfx2_head/head_max4.obj", 64)] {
         let (head, _) = crate::groom::import::read_head(&[assets.join(file)], &Default::default()).unwrap();
-        let (_, _, d) = both(&gpu, file, &head, resolution);
+        let (_, _, d) = both(gpu, file, &head, resolution);
         assert!(d.p99 < 0.8 && d.signs < 1e-3, "{d:?}");
     }
 }

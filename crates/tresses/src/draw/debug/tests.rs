@@ -148,10 +148,10 @@ fn ball(gpu: &Gpu) -> wgpu::TextureView {
 #[test]
 fn a_ball_emits_its_volume() {
     let Some(gpu) = gpu() else { return };
-    let texture = ball(&gpu);
+    let texture = ball(gpu);
     let paint = Paint { low: 0.0, high: 6.0, opacity: 20.0 };
     let layer = Layer::Volume(grid(&texture, turned(), Quantity::Channel(3)), paint);
-    let seen = picture(&gpu, &[layer], None);
+    let seen = picture(gpu, &[layer], None);
     // Half of the range: an optical depth of 10 per metre.
     let volume = |radius: f64| 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
     let (sum, center) = integral(&seen);
@@ -169,7 +169,7 @@ fn a_ball_emits_its_volume() {
 #[test]
 fn the_body_hides_what_is_behind_it() {
     let Some(gpu) = gpu() else { return };
-    let texture = ball(&gpu);
+    let texture = ball(gpu);
     let paint = Paint { low: 0.0, high: 6.0, opacity: 20.0 };
     let layers = [Layer::Volume(grid(&texture, turned(), Quantity::Channel(3)), paint)];
     let wall = |z: f32| TriMesh {
@@ -178,7 +178,7 @@ fn the_body_hides_what_is_behind_it() {
         colors: Vec::new(),
         triangles: vec![[0, 1, 2]],
     };
-    let sum = |body: Option<&TriMesh>| integral(&picture(&gpu, &layers, body)).0;
+    let sum = |body: Option<&TriMesh>| integral(&picture(gpu, &layers, body)).0;
     let whole = sum(None);
     let half = sum(Some(&wall(PLACE.z))) / whole;
     assert!((half - 0.5).abs() < 0.01, "{half}");
@@ -203,7 +203,7 @@ fn off(pixel: [u8; 4], t: f32) -> u8 {
 fn slices_show_the_right_place() {
     let Some(gpu) = gpu() else { return };
     // Every axis has its channel, so that a swapped axis is seen.
-    let texture = texture(&gpu, 32, |c| c.extend(1.0));
+    let texture = texture(gpu, 32, |c| c.extend(1.0));
     let paint = Paint { low: 0.0, high: 1.0, opacity: 1.0 };
     let at = Vec3::new(0.3, 0.6, 0.8);
     let pixel = |picture: &[[u8; 4]], x: f32, y: f32| {
@@ -214,7 +214,7 @@ fn slices_show_the_right_place() {
     for channel in 0..3 {
         let grid = grid(&texture, Pose::IDENTITY, Quantity::Channel(channel));
         // Seen along z the other two planes are lines.
-        let seen = picture(&gpu, &[Layer::Slices(grid, paint, Slices { at, ..Default::default() })], None);
+        let seen = picture(gpu, &[Layer::Slices(grid, paint, Slices { at, ..Default::default() })], None);
         // The middle of a pixel of the panels, which are 32 pixels wide.
         let (u, v) = (22.5 / 32.0, 6.5 / 32.0);
         let found = pixel(&seen, (u - 0.5) * 0.2, (v - 0.5) * 0.2);
@@ -225,7 +225,7 @@ fn slices_show_the_right_place() {
         // Panels: left and top of the picture, 0.5 high in clip space, 0.625 apart.
         let panel = Vec4::new(-0.9375, 0.375, 0.5, 0.625);
         let slices = Slices { at, panels: Some(panel), ..Default::default() };
-        let seen = picture(&gpu, &[Layer::Slices(grid, paint, slices)], None);
+        let seen = picture(gpu, &[Layer::Slices(grid, paint, slices)], None);
         for axis in 0..3 {
             let (x, y) = (panel.x + u * panel.z, panel.y - axis as f32 * panel.w + v * panel.z);
             let found = pixel(&seen, x * 0.15, y * 0.15);
@@ -239,11 +239,11 @@ fn slices_show_the_right_place() {
 #[test]
 fn panels_name_the_plane() {
     let Some(gpu) = gpu() else { return };
-    let texture = texture(&gpu, 8, |_| Vec4::ONE);
+    let texture = texture(gpu, 8, |_| Vec4::ONE);
     let paint = Paint { low: 0.0, high: 1.0, opacity: 0.5 };
     let slices = Slices { panels: Some(Vec4::new(-1.0, 0.5, 0.5, 0.6)), ..Default::default() };
     let layer = Layer::Slices(grid(&texture, Pose::IDENTITY, Quantity::Length), paint, slices);
-    let seen = picture(&gpu, &[layer], None);
+    let seen = picture(gpu, &[layer], None);
     let covered: f64 = seen.iter().map(|p| f64::from(p[3]) / 255.0).sum::<f64>() / f64::from(SIZE * SIZE);
     // Three squares of a quarter of the picture's height, half opaque.
     assert!((covered / (3.0 * 0.0625 * 0.5) - 1.0).abs() < 0.02, "{covered}");
@@ -253,7 +253,7 @@ fn panels_name_the_plane() {
 fn strips_are_counted() {
     let Some(gpu) = gpu() else { return };
     use crate::strands::{StrandBuffers, StrandVertex, vertex::pack_tangent};
-    let Gpu { device, queue, .. } = &gpu;
+    let Gpu { device, queue, .. } = gpu;
     let pipelines = &Pipelines::new(device);
     let view = empty(device, pipelines);
     // Strands from left to right behind each other, 10 mm wide; all cross the right half, the first also
@@ -303,13 +303,13 @@ fn spinning(gpu: &Gpu) -> wgpu::TextureView {
 #[test]
 fn arrows_point_along_the_field() {
     let Some(gpu) = gpu() else { return };
-    let texture = spinning(&gpu);
+    let texture = spinning(gpu);
     for turns in [true, false] {
         let pose = turned();
         let grid = Grid { turns, ..grid(&texture, pose, Quantity::Length) };
         let arrows = Arrows::over(&grid, Some((1, 0.25)), 8, 1.0);
         let kernel = ArrowsKernel::new(&gpu.device);
-        let points = points(&gpu, |canvas| kernel.record(canvas, &grid, &arrows).unwrap());
+        let points = points(gpu, |canvas| kernel.record(canvas, &grid, &arrows).unwrap());
         assert_eq!(points.len(), 4 * 64);
         let mut shown = 0;
         for arrow in points.as_chunks::<4>().0 {
@@ -337,14 +337,14 @@ fn arrows_point_along_the_field() {
 #[test]
 fn streamlines_follow_circles() {
     let Some(gpu) = gpu() else { return };
-    let texture = spinning(&gpu);
+    let texture = spinning(gpu);
     let grid = grid(&texture, turned(), Quantity::Length);
     let radii = [0.03, 0.05, 0.07];
     let seeds: Vec<_> = radii.iter().map(|r| grid.pose.point(Vec3::new(*r, 0.02, 0.0))).collect();
     let kernel = StreamsKernel::new(&gpu.device);
     let drift = |step: f32, least: f32| {
         let streams = Streams { seeds: &seeds, points: 64, step, least };
-        let points = points(&gpu, |canvas| kernel.record(canvas, &grid, &streams).unwrap().unwrap());
+        let points = points(gpu, |canvas| kernel.record(canvas, &grid, &streams).unwrap().unwrap());
         let mut worst = 0.0f32;
         for (line, radius) in points.chunks(64).zip(radii) {
             for (k, point) in line.iter().enumerate().filter(|(_, p)| p.alpha >= 0.0) {
@@ -377,7 +377,7 @@ fn streamlines_follow_circles() {
 fn seeds_lie_upwind_inside_the_box() {
     let gpu = gpu();
     let Some(gpu) = gpu else { return };
-    let texture = texture(&gpu, 2, |_| Vec4::ZERO);
+    let texture = texture(gpu, 2, |_| Vec4::ZERO);
     let grid = grid(&texture, Pose { translation: PLACE, ..Pose::IDENTITY }, Quantity::Length);
     let seeds = Streams::upwind(&grid, Vec3::X, 5);
     assert_eq!(seeds.len(), 25);
@@ -410,7 +410,7 @@ fn guides_carry_their_quantities() {
     gpu.queue.write_buffer(&guides.samples, 0, bytemuck::cast_slice(&sampled));
     let kernel = GuidesKernel::new(&gpu.device);
     for quantity in [GuideQuantity::Speed, GuideQuantity::Strain, GuideQuantity::Guide] {
-        let points = points(&gpu, |canvas| kernel.record(canvas, &guides, quantity).unwrap());
+        let points = points(gpu, |canvas| kernel.record(canvas, &guides, quantity).unwrap());
         assert_eq!(points.len(), 21);
         for (i, point) in points.iter().enumerate() {
             let (guide, sample) = ((i / 7) as f32, (i % 7) as f32);
@@ -440,7 +440,7 @@ fn lines_are_as_wide_as_asked() {
             ..Default::default()
         };
         let points = [point(-0.1, 1.0), point(0.0, 1.0), point(0.01, hole), point(0.1, 1.0)];
-        let seen = picture(&gpu, &[Layer::Lines(&points, paint)], None);
+        let seen = picture(gpu, &[Layer::Lines(&points, paint)], None);
         // The ramp's end is bright, the rim black.
         seen.iter().map(|p| f64::from(p[1]) / f64::from(byte_color(1.0)[1])).sum()
     };
@@ -456,7 +456,7 @@ fn lines_are_as_wide_as_asked() {
 #[test]
 fn the_peak_is_found() {
     let Some(gpu) = gpu() else { return };
-    let texture = texture(&gpu, 20, |c| {
+    let texture = texture(gpu, 20, |c| {
         let here = (c - Vec3::new(0.975, 0.525, 0.925)).length() < 1e-3;
         Vec4::new(0.5, 0.0, 0.0, if here { 7.0 } else { -1.0 })
     });

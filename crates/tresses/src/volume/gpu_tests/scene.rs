@@ -33,7 +33,7 @@ pub(super) fn cube(across: usize) -> (Vec<Vec3>, Vec<GuideTraits>) {
 }
 
 pub(super) struct Scene {
-    pub(super) gpu: Gpu,
+    pub(super) gpu: &'static Gpu,
     pub(super) stage: VolumeStage,
     pub(super) simulate: Simulate,
     pub(super) guides: GuideBuffers,

@@ -1,0 +1,329 @@
+//! Light from all sides against closed forms.
+
+use crate::common;
+
+use tresses::{
+    Pipelines, View,
+    body::Body,
+    frame::Recorder,
+    glam::{Quat, Vec3},
+    gpu::Gpu,
+    groom::TriMesh,
+    light::{
+        Directional, HairSet, Lights, MAX_LIGHTS, Sky, Sphere,
+        ambient::{AmbientProbe, Around},
+    },
+    math::hash::pcg,
+    strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
+    view::{Picture, ViewOptions},
+};
+
+/// Half the edge of all cells, metres.
+const HALF: f32 = 0.24;
+const WHITE: f32 = 0.8;
+/// Length of the mean vector of a hemisphere, weighted by the cosine.
+const COSINES: f32 = 2.0 / 3.0;
+
+fn random(i: u32, k: u32) -> f32 {
+    (pcg(pcg(i) ^ k) >> 8) as f32 / 16_777_216.0
+}
+
+struct Bench<'a> {
+    gpu: &'a Gpu,
+    pipelines: &'static Pipelines,
+    view: View,
+    hair: Option<HairSet>,
+    body: Option<Body>,
+    scene: Picture,
+}
+
+impl<'a> Bench<'a> {
+    fn new(gpu: &'a Gpu) -> Self {
+        Self::with_cells(gpu, ViewOptions::default().ambient_cells)
+    }
+
+    fn with_cells(gpu: &'a Gpu, ambient_cells: u32) -> Self {
+        let options = ViewOptions { samples: 1, shadow_resolution: 256, ambient_cells, ..Default::default() };
+        let mut scene = Picture { focus: Sphere { center: Vec3::ZERO, radius: HALF }, ..Default::default() };
+        scene.lights =
+            Lights { directional: [Directional::OFF; MAX_LIGHTS], sky: Sky::default(), ..Default::default() };
+        let pipelines = common::pipelines().expect("there is a GPU");
+        let view = View::new(&gpu.device, pipelines, &options, [16, 16], 1).expect("fits");
+        Self { pipelines, view, gpu, hair: None, body: None, scene }
+    }
+
+    fn body(mut self, mesh: &TriMesh) -> Self {
+        let cells = self.view.options().ambient_cells;
+        let mut body = Body::for_cells(&self.gpu.device, mesh, cells);
+        body.material.color = Vec3::splat(WHITE);
+        body.material.wrap = 0.0;
+        self.body = Some(body);
+        self
+    }
+
+    /// Straight pieces of hair, each from one point to another.
+    fn hair(mut self, pieces: &[[Vec3; 2]], radius: f32) -> Self {
+        let Gpu { device, queue, .. } = self.gpu;
+        let strands = StrandBuffers::new(device, pieces.len() as u32, 2).expect("fits");
+        let vertex =
+            |at: Vec3, way: Vec3| StrandVertex { position: at, tangent: pack_tangent(way.normalize(), 1.0) };
+        let vertices: Vec<_> =
+            pieces.iter().flat_map(|[a, b]| [vertex(*a, *b - *a), vertex(*b, *b - *a)]).collect();
+        queue.write_buffer(&strands.vertices, 0, bytemuck::cast_slice(&vertices));
+        let info = vec![Strand { radius, seed: 1, root_color: 0, tip_color: 0 }; pieces.len()];
+        queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&info));
+        self.hair = Some(HairSet::new(device, &strands).expect("fits"));
+        self
+    }
+
+    fn light(mut self, direction: Vec3) -> Self {
+        self.scene.lights.directional[0] =
+            Directional { direction: direction.normalize(), irradiance: Vec3::splat(std::f32::consts::PI) };
+        self
+    }
+
+    fn ask(&self, points: &[(Vec3, Vec3)]) -> Vec<Around> {
+        let Gpu { device, queue, .. } = self.gpu;
+        let probe = AmbientProbe::new(device, queue, &self.view.light, points).expect("fits");
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let (hair, bodies): (Vec<_>, Vec<_>) = (self.hair.iter().collect(), self.body.iter().collect());
+        Recorder { pipelines: self.pipelines, device, queue, encoder: &mut encoder, timings: None }
+            .light(&hair, &bodies, &self.view, &self.scene)
+            .expect("it fits");
+        probe.record(&mut encoder);
+        queue.submit([encoder.finish()]);
+        pollster::block_on(probe.read(device, queue)).expect("answers")
+    }
+}
+
+/// A square of twice `half` across z at `z`, seen from greater z.
+fn wall(half: f32, z: f32) -> TriMesh {
+    let corner = |x: f32, y: f32| Vec3::new(x, y, z);
+    TriMesh {
+        positions: vec![corner(-half, -half), corner(half, -half), corner(half, half), corner(-half, half)],
+        normals: vec![Vec3::Z; 4],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Default::default()
+    }
+}
+
+/// Pieces of hair, turned any way, in a layer across y, `thick` metres about `middle`, of which a ray
+/// down meets `fibers` on average.
+fn layer(middle: f32, thick: f32, fibers: f32, radius: f32) -> Vec<[Vec3; 2]> {
+    let length = 0.01;
+    // Of a piece of any direction a ray sees π/4 of its length on average.
+    let each = 0.25 * std::f32::consts::PI * 2.0 * radius * length;
+    let count = (fibers * (2.0 * HALF).powi(2) / each) as u32;
+    (0..count)
+        .map(|i| {
+            let at = Vec3::new(
+                (2.0 * random(i, 1) - 1.0) * HALF,
+                middle + (random(i, 2) - 0.5) * thick,
+                (2.0 * random(i, 3) - 1.0) * HALF,
+            );
+            let y = 2.0 * random(i, 4) - 1.0;
+            let (sin, cos) = (std::f32::consts::TAU * random(i, 5)).sin_cos();
+            let flat = (1.0 - y * y).sqrt();
+            let way = Vec3::new(flat * cos, y, flat * sin) * (0.5 * length);
+            [at - way, at + way]
+        })
+        .collect()
+}
+
+#[test]
+fn empty_space_sees_the_whole_sky() {
+    let Some(gpu) = common::gpu() else { return };
+    let points: Vec<_> = (0..200)
+        .map(|i| {
+            let at = |k| (2.4 * random(i, k) - 1.2) * HALF;
+            (Vec3::new(at(1), at(2), at(3)), Vec3::new(at(4), at(5), at(6)).normalize_or_zero() * 0.6)
+        })
+        .collect();
+    let open = |found: &Around| (found.open - 1.0).abs().max_element() < 2e-3;
+    let dark = |found: &Around| found.glow == Vec3::ZERO;
+    for found in Bench::new(gpu).light(Vec3::Y).ask(&points) {
+        assert!(open(&found) && dark(&found), "{found:?}");
+    }
+    // A few hairs are seen, and a lit wall of a few centimetres.
+    let hairs = Bench::new(gpu).hair(&layer(0.0, 0.06, 0.02, 1e-3), 1e-3).ask(&points);
+    assert!(!hairs.iter().all(open));
+    let lit = Bench::new(gpu).body(&wall(0.03, 0.0)).light(Vec3::Z).ask(&points);
+    assert!(!lit.iter().all(open) && !lit.iter().all(dark));
+}
+
+/// What is left behind a layer of n fibres of the light of a hemisphere, as a mean over its directions: the
+/// exponential integral E₂.
+fn mean_behind(n: f64) -> f64 {
+    let steps = 4000;
+    (0..steps).map(|i| (-n / ((f64::from(i) + 0.5) / f64::from(steps))).exp() / f64::from(steps)).sum()
+}
+
+/// The same as a mean over the directions that are followed.
+fn mean_followed(n: f64) -> f64 {
+    (4.0 * (-n / 0.868_890_3).exp() + 8.0 * (-n / 0.350_021_2).exp()) / 12.0
+}
+
+#[test]
+fn hair_takes_what_it_should() {
+    let Some(gpu) = common::gpu() else { return };
+    for fibers in [0.25_f32, 0.5, 1.0, 2.0] {
+        let bench = Bench::new(gpu).hair(&layer(0.06, 0.06, fibers, 1e-3), 1e-3);
+        let below: Vec<_> = (0..40)
+            .map(|i| {
+                (Vec3::new(random(i, 8) - 0.5, 0.0, random(i, 9) - 0.5) * 0.1 + Vec3::Y * 0.01, Vec3::ZERO)
+            })
+            .collect();
+        let found = bench.ask(&below);
+        // Fibres that take all, half and an eighth: the lower half of all directions is free.
+        for (share, k) in [(1.0, 3), (0.5, 2), (0.125, 1)] {
+            let mean = found.iter().map(|around| f64::from(around.open[k])).sum::<f64>() / 40.0;
+            let n = share * f64::from(fibers);
+            let [exact, followed] = [mean_behind(n), mean_followed(n)].map(|m| 0.5 + 0.5 * m);
+            println!("{fibers} fibres, share {share}: {mean:.4}, followed {followed:.4}, exact {exact:.4}");
+            assert!((mean - followed).abs() < 0.035 && (mean - exact).abs() < 0.06, "{fibers} {share}");
+        }
+        let at = Vec3::Y * 0.01;
+        let up = bench.ask(&[(at, Vec3::Y * COSINES), (at, Vec3::NEG_Y * COSINES)]);
+        assert!(up[0].open.w < up[1].open.w && up[1].open.w > 0.93, "{up:?}");
+    }
+}
+
+/// What the eye of a point `height` above the middle of a wall of twice `half` sees of it: its solid angle over
+/// that of the sphere.
+fn form_factor(half: f32, height: f32) -> f64 {
+    let (side, h) = (f64::from(half).powi(2), f64::from(height).powi(2));
+    (side / (side + h)).asin() / std::f64::consts::PI
+}
+
+/// The share of all sides that a lit wall fills, 6 cm below the origin, from points `heights` above its middle,
+/// and what it leaves of the sky: means over turns of everything against the cells and the directions that
+/// light is followed along, of which there are 24, so that one view is a twenty-fourth off at its edges.
+fn seen_of_wall(gpu: &Gpu, half: f32, heights: &[f32]) -> Vec<[f64; 2]> {
+    let turns = 12;
+    let mut sums = vec![[0.0; 2]; heights.len()];
+    for i in 0..turns {
+        let axis = Vec3::new(random(i, 1) - 0.5, random(i, 2) - 0.5, random(i, 3) - 0.5).normalize();
+        let turn = Quat::from_axis_angle(axis, std::f32::consts::TAU * random(i, 4));
+        let mut mesh = wall(half, -0.06);
+        mesh.positions.iter_mut().for_each(|p| *p = turn * *p);
+        mesh.normals.iter_mut().for_each(|n| *n = turn * *n);
+        let points: Vec<_> = heights.iter().map(|h| (turn * (Vec3::Z * (h - 0.06)), Vec3::ZERO)).collect();
+        // A unit of irradiance times pi makes its radiance the albedo.
+        let found = Bench::new(gpu).body(&mesh).light(turn * Vec3::Z).ask(&points);
+        for (sum, found) in sums.iter_mut().zip(found) {
+            sum[0] += f64::from(found.glow.x / WHITE) / f64::from(turns);
+            sum[1] += (1.0 - f64::from(found.open.x)) / f64::from(turns);
+        }
+    }
+    sums
+}
+
+#[test]
+fn a_wall_throws_its_form_factor() {
+    let Some(gpu) = common::gpu() else { return };
+    let heights = [0.04_f32, 0.08, 0.12, 0.2];
+    let off = |half: f32| -> Vec<[f64; 2]> {
+        let exact = |height| form_factor(0.12, height);
+        let seen = seen_of_wall(gpu, half, &heights);
+        seen.iter().zip(heights).map(|(seen, height)| seen.map(|share| share / exact(height) - 1.0)).collect()
+    };
+    let errors = off(0.12);
+    for (height, [thrown, hidden]) in heights.iter().zip(&errors) {
+        let exact = form_factor(0.12, *height);
+        println!("{height} m: {exact:.4} of all sides, thrown {thrown:+.3}, hidden {hidden:+.3} of that");
+    }
+    // A tenth of what a wall throws is what two neighbouring steps of grey differ by on a photographer's scale
+    // of thirds of a stop, divided by two.
+    let good = |errors: &[[f64; 2]]| errors.iter().flatten().all(|error| error.abs() < 0.12);
+    assert!(good(&errors), "{errors:?}");
+    // It would see a wall that is a centimetre wider all around.
+    assert!(!good(&off(0.13)));
+    let bench = Bench::new(gpu).body(&wall(HALF, -0.1)).light(Vec3::Z);
+    let close = Vec3::new(0.0, 0.0, -0.08);
+    let found = bench.ask(&[(close, Vec3::NEG_Z * COSINES), (close, Vec3::Z * COSINES)]);
+    assert!((found[0].glow.x / WHITE - 1.0).abs() < 0.12 && found[0].open.x < 0.12, "{found:?}");
+    assert!(found[1].glow.x < 0.05 && (found[1].open.x - 1.0).abs() < 0.12, "{found:?}");
+    // In its shade, or without light, it throws none.
+    let dark = Bench::new(gpu).body(&wall(HALF, -0.1)).light(Vec3::NEG_Z).ask(&[(close, Vec3::ZERO)])[0];
+    assert!(dark.glow.x < 1e-3, "{dark:?}");
+}
+
+/// Coarse cells take fewer points of a body for the same surface.
+#[test]
+fn coarse_cells_hold_the_same_body() {
+    let Some(gpu) = common::gpu() else { return };
+    let at = Vec3::new(0.01, 0.02, 0.02);
+    let seen = |cells, z| {
+        let bench = Bench::with_cells(gpu, cells).body(&wall(HALF, z)).light(Vec3::Z);
+        bench.ask(&[(at, Vec3::ZERO), (at, Vec3::NEG_Z * COSINES)])
+    };
+    let fine = seen(24, -0.1);
+    let same = |coarse: &[Around]| {
+        coarse.iter().zip(&fine).all(|(coarse, fine)| {
+            (coarse.open - fine.open).abs().max_element() < 0.04
+                && (coarse.glow - fine.glow).abs().max_element() < 0.04 * WHITE
+        })
+    };
+    for cells in [12, 16] {
+        let coarse = seen(cells, -0.1);
+        println!("{cells} cells: {coarse:?}, 24: {fine:?}");
+        assert!(same(&coarse), "{coarse:?} {fine:?}");
+        // The comparison sees a wall that is somewhere else by the edge of a cell.
+        assert!(!same(&seen(cells, -0.1 - 2.0 * HALF / cells as f32)));
+    }
+}
+
+#[test]
+fn nothing_gets_through_a_head() {
+    let Some(gpu) = common::gpu() else { return };
+    // A closed cube, turned so that none of its faces lies along the cells, lit from above.
+    let mut cube = common::cube(0.1);
+    let turn = Quat::from_rotation_x(0.4) * Quat::from_rotation_y(0.6);
+    cube.positions.iter_mut().for_each(|p| *p = turn * *p);
+    let bench = Bench::new(gpu).body(&cube).light(Vec3::Y);
+    let found = bench.ask(&[
+        (Vec3::ZERO, Vec3::ZERO),
+        (Vec3::NEG_Y * 0.21, Vec3::Y * 0.5),
+        (Vec3::Y * 0.2, Vec3::NEG_Y * 0.5),
+    ]);
+    assert!(found[0].open.x < 0.02 && found[0].glow.x < 0.02, "inside {:?}", found[0]);
+    assert!(found[1].glow.x < 0.1 * found[2].glow.x, "below {:?}, above {:?}", found[1], found[2]);
+}
+
+/// Still scenes are the same to the bit; a slow turn of light or head is answered by slow changes.
+#[test]
+fn slow_motion_changes_slowly() {
+    let Some(gpu) = common::gpu() else { return };
+    let mut cube = common::cube(0.08);
+    let turn = Quat::from_rotation_x(0.4);
+    cube.positions.iter_mut().for_each(|p| *p = turn * *p);
+    let pieces = layer(0.15, 0.06, 1.0, 1e-3);
+    let mut bench = Bench::new(gpu).body(&cube).hair(&pieces, 1e-3).light(Vec3::new(0.3, 0.2, 1.0));
+    let points: Vec<_> = (0..100)
+        .map(|i| {
+            let at = Vec3::new(random(i, 1) - 0.5, random(i, 2) - 0.5, random(i, 3) - 0.5).normalize();
+            (at * (0.15 + 0.05 * random(i, 4)), Vec3::ZERO)
+        })
+        .collect();
+    assert!(bench.ask(&points) == bench.ask(&points), "a still scene is the same to the bit");
+    let frames: Vec<Vec<Around>> = (0..6)
+        .map(|i| {
+            let angle = 0.25_f32.to_radians() * i as f32;
+            bench.body.as_mut().unwrap().pose.rotation = Quat::from_rotation_y(angle);
+            bench.scene.lights.directional[0].direction =
+                Quat::from_rotation_y(-angle) * Vec3::new(0.3, 0.2, 1.0).normalize();
+            bench.ask(&points)
+        })
+        .collect();
+    let mut worst = [0.0_f32; 2];
+    for pair in frames.windows(2) {
+        for (a, b) in pair[0].iter().zip(&pair[1]) {
+            worst[0] = worst[0].max((a.open - b.open).abs().max_element());
+            worst[1] = worst[1].max((a.glow - b.glow).abs().max_element());
+        }
+    }
+    println!("from frame to frame at most {:.4} of the sky, {:.4} of the radiance", worst[0], worst[1]);
+    assert!(worst[0] < 0.02 && worst[1] < 0.02 * WHITE, "{worst:?}");
+    let apart = frames[0].iter().zip(&frames[5]).any(|(a, b)| a != b);
+    assert!(apart, "what moves is seen");
+}

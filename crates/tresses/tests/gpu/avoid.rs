@@ -1,0 +1,200 @@
+//! Drawn strands that leave obstacles: the first hit is the first, what hits nothing keeps its
+//! bits, lengths are kept, nothing pops, jumps are forgotten.
+
+use crate::{common, moving};
+
+use moving::{Character, SHAKE, TURN, advance, angle, drawn, search, states};
+use tresses::{
+    Hair, Pipelines, Pose,
+    avoid::{AvoidMode, AvoidOptions, NO_HIT},
+    glam::Vec3,
+    gpu::Gpu,
+    groom::{BindOptions, bind},
+    strands::StrandVertex,
+};
+
+const HEAD: f32 = 0.09;
+const CLEARANCE: f32 = 1.5e-3;
+
+/// One device for all tests: a software driver takes long to build pipelines.
+struct Stage {
+    gpu: &'static Gpu,
+    pipelines: &'static Pipelines,
+    character: Character,
+}
+
+impl Stage {
+    fn open() -> Option<&'static Self> {
+        static STAGE: std::sync::OnceLock<Option<Stage>> = std::sync::OnceLock::new();
+        STAGE.get_or_init(Self::new).as_ref()
+    }
+
+    /// A sphere with so few guides that what lies between them enters it.
+    fn new() -> Option<Self> {
+        let gpu = common::gpu()?;
+        let mut groom = bind(&common::hanging(600, 16, 0.16), &BindOptions::default()).unwrap();
+        // As the hair has them.
+        tresses::lod::arrange(&mut groom.strands);
+        Some(Self {
+            pipelines: common::pipelines()?,
+            character: Character { groom, field: common::ball(HEAD, 64), neck: Vec3::new(0.0, 0.0, -0.02) },
+            gpu,
+        })
+    }
+
+    fn hair(&self, avoid: AvoidOptions) -> Hair {
+        self.character.hair(self.gpu, self.pipelines, avoid)
+    }
+
+    /// Hair shaken until strands are in the head, and where the head is then.
+    fn shaken(&self, avoid: AvoidOptions) -> (Hair, Pose) {
+        let mut hair = self.hair(avoid);
+        for i in 0..36 {
+            let head = self.character.head(angle(SHAKE, i as f32 / 60.0));
+            advance(self.gpu, self.pipelines, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / 60.0 });
+        }
+        (hair, self.character.head(angle(SHAKE, 35.0 / 60.0)))
+    }
+
+    fn drawn(&self, hair: &mut Hair, head: Pose, mode: AvoidMode) -> Vec<StrandVertex> {
+        drawn(self.gpu, self.pipelines, hair, head, mode)
+    }
+
+    /// The first vertex of each strand that is nearer to the head than it may be, less `margin`.
+    fn first_hits(&self, vertices: &[StrandVertex], head: Pose, tolerance: f32, margin: f32) -> Vec<u32> {
+        let back = head.inverse();
+        let distance = |v: &StrandVertex| self.character.field.sample(back.point(v.position));
+        let strands = &self.character.groom.strands;
+        vertices
+            .chunks(strands.vertex_count as usize)
+            .enumerate()
+            .map(|(i, strand)| {
+                let rest = strands.rest_positions(i).map(|p| self.character.field.sample(p));
+                let enters =
+                    |(v, rest): (&StrandVertex, f32)| distance(v) < CLEARANCE.min(rest) - tolerance - margin;
+                let hit = strand.iter().zip(rest).skip(1).position(enters);
+                hit.map_or(NO_HIT, |j| j as u32 + 1)
+            })
+            .collect()
+    }
+}
+
+#[test]
+fn the_first_hit_is_that_of_a_search_one_by_one() {
+    let Some(stage) = Stage::open() else { return };
+    let options = AvoidOptions { mode: AvoidMode::Off, ..Default::default() };
+    let (mut hair, head) = stage.shaken(options);
+    let vertices = stage.drawn(&mut hair, head, AvoidMode::Off);
+    let found: Vec<u32> = search(stage.gpu, stage.pipelines, &hair).iter().map(|state| state.hit).collect();
+    // Texture filters and packed allowances are coarser than the search here: by an eighth of a
+    // millimetre and a bit.
+    let early = stage.first_hits(&vertices, head, options.tolerance, -0.02e-3);
+    let late = stage.first_hits(&vertices, head, options.tolerance, 0.16e-3);
+    let wrong = |found: &[u32]| {
+        found.iter().zip(early.iter().zip(&late)).filter(|(f, (e, l))| *f < *e || *f > *l).count()
+    };
+    assert_eq!(wrong(&found), 0);
+    let hits = found.iter().filter(|hit| **hit != NO_HIT).count();
+    assert!((20..550).contains(&hits), "{hits} of 600 hit");
+    let sure = (0..600).find(|&i| found[i] != NO_HIT && early[i] == late[i]).unwrap();
+    for other in [found[sure] - 1, found[sure] + 1, NO_HIT] {
+        let mut perturbed = found.clone();
+        perturbed[sure] = other;
+        assert_eq!(wrong(&perturbed), 1);
+    }
+}
+
+#[test]
+fn strands_that_hit_nothing_keep_their_bits_and_all_keep_their_lengths() {
+    let Some(stage) = Stage::open() else { return };
+    let (mut hair, head) = stage.shaken(AvoidOptions::default());
+    let after = stage.drawn(&mut hair, head, AvoidMode::ChangeOver);
+    let remembered = states(stage.gpu, &hair);
+    let before = stage.drawn(&mut hair, head, AvoidMode::Off);
+    let strands = &stage.character.groom.strands;
+    let n = strands.vertex_count as usize;
+    let (mut kept, mut changed) = (0, 0);
+    for (i, state) in remembered.iter().enumerate() {
+        assert_eq!(state.hit, NO_HIT, "the search starts anew in every frame");
+        let (a, b) = (&before[i * n..(i + 1) * n], &after[i * n..(i + 1) * n]);
+        let same = bytemuck::cast_slice::<_, u8>(a) == bytemuck::cast_slice::<_, u8>(b);
+        if state.amount == 0.0 {
+            assert!(same, "strand {i}");
+            kept += 1;
+        } else {
+            changed += usize::from(!same);
+        }
+        let rest: Vec<_> = strands.rest_positions(i).collect();
+        for (now, rest) in b.windows(2).zip(rest.windows(2)) {
+            let (now, rest) = (now[0].position.distance(now[1].position), rest[0].distance(rest[1]));
+            assert!((now / rest - 1.0).abs() < 1e-3, "strand {i}: {now} for {rest}");
+        }
+    }
+    assert!(kept > 50 && changed > 20, "{kept} kept, {changed} changed");
+    // Moving single vertices, on the other hand, tears at lengths.
+    let alone = stage.drawn(&mut hair, head, AvoidMode::PenetratingOnly);
+    let longest = alone
+        .chunks(n)
+        .enumerate()
+        .flat_map(|(i, strand)| {
+            let rest: Vec<_> = strands.rest_positions(i).collect();
+            let ratio = |j: usize| {
+                strand[j].position.distance(strand[j + 1].position) / rest[j].distance(rest[j + 1])
+            };
+            (0..n - 1).map(ratio).collect::<Vec<_>>()
+        })
+        .fold(0.0, f32::max);
+    assert!(longest > 1.01, "{longest}");
+}
+
+/// How far one frame moves a vertex at most relative to the head because of avoidance alone: the
+/// largest change from frame to frame of its way from where it would be without. Metres.
+fn largest_pop(stage: &Stage, options: AvoidOptions) -> f32 {
+    let mut hair = stage.hair(options);
+    let mut last: Option<Vec<Vec3>> = None;
+    let mut largest = 0.0f32;
+    for i in 0..90 {
+        // Three times slower than the command's turn.
+        let head = stage.character.head(angle(TURN, i as f32 / 180.0));
+        advance(stage.gpu, stage.pipelines, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / 60.0 });
+        let with = stage.drawn(&mut hair, head, AvoidMode::ChangeOver);
+        let without = stage.drawn(&mut hair, head, AvoidMode::Off);
+        let back = head.inverse().rotation;
+        let way: Vec<Vec3> =
+            with.iter().zip(&without).map(|(a, b)| back * (a.position - b.position)).collect();
+        if let Some(last) = &last {
+            largest = way.iter().zip(last).map(|(a, b)| a.distance(*b)).fold(largest, f32::max);
+        }
+        last = Some(way);
+    }
+    largest
+}
+
+#[test]
+fn nothing_pops() {
+    let Some(stage) = Stage::open() else { return };
+    let smooth = largest_pop(stage, AvoidOptions::default());
+    let sudden = AvoidOptions { fade_in: 0.0, fade_out: 0.0, speed: f32::INFINITY, ..Default::default() };
+    let sudden = largest_pop(stage, sudden);
+    println!("largest change per frame: {smooth} m, without smoothing {sudden} m");
+    // 15 cm per second; hair that swings is several times faster.
+    assert!(smooth < 0.15 / 60.0, "{smooth}");
+    assert!(sudden > 3.0 * 0.15 / 60.0, "the bound can be missed: {sudden}");
+}
+
+#[test]
+fn jumps_and_resets_are_forgotten() {
+    let Some(stage) = Stage::open() else { return };
+    let (mut hair, head) = stage.shaken(AvoidOptions::default());
+    let midway =
+        |hair: &Hair| states(stage.gpu, hair).iter().filter(|s| s.amount > 0.0 && s.amount < 1.0).count();
+    assert!(midway(&hair) > 5, "{}", midway(&hair));
+    let far = Pose { translation: head.translation + Vec3::X * 30.0, ..head };
+    advance(stage.gpu, stage.pipelines, &mut hair, far, 1.0 / 60.0);
+    assert_eq!(midway(&hair), 0);
+    let changed = states(stage.gpu, &hair).iter().filter(|s| s.amount == 1.0).count();
+    assert!(changed > 20, "what is in the head leaves it at once: {changed}");
+    hair.reset();
+    advance(stage.gpu, stage.pipelines, &mut hair, far, 1.0 / 60.0);
+    assert!(states(stage.gpu, &hair).iter().all(|s| s.amount == 0.0));
+}

@@ -1,0 +1,282 @@
+//! Hair among moving obstacles: nothing stays inside of anything, whatever moves how.
+
+use crate::common;
+
+use tresses::{
+    Hair, HairOptions, Pipelines, Pose,
+    collide::{Collider, ColliderDescriptor, ColliderPoses, Shape, shape},
+    frame::{Frame, Recorder},
+    glam::{Quat, Vec3},
+    gpu::{Gpu, readback::blocking as readback},
+    groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind, styles::Style},
+    simulate::SimulationParams,
+    strands::GuideRest,
+    volume::HairHair,
+};
+
+/// Deeper than this, metres, is inside.
+const DEEP: f32 = 5e-4;
+/// For so many steps in a row a vertex may be.
+const STEPS: u32 = 2;
+
+struct Character {
+    groom: Groom,
+    field: SdfGrid,
+    neck: Vec3,
+}
+
+fn built_in(style: &str) -> Character {
+    let built = common::character(style, 500).expect("there is a GPU");
+    Character { groom: built.groom.clone(), field: built.field.clone(), neck: built.neck }
+}
+
+fn sintel() -> Option<Character> {
+    let (strands, head, field) = common::sintel()?;
+    let crown = head.bounds().unwrap().1.y;
+    let groom = bind(strands, &BindOptions::default()).unwrap();
+    Some(Character { groom, field: field.clone(), neck: Vec3::new(0.0, crown - 0.165, -0.012) })
+}
+
+/// The head at `t` of the motion `shake`: yaw between these keys, still at each.
+fn shake(t: f32, neck: Vec3) -> Pose {
+    const KEYS: [(f32, f32); 7] =
+        [(0.0, 0.0), (0.2, 30.0), (0.5, -30.0), (0.8, 30.0), (1.1, -30.0), (1.3, 0.0), (2.5, 0.0)];
+    let t = t % 2.5;
+    let yaw = KEYS.windows(2).find(|w| t <= w[1].0).map_or(0.0, |w| {
+        let s = (t - w[0].0) / (w[1].0 - w[0].0);
+        w[0].1 + (w[1].1 - w[0].1) * s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
+    });
+    Pose::about(neck, Quat::from_rotation_y(yaw.to_radians()))
+}
+
+/// What a run has shown.
+#[derive(Debug, Default)]
+struct Seen {
+    /// Vertices watched, those that follow the head left out.
+    vertices: usize,
+    /// Those that rest inside, and may be as deep as they are there.
+    rest_inside: usize,
+    /// Metres below what a vertex may have.
+    deepest: f32,
+    /// The most steps in a row that any vertex was too deep.
+    longest: u32,
+    /// Vertices and steps that were too deep.
+    deep: usize,
+    /// Vertices that went through an obstacle from one step to the next.
+    tunnelled: usize,
+}
+
+impl Seen {
+    fn holds(&self) -> bool {
+        self.longest <= STEPS && self.tunnelled == 0
+    }
+}
+
+struct Run<'a> {
+    gpu: &'a Gpu,
+    pipelines: &'a Pipelines,
+    hair: Hair,
+    params: SimulationParams,
+}
+
+impl Run<'_> {
+    /// Watches `seconds`: the head at `head(t)`, the colliders at `poses(t)`, `distance(x, t)` of a vertex
+    /// at `x`, `through(before, after, t)` whether a vertex went through something in the step that ends at
+    /// `t`.
+    fn watch(
+        &mut self,
+        seconds: f32,
+        head: &dyn Fn(f32) -> Pose,
+        poses: &dyn Fn(f32) -> ColliderPoses,
+        distance: &dyn Fn(Vec3, f32) -> f32,
+        through: &dyn Fn(Vec3, Vec3, f32) -> bool,
+    ) -> Seen {
+        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let rest: Vec<GuideRest> = readback::buffer(device, queue, &self.hair.guides.rest).unwrap();
+        let count = self.hair.guides.count as usize;
+        let watched = 2 * count..rest.len();
+        let mut seen = Seen {
+            vertices: watched.len(),
+            rest_inside: rest[watched.clone()].iter().filter(|r| r.contact < 0.0).count(),
+            ..Seen::default()
+        };
+        let mut runs = vec![0; rest.len()];
+        let mut before: Vec<[f32; 4]> = Vec::new();
+        for frame in 0..=(seconds / self.params.step) as u32 {
+            let t = frame as f32 * self.params.step;
+            let mut encoder = device.create_command_encoder(&Default::default());
+            let input = Frame {
+                dt: if frame == 0 { 0.0 } else { self.params.step },
+                head: head(t),
+                colliders: &poses(t),
+                simulation: &self.params,
+            };
+            let pipelines = self.pipelines;
+            Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
+                .simulate(&mut self.hair, &input)
+                .unwrap();
+            queue.submit([encoder.finish()]);
+            let at: Vec<[f32; 4]> = readback::buffer(device, queue, &self.hair.guides.current).unwrap();
+            for i in watched.clone() {
+                let x = Vec3::from_slice(&at[i]);
+                assert!(x.is_finite());
+                let depth = rest[i].contact.min(0.0) - distance(x, t);
+                seen.deepest = seen.deepest.max(depth);
+                runs[i] = if depth > DEEP { runs[i] + 1 } else { 0 };
+                seen.longest = seen.longest.max(runs[i]);
+                seen.deep += usize::from(depth > DEEP);
+                let was = before.get(i).map(|p| Vec3::from_slice(p));
+                seen.tunnelled += usize::from(was.is_some_and(|was| through(was, x, t)));
+            }
+            before = at;
+        }
+        seen
+    }
+}
+
+fn run<'a>(gpu: &'a Gpu, pipelines: &'a Pipelines, character: &Character, colliders: &[Collider]) -> Run<'a> {
+    let what = ColliderDescriptor { head: Some(&character.field), colliders, ..Default::default() };
+    let options = HairOptions::default();
+    let (device, queue) = (&gpu.device, &gpu.queue);
+    let hair = Hair::with_colliders(device, queue, pipelines, &character.groom, &options, &what).unwrap();
+    Run { gpu, pipelines, hair, params: options.simulation }
+}
+
+fn shaken(gpu: &Gpu, pipelines: &Pipelines, name: &str, character: &Character) -> Seen {
+    let Character { field, neck, .. } = character;
+    let head = |t| shake(t, *neck);
+    let seen = run(gpu, pipelines, character, &[]).watch(
+        10.0,
+        &head,
+        &|_| ColliderPoses::default(),
+        &|x, t| field.sample(head(t).inverse().point(x)),
+        &|_, _, _| false,
+    );
+    println!("{name}, 10 s of shake: {seen:?}");
+    // What rests inside is exempt, and must be the exception.
+    assert!(seen.rest_inside < seen.vertices / 20);
+    seen
+}
+
+#[test]
+fn no_vertex_stays_in_the_head_during_a_shake() {
+    let Some(gpu) = common::gpu() else { return };
+    let Some(pipelines) = common::pipelines() else { return };
+    let mut all = true;
+    for name in Style::NAMES {
+        let character = built_in(name);
+        all &= shaken(gpu, pipelines, name, &character).holds();
+    }
+    assert!(all);
+}
+
+#[test]
+fn no_vertex_stays_in_sintels_head_during_a_shake() {
+    let Some(gpu) = common::gpu() else { return };
+    let Some(character) = sintel() else { return };
+    let Some(pipelines) = common::pipelines() else { return };
+    assert!(shaken(gpu, pipelines, "Sintel", &character).holds());
+}
+
+/// A hand's radius, metres.
+const HAND: f32 = 0.035;
+
+/// A forearm of 30 cm that crosses the hair below the head from behind to the front, at `speed`.
+fn sweep(gpu: &Gpu, pipelines: &Pipelines, character: &Character, speed: f32) -> Seen {
+    let shape = Shape::Capsule { half_length: 0.15, radius: HAND };
+    let neck = character.neck;
+    let way = 0.6;
+    let hand = |t: f32| Pose {
+        rotation: Quat::from_rotation_z(1.4),
+        translation: neck + Vec3::new(0.25, -0.02, -0.5 * way + (speed * (t - 0.1).max(0.0)).min(way)),
+    };
+    let poses = |t| ColliderPoses { head: None, colliders: vec![hand(t)] };
+    let distance = |x: Vec3, t: f32| shape::capsule(hand(t).inverse().point(x), HAND, 0.15).w;
+    // As the hand sees it, the vertex has passed its axis nearer than half its radius.
+    let through = |before: Vec3, after: Vec3, t: f32| {
+        let (a, b) = (hand(t - 1.0 / 60.0).inverse().point(before), hand(t).inverse().point(after));
+        (0..=8).any(|i| shape::capsule(a.lerp(b, i as f32 / 8.0), 0.5 * HAND, 0.15).w < 0.0)
+    };
+    let mut run = run(gpu, pipelines, character, &[Collider::new(shape)]);
+    // It begins in the open air.
+    let seen = run.watch(0.1 + way / speed + 0.2, &|_| Pose::IDENTITY, &poses, &distance, &through);
+    println!("a hand at {speed} m/s: {seen:?}");
+    seen
+}
+
+#[test]
+fn a_hand_pushes_hair_aside() {
+    let Some(gpu) = common::gpu() else { return };
+    let Some(pipelines) = common::pipelines() else { return };
+    let character = built_in("long");
+    let seen: Vec<_> = [0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 10.0]
+        .map(|speed| (speed, sweep(gpu, pipelines, &character, speed)))
+        .into_iter()
+        .collect();
+    for (speed, seen) in &seen {
+        assert!(*speed > 3.0 || seen.holds(), "{speed} m/s: {seen:?}");
+    }
+}
+
+/// How far each of 64 straight strands has moved, at most, after a second in which a small capsule stands in the way of
+/// each but number `spared`.
+fn moved_by_capsules(gpu: &Gpu, pipelines: &Pipelines, spared: Option<usize>) -> Vec<f32> {
+    let (device, queue) = (&gpu.device, &gpu.queue);
+    let root = |i: usize| 0.04 * Vec3::new((i % 8) as f32, 0.0, (i / 8) as f32);
+    let mut strands = Strands::default();
+    for i in 0..64 {
+        let line: Vec<_> = (0..12).map(|j| root(i) - Vec3::Y * 0.2 * j as f32 / 11.0).collect();
+        strands.push(&line);
+    }
+    let options = BindOptions { guides: GuideCount::Count(64), ..Default::default() };
+    let groom = bind(&strands, &options).unwrap();
+    assert_eq!(groom.guides.len(), 64);
+    let capsule = Collider::new(Shape::Capsule { half_length: 0.004, radius: 0.01 });
+    let what = ColliderDescriptor { colliders: &[capsule; 64], ..Default::default() };
+    let pose = |i: usize| {
+        let away = if Some(i) == spared { 10.0 } else { 0.0 };
+        Pose { translation: root(i) + Vec3::new(0.004 + away, -0.12, 0.0), ..Pose::IDENTITY }
+    };
+    let colliders = ColliderPoses { head: None, colliders: (0..64).map(pose).collect() };
+    let mut hair =
+        Hair::with_colliders(device, queue, pipelines, &groom, &HairOptions::default(), &what).unwrap();
+    // Strands shall know nothing of each other.
+    let physics = SimulationParams { hair_hair: HairHair::OFF, ..Default::default() };
+    let mut read = |dt: f32| {
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let frame = Frame { dt, head: Pose::IDENTITY, colliders: &colliders, simulation: &physics };
+        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
+            .simulate(&mut hair, &frame)
+            .unwrap();
+        queue.submit([encoder.finish()]);
+        let now: Vec<[f32; 4]> = readback::buffer(device, queue, &hair.guides.current).unwrap();
+        now.iter().map(|v| Vec3::from_slice(v)).collect::<Vec<_>>()
+    };
+    let before = read(0.0);
+    let after = (0..15).map(|_| read(4.0 / 60.0)).last().unwrap();
+    let mut moved = vec![0f32; 64];
+    for (at, (a, b)) in before.iter().zip(&after).enumerate() {
+        // Guides need not be in the order of the strands.
+        let place = before[at % 64] / 0.04;
+        let strand = place.x.round() as usize + 8 * place.z.round() as usize;
+        moved[strand] = moved[strand].max(a.distance(*b));
+    }
+    moved
+}
+
+#[test]
+fn each_of_sixty_four_capsules_acts() {
+    let Some(gpu) = common::gpu() else { return };
+    let Some(pipelines) = common::pipelines() else { return };
+    let least = |moved: &[f32]| moved.iter().copied().fold(f32::MAX, f32::min);
+    let all = moved_by_capsules(gpu, pipelines, None);
+    println!("strands are moved by {} mm or more", 1e3 * least(&all));
+    assert!(least(&all) > 0.01, "{all:?}");
+    // A strand without a capsule is seen, whichever word of the masks its capsule is in.
+    for spared in [0, 31, 32, 63] {
+        let moved = moved_by_capsules(gpu, pipelines, Some(spared));
+        assert!(moved[spared] < 1e-3, "{spared}: {}", moved[spared]);
+        let still: Vec<_> = (0..64).filter(|i| moved[*i] < 0.01).collect();
+        assert_eq!(still, [spared], "{moved:?}");
+    }
+}

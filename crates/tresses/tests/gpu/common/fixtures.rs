@@ -1,0 +1,74 @@
+//! What is slow to make and the same for many tests: built-in characters, grooms from files.
+
+use super::device;
+use std::{
+    collections::HashMap,
+    path::{Path, PathBuf},
+    sync::{Arc, Mutex, OnceLock, PoisonError},
+};
+use tresses::{
+    drape::{self, Character},
+    groom::{
+        SdfGrid, Strands, TriMesh, import,
+        mesh::sdf,
+        styles::{GridScalp, Style},
+    },
+};
+
+/// The built-in style `name` with `strands` strands; made once. `None` where there is no GPU.
+pub fn character(name: &str, strands: u32) -> Option<Arc<Character>> {
+    type Made = HashMap<(String, u32), Arc<OnceLock<Arc<Character>>>>;
+    static MADE: Mutex<Option<Made>> = Mutex::new(None);
+    let (gpu, simulate) = (device::gpu()?, device::simulate()?);
+    let place = {
+        let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+        made.get_or_insert_default().entry((name.to_owned(), strands)).or_default().clone()
+    };
+    let made = place.get_or_init(|| {
+        let style = name.parse::<Style>().expect("a style");
+        let made = drape::character(&gpu.device, &gpu.queue, simulate, &style, Some(strands));
+        Arc::new(pollster::block_on(made).expect("a character"))
+    });
+    Some(made.clone())
+}
+
+/// The mannequin's scalp with a distance field of `resolution` cells along its longest side; made once.
+pub fn scalp(resolution: u32) -> Arc<GridScalp> {
+    static MADE: Mutex<Vec<(u32, Arc<GridScalp>)>> = Mutex::new(Vec::new());
+    let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, scalp)) = made.iter().find(|(of, _)| *of == resolution) {
+        return scalp.clone();
+    }
+    let scalp = Arc::new(GridScalp::mannequin(resolution));
+    made.push((resolution, scalp.clone()));
+    scalp
+}
+
+/// `path` in the folder that `TRESSES_ASSETS` names; where it is absent, says so (`None`) or, when
+/// `TRESSES_REQUIRE_ASSETS=1`, panics.
+pub fn asset(path: impl AsRef<Path>) -> Option<PathBuf> {
+    let path = path.as_ref();
+    let found = std::env::var_os("TRESSES_ASSETS").map(|folder| PathBuf::from(folder).join(path));
+    if found.as_ref().is_some_and(|found| found.exists()) {
+        return found;
+    }
+    let required = std::env::var_os("TRESSES_REQUIRE_ASSETS").is_some_and(|v| v == "1");
+    assert!(!required, "TRESSES_ASSETS has no {}", path.display());
+    println!("skipped: TRESSES_ASSETS has no {}", path.display());
+    None
+}
+
+/// Sintel's hair, 16 points a strand, as the file in the assets has it.
+pub const SINTEL: &str = "sintel/SintelHairOriginal-sintel_hair.16points.tfx";
+
+/// Sintel's strands, head and distance field; read once. `None` where the files are absent.
+pub fn sintel() -> Option<&'static (Strands, TriMesh, SdfGrid)> {
+    static SINTEL_READ: OnceLock<(Strands, TriMesh, SdfGrid)> = OnceLock::new();
+    let (groom, head) = (asset(SINTEL)?, asset("sintel/sintel.obj")?);
+    Some(SINTEL_READ.get_or_init(|| {
+        let (strands, head, _) =
+            import::read_with_head(&[groom], &[head], &Default::default()).expect("Sintel's files");
+        let field = sdf::build(&head, &Default::default()).expect("a field");
+        (strands, head, field)
+    }))
+}

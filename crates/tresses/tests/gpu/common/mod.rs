@@ -1,0 +1,96 @@
+//! What GPU tests share.
+
+mod device;
+mod fixtures;
+
+pub use device::{gpu, pipelines, simulate};
+pub use fixtures::{SINTEL, asset, character, scalp, sintel};
+
+use tresses::{
+    Camera, Pipelines, View,
+    body::Body,
+    frame::{Recorder, Sight},
+    glam::{Mat4, Vec3},
+    gpu::Gpu,
+    groom::{Groom, SdfGrid, Strands, TriMesh},
+    light::HairSet,
+    view::Picture,
+};
+
+/// Strands on a sphere of 9 cm around the origin that stand off, bend and hang `length` metres.
+pub fn hanging(count: usize, vertices: usize, length: f32) -> Strands {
+    let mut strands = Strands::default();
+    for i in 0..count {
+        let y = 1.0 - i as f32 / count as f32;
+        let angle = i as f32 * 2.399_963;
+        let out = Vec3::new((1.0 - y * y).sqrt() * angle.cos(), y, (1.0 - y * y).sqrt() * angle.sin());
+        let curve: Vec<_> = (0..vertices)
+            .map(|j| {
+                let s = j as f32 / (vertices - 1) as f32;
+                out * (0.09 + 0.3 * length * s.sqrt()) - Vec3::Y * length * s * s
+            })
+            .collect();
+        strands.push(&curve);
+    }
+    strands
+}
+
+/// The distance field of a ball around the origin, `resolution` nodes along each side of 40 cm.
+pub fn ball(radius: f32, resolution: u32) -> SdfGrid {
+    SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), resolution, |p| p.length() - radius)
+}
+
+/// The guides' rest positions as the GPU stores them: vertex-major `vec4`s.
+pub fn vertex_major(groom: &Groom) -> Vec<[f32; 4]> {
+    let n = groom.guides.vertex_count as usize;
+    let g = groom.guides.len();
+    let at = |i: usize| groom.guides.positions[(i % g) * n + i / g];
+    (0..n * g).map(|i| at(i).extend(0.0).to_array()).collect()
+}
+
+/// A cube around the origin, `half` its size, metres.
+pub fn cube(half: f32) -> TriMesh {
+    let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
+    let positions: Vec<_> = (0..8).map(|i| (corner(i) * 2.0 - 1.0) * half).collect();
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = faces.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+    TriMesh {
+        normals: positions.iter().map(|p| p.normalize()).collect(),
+        positions,
+        triangles,
+        ..Default::default()
+    }
+}
+
+/// What `view` sees of `picture`: RGBA, rows from the top.
+pub fn picture(
+    gpu: &Gpu,
+    (pipelines, view): (&Pipelines, &View),
+    picture: &Picture,
+    hair: &[&HairSet],
+    bodies: &[&Body],
+) -> Vec<u8> {
+    let Gpu { device, queue, .. } = gpu;
+    let mut encoder = device.create_command_encoder(&Default::default());
+    Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
+        .draw_strands(hair, bodies, Sight::new(view, picture))
+        .expect("it fits");
+    queue.submit([encoder.finish()]);
+    pollster::block_on(view.targets().read(device, queue)).expect("a picture")
+}
+
+/// An orthographic camera, depth reversed, of `size`² pixels, in which a metre is a pixel: the origin is
+/// the lower left corner.
+pub fn metre_is_pixel(size: u32) -> Camera {
+    let half = size as f32 * 0.5;
+    Camera {
+        view: Mat4::from_translation(Vec3::new(-half, -half, -1e4)),
+        projection: Mat4::from_cols_array_2d(&[
+            [1.0 / half, 0.0, 0.0, 0.0],
+            [0.0, 1.0 / half, 0.0, 0.0],
+            [0.0, 0.0, 5e-5, 0.0],
+            [0.0, 0.0, 1.0, 1.0],
+        ]),
+        size: [size, size],
+    }
+}

@@ -1,0 +1,100 @@
+//! Curls in motion: what is baked into rest curves must neither collapse nor unwind while the head turns.
+
+use crate::{common, moving};
+
+use moving::{Character, TURN, advance, angle, drawn};
+use tresses::{
+    avoid::{AvoidMode, AvoidOptions},
+    drape,
+    glam::Vec3,
+    groom::{
+        grow::{Curls, Growth},
+        styles::Style,
+    },
+};
+
+const STRANDS: u32 = 400;
+
+/// The mean distance of a strand's vertices from the mean of the turn around them, and the angle that its
+/// edges turn by in all.
+fn curl(line: &[Vec3], turn: usize) -> [f32; 2] {
+    let half = turn / 2;
+    let inner = half..line.len() - half;
+    let n = inner.len() as f32;
+    let radius = inner.map(|k| {
+        let around = &line[k - half..=k + half];
+        // The two ends of the window are the same place in the turn and count half.
+        let sum = around.iter().sum::<Vec3>() - 0.5 * (around[0] + around[2 * half]);
+        line[k].distance(sum / (2 * half) as f32)
+    });
+    let edges: Vec<Vec3> = line.windows(2).map(|w| w[1] - w[0]).collect();
+    [radius.sum::<f32>() / n, edges.windows(2).map(|w| w[0].angle_between(w[1])).sum()]
+}
+
+/// The 5th, 50th and 95th percentile over the strands of how much radius and turning are of what they were.
+fn ratios(rest: &[[f32; 2]], now: &[[f32; 2]]) -> [[f32; 3]; 2] {
+    [0, 1].map(|what| {
+        let mut all: Vec<f32> = rest.iter().zip(now).map(|(rest, now)| now[what] / rest[what]).collect();
+        all.sort_by(f32::total_cmp);
+        [0.05, 0.5, 0.95].map(|share| all[(share * (all.len() - 1) as f32) as usize])
+    })
+}
+
+/// Whether curls are what they were: to 5 % in the middle, to 25 % for nine in ten.
+fn kept(ratios: [[f32; 3]; 2]) -> bool {
+    ratios.iter().all(|[low, middle, high]| *low > 0.75 && (middle - 1.0).abs() < 0.05 && *high < 1.25)
+}
+
+#[test]
+fn curls_keep_their_shape_while_the_head_turns() {
+    let Some(gpu) = common::gpu() else { return };
+    let Some(pipelines) = common::pipelines() else { return };
+    let style = Style::default();
+    let curls = Curls { wavelength: 0.045, ..Curls::ringlets() };
+    let growth = Growth::for_style(&style).with_strands(STRANDS).with_curls(curls);
+    let built = pollster::block_on(drape::character_with(
+        &gpu.device,
+        &gpu.queue,
+        &pipelines.simulate,
+        &style,
+        &growth,
+        &(),
+    ))
+    .unwrap();
+    let character = Character { groom: built.groom, field: built.field, neck: built.neck };
+    let mut hair = character.hair(gpu, pipelines, AvoidOptions::default());
+    let n = character.groom.strands.vertex_count as usize;
+    // Vertices of one turn of a strand of usual length.
+    let turn = (0.045 / 0.28 * (n - 1) as f32) as usize;
+    let mut measured: Option<Vec<[f32; 2]>> = None;
+    let mut worst = [[1.0f32; 3]; 2];
+    for i in 0..=56u32 {
+        let head = character.head(angle(TURN, i as f32 / 24.0));
+        advance(gpu, pipelines, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / 24.0 });
+        if i % 7 != 0 {
+            continue;
+        }
+        let vertices = drawn(gpu, pipelines, &mut hair, head, AvoidMode::Off);
+        let now: Vec<[f32; 2]> = vertices
+            .chunks_exact(n)
+            .map(|strand| curl(&strand.iter().map(|v| v.position).collect::<Vec<_>>(), turn))
+            .collect();
+        let Some(rest) = &measured else {
+            measured = Some(now);
+            continue;
+        };
+        let found = ratios(rest, &now);
+        assert!(kept(found), "frame {i}: {found:?}");
+        for (worst, found) in worst.iter_mut().zip(found) {
+            *worst = [
+                worst[0].min(found[0]),
+                if (found[1] - 1.0).abs() > (worst[1] - 1.0).abs() { found[1] } else { worst[1] },
+                worst[2].max(found[2]),
+            ];
+        }
+        // Curls that have lost a tenth of their radius would be seen.
+        let limp: Vec<[f32; 2]> = now.iter().map(|[radius, turned]| [0.9 * radius, *turned]).collect();
+        assert!(!kept(ratios(rest, &limp)));
+    }
+    println!("radius {:?}, turning {:?} of what they are at rest (5, 50, 95 %)", worst[0], worst[1]);
+}

@@ -1,0 +1,222 @@
+//! What is drawn covers what it should, and its light is sane.
+
+use crate::common;
+
+use common::{gpu, metre_is_pixel, picture};
+use tresses::{
+    Camera, Pipelines, View,
+    glam::Vec3,
+    gpu::{Gpu, readback::blocking as readback},
+    light::{HairMaterial, HairSet, ShadingModel, ShadingRate, ShadowMethod, Sphere},
+    present::Background,
+    strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
+    view::{Picture, ViewOptions},
+};
+
+fn upload(gpu: &Gpu, radius: f32, strands: &[[Vec3; 2]]) -> StrandBuffers {
+    let buffers = StrandBuffers::new(&gpu.device, strands.len() as u32, 2).expect("fits");
+    let vertices: Vec<_> = strands
+        .iter()
+        .flat_map(|[a, b]| {
+            let tangent = pack_tangent((b - a).normalize(), 1.0);
+            [a, b].map(|position| StrandVertex { position: *position, tangent })
+        })
+        .collect();
+    let infos: Vec<_> = (0..strands.len() as u32)
+        .map(|i| Strand { radius, seed: i.wrapping_mul(0x9e37_79b9), root_color: 0, tip_color: 0 })
+        .collect();
+    gpu.queue.write_buffer(&buffers.vertices, 0, bytemuck::cast_slice(&vertices));
+    gpu.queue.write_buffer(&buffers.strands, 0, bytemuck::cast_slice(&infos));
+    buffers
+}
+
+/// Pipelines, and a view of `size`² pixels of so many samples and texels along each axis.
+fn view(gpu: &Gpu, size: u32, samples: u32, ssaa: u32) -> (&'static Pipelines, View) {
+    let pipelines = common::pipelines().expect("there is a GPU");
+    let options = ViewOptions { samples, ..Default::default() };
+    let view = View::new(&gpu.device, pipelines, &options, [size, size], ssaa).expect("fits");
+    (pipelines, view)
+}
+
+fn render(
+    gpu: &Gpu,
+    (pipelines, view): &(&'static Pipelines, View),
+    scene: &Picture,
+    hair: &HairSet,
+) -> Vec<u8> {
+    picture(gpu, (pipelines, view), scene, &[hair], &[])
+}
+
+const SIZE: u32 = 512;
+const CELL: u32 = 16;
+const LENGTH: f32 = 9.0;
+
+/// Strands of `LENGTH` pixels in all directions, one in each cell of a grid, so that none hides
+/// another: the share of the picture's area that they should cover and that they do.
+fn coverage(gpu: &Gpu, width: f32, samples: u32, ssaa: u32) -> (f64, f64) {
+    // One metre is one pixel.
+    let cells = SIZE / CELL;
+    let strands: Vec<_> = (0..cells * cells)
+        .map(|i| {
+            let noise = |k: u32| {
+                (i.wrapping_mul(2_654_435_761).wrapping_add(k * 40_503) >> 8 & 0xffff) as f32 / 65_536.0
+            };
+            let center = Vec3::new((i % cells) as f32 + 0.5, (i / cells) as f32 + 0.5, 0.0) * CELL as f32
+                + Vec3::new(noise(1) - 0.5, noise(2) - 0.5, 0.0);
+            let angle = noise(3) * std::f32::consts::TAU;
+            let half = Vec3::new(angle.cos(), angle.sin(), 0.0) * 0.5 * LENGTH;
+            [center - half, center + half]
+        })
+        .collect();
+    let view = view(gpu, SIZE, samples, ssaa);
+    let strands_count = strands.len();
+    let buffers = upload(gpu, 0.5 * width, &strands);
+    let hair = HairSet::new(&gpu.device, &buffers).expect("fits");
+    let half = SIZE as f32 * 0.5;
+    let scene = Picture {
+        camera: metre_is_pixel(SIZE),
+        focus: Sphere { center: Vec3::new(half, half, 0.0), radius: SIZE as f32 },
+        background: Background::transparent(),
+        ..Default::default()
+    };
+    let picture = render(gpu, &view, &scene, &hair);
+    let drawn: f64 = picture.chunks(4).map(|pixel| f64::from(pixel[3]) / 255.0).sum();
+    (f64::from(width * LENGTH) * strands_count as f64, drawn)
+}
+
+#[test]
+fn strips_cover_their_area() {
+    let Some(gpu) = gpu() else { return };
+    // (width in pixels, tolerance): below a pixel each strand rounds to whole samples by its own
+    // hash, so that the sum over 1024 strands has a statistical error.
+    for (samples, ssaa) in [(4, 1), (1, 1), (4, 2)] {
+        for (width, tolerance) in
+            [(0.1, 0.2), (0.3, 0.09), (0.7, 0.06), (1.0, 0.03), (2.5, 0.02), (5.0, 0.02)]
+        {
+            // A single sample is smoothed along strands, and their ends fray into what is beside them.
+            let tolerance = tolerance + if samples * ssaa == 1 { 0.02 } else { 0.0 };
+            let (expected, drawn) = coverage(gpu, width, samples, ssaa);
+            let error = drawn / expected - 1.0;
+            println!(
+                "{samples} samples, ssaa {ssaa}, {width} px: {drawn:.0} of {expected:.0} ({:+.1} %)",
+                error * 100.0
+            );
+            assert!(error.abs() < tolerance, "{samples} samples, {width} px wide: {drawn} of {expected}");
+        }
+    }
+}
+
+#[test]
+fn light_is_finite_and_bounded() {
+    let Some(gpu) = gpu() else { return };
+    let view = view(gpu, 16, 1, 1);
+    // A ball of directions, well apart so that no strand shades another.
+    let strands: Vec<_> = (0..600)
+        .map(|i| {
+            let z = 1.0 - (i as f32 + 0.5) / 300.0;
+            let angle = i as f32 * 2.399_963;
+            let r = (1.0 - z * z).max(0.0).sqrt();
+            let direction = Vec3::new(r * angle.cos(), r * angle.sin(), z);
+            let at = direction * 0.2;
+            [at, at + direction.any_orthonormal_vector() * 0.001 + direction * 0.002]
+        })
+        .collect();
+    let mut hair = HairSet::new(&gpu.device, &upload(gpu, 4e-5, &strands)).expect("fits");
+    let models = [ShadingModel::KajiyaKay, ShadingModel::Fiber];
+    for (name, model) in HairMaterial::NAMES.iter().flat_map(|name| models.map(|model| (name, model))) {
+        let mut brightest = 0f32;
+        hair.material = HairMaterial { model, ..HairMaterial::named(name).expect("a preset") };
+        for eye in [Vec3::Z, Vec3::X, Vec3::NEG_Z, Vec3::Y * 0.99 + Vec3::Z * 0.1, Vec3::new(-0.5, 0.6, 0.4)]
+        {
+            let mut scene = Picture {
+                camera: Camera::look_at(eye, Vec3::ZERO, 0.6, [16, 16]),
+                focus: Sphere { center: Vec3::ZERO, radius: 0.3 },
+                shading: ShadingRate::PerVertex,
+                ..Default::default()
+            };
+            // Also where light, tangent and eye are on one line.
+            scene.lights.directional[0].direction = eye.normalize();
+            render(gpu, &view, &scene, &hair);
+            let shaded: Vec<u16> =
+                readback::buffer(&gpu.device, &gpu.queue, &view.1.shaded(&hair).unwrap()).expect("values");
+            for texel in shaded.chunks(4) {
+                for bits in &texel[..3] {
+                    let value = half(*bits);
+                    assert!(value.is_finite() && value >= 0.0, "{name}: {value}");
+                    brightest = brightest.max(value);
+                }
+                assert!((half(texel[3]) - 0.04).abs() < 1e-3, "radius {}", half(texel[3]));
+            }
+        }
+        println!("{name}, {model:?}: brightest {brightest}");
+        assert!(brightest > 0.01 && brightest < 25.0, "{name}: {brightest}");
+    }
+}
+
+fn half(bits: u16) -> f32 {
+    let sign = if bits >> 15 == 0 { 1.0 } else { -1.0 };
+    let (exponent, fraction) = (i32::from(bits >> 10 & 31), f32::from(bits & 1023) / 1024.0);
+    match exponent {
+        0 => sign * fraction * 2f32.powi(-14),
+        31 => f32::NAN,
+        _ => sign * (1.0 + fraction) * 2f32.powi(exponent - 15),
+    }
+}
+
+/// Hair before other hair: less light behind it, and the two shading rates agree.
+#[test]
+fn hair_shades_hair() {
+    let Some(gpu) = gpu() else { return };
+    let view = view(gpu, 64, 1, 1);
+    // Two curtains without gaps, the second a centimetre behind the first, as the key light sees
+    // it, and shorter, so that it does not see past the other's ends.
+    let curtain = |z: f32, tall: f32| {
+        (0..800).map(move |i| {
+            let x = i as f32 * 1.25e-4 - 0.05;
+            [Vec3::new(x, tall, z), Vec3::new(x, -tall, z)]
+        })
+    };
+    let strands: Vec<_> = curtain(0.0, 0.06).chain(curtain(-0.01, 0.05)).collect();
+    let mut hair = HairSet::new(&gpu.device, &upload(gpu, 1e-4, &strands)).expect("fits");
+    let mut scene = Picture {
+        camera: Camera::look_at(Vec3::new(0.0, 0.0, 0.5), Vec3::ZERO, 0.15, [64, 64]),
+        focus: Sphere { center: Vec3::ZERO, radius: 0.1 },
+        shading: ShadingRate::PerPixel,
+        ..Default::default()
+    };
+    scene.lights.directional[0].direction = Vec3::Z;
+    // With two vertices per strand, what bends or jumps along a strand cannot agree.
+    hair.material.root_darkness = 1.0;
+    hair.material.shift_noise = 0.0;
+    scene.shadows.ambient = false;
+    // How many fibres each method counts before the second curtain, whose hairs stand 1.6 deep.
+    let behind = scene.shadows.density * (0.01 - scene.shadows.bias);
+    for (method, expected, tolerance) in [
+        (ShadowMethod::Opaque, 20.0, 0.6),
+        (ShadowMethod::Absorption, behind, 0.2),
+        (ShadowMethod::DeepOpacity, 1.6, 0.15),
+    ] {
+        scene.shadows.method = method;
+        render(gpu, &view, &scene, &hair);
+        let shaded: Vec<u8> =
+            readback::buffer(&gpu.device, &gpu.queue, &view.1.shaded(&hair).unwrap()).expect("values");
+        let mean = |strands: std::ops::Range<usize>| {
+            let count = strands.len() as f32;
+            // The key light's byte of the first of two vertices of eight bytes.
+            strands.map(|i| (f32::from(shaded[i * 16]) / 255.0).powi(2) * 64.0).sum::<f32>() / count
+        };
+        // The edges of the curtain see past it.
+        let (front, back) = (mean(100..700), mean(900..1500));
+        println!("{method:?}: {front} fibres before the first, {back} before the second");
+        // Deep opacity maps count a part of what is in the same layer, before or behind.
+        assert!(front < if method == ShadowMethod::DeepOpacity { 0.8 } else { 0.01 }, "{method:?}: {front}");
+        assert!((back - expected).abs() < tolerance, "{method:?}: {back}, not {expected}");
+    }
+    let pixels = render(gpu, &view, &scene, &hair);
+
+    scene.shading = ShadingRate::PerVertex;
+    let vertices = render(gpu, &view, &scene, &hair);
+    let level = |picture: &[u8]| picture.iter().map(|v| f64::from(*v)).sum::<f64>() / picture.len() as f64;
+    let (a, b) = (level(&pixels), level(&vertices));
+    assert!((a - b).abs() < 4.0, "per pixel {a}, per vertex {b}");
+}

@@ -1,0 +1,57 @@
+//! Edges: how much of a picture hair covers, what peeling makes of it, and how quiet it is in
+//! motion, each against an answer by brute force.
+
+mod coverage;
+mod groom;
+mod motion;
+mod oracle;
+mod peeling;
+mod picture;
+mod reference;
+
+use tresses::draw::Coverage;
+
+/// A way to draw edges.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Mode {
+    name: &'static str,
+    samples: u32,
+    coverage: Coverage,
+    ssaa: u32,
+}
+
+const fn mode(name: &'static str, samples: u32, coverage: Coverage, ssaa: u32) -> Mode {
+    Mode { name, samples, coverage, ssaa }
+}
+
+const MASK_1: Mode = mode("masks, 1 sample", 1, Coverage::SampleMask, 1);
+const MASK_4: Mode = mode("masks, 4×MSAA", 4, Coverage::SampleMask, 1);
+const MASK_2X: Mode = mode("masks, 2× SSAA", 1, Coverage::SampleMask, 2);
+const MASK_4_2X: Mode = mode("masks, 4×MSAA, 2× SSAA", 4, Coverage::SampleMask, 2);
+const ALPHA_4: Mode = mode("alpha to coverage, 4×MSAA", 4, Coverage::AlphaToCoverage, 1);
+const ALPHA_4_2X: Mode = mode("alpha to coverage, 4×MSAA, 2× SSAA", 4, Coverage::AlphaToCoverage, 2);
+const PEEL: Mode = mode("4 layers, 1 sample", 1, Coverage::PEELING, 1);
+const PEEL_2X: Mode = mode("4 layers, 2× SSAA", 1, Coverage::PEELING, 2);
+const MASK_8: Mode = mode("masks, 8×MSAA", 8, Coverage::SampleMask, 1);
+const MASK_16: Mode = mode("masks, 16×MSAA", 16, Coverage::SampleMask, 1);
+const ALPHA_8: Mode = mode("alpha to coverage, 8×MSAA", 8, Coverage::AlphaToCoverage, 1);
+const MODES: [Mode; 11] =
+    [MASK_4, MASK_1, MASK_2X, MASK_4_2X, ALPHA_4, ALPHA_4_2X, PEEL, PEEL_2X, MASK_8, MASK_16, ALPHA_8];
+
+/// Those modes that an adapter with at most `samples` per pixel can draw; says which it cannot.
+fn modes(samples: u32) -> impl Iterator<Item = Mode> {
+    MODES.into_iter().filter(move |mode| {
+        let can = mode.samples <= samples;
+        if !can {
+            println!("skipped: {}: this adapter has {samples} samples per pixel at most", mode.name);
+        }
+        can
+    })
+}
+
+#[test]
+fn what_an_adapter_cannot_draw_is_left_out() {
+    let names = |samples| modes(samples).map(|mode| mode.samples).max();
+    assert_eq!([names(4), names(8), names(16)], [Some(4), Some(8), Some(16)]);
+    assert_eq!((modes(4).count(), modes(16).count()), (8, MODES.len()));
+}

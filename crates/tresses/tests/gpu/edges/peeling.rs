@@ -1,0 +1,210 @@
+//! Depth peeling against strands sorted and blended on the CPU.
+
+use super::{groom::Groom, mode, picture::Studio};
+use crate::common;
+use tresses::{
+    draw::Coverage,
+    glam::{DVec2, DVec3, Vec3},
+    gpu::readback::blocking as readback,
+    light::{HairMaterial, HairSet, ShadingModel, ShadingRate, Sphere},
+    math::hash::pcg,
+    present::Background,
+    view::Picture,
+};
+
+const SIZE: u32 = 128;
+const STRANDS: u32 = 300;
+const LENGTH: f32 = 90.0;
+/// Radius, pixels.
+const RADIUS: f32 = 0.35;
+/// Light that comes through the picture from behind.
+const BACKGROUND: f64 = 0.05;
+
+/// Straight strands in all directions that pass before and behind each other. One metre is one pixel.
+fn straws() -> Groom {
+    let mut points = Vec::new();
+    for i in 0..STRANDS {
+        let noise = |channel: u32| pcg(8 * i + channel) as f32 / u32::MAX as f32;
+        let middle = Vec3::new(noise(1), noise(2), noise(3)) * SIZE as f32;
+        let angle = noise(4) * std::f32::consts::TAU;
+        let half = 0.5 * LENGTH * Vec3::new(angle.cos(), angle.sin(), 0.4 * noise(5) - 0.2);
+        points.extend([middle - half, middle + half]);
+    }
+    Groom { vertices: 2, points, root_radius: RADIUS, tip_radius: RADIUS }
+}
+
+fn scene() -> Picture {
+    let half = SIZE as f32 * 0.5;
+    let mut camera = common::metre_is_pixel(SIZE);
+    // Depth from 0 to 1 over the straws and as much behind them: millimetres are told apart.
+    camera.projection.z_axis.z = 1.0 / 256.0;
+    camera.projection.w_axis.z = 0.25 + 1e4 / 256.0;
+    let mut scene = Picture {
+        camera,
+        focus: Sphere { center: Vec3::splat(half), radius: SIZE as f32 },
+        background: Background::flat(Vec3::splat(BACKGROUND as f32)),
+        shading: ShadingRate::PerVertex,
+        ..Default::default()
+    };
+    // Below the shoulder tone mapping does nothing.
+    scene.tone.exposure = 1.0;
+    scene.tone.shoulder = 0.98;
+    scene
+}
+
+/// Plain colours, which differ.
+fn plain() -> HairMaterial {
+    HairMaterial {
+        model: ShadingModel::KajiyaKay,
+        lightness_spread: 0.9,
+        opacity: 0.0,
+        primary: 0.0,
+        secondary: 0.0,
+        transmission: 0.0,
+        ..HairMaterial::blond()
+    }
+}
+
+/// `groom` in those colours, peeled.
+fn peeled<'a>(gpu: &'a tresses::gpu::Gpu, groom: &Groom, layers: u32) -> (Studio<'a>, HairSet) {
+    let studio = Studio::new(gpu, mode("", 1, Coverage::DepthPeeling { layers }, 1), [SIZE; 2]);
+    let (mut hair, _strands) = studio.hair(groom);
+    hair.material = plain();
+    (studio, hair)
+}
+
+/// Area of the square around `pixel` inside the rectangle around a strand, by cutting it at each side.
+fn area(pixel: DVec2, [a, b]: [DVec2; 2], radius: f64) -> f64 {
+    let along = (b - a).normalize();
+    let across = DVec2::new(-along.y, along.x);
+    let mut polygon: Vec<_> =
+        [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| pixel + DVec2::new(x, y)).to_vec();
+    for (normal, at) in [
+        (across, across.dot(a) + radius),
+        (-across, -across.dot(a) + radius),
+        (along, along.dot(b)),
+        (-along, -along.dot(a)),
+    ] {
+        let mut cut = Vec::new();
+        for i in 0..polygon.len() {
+            let (p, q) = (polygon[i], polygon[(i + 1) % polygon.len()]);
+            let (d, e) = (normal.dot(p) - at, normal.dot(q) - at);
+            if d <= 0.0 {
+                cut.push(p);
+            }
+            if (d < 0.0) != (e < 0.0) && d != e {
+                cut.push(p + (q - p) * (d / (d - e)));
+            }
+        }
+        polygon = cut;
+    }
+    let doubled: f64 =
+        (0..polygon.len()).map(|i| polygon[i].perp_dot(polygon[(i + 1) % polygon.len()])).sum();
+    0.5 * doubled
+}
+
+/// Linear radiance of every pixel, and the most strands in one.
+fn sorted(groom: &Groom, colors: &[DVec3]) -> (Vec<DVec3>, usize) {
+    let mut most = 0;
+    let pixels = (0..SIZE * SIZE).map(|i| {
+        let pixel = DVec2::new(f64::from(i % SIZE) + 0.5, f64::from(SIZE - 1 - i / SIZE) + 0.5);
+        let mut found = Vec::new();
+        for (ends, color) in groom.points.chunks(2).zip(colors.chunks(2)) {
+            let [a, b] = [ends[0], ends[1]].map(|p| p.as_dvec3());
+            let covered = area(pixel, [a.truncate(), b.truncate()], f64::from(RADIUS));
+            if covered < 1e-6 {
+                continue;
+            }
+            let t = (pixel - a.truncate()).dot((b - a).truncate()) / (b - a).truncate().length_squared();
+            let inside = t.clamp(0.0, 1.0);
+            found.push((a.z + (b.z - a.z) * t, covered, color[0] + (color[1] - color[0]) * inside));
+        }
+        most = most.max(found.len());
+        // From back to front.
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        found.iter().fold(DVec3::splat(BACKGROUND), |sum, (_, covered, color)| sum + covered * (color - sum))
+    });
+    let pixels = pixels.collect();
+    (pixels, most)
+}
+
+fn srgb(v: f64) -> f64 {
+    if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// The root of the mean squared difference, in steps of 1/255.
+fn error(picture: &[[u8; 4]], exact: &[DVec3]) -> f64 {
+    let sum: f64 = picture
+        .iter()
+        .zip(exact)
+        .flat_map(|(p, e)| {
+            (0..3).map(move |c| (f64::from(p[c]) - 255.0 * srgb(e[c].clamp(0.0, 1.0))).powi(2))
+        })
+        .sum();
+    (sum / (3 * exact.len()) as f64).sqrt()
+}
+
+fn drawn(gpu: &tresses::gpu::Gpu, groom: &Groom, layers: u32) -> Vec<[u8; 4]> {
+    let (studio, hair) = peeled(gpu, groom, layers);
+    studio.picture(&scene(), &hair)
+}
+
+#[test]
+fn what_lies_behind_the_layers_counts_by_depth() {
+    let Some(gpu) = common::gpu() else { return };
+    // As deep as hair is: 6 cm. Of the other straws, metres apart, no order is known behind the layers.
+    let (deep, mut hair) = (straws(), straws());
+    hair.points.iter_mut().for_each(|p| p.z = 0.06 * p.z / SIZE as f32 + 0.5 * SIZE as f32);
+    let difference = |a: &[[u8; 4]], b: &[[u8; 4]]| {
+        let square = |(a, b): (&[u8; 4], &[u8; 4])| -> f64 {
+            a.iter().zip(b).map(|(a, b)| f64::from(a.abs_diff(*b)).powi(2)).sum()
+        };
+        (a.iter().zip(b).map(square).sum::<f64>() / (3 * a.len()) as f64).sqrt()
+    };
+    // At most twelve strands lie in a pixel.
+    let exact = [&hair, &deep].map(|groom| drawn(gpu, groom, 16));
+    for (layers, bound) in [(1, 0.5), (2, 0.6)] {
+        let [known, unknown] = [0, 1].map(|i| difference(&drawn(gpu, [&hair, &deep][i], layers), &exact[i]));
+        println!("{layers} layers: {known:.2} / 255 from 16 layers, in any order {unknown:.2}");
+        assert!(known < bound * unknown && unknown > 0.8, "{known} {unknown}");
+    }
+}
+
+#[test]
+fn more_layers_come_nearer_to_sorted_strands() {
+    let Some(gpu) = common::gpu() else { return };
+    let (groom, scene) = (straws(), scene());
+    let mut errors = Vec::new();
+    let mut exact = Vec::new();
+    for layers in [1, 2, 4, 8, 16] {
+        let (studio, hair) = peeled(gpu, &groom, layers);
+        let picture = studio.picture(&scene, &hair);
+        if exact.is_empty() {
+            // What each end of each strand looks like is not what is tested here.
+            let shaded: Vec<half::f16> =
+                readback::buffer::<u16>(&gpu.device, &gpu.queue, &studio.shaded(&hair))
+                    .expect("values")
+                    .into_iter()
+                    .map(half::f16::from_bits)
+                    .collect();
+            let colors: Vec<_> =
+                shaded.chunks(4).map(|v| DVec3::new(v[0].to_f64(), v[1].to_f64(), v[2].to_f64())).collect();
+            let brightest = colors.iter().map(|c| c.max_element()).fold(0.0, f64::max);
+            assert!((0.2..0.98).contains(&brightest), "{brightest}");
+            let (pixels, most) = sorted(&groom, &colors);
+            println!("at most {most} strands in a pixel, the brightest {brightest:.2}");
+            assert!((8..=16).contains(&most), "{most}");
+            exact = pixels;
+        }
+        errors.push(error(&picture, &exact));
+        println!("{layers:2} layers: {:.2} / 255", errors[errors.len() - 1]);
+    }
+    assert!(errors.windows(2).all(|pair| pair[1] < 0.8 * pair[0] || pair[1] < 0.6), "{errors:?}");
+    // Rounding to 8 bits and dither alone are 0.4.
+    assert!(errors[4] < 0.8, "{errors:?}");
+    // The comparison sees strands in another order.
+    let mut turned = groom.clone();
+    turned.points.iter_mut().for_each(|p| p.z = SIZE as f32 - p.z);
+    let (studio, hair) = peeled(gpu, &turned, 16);
+    assert!(error(&studio.picture(&scene, &hair), &exact) > 3.0);
+}

@@ -1,0 +1,91 @@
+//! Strands to pictures.
+
+use super::Mode;
+use crate::common;
+use tresses::{
+    Pipelines, View,
+    gpu::Gpu,
+    light::HairSet,
+    strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
+    view::{Picture, ViewOptions},
+};
+
+use super::groom::Groom;
+
+/// A view of one mode.
+pub struct Studio<'a> {
+    gpu: &'a Gpu,
+    pipelines: &'static Pipelines,
+    view: View,
+}
+
+impl<'a> Studio<'a> {
+    pub fn new(gpu: &'a Gpu, mode: Mode, size: [u32; 2]) -> Self {
+        let options = ViewOptions {
+            samples: mode.samples,
+            coverage: mode.coverage,
+            shadow_resolution: 256,
+            ..Default::default()
+        };
+        let pipelines = common::pipelines().expect("there is a GPU");
+        let view = View::new(&gpu.device, pipelines, &options, size, mode.ssaa).expect("fits");
+        Self { gpu, pipelines, view }
+    }
+
+    /// Pictures of another size from here on.
+    pub fn resize(&mut self, size: [u32; 2]) {
+        let ssaa = self.view.targets().ssaa;
+        self.view.resize(&self.gpu.device, size, ssaa).expect("fits");
+    }
+
+    /// What the strands of `hair` were shaded with in the last picture.
+    pub fn shaded(&self, hair: &HairSet) -> tresses::wgpu::Buffer {
+        self.view.shaded(hair).expect("drawn")
+    }
+
+    /// Brings `groom` to the GPU.
+    pub fn hair(&self, groom: &Groom) -> (HairSet, StrandBuffers) {
+        let strands = upload(self.gpu, groom);
+        (HairSet::new(&self.gpu.device, &strands).expect("fits"), strands)
+    }
+
+    /// RGBA of `hair` alone, rows from the top.
+    pub fn picture(&self, scene: &Picture, hair: &HairSet) -> Vec<[u8; 4]> {
+        let bytes = common::picture(self.gpu, (self.pipelines, &self.view), scene, &[hair], &[]);
+        bytes.as_chunks().0.to_vec()
+    }
+}
+
+fn upload(gpu: &Gpu, groom: &Groom) -> StrandBuffers {
+    let n = groom.vertices;
+    let buffers = StrandBuffers::new(&gpu.device, groom.count() as u32, n as u32).expect("fits");
+    write(gpu, groom, &buffers);
+    buffers
+}
+
+/// Replaces the vertices of `buffers` by those of `groom`.
+pub fn write(gpu: &Gpu, groom: &Groom, buffers: &StrandBuffers) {
+    let n = groom.vertices;
+    let vertices: Vec<_> = (0..groom.points.len())
+        .map(|i| StrandVertex {
+            position: groom.points[i],
+            tangent: pack_tangent(groom.tangent(i), groom.radius(i) / groom.root_radius),
+        })
+        .collect();
+    let infos: Vec<_> = (0..groom.count() as u32)
+        .map(|i| Strand {
+            radius: groom.root_radius,
+            seed: (i + 1).wrapping_mul(0x9e37_79b9),
+            root_color: 0,
+            tip_color: 0,
+        })
+        .collect();
+    assert_eq!(vertices.len(), infos.len() * n);
+    gpu.queue.write_buffer(&buffers.vertices, 0, bytemuck::cast_slice(&vertices));
+    gpu.queue.write_buffer(&buffers.strands, 0, bytemuck::cast_slice(&infos));
+}
+
+/// The sum of alpha, pixels.
+pub fn total(picture: &[[u8; 4]]) -> f64 {
+    picture.iter().map(|pixel| f64::from(pixel[3]) / 255.0).sum()
+}

@@ -1,0 +1,89 @@
+//! Coverage of a real groom against a path-traced picture.
+
+use super::{
+    ALPHA_4_2X,
+    groom::Groom,
+    modes,
+    picture::{Studio, total},
+};
+use crate::common;
+use std::{fs::File, io::BufReader, path::Path};
+use tresses::{
+    Camera, draw::Coverage, glam::Vec3, groom::import, light::Sphere, present::Background, view::Picture,
+};
+
+/// Sizes of the picture, that of the reference being 960×600: the same camera from 1.5, 3 and 6
+/// times as far. Strands are 0.4, 0.2 and 0.1 pixels wide at the root.
+const SIZES: [[u32; 2]; 3] = [[640, 400], [320, 200], [160, 100]];
+
+/// Vertices of a drawn strand.
+const VERTICES: usize = 32;
+
+/// The strands as the reference has them: uniform cubic B-splines with a mirrored point beyond each
+/// end, 0.17 mm thick (radius) at the root and 0.07 mm at the tip.
+fn sintel(path: &Path) -> Groom {
+    let (strands, _) = import::read(&[path], &Default::default()).expect("a groom");
+    let mut points = Vec::new();
+    for strand in strands.iter() {
+        let n = strand.len();
+        let control = |i: isize| match i {
+            -1 => 2.0 * strand[0] - strand[1],
+            i if i as usize == n => 2.0 * strand[n - 1] - strand[n - 2],
+            i => strand[i as usize],
+        };
+        for k in 0..VERTICES {
+            let t = k as f32 / (VERTICES - 1) as f32 * (n - 1) as f32;
+            let i = (t as isize).min(n as isize - 2);
+            let u = t - i as f32;
+            let weights = [
+                (1.0 - u).powi(3),
+                3.0 * u.powi(3) - 6.0 * u * u + 4.0,
+                -3.0 * u.powi(3) + 3.0 * u * u + 3.0 * u + 1.0,
+                u.powi(3),
+            ];
+            let point = (0..4).map(|j| control(i - 1 + j) * weights[j as usize]).sum::<Vec3>() / 6.0;
+            points.push(point);
+        }
+    }
+    Groom { vertices: VERTICES, points, root_radius: 1.7e-4, tip_radius: 0.7e-4 }
+}
+
+/// The sum of the reference picture, pixels.
+fn reference(path: &Path) -> f64 {
+    let file = File::open(path).expect("the reference");
+    let mut reader = png::Decoder::new(BufReader::new(file)).read_info().expect("a PNG");
+    let mut texels = vec![0; reader.output_buffer_size().expect("a small picture")];
+    let info = reader.next_frame(&mut texels).expect("a PNG");
+    assert_eq!((info.width, info.height, info.color_type), (960, 600, png::ColorType::Grayscale));
+    texels.iter().map(|v| f64::from(*v) / 255.0).sum()
+}
+
+#[test]
+fn a_real_groom_covers_what_the_reference_does() {
+    let Some(picture) = common::asset("../reference/sintel_coverage.png") else { return };
+    let Some(file) = common::asset(common::SINTEL) else { return };
+    let Some(gpu) = common::gpu() else { return };
+    let exact = reference(&picture);
+    let groom = sintel(&file);
+    let eye = Vec3::new(0.299_269_2, 1.586_853_9, 0.518_349_5);
+    for mode in modes(gpu.tier.max_samples).filter(|mode| *mode != ALPHA_4_2X) {
+        let mut studio = Studio::new(gpu, mode, SIZES[0]);
+        let (hair, _strands) = studio.hair(&groom);
+        let errors = SIZES.map(|size| {
+            studio.resize(size);
+            let target = Vec3::new(0.0, 1.545, 0.0);
+            let scene = Picture {
+                camera: Camera::look_at(eye, target, 30f32.to_radians(), size),
+                focus: Sphere { center: target, radius: 0.2 },
+                background: Background::transparent(),
+                ..Default::default()
+            };
+            let scale = f64::from(size[0]) / 960.0;
+            total(&studio.picture(&scene, &hair)) / (exact * scale * scale) - 1.0
+        });
+        println!("{:36} {:+.2?} %", mode.name, errors.map(|e| 100.0 * e));
+        let good = errors.iter().all(|error| error.abs() < 0.01);
+        // Equal alpha is equal samples, and the comparison sees what that loses.
+        assert_eq!(good, mode.coverage != Coverage::AlphaToCoverage, "{}: {errors:?}", mode.name);
+    }
+}

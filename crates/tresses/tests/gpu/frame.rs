@@ -1,0 +1,168 @@
+//! The whole motion path on the GPU: the same bits twice, the same motion at any frame rate, lengths
+//! kept, nothing in the head, teleports survived.
+
+use crate::common;
+
+use tresses::{
+    Hair, HairOptions, Pipelines, Pose,
+    collide::ColliderPoses,
+    frame::{Frame, Recorder},
+    glam::{Quat, Vec3},
+    gpu::{Gpu, readback::blocking as readback},
+    groom::{BindOptions, Groom, SdfGrid, bind},
+    simulate::SimulationParams,
+    strands::StrandVertex,
+};
+
+const HEAD: f32 = 0.09;
+
+struct Stage {
+    gpu: &'static Gpu,
+    pipelines: &'static Pipelines,
+    groom: Groom,
+    field: SdfGrid,
+}
+
+impl Stage {
+    /// One device for all tests: a software driver takes long to build pipelines.
+    fn open() -> Option<&'static Self> {
+        static STAGE: std::sync::OnceLock<Option<Stage>> = std::sync::OnceLock::new();
+        STAGE.get_or_init(Self::new).as_ref()
+    }
+
+    fn new() -> Option<Self> {
+        let gpu = common::gpu()?;
+        let mut groom = bind(&common::hanging(300, 16, 0.12), &BindOptions::default()).unwrap();
+        // As the hair has them.
+        tresses::lod::arrange(&mut groom.strands);
+        Some(Self { pipelines: common::pipelines()?, groom, field: common::ball(HEAD, 64), gpu })
+    }
+
+    fn hair(&self) -> Hair {
+        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let options = HairOptions::default();
+        Hair::new(device, queue, self.pipelines, &self.groom, &options, Some(&self.field)).unwrap()
+    }
+
+    fn advance(&self, hair: &mut Hair, head: Pose, dt: f32) {
+        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let input = Frame {
+            dt,
+            head,
+            colliders: &ColliderPoses::default(),
+            simulation: &SimulationParams::default(),
+        };
+        let pipelines = self.pipelines;
+        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
+            .advance(hair, &input)
+            .unwrap();
+        queue.submit([encoder.finish()]);
+    }
+
+    fn vertices(&self, hair: &Hair) -> Vec<StrandVertex> {
+        readback::buffer(&self.gpu.device, &self.gpu.queue, &hair.strands.vertices).unwrap()
+    }
+
+    /// After `seconds` of turning at a constant rate, at `fps`.
+    fn turned(&self, seconds: f32, fps: f32) -> (Vec<StrandVertex>, Pose) {
+        let mut hair = self.hair();
+        let pose = |t: f32| Pose::about(Vec3::ZERO, Quat::from_rotation_y(1.5 * t));
+        for i in 0..=(seconds * fps).round() as u32 {
+            self.advance(&mut hair, pose(i as f32 / fps), if i == 0 { 0.0 } else { 1.0 / fps });
+        }
+        (self.vertices(&hair), pose(seconds))
+    }
+
+    /// How far strands deviate from their rest lengths at most, as a fraction.
+    fn strain(&self, vertices: &[StrandVertex]) -> f32 {
+        let length = |points: &[Vec3]| points.windows(2).map(|w| w[0].distance(w[1])).sum::<f32>();
+        vertices
+            .chunks(self.groom.strands.vertex_count as usize)
+            .enumerate()
+            .map(|(i, strand)| {
+                let rest = length(&self.groom.strands.rest_positions(i).collect::<Vec<_>>());
+                let now = length(&strand.iter().map(|v| v.position).collect::<Vec<_>>());
+                (now / rest - 1.0).abs()
+            })
+            .fold(0.0, f32::max)
+    }
+}
+
+fn largest_difference(a: &[StrandVertex], b: &[StrandVertex]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| a.position.distance(b.position)).fold(0.0, f32::max)
+}
+
+#[test]
+fn two_runs_agree_bit_by_bit() {
+    let Some(stage) = Stage::open() else { return };
+    let (first, _) = stage.turned(0.5, 60.0);
+    let (second, _) = stage.turned(0.5, 60.0);
+    assert_eq!(bytemuck::cast_slice::<_, u8>(&first), bytemuck::cast_slice::<_, u8>(&second));
+    // And the hair did move, so that the test can tell something.
+    let mut still = stage.hair();
+    stage.advance(&mut still, Pose::IDENTITY, 0.0);
+    assert!(largest_difference(&first, &stage.vertices(&still)) > 0.01);
+}
+
+#[test]
+fn the_motion_is_the_same_at_any_frame_rate() {
+    let Some(stage) = Stage::open() else { return };
+    let (at_60, head) = stage.turned(0.5, 60.0);
+    for fps in [30.0, 120.0, 144.0] {
+        let (other, _) = stage.turned(0.5, fps);
+        // 144 is no multiple of the steps: its picture lies between two of them.
+        let off = largest_difference(&at_60, &other);
+        assert!(off < 2e-3, "{fps} fps: {off} m");
+    }
+    assert!((head.point(Vec3::X) - Vec3::X).length() > 0.5);
+}
+
+#[test]
+fn moving_strands_keep_their_lengths_and_stay_out_of_the_head() {
+    let Some(stage) = Stage::open() else { return };
+    let mut hair = stage.hair();
+    for i in 0..90 {
+        let angle = 0.8 * (std::f32::consts::TAU * i as f32 / 30.0).sin();
+        let pose = Pose::about(Vec3::ZERO, Quat::from_rotation_y(angle));
+        stage.advance(&mut hair, pose, 1.0 / 60.0);
+        if i % 15 != 14 {
+            continue;
+        }
+        let vertices = stage.vertices(&hair);
+        assert!(vertices.iter().all(|v| v.position.is_finite()));
+        let strain = stage.strain(&vertices);
+        assert!(strain < 0.02, "frame {i}: {strain}");
+        // Some strands of this groom rest in the head, a few of them centimetres deep, where a distance to
+        // the skin holds nothing any more; the others may not be deeper than they rest.
+        let rests = (0..stage.groom.strands.len()).flat_map(|i| stage.groom.strands.rest_positions(i));
+        let deeper: Vec<bool> = vertices
+            .iter()
+            .zip(rests)
+            .filter(|(v, rest)| v.position.length() < HEAD.min(rest.length()) - 1e-3)
+            .map(|(_, rest)| rest.length() < HEAD - 5e-3)
+            .collect();
+        let buried = deeper.iter().filter(|buried| **buried).count();
+        assert_eq!(deeper.len() - buried, 0, "frame {i}: in the head");
+        assert!(buried * 500 <= vertices.len(), "frame {i}: {buried} of {} deeper", vertices.len());
+    }
+}
+
+#[test]
+fn a_teleport_and_a_long_pause_leave_the_style_in_place() {
+    let Some(stage) = Stage::open() else { return };
+    let mut hair = stage.hair();
+    stage.advance(&mut hair, Pose::IDENTITY, 0.0);
+    let rest = stage.vertices(&hair);
+    let far = Pose { translation: Vec3::new(40.0, 1.0, -3.0), ..Pose::IDENTITY };
+    stage.advance(&mut hair, far, 1.0 / 60.0);
+    stage.advance(&mut hair, far, 100.0);
+    stage.advance(&mut hair, far, f32::NAN);
+    let after: Vec<_> = stage
+        .vertices(&hair)
+        .into_iter()
+        .map(|v| StrandVertex { position: v.position - far.translation, ..v })
+        .collect();
+    let off = largest_difference(&rest, &after);
+    assert!(off < 0.01, "{off}");
+}

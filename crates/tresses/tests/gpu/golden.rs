@@ -1,0 +1,154 @@
+//! A small picture of hair on a ball, compared with the one that was judged good.
+//! `TRESSES_WRITE_GOLDEN=1` writes it anew: look at it before committing it.
+
+use crate::common;
+
+use std::path::Path;
+use tresses::{
+    Camera, View,
+    body::Body,
+    glam::Vec3,
+    gpu::Gpu,
+    groom::TriMesh,
+    light::{FiberMaterial, HairMaterial, HairSet, ShadingModel, Sphere},
+    strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
+    view::{Picture, ViewOptions},
+};
+
+const SIZE: [u32; 2] = [120, 96];
+const VERTICES: u32 = 12;
+
+/// Wavy strands that leave the upper half of a ball of 8 cm and fall.
+fn strands(gpu: &Gpu) -> StrandBuffers {
+    let count = 3000;
+    let mut vertices = Vec::new();
+    let mut infos = Vec::new();
+    for i in 0..count {
+        let z = 1.0 - (i as f32 + 0.5) / count as f32 * 0.9;
+        let around = i as f32 * 2.399_963;
+        let r = (1.0 - z * z).sqrt();
+        let normal = Vec3::new(r * around.cos(), z, r * around.sin());
+        let side = normal.cross(Vec3::Y).normalize_or(Vec3::X);
+        let point = |k: u32| {
+            let s = k as f32 / (VERTICES - 1) as f32;
+            let out = normal * (0.08 + 0.03 * s * (1.0 - 0.6 * s)) + Vec3::Y * (-0.09 * s * s);
+            out + side * 0.006 * (9.0 * s + 0.02 * (i % 40) as f32).sin() * s
+        };
+        for k in 0..VERTICES {
+            let tangent = (point(k + 1) - point(k)).normalize();
+            let radius = 1.0 - 0.6 * k as f32 / (VERTICES - 1) as f32;
+            vertices.push(StrandVertex { position: point(k), tangent: pack_tangent(tangent, radius) });
+        }
+        infos.push(Strand {
+            radius: 5e-4,
+            seed: (i as u32).wrapping_mul(0x9e37_79b9),
+            root_color: 0,
+            tip_color: 0,
+        });
+    }
+    let buffers = StrandBuffers::new(&gpu.device, count as u32, VERTICES).expect("fits");
+    gpu.queue.write_buffer(&buffers.vertices, 0, bytemuck::cast_slice(&vertices));
+    gpu.queue.write_buffer(&buffers.strands, 0, bytemuck::cast_slice(&infos));
+    buffers
+}
+
+fn ball() -> TriMesh {
+    let (rows, columns) = (24u32, 48u32);
+    let mut mesh = TriMesh::default();
+    for row in 0..=rows {
+        for column in 0..columns {
+            let (theta, phi) = (
+                row as f32 / rows as f32 * std::f32::consts::PI,
+                column as f32 / columns as f32 * std::f32::consts::TAU,
+            );
+            let normal = Vec3::new(theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin());
+            mesh.positions.push(normal * 0.08);
+            mesh.normals.push(normal);
+            if row < rows {
+                let at = |r: u32, c: u32| (row + r) * columns + (column + c) % columns;
+                mesh.triangles.push([at(0, 0), at(0, 1), at(1, 0)]);
+                mesh.triangles.push([at(0, 1), at(1, 1), at(1, 0)]);
+            }
+        }
+    }
+    mesh
+}
+
+pub fn picture(gpu: &Gpu, hair_material: HairMaterial) -> Vec<u8> {
+    let pipelines = common::pipelines().expect("there is a GPU");
+    let options = ViewOptions { shadow_resolution: 256, ..Default::default() };
+    let view = View::new(&gpu.device, pipelines, &options, SIZE, 1).expect("fits");
+    let mut hair = HairSet::new(&gpu.device, &strands(gpu)).expect("fits");
+    hair.material = hair_material;
+    let body = Body::new(&gpu.device, &ball());
+    let picture = Picture {
+        camera: Camera::look_at(Vec3::new(0.2, 0.12, 0.5), Vec3::new(0.0, -0.01, 0.0), 0.38, SIZE),
+        focus: Sphere { center: Vec3::ZERO, radius: 0.15 },
+        ..Default::default()
+    };
+    common::picture(gpu, (pipelines, &view), &picture, &[&hair], &[&body])
+}
+
+/// Mean and 99th percentile of the differences of all channels, in steps of 1/255.
+pub fn difference(a: &[u8], b: &[u8]) -> (f64, u8) {
+    assert_eq!(a.len(), b.len());
+    let mut steps: Vec<u8> = a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).collect();
+    steps.sort_unstable();
+    (steps.iter().map(|v| f64::from(*v)).sum::<f64>() / steps.len() as f64, steps[steps.len() * 99 / 100])
+}
+
+fn agree(a: &[u8], b: &[u8]) -> bool {
+    let (mean, high) = difference(a, b);
+    println!("mean difference {mean:.2}, 99th percentile {high}");
+    alike(mean, high)
+}
+
+/// Whether two pictures so far apart look the same.
+pub fn alike(mean: f64, high: u8) -> bool {
+    mean < 0.25 && high < 5
+}
+
+#[test]
+fn hair_on_a_ball_looks_as_it_did() {
+    let Some(gpu) = common::gpu() else { return };
+    if !gpu.tier.software {
+        // Others place samples and round differently; this is about changes of our own.
+        return println!("skipped: the picture was made by the software driver");
+    }
+    let brown = HairMaterial { model: ShadingModel::KajiyaKay, ..HairMaterial::brown() };
+    let lighter = HairMaterial { diffuse: 1.3 * brown.diffuse, ..brown };
+    let flat = HairMaterial { opacity: 0.0, ..brown };
+    compare(gpu, "ball.png", brown, &[lighter, flat]);
+
+    let brown = HairMaterial { model: ShadingModel::Fiber, ..brown };
+    let fiber = |fiber: FiberMaterial| HairMaterial { fiber, ..brown };
+    let lighter = fiber(FiberMaterial { root_absorption: 0.7 * brown.fiber.root_absorption, ..brown.fiber });
+    let mut smooth = brown.fiber;
+    smooth.shape.longitudinal = 0.2;
+    let alone = fiber(FiberMaterial { density_forward: 0.0, density_back: 0.0, ..brown.fiber });
+    compare(gpu, "ball-fiber.png", brown, &[lighter, fiber(smooth), alone]);
+}
+
+/// Holds `material` against the picture `name`, and makes sure that the others do not look like it.
+fn compare(gpu: &Gpu, name: &str, material: HairMaterial, others: &[HairMaterial]) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
+    let now = picture(gpu, material);
+    if std::env::var_os("TRESSES_WRITE_GOLDEN").is_some() {
+        let file = std::fs::File::create(&path).expect("a writable tree");
+        let mut encoder = png::Encoder::new(file, SIZE[0], SIZE[1]);
+        encoder.set_color(png::ColorType::Rgba);
+        encoder.write_header().and_then(|mut writer| writer.write_image_data(&now)).expect("a PNG");
+    }
+    let file = std::fs::File::open(&path).expect("the golden picture");
+    let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().expect("a PNG");
+    let mut golden = vec![0; reader.output_buffer_size().expect("a small picture")];
+    reader.next_frame(&mut golden).expect("a PNG");
+    assert!(agree(&now, &golden), "{name} has changed");
+
+    // The comparison sees a slightly different hair colour, and what is missing.
+    for other in others {
+        assert!(!agree(&picture(gpu, *other), &golden), "{other:?}");
+    }
+    // The same bits twice.
+    assert_eq!(difference(&now, &picture(gpu, material)), (0.0, 0));
+}

@@ -1,0 +1,357 @@
+//! A hand in the hair: what it holds follows, what it does not hold stays, nothing tears or jumps.
+
+use crate::common;
+
+use tresses::{
+    Hair, HairOptions, Pipelines, Pose,
+    collide::{Collider, ColliderPoses, Shape},
+    frame::{Frame, Recorder},
+    glam::{Quat, Vec3},
+    gpu::{Gpu, readback},
+    groom::{BindOptions, Groom, GuideCount, SdfGrid, bind},
+    simulate::{Ray, SimulationParams, Target, grab::GrabState},
+    volume::HairHairMode,
+};
+
+const HEAD: f32 = 0.09;
+/// Hair hangs this far before the head, about as deep as its lower edge.
+const FRONT: Ray = Ray { origin: Vec3::new(0.02, -0.03, 1.0), direction: Vec3::NEG_Z };
+const RADIUS: f32 = 0.015;
+
+struct Stage {
+    gpu: &'static Gpu,
+    pipelines: &'static Pipelines,
+    groom: Groom,
+    field: SdfGrid,
+    physics: SimulationParams,
+}
+
+impl Stage {
+    /// One device for all tests: a software driver takes long to build pipelines.
+    fn open() -> Option<&'static Self> {
+        static STAGE: std::sync::OnceLock<Option<Stage>> = std::sync::OnceLock::new();
+        STAGE.get_or_init(Self::new).as_ref()
+    }
+
+    fn new() -> Option<Self> {
+        let gpu = common::gpu()?;
+        // Hair that touches other hair passes the pull on: here it is told apart.
+        let mut physics = SimulationParams::default();
+        physics.hair_hair.mode = HairHairMode::Off;
+        Some(Self {
+            pipelines: common::pipelines()?,
+            groom: bind(
+                &common::hanging(300, 16, 0.2),
+                &BindOptions { guides: GuideCount::OneIn(2), ..Default::default() },
+            )
+            .unwrap(),
+            field: common::ball(HEAD, 64),
+            physics,
+            gpu,
+        })
+    }
+
+    /// Hair that has settled for half a second.
+    fn hair(&self) -> Hair {
+        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let options = HairOptions { simulation: self.physics, ..Default::default() };
+        let mut hair =
+            Hair::new(device, queue, self.pipelines, &self.groom, &options, Some(&self.field)).unwrap();
+        for _ in 0..31 {
+            self.advance(&mut hair, Pose::IDENTITY, 1.0 / 60.0, &[]);
+        }
+        hair
+    }
+
+    fn advance(&self, hair: &mut Hair, head: Pose, dt: f32, colliders: &[Pose]) {
+        self.advance_with(hair, head, dt, colliders, &self.physics);
+    }
+
+    fn advance_with(
+        &self,
+        hair: &mut Hair,
+        head: Pose,
+        dt: f32,
+        colliders: &[Pose],
+        simulation: &SimulationParams,
+    ) {
+        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let poses = ColliderPoses { head: None, colliders: colliders.to_vec() };
+        let frame = Frame { dt, head, colliders: &poses, simulation };
+        let pipelines = self.pipelines;
+        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
+            .advance(hair, &frame)
+            .unwrap();
+        queue.submit([encoder.finish()]);
+    }
+
+    fn still(&self, hair: &mut Hair, frames: u32) {
+        for _ in 0..frames {
+            self.advance(hair, Pose::IDENTITY, 1.0 / 60.0, &[]);
+        }
+    }
+
+    /// Positions of the guides' vertices, vertex by vertex.
+    fn guides(&self, hair: &Hair) -> Vec<Vec3> {
+        let list: Vec<[f32; 4]> =
+            pollster::block_on(readback::buffer(&self.gpu.device, &self.gpu.queue, &hair.guides.current))
+                .unwrap();
+        list.iter().map(|p| Vec3::new(p[0], p[1], p[2])).collect()
+    }
+
+    fn state(&self, hair: &Hair) -> GrabState {
+        let buffer = hair.grabbed().state().expect("there was a grab");
+        pollster::block_on(readback::buffer(&self.gpu.device, &self.gpu.queue, buffer)).unwrap()[0]
+    }
+
+    /// Grabs, and lets a frame pass, so that it is known what was hit.
+    fn grabbed(&self, ray: &Ray) -> (Hair, Vec<Vec3>, GrabState) {
+        let mut hair = self.hair();
+        let before = self.guides(&hair);
+        hair.grab(ray, RADIUS).unwrap();
+        self.still(&mut hair, 1);
+        let state = self.state(&hair);
+        (hair, before, state)
+    }
+
+    /// Drags what is held along `way` in half a second, and waits as long.
+    fn drag(&self, hair: &mut Hair, from: Vec3, way: Vec3) {
+        for i in 1..=30 {
+            hair.drag_to(&Target::Point(from + way * (i as f32 / 30.0))).unwrap();
+            self.still(hair, 1);
+        }
+        self.still(hair, 30);
+    }
+
+    /// The largest strain of any edge.
+    fn strain(&self, guides: &[Vec3]) -> f32 {
+        let (count, n) = (self.groom.guides.len(), self.groom.guides.vertex_count as usize);
+        let mut worst = 0.0f32;
+        for guide in 0..count {
+            let rest = self.groom.guides.guide(guide);
+            for j in 1..n - 1 {
+                let now = guides[j * count + guide].distance(guides[(j + 1) * count + guide]);
+                worst = worst.max((now / rest[j].distance(rest[j + 1]) - 1.0).abs());
+            }
+        }
+        worst
+    }
+
+    /// By how much the deepest vertex is in the head, metres, or deeper than it rests there.
+    fn depth(&self, guides: &[Vec3]) -> f32 {
+        let rest = common::vertex_major(&self.groom);
+        let rest = rest.iter().map(|p| Vec3::new(p[0], p[1], p[2]).length().min(HEAD));
+        guides.iter().zip(rest).fold(0.0, |deep, (p, rest)| deep.max(rest - p.length()))
+    }
+}
+
+/// The largest distance of two lists.
+fn apart(a: &[Vec3], b: &[Vec3]) -> f32 {
+    a.iter().zip(b).fold(0.0, |most, (a, b)| most.max(a.distance(*b)))
+}
+
+#[test]
+fn what_is_held_follows_and_the_rest_stays() {
+    let Some(stage) = Stage::open() else { return };
+    let (mut hair, before, state) = stage.grabbed(&FRONT);
+    assert_eq!(state.held, 1);
+    let aside = (state.hit - FRONT.origin).reject_from_normalized(FRONT.direction).length();
+    assert!(aside < 1e-4 && state.hit.z > HEAD, "{:?}", state.hit);
+    // Towards the roots, where there is slack.
+    let way = Vec3::new(0.015, 0.03, 0.0);
+    stage.drag(&mut hair, state.hit, way);
+    let after = stage.guides(&hair);
+    let count = stage.groom.guides.len();
+    // Guides are farther apart than the radius: then the nearest is held.
+    let moving = || 2 * count..before.len();
+    let least = moving().fold(f32::MAX, |least, i| least.min(before[i].distance(state.hit)));
+    let firm = 0.59 * RADIUS.max(2.0 * least);
+    let held: Vec<_> = moving().filter(|i| before[*i].distance(state.hit) < firm).collect();
+    assert!(!held.is_empty() && least < 0.03, "nobody is held: {least}");
+    let worst = held.iter().fold(0.0f32, |worst, i| worst.max(after[*i].distance(before[*i] + way)));
+    println!("{} held, off by {:.2} mm at most", held.len(), 1e3 * worst);
+    assert!(worst < 2e-3, "{worst}");
+    // Guides without a vertex near the hand.
+    let mut control = stage.hair();
+    stage.still(&mut control, 61);
+    let control = stage.guides(&control);
+    let mut touched = 0;
+    for guide in 0..count {
+        let of = |list: &[Vec3]| (0..list.len() / count).map(|j| list[j * count + guide]).collect::<Vec<_>>();
+        let near = of(&before).iter().any(|p| p.distance(state.hit) < 0.06);
+        let moved = apart(&of(&after), &of(&control));
+        touched += u32::from(moved > 5e-3);
+        assert!(near || moved == 0.0, "guide {guide} moved by {moved}");
+    }
+    assert!(touched > 0 && touched < count as u32 / 4, "{touched} of {count}");
+}
+
+#[test]
+fn it_pulls_among_wind_and_other_hair() {
+    let Some(stage) = Stage::open() else { return };
+    let mut hair = stage.hair();
+    let before = stage.guides(&hair);
+    let physics = SimulationParams {
+        wind: tresses::wind::Wind::new(Vec3::new(-3.0, 0.0, -4.0)),
+        ..SimulationParams::default()
+    };
+    let frames = |hair: &mut Hair, count| {
+        for _ in 0..count {
+            stage.advance_with(hair, Pose::IDENTITY, 1.0 / 60.0, &[], &physics);
+        }
+    };
+    hair.grab(&FRONT, RADIUS).unwrap();
+    frames(&mut hair, 1);
+    let state = stage.state(&hair);
+    let way = Vec3::new(0.01, 0.03, 0.01);
+    hair.drag_to(&Target::Point(state.hit + way)).unwrap();
+    frames(&mut hair, 60);
+    let after = stage.guides(&hair);
+    let count = stage.groom.guides.len();
+    let nearest = (2 * count..before.len())
+        .min_by(|a, b| before[*a].distance(state.hit).total_cmp(&before[*b].distance(state.hit)))
+        .unwrap();
+    let off = after[nearest].distance(before[nearest] + way);
+    println!("in a wind of 5 m/s the nearest is off by {:.2} mm", 1e3 * off);
+    // Nothing else brings it there.
+    assert!(off < 3e-3 && off < 0.1 * way.length(), "{off}");
+    let mut control = stage.hair();
+    frames(&mut control, 61);
+    assert!(stage.guides(&control)[nearest].distance(before[nearest] + way) > 0.02);
+}
+
+#[test]
+fn what_is_pulled_too_far_is_taut_and_falls_when_let_go() {
+    let Some(stage) = Stage::open() else { return };
+    let (mut hair, _, state) = stage.grabbed(&FRONT);
+    // Out of reach, and then through the head.
+    for way in [Vec3::new(0.1, 0.1, 0.5), Vec3::new(0.0, 0.1, -0.4)] {
+        stage.drag(&mut hair, state.hit, way);
+        let now = stage.guides(&hair);
+        let (strain, depth) = (stage.strain(&now), stage.depth(&now));
+        println!("{way}: strain {:.2} %, {:.2} mm deep", 100.0 * strain, 1e3 * depth);
+        assert!(strain < 0.01 && depth < 1e-3, "{strain} {depth}");
+    }
+    stage.drag(&mut hair, state.hit, Vec3::new(0.1, 0.1, 0.5));
+    hair.release();
+    assert!(!hair.grabbed().is_active());
+    let mut last = stage.guides(&hair);
+    let mut fastest = 0.0f32;
+    let mut first = 0.0;
+    for i in 0..40 {
+        stage.still(&mut hair, 1);
+        let now = stage.guides(&hair);
+        fastest = fastest.max(60.0 * apart(&now, &last));
+        if i == 0 {
+            first = fastest;
+        }
+        assert!(stage.strain(&now) < 0.01);
+        last = now;
+    }
+    println!("{first:.2} m/s after a step, at most {fastest:.2} m/s");
+    // Gravity alone makes 0.16 m/s in a step and 3.6 m/s on a fall as long as the hair's way.
+    assert!(first < 1.0 && fastest < 4.0, "{first} {fastest}");
+}
+
+#[test]
+fn a_ray_that_meets_nothing_changes_nothing() {
+    let Some(stage) = Stage::open() else { return };
+    let mut control = stage.hair();
+    stage.still(&mut control, 10);
+    let control = stage.guides(&control);
+    let beside = Ray { origin: Vec3::new(0.5, 0.0, 1.0), direction: Vec3::NEG_Z };
+    let away = Ray { direction: Vec3::Z, ..FRONT };
+    // Up through the head, to the hair on its top.
+    let hidden = Ray { origin: Vec3::NEG_Y, direction: Vec3::Y };
+    for ray in [beside, away, hidden] {
+        let (mut hair, _, state) = stage.grabbed(&ray);
+        assert_eq!(state.held, 0, "{ray:?}");
+        hair.drag_to(&Target::Point(Vec3::splat(0.3))).unwrap();
+        stage.still(&mut hair, 9);
+        assert!(stage.guides(&hair) == control, "{ray:?}");
+    }
+    // From above it is not hidden.
+    let (_, _, state) = stage.grabbed(&Ray { origin: Vec3::new(0.01, 1.0, 0.01), direction: Vec3::NEG_Y });
+    assert!(state.held == 1 && state.hit.y > HEAD - 5e-3, "{state:?}");
+    let mut hair = stage.hair();
+    assert!(hair.grab(&Ray { direction: Vec3::ZERO, ..FRONT }, RADIUS).is_err());
+    assert!(hair.grab(&FRONT, 0.0).is_err());
+    assert!(hair.drag_to(&Target::Point(Vec3::NAN)).is_err());
+}
+
+#[test]
+fn the_same_bits_twice_and_the_same_motion_at_any_frame_rate() {
+    let Some(stage) = Stage::open() else { return };
+    // The hand moves at a constant speed; frames end with steps.
+    let pulled = |fps: f32, speed: f32| {
+        let mut hair = stage.hair();
+        hair.grab(&FRONT, RADIUS).unwrap();
+        let at = |t: f32| Ray { origin: FRONT.origin + Vec3::new(0.3, 0.4, 0.0) * t * speed, ..FRONT };
+        for i in 1..=(0.5 * fps).round() as u32 {
+            hair.drag_to(&Target::Ray(at(i as f32 / fps))).unwrap();
+            stage.advance(&mut hair, Pose::IDENTITY, 1.0 / fps, &[]);
+        }
+        stage.guides(&hair)
+    };
+    let reference = pulled(60.0, 1.0);
+    assert!(pulled(60.0, 1.0) == reference, "not the same twice");
+    for fps in [30.0, 144.0] {
+        let off = apart(&pulled(fps, 1.0), &reference);
+        println!("{fps} and 60 frames per second part by {:.3} mm", 1e3 * off);
+        assert!(off < 1e-3, "{fps}: {off}");
+    }
+    assert!(apart(&pulled(60.0, 1.05), &reference) > 2e-3, "a faster hand is not seen");
+}
+
+#[test]
+fn jumps_and_resets_let_go() {
+    let Some(stage) = Stage::open() else { return };
+    for jumps in [true, false] {
+        let (mut hair, _, state) = stage.grabbed(&FRONT);
+        stage.drag(&mut hair, state.hit, Vec3::new(0.02, 0.0, 0.04));
+        let far = Pose { translation: Vec3::X * 3.0, rotation: Quat::IDENTITY };
+        let head = if jumps { far } else { Pose::IDENTITY };
+        if !jumps {
+            hair.reset();
+        }
+        stage.advance(&mut hair, head, 1.0 / 60.0, &[]);
+        assert!(!hair.grabbed().is_active());
+        let now = stage.guides(&hair);
+        assert!(now.iter().all(|p| p.distance(head.translation) < 0.4));
+    }
+}
+
+#[test]
+fn a_ball_comes_pushes_hair_and_goes() {
+    let Some(stage) = Stage::open() else { return };
+    let Gpu { device, queue, .. } = stage.gpu;
+    let mut hair = stage.hair();
+    let free = stage.guides(&hair);
+    let ball = 0.03;
+    hair.set_colliders(device, queue, &[Collider::new(Shape::sphere(ball))]).unwrap();
+    // From the front into the hair beside the head, and out at the back.
+    let at = |t: f32| Pose { translation: Vec3::new(0.14, -0.05, 0.25 - 0.25 * t), ..Pose::IDENTITY };
+    let (mut pushed, mut inside) = (0.0f32, 0.0f32);
+    for i in 0..=60 {
+        let place = at(i as f32 / 30.0);
+        stage.advance(&mut hair, Pose::IDENTITY, 1.0 / 60.0, &[place]);
+        let now = stage.guides(&hair);
+        pushed = pushed.max(apart(&now, &free));
+        let deepest = now.iter().fold(0.0f32, |deep, p| deep.max(ball - p.distance(place.translation)));
+        inside = inside.max(deepest);
+    }
+    println!("a ball of {ball} m pushes by {pushed:.3} m and is entered by {:.2} mm", 1e3 * inside);
+    assert!(pushed > 0.02 && inside < 2e-3, "{pushed} {inside}");
+    hair.set_colliders(device, queue, &[]).unwrap();
+    stage.still(&mut hair, 120);
+    let left = apart(&stage.guides(&hair), &free);
+    assert!(left < 0.5 * pushed, "hair comes back: {left} of {pushed}");
+    // Poses must fit the list.
+    let poses = ColliderPoses { head: None, colliders: vec![Pose::IDENTITY] };
+    let frame = Frame { dt: 0.0, head: Pose::IDENTITY, colliders: &poses, simulation: &stage.physics };
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let pipelines = stage.pipelines;
+    let mut recorder = Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None };
+    assert!(recorder.advance(&mut hair, &frame).is_err());
+}

@@ -1,0 +1,125 @@
+//! Coverage and luminance are those of full detail.
+
+use super::stage::{Shot, Stage};
+use crate::common;
+use tresses::{
+    Hair,
+    glam::Vec3,
+    groom::{bind, import},
+    lod::{Detail, LodMode},
+};
+
+/// The share of a picture that is covered, and its mean light.
+pub fn measure(picture: &[[f32; 4]]) -> [f32; 2] {
+    let light = |p: &[f32; 4]| 0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2];
+    let covered = picture.iter().map(|p| p[3]).sum::<f32>();
+    [covered, picture.iter().map(light).sum::<f32>()].map(|sum| sum / picture.len() as f32)
+}
+
+/// Directions about the hair, all around: what is a few pixels large shines by chance, and a level of detail
+/// is right for all lights and eyes together. Fewer where pictures are large and next to nothing differs.
+fn directions(pixels: u32) -> usize {
+    if pixels < 300 { 6 } else { 2 }
+}
+
+/// How much more coverage and luminance (of what is covered) the hair has from `distance` metres than in full
+/// detail in a finer picture, over so many directions; `change` perturbs the level of detail.
+fn errors(
+    stage: &Stage,
+    hair: &mut Hair,
+    distance: f32,
+    directions: usize,
+    change: impl Fn(&mut Detail),
+) -> [f32; 2] {
+    let (mut seen, mut reference) = ([0.0; 2], [0.0; 2]);
+    let size = Shot::new(distance, Vec3::Z).size(hair.lod.sphere.1);
+    for i in 0..directions {
+        let turn = std::f32::consts::TAU * (i as f32 + 0.3) / directions as f32;
+        let direction = Vec3::new(turn.sin(), [0.1, 0.3][i % 2], turn.cos());
+        let shot = Shot::new(distance, direction);
+        let mut detail = shot.detail(hair);
+        change(&mut detail);
+        hair.lod.options.mode = LodMode::Off;
+        let full = shot.detail(hair);
+        hair.lod.options.mode = LodMode::Auto;
+        // At least four times as many samples, and as many as it takes to see strands.
+        let fine = measure(&stage.picture(hair, full, &shot, size.max(200), 2));
+        let coarse = measure(&stage.picture(hair, detail, &shot, size, 1));
+        for k in 0..2 {
+            reference[k] += fine[k];
+            seen[k] += coarse[k];
+        }
+    }
+    let [covered, light] = [0, 1].map(|k| seen[k] / reference[k]);
+    [covered - 1.0, light / covered - 1.0]
+}
+
+/// What coverage and luminance may be off by.
+const MOST: f32 = 0.03;
+/// And curls of less than a pixel: docs/appearance/lod.md says what is not reached there.
+const CURLS: f32 = 0.04;
+
+/// Prints the errors at each of `distances` and holds them against `most`.
+fn check(stage: &Stage, name: &str, hair: &mut Hair, distances: &[f32], most: f32) {
+    for &distance in distances {
+        let shot = Shot::new(distance, Vec3::Z);
+        let error = errors(stage, hair, distance, directions(shot.size(hair.lod.sphere.1)), |_| {});
+        let Detail { strands, width, deeper: [before, behind], segments, .. } = shot.detail(hair);
+        println!(
+            "{name}, {distance} m: {} px, {strands} strands, {width:.2} times as wide, fibres count {before:.2} and \
+             {behind:.2}, {segments:.2} segments: coverage {:+.2} %, luminance {:+.2} %",
+            shot.size(hair.lod.sphere.1),
+            100.0 * error[0],
+            100.0 * error[1]
+        );
+        // A few pixels lie as drivers round: `long` is at 2.99 % on one of them.
+        let most = if distance > 30.0 { most + 0.005 } else { MOST };
+        let worst = error.iter().fold(0f32, |worst, e| worst.max(e.abs()));
+        assert!(worst < most, "{name}, {distance} m: {worst}");
+    }
+}
+
+/// Distances, metres: all of them for the docs.
+fn distances(few: &'static [f32], all: &'static [f32]) -> &'static [f32] {
+    if std::env::var_os("TRESSES_FIGURES").is_some() { all } else { few }
+}
+
+/// From where the first strands are left out to where the hair is a few pixels large.
+const ALL: &[f32] = &[4.0, 8.0, 16.0, 40.0];
+
+#[test]
+fn coverage_and_luminance_stay_at_any_distance() {
+    let Some(stage) = Stage::open() else { return };
+    let (groom, _) = Stage::style("long", 5000);
+    let mut hair = stage.hair(&groom, None);
+    check(stage, "long", &mut hair, distances(&[8.0, 40.0], &[1.0, 2.0, 4.0, 8.0, 16.0, 40.0]), MOST);
+    // The comparer sees strands that are not widened, and light that meets less of them.
+    let [thin, _] = errors(stage, &mut hair, 8.0, 2, |detail| detail.width = 1.0);
+    assert!(thin < -MOST, "{thin}");
+    let [_, lit] = errors(stage, &mut hair, 8.0, 2, |detail| detail.area *= 0.7);
+    assert!(lit > MOST, "{lit}");
+}
+
+#[test]
+fn other_styles_keep_coverage_and_luminance() {
+    let Some(stage) = Stage::open() else { return };
+    let (groom, _) = Stage::style("short", 5000);
+    check(stage, "short", &mut stage.hair(&groom, None), distances(&[40.0], ALL), MOST);
+    let (groom, _) = Stage::style("curly", 5000);
+    check(stage, "curly", &mut stage.hair(&groom, None), distances(&[40.0], ALL), CURLS);
+}
+
+#[test]
+fn real_grooms_keep_coverage_and_luminance() {
+    let Some(stage) = Stage::open() else { return };
+    let tressfx =
+        ["free", "front", "pulled", "tail"].map(|part| format!("tressfx2_head/hair_{part}_16_guide.tfx"));
+    let sintel = [common::SINTEL.to_owned()];
+    let few: [&[f32]; 2] = [&[40.0], &[16.0]];
+    for (name, files, few) in [("Sintel", &sintel[..], few[0]), ("TressFX 2", &tressfx[..], few[1])] {
+        let Some(files) = files.iter().map(common::asset).collect::<Option<Vec<_>>>() else { continue };
+        let (strands, _) = import::read(&files, &Default::default()).unwrap();
+        let groom = bind(&strands, &Default::default()).unwrap();
+        check(stage, name, &mut stage.hair(&groom, None), distances(few, ALL), MOST);
+    }
+}

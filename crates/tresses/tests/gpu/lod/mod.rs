@@ -1,0 +1,6 @@
+//! Hair at a level of detail covers and shines as hair in full detail does, and changes without a jump.
+
+mod changes;
+mod looks;
+mod stage;
+mod strands;

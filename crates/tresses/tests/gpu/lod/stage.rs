@@ -1,0 +1,139 @@
+//! Hair at a level of detail in a picture.
+
+use crate::common;
+use tresses::{
+    Camera, Hair, HairOptions, Pipelines, Pose, View,
+    camera::ToneMap,
+    collide::ColliderPoses,
+    draw::Coverage,
+    frame::{Frame, Recorder, Sight},
+    glam::Vec3,
+    gpu::{Gpu, readback::blocking as readback},
+    groom::{Groom, SdfGrid},
+    light::{Lights, Sphere, material::linear},
+    lod::Detail,
+    present::Background,
+    simulate::SimulationParams,
+    strands::StrandVertex,
+    view::{Picture, ViewOptions},
+};
+
+/// Radians per pixel of a portrait lens (30 degrees) 720 pixels high.
+const PIXEL_ANGLE: f32 = 0.000_744_3;
+
+/// Nothing is too bright for a picture, and what is dark is many steps of one.
+const EXPOSURE: f32 = 1.0;
+
+pub struct Stage {
+    pub gpu: &'static Gpu,
+    pub pipelines: &'static Pipelines,
+}
+
+impl Stage {
+    pub fn open() -> Option<&'static Self> {
+        static STAGE: std::sync::OnceLock<Option<Stage>> = std::sync::OnceLock::new();
+        STAGE
+            .get_or_init(|| {
+                let gpu = common::gpu()?;
+                Some(Stage { pipelines: common::pipelines().expect("there is a GPU"), gpu })
+            })
+            .as_ref()
+    }
+
+    pub fn style(name: &str, strands: u32) -> (Groom, SdfGrid) {
+        let built = common::character(name, strands).expect("there is a GPU");
+        (built.groom.clone(), built.field.clone())
+    }
+
+    pub fn hair(&self, groom: &Groom, field: Option<&SdfGrid>) -> Hair {
+        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let mut hair =
+            Hair::new(device, queue, self.pipelines, groom, &HairOptions::default(), field).unwrap();
+        self.advance(&mut hair, Pose::IDENTITY, 0.0);
+        hair
+    }
+
+    pub fn advance(&self, hair: &mut Hair, head: Pose, dt: f32) {
+        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let (colliders, simulation) = (&ColliderPoses::default(), &SimulationParams::default());
+        let frame = Frame { dt, head, colliders, simulation };
+        let pipelines = self.pipelines;
+        let mut recorder = Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None };
+        recorder.advance(hair, &frame).unwrap();
+        queue.submit([encoder.finish()]);
+    }
+
+    pub fn vertices(&self, hair: &Hair) -> Vec<StrandVertex> {
+        readback::buffer(&self.gpu.device, &self.gpu.queue, &hair.strands.vertices).unwrap()
+    }
+
+    /// The hair at `detail` from `distance` metres, in a picture `size` pixels high that it fills: linear,
+    /// premultiplied.
+    pub fn picture(
+        &self,
+        hair: &mut Hair,
+        detail: Detail,
+        shot: &Shot,
+        size: u32,
+        ssaa: u32,
+    ) -> Vec<[f32; 4]> {
+        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let (middle, radius) = hair.lod.sphere;
+        hair.set_detail(device, queue, detail);
+        self.advance(hair, Pose::IDENTITY, 0.0);
+        // As the command draws.
+        let options = ViewOptions { samples: 1, coverage: Coverage::PEELING, ..Default::default() };
+        let view = View::new(device, self.pipelines, &options, [size; 2], ssaa).unwrap();
+        let eye = middle + shot.direction.normalize() * shot.distance;
+        let scene = Picture {
+            camera: Camera::look_at(eye, middle, shot.fov(radius), [size; 2]),
+            lights: shot.lights,
+            focus: Sphere { center: middle, radius: 1.05 * radius },
+            background: Background::transparent(),
+            // Linear, and nothing is too bright.
+            tone: ToneMap { exposure: EXPOSURE, shoulder: 1.0, desaturation: 0.0 },
+            ..Default::default()
+        };
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let pipelines = self.pipelines;
+        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
+            .draw(&[&*hair], &[], Sight::new(&view, &scene))
+            .unwrap();
+        queue.submit([encoder.finish()]);
+        let linear = |byte: u8| linear(f32::from(byte) / 255.0);
+        let bytes = pollster::block_on(view.targets().read(device, queue)).unwrap();
+        let pixel = |p: &[u8; 4]| [linear(p[0]), linear(p[1]), linear(p[2]), f32::from(p[3]) / 255.0];
+        bytes.as_chunks::<4>().0.iter().map(pixel).collect()
+    }
+}
+
+/// From where hair is looked at.
+pub struct Shot {
+    pub distance: f32,
+    pub direction: Vec3,
+    pub lights: Lights,
+}
+
+impl Shot {
+    pub fn new(distance: f32, direction: Vec3) -> Self {
+        Self { distance, direction, lights: Lights::default() }
+    }
+
+    /// The field of view that the hair fills.
+    pub fn fov(&self, radius: f32) -> f32 {
+        2.0 * (1.1 * radius / self.distance).asin().min(1.2)
+    }
+
+    /// As many pixels as the hair has in a picture 720 pixels high.
+    pub fn size(&self, radius: f32) -> u32 {
+        (2.0 * (0.5 * self.fov(radius)).tan() / PIXEL_ANGLE).ceil().max(4.0) as u32
+    }
+
+    /// What level of detail has for it.
+    pub fn detail(&self, hair: &Hair) -> Detail {
+        let radius = hair.lod.sphere.1;
+        let pixel = PIXEL_ANGLE * (self.distance - radius).max(0.01);
+        hair.lod.detail(pixel, 2.0 * radius / (PIXEL_ANGLE * self.distance))
+    }
+}

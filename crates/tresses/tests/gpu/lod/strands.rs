@@ -1,0 +1,162 @@
+//! What a level of detail makes of strands.
+
+use super::stage::Stage;
+use crate::common;
+use tresses::{
+    Hair, Pose,
+    glam::{Quat, Vec3},
+    gpu::readback::blocking as readback,
+    groom::{bind, grow::ScalpMap},
+    lod::{Detail, LodLevel, LodMode, arrange},
+};
+
+#[test]
+fn fewer_vertices_lie_on_the_same_strand() {
+    let Some(stage) = Stage::open() else { return };
+    let mut groom = bind(&common::hanging(400, 16, 0.2), &Default::default()).unwrap();
+    arrange(&mut groom.strands);
+    let mut hair = stage.hair(&groom, None);
+    let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
+    let full = *hair.lod.current();
+    for segments in [15.0, 14.5, 7.4, 3.0, 1.0] {
+        hair.set_detail(device, queue, Detail { segments, strands: 300, ..full });
+        stage.advance(&mut hair, Pose::IDENTITY, 0.0);
+        let drawn = hair.strands.drawn;
+        assert_eq!((drawn.count, drawn.vertex_count), (300, segments.ceil() as u32 + 1));
+        let vertices = stage.vertices(&hair);
+        for (i, strand) in vertices.chunks(drawn.vertex_count as usize).take(300).enumerate() {
+            let rest: Vec<_> = groom.strands.rest_positions(i).collect();
+            let expected = tresses::lod::resample(&rest, segments);
+            for (v, p) in strand.iter().zip(&expected) {
+                assert!(v.position.distance(*p) < 2e-4, "{segments} {i}: {} {p}", v.position);
+            }
+            // A strand of another number of segments lies elsewhere.
+            let other = tresses::lod::resample(&rest, 0.9 * segments);
+            let off = strand.iter().zip(&other).map(|(v, p)| v.position.distance(*p)).fold(0.0, f32::max);
+            assert!(segments == 1.0 || off > 2e-4);
+        }
+    }
+}
+
+#[test]
+fn strands_that_come_back_have_forgotten() {
+    let Some(stage) = Stage::open() else { return };
+    let mut groom = bind(&common::hanging(600, 16, 0.16), &Default::default()).unwrap();
+    arrange(&mut groom.strands);
+    let field = common::ball(0.09, 64);
+    let mut hair = stage.hair(&groom, Some(&field));
+    let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
+    let turn = |t: f32| Pose::about(Vec3::new(0.0, 0.0, -0.02), Quat::from_rotation_y((10.0 * t).sin()));
+    for i in 1..40 {
+        stage.advance(&mut hair, turn(i as f32 / 60.0), 1.0 / 60.0);
+    }
+    let amounts = |hair: &Hair| -> Vec<f32> {
+        let states: Vec<[f32; 4]> = readback::buffer(device, queue, hair.avoidance.states()).unwrap();
+        states.iter().map(|state| state[1]).collect()
+    };
+    let most = |amounts: &[f32]| amounts.iter().copied().fold(0.0, f32::max);
+    let before = amounts(&hair);
+    assert!(most(&before[300..]) > 0.9, "{}", most(&before[300..]));
+    let full = *hair.lod.current();
+    hair.set_detail(device, queue, Detail { strands: 300, ..full });
+    stage.advance(&mut hair, turn(40.0 / 60.0), 1.0 / 60.0);
+    assert!(most(&amounts(&hair)[300..]) > 0.9, "what is not drawn is left alone");
+    hair.set_detail(device, queue, full);
+    stage.advance(&mut hair, turn(41.0 / 60.0), 1.0 / 60.0);
+    let after = amounts(&hair);
+    println!(
+        "largest amount {} of those that come back, {} of others",
+        most(&after[300..]),
+        most(&after[..300])
+    );
+    assert!(most(&after[300..]) < 0.5 && most(&after[..300]) > 0.9);
+}
+
+#[test]
+fn painted_levels_act_where_they_are_painted() {
+    let Some(stage) = Stage::open() else { return };
+    let mut groom = bind(&common::hanging(400, 16, 0.2), &Default::default()).unwrap();
+    arrange(&mut groom.strands);
+    let mut hair = stage.hair(&groom, None);
+    let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
+    let side =
+        |left: f32, right: f32| Some(ScalpMap::from_fn(64, move |uv| if uv.x > 0.5 { left } else { right }));
+    let levels = [
+        LodLevel { size: 400.0, ..Default::default() },
+        LodLevel { size: 100.0, density: side(0.0, 1.0), thickness: side(1.0, 2.0) },
+    ];
+    hair.paint_levels(queue, &groom, &levels, Vec3::ZERO).unwrap();
+    hair.lod.options.mode = LodMode::Off;
+    let mut scales = |size: f32| -> Vec<(f32, f32)> {
+        let detail = hair.lod.detail(1e-3, size);
+        hair.set_detail(device, queue, detail);
+        stage.advance(&mut hair, Pose::IDENTITY, 0.0);
+        let widening: Vec<f32> = readback::buffer(device, queue, &hair.strands.widening).unwrap();
+        let root = |i: usize| groom.strands.rest_positions(i).next().unwrap().x;
+        // Away from the blend between the two sides.
+        (0..400).filter(|i| root(*i).abs() > 0.03).map(|i| (root(i), 1.0 + widening[i])).collect()
+    };
+    assert!(scales(500.0).iter().all(|(_, scale)| (scale - 1.0).abs() < 1e-3));
+    assert!(scales(50.0).iter().all(|(x, scale)| (scale - if *x > 0.0 { 0.0 } else { 2.0 }).abs() < 0.02));
+    let half = scales(200.0);
+    // Half of the left side's strands are there, and the right side's are one and a half times as wide.
+    let left: Vec<_> = half.iter().filter(|(x, _)| *x > 0.0).map(|(_, scale)| *scale).collect();
+    let mean = left.iter().sum::<f32>() / left.len() as f32;
+    assert!((mean - 0.5).abs() < 0.08, "{mean}");
+    assert!(half.iter().filter(|(x, _)| *x < 0.0).all(|(_, scale)| (scale - 1.5).abs() < 0.02));
+    // Another groom is refused.
+    let other = bind(&common::hanging(300, 16, 0.2), &Default::default()).unwrap();
+    assert!(hair.paint_levels(queue, &other, &levels, Vec3::ZERO).is_err());
+}
+
+/// What the order of strands costs `interpolate`: figures for the docs.
+#[test]
+#[ignore = "figures"]
+fn orders() {
+    use tresses::{
+        interpolate::{Interpolate, InterpolateParams},
+        strands::{GuideBuffers, StrandBuffers},
+    };
+    let Some(stage) = Stage::open() else { return };
+    let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
+    let interpolate = Interpolate::new(device);
+    for (name, count) in [("long", 30_000), ("short", 60_000)] {
+        let (groom, _) = Stage::style(name, count);
+        let n = groom.strands.vertex_count;
+        let mut arranged = groom.strands.clone();
+        arrange(&mut arranged);
+        let guides =
+            GuideBuffers::new(device, groom.guides.len() as u32, groom.guides.vertex_count, n).unwrap();
+        let runs = [&groom.strands, &arranged].map(|strands| {
+            let buffers = StrandBuffers::new(device, strands.len() as u32, n).unwrap();
+            queue.write_buffer(&buffers.bindings, 0, bytemuck::cast_slice(&strands.bindings));
+            queue.write_buffer(&buffers.rest, 0, bytemuck::cast_slice(&strands.rest));
+            let params = device.create_buffer(&wgpu::BufferDescriptor {
+                label: None,
+                size: size_of::<InterpolateParams>() as u64,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            });
+            queue.write_buffer(&params, 0, bytemuck::bytes_of(&InterpolateParams::new(&guides, &buffers)));
+            (interpolate.bind(device, &params, &guides, &buffers), buffers)
+        });
+        let mut times = [Vec::new(), Vec::new()];
+        for _ in 0..25 {
+            for ((group, buffers), times) in runs.iter().zip(&mut times) {
+                let mut encoder = device.create_command_encoder(&Default::default());
+                interpolate.record(&mut encoder.begin_compute_pass(&Default::default()), group, buffers);
+                let start = std::time::Instant::now();
+                queue.submit([encoder.finish()]);
+                device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+                times.push(start.elapsed().as_secs_f64() * 1e3);
+            }
+        }
+        let [file, sampled] = times.map(|mut times| {
+            times.sort_by(f64::total_cmp);
+            [times[0], times[12]]
+        });
+        println!(
+            "{name}, {count} strands: as they come {file:.2?} ms, arranged {sampled:.2?} ms (least, median)"
+        );
+    }
+}

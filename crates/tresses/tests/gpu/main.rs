@@ -1,0 +1,31 @@
+//! What crosses stages, on a GPU: one device and its pipelines serve all tests of this binary.
+//!
+//! `cargo test -p tresses --test gpu shadows` runs those of one file. Tests that are ignored are proof: they
+//! take minutes, print the tables of `docs/`, and `make proof` runs them.
+
+mod ambient;
+mod avoid;
+mod avoid_grooms;
+mod character;
+mod collide;
+mod common;
+mod curls;
+mod draw;
+mod edges;
+mod embed;
+mod fiber;
+mod frame;
+mod golden;
+mod grab;
+mod interpolate;
+mod lod;
+mod moving;
+mod physics;
+mod pipelines;
+mod pipelines_draw;
+mod second_driver;
+mod shadows;
+mod views;
+mod volume;
+mod wind;
+mod wind_hair;

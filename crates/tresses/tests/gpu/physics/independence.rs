@@ -1,0 +1,105 @@
+//! The same hair with other vertices, frames, steps and substeps moves the same.
+
+use super::{
+    grooms::{Subject, style},
+    lab::{Experiment, Lab, lab, length},
+    table::{Row, at_most, judge},
+};
+use tresses::{
+    Pose,
+    glam::{Quat, Vec3},
+    groom::curve,
+    simulate::{RestShape, SimulationParams},
+};
+
+/// How one run differs from the usual one.
+#[derive(Clone, Copy)]
+struct Variant {
+    vertices: usize,
+    fps: u32,
+    params: SimulationParams,
+}
+
+/// The head looks left, right and straight ahead, until 2 s.
+fn turn(neck: Vec3, t: f32) -> Pose {
+    let keys = [(0.0, 0.0), (0.3, 45.0), (0.7, 45.0), (1.2, -45.0), (1.6, -45.0), (2.0, 0.0), (9.0, 0.0f32)];
+    let i = keys.iter().rposition(|k| k.0 <= t).unwrap().min(keys.len() - 2);
+    let (a, b) = (keys[i], keys[i + 1]);
+    let x = ((t - a.0) / (b.0 - a.0)).clamp(0.0, 1.0);
+    let x = x * x * x * (10.0 - 15.0 * x + 6.0 * x * x);
+    Pose::about(neck, Quat::from_rotation_y((a.1 + (b.1 - a.1) * x).to_radians()))
+}
+
+/// Middles and tips when the head has stopped, and two seconds later; by guide.
+fn run(lab: &'static Lab, subject: &Subject, variant: Variant) -> [Vec<[Vec3; 2]>; 2] {
+    let Variant { vertices, fps, params } = variant;
+    let strands: Vec<_> = subject.strands.iter().map(|s| curve::resample(s, vertices)).collect();
+    let mut e =
+        Experiment::new(lab, &strands, &subject.traits, params, RestShape::SagFree, Some(&subject.field));
+    let pose = |i: u32| turn(subject.neck, i as f32 / fps as f32);
+    e.frame(0.0, pose(0));
+    let mut until = |from: u32, to: u32| -> Vec<[Vec3; 2]> {
+        for i in from * fps + 1..=to * fps {
+            e.frame(1.0 / fps as f32, pose(i));
+        }
+        let ends = e.positions();
+        ends.iter().map(|s| [curve::resample(s, 3)[1], s[vertices - 1]]).collect()
+    };
+    [until(0, 2), until(2, 4)]
+}
+
+/// Distances of middles and tips, percent of the strands' lengths, smallest first.
+fn apart(subject: &Subject, a: &[[Vec3; 2]], b: &[[Vec3; 2]]) -> Vec<f32> {
+    let mut apart: Vec<f32> = (0..a.len())
+        .flat_map(|g| [0, 1].map(|k| a[g][k].distance(b[g][k]) / length(&subject.strands[g]) * 100.0))
+        .collect();
+    apart.sort_by(f32::total_cmp);
+    apart
+}
+
+fn independence(lab: &'static Lab, fault: bool) -> Vec<Row> {
+    let subject = style(lab, "long");
+    let base = SimulationParams::default();
+    let usual = Variant { vertices: 32, fps: 60, params: base };
+    let halved = SimulationParams { step: 1.0 / 120.0, substeps: 2, ..base };
+    let mut rows = Vec::new();
+    let reference = run(lab, &subject, usual);
+    for (name, mut variant, most) in [
+        ("16 vertices", Variant { vertices: 16, ..usual }, 2.0),
+        ("64 vertices", Variant { vertices: 64, ..usual }, 2.0),
+        ("30 frames per second", Variant { fps: 30, ..usual }, 0.5),
+        ("144 frames per second", Variant { fps: 144, ..usual }, 0.5),
+        ("steps of 1/120 s in 2", Variant { params: halved, ..usual }, 0.5),
+        ("8 substeps", Variant { params: SimulationParams { substeps: 8, ..base }, ..usual }, 1.0),
+    ] {
+        if fault && ["64 vertices", "144 frames per second"].contains(&name) {
+            continue;
+        }
+        if fault {
+            // Somebody tilts the world.
+            variant.params.gravity.x = 5.0;
+        }
+        let found = run(lab, &subject, variant);
+        for (when, (a, b)) in ["when it stops", "2 s later"].iter().zip(reference.iter().zip(&found)) {
+            let apart = apart(&subject, a, b);
+            let mean = apart.iter().sum::<f32>() / apart.len() as f32;
+            let at = |percent: usize| apart[apart.len() * percent / 100];
+            println!(
+                "{name}, {when}: median {:.2} %, 95 of 100 below {:.2} %, 99 below {:.2} %",
+                at(50),
+                at(95),
+                at(99)
+            );
+            let case =
+                format!("long, head turned, {when}: {name} against 32, 60, 1/60 s in 4; mean distance");
+            rows.push(at_most(case, "% of its length", most, mean));
+        }
+    }
+    rows
+}
+
+#[test]
+fn independent_of_how_it_is_computed() {
+    let Some(lab) = lab() else { return };
+    judge("independence", |fault| independence(lab, fault));
+}

@@ -1,0 +1,103 @@
+//! Every pipeline is built on wgpu's noop backend: shaders and bindings are valid. No GPU needed.
+
+use crate::common;
+
+use tresses::glam;
+
+#[test]
+fn simulate() {
+    let (device, _) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
+    let simulate = tresses::simulate::Simulate::new(&device);
+    for vertex_count in [2, 8, 16, 24, 32, 48, 64] {
+        simulate.pipeline(&device, vertex_count);
+    }
+    let guides = tresses::strands::GuideBuffers::new(&device, 4, 16, 2).unwrap();
+    tresses::simulate::Simulation::new(&device, &simulate, &guides);
+}
+
+/// The whole library within the default limits of WebGPU and without any optional feature.
+#[test]
+fn a_frame_is_recorded_on_baseline_webgpu() {
+    use tresses::{
+        Hair, HairOptions, Pipelines, Pose, View,
+        body::Body,
+        collide::{
+            Anchor, Collider, ColliderDescriptor, ColliderPoses, FieldBuilder, FieldId, FieldSource, Shape,
+        },
+        draw::debug::{DebugView, DebugViews, Shown},
+        frame::{Frame, Recorder, Shows, Sight},
+        groom::{BindOptions, TriMesh, bind},
+        simulate::SimulationParams,
+        view::Picture,
+    };
+    let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
+    assert_eq!(device.limits().max_storage_buffers_per_shader_stage, 8);
+    let pipelines = Pipelines::new(&device);
+    let groom = bind(&common::hanging(50, 16, 0.1), &BindOptions::default()).unwrap();
+    let field = common::ball(0.09, 16);
+    let options = HairOptions::default();
+    // As many colliders as there may be.
+    let shapes = [
+        Shape::sphere(0.1),
+        Shape::Ellipsoid { radii: glam::Vec3::new(0.1, 0.2, 0.3) },
+        Shape::Field(FieldId(0)),
+        Shape::Field(FieldId(1)),
+    ];
+    let list: Vec<_> = (0..127)
+        .map(|i| Collider { anchor: [Anchor::World, Anchor::Head][i % 2], ..Collider::new(shapes[i % 4]) })
+        .collect();
+    let builder = FieldBuilder::new(&device);
+    let cube = common::cube(0.1);
+    let made = FieldSource::Mesh { builder: &builder, mesh: &cube, options: &Default::default() };
+    let fields = [FieldSource::Grid(&field), made];
+    let colliders = ColliderDescriptor { head: Some(&field), fields: &fields, colliders: &list };
+    let mut hair = Hair::with_colliders(&device, &queue, &pipelines, &groom, &options, &colliders).unwrap();
+    let more = [list.as_slice(), &list[..1]].concat();
+    let error = |colliders: &ColliderDescriptor<'_>| {
+        Hair::with_colliders(&device, &queue, &pipelines, &groom, &options, colliders)
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(error(&ColliderDescriptor { colliders: &more, ..colliders }).contains("129 are more than 128"));
+    assert!(error(&ColliderDescriptor { fields: &fields[..1], ..colliders }).contains("no field 1, only 1"));
+    let triangle = TriMesh {
+        positions: vec![glam::Vec3::ZERO, glam::Vec3::X, glam::Vec3::Y],
+        normals: vec![glam::Vec3::Z; 3],
+        colors: Vec::new(),
+        triangles: vec![[0, 1, 2]],
+    };
+    let body = Body::new(&device, &triangle);
+    let view = View::new(&device, &pipelines, &Default::default(), [64, 64], 1).unwrap();
+    let input = Frame {
+        dt: 1.0 / 60.0,
+        head: Pose::IDENTITY,
+        colliders: &ColliderPoses { head: None, colliders: vec![Pose::IDENTITY; 127] },
+        simulation: &SimulationParams { wind: tresses::wind::Wind::new(glam::Vec3::X), ..Default::default() },
+    };
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let mut recorder = Recorder {
+        pipelines: &pipelines,
+        device: &device,
+        queue: &queue,
+        encoder: &mut encoder,
+        timings: None,
+    };
+    recorder.advance(&mut hair, &input).unwrap();
+    let picture = Picture::default();
+    recorder.draw(&[&hair], &[&body], Sight::new(&view, &picture)).unwrap();
+    // A hand in it, and every view of it.
+    hair.grab(&picture.camera.ray(20.0, 30.0), 0.02).unwrap();
+    recorder.advance(&mut hair, &input).unwrap();
+    hair.drag_to(&tresses::simulate::Target::Ray(picture.camera.ray(30.0, 30.0))).unwrap();
+    recorder.advance(&mut hair, &input).unwrap();
+    assert!(hair.grabbed().is_active() && hair.grabbed().state().is_some());
+    let mut views = DebugViews::new(&device, tresses::draw::targets::PICTURE_FORMAT).unwrap();
+    views.set_head(Some(&field));
+    for what in DebugView::ALL {
+        let shown = Shown { wind: glam::Vec3::X, ..Shown::new(what) };
+        let sight = Sight { shows: Shows::Inside(&mut views, &shown), ..Sight::new(&view, &picture) };
+        recorder.draw(&[&hair], &[&body], sight).unwrap();
+    }
+    queue.submit([encoder.finish()]);
+    assert!(hair.bytes() > 50 * 31 * 16);
+}

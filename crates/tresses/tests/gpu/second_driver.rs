@@ -1,0 +1,135 @@
+//! A picture and a motion on another software driver: SwiftShader, which Chromium brings along.
+//!
+//! A process opens the drivers that it finds when it starts, so this binary runs this one test again with the
+//! other driver named in its environment, and compares what both have made.
+
+use crate::{
+    common, golden,
+    moving::{Character, SHAKE, advance, angle, drawn},
+};
+use std::{
+    path::{Path, PathBuf},
+    process::Command,
+};
+use tresses::{
+    avoid::{AvoidMode, AvoidOptions},
+    glam::Vec3,
+    gpu::Gpu,
+    groom::bind,
+    light::{HairMaterial, ShadingModel},
+};
+
+/// Where the run on the other driver leaves what it has made.
+const INTO: &str = "TRESSES_SECOND_DRIVER_INTO";
+
+/// A picture of hair on a ball, and strands while a ball is shaken, every sixth of 36 frames.
+#[derive(PartialEq)]
+struct Made {
+    picture: Vec<u8>,
+    motion: Vec<Vec<Vec3>>,
+}
+
+fn make(gpu: &Gpu) -> Made {
+    let hair = HairMaterial { model: ShadingModel::Fiber, ..HairMaterial::brown() };
+    let picture = golden::picture(gpu, hair);
+    let pipelines = common::pipelines().expect("there is a GPU");
+    let groom = bind(&common::hanging(200, 16, 0.16), &Default::default()).unwrap();
+    let character = Character { groom, field: common::ball(0.09, 48), neck: Vec3::new(0.0, 0.0, -0.02) };
+    let mut hair = character.hair(gpu, pipelines, AvoidOptions::default());
+    let mut motion = Vec::new();
+    for i in 0..=36u32 {
+        let head = character.head(angle(SHAKE, i as f32 / 60.0));
+        advance(gpu, pipelines, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / 60.0 });
+        if i % 6 == 0 {
+            let vertices = drawn(gpu, pipelines, &mut hair, head, AvoidMode::ChangeOver);
+            motion.push(vertices.iter().map(|v| v.position).collect());
+        }
+    }
+    Made { picture, motion }
+}
+
+/// What a run writes and the other reads: the adapter's name, then the picture, then the vertices.
+fn write(folder: &Path, gpu: &Gpu, made: &Made) {
+    std::fs::write(folder.join("adapter"), &gpu.info.name).unwrap();
+    std::fs::write(folder.join("picture"), &made.picture).unwrap();
+    let vertices: Vec<Vec3> = made.motion.iter().flatten().copied().collect();
+    std::fs::write(folder.join("motion"), bytemuck::cast_slice::<Vec3, u8>(&vertices)).unwrap();
+}
+
+fn read(folder: &Path, like: &Made) -> (String, Made) {
+    let bytes = |name: &str| std::fs::read(folder.join(name)).unwrap();
+    let vertices: Vec<Vec3> = bytemuck::pod_collect_to_vec(&bytes("motion"));
+    let motion = vertices.chunks(like.motion[0].len()).map(<[Vec3]>::to_vec).collect();
+    (String::from_utf8(bytes("adapter")).unwrap(), Made { picture: bytes("picture"), motion })
+}
+
+/// The mean distance of vertices in the worst frame, metres.
+fn apart(a: &[Vec<Vec3>], b: &[Vec<Vec3>]) -> f32 {
+    assert_eq!(a.len(), b.len());
+    let mean = |a: &[Vec3], b: &[Vec3]| {
+        assert_eq!(a.len(), b.len());
+        a.iter().zip(b).map(|(a, b)| a.distance(*b)).sum::<f32>() / a.len() as f32
+    };
+    a.iter().zip(b).map(|(a, b)| mean(a, b)).fold(0.0, f32::max)
+}
+
+/// The description of SwiftShader's driver in one of the folders that browsers are installed in.
+fn swiftshader() -> Option<PathBuf> {
+    let folders = [
+        "/usr/lib/chromium",
+        "/usr/lib/chromium-browser",
+        "/usr/lib64/chromium-browser",
+        "/opt/google/chrome",
+    ];
+    let folder = folders.map(PathBuf::from).into_iter().find(|folder| folder.is_dir())?;
+    let description = folder.join("vk_swiftshader_icd.json");
+    assert!(description.is_file(), "{} has no vk_swiftshader_icd.json", folder.display());
+    Some(description)
+}
+
+#[test]
+fn swiftshader_draws_and_moves_the_same() {
+    let Some(gpu) = common::gpu() else { return };
+    let made = make(gpu);
+    if let Some(folder) = std::env::var_os(INTO) {
+        return write(Path::new(&folder), gpu, &made);
+    }
+    if !cfg!(target_os = "linux") {
+        return println!("skipped: a process chooses its Vulkan driver on Linux alone");
+    }
+    if !gpu.tier.software {
+        return println!("skipped: a GPU places samples elsewhere than software does");
+    }
+    let Some(driver) = swiftshader() else {
+        return println!("skipped: no Chromium, which brings SwiftShader");
+    };
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("second-driver");
+    // Of an earlier run; there may be none.
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    let output = Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "second_driver::swiftshader_draws_and_moves_the_same", "--nocapture"])
+        .env(INTO, &folder)
+        .env("VK_DRIVER_FILES", &driver)
+        .env("VK_ICD_FILENAMES", &driver)
+        .env("TRESSES_REQUIRE_GPU", "1")
+        .env("WGPU_BACKEND", "vulkan")
+        .env_remove("WGPU_ADAPTER_NAME")
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let (adapter, other) = read(&folder, &made);
+    assert!(adapter.contains("SwiftShader") && adapter != gpu.info.name, "{adapter}, {}", gpu.info.name);
+
+    let (mean, high) = golden::difference(&made.picture, &other.picture);
+    let moved = apart(&made.motion, &other.motion);
+    println!("{adapter} and {}: pictures {mean:.3} / 255, vertices {:.4} mm", gpu.info.name, 1e3 * moved);
+    // As far as the golden picture may be off, and a hair's own width.
+    assert!(golden::alike(mean, high) && moved < 1e-4, "{mean} {high} {moved}");
+    // What another picture or another moment is would be seen.
+    let plain =
+        golden::picture(gpu, HairMaterial { model: ShadingModel::KajiyaKay, ..HairMaterial::brown() });
+    let (mean, high) = golden::difference(&plain, &other.picture);
+    assert!(!golden::alike(mean, high), "{mean} {high}");
+    assert!(apart(&made.motion[1..], &other.motion[..other.motion.len() - 1]) > 1e-3);
+}

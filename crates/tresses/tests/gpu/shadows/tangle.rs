@@ -1,0 +1,68 @@
+//! Real tangles: built-in styles as strands on the CPU and on the GPU.
+
+use tresses::{
+    glam::Vec3,
+    gpu::Gpu,
+    groom::{
+        grow::{self, Growth},
+        styles::{self, Style},
+    },
+    light::Sphere,
+    math::hash::pcg,
+    strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
+};
+
+/// Strands with a radius at every vertex, metres.
+pub struct Tangle {
+    pub vertex_count: usize,
+    pub positions: Vec<Vec3>,
+    pub radii: Vec<f32>,
+}
+
+impl Tangle {
+    /// A built-in style of `count` strands, as combed, before it falls.
+    pub fn style(name: &str, count: u32) -> Self {
+        let style: Style = name.parse().expect("a style");
+        let scalp = crate::common::scalp(48);
+        let guides = styles::guides(&style, &*scalp);
+        let growth = Growth::for_style(&style).with_strands(count);
+        let grown = grow::grow(&guides, &growth, &*scalp).expect("a style grows");
+        let n = grown.vertex_count;
+        let radii = grown.radii.iter().enumerate().map(|(i, share)| share * grown.strands[i / n].radius);
+        Self { vertex_count: n, radii: radii.collect(), positions: grown.positions }
+    }
+
+    /// How many strands.
+    pub fn len(&self) -> usize {
+        self.positions.len() / self.vertex_count
+    }
+
+    /// The sphere around it, with room for light that turns.
+    pub fn focus(&self) -> Sphere {
+        let (lo, hi) = self
+            .positions
+            .iter()
+            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+        Sphere::around(lo, hi)
+    }
+
+    /// The strands as `light` reads them.
+    pub fn upload(&self, gpu: &Gpu) -> StrandBuffers {
+        let n = self.vertex_count;
+        let mut vertices = Vec::with_capacity(self.positions.len());
+        let mut strands = Vec::with_capacity(self.len());
+        for (i, (line, radii)) in self.positions.chunks(n).zip(self.radii.chunks(n)).enumerate() {
+            let most = radii.iter().copied().fold(0.0, f32::max);
+            for k in 0..n {
+                let tangent = (line[(k + 1).min(n - 1)] - line[k.saturating_sub(1)]).normalize_or(Vec3::Y);
+                let tangent = pack_tangent(tangent, radii[k] / most);
+                vertices.push(StrandVertex { position: line[k], tangent });
+            }
+            strands.push(Strand { radius: most, seed: pcg(i as u32), root_color: 0, tip_color: 0 });
+        }
+        let buffers = StrandBuffers::new(&gpu.device, self.len() as u32, n as u32).expect("fits");
+        gpu.queue.write_buffer(&buffers.vertices, 0, bytemuck::cast_slice(&vertices));
+        gpu.queue.write_buffer(&buffers.strands, 0, bytemuck::cast_slice(&strands));
+        buffers
+    }
+}

@@ -1,0 +1,168 @@
+//! Views of a whole frame: they leave other pictures alone, differ, and terms of the shading add up.
+
+use crate::common;
+
+use half::f16;
+use tresses::{
+    Camera, Hair, HairOptions, Pipelines, Pose, View,
+    body::Body,
+    collide::ColliderPoses,
+    draw::debug::{DebugView, DebugViews, Shown},
+    frame::{Frame, Recorder, Shows, Sight},
+    glam::Vec3,
+    gpu::{Gpu, readback},
+    groom::{BindOptions, bind},
+    light::{Lights, ShadingModel, Sphere, Term},
+    simulate::SimulationParams,
+    view::{Picture, ViewOptions},
+    wind::Wind,
+};
+
+/// A head full of hair in the wind, and all that draws it.
+struct Stage {
+    gpu: &'static Gpu,
+    pipelines: &'static Pipelines,
+    views: DebugViews,
+    hair: Hair,
+    body: Body,
+    view: View,
+    scene: Picture,
+}
+
+impl Stage {
+    fn new() -> Option<Self> {
+        let gpu = common::gpu()?;
+        let (device, queue) = (&gpu.device, &gpu.queue);
+        let pipelines = common::pipelines().expect("there is a GPU");
+        let groom = bind(&common::hanging(400, 16, 0.15), &BindOptions::default()).unwrap();
+        let field = common::ball(0.085, 32);
+        let options = HairOptions::default();
+        let mut hair = Hair::new(device, queue, pipelines, &groom, &options, Some(&field)).unwrap();
+        let mut views = DebugViews::new(device, tresses::draw::targets::PICTURE_FORMAT).unwrap();
+        views.set_head(Some(&field));
+        let simulation = SimulationParams { wind: Wind::new(Vec3::X * 6.0), ..Default::default() };
+        for _ in 0..6 {
+            let mut encoder = device.create_command_encoder(&Default::default());
+            let colliders = &ColliderPoses::default();
+            let frame = Frame { dt: 1.0 / 30.0, head: Pose::IDENTITY, colliders, simulation: &simulation };
+            Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
+                .advance(&mut hair, &frame)
+                .unwrap();
+            queue.submit([encoder.finish()]);
+        }
+        let camera = Camera::look_at(Vec3::new(0.1, 0.05, 0.8), Vec3::ZERO, 0.45, [120, 96]);
+        let focus = Sphere { center: Vec3::ZERO, radius: 0.3 };
+        let scene = Picture { camera, focus, lights: Lights::around(0.3), ..Default::default() };
+        let body = Body::new(device, &common::cube(0.05));
+        let options = ViewOptions { shadow_resolution: 128, ..Default::default() };
+        let view = View::new(device, pipelines, &options, [120, 96], 1).unwrap();
+        Some(Self { pipelines, views, hair, body, view, scene, gpu })
+    }
+
+    /// A picture of a view, or without one; of what it draws, the strands' colours.
+    fn picture(&mut self, view: Option<DebugView>) -> (Vec<u8>, Vec<Vec3>) {
+        let Gpu { device, queue, .. } = self.gpu;
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let mut recorder =
+            Recorder { pipelines: self.pipelines, device, queue, encoder: &mut encoder, timings: None };
+        let shown = view.map(|view| Shown { wind: Vec3::X * 6.0, ..Shown::new(view) });
+        let shows = shown.as_ref().map_or(Shows::Hair, |shown| Shows::Inside(&mut self.views, shown));
+        let sight = Sight { shows, ..Sight::new(&self.view, &self.scene) };
+        recorder.draw(&[&self.hair], &[&self.body], sight).unwrap();
+        queue.submit([encoder.finish()]);
+        let shaded = self.view.shaded(&self.hair.set).unwrap();
+        let shaded: Vec<[f16; 4]> = pollster::block_on(readback::buffer(device, queue, &shaded)).unwrap();
+        let colors = shaded.iter().map(|v| Vec3::new(v[0].to_f32(), v[1].to_f32(), v[2].to_f32())).collect();
+        (pollster::block_on(self.view.targets().read(device, queue)).unwrap(), colors)
+    }
+
+    /// What the last picture has lit, with twice the pixels along each axis.
+    fn finer(&mut self, anew: bool) -> Vec<u8> {
+        let Gpu { device, queue, .. } = self.gpu;
+        self.view.resize(device, [120, 96], 2).unwrap();
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let mut recorder =
+            Recorder { pipelines: self.pipelines, device, queue, encoder: &mut encoder, timings: None };
+        let shows = if anew { Shows::Hair } else { Shows::Again };
+        let sight = Sight { shows, ..Sight::new(&self.view, &self.scene) };
+        recorder.draw(&[&self.hair], &[&self.body], sight).unwrap();
+        queue.submit([encoder.finish()]);
+        let picture = pollster::block_on(self.view.targets().read(device, queue)).unwrap();
+        self.view.resize(device, [120, 96], 1).unwrap();
+        picture
+    }
+
+    fn term(&mut self, term: Term) -> Vec<Vec3> {
+        let view = DebugView::ALL.into_iter().find(|view| view.term() == Some(term)).unwrap();
+        self.picture(Some(view)).1
+    }
+}
+
+/// The largest difference of two lists, as a share of the largest value of the second.
+fn off(a: &[Vec3], b: &[Vec3]) -> f32 {
+    assert_eq!(a.len(), b.len());
+    let most = b.iter().fold(0.0f32, |most, c| most.max(c.abs().max_element()));
+    let error = a.iter().zip(b).fold(0.0f32, |error, (a, b)| error.max((*a - *b).abs().max_element()));
+    assert!(most > 0.05, "there is light: {most}");
+    error / most
+}
+
+fn sum(lists: &[&[Vec3]]) -> Vec<Vec3> {
+    (0..lists[0].len()).map(|i| lists.iter().map(|list| list[i]).sum()).collect()
+}
+
+#[test]
+fn terms_add_up() {
+    let Some(mut stage) = Stage::new() else { return };
+    for model in [ShadingModel::Fiber, ShadingModel::KajiyaKay] {
+        stage.hair.set.material.model = model;
+        let all = stage.picture(None).1;
+        let terms = Term::ALL.map(|term| stage.term(term));
+        let [reflection, transmission, inner, multiple, sky, direct, shadow] =
+            terms.each_ref().map(Vec::as_slice);
+        let whole = off(&sum(&[direct, sky]), &all);
+        let parts = off(&sum(&[reflection, transmission, inner, multiple]), direct);
+        println!("{model:?}: direct and sky off by {whole:.1e}, lobes by {parts:.1e}");
+        assert!(whole < 2e-3 && parts < 2e-3, "{model:?}: {whole} {parts}");
+        // A term that is missing is seen, whichever it is.
+        for missing in 0..4 {
+            let rest: Vec<_> = (0..4).filter(|i| *i != missing).map(|i| terms[i].as_slice()).collect();
+            let error = off(&sum(&rest), direct);
+            assert!(error > 1e-2, "{model:?} without term {missing}: {error}");
+        }
+        assert!(off(direct, &all) > 1e-2);
+        assert!(shadow.iter().any(|c| *c != shadow[0]));
+    }
+}
+
+#[test]
+fn every_view_is_a_picture_of_its_own_and_leaves_no_trace() {
+    let Some(mut stage) = Stage::new() else { return };
+    let plain = stage.picture(None).0;
+    let mut seen = vec![("nothing", plain.clone())];
+    for view in DebugView::ALL {
+        let (picture, _) = stage.picture(Some(view));
+        for (name, other) in &seen {
+            assert!(picture != *other, "{} looks like {name}", view.name());
+        }
+        seen.push((view.name(), picture));
+    }
+    assert_eq!(stage.picture(None).0, plain, "a picture after all views");
+    for view in [DebugView::Guides, DebugView::Locks, DebugView::Distance, DebugView::Overdraw] {
+        let again = stage.picture(Some(view)).0;
+        let before = &seen.iter().find(|(name, _)| *name == view.name()).unwrap().1;
+        assert!(again == *before, "{} twice", view.name());
+    }
+}
+
+#[test]
+fn what_is_lit_is_drawn_again_finer() {
+    let Some(mut stage) = Stage::new() else { return };
+    let coarse = stage.picture(None).0;
+    let again = stage.finer(false);
+    assert!(again != coarse, "more samples are seen");
+    assert!(again == stage.finer(true), "it is the picture that is lit anew");
+    // Where something has changed it is not.
+    stage.scene.lights = Lights::around(1.5);
+    assert!(stage.finer(false) != stage.finer(true), "the comparer sees hair in another light");
+}

@@ -1,0 +1,187 @@
+//! What hair-hair forces do to a shaken style: the volume that its strands fill.
+//!
+//! `cargo test -p tresses --test volume -- --nocapture` prints the table of `docs/physics.md`.
+
+use crate::common;
+
+use std::{collections::HashMap, sync::Arc};
+use tresses::{
+    Hair, HairOptions, Pipelines, Pose,
+    collide::ColliderPoses,
+    drape::Character,
+    frame::{Frame, Recorder},
+    glam::{IVec3, Quat, Vec3},
+    gpu::{Gpu, readback::blocking as readback},
+    groom::styles::Style,
+    simulate::SimulationParams,
+    strands::StrandVertex,
+    volume::{HairHair, HairHairMode},
+};
+
+/// Edge of the voxels in which strands are counted, metres.
+const VOXEL: f32 = 0.01;
+
+/// Seconds that the head shakes.
+const SHAKE: f32 = 3.0;
+
+/// The head's pose in a shake of 30 degrees to both sides, as in `tresses render --motion shake` but
+/// without its rests.
+fn shaken(t: f32, neck: Vec3) -> Pose {
+    // Extremes 0.3 s apart, the first and the last way half as far.
+    let t = (t * 3.1 / SHAKE).min(3.1);
+    let smooth = |s: f32| s * s * s * (10.0 + s * (6.0 * s - 15.0));
+    let yaw = if t < 0.2 {
+        smooth(t / 0.2)
+    } else if t < 2.9 {
+        let s = (t - 0.2) / 0.3;
+        let side = if (s as u32).is_multiple_of(2) { 1.0 } else { -1.0 };
+        side * (1.0 - 2.0 * smooth(s.fract()))
+    } else {
+        smooth((t - 2.9) / 0.2) - 1.0
+    };
+    Pose::about(neck, Quat::from_rotation_y(30f32.to_radians() * yaw))
+}
+
+struct Stage {
+    gpu: &'static Gpu,
+    pipelines: &'static Pipelines,
+    character: Arc<Character>,
+}
+
+impl Stage {
+    fn new(style: &str) -> Option<Self> {
+        let gpu = common::gpu()?;
+        let pipelines = common::pipelines()?;
+        let character = common::character(style, 3000)?;
+        Some(Self { gpu, pipelines, character })
+    }
+
+    fn hair(&self, options: &HairOptions) -> Hair {
+        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let Character { groom, field, .. } = &*self.character;
+        Hair::new(device, queue, self.pipelines, groom, options, Some(field)).unwrap()
+    }
+
+    fn advance(&self, hair: &mut Hair, simulation: &SimulationParams, head: Pose, dt: f32) {
+        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let frame = Frame { dt, head, colliders: &ColliderPoses::default(), simulation };
+        let pipelines = self.pipelines;
+        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
+            .advance(hair, &frame)
+            .unwrap();
+        queue.submit([encoder.finish()]);
+    }
+
+    /// Metres of drawn hair in every voxel, in the head's axes.
+    fn voxels(&self, hair: &Hair, head: &Pose) -> HashMap<IVec3, f32> {
+        let vertices: Vec<StrandVertex> =
+            readback::buffer(&self.gpu.device, &self.gpu.queue, &hair.strands.vertices).unwrap();
+        let back = head.inverse();
+        let mut voxels = HashMap::new();
+        for strand in vertices.chunks(hair.strands.vertex_count as usize) {
+            for pair in strand.windows(2) {
+                let (a, b) = (back.point(pair[0].position), back.point(pair[1].position));
+                let length = a.distance(b);
+                let parts = (length / 0.002).ceil().max(1.0);
+                for i in 0..parts as u32 {
+                    let p = a.lerp(b, (i as f32 + 0.5) / parts);
+                    *voxels.entry((p / VOXEL).floor().as_ivec3()).or_default() += length / parts;
+                }
+            }
+        }
+        voxels
+    }
+}
+
+/// How many voxels hold hair: at least a twentieth of what those of the rest pose have on average.
+fn occupied(voxels: &HashMap<IVec3, f32>, mean: f32) -> f32 {
+    voxels.values().filter(|metres| **metres > 0.05 * mean).count() as f32
+}
+
+/// The occupied volume relative to that at rest: mean over the last second of the shake and over the
+/// second that follows.
+fn volumes(stage: &Stage, hair_hair: HairHair) -> (f32, f32) {
+    let simulation = SimulationParams { hair_hair, ..Default::default() };
+    let mut hair = stage.hair(&HairOptions::default());
+    let pose = |t: f32| shaken(t, stage.character.neck);
+    stage.advance(&mut hair, &simulation, pose(0.0), 0.0);
+    let rest = stage.voxels(&hair, &pose(0.0));
+    let mean = rest.values().sum::<f32>() / rest.len() as f32;
+    let full = occupied(&rest, mean);
+    // The measure sees a style that lacks every tenth voxel.
+    let most = rest.iter().filter(|(c, _)| (c.x + 7 * c.y + 3 * c.z).rem_euclid(10) != 0);
+    let thinner = occupied(&most.map(|(c, m)| (*c, *m)).collect(), mean) / full;
+    assert!((0.85..0.95).contains(&thinner), "{thinner}");
+    let mut sums = [(0.0, 0); 2];
+    for i in 1..=240 {
+        let t = i as f32 / 60.0;
+        stage.advance(&mut hair, &simulation, pose(t), 1.0 / 60.0);
+        if t > SHAKE - 1.0 && i % 6 == 0 {
+            let sum = &mut sums[usize::from(t > SHAKE)];
+            sum.0 += occupied(&stage.voxels(&hair, &pose(t)), mean) / full;
+            sum.1 += 1;
+        }
+    }
+    let [during, after] = sums.map(|(sum, count)| sum / count as f32);
+    (during, after)
+}
+
+#[test]
+fn a_shaken_style_keeps_its_volume() {
+    let Some(stage) = Stage::new("long") else { return };
+    let gradient = HairHair::default();
+    let fixed = HairHair { mode: HairHairMode::Fixed, ..gradient };
+    println!("Volume of the long style in 1 cm voxels, of that at rest:");
+    println!("| hair-hair | last second of a 3 s shake | second after |");
+    println!("|---|---|---|");
+    let rows =
+        [("off", HairHair::OFF), ("fixed magnitude", fixed), ("gradient", gradient)].map(|(name, mode)| {
+            let (during, after) = volumes(&stage, mode);
+            println!("| {name} | {:.0} % | {:.0} % |", 100.0 * during, 100.0 * after);
+            (during, after)
+        });
+    let [off, fixed, gradient] = rows;
+    assert!((gradient.1 - 1.0).abs() < 0.1);
+    assert!((gradient.1 - 1.0).abs() < 0.7 * (off.1 - 1.0).abs() && gradient.0 < off.0);
+    assert!((gradient.1 - 1.0).abs() < 0.7 * (fixed.1 - 1.0).abs());
+}
+
+/// Mean and largest speed of guide vertices, and the largest distance from rest, after two seconds at
+/// rest.
+fn unrest(stage: &Stage, hair_hair: HairHair) -> (f32, f32, f32) {
+    let simulation = SimulationParams { hair_hair, ..Default::default() };
+    let mut hair = stage.hair(&HairOptions::default());
+    let read = |buffer: &tresses::wgpu::Buffer| -> Vec<Vec3> {
+        let values: Vec<[f32; 4]> = readback::buffer(&stage.gpu.device, &stage.gpu.queue, buffer).unwrap();
+        values.iter().map(|v| Vec3::from_slice(v)).collect()
+    };
+    stage.advance(&mut hair, &simulation, Pose::IDENTITY, 0.0);
+    let rest = read(&hair.guides.current);
+    for _ in 0..120 {
+        stage.advance(&mut hair, &simulation, Pose::IDENTITY, 1.0 / 60.0);
+    }
+    let speeds: Vec<_> = read(&hair.guides.velocity).iter().map(|v| v.length()).collect();
+    let moved = read(&hair.guides.current).iter().zip(&rest).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+    (speeds.iter().sum::<f32>() / speeds.len() as f32, speeds.iter().copied().fold(0.0, f32::max), moved)
+}
+
+#[test]
+fn styles_at_rest_are_still_and_not_inflated() {
+    for style in Style::NAMES {
+        let Some(stage) = Stage::new(style) else { return };
+        let (off, on) = (unrest(&stage, HairHair::OFF), unrest(&stage, HairHair::default()));
+        println!(
+            "{style}: mean {:.2e} m/s, largest {:.2e} m/s, {:.2} mm from rest; off: {:.2e}, {:.2e}, {:.2}",
+            on.0,
+            on.1,
+            on.2 * 1e3,
+            off.0,
+            off.1,
+            off.2 * 1e3
+        );
+        // No more motion than without: what is left is the settling of the style itself.
+        assert!(on.0 < off.0 + 2e-4 && on.1 < off.1 + 2e-3, "{style}");
+        assert!(on.2 < off.2 + 1e-3, "{style}");
+    }
+}

@@ -1,8 +1,0 @@
-//! Hair at a level of detail covers and shines as hair in full detail does, and changes without a jump.
-
-mod changes;
-#[path = "../common/mod.rs"]
-mod common;
-mod looks;
-mod stage;
-mod strands;
