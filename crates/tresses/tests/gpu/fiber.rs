@@ -9,7 +9,7 @@ use tresses::{
     gpu::{Gpu, readback::blocking as readback},
     light::{
         Directional, Environment, FiberMaterial, HairMaterial, HairSet, Lights, MAX_LIGHTS, ShadingModel,
-        Sky, Sphere,
+        ShadowMethod, Shadows, Sky, Sphere,
         fiber::{FarField, FiberShape, bsdf},
     },
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
