@@ -6,6 +6,7 @@ use std::{borrow::Cow, path::PathBuf};
 use tresses::{
     Progress,
     constants::MAX_STRAND_VERTICES,
+    drape,
     glam::Vec3,
     gpu::Gpu,
     groom::{
@@ -131,7 +132,7 @@ impl Base {
         progress: &impl Progress,
     ) -> Result<Self> {
         let head = mannequin::mesh_with(mannequin::RESOLUTION, progress).await;
-        let (styled, scalp) = styles::settled(&gpu.device, &gpu.queue, simulate, style, progress).await?;
+        let (styled, scalp) = drape::settled(&gpu.device, &gpu.queue, simulate, style, progress).await?;
         Ok(Self {
             head: Some(head),
             neck: mannequin::NECK_JOINT,

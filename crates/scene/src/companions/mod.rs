@@ -15,7 +15,10 @@ pub use surroundings::Surroundings;
 use crate::{Colliders, preset::Source, settings::Maps};
 use anyhow::{Error, Result};
 use std::path::Path;
-use tresses::groom::grow::{CurlCurve, Paint};
+use tresses::groom::{
+    formats,
+    grow::{CurlCurve, Paint},
+};
 
 /// What kind of file a companion is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,18 +42,18 @@ impl Kind {
     pub fn extensions(self) -> &'static [&'static str] {
         match self {
             Self::Map | Self::Colors => &["png"],
-            Self::Curve => &["obj", "tfx", "hair"],
+            Self::Curve => formats::GROOMS,
             Self::Levels | Self::Colliders => &["json"],
             Self::Surroundings => &["hdr", "exr"],
         }
     }
 
     /// The endings of what such files name in their turn.
-    pub fn needs(self) -> &'static [&'static str] {
+    pub fn needs(self) -> Vec<&'static str> {
         match self {
-            Self::Levels => &["png"],
-            Self::Colliders => &["obj", "mtl", "gltf", "glb", "bin", "tfxmesh"],
-            _ => &[],
+            Self::Levels => vec!["png"],
+            Self::Colliders => [formats::MESHES, formats::COMPANIONS].concat(),
+            _ => Vec::new(),
         }
     }
 
