@@ -9,6 +9,7 @@ mod debug;
 mod demo;
 mod edge_args;
 mod environment_args;
+mod files;
 mod hair_hair_args;
 mod info;
 mod interrupt;
@@ -86,7 +87,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("tresses: {}", one_line(&sentence(&error)));
-            ExitCode::from(if error.is::<interrupt::Interrupted>() { interrupt::EXIT_CODE as u8 } else { 1 })
+            ExitCode::FAILURE
         }
     }
 }

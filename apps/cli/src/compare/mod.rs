@@ -10,7 +10,7 @@ mod scenes;
 mod share;
 mod stage;
 
-use crate::{args, interrupt, picture, progress, say, shading_args::ShadingArgs, shadow_args::Method};
+use crate::{args, picture, progress, say, shading_args::ShadingArgs, shadow_args::Method};
 use anyhow::{Context, Result, ensure};
 use metrics::Difference;
 use scenes::{Folders, Pair, Scenes, View};
@@ -142,7 +142,6 @@ fn stage<'a>(
     folders: &Folders<'_>,
     samples: Option<u32>,
 ) -> Result<&'a mut Stage> {
-    interrupt::check()?;
     if last.as_ref().is_none_or(|stage| stage.groom() != view.groom_name) {
         *last = Some(Stage::new(view, folders, samples)?);
     }
