@@ -2,14 +2,14 @@
 
 use crate::{
     args::{Size, SourceArgs},
-    edge_args::EdgeArgs,
+    flags::{All, CompanionFlags, RowFlags},
     picture::Output,
     preset_args::PresetArgs,
     progress::Preparing,
     render::{Times, animate},
     say,
     scene::Scene,
-    style_args::StyleArgs,
+    settings_args,
 };
 use anyhow::{Context, Result};
 use std::{path::PathBuf, time::Instant};
@@ -49,17 +49,16 @@ pub struct Args {
     #[command(flatten)]
     pub preset: PresetArgs,
     #[command(flatten)]
-    pub shape: StyleArgs,
+    pub companions: CompanionFlags,
     #[command(flatten)]
-    pub edges: EdgeArgs,
+    pub rows: RowFlags<All>,
 }
 
 /// Runs `tresses demo`.
 pub fn run(args: &Args) -> Result<()> {
     let mut preset = args.preset.open()?;
-    let source = SourceArgs { style: args.style.clone(), shape: args.shape.clone(), ..Default::default() };
-    source.apply(&mut preset)?;
-    args.edges.apply(&mut preset.settings)?;
+    SourceArgs { style: args.style.clone(), ..Default::default() }.apply(&mut preset);
+    settings_args::apply(&args.companions, &args.rows, &mut preset)?;
     args.preset.finish(&mut preset)?;
     let motion = Motion::named("turn").context("the built-in motions hold a turn")?;
 
