@@ -15,15 +15,18 @@ use tresses::{
     view::{Picture, ViewOptions},
 };
 
-const SIZE: [u32; 2] = [120, 96];
+pub const SIZE: [u32; 2] = [120, 96];
 const VERTICES: u32 = 12;
 
-/// Wavy strands that leave the upper half of a ball of 8 cm and fall.
-fn strands(gpu: &Gpu) -> StrandBuffers {
-    let count = 3000;
+/// How many strands there are on the ball.
+pub const COUNT: u32 = 3000;
+
+/// Wavy strands that leave the upper half of a ball of 8 cm and fall: those of [`COUNT`] with these numbers.
+pub fn strands(gpu: &Gpu, numbers: impl IntoIterator<Item = u32>) -> StrandBuffers {
+    let count = COUNT as i32;
     let mut vertices = Vec::new();
     let mut infos = Vec::new();
-    for i in 0..count {
+    for i in numbers.into_iter().map(|i| i as i32) {
         let z = 1.0 - (i as f32 + 0.5) / count as f32 * 0.9;
         let around = i as f32 * 2.399_963;
         let r = (1.0 - z * z).sqrt();
@@ -46,13 +49,13 @@ fn strands(gpu: &Gpu) -> StrandBuffers {
             tip_color: 0,
         });
     }
-    let buffers = StrandBuffers::new(&gpu.device, count as u32, VERTICES).expect("fits");
+    let buffers = StrandBuffers::new(&gpu.device, infos.len() as u32, VERTICES).expect("fits");
     gpu.queue.write_buffer(&buffers.vertices, 0, bytemuck::cast_slice(&vertices));
     gpu.queue.write_buffer(&buffers.strands, 0, bytemuck::cast_slice(&infos));
     buffers
 }
 
-fn ball() -> TriMesh {
+pub fn ball() -> TriMesh {
     let (rows, columns) = (24u32, 48u32);
     let mut mesh = TriMesh::default();
     for row in 0..=rows {
@@ -78,15 +81,19 @@ pub fn picture(gpu: &Gpu, hair_material: HairMaterial) -> Vec<u8> {
     let pipelines = common::pipelines().expect("there is a GPU");
     let options = ViewOptions { shadow_resolution: 256, ..Default::default() };
     let view = View::new(&gpu.device, pipelines, &options, SIZE, 1).expect("fits");
-    let mut hair = HairSet::new(&gpu.device, &strands(gpu)).expect("fits");
+    let mut hair = HairSet::new(&gpu.device, &strands(gpu, 0..COUNT)).expect("fits");
     hair.material = hair_material;
     let body = Body::new(&gpu.device, &ball());
-    let picture = Picture {
+    common::picture(gpu, (pipelines, &view), &scene(), &[&hair], &[&body])
+}
+
+/// From before the ball.
+pub fn scene() -> Picture {
+    Picture {
         camera: Camera::look_at(Vec3::new(0.2, 0.12, 0.5), Vec3::new(0.0, -0.01, 0.0), 0.38, SIZE),
         focus: Sphere { center: Vec3::ZERO, radius: 0.15 },
         ..Default::default()
-    };
-    common::picture(gpu, (pipelines, &view), &picture, &[&hair], &[&body])
+    }
 }
 
 /// Mean and 99th percentile of the differences of all channels, in steps of 1/255.

@@ -17,6 +17,7 @@ mod fiber;
 mod frame;
 mod golden;
 mod grab;
+mod grooms;
 mod interpolate;
 mod lod;
 mod moving;

@@ -1,0 +1,182 @@
+//! Several grooms and several views in one submission.
+
+use crate::{
+    common,
+    golden::{self, SIZE, difference},
+};
+use tresses::{
+    Camera, Hair, HairOptions, Pipelines, Pose, View,
+    body::Body,
+    collide::ColliderPoses,
+    draw::Coverage,
+    frame::{Frame, Recorder, Sight},
+    glam::{Quat, Vec3},
+    gpu::{Gpu, readback::blocking as readback},
+    groom::{BindOptions, bind},
+    light::{HairMaterial, HairSet, Lights, Sphere},
+    math::hash::pcg,
+    present::Background,
+    simulate::SimulationParams,
+    strands::StrandVertex,
+    view::{Picture, ViewOptions},
+};
+
+/// How strands cover pixels, with how many samples.
+const MODES: [(u32, Coverage); 5] = [
+    (4, Coverage::SampleMask),
+    (1, Coverage::SampleMask),
+    (4, Coverage::AlphaToCoverage),
+    (1, Coverage::PEELING),
+    (1, Coverage::DepthPeeling { layers: 1 }),
+];
+
+fn view(gpu: &Gpu, pipelines: &Pipelines, (samples, coverage): (u32, Coverage), size: [u32; 2]) -> View {
+    let options = ViewOptions { samples, coverage, shadow_resolution: 256, ..Default::default() };
+    View::new(&gpu.device, pipelines, &options, size, 1).expect("fits")
+}
+
+/// The groom of the golden picture split at random is the picture of the whole: what lies before what, who shades
+/// whom and how thick hair is do not know of grooms. Peeled strands have no number; masks and alpha to coverage round
+/// each by its number in its groom, so that parts differ from the whole as the whole does from itself in another order.
+#[test]
+fn a_groom_in_two_parts_is_the_whole() {
+    let (Some(gpu), Some(pipelines)) = (common::gpu(), common::pipelines()) else { return };
+    let set = |numbers: &[u32]| {
+        HairSet::new(&gpu.device, &golden::strands(gpu, numbers.iter().copied())).expect("fits")
+    };
+    let all: Vec<u32> = (0..golden::COUNT).collect();
+    let (first, second): (Vec<u32>, Vec<u32>) = all.iter().partition(|i| pcg(**i) % 5 < 2);
+    let (whole, reordered) = (set(&all), set(&[second.as_slice(), &first].concat()));
+    let [one, other] = [set(&first), set(&second)];
+    let body = Body::new(&gpu.device, &golden::ball());
+    for mode in MODES {
+        let view = view(gpu, pipelines, mode, SIZE);
+        let picture =
+            |hair: &[&HairSet]| common::picture(gpu, (pipelines, &view), &golden::scene(), hair, &[&body]);
+        let exact = picture(&[&whole]);
+        let order = difference(&exact, &picture(&[&reordered])).0;
+        for parts in [[&one, &other], [&other, &one]] {
+            let (mean, high) = difference(&exact, &picture(&parts));
+            println!("{mode:?}: mean {mean:.4} of 255, 99th percentile {high}; another order {order:.4}");
+            match mode.1 {
+                // Blended sums are of half floats, which know the order that they are added in.
+                Coverage::DepthPeeling { .. } => assert!(mean < 0.1 && high <= 1, "{mode:?}: {mean} {high}"),
+                _ => assert!(mean < 1.2 * order, "{mode:?}: {mean} {order}"),
+            }
+        }
+        // A part alone is seen, and so is a part that does not shade the other.
+        let (mean, _) = difference(&exact, &picture(&[&other]));
+        assert!(mean > 1.5 * order.max(0.5), "{mode:?}: {mean}");
+        let shaded = |of: &HairSet| -> Vec<u8> {
+            readback::buffer(&gpu.device, &gpu.queue, &view.shaded(of).unwrap()).unwrap()
+        };
+        let alone = shaded(&other);
+        picture(&[&one, &other]);
+        assert!(alone != shaded(&other), "{mode:?}: the grooms shade each other");
+    }
+}
+
+/// A hanging groom, at rest.
+fn hair(gpu: &Gpu, pipelines: &Pipelines) -> Hair {
+    let groom = bind(&common::hanging(300, 16, 0.15), &BindOptions::default()).unwrap();
+    let field = common::ball(0.085, 32);
+    let options = HairOptions::default();
+    Hair::new(&gpu.device, &gpu.queue, pipelines, &groom, &options, Some(&field)).unwrap()
+}
+
+fn eye(azimuth: f32) -> Picture {
+    let way = Quat::from_rotation_y(azimuth) * Vec3::new(0.0, 0.05, 0.8);
+    Picture {
+        camera: Camera::look_at(way, Vec3::ZERO, 0.45, [96, 80]),
+        focus: Sphere { center: Vec3::ZERO, radius: 0.3 },
+        lights: Lights::around(azimuth),
+        ..Default::default()
+    }
+}
+
+/// Records with `what` and submits.
+fn submit(gpu: &Gpu, pipelines: &Pipelines, what: impl FnOnce(&mut Recorder<'_>) -> tresses::Result<()>) {
+    let Gpu { device, queue, .. } = gpu;
+    let mut encoder = device.create_command_encoder(&Default::default());
+    what(&mut Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }).unwrap();
+    queue.submit([encoder.finish()]);
+}
+
+fn frame(head: Pose, dt: f32) -> Frame<'static> {
+    static COLLIDERS: ColliderPoses = ColliderPoses { head: None, colliders: Vec::new() };
+    static PHYSICS: std::sync::LazyLock<SimulationParams> = std::sync::LazyLock::new(Default::default);
+    Frame { dt, head, colliders: &COLLIDERS, simulation: &PHYSICS }
+}
+
+#[test]
+fn two_views_in_one_submission_are_those_of_two() {
+    let (Some(gpu), Some(pipelines)) = (common::gpu(), common::pipelines()) else { return };
+    let mut hair = hair(gpu, pipelines);
+    submit(gpu, pipelines, |recorder| recorder.advance(&mut hair, &frame(Pose::IDENTITY, 0.0)));
+    let pictures = [eye(0.2), eye(1.7)];
+    let modes = [(1, Coverage::PEELING), (4, Coverage::SampleMask)];
+    let read = |view: &View| pollster::block_on(view.targets().read(&gpu.device, &gpu.queue)).unwrap();
+    let views = || modes.map(|mode| view(gpu, pipelines, mode, [96, 80]));
+    let apart = views();
+    for (view, picture) in apart.iter().zip(&pictures) {
+        submit(gpu, pipelines, |recorder| recorder.draw(&[&hair], &[], Sight::new(view, picture)));
+    }
+    let together = views();
+    submit(gpu, pipelines, |recorder| {
+        let sights = together.iter().zip(&pictures).map(|(view, picture)| Sight::new(view, picture));
+        recorder.record(&mut [(&mut hair, frame(Pose::IDENTITY, 0.0))], &[], sights.collect())
+    });
+    for (apart, together) in apart.iter().zip(&together) {
+        assert!(read(apart) == read(together));
+    }
+    assert!(difference(&read(&apart[0]), &read(&apart[1])).0 > 1.0, "they see different things");
+}
+
+#[test]
+fn one_groom_at_two_places_has_two_poses() {
+    let (Some(gpu), Some(pipelines)) = (common::gpu(), common::pipelines()) else { return };
+    let place =
+        |side: f32, turn: f32| Pose { rotation: Quat::from_rotation_y(turn), translation: Vec3::X * side };
+    let poses = |i: u32| [place(-0.25, 0.1 * i as f32), place(0.25, -0.05 * i as f32)];
+    let vertices = |hair: &Hair| -> Vec<StrandVertex> {
+        readback::buffer(&gpu.device, &gpu.queue, &hair.strands.vertices).unwrap()
+    };
+    let [mut apart, mut together] = [(); 2].map(|()| [hair(gpu, pipelines), hair(gpu, pipelines)]);
+    for hair in [&mut apart, &mut together] {
+        hair[1].set.material = HairMaterial::blond();
+    }
+    let scene = Picture {
+        camera: Camera::look_at(Vec3::Z * 1.4, Vec3::ZERO, 0.5, SIZE),
+        focus: Sphere { center: Vec3::ZERO, radius: 0.6 },
+        background: Background::transparent(),
+        ..Default::default()
+    };
+    let both = view(gpu, pipelines, MODES[0], SIZE);
+    for i in 0..12 {
+        let dt = if i == 0 { 0.0 } else { 1.0 / 60.0 };
+        for (hair, pose) in apart.iter_mut().zip(poses(i)) {
+            submit(gpu, pipelines, |recorder| recorder.advance(hair, &frame(pose, dt)));
+        }
+        submit(gpu, pipelines, |recorder| {
+            let [left, right] = &mut together;
+            let [a, b] = poses(i).map(|pose| frame(pose, dt));
+            recorder.record(&mut [(left, a), (right, b)], &[], vec![Sight::new(&both, &scene)])
+        });
+    }
+    for (apart, together) in apart.iter().zip(&together) {
+        assert!(vertices(apart) == vertices(together), "what is recorded beside it does not matter");
+    }
+    assert!(vertices(&apart[0]) != vertices(&apart[1]));
+    // Each is where it is, in its own colour.
+    let seen = pollster::block_on(both.targets().read(&gpu.device, &gpu.queue)).unwrap();
+    let half = |left: bool| -> f64 {
+        let pixels = seen.as_chunks::<4>().0.iter().enumerate();
+        let own = pixels.filter(|(i, _)| (*i as u32 % SIZE[0] < SIZE[0] / 2) == left);
+        own.map(|(_, [r, ..])| f64::from(*r)).sum()
+    };
+    assert!(half(false) > 1.2 * half(true), "blond hair is lighter: {} {}", half(true), half(false));
+    let sight = || Sight::new(&both, &scene);
+    submit(gpu, pipelines, |recorder| recorder.draw(&[&together[0]], &[], sight()));
+    let one = pollster::block_on(both.targets().read(&gpu.device, &gpu.queue)).unwrap();
+    assert!(difference(&seen, &one).0 > 1.0);
+}
