@@ -88,7 +88,7 @@ pub mod shaders;
 
 pub use error::{Error, Result};
 pub use glam;
-pub use groom::{Progress, progress};
+pub use groom::{Progress, progress, range};
 pub use hair::{Hair, HairOptions, HairRenderer};
 pub use math::pose::Pose;
 pub use wgpu;

@@ -73,7 +73,7 @@ use std::sync::OnceLock;
 pub use clock::{Clock, Ticks};
 pub use forces::{AirUniforms, Forces};
 pub use grab::{Grab, Ray, Target};
-pub use params::{Along, Mode, SimulationParams};
+pub use params::{Along, MAX_SUBSTEPS, Mode, SimulationParams};
 pub use rest::{GuideTraits, RestGuides, RestOptions, RestShape};
 
 /// The most fixed steps of one frame.

@@ -74,5 +74,5 @@ pub mod params;
 mod stage;
 
 pub use air::{Air, AirPlace, HairGrid};
-pub use params::Wind;
+pub use params::{MAX_CELLS, Wind};
 pub use stage::Fluid;
