@@ -278,7 +278,7 @@ mod tests {
         let seen: Vec<_> = SECTIONS.iter().filter(|section| OPEN.contains(&section.key)).collect();
         let first = seen.iter().flat_map(|section| section.knobs).filter(|knob| !knob.advanced);
         let first: Vec<_> = first.map(|knob| knob.path).collect();
-        for path in ["style.strands", "style.width", "style.curl", "shading.color"] {
+        for path in ["style.strands", "style.length", "style.width", "style.curl", "shading.color"] {
             assert!(first.contains(&path), "{path}");
         }
         assert!(first.iter().all(|path| !path.ends_with("seed")), "{first:?}");

@@ -23,6 +23,9 @@ const KNOBS: &[Knob] = rows! { "style";
     "width" "Strand width" [style.growth.diameter] within(MICROMETRES, Growth::DIAMETER).log(),
         auto, regrow, flag(flag("width", "LENGTH").common()),
         "Typical diameter of a drawn strand. Real hair has 50 to 120 µm; fewer strands need more to cover.";
+    "length" "Length" [style.length] number(PERCENT, 5.0, 100.0),
+        regrow, flag(flag("length", "SHARE").common()),
+        "Strands are cut to this share of their length.";
     "curl" "Curls" [style.curl] choice::<Curl>(),
         auto, regrow, flag(flag("curl", "NAME|KEY=VALUE,..").common().first(CURL).keys(CURL_KEYS)
             .about("Curls by name, and what differs from them, as in waves,radius=8mm")),

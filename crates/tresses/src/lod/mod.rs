@@ -213,7 +213,7 @@ impl Lod {
     /// For `strands`, which [`arrange`] has put in order and of which `infos` are those on the GPU.
     ///
     /// # Errors
-    /// [`Error::Limit`].
+    /// [`crate::Error::Limit`].
     pub(crate) async fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
