@@ -149,6 +149,7 @@ fn widget(knob: &Knob, value: Value, auto: bool, ui: &mut Ui) -> Option<Value> {
     // The unit stands after the number; a mark tells what is chosen by itself.
     let mark = |unit: &str| match (unit, auto) {
         ("", false) => String::new(),
+        ("", true) => " auto".into(),
         ("°" | "%", false) => unit.to_owned(),
         (unit, false) => format!(" {unit}"),
         (unit, true) => format!(" {unit} auto"),

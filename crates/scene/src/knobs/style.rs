@@ -17,12 +17,6 @@ pub(super) const SECTION: Section = Section {
 };
 
 const KNOBS: &[Knob] = rows! { "style";
-    "strands" "Strands" [style.growth.strand_count] integer(PLAIN, 1, Growth::MOST_STRANDS, 1),
-        auto, regrow, flag(flag("strands", "N").common()),
-        "Number of strands drawn, at most; built-in styles grow exactly as many.";
-    "width" "Strand width" [style.growth.diameter] within(MICROMETRES, Growth::DIAMETER).log(),
-        auto, regrow, flag(flag("width", "LENGTH").common()),
-        "Typical diameter of a drawn strand. Real hair has 50 to 120 µm; fewer strands need more to cover.";
     "length" "Length" [style.length] number(PERCENT, 5.0, 100.0),
         regrow, flag(flag("length", "SHARE").common()),
         "Strands are cut to this share of their length.";
@@ -35,6 +29,12 @@ const KNOBS: &[Knob] = rows! { "style";
     "curl_wavelength" "Curl wavelength" [style.growth.curls.wavelength] within(MILLIMETRES, Curls::WAVELENGTH).log(),
         auto, regrow,
         "Length along the strand of one turn; shorter is tighter and takes more vertices.";
+    "strands" "Strands" [style.growth.strand_count] integer(PLAIN, 1, Growth::MOST_STRANDS, 1),
+        auto, regrow, flag(flag("strands", "N").common()),
+        "Number of strands drawn, at most; built-in styles grow exactly as many.";
+    "width" "Strand width" [style.growth.diameter] within(MICROMETRES, Growth::DIAMETER).log(),
+        auto, regrow, flag(flag("width", "LENGTH").common()),
+        "Typical diameter of a drawn strand. Real hair has 50 to 120 µm; fewer strands need more to cover.";
     "clump" "Clumping" [style.growth.clumps.strength] within(PERCENT, Clumps::STRENGTH),
         auto, regrow, flag(flag("clump", "STRENGTH|KEY=VALUE,..").keys(CLUMP_KEYS)),
         "How far strands converge towards their tips; high for wet or greasy hair.";
