@@ -1,4 +1,4 @@
-//! Imported strands: guides are chosen among them, every other strand is bound to up to three.
+//! Imported strands: guides are chosen among them, and every other strand is bound to up to three guides.
 
 use super::{BoundStrands, Groom, Guides, Strands, bound, bound::Influence, curve};
 use crate::{

@@ -1,5 +1,4 @@
-//! What can go wrong before the GPU, each in one sentence that names the place and, where there is one, the
-//! remedy.
+//! Errors on the CPU side, each one sentence that names the place and, where there is one, the remedy.
 
 use std::path::PathBuf;
 

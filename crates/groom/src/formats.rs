@@ -1,4 +1,4 @@
-//! The files that are read and written, by the extensions of their names: the one list of them.
+//! The file formats that are read and written, by extension: the only list of them.
 
 use std::path::Path;
 

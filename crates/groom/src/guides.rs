@@ -1,4 +1,4 @@
-//! Guides on the CPU: what is simulated.
+//! Guides on the CPU: the strands that are simulated.
 
 use super::{curve, grow::ScalpMap, styles::scalp_uv};
 use glam::Vec3;

@@ -1,4 +1,4 @@
-//! Random numbers that depend on nothing but their seed.
+//! Random numbers that depend only on their seed.
 
 /// PCG output permutation of Jarzynski and Olano, "Hash Functions for GPU Rendering" (JCGT 2020).
 pub fn pcg(seed: u32) -> u32 {

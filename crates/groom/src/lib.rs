@@ -1,5 +1,5 @@
-//! What a groom is before the GPU sees it: strands and heads from files or from nothing, guides, and the
-//! strands that hang on them.
+//! Grooms before the GPU: strands and heads, imported or procedural, guides, and the strands that follow
+//! them.
 //!
 //! ```text
 //! files ─► import ─► orient ─► lint, repair ─► bind ──► restyle ─┐
@@ -7,8 +7,8 @@
 //! mannequin ─► styles: guides of a recipe ─► grow ───────────────┘
 //! ```
 //!
-//! Everything here runs on the CPU and needs no GPU. The crate `tresses` moves and draws a [`Groom`]; it
-//! re-exports this one as `tresses::groom`.
+//! Everything here runs on the CPU and needs no GPU. The crate `tresses` simulates and draws a [`Groom`];
+//! it re-exports this one as `tresses::groom`.
 
 pub mod bind;
 pub mod bound;

@@ -1,6 +1,6 @@
-//! Long work on the CPU says how far it is, and lets others work in between.
+//! Progress of long operations on the CPU, which also yield to other work.
 //!
-//! Functions that take long take a [`Progress`] and are `async`; most have a twin without both.
+//! Long functions take a [`Progress`] and are `async`; most have a twin without both.
 
 use std::{
     pin::pin,

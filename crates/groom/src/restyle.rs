@@ -1,15 +1,16 @@
-//! Curls, clumps, stray hairs and widths for grooms that exist already: imported ones above all.
+//! Curls, clumps, stray hairs and widths for existing grooms, above all imported ones.
 //!
 //! Guides stay as they are. They are chosen and bound among the hair as the file has it, and the rest
-//! curves of the drawn strands change afterwards: a guide in a curl would be simulated as a spring, and
-//! the strands of three such guides would be their mean, which is no curl.
+//! curves of the drawn strands change afterwards: a curled guide would be simulated as a spring, and the
+//! strands of three such guides would be their mean, which is not a curl.
 //!
 //! ```text
 //! bound strands ─► locks ─► gather ─► curl ─► unrest ─► widths ─► bound strands
 //! ```
 //!
-//! *Locks* are strands whose roots lie within the clumps' spacing of a centre, and of those centres the
-//! one that runs most as they do, so that no lock has hair from both sides of a parting.
+//! *Locks* are strands whose roots lie within the clumps' spacing of a centre; among those centres each
+//! strand takes the one whose direction is most similar, so that no lock has hair from both sides of a
+//! parting.
 
 use super::{
     Groom,

@@ -1,8 +1,8 @@
-//! Whole numbers in few bits, for the files that come cooked with this crate.
+//! Variable-length coding of integers, for the files stored in this crate.
 //!
-//! A number is written as in JPEG-LS: its low `k` bits as they are, the rest as so many zeros and a one,
-//! with `k` from the mean of what its [`Context`] has seen so far. Predictions are mostly right, so most
-//! numbers are small.
+//! A number is written as in JPEG-LS (Rice coding): its low `k` bits unchanged, the rest as that many zeros
+//! and a one, with `k` from the mean of what its [`Context`] has seen so far. Predictions are mostly right,
+//! so most numbers are small.
 
 /// What numbers of one kind have been like.
 #[derive(Clone, Debug)]

@@ -1,4 +1,4 @@
-//! Explicit strands: the common form of every groom file and of everything grown.
+//! Explicit strands: the common form of every groom file and of all grown hair.
 
 use glam::{Vec2, Vec3};
 

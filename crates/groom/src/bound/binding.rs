@@ -1,9 +1,8 @@
-//! How a drawn strand hangs on its guides.
+//! How a drawn strand follows its guides.
 //!
-//! With guide samples `g_k(t)`, their rotations `R_k(t)` and their rest positions `ḡ_k(t)`, the
-//! vertex that rests at `p̄` is drawn at `Σ w_k (g_k(t_k) + R_k(t_k) (p̄ - ḡ_k(t_k)))`. One guide
-//! makes a clump, three make multi-strand interpolation, and at rest the strand is exact whatever
-//! the weights are.
+//! With guide samples `g_k(t)`, their rotations `R_k(t)` and their rest positions `ḡ_k(t)`, the vertex with
+//! rest position `p̄` is drawn at `Σ w_k (g_k(t_k) + R_k(t_k) (p̄ - ḡ_k(t_k)))`. One guide gives a clump,
+//! three give multi-strand interpolation, and at rest the strand is exact for any weights.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;

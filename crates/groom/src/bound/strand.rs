@@ -1,4 +1,4 @@
-//! What the shading needs to know of one drawn strand.
+//! Per-strand data that shading needs.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;

@@ -1,8 +1,8 @@
-//! Grooms into files: `.hair`, `.tfx` version 4 and OBJ polylines.
+//! Writers: `.hair`, `.tfx` version 4 and OBJ polylines.
 //!
-//! Reading a written file back gives the same strands, bit for bit; what a format cannot hold is
-//! listed in [`Encoded::notes`]. A groom in metres, Y up, face +Z says so in the file, so that
-//! nothing needs to be guessed later.
+//! Reading a written file back gives the same strands, bit for bit; what a format cannot hold is listed in
+//! [`Encoded::notes`]. A groom in metres, Y up, face +Z is marked as such in the file, so that nothing
+//! needs to be guessed later.
 
 mod hair;
 mod obj_lines;

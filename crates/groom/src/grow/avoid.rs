@@ -1,4 +1,4 @@
-//! Rest curves clear of the head.
+//! Keeps rest curves clear of the head.
 
 use crate::styles::random::Rng;
 use crate::styles::{Face, Scalp};

@@ -1,4 +1,4 @@
-//! Guides ready to be grown from: smooth, with frames, and triangles between their roots.
+//! Guides prepared for growth: smoothed, with frames, and with triangles between their roots.
 
 use super::cells::Cells;
 use super::triangles::{delaunay, weights};

@@ -1,4 +1,4 @@
-//! How many strands of each kind.
+//! The number of strands of each kind.
 
 use super::bind::Scaffold;
 use super::{Growth, Kind};

@@ -1,14 +1,14 @@
 //! Drawn strands grown from guides.
 //!
-//! Guides are few; a head of hair is tens of thousands of strands. Each grown strand follows
-//! either one guide (a *clump*: the guide's curve, moved aside by less and less towards the tip)
-//! or the three guides at the corners of its scalp triangle (*multi-strand*: their barycentric
-//! blend at equal fractions of their lengths, so that no strand is cut to the shortest). The result
-//! is a rest curve and a binding; motion is added each frame on the GPU.
+//! Guides are few; a head of hair is tens of thousands of strands. Each grown strand follows either one
+//! guide (a *clump*: the guide's curve, with an offset that shrinks towards the tip) or the three guides at
+//! the corners of its scalp triangle (*multi-strand*: their barycentric blend at equal fractions of their
+//! lengths, so that no strand is cut to the shortest). The result is a rest curve and a binding; motion is
+//! added each frame on the GPU.
 //!
-//! Structure comes at three scales. *Locks*: strands are drawn to their heaviest guide towards
-//! the tip. *Clumps*: some strands are centres, and each other strand runs towards the nearest
-//! centre, more so towards the tip. *Single strands*: lengths, a fine unrest, and flyaways.
+//! Structure has three scales. *Locks*: strands are drawn towards their heaviest guide at the tip.
+//! *Clumps*: some strands are centres, and every other strand converges on the nearest centre, more so
+//! towards the tip. *Single strands*: lengths, fine frizz, and flyaways.
 //!
 //! ```text
 //! roots ─► binding ─► blend or clump ─► lock ─► clump centre ─► curl ─► unrest ─► clear of the head

@@ -1,4 +1,4 @@
-//! Maps that need no picture.
+//! Named maps that need no picture.
 
 use super::ScalpMap;
 use crate::mannequin;

@@ -1,4 +1,4 @@
-//! What is painted on the scalp, on top of what a style or a file has by itself.
+//! Values painted on the scalp, on top of those of a style or a file.
 
 use super::ScalpMap;
 use crate::bound::strand::pack_color;

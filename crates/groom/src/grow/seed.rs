@@ -1,4 +1,4 @@
-//! Where the drawn strands are rooted, and what each is bound to.
+//! The roots of the drawn strands, and the guides that each is bound to.
 
 use super::Growth;
 use super::bind::{Bound, Scaffold};

@@ -1,4 +1,4 @@
-//! How single strands leave their way.
+//! Deviations of single strands from their path: frizz, strays and flyaways.
 
 use super::Unrest;
 use crate::styles::random::{Rng, smoothstep};

@@ -1,4 +1,4 @@
-//! Where files come from: the disk, or bytes that are there already, as in a browser.
+//! Sources of files: the disk, or bytes already in memory, as in a browser.
 
 use super::Source;
 use crate::{

@@ -1,4 +1,4 @@
-//! Several files, one groom: a hairstyle in four `.tfx` files is one hairstyle.
+//! Joining several files into one groom: a hairstyle in four `.tfx` files is one hairstyle.
 
 use std::path::Path;
 

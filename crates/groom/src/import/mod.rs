@@ -1,9 +1,9 @@
 //! Grooms and heads from files.
 //!
-//! [`read`] takes the files of one groom, joins them, turns them into metres, Y up, face +Z and repairs
-//! what would trouble the rest; [`read_with_head`] does so for a groom and the mesh it grows on, and
-//! uses each to orient the other. A file is first read whole, and nothing that its header says is
-//! believed before it fits into the bytes that are there.
+//! [`read`] takes the files of one groom, joins them, converts them to metres, Y up, face +Z and repairs
+//! what would cause trouble later; [`read_with_head`] does so for a groom and the mesh it grows on, and
+//! uses each to orient the other. A file is first read whole, and no size in its header is trusted before
+//! it fits into the bytes that are there.
 
 mod files;
 mod hair;

@@ -1,4 +1,4 @@
-//! A file's bytes with every read checked against the file's end.
+//! A file's bytes, with every read bounds-checked.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! Files that are broken on purpose, and round trips through every format.
+//! Deliberately broken files, and round trips through every format.
 
 use std::path::Path;
 

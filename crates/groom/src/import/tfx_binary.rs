@@ -1,10 +1,10 @@
 //! `.tfx` versions 3 and 4: little-endian binary, the same number of vertices in every strand.
 //!
-//! Both start with version (f32), strands, vertices per strand; then 3 has followers per guide, a
-//! flag that pins every tip and, from byte 144, offsets of positions (3 × f32), thickness, strand
-//! texture coordinates, colours; 4 has from byte 12 the offsets of positions (4 × f32, w = 0 for a
-//! pinned vertex), strand texture coordinates, vertex texture coordinates, thickness, colours.
-//! An offset of 0 stands for absence.
+//! Both start with version (f32), strands, vertices per strand; version 3 continues with followers per
+//! guide, a flag that pins every tip and, from byte 144, offsets of positions (3 × f32), thickness, strand
+//! texture coordinates, colours; version 4 has, from byte 12, the offsets of positions (4 × f32, w = 0 for
+//! a pinned vertex), strand texture coordinates, vertex texture coordinates, thickness, colours. An offset
+//! of 0 means absent.
 
 use glam::{Vec2, Vec3, Vec4};
 

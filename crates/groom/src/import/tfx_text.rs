@@ -1,7 +1,7 @@
 //! `.tfx` version 2: text.
 //!
-//! Header lines `name value…`, then for each strand `strand I numVerts N texcoord U V` and `N` lines
-//! of three numbers. `bothEndsImmovable 1` pins every tip of the file.
+//! Header lines `name value…`, then for each strand `strand I numVerts N texcoord U V` and `N` lines of
+//! three numbers. `bothEndsImmovable 1` pins every tip of the file.
 
 use glam::{EulerRot, Quat, Vec2, Vec3};
 

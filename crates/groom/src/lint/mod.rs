@@ -1,8 +1,8 @@
-//! A groom lint: what is odd about a groom, where, and what is done about it.
+//! The groom lint: what is unusual about a groom, where, and what is done about it.
 //!
 //! After [`repair`] every strand has at least two vertices, at most
-//! [`MAX_STRAND_VERTICES`](crate::MAX_STRAND_VERTICES), finite numbers and segments of
-//! at least [`MIN_SEGMENT`]. All measures are in metres, so a groom is oriented first.
+//! [`MAX_STRAND_VERTICES`](crate::MAX_STRAND_VERTICES), finite numbers and segments of at least
+//! [`MIN_SEGMENT`]. All measures are in metres, so a groom is oriented first.
 
 mod check;
 mod repair;

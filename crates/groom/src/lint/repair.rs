@@ -1,4 +1,4 @@
-//! What makes a groom fit for everything that follows.
+//! Repairs that make a groom fit for all later steps.
 
 use glam::Vec3;
 

@@ -1,15 +1,15 @@
-//! The bust as it comes with this crate: meshed and measured beforehand, 40 times faster to read than to make.
+//! The bust as stored in this crate: meshed and measured beforehand, 40 times faster to read than to build.
 //!
 //! ```text
 //! signs of the lattice ─► surface nets ─► vertices (+ residual), triangles (+ turned diagonals), normals (+ residual)
 //! field ─► each node from its seven neighbours (+ residual)
 //! ```
 //!
-//! What can be predicted is not stored: where the surface passes through the lattice says which triangles
-//! there are and about where, and the triangles say about which way the normals go. The right half mirrors
-//! the left one. Numbers are rounded to [`STEP`].
+//! Predictable values are not stored: where the surface passes through the lattice determines which
+//! triangles there are and roughly where, and the triangles predict the normals. The right half mirrors the
+//! left one. Numbers are rounded to [`STEP`].
 //!
-//! `cargo run -p tresses --example cook` writes the file anew when the sculpture has changed; a test compares
+//! `cargo run -p tresses --example cook` rewrites the file when the sculpture has changed; a test compares
 //! it with its source.
 
 use super::{

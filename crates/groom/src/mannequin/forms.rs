@@ -1,7 +1,7 @@
 //! The sculptor's tools: solid forms as signed distances, and ways to join them without a seam.
 //!
-//! All lengths are millimetres. Every form's gradient has length one, or nearly so close to its
-//! surface; the blends are convex in the gradients, so they never exceed the forms they join.
+//! All lengths are millimetres. Every form's gradient has unit length, or nearly so close to its surface;
+//! the blends are convex in the gradients, so they never exceed the forms they join.
 
 use glam::{Vec2, Vec3};
 

@@ -1,4 +1,4 @@
-//! From the field to triangles and to a grid.
+//! From the distance field to triangles and to a grid.
 
 use super::{FIELD_RESOLUTION, RESOLUTION, cooked::bust, distance, forms};
 use crate::{Progress, SdfGrid, TriMesh, progress::at_once};

@@ -1,16 +1,16 @@
 //! The built-in character: a shop-window mannequin's bust, modelled as a signed distance field.
 //!
-//! The sculpture is made as a sculptor makes it: first the big forms (the egg of the cranium, the wedge of
-//! the face, neck, shoulders), then the planes, then the features. Each is a solid of a few hand-set numbers,
-//! and they are joined with fillets. The same field is the hair's collider, so what is seen is what is
-//! touched.
+//! The sculpture is built as a sculptor would: first the big forms (the egg of the cranium, the wedge of
+//! the face, neck, shoulders), then the planes, then the features. Each is a solid of a few hand-set
+//! numbers, and they are joined with fillets. The same field is the hair's collider, so hair collides with
+//! exactly what is seen.
 //!
 //! Groom space: metres, Y up, face towards +Z, the character's left at +X, and the two halves are mirror
 //! images. `y = 0` is the underside of the chin, `x = z = 0` the axis through the ears; the skull's centre
 //! is [`SKULL_CENTRE`]. Inside the modules the unit is the millimetre, which is how one thinks of a face.
 //!
-//! Why not a mesh in a file? It would have to come from someone, and hair needs the field anyway. What the
-//! sculpture gives at the resolutions that are used most does come as a file of ours ([`cook`]).
+//! Why not a mesh in a file? It would have to come from someone else, and hair needs the field anyway. The
+//! results for the most used resolutions are stored in a file of our own ([`cook`]).
 
 mod cooked;
 mod ears;

@@ -1,4 +1,4 @@
-//! Making, checking and changing whole meshes.
+//! Creating, validating and editing whole meshes.
 
 use glam::{Affine3A, Quat, Vec3};
 

@@ -1,4 +1,4 @@
-//! Closed shapes with known distances, to try fields and trees on.
+//! Closed shapes with known distances, for testing fields and trees.
 
 use std::f32::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! What a user may say about a file's unit and axes.
+//! The user's choice of a file's unit and axes.
 
 use std::str::FromStr;
 

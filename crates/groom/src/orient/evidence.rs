@@ -1,8 +1,8 @@
-//! What roots, strands and a head's surface say about up and front.
+//! Evidence for up and front from roots, strands and a head's surface.
 //!
-//! Each fact is a vector in the file's frame that should point up, down, forward or back; a
-//! candidate frame is scored by how well it agrees with all of them, and a small advantage goes to
-//! the frames that programs write.
+//! Each fact is a vector in the file's frame that should point up, down, forward or back; a candidate frame
+//! is scored by how well it agrees with all of them, with a small bonus for the frames that common programs
+//! write.
 
 use std::collections::HashMap;
 

@@ -1,8 +1,8 @@
-//! How much a mesh, looked at in some frame, is like a human head.
+//! How closely a mesh, seen in a given frame, resembles a human head.
 //!
-//! Heads differ little in profile: from the crown down, in slices of 0.3 skull radii, the foremost
-//! and hindmost points at the middle and the half breadth follow one curve within a tenth of a
-//! radius, be they scanned, modelled or drawn.
+//! Heads differ little in profile: from the crown down, in slices of 0.3 skull radii, the foremost and
+//! hindmost points in the middle and the half width follow one curve within a tenth of a radius, be they
+//! scanned, modelled or drawn.
 
 use glam::Vec3;
 

@@ -1,10 +1,10 @@
-//! Units, up axis, facing and mirroring: what the user says, and a guess with reasons for the rest.
+//! Units, up axis, facing and mirroring: set by the user, or guessed with reasons.
 //!
-//! A groom alone is oriented by its roots: they lie on a sphere of known size, on top and behind,
-//! and hair falls. A head alone is oriented by its profile, its symmetry and by where its
-//! vertices are dense. A groom and a head are first related to each other, by the
-//! distance of the roots to the mesh over all plausible units, turns and reflections, and then
-//! oriented together. A groom that was made for another head is fitted onto this one, and says so.
+//! A groom alone is oriented by its roots: they lie on a sphere of known size, on top and behind, and hair
+//! falls. A head alone is oriented by its profile, its symmetry and by where its vertices are dense. A
+//! groom and a head are first related to each other, by the distance of the roots to the mesh over all
+//! plausible units, rotations and reflections, and then oriented together. A groom made for another head is
+//! fitted onto this one, and this is reported.
 
 mod choice;
 mod evidence;

@@ -1,4 +1,4 @@
-//! A groom onto a head it was not made for.
+//! Fits a groom onto a head it was not made for.
 
 use glam::Vec3;
 

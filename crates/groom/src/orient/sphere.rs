@@ -1,4 +1,4 @@
-//! The sphere that roots lie on: a first idea of a skull.
+//! The sphere that roots lie on: a first estimate of the skull.
 
 use glam::{DMat3, DVec3, Vec3};
 

@@ -1,4 +1,4 @@
-//! Guesses from nonsense: whatever comes, the result is a transform.
+//! Orientation of arbitrary input: the result is always a valid transform.
 
 use glam::Vec3;
 use proptest::prelude::*;

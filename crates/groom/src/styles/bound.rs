@@ -1,4 +1,4 @@
-//! Grown strands as what the GPU wants.
+//! Grown strands in the form that the GPU needs.
 
 use super::{GUIDE_VERTICES, StyledGuides};
 use crate::{

@@ -1,9 +1,9 @@
-//! The guides of the built-in styles as they come with this crate: draped beforehand.
+//! The guides of the built-in styles as stored in this crate: draped beforehand.
 //!
-//! What a style is like after it has fallen into place takes the simulation of `tresses`, and so a GPU. For
-//! the styles as they are by default on the mannequin it is stored: the same guides on every machine, in a
-//! few milliseconds. `cargo run -p tresses --example cook` writes the file; a test there compares it with
-//! what the simulation gives.
+//! Draping a style takes the simulation of `tresses`, and so a GPU. For the default styles on the mannequin
+//! the result is stored: the same guides on every machine, in a few milliseconds.
+//! `cargo run -p tresses --example cook` writes the file; a test there compares it with the result of the
+//! simulation.
 
 use super::{GUIDE_VERTICES, Lines, Recipe, Scalp, Style, StyledGuides};
 use crate::{

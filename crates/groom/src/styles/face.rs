@@ -1,4 +1,4 @@
-//! The space in front of the face, which hair leaves free.
+//! The space in front of the face, which hair does not enter.
 
 use super::scalp::{Landmarks, Scalp};
 use glam::Vec3;

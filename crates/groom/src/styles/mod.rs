@@ -1,16 +1,16 @@
 //! Built-in hairstyles: fields over the scalp, and the guides that follow them.
 //!
-//! A [`Style`] becomes a [`Recipe`] of numbers; [`guides`] makes strands of it. Roots are spread
-//! evenly inside a [`Hairline`]. From each root a path leaves the scalp at an angle, is combed away
-//! from the [`Parting`] and back, keeps clear of the head by a distance that grows with the height
-//! of its root (hair from the top lies over hair from the sides), falls where the head no longer
-//! carries it, and ends at a length or at a common hem. Waves are added along the path.
+//! A [`Style`] becomes a [`Recipe`] of numbers, from which [`guides`] makes strands. Roots are spread
+//! evenly inside a [`Hairline`]. From each root a path leaves the scalp at an angle, is combed away from
+//! the [`Parting`] and back, stays clear of the head by a distance that grows with the height of its root
+//! (hair from the top lies over hair from the sides), falls where the head no longer supports it, and ends
+//! at a length or at a common hem. Waves are added along the path.
 //!
-//! The shapes are close to where gravity and the head would leave them; the simulation of `tresses::drape`
+//! The shapes are close to their equilibrium under gravity and contact; the simulation of `tresses::drape`
 //! finishes them, with as much hold as the style needs to keep its volume and its wave ([`Hold`]), and
-//! [`bound`] makes a groom of what is then grown. Spirals are not part of the guides, as three spirals of different phase have no sensible mean;
-//! [`Curls`](crate::grow::Curls) says how [`grow`](crate::grow) winds the drawn strands
-//! around them.
+//! [`bound`] makes a groom of the strands then grown. Spirals are not part of the guides, as three spirals
+//! of different phase have no meaningful mean; [`Curls`](crate::grow::Curls) describes how
+//! [`grow`](crate::grow) winds the drawn strands around them.
 
 mod bound;
 mod cooked;

@@ -1,4 +1,4 @@
-//! The styles as numbers.
+//! The parameters of the built-in styles.
 
 use crate::{Error, Result};
 use std::str::FromStr;

@@ -1,4 +1,4 @@
-//! Where the guides are rooted: points spread evenly over the region inside the hairline.
+//! The roots of the guides: points spread evenly over the region inside the hairline.
 
 use super::hairline::Hairline;
 use super::parting::Parting;

@@ -1,4 +1,4 @@
-//! What a hairstyle needs to know of a head.
+//! The properties of a head that a hairstyle needs.
 
 use crate::{SdfGrid, mannequin};
 use glam::{Vec2, Vec3};

@@ -1,4 +1,4 @@
-//! One guide: a path that leaves the scalp, follows the comb over the head and falls.
+//! Tracing one guide: a path that leaves the scalp, follows the comb over the head and falls.
 
 use super::face::Face;
 use super::parting::Parting;

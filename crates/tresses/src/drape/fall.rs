@@ -1,4 +1,4 @@
-//! The fall itself: steps of the simulation on a head that stands still.
+//! Settling: simulation steps with the head at rest.
 
 use crate::simulate::{
     MAX_STEPS, RestOptions, RestShape, Simulate, Simulation, SimulationParams, Step,

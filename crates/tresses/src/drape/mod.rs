@@ -1,9 +1,9 @@
-//! Built-in styles that have fallen into place.
+//! Draping: built-in styles that have settled on the head.
 //!
-//! The guides that [`styles`](crate::groom::styles) traces are close to where gravity and the head would
-//! leave them; the simulation finishes them, with as much hold as the style needs to keep its volume and its
-//! wave ([`Hold`](crate::groom::styles::Hold)). This is done once, before the hair is used, and is all that
-//! a groom ever needs of the GPU before it is drawn: so it stands here and not in `groom`.
+//! The guides that [`styles`](crate::groom::styles) traces are close to their equilibrium under gravity and
+//! contact; the simulation finishes them, with as much hold as the style needs to keep its volume and its
+//! wave ([`Hold`](crate::groom::styles::Hold)). This is done once, before the hair is used, and is the only
+//! use of the GPU before a groom is drawn, which is why it is here and not in `groom`.
 //!
 //! ```text
 //! Style ─┬─ default: stored guides ─────────────────────────────────────────┬─► grow (CPU) ─► Character

@@ -1,4 +1,4 @@
-//! Small mathematics that several stages share.
+//! Mathematics shared by several stages.
 
 pub mod ldl;
 pub mod pose;

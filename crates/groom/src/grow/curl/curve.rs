@@ -1,4 +1,4 @@
-//! A curl that somebody drew.
+//! A curl drawn by an artist.
 
 use crate::error::{At, Error, Result};
 use crate::{curve, import};

@@ -1,23 +1,23 @@
-//! Curls: offsets from a strand's path, made procedurally or taken from a curve that an artist drew.
+//! Curls: offsets from a strand's path, procedural or taken from a curve that an artist drew.
 //!
-//! A curl is a curve around a straight axis, a function of the way along it: a helix, a flat wave or
+//! A curl is a curve around a straight axis, a function of the length along it: a helix, a flat wave or
 //! anything between them ([`Curls`]), or a drawn curve ([`CurlCurve`]). It is laid along the path of a
-//! strand in directions that are carried along the path without turning, and added to whatever clump or
-//! multi-strand interpolation made of it. So it costs nothing per frame, and it turns with the guides.
+//! strand in directions that are parallel transported along the path, and added to the result of clump or
+//! multi-strand interpolation. It therefore costs nothing per frame, and it rotates with the guides.
 //!
-//! Hair curls in locks. What makes a curl a lock's rather than a spring's is decided once per lock (a
-//! *twist*): radius, wavelength, hand, phase, where the hand changes, and how all of that wanders along
-//! the way. The strands of a lock follow it with phases a little apart, which lays them side by side
-//! into a ribbon; a lock shares as much of its phase with the locks around it as
-//! [`Curls::neighbours`] says, which makes the waves of straight hair run through, as water waves do.
+//! Hair curls in locks. What distinguishes a lock's curl from a spring is drawn once per lock (a *twist*):
+//! radius, wavelength, handedness, phase, where the handedness changes, and how all of these vary along the
+//! length. The strands of a lock follow it with slightly different phases, which lays them side by side
+//! into a ribbon; a lock shares as much of its phase with the locks around it as [`Curls::neighbours`]
+//! says, which makes the waves of straight hair run continuously, as water waves do.
 //!
 //! Curled hair is longer than its path: by `√(1 + (2π radius / wavelength)²)` for a helix. Either the
 //! hairstyle keeps its shape and the strands are that much longer, or the strands keep their lengths and
-//! the hairstyle gets shorter, as hair does that dries ([`Curls::shrink`]).
+//! the hairstyle gets shorter, as drying hair does ([`Curls::shrink`]).
 //!
-//! Why not per guide, as the original has it? A clump-based strand follows one guide, but a
-//! multi-strand is a mean of three, and the mean of three helices of different phase is nothing. Locks
-//! are smaller than the hair of one guide, and every strand is in one of them, whatever it is bound to.
+//! Why not per guide, as in the original? A clump-based strand follows one guide, but a multi-strand is a
+//! mean of three, and the mean of three helices of different phase is meaningless. Locks are smaller than
+//! the hair of one guide, and every strand belongs to one lock, whatever guides it is bound to.
 
 mod curve;
 mod twist;

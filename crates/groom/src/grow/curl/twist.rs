@@ -1,4 +1,4 @@
-//! How one lock curls, and the way of a strand in it.
+//! How one lock curls, and the path of a strand within it.
 
 use super::Curls;
 use crate::styles::random::{Rng, lerp, noise, smoothstep};

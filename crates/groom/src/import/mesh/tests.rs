@@ -1,4 +1,4 @@
-//! Meshes whole and broken.
+//! Valid and broken meshes.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! The nearest point: the nearer child first, whatever is farther than the best so far not at all.
+//! The nearest point: nearer child first, and pruning of everything farther than the best so far.
 
 use glam::Vec3;
 

@@ -1,4 +1,4 @@
-//! The tree as a list that is walked without a stack, as a GPU does.
+//! The tree as a list that is traversed without a stack, as on a GPU.
 
 use super::Bvh;
 use bytemuck::{Pod, Zeroable};

@@ -1,8 +1,8 @@
-//! A tree of boxes over a mesh's triangles that answers two questions about a point: which point of
-//! the mesh is nearest, and how often does the mesh wind around it.
+//! A bounding volume hierarchy over a mesh's triangles that answers two queries for a point: the nearest
+//! point of the mesh, and the winding number of the mesh around it.
 //!
-//! One tree serves both: a node has its box for the first question and, for the second, the sum of its
-//! triangles' area vectors, which is all that is seen of them from far away.
+//! One tree serves both: a node has its box for the first query and, for the second, the sum of its
+//! triangles' area vectors, which is all of them that matters from far away.
 
 mod build;
 mod closest;

@@ -1,22 +1,22 @@
-//! The signed distance field of any mesh, as artists make them: open at the neck, with eyes, teeth,
-//! lashes and clothes as separate and partly overlapping pieces.
+//! The signed distance field of any mesh, as artists make them: open at the neck, with eyes, teeth, lashes
+//! and clothes as separate and partly overlapping pieces.
 //!
-//! What is solid is decided by the winding number (see [`Bvh::winding_number`]), which is 1 inside a
-//! closed outward mesh, 0 outside, and passes 0.5 on the lid that closes a hole. Distances are then
-//! those to the *solid's* boundary, not to every triangle:
+//! What is solid is decided by the winding number (see [`Bvh::winding_number`]), which is 1 inside a closed
+//! outward mesh, 0 outside, and passes 0.5 on the lid that closes a hole. Distances are then those to the
+//! *solid's* boundary, not to every triangle:
 //!
-//! - An opening, such as the neck's, is closed by the surface where the winding number is 0.5: a flat
-//!   lid for a flat rim. The field passes zero there like everywhere else.
+//! - An opening, such as the neck's, is closed by the surface where the winding number is 0.5: a flat lid
+//!   for a flat rim. The field passes zero there like everywhere else.
 //! - A sheet in the air (a strip of lashes, a flat collar) has air on both sides and is no obstacle. A
-//!   sheet that bulges around more than half of what can be seen from within, a cap or a jacket, is the
-//!   solid under it, closed by a lid.
-//! - Triangles inside the solid (overlapping parts, sockets) do not matter, nor do cavities that no
-//!   air reaches: inside of a head the distance is that to the skin.
-//! - Solids that the grid cannot show, thinner than about a cell, are left out.
-//! - A mesh that is inside out as a whole is turned first.
+//!   sheet that encloses more than half of the directions seen from within, a cap or a jacket, is the solid
+//!   under it, closed by a lid.
+//! - Triangles inside the solid (overlapping parts, sockets) do not matter, nor do cavities that no air
+//!   reaches: inside a head the distance is that to the skin.
+//! - Solids that the grid cannot resolve, thinner than about a cell, are left out.
+//! - A mesh that is inside out as a whole is flipped first.
 //!
-//! Flood filling from outside, the usual way to signs, leaks through the first hole; parity of ray
-//! crossings makes speckles behind every one.
+//! Flood filling from outside, the usual way to find signs, leaks through the first hole; the parity of ray
+//! crosses makes speckles behind every one.
 
 mod lids;
 mod signs;

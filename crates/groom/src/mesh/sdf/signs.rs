@@ -1,10 +1,10 @@
 //! Which nodes of a grid are solid.
 //!
-//! Away from the triangles the winding number is harmonic, so one value says much about its
-//! neighbourhood: if `u >= 0` is harmonic in a ball of radius `d`, Harnack's inequality bounds it by
+//! Away from the triangles the winding number is harmonic, so one value says much about its neighbourhood:
+//! if `u >= 0` is harmonic in a ball of radius `d`, Harnack's inequality bounds it by
 //! `u(0) (1 + t) / (1 - t)^2` in the ball of radius `t d`. As long as that is less than 0.5, the whole
-//! smaller ball is on the same side. So a few evaluations settle the bulk of the air and of the solid,
-//! also across openings, where no connectivity could.
+//! smaller ball is on the same side. A few evaluations thus settle most of the air and of the solid, also
+//! across openings, where connectivity fails.
 
 use glam::{IVec3, Vec3};
 
