@@ -4,6 +4,7 @@
 use crate::{
     Error, Pose, Progress, Result,
     avoid::{self, Avoid, AvoidOptions, Avoidance},
+    clock::Clock,
     collide::{Collider, ColliderDescriptor, ColliderSet},
     draw::{DrawOptions, DrawStage, HairSet, View},
     gpu::bindings,
@@ -13,8 +14,8 @@ use crate::{
     math::hash::pcg,
     progress::at_once,
     simulate::{
-        Clock, Forces, Grab, GuideTraits, Ray, RestOptions, RestShape, Simulate, Simulation,
-        SimulationParams, Target, rest,
+        Forces, Grab, GuideTraits, Ray, RestOptions, RestShape, Simulate, Simulation, SimulationParams,
+        Target, rest,
     },
     strands::{GuideBuffers, Strand, StrandBuffers},
     tessellate::{Tessellate, TessellateParams, rest_samples},

@@ -76,6 +76,7 @@ pub mod collide;
 
 pub mod drape;
 
+pub mod clock;
 pub mod frame;
 pub mod hair;
 pub mod stage;

@@ -1,12 +1,12 @@
 //! Settling: simulation steps with the head at rest.
 
 use crate::simulate::{
-    MAX_STEPS, RestOptions, RestShape, Simulate, Simulation, SimulationParams, Step,
-    params::Mode,
+    RestOptions, RestShape, Simulate, Simulation, SimulationParams,
     rest::{self, GuideTraits},
 };
 use crate::{
     Pose, Result,
+    clock::{MAX_STEPS, Mode, Step},
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     gpu::readback,
     groom::SdfGrid,

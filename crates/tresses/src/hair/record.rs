@@ -5,11 +5,12 @@ use super::{Hair, HairRenderer};
 use crate::{
     Pose, Result,
     avoid::Avoid,
+    clock::{Mode, Step, Steps},
     collide::{ColliderPoses, Moments},
     frame::Frame,
     interpolate::{Interpolate, InterpolateParams},
     lod::Widths,
-    simulate::{Forces, Mode, Simulate, SimulationParams, Step},
+    simulate::{Forces, Simulate, SimulationParams},
     tessellate::{Tessellate, TessellateParams},
     volume::{HairHairMode, VolumeStage},
     wind::{Air, Fluid, HairGrid, Wind},
@@ -35,11 +36,12 @@ impl Hair {
         let steps = self.tick(queue, frame.dt, physics, &frame.head, frame.colliders)?;
         self.forced = self.windy || physics.hair_hair.mode != HairHairMode::Off;
         if self.forced {
-            self.volume.prepare(queue, physics, &steps, &self.colliders);
+            let due = Steps { steps: &steps, length: physics.step, substeps: physics.substeps };
+            self.volume.prepare(queue, &physics.hair_hair, &due, &self.colliders);
             if let Some(air) = self.air.as_mut().filter(|_| self.windy) {
                 let grid = &self.volume.grid;
                 let hair = HairGrid { bias: grid.bias, scale: grid.scale };
-                air.prepare(queue, physics, &steps, Some(hair));
+                air.prepare(queue, &physics.wind, physics.diameter, &due, Some(hair));
             }
             let air = self.air.as_ref().filter(|_| self.windy);
             self.forces.prepare(queue, physics, air, steps.len());

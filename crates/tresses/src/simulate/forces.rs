@@ -1,12 +1,13 @@
 //! The kernel that gathers the forces of the grids on the guides.
 
-use super::{MAX_STEPS, SimulationParams, drag};
+use super::SimulationParams;
 use crate::{
+    clock::MAX_STEPS,
     constants::VOLUME_WORKGROUP,
     gpu::{Binding, Kernel, bindings},
     strands::GuideBuffers,
     volume::Volume,
-    wind::Air,
+    wind::{Air, drag},
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;

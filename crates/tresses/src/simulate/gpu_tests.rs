@@ -1,20 +1,20 @@
 //! The kernel against its twin.
 
 use super::{
-    GuideTraits, RestOptions, RestShape, Simulate, Simulation, SimulationParams, Step,
-    params::Mode,
+    GuideTraits, RestOptions, RestShape, Simulate, Simulation, SimulationParams,
     reference::{Obstacles, Strand},
     rest,
 };
 use crate::{
     Pose,
+    clock::{Mode, Step},
     collide::{
         Anchor, Collider, ColliderDescriptor, ColliderPoses, ColliderSet, FieldId, FieldSource, FieldVolume,
         Moments, Shape,
     },
     gpu::{Gpu, Timings, for_tests as gpu, readback::blocking as readback},
     groom::SdfGrid,
-    strands::{Force, GuideBuffers, GuideForce},
+    strands::{Force, GuideBuffers, GuideForce, RestGuides},
     wind::Wind,
 };
 use glam::{Quat, Vec3};
@@ -112,11 +112,11 @@ struct Scene {
 }
 
 impl Scene {
-    fn new(gpu: &Gpu, rest: &rest::RestGuides, head: Option<&SdfGrid>) -> Self {
+    fn new(gpu: &Gpu, rest: &RestGuides, head: Option<&SdfGrid>) -> Self {
         Self::among(gpu, rest, &ColliderDescriptor { head, ..Default::default() })
     }
 
-    fn among(gpu: &Gpu, rest: &rest::RestGuides, what: &ColliderDescriptor<'_>) -> Self {
+    fn among(gpu: &Gpu, rest: &RestGuides, what: &ColliderDescriptor<'_>) -> Self {
         let guides = GuideBuffers::new(&gpu.device, rest.info.len() as u32, rest.vertex_count, 2).unwrap();
         rest.upload(&gpu.queue, &guides).unwrap();
         let simulate = Simulate::new(&gpu.device);

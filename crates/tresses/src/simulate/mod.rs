@@ -45,8 +45,6 @@
 //! Twist has no stiffness parameter: it is rigid. Positions are single precision in world axes: hair
 //! hundreds of metres from the origin would jitter.
 
-pub mod clock;
-pub mod drag;
 mod forces;
 pub mod grab;
 pub mod params;
@@ -61,7 +59,8 @@ mod physics;
 mod reference;
 
 use crate::{
-    Pose, Result,
+    Result,
+    clock::{MAX_STEPS, Step},
     collide::{self, ColliderSet},
     constants::GUIDE_CAPACITIES,
     gpu::bindings::{group, layout},
@@ -70,14 +69,11 @@ use crate::{
 use params::StepUniforms;
 use std::sync::OnceLock;
 
-pub use clock::{Clock, Ticks};
 pub use forces::{AirUniforms, Forces};
 pub use grab::{Grab, Ray, Target};
-pub use params::{Along, Mode, SimulationParams};
-pub use rest::{GuideTraits, RestGuides, RestOptions, RestShape};
+pub use params::{Along, SimulationParams};
+pub use rest::{GuideTraits, RestOptions, RestShape};
 
-/// The most fixed steps of one frame.
-pub const MAX_STEPS: u32 = 8;
 /// Bytes from one step's uniforms to the next's: a multiple of every adapter's alignment.
 const STRIDE: u64 = 512;
 
@@ -135,21 +131,6 @@ pub struct Simulation {
     group: wgpu::BindGroup,
     guide_count: u32,
     vertex_count: u32,
-}
-
-/// One fixed step of a frame: where the head is when it begins and when it ends.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Step {
-    /// What it does.
-    pub mode: Mode,
-    /// Pose of the head at the begin.
-    pub begin: Pose,
-    /// Pose of the head at the end.
-    pub end: Pose,
-    /// Where in the frame's motion it begins, 0..=1.
-    pub from: f32,
-    /// Where in the frame's motion it ends, 0..=1.
-    pub to: f32,
 }
 
 impl Simulation {

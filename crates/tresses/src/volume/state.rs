@@ -6,11 +6,11 @@ use super::{
 };
 use crate::{
     Error, Pose, Result,
+    clock::{MAX_STEPS, Mode, Steps},
     collide::ColliderSet,
     constants::VOLUME_WORKGROUP,
     gpu::{bindings, grid::grid_texture},
-    simulate::{MAX_STEPS, RestGuides, SimulationParams, Step, params::Mode},
-    strands::{GuideBuffers, buffers::storage},
+    strands::{GuideBuffers, RestGuides, buffers::storage},
 };
 use glam::Vec3;
 
@@ -200,24 +200,23 @@ impl Volume {
         self.base.reference
     }
 
-    /// Writes the uniforms of a frame's `steps`, at most [`MAX_STEPS`]. `colliders` have been advanced to
+    /// Writes the uniforms of the steps of `frame`, at most [`MAX_STEPS`]. `colliders` have been advanced to
     /// the frame.
     pub fn prepare(
         &mut self,
         queue: &wgpu::Queue,
-        params: &SimulationParams,
-        steps: &[Step],
+        params: &HairHair,
+        frame: &Steps<'_>,
         colliders: &ColliderSet,
     ) {
-        let h = params.step;
-        let steps = &steps[steps.len().saturating_sub(MAX_STEPS as usize)..];
+        let (h, steps) = (frame.length, frame.last());
         self.modes = steps.iter().map(|step| step.mode).collect();
         self.obstacles_moved = (0..steps.len())
-            .map(|i| self.obstacles_move(&steps[i].begin, colliders, i * params.substeps as usize))
+            .map(|i| self.obstacles_move(&steps[i].begin, colliders, i * frame.substeps as usize))
             .collect();
-        let base = self.with(&params.hair_hair, h);
+        let base = self.with(params, h);
         // The rest density holds for one blur.
-        let variance = self.variance(&params.hair_hair);
+        let variance = self.variance(params);
         self.rest_blur.1 = variance.to_bits();
         if self.written_blur != Some(self.rest_blur.1) {
             queue.write_buffer(&self.blur, 0, bytemuck::bytes_of(&Blur::new(variance)));
@@ -230,7 +229,7 @@ impl Volume {
         };
         for (i, step) in steps.iter().enumerate() {
             let drift = (step.end.translation - step.begin.translation) / h.max(1e-6);
-            let moment = i as u32 * params.substeps;
+            let moment = i as u32 * frame.substeps;
             put(i, &VolumeUniforms { moment, ..base.placed(&step.begin, drift) });
         }
         put(RESTING as usize, &VolumeUniforms { resting: 1, ..base.placed(&Pose::IDENTITY, Vec3::ZERO) });

@@ -4,6 +4,7 @@ use crate::common;
 
 use tresses::{
     Pose,
+    clock::{MAX_STEPS, Mode, Step},
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     drape,
     glam::Vec3,
@@ -12,10 +13,7 @@ use tresses::{
         SdfGrid,
         styles::{self, GUIDE_VERTICES, GridScalp, Style, StyledGuides},
     },
-    simulate::{
-        GuideTraits, MAX_STEPS, Mode, RestOptions, RestShape, Simulate, Simulation, SimulationParams, Step,
-        rest,
-    },
+    simulate::{GuideTraits, RestOptions, RestShape, Simulate, Simulation, SimulationParams, rest},
     strands::GuideBuffers,
 };
 

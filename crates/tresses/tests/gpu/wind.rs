@@ -4,11 +4,12 @@ use crate::common;
 
 use tresses::{
     Pose,
+    clock::{Mode, Step, Steps},
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     glam::Vec3,
     gpu::{Gpu, readback::blocking as readback},
     groom::SdfGrid,
-    simulate::{Mode, SimulationParams, Step},
+    simulate::SimulationParams,
     wind::{Air, Fluid, HairGrid, Wind},
 };
 
@@ -165,7 +166,9 @@ impl Tunnel {
         let steps = [step];
         let moments = Moments { steps: &steps, substeps: 4, step: STEP, head, alpha: 1.0 };
         self.colliders.advance(queue, &ColliderPoses::default(), &moments).unwrap();
-        self.air.prepare(queue, &self.physics, &steps, self.hair);
+        let SimulationParams { wind, diameter, step, substeps, .. } = self.physics;
+        let due = Steps { steps: &steps, length: step, substeps };
+        self.air.prepare(queue, &wind, diameter, &due, self.hair);
         let mut encoder = device.create_command_encoder(&Default::default());
         let mut pass = encoder.begin_compute_pass(&Default::default());
         self.fluid.record(&mut pass, &self.air, &self.colliders, 0);

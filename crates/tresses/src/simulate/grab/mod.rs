@@ -48,9 +48,10 @@ mod kernels;
 
 pub(crate) use kernels::GrabKernels;
 
-use super::{MAX_STEPS, Mode, Simulate, SimulationParams, Step};
+use super::{Simulate, SimulationParams};
 use crate::{
     Error, Result,
+    clock::{MAX_STEPS, MAX_SUBSTEPS, Mode, Step},
     collide::ColliderSet,
     constants::{STRAND_WORKGROUP, VOLUME_WORKGROUP},
     strands::{GuideBuffers, StrandBuffers, buffers::storage},
@@ -268,7 +269,7 @@ impl Grab {
             Target::Ray(ray) => (ray.origin, ray.direction),
             Target::Point(point) => (point, Vec3::ZERO),
         };
-        let substeps = physics.substeps.clamp(1, super::params::MAX_SUBSTEPS);
+        let substeps = physics.substeps.clamp(1, MAX_SUBSTEPS);
         let mut bytes = vec![0u8; STRIDE as usize * steps.len()];
         for (i, (step, slot)) in steps.iter().zip(bytes.chunks_mut(STRIDE as usize)).enumerate() {
             let uniform = GrabUniform {

@@ -2,12 +2,11 @@
 
 use crate::{
     Pose,
+    clock::{Mode, Step, Steps},
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     gpu::{Gpu, for_tests as gpu, readback::blocking as readback},
-    simulate::{
-        Forces, GuideTraits, RestGuides, RestOptions, Simulate, SimulationParams, Step, params::Mode, rest,
-    },
-    strands::{Force, GuideBuffers, GuideForce},
+    simulate::{Forces, GuideTraits, RestOptions, Simulate, SimulationParams, rest},
+    strands::{Force, GuideBuffers, GuideForce, RestGuides},
     volume::{HairHair, Volume, VolumeOptions, VolumeStage},
 };
 use glam::{Quat, Vec3};
@@ -95,13 +94,13 @@ impl Scene {
     }
 
     pub(super) fn prepare(&mut self, params: &HairHair, step: &Step) {
-        let params = SimulationParams { hair_hair: *params, step: H, ..Default::default() };
         let steps = [*step];
-        let moments =
-            Moments { steps: &steps, substeps: params.substeps, step: H, head: step.end, alpha: 1.0 };
+        let substeps = SimulationParams::default().substeps;
+        let moments = Moments { steps: &steps, substeps, step: H, head: step.end, alpha: 1.0 };
         let poses = ColliderPoses { head: None, colliders: self.places.clone() };
         self.colliders.advance(&self.gpu.queue, &poses, &moments).unwrap();
-        self.volume.prepare(&self.gpu.queue, &params, &steps, &self.colliders);
+        let frame = Steps { steps: &steps, length: H, substeps };
+        self.volume.prepare(&self.gpu.queue, params, &frame, &self.colliders);
     }
 
     /// The integers after `splat` alone; zeroed again.

@@ -3,9 +3,10 @@
 use super::scene::{H, N, Scene, cube, somewhere, still, swirl};
 use crate::{
     Pose,
+    clock::{Mode, Step},
     gpu::for_tests as gpu,
-    simulate::{RestGuides, Step, params::Mode},
     strands::GuideBuffers,
+    strands::RestGuides,
     volume::{
         HairHair, Volume, VolumeOptions, VolumeStage,
         params::VolumeUniforms,

@@ -4,15 +4,13 @@ use crate::common;
 use std::sync::OnceLock;
 use tresses::{
     Pose,
+    clock::{Clock, MAX_STEPS, Mode, Step},
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     glam::Vec3,
     gpu::{Gpu, readback::blocking as readback},
     groom::SdfGrid,
-    simulate::{
-        Along, Clock, GuideTraits, MAX_STEPS, Mode, RestGuides, RestOptions, RestShape, Simulate, Simulation,
-        SimulationParams, Step, rest,
-    },
-    strands::GuideBuffers,
+    simulate::{Along, GuideTraits, RestOptions, RestShape, Simulate, Simulation, SimulationParams, rest},
+    strands::{GuideBuffers, RestGuides},
 };
 
 /// An adapter and the pipelines, which all cases share.
