@@ -50,6 +50,12 @@ impl Fluid {
         }
     }
 
+    /// All of them.
+    pub(crate) fn kernels(&self) -> Vec<&Kernel> {
+        let Self { obstacles, predict, correct, gather, relax, project, .. } = self;
+        vec![obstacles, predict, correct, gather, relax, project]
+    }
+
     /// Records step `index` of those that [`Air::prepare`] wrote, among `colliders`, which have been
     /// [advanced](ColliderSet::advance) by the same steps.
     pub fn record(&self, pass: &mut wgpu::ComputePass<'_>, air: &Air, colliders: &ColliderSet, index: u32) {
