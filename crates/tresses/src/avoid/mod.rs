@@ -70,7 +70,7 @@
 mod kernels;
 mod options;
 
-pub use kernels::{Avoid, AvoidGroups};
+pub use kernels::{AvoidGroups, Pipelines};
 pub use options::{AvoidMode, AvoidOptions};
 
 use crate::{
@@ -156,7 +156,7 @@ impl Avoidance {
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        stage: &Avoid,
+        stage: &Pipelines,
         options: AvoidOptions,
         clearance: f32,
         guides: &GuideBuffers,
@@ -206,7 +206,7 @@ impl Avoidance {
     pub(crate) fn record(
         &self,
         pass: &mut wgpu::ComputePass<'_>,
-        stage: &Avoid,
+        stage: &Pipelines,
         colliders: &ColliderSet,
         strands: &StrandBuffers,
     ) {
@@ -219,7 +219,7 @@ impl Avoidance {
     pub fn record_search(
         &self,
         pass: &mut wgpu::ComputePass<'_>,
-        stage: &Avoid,
+        stage: &Pipelines,
         colliders: &ColliderSet,
         strands: &StrandBuffers,
     ) {

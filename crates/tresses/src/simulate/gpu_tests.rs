@@ -1,7 +1,7 @@
 //! The kernel against its twin.
 
 use super::{
-    GuideTraits, RestOptions, RestShape, Simulate, Simulation, SimulationParams,
+    GuideTraits, Pipelines, RestOptions, RestShape, Simulation, SimulationParams,
     reference::{Obstacles, Strand},
     rest,
 };
@@ -106,7 +106,7 @@ fn dice() -> SdfGrid {
 
 struct Scene {
     guides: GuideBuffers,
-    simulate: Simulate,
+    simulate: Pipelines,
     simulation: Simulation,
     colliders: ColliderSet,
 }
@@ -119,7 +119,7 @@ impl Scene {
     fn among(gpu: &Gpu, rest: &RestGuides, what: &ColliderDescriptor<'_>) -> Self {
         let guides = GuideBuffers::new(&gpu.device, rest.info.len() as u32, rest.vertex_count, 2).unwrap();
         rest.upload(&gpu.queue, &guides).unwrap();
-        let simulate = Simulate::new(&gpu.device);
+        let simulate = Pipelines::new(&gpu.device);
         let colliders = ColliderSet::new(&gpu.device, &gpu.queue, what).unwrap();
         let simulation = Simulation::new(&gpu.device, &simulate, &guides);
         Self { guides, simulate, simulation, colliders }
@@ -147,7 +147,7 @@ impl Scene {
             });
             let count = self.simulation.prepare(&gpu.queue, params, steps, forced).unwrap();
             for i in 0..count {
-                self.simulation.record_step(&self.simulate, &gpu.device, &mut pass, &self.colliders, i);
+                self.simulation.record_step(&self.simulate, &mut pass, &self.colliders, i);
             }
         }
         if let Some(t) = timings {
@@ -288,7 +288,7 @@ fn draped_hair_lies_on_the_sphere() {
     let n = 16;
     let (positions, traits) = groom(24, n);
     let grid = sphere();
-    let simulate = Simulate::new(&gpu.device);
+    let simulate = Pipelines::new(&gpu.device);
     let start = std::time::Instant::now();
     let options = crate::drape::DrapeOptions { clearance: 0.002, ..Default::default() };
     let settled = pollster::block_on(crate::drape::drape(

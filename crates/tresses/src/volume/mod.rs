@@ -68,5 +68,5 @@ mod reference;
 
 pub use grid::Grid;
 pub use params::{HairHair, HairHairMode};
-pub use stage::VolumeStage;
+pub use stage::Pipelines;
 pub use state::{Volume, VolumeOptions};

@@ -1,7 +1,7 @@
 //! The grid of one groom: its buffers, and the passes recorded for it in a step.
 
 use super::{
-    Grid, HairHair, HairHairMode, VolumeStage,
+    Grid, HairHair, HairHairMode, Pipelines,
     params::{Blur, VolumeUniforms},
 };
 use crate::{
@@ -88,7 +88,7 @@ impl Volume {
     /// cannot hold the grid.
     pub fn new(
         device: &wgpu::Device,
-        stage: &VolumeStage,
+        stage: &Pipelines,
         guides: &GuideBuffers,
         rest: &RestGuides,
         options: &VolumeOptions,
@@ -239,7 +239,7 @@ impl Volume {
     /// Records step `i` of those that [`prepare`](Self::prepare) wrote.
     pub fn record(
         &mut self,
-        stage: &VolumeStage,
+        stage: &Pipelines,
         pass: &mut wgpu::ComputePass<'_>,
         colliders: &ColliderSet,
         i: u32,
@@ -285,7 +285,7 @@ impl Volume {
     }
 
     /// Hair into the grid.
-    pub(super) fn grids(&self, stage: &VolumeStage, pass: &mut wgpu::ComputePass<'_>, slot: u32) {
+    pub(super) fn grids(&self, stage: &Pipelines, pass: &mut wgpu::ComputePass<'_>, slot: u32) {
         let offset = [Self::offset(slot)];
         let splatted = (self.base.splat_count * self.base.samples).div_ceil(VOLUME_WORKGROUP);
         stage.splat.record(pass, &self.groups.splat, &offset, splatted);

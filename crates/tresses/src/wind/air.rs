@@ -4,7 +4,7 @@ use super::{
     drag,
     gusts::Gusts,
     params::{Half, Wind, WindUniforms},
-    stage::Fluid,
+    stage::Pipelines,
 };
 use crate::{
     Error, Pose, Result,
@@ -95,7 +95,7 @@ impl Air {
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        fluid: &Fluid,
+        fluid: &Pipelines,
         cells: u32,
         (center, size): (Vec3, f32),
         hair: &wgpu::TextureView,

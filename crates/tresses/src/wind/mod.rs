@@ -76,4 +76,4 @@ mod stage;
 
 pub use air::{Air, AirPlace, HairGrid};
 pub use params::Wind;
-pub use stage::Fluid;
+pub use stage::Pipelines;

@@ -8,7 +8,7 @@ use crate::{
 
 /// The pipelines; made once per device.
 #[derive(Debug)]
-pub struct Fluid {
+pub struct Pipelines {
     pub(super) obstacles: Kernel,
     pub(super) predict: Kernel,
     pub(super) correct: Kernel,
@@ -18,7 +18,7 @@ pub struct Fluid {
     pub(super) sampler: wgpu::Sampler,
 }
 
-impl Fluid {
+impl Pipelines {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
         use Binding::{Sampler, Texels3d, Texture3d, Uniform, UniformDynamic, Write3d, WriteFull3d};

@@ -13,12 +13,17 @@ use tresses::{
         SdfGrid,
         styles::{self, GUIDE_VERTICES, GridScalp, Style, StyledGuides},
     },
-    simulate::{GuideTraits, RestOptions, RestShape, Simulate, Simulation, SimulationParams, rest},
+    simulate::{self, GuideTraits, RestOptions, RestShape, Simulation, SimulationParams, rest},
     strands::GuideBuffers,
 };
 
 /// Guides before and after they fell.
-fn settled(gpu: &Gpu, simulate: &Simulate, style: &Style, scalp: &GridScalp) -> (StyledGuides, StyledGuides) {
+fn settled(
+    gpu: &Gpu,
+    simulate: &simulate::Pipelines,
+    style: &Style,
+    scalp: &GridScalp,
+) -> (StyledGuides, StyledGuides) {
     let before = styles::guides(style, scalp);
     let mut after = before.clone();
     pollster::block_on(drape::settle(&gpu.device, &gpu.queue, simulate, &mut after, &scalp.field)).unwrap();
@@ -103,7 +108,7 @@ fn the_same_seed_gives_the_same_bits() {
 /// smallest first.
 fn drift(
     gpu: &Gpu,
-    simulate: &Simulate,
+    simulate: &simulate::Pipelines,
     positions: &[Vec3],
     field: &SdfGrid,
     stiffness: &[f32],
@@ -134,7 +139,7 @@ fn drift(
             let (substeps, length) = (params.substeps, params.step);
             let moments = Moments { steps: &steps, substeps, step: length, head: still, alpha: 1.0 };
             colliders.advance(queue, &ColliderPoses::default(), &moments).unwrap();
-            simulation.record(simulate, device, queue, &mut pass, &params, &steps, &colliders).unwrap();
+            simulation.record(simulate, queue, &mut pass, &params, &steps, &colliders).unwrap();
         }
         queue.submit([encoder.finish()]);
         left -= now;

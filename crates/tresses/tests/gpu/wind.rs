@@ -10,7 +10,7 @@ use tresses::{
     gpu::{Gpu, readback::blocking as readback},
     groom::SdfGrid,
     simulate::SimulationParams,
-    wind::{Air, Fluid, HairGrid, Wind},
+    wind::{self, Air, HairGrid, Wind},
 };
 
 const STEP: f32 = 1.0 / 60.0;
@@ -18,7 +18,7 @@ const STEP: f32 = 1.0 / 60.0;
 /// A head of radius 10 cm at the origin, and perhaps hair around it.
 struct Tunnel {
     gpu: &'static Gpu,
-    fluid: &'static Fluid,
+    fluid: &'static wind::Pipelines,
     air: Air,
     colliders: ColliderSet,
     hair: Option<HairGrid>,
@@ -74,7 +74,7 @@ impl Flow {
     }
 }
 
-fn stage() -> Option<(&'static Gpu, &'static Fluid)> {
+fn stage() -> Option<(&'static Gpu, &'static wind::Pipelines)> {
     Some((common::gpu()?, &common::pipelines()?.wind))
 }
 
