@@ -76,7 +76,7 @@ pub async fn drape(
             let (substeps, length) = (params.substeps, params.step);
             let moments = Moments { steps: &steps, substeps, step: length, head: still, alpha: 1.0 };
             colliders.advance(queue, &ColliderPoses::default(), &moments)?;
-            simulation.record(simulate, queue, &mut pass, &params, &steps, &colliders)?;
+            simulation.run(simulate, queue, &mut pass, &params, &steps, &colliders)?;
         }
         kernel::refused()?;
         queue.submit([encoder.finish()]);

@@ -82,7 +82,7 @@ impl Hair {
     /// Step `i` of the air.
     pub(crate) fn record_wind(&self, pass: &mut wgpu::ComputePass<'_>, stage: &wind::Pipelines, i: u32) {
         if let Some(air) = &self.air {
-            stage.record(pass, air, &self.colliders, i);
+            air.record(stage, pass, &self.colliders, i);
         }
     }
 
@@ -141,7 +141,6 @@ impl Hair {
     pub(crate) fn record_simulate(
         &self,
         pass: &mut wgpu::ComputePass<'_>,
-        device: &wgpu::Device,
         stage: &simulate::Pipelines,
         i: u32,
     ) {
@@ -149,7 +148,7 @@ impl Hair {
             self.forces.record(stage, pass, i);
         }
         self.grab.record(stage, pass, &self.colliders, i);
-        self.simulation.record_step(stage, pass, &self.colliders, i);
+        self.simulation.record(stage, pass, &self.colliders, i);
     }
 
     /// Step `i` of the grid of the hair.
@@ -177,6 +176,6 @@ impl Hair {
     }
 
     pub(crate) fn record_avoid(&self, pass: &mut wgpu::ComputePass<'_>, stage: &avoid::Pipelines) {
-        self.avoidance.record(pass, stage, &self.colliders, &self.strands);
+        self.avoidance.record(stage, pass, &self.colliders, &self.strands);
     }
 }

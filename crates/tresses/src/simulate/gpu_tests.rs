@@ -147,7 +147,7 @@ impl Scene {
             });
             let count = self.simulation.prepare(&gpu.queue, params, steps, forced).unwrap();
             for i in 0..count {
-                self.simulation.record_step(&self.simulate, &mut pass, &self.colliders, i);
+                self.simulation.record(&self.simulate, &mut pass, &self.colliders, i);
             }
         }
         if let Some(t) = timings {

@@ -165,7 +165,7 @@ impl Simulation {
     /// # Errors
     /// What [`SimulationParams::check`] says.
     #[allow(clippy::too_many_arguments)]
-    pub fn record(
+    pub fn run(
         &mut self,
         simulate: &Pipelines,
         queue: &wgpu::Queue,
@@ -176,7 +176,7 @@ impl Simulation {
     ) -> Result<()> {
         let count = self.prepare(queue, params, steps, false)?;
         for i in 0..count {
-            self.record_step(simulate, pass, colliders, i);
+            self.record(simulate, pass, colliders, i);
         }
         Ok(())
     }
@@ -186,7 +186,7 @@ impl Simulation {
     /// them: [`Forces::record`] belongs before each.
     ///
     /// # Errors
-    /// As [`record`](Self::record).
+    /// As [`run`](Self::run).
     pub fn prepare(
         &mut self,
         queue: &wgpu::Queue,
@@ -210,7 +210,7 @@ impl Simulation {
     }
 
     /// Records step `i` of those that [`prepare`](Self::prepare) wrote.
-    pub fn record_step(
+    pub fn record(
         &self,
         simulate: &Pipelines,
         pass: &mut wgpu::ComputePass<'_>,

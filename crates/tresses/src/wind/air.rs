@@ -4,18 +4,19 @@ use super::{
     drag,
     gusts::Gusts,
     params::{Half, Wind, WindUniforms},
-    stage::Pipelines,
+    pipelines::Pipelines,
 };
 use crate::{
     Error, Pose, Result,
     clock::{MAX_STEPS, Mode, Step, Steps},
+    collide::ColliderSet,
     gpu::{bindings::uniform, grid::grid_texture},
 };
 use bytemuck::Zeroable;
 use glam::{DVec3, I64Vec3, IVec3, Vec3};
 
 /// Bytes from one step's uniforms to the next's: a multiple of every adapter's alignment.
-pub(super) const STRIDE: u64 = 1280;
+const STRIDE: u64 = 1280;
 /// Hairs in a cell lie in all directions: the mean of the cubed sine of their angle to the air.
 const ACROSS: f32 = 3.0 * std::f32::consts::PI / 16.0;
 
@@ -95,7 +96,7 @@ impl Air {
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        fluid: &Pipelines,
+        pipelines: &Pipelines,
         cells: u32,
         (center, size): (Vec3, f32),
         hair: &wgpu::TextureView,
@@ -143,14 +144,14 @@ impl Air {
             })
         };
         let t = wgpu::BindingResource::TextureView;
-        let sampler = || wgpu::BindingResource::Sampler(&fluid.sampler);
+        let sampler = || wgpu::BindingResource::Sampler(&pipelines.sampler);
         let relax = |sweep: Sweep, color: usize| {
             let odd = sweep.odd();
             let half = half_of(sweep.half(color));
             // The first half reads the other one as the last sweep left it, the second as the first
             // half's threads see it: just made.
             let other = if color == 0 { &pressures[odd][1] } else { &pressures[1 - odd][0] };
-            fluid.relax.bind(
+            pipelines.relax.bind(
                 device,
                 &[
                     step(),
@@ -167,7 +168,7 @@ impl Air {
         };
         let project = |color: usize| {
             let half = half_of(Half { color: color as u32, ..Zeroable::zeroed() });
-            fluid.project.bind(
+            pipelines.project.bind(
                 device,
                 &[
                     step(),
@@ -186,9 +187,11 @@ impl Air {
             )
         };
         let groups = Groups {
-            obstacles: fluid.obstacles.bind(device, &[step(), t(hair), sampler(), t(&solid), t(&hairs)]),
-            predict: fluid.predict.bind(device, &[step(), t(&now), t(&center_view), sampler(), t(&carried)]),
-            correct: fluid.correct.bind(
+            obstacles: pipelines.obstacles.bind(device, &[step(), t(hair), sampler(), t(&solid), t(&hairs)]),
+            predict: pipelines
+                .predict
+                .bind(device, &[step(), t(&now), t(&center_view), sampler(), t(&carried)]),
+            correct: pipelines.correct.bind(
                 device,
                 &[
                     step(),
@@ -202,7 +205,7 @@ impl Air {
                     t(&give_view),
                 ],
             ),
-            gather: fluid.gather.bind(
+            gather: pipelines.gather.bind(
                 device,
                 &[step(), t(&before), t(&give_view), t(&gives[0]), t(&gives[1]), t(&gives[2]), t(&source)],
             ),
@@ -288,14 +291,42 @@ impl Air {
         self.at()
     }
 
-    /// What step `index` does.
-    pub(super) fn run(&self, index: u32) -> Run {
-        self.runs[index as usize]
+    /// Records step `index` of those that [`prepare`](Self::prepare) wrote, among `colliders`, which have been
+    /// [advanced](ColliderSet::advance) by the same steps.
+    pub fn record(
+        &self,
+        pipelines: &Pipelines,
+        pass: &mut wgpu::ComputePass<'_>,
+        colliders: &ColliderSet,
+        index: u32,
+    ) {
+        let (run, groups, n) = (self.runs[index as usize], &self.groups, self.cells);
+        let cells = [n / 8, n / 4, n / 2];
+        let half = [n.div_ceil(32), n / 8, n / 2];
+        pass.set_bind_group(1, colliders.group(), &[]);
+        for part in 0..run.parts {
+            let step = (run.first + part) * STRIDE as u32;
+            if part == 0 {
+                pipelines.obstacles.record_grid(pass, &groups.obstacles, &[step], cells);
+            }
+            pipelines.predict.record_grid(pass, &groups.predict, &[step], cells);
+            pipelines.correct.record_grid(pass, &groups.correct, &[step], cells);
+            pipelines.gather.record_grid(pass, &groups.gather, &[step], [n.div_ceil(32), n / 4, n / 2]);
+            let fresh = run.fresh && part == 0;
+            for sweep in self.sweeps(fresh) {
+                for color in &groups.relax[sweep as usize] {
+                    pipelines.relax.record_grid(pass, color, &[step], half);
+                }
+            }
+            for color in &groups.project {
+                pipelines.project.record_grid(pass, color, &[step], half);
+            }
+        }
     }
 
     /// The sweeps of the pressure, an even number: what a sweep writes the next one reads. Information
     /// must come across the grid.
-    pub(super) fn sweeps(&self, fresh: bool) -> impl Iterator<Item = Sweep> + use<> {
+    fn sweeps(&self, fresh: bool) -> impl Iterator<Item = Sweep> + use<> {
         let sweeps = 2 * (self.cells as usize * SWEEPS).div_ceil(64).max(2);
         let sweeps = if fresh { 4 * sweeps } else { sweeps };
         (0..sweeps).map(move |i| match i {

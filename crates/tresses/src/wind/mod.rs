@@ -72,8 +72,8 @@ pub mod air;
 pub mod drag;
 pub mod gusts;
 pub mod params;
-mod stage;
+mod pipelines;
 
 pub use air::{Air, AirPlace, HairGrid};
 pub use params::Wind;
-pub use stage::Pipelines;
+pub use pipelines::Pipelines;

@@ -139,7 +139,7 @@ fn drift(
             let (substeps, length) = (params.substeps, params.step);
             let moments = Moments { steps: &steps, substeps, step: length, head: still, alpha: 1.0 };
             colliders.advance(queue, &ColliderPoses::default(), &moments).unwrap();
-            simulation.record(simulate, queue, &mut pass, &params, &steps, &colliders).unwrap();
+            simulation.run(simulate, queue, &mut pass, &params, &steps, &colliders).unwrap();
         }
         queue.submit([encoder.finish()]);
         left -= now;

@@ -171,7 +171,7 @@ impl Tunnel {
         self.air.prepare(queue, &wind, diameter, &due, self.hair);
         let mut encoder = device.create_command_encoder(&Default::default());
         let mut pass = encoder.begin_compute_pass(&Default::default());
-        self.fluid.record(&mut pass, &self.air, &self.colliders, 0);
+        self.air.record(self.fluid, &mut pass, &self.colliders, 0);
         drop(pass);
         queue.submit([encoder.finish()]);
     }

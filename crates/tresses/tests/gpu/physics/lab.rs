@@ -94,7 +94,7 @@ impl Experiment {
                 let moments = Moments { steps, substeps, step: self.params.step, head, alpha: 1.0 };
                 self.colliders.advance(queue, &ColliderPoses::default(), &moments).unwrap();
                 let (simulate, params) = (self.lab.simulate, &self.params);
-                self.simulation.record(simulate, queue, &mut pass, params, steps, &self.colliders).unwrap();
+                self.simulation.run(simulate, queue, &mut pass, params, steps, &self.colliders).unwrap();
             }
             queue.submit([encoder.finish()]);
         }
