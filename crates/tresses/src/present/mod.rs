@@ -62,13 +62,13 @@ pub struct Pipelines {
 
 /// The shader for targets of so many samples with hair in them by `coverage`, and what it binds.
 fn shader(coverage: Coverage, samples: u32) -> (&'static str, &'static [Binding]) {
-    use Binding::{Depth, Texture2d, TextureMultisampled, Uniform};
+    use Binding::{Depth, Storage, Texture2d, TextureMultisampled};
     match (coverage, samples) {
         (Coverage::DepthPeeling { .. }, _) => {
-            ("present::layers", &[Uniform, Texture2d, Texture2d, Texture2d, Texture2d, Depth])
+            ("present::layers", &[Storage, Texture2d, Texture2d, Texture2d, Texture2d, Depth])
         }
-        (_, 1) => ("present::single", &[Uniform, Texture2d]),
-        _ => ("present::resolve", &[Uniform, TextureMultisampled, Uniform]),
+        (_, 1) => ("present::single", &[Storage, Texture2d]),
+        _ => ("present::resolve", &[Storage, TextureMultisampled, Storage]),
     }
 }
 
@@ -127,7 +127,7 @@ impl State {
             device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
                 label: Some("footprint"),
                 contents: bytemuck::bytes_of(&footprint),
-                usage: wgpu::BufferUsages::UNIFORM,
+                usage: wgpu::BufferUsages::STORAGE,
             })
         });
         let mut resources = vec![uniform.as_entire_binding(), TextureView(&targets.hdr)];

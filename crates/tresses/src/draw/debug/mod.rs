@@ -180,7 +180,7 @@ impl DebugStage {
         output: &wgpu::TextureView,
         layers: &[Layer<'_>],
     ) -> Result<()> {
-        let (view, depth) = self.begin(device, encoder, timings.as_deref_mut(), camera, bodies);
+        let (view, depth) = self.begin(device, encoder, timings.as_deref_mut(), camera, bodies, output);
         for layer in layers {
             let mut canvas = Canvas {
                 device,
@@ -228,7 +228,7 @@ impl DebugStage {
         Ok(())
     }
 
-    /// The camera's group, and the depth of `bodies` in it, which is recorded.
+    /// The camera's group, and the depth of `bodies` in it, of the size of `output`, which is recorded.
     fn begin(
         &mut self,
         device: &wgpu::Device,
@@ -236,10 +236,12 @@ impl DebugStage {
         timings: Option<&mut Timings>,
         camera: &Camera,
         bodies: &[&Body],
+        output: &wgpu::TextureView,
     ) -> (wgpu::BindGroup, wgpu::TextureView) {
         let uniform = constant(device, "debug view", &camera.uniform(1, 1, &Default::default()));
         let view = group(device, "debug view", &self.view_layout, &[uniform.as_entire_binding()]);
-        let depth = self.depth(device, camera.size);
+        let size = output.texture().size();
+        let depth = self.depth(device, [size.width, size.height]);
         self.record_depth(encoder, timings, &view, &depth, bodies);
         (view, depth)
     }
@@ -259,7 +261,7 @@ impl DebugStage {
         hair: &[Seen<'_>],
         paint: &Paint,
     ) -> Result<()> {
-        let (view, depth) = self.begin(device, encoder, timings.as_deref_mut(), camera, bodies);
+        let (view, depth) = self.begin(device, encoder, timings.as_deref_mut(), camera, bodies, output);
         let mut canvas = Canvas {
             device,
             encoder,
@@ -366,7 +368,7 @@ fn constant<T: bytemuck::Pod>(device: &wgpu::Device, label: &str, value: &T) -> 
     device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
         label: Some(label),
         contents: bytemuck::bytes_of(value),
-        usage: wgpu::BufferUsages::UNIFORM,
+        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE,
     })
 }
 

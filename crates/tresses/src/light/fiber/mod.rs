@@ -8,8 +8,8 @@
 //! ```
 //!
 //! **One fibre** ([`bsdf`]): reflection (R), transmission (TT), one internal reflection (TRT) and all
-//! further ones, each the product of a longitudinal and an azimuthal distribution, after Chiang et al.
-//! 2016. Absorption is per fibre radius; it comes from melanin or from a colour.
+//! further ones, each the product of a longitudinal and an azimuthal distribution (Chiang et al. 2016).
+//! Absorption is per fibre radius; it comes from melanin or from a colour.
 //!
 //! **Thinner than a pixel** ([`far`]): a pixel sees the whole width of a hair, so the lobes are averaged
 //! over it. Absorption acts as `exp(-σ l)` on the path length `l` inside the fibre, and for a given azimuth
