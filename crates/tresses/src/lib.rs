@@ -80,6 +80,7 @@ pub mod collide;
 pub mod drape;
 
 pub mod camera;
+pub mod clock;
 pub mod frame;
 pub mod hair;
 pub mod pipelines;

@@ -2,8 +2,9 @@
 
 use super::{Access, Knob, Section, Value, flags::flag, rows, value::*};
 use tresses::{
+    clock::MAX_SUBSTEPS,
     glam::Vec3,
-    simulate::{Along, MAX_SUBSTEPS, SimulationParams as Params},
+    simulate::{Along, SimulationParams as Params},
     volume::{HairHair, HairHairMode},
 };
 

@@ -9,10 +9,10 @@ use tresses::{
     glam::{Vec2, Vec3},
     gpu::{Gpu, readback::blocking as readback},
     groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind},
-    simulate::{Along, SimulationParams, drag},
+    simulate::{Along, SimulationParams},
     strands::GuideForce,
     volume::{HairHair, VolumeOptions},
-    wind::Wind,
+    wind::{Wind, drag},
 };
 
 struct Stage {
