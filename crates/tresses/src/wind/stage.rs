@@ -21,7 +21,9 @@ pub struct Fluid {
 impl Fluid {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
-        use Binding::{Sampler, StorageDynamic, Texels3d, Texture3d, Uniform, UniformDynamic, Write3d, WriteFull3d};
+        use Binding::{
+            Sampler, StorageDynamic, Texels3d, Texture3d, Uniform, UniformDynamic, Write3d, WriteFull3d,
+        };
         let kernel = |module, entries: &[Binding]| Kernel::new(device, module, entries);
         let air = [StorageDynamic, Texture3d, Texture3d, Sampler];
         let blocks = [UniformDynamic, Uniform, Texels3d, Texels3d, Texels3d, Texels3d, Texels3d];
