@@ -7,6 +7,7 @@
 
 use std::{process::Command, str::FromStr, sync::Arc};
 use tresses::{
+    Pipelines,
     draw::{
         Coverage,
         debug::{DebugView, Shown},
@@ -86,7 +87,7 @@ fn work() {
     if samples > 0 {
         (quality.coverage, quality.samples) = (Coverage::SampleMask, samples);
     }
-    let renderer = Arc::new(quality.renderer(&gpu.device));
+    let pipelines = Arc::new(Pipelines::new(&gpu.device));
     let mut settings = Settings::default();
     settings.set("wind.speed", 3.0f32).expect("there is wind");
     settings.set("style.strands", 200u32).expect("there are strands");
@@ -94,10 +95,10 @@ fn work() {
     let source = Source::default();
     let maps = Companions::of(&source, Shelf::default()).maps().expect("none");
     let styling = settings.styling(Some(&style), &maps).expect("a styling");
-    let base = pollster::block_on(Base::built_in(&style, &gpu, &renderer.simulate, &())).expect("a base");
+    let base = pollster::block_on(Base::built_in(&style, &gpu, &pipelines.simulate, &())).expect("a base");
     let character = pollster::block_on(base.dress(&styling, &())).expect("a character");
     let physics = settings.physics();
-    let stage = Stage::new(gpu, renderer, character, Colliders::default(), &physics, &quality, &());
+    let stage = Stage::new(gpu, pipelines, character, Colliders::default(), &physics, &quality, &());
     let mut stage = pollster::block_on(stage).expect("a stage");
     stage.apply(&settings).expect("settings are in their ranges");
     let motion = Motion::named("turn").expect("a built-in motion");
@@ -110,7 +111,7 @@ fn work() {
             stage.resize(SIZES[turn % SIZES.len()]).expect("small targets");
             let mode = [LodMode::Off, LodMode::Fixed(0.5), LodMode::Auto][turn % 3];
             stage.set_lod(LodOptions { mode, ..LodOptions::default() }).expect("a level of detail");
-            stage.show(VIEWS[turn % VIEWS.len()].map(Shown::new));
+            stage.show(VIEWS[turn % VIEWS.len()].map(Shown::new)).expect("a view");
         }
         let camera = Camera::portrait(View::Front, stage.subject(), 1.6, 1.0);
         stage.watch(&camera);
@@ -119,7 +120,7 @@ fn work() {
         let mut encoder = stage.gpu.device.create_command_encoder(&Default::default());
         stage.record_draw(&mut encoder, None, &camera).expect("a picture");
         stage.gpu.queue.submit([encoder.finish()]);
-        pollster::block_on(stage.targets.read(&stage.gpu.device, &stage.gpu.queue)).expect("pixels");
+        pollster::block_on(stage.targets().read(&stage.gpu.device, &stage.gpu.queue)).expect("pixels");
         leaked.push(vec![1u8; leak as usize]);
         if frame + 1 == WARM.min(frames / 2) {
             before = resident();

@@ -19,7 +19,7 @@ use tresses::{
         styles::{self, GridScalp, Style, StyledGuides},
     },
     lod::LodLevel,
-    simulate::Simulate,
+    simulate,
 };
 
 /// How far the joint that a head nods and turns about lies below and behind the crown, metres.
@@ -140,7 +140,7 @@ impl Base {
     pub async fn built_in(
         style: &Style,
         gpu: &Gpu,
-        simulate: &Simulate,
+        simulate: &simulate::Pipelines,
         progress: &impl Progress,
     ) -> Result<Self> {
         let head = mannequin::mesh_with(mannequin::RESOLUTION, progress).await;

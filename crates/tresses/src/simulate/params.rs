@@ -1,6 +1,11 @@
 //! User parameters, in SI units, and the uniforms of one fixed step.
 
-use crate::{Error, Pose, Result, volume::HairHair, wind::Wind};
+use crate::{
+    Error, Pose, Result,
+    clock::{MAX_SUBSTEPS, Mode},
+    volume::HairHair,
+    wind::Wind,
+};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -89,9 +94,6 @@ pub(crate) const MAX_CURL: f32 = 20.0;
 /// of the bend, in place of the stiffness of that twist. It is no force: it vanishes at rest.
 #[cfg_attr(not(test), allow(dead_code))] // Only the twin reads it; the kernel has its own.
 pub(crate) const BRAKE: f32 = 4.0;
-/// The most substeps of one step.
-pub const MAX_SUBSTEPS: u32 = 32;
-
 impl SimulationParams {
     /// Checks that every value is finite and in its range.
     ///
@@ -154,19 +156,6 @@ pub(crate) fn bending_rate(bare: f32, j: usize, before: Vec3, next: Vec3, h: f32
 
 fn stretch_rate(gravity: Vec3, stretch: f32, length: f32, edge: f32) -> f32 {
     gravity.length().max(1.0) * length / (stretch * edge * edge)
-}
-
-/// What a step does.
-#[repr(u32)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Mode {
-    /// Simulates.
-    #[default]
-    Step = 0,
-    /// Carries every strand rigidly with the head, velocities too.
-    Carry = 1,
-    /// Puts every strand into its rest pose, without velocity relative to the world.
-    Reset = 2,
 }
 
 /// Uniforms of one fixed step.

@@ -4,12 +4,13 @@ use crate::common;
 
 use tresses::{
     Pose,
+    clock::{Mode, Step, Steps},
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     glam::Vec3,
     gpu::{Gpu, readback::blocking as readback},
     groom::SdfGrid,
-    simulate::{Mode, SimulationParams, Step},
-    wind::{Air, Fluid, HairGrid, Wind},
+    simulate::SimulationParams,
+    wind::{self, Air, HairGrid, Wind},
 };
 
 const STEP: f32 = 1.0 / 60.0;
@@ -17,7 +18,7 @@ const STEP: f32 = 1.0 / 60.0;
 /// A head of radius 10 cm at the origin, and perhaps hair around it.
 struct Tunnel {
     gpu: &'static Gpu,
-    fluid: &'static Fluid,
+    fluid: &'static wind::Pipelines,
     air: Air,
     colliders: ColliderSet,
     hair: Option<HairGrid>,
@@ -73,8 +74,8 @@ impl Flow {
     }
 }
 
-fn stage() -> Option<(&'static Gpu, &'static Fluid)> {
-    Some((common::gpu()?, &common::renderer()?.wind))
+fn stage() -> Option<(&'static Gpu, &'static wind::Pipelines)> {
+    Some((common::gpu()?, &common::pipelines()?.wind))
 }
 
 /// The texels of a cube in rgba16float.
@@ -165,10 +166,12 @@ impl Tunnel {
         let steps = [step];
         let moments = Moments { steps: &steps, substeps: 4, step: STEP, head, alpha: 1.0 };
         self.colliders.advance(queue, &ColliderPoses::default(), &moments).unwrap();
-        self.air.prepare(queue, &self.physics, &steps, self.hair);
+        let SimulationParams { wind, diameter, step, substeps, .. } = self.physics;
+        let due = Steps { steps: &steps, length: step, substeps };
+        self.air.prepare(queue, &wind, diameter, &due, self.hair);
         let mut encoder = device.create_command_encoder(&Default::default());
         let mut pass = encoder.begin_compute_pass(&Default::default());
-        self.fluid.record(&mut pass, &self.air, &self.colliders, 0);
+        self.air.record(self.fluid, &mut pass, &self.colliders, 0);
         drop(pass);
         queue.submit([encoder.finish()]);
     }

@@ -8,10 +8,13 @@ use super::{
 };
 use crate::common;
 use tresses::{
-    draw::{Background, Coverage, Scene, View},
+    Camera,
+    draw::Coverage,
     glam::Vec3,
     gpu::Gpu,
     light::{HairMaterial, Sphere},
+    present::Background,
+    view::Picture,
 };
 
 const SIZE: [u32; 2] = [384, 320];
@@ -19,10 +22,10 @@ const SIZE: [u32; 2] = [384, 320];
 /// From where the groom is seen: strands are 0.65, 0.33 and 0.16 pixels wide at the root.
 const DISTANCES: [f32; 3] = [0.5, 1.0, 2.0];
 
-pub fn scene(distance: f32, size: [u32; 2]) -> Scene {
+pub fn scene(distance: f32, size: [u32; 2]) -> Picture {
     let eye = Vec3::new(0.38, 0.24, 0.89).normalize() * distance;
-    Scene {
-        view: View::look_at(eye, Vec3::new(0.0, -0.01, 0.0), 0.48, size),
+    Picture {
+        camera: Camera::look_at(eye, Vec3::new(0.0, -0.01, 0.0), 0.48, size),
         focus: Sphere { center: Vec3::ZERO, radius: 0.15 },
         background: Background::transparent(),
         ..Default::default()
@@ -32,9 +35,9 @@ pub fn scene(distance: f32, size: [u32; 2]) -> Scene {
 /// How far from the exact area each distance is, as a factor less 1.
 fn errors(gpu: &Gpu, mode: Mode, groom: &Groom, material: &HairMaterial, exact: &[f64]) -> Vec<f64> {
     let studio = Studio::new(gpu, mode, SIZE);
-    let (hair, _strands) = studio.hair(groom);
-    let drawn = DISTANCES
-        .map(|distance| total(&studio.picture(&Scene { hair: *material, ..scene(distance, SIZE) }, &hair)));
+    let (mut hair, _strands) = studio.hair(groom);
+    hair.material = *material;
+    let drawn = DISTANCES.map(|distance| total(&studio.picture(&scene(distance, SIZE), &hair)));
     drawn.iter().zip(exact).map(|(drawn, exact)| drawn / exact - 1.0).collect()
 }
 
@@ -60,7 +63,7 @@ fn good(mode: Mode, errors: &[f64]) -> bool {
 fn total_coverage_is_exact_at_any_distance() {
     let Some(gpu) = common::gpu() else { return };
     let groom = Groom::on_a_ball(6000, 2.5e-4);
-    let exact = DISTANCES.map(|distance| oracle::covered(&groom, &scene(distance, SIZE).view));
+    let exact = DISTANCES.map(|distance| oracle::covered(&groom, &scene(distance, SIZE).camera));
     println!("exact: {exact:.1?} pixels");
     let material = HairMaterial::default();
     for mode in modes(gpu.tier.max_samples) {

@@ -9,10 +9,7 @@ use super::{
 use crate::common;
 use std::{fs::File, io::BufReader, path::Path};
 use tresses::{
-    draw::{Background, Coverage, Scene, View},
-    glam::Vec3,
-    groom::import,
-    light::Sphere,
+    Camera, draw::Coverage, glam::Vec3, groom::import, light::Sphere, present::Background, view::Picture,
 };
 
 /// Sizes of the picture, that of the reference being 960×600: the same camera from 1.5, 3 and 6
@@ -75,8 +72,8 @@ fn a_real_groom_covers_what_the_reference_does() {
         let errors = SIZES.map(|size| {
             studio.resize(size);
             let target = Vec3::new(0.0, 1.545, 0.0);
-            let scene = Scene {
-                view: View::look_at(eye, target, 30f32.to_radians(), size),
+            let scene = Picture {
+                camera: Camera::look_at(eye, target, 30f32.to_radians(), size),
                 focus: Sphere { center: target, radius: 0.2 },
                 background: Background::transparent(),
                 ..Default::default()

@@ -7,7 +7,7 @@ use crate::{
 
 /// The pipelines of the stage.
 #[derive(Debug)]
-pub struct VolumeStage {
+pub struct Pipelines {
     pub(super) obstacles: Kernel,
     pub(super) splat: Kernel,
     pub(super) sum: Kernel,
@@ -17,7 +17,7 @@ pub struct VolumeStage {
     pub(super) settle: Kernel,
 }
 
-impl VolumeStage {
+impl Pipelines {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
         use Binding::{
@@ -36,5 +36,11 @@ impl VolumeStage {
             push: kernel("volume::push", &[Uniform, Texels3d, Write3d]),
             settle: kernel("volume::settle", &[Uniform, Read, Read, Write]),
         }
+    }
+
+    /// All of them.
+    pub(crate) fn kernels(&self) -> Vec<&Kernel> {
+        let Self { obstacles, splat, sum, blur: [x, y], density, push, settle } = self;
+        vec![obstacles, splat, sum, x, y, density, push, settle]
     }
 }

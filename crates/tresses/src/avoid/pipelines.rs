@@ -10,7 +10,7 @@ use crate::{
 
 /// The pipelines of the stage.
 #[derive(Debug)]
-pub struct Avoid {
+pub struct Pipelines {
     first_hit: Kernel,
     push_out: Kernel,
     change_over: Kernel,
@@ -24,7 +24,7 @@ pub struct AvoidGroups {
     change_over: wgpu::BindGroup,
 }
 
-impl Avoid {
+impl Pipelines {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
         let colliders = collide::layout(device);
@@ -38,6 +38,11 @@ impl Avoid {
             push_out: kernel("avoid::push_out", &[read, write, write]),
             change_over: kernel("avoid::change_over", &[read, read, read, read, write, write]),
         }
+    }
+
+    /// All of them.
+    pub(crate) fn kernels(&self) -> Vec<&Kernel> {
+        vec![&self.first_hit, &self.push_out, &self.change_over]
     }
 
     /// Binds the stage to one groom, a uniform buffer of [`super::AvoidParams`] and a
