@@ -28,7 +28,7 @@
 //! the plane through the hit point, perpendicular to the ray of the grab.
 //!
 //! **Fixed steps.** The target moves from its position at the end of the last step towards its current
-//! position, in fractions of the frame, as the head does ([`super::clock`]): the same motion at any frame
+//! position, in fractions of the frame, as the head does ([`crate::clock`]): the same motion at any frame
 //! rate. The hair is released when the head jumps or the hair is reset to rest.
 //!
 //! **Cost.** Buffers and pipelines are created at the first grab; without a grab, nothing is dispatched.
