@@ -248,9 +248,8 @@ fn the_air_of_a_finer_grid_is_free_of_divergence() {
     assert!(worst < 0.01, "{worst}");
 }
 
-/// `cargo test -p tresses --test wind -- --ignored --nocapture fine_grids`
 #[test]
-#[ignore = "a measurement of minutes"]
+#[ignore = "proof"]
 fn divergence_of_fine_grids() {
     for cells in [64, 96] {
         let Some(worst) = divergence_of(cells, 20) else { return };

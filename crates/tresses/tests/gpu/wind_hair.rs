@@ -117,9 +117,8 @@ fn a_storm_of_a_minute_breaks_nothing() {
 }
 
 /// The built-in style `long` with all its guides; the hair's grid and the air have 16 cells along an axis.
-/// `cargo test -p tresses --test wind_hair -- --ignored --nocapture whole_style`
 #[test]
-#[ignore = "a measurement of minutes"]
+#[ignore = "proof"]
 fn a_whole_style_in_a_storm_of_a_minute() {
     let Some(stage) = Stage::open() else { return };
     let Some(built) = common::character("long", 1000) else { return };

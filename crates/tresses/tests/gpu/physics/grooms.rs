@@ -127,7 +127,7 @@ fn rest(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-#[ignore = "prints figures for the docs, and judges none"]
+#[ignore = "proof"]
 fn after_a_shake() {
     let Some(lab) = lab() else { return };
     for s in Style::NAMES.map(|name| Some(style(lab, name))).into_iter().chain([sintel()]).flatten() {
@@ -147,7 +147,7 @@ fn after_a_shake() {
 }
 
 #[test]
-#[ignore = "prints figures for the docs, and judges none"]
+#[ignore = "proof"]
 fn other_grooms() {
     let Some(lab) = lab() else { return };
     for file in ["cyhair_straight/straight.hair", "tressfx4_ratboy/Ratboy_mohawk.tfx"] {
