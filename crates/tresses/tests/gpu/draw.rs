@@ -62,8 +62,7 @@ fn coverage(gpu: &Gpu, width: f32, samples: u32, ssaa: u32) -> (f64, f64) {
     let scene = Scene {
         view: metre_is_pixel(SIZE),
         focus: Sphere { center: Vec3::new(half, half, 0.0), radius: SIZE as f32 },
-        background: Background::transparent(),
-        ..Default::default()
+        ..common::dark()
     };
     let picture = render(gpu, &stage, &scene, &hair, &targets);
     let drawn: f64 = picture.chunks(4).map(|pixel| f64::from(pixel[3]) / 255.0).sum();

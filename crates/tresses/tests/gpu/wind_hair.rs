@@ -85,7 +85,7 @@ fn strain(now: &[Vec<Vec3>], rest: &[f32]) -> f32 {
 }
 
 #[test]
-fn a_storm_of_a_minute_breaks_nothing() {
+fn a_storm_breaks_nothing() {
     let Some(stage) = Stage::open() else { return };
     let options = BindOptions { guides: GuideCount::Count(24), ..Default::default() };
     let groom = bind(&common::hanging(200, 12, 0.2), &options).unwrap();
@@ -98,13 +98,13 @@ fn a_storm_of_a_minute_breaks_nothing() {
     let rest: Vec<_> = (0..groom.guides.len()).map(|g| length(groom.guides.guide(g))).collect();
     stage.simulate(&mut hair, &physics, 0.0);
     let (mut worst, mut swept) = (0.0f32, 0.0f32);
-    for _ in 0..30 {
+    for _ in 0..6 {
         stage.simulate(&mut hair, &physics, 2.0);
         let now = stage.guides(&hair);
         worst = worst.max(strain(&now, &rest));
         swept = now.iter().map(|line| line[line.len() - 1].x - line[0].x).sum::<f32>() / now.len() as f32;
     }
-    println!("a minute of 30 m/s: lengths within {worst}, tips {swept} m down the wind");
+    println!("12 s of 30 m/s: lengths within {worst}, tips {swept} m down the wind");
     assert!(worst < 0.01, "{worst}");
     assert!(swept > 0.1, "the storm is felt: {swept}");
     // The comparer sees a strand that is 2 % too long, and one that is lost.
@@ -121,7 +121,7 @@ fn a_storm_of_a_minute_breaks_nothing() {
 #[ignore = "proof"]
 fn a_whole_style_in_a_storm_of_a_minute() {
     let Some(stage) = Stage::open() else { return };
-    let Some(built) = common::character("long", 1000) else { return };
+    let Some(built) = common::character("long", 500) else { return };
     let mut hair = stage.hair(&built.groom, &built.field, 16);
     let physics = SimulationParams {
         wind: Wind { cells: 16, turbulence: 0.3, ..Wind::new(Vec3::new(30.0, 0.0, 4.0)) },
@@ -222,7 +222,7 @@ fn a_floppy_hair_hangs_aslant_in_the_wind_as_its_drag_says() {
     // In more it flutters: it has no stiffness at all.
     for speed in [0.3, 0.8f32] {
         let (mut hair, physics) = in_plain_air(stage, &[Vec3::NEG_Y], Vec3::X * speed, floppy);
-        stage.simulate(&mut hair, &physics, 3.0);
+        stage.simulate(&mut hair, &physics, 2.0);
         let mut found = 0.0;
         for _ in 0..30 {
             stage.simulate(&mut hair, &physics, 2.0 / 60.0);
@@ -250,7 +250,7 @@ fn a_floppy_hair_hangs_aslant_in_the_wind_as_its_drag_says() {
 #[test]
 fn the_lee_side_of_the_long_style_moves_less() {
     let Some(stage) = Stage::open() else { return };
-    let Some(built) = common::character("long", 2000) else { return };
+    let Some(built) = common::character("long", 500) else { return };
     let mut hair = stage.hair(&built.groom, &built.field, 32);
     // From the head's left, +X.
     let physics = SimulationParams { wind: Wind::new(Vec3::X * -4.0), ..Default::default() };

@@ -7,10 +7,11 @@ pub use device::{Lease, drawing, gpu, renderer, simulate, stage};
 pub use fixtures::{SINTEL, asset, character, scalp, sintel};
 
 use tresses::{
-    draw::{Body, DrawStage, HairSet, Scene, Targets, View},
+    draw::{Background, Body, DrawStage, HairSet, Scene, Targets, View},
     glam::{Mat4, Vec3},
     gpu::Gpu,
     groom::{Groom, SdfGrid, Strands, TriMesh},
+    light::{Directional, HairMaterial, Lights, MAX_LIGHTS, ShadingModel, ShadowMethod, Shadows},
 };
 
 /// Strands on a sphere of 9 cm around the origin that stand off, bend and hang `length` metres.
@@ -54,6 +55,17 @@ pub fn cube(half: f32) -> TriMesh {
         normals: positions.iter().map(|p| p.normalize()).collect(),
         positions,
         triangles,
+        ..Default::default()
+    }
+}
+
+/// A scene of no light and no shadow: coverage knows nothing of them.
+pub fn dark() -> Scene {
+    Scene {
+        lights: Lights { directional: [Directional::OFF; MAX_LIGHTS], ..Lights::default() },
+        shadows: Shadows { method: ShadowMethod::Off, ambient: false, ..Shadows::default() },
+        background: Background::transparent(),
+        hair: HairMaterial { model: ShadingModel::KajiyaKay, ..HairMaterial::default() },
         ..Default::default()
     }
 }

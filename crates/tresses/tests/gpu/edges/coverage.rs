@@ -11,24 +11,13 @@ use tresses::{
     draw::{Background, Coverage, Scene, View},
     glam::Vec3,
     gpu::Gpu,
-    light::{Directional, HairMaterial, Lights, MAX_LIGHTS, ShadingModel, ShadowMethod, Shadows, Sphere},
+    light::Sphere,
 };
 
 const SIZE: [u32; 2] = [384, 320];
 
 /// From where the groom is seen: strands are 0.65, 0.33 and 0.16 pixels wide at the root.
 const DISTANCES: [f32; 3] = [0.5, 1.0, 2.0];
-
-/// Of no light and no shadow: coverage knows nothing of them.
-pub fn dark() -> Scene {
-    Scene {
-        lights: Lights { directional: [Directional::OFF; MAX_LIGHTS], ..Lights::default() },
-        shadows: Shadows { method: ShadowMethod::Off, ambient: false, ..Shadows::default() },
-        background: Background::transparent(),
-        hair: HairMaterial { model: ShadingModel::KajiyaKay, ..HairMaterial::default() },
-        ..Default::default()
-    }
-}
 
 /// The groom as a lit scene from `distance`, before nothing.
 pub fn scene(distance: f32, size: [u32; 2]) -> Scene {
@@ -47,7 +36,7 @@ fn errors(gpu: &Gpu, mode: Mode, groom: &Groom, exact: &[f64]) -> Vec<f64> {
     let (hair, _strands) = studio.hair(groom);
     let drawn = DISTANCES.map(|distance| {
         let Scene { view, focus, .. } = scene(distance, SIZE);
-        total(&studio.picture(&Scene { view, focus, ..dark() }, &hair))
+        total(&studio.picture(&Scene { view, focus, ..common::dark() }, &hair))
     });
     drawn.iter().zip(exact).map(|(drawn, exact)| drawn / exact - 1.0).collect()
 }

@@ -2,7 +2,6 @@
 
 use super::{
     ALPHA_4_2X, Mode,
-    coverage::dark,
     groom::Groom,
     modes,
     picture::{Studio, total},
@@ -91,7 +90,7 @@ fn judge(sizes: &[[u32; 2]], asked: impl Fn(Mode) -> bool) {
             let scene = Scene {
                 view: View::look_at(eye, target, 30f32.to_radians(), size),
                 focus: Sphere { center: target, radius: 0.2 },
-                ..dark()
+                ..common::dark()
             };
             let scale = f64::from(size[0]) / 960.0;
             total(&studio.picture(&scene, &hair)) / (exact * scale * scale) - 1.0
