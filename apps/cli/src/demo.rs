@@ -2,7 +2,7 @@
 
 use crate::{
     args::{Size, SourceArgs},
-    edge_args::EdgeArgs,
+    flags::{All, CompanionFlags, RowFlags},
     interrupt,
     picture::Output,
     preset_args::PresetArgs,
@@ -10,17 +10,32 @@ use crate::{
     render::{Times, animate},
     say,
     scene::Scene,
-    style_args::StyleArgs,
+    settings_args,
 };
 use anyhow::{Context, Result};
 use std::{path::PathBuf, time::Instant};
+use tresses::lod::{LodMode, LodOptions};
 use tresses_scene::{Camera, Motion, Shot, camera::View};
 
 /// The size of the picture.
 const PICTURE: Size = Size { width: 1920, height: 1200 };
 
-/// The size and speed of the loop: small enough that a software driver draws it in some minutes.
-const LOOP: Size = Size { width: 800, height: 500 };
+/// How fine the loop may be, from the coarsest on: its size, and the share of the strands that are drawn, each
+/// the wider for it.
+const LOOPS: [(Size, f32); 4] = [
+    (Size { width: 400, height: 250 }, 0.12),
+    (Size { width: 480, height: 300 }, 0.25),
+    (Size { width: 640, height: 400 }, 0.5),
+    (Size { width: 800, height: 500 }, 1.0),
+];
+
+/// At most how many times as long as a frame of one of these takes one of the next.
+const FINER: f64 = 2.5;
+
+/// How long the loop may take, seconds.
+const LOOP_SECONDS: f64 = 50.0;
+
+/// Its speed, frames per second.
 const LOOP_FPS: f64 = 20.0;
 
 /// The options of `tresses demo`.
@@ -35,17 +50,16 @@ pub struct Args {
     #[command(flatten)]
     pub preset: PresetArgs,
     #[command(flatten)]
-    pub shape: StyleArgs,
+    pub companions: CompanionFlags,
     #[command(flatten)]
-    pub edges: EdgeArgs,
+    pub rows: RowFlags<All>,
 }
 
 /// Runs `tresses demo`.
 pub fn run(args: &Args) -> Result<()> {
     let mut preset = args.preset.open()?;
-    let source = SourceArgs { style: args.style.clone(), shape: args.shape.clone(), ..Default::default() };
-    source.apply(&mut preset)?;
-    args.edges.apply(&mut preset.settings)?;
+    SourceArgs { style: args.style.clone(), ..Default::default() }.apply(&mut preset);
+    settings_args::apply(&args.companions, &args.rows, &mut preset)?;
     args.preset.finish(&mut preset)?;
     let motion = Motion::named("turn").context("the built-in motions hold a turn")?;
 
@@ -62,24 +76,41 @@ pub fn run(args: &Args) -> Result<()> {
     interrupt::check()?;
 
     let frames = (motion.duration() * LOOP_FPS).round() as u32;
-    scene.resize([LOOP.width, LOOP.height])?;
+    let (size, seconds) = fit(&mut scene, &motion, f64::from(frames))?;
     let path = args.out.join("demo.webp");
-    let mut output = Output::create(&path, (LOOP.width, LOOP.height), frames, LOOP_FPS)?;
+    let mut output = Output::create(&path, (size.width, size.height), frames, LOOP_FPS)?;
     let times = Times { frames, fps: LOOP_FPS, lead: -motion.duration() };
-    let camera = Camera::portrait(View::ThreeQuarter, scene.subject(), LOOP.aspect(), 0.95);
-    // How long it takes is told by a frame of it: most of its work does not depend on the size. A second one,
-    // since the first still makes pipelines.
-    let mut seconds_at = |time| -> Result<f64> {
-        let start = Instant::now();
-        scene.advance(&motion.pose(time, pivot), (1.0 / LOOP_FPS) as f32)?;
-        scene.picture(&camera)?;
-        Ok(start.elapsed().as_secs_f64())
-    };
-    seconds_at(0.0)?;
-    let seconds = f64::from(frames) * seconds_at(1.0 / LOOP_FPS)?;
-    eprintln!("Drawing a loop of {frames} frames; about {seconds:.0} s.");
+    let camera = Camera::portrait(View::ThreeQuarter, scene.subject(), size.aspect(), 0.95);
+    eprintln!("Drawing a loop of {frames} frames, {}x{}; about {seconds:.0} s.", size.width, size.height);
     animate(&mut scene, &Shot::still(camera), &motion, times, &mut output)?;
     say!("{picture}");
     say!("{}", output.finish()?);
     Ok(())
+}
+
+/// Brings `scene` to the finest of [`LOOPS`] whose loop is drawn within [`LOOP_SECONDS`], or the coarsest: its size,
+/// and how long it will take, seconds.
+fn fit(scene: &mut Scene, motion: &Motion, frames: f64) -> Result<(Size, f64)> {
+    let pivot = scene.pivot();
+    let mut fitting = (LOOPS[0].0, 0.0);
+    for (i, (size, share)) in LOOPS.into_iter().enumerate() {
+        let mode = if share < 1.0 { LodMode::Fixed(share) } else { LodMode::Off };
+        scene.set_lod(LodOptions { mode, ..Default::default() })?;
+        scene.resize([size.width, size.height])?;
+        let camera = Camera::portrait(View::ThreeQuarter, scene.subject(), size.aspect(), 0.95);
+        let mut seconds = 0.0;
+        // The second tells: the first still makes what is new at this size.
+        for frame in 0..2 {
+            interrupt::check()?;
+            let start = Instant::now();
+            scene.advance(&motion.pose(f64::from(frame) / LOOP_FPS, pivot), (1.0 / LOOP_FPS) as f32)?;
+            scene.picture(&camera)?;
+            seconds = frames * start.elapsed().as_secs_f64();
+        }
+        fitting = (size, seconds);
+        if i + 1 == LOOPS.len() || seconds * FINER > LOOP_SECONDS {
+            break;
+        }
+    }
+    Ok(fitting)
 }

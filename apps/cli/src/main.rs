@@ -1,20 +1,18 @@
 //! The `tresses` command: grooms in, pictures of moving hair out.
 
 mod args;
-mod avoid_args;
 mod bench;
 mod compare;
 mod convert;
 mod debug;
 mod demo;
-mod edge_args;
-mod environment_args;
-mod hair_hair_args;
+#[cfg(test)]
+mod flag_tests;
+mod flags;
 mod info;
 mod interrupt;
 mod knobs;
 mod load;
-mod lod_args;
 mod orient_args;
 mod picture;
 mod preset;
@@ -23,13 +21,12 @@ mod progress;
 mod render;
 mod scene;
 mod settings_args;
-mod shading_args;
-mod shadow_args;
 mod studio;
-mod style_args;
-mod wind_args;
 
-use clap::Parser;
+use clap::{
+    Parser,
+    error::{ContextKind, ContextValue},
+};
 use std::process::ExitCode;
 
 /// Real-time hair: grooms in, moving shaded hair out.
@@ -117,10 +114,23 @@ fn refuse(error: &clap::Error) -> ExitCode {
         _ => {
             let text = error.render().to_string();
             let sentence = text.split("\n\n").next().unwrap_or_default();
-            eprintln!("tresses: {}", one_line(sentence.trim_start_matches("error: ")));
+            let sentence = one_line(sentence.trim_start_matches("error: "));
+            eprintln!("tresses: {sentence}{}", meant(error).unwrap_or_default());
             ExitCode::FAILURE
         }
     }
+}
+
+/// The name that was probably meant, as the end of a sentence.
+fn meant(error: &clap::Error) -> Option<String> {
+    let kinds = [ContextKind::SuggestedArg, ContextKind::SuggestedSubcommand, ContextKind::SuggestedValue];
+    let names = kinds.into_iter().find_map(|kind| error.get(kind))?;
+    let names = match names {
+        ContextValue::String(name) => name.clone(),
+        ContextValue::Strings(names) => names.join(" or "),
+        _ => return None,
+    };
+    Some(format!("; did you mean {names}?"))
 }
 
 fn one_line(text: &str) -> String {

@@ -9,29 +9,53 @@ use tresses::groom::{
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct OrientArgs {
     /// The groom's unit: m, cm, mm, dm, in, ft or metres per unit [default: guessed]
-    #[arg(long, value_name = "UNIT", help_heading = "Unit and axes")]
+    #[arg(long, value_name = "UNIT", help_heading = "Unit and axes", hide_short_help = true)]
     unit: Option<Unit>,
     /// The groom's axis that points up, such as y, z or -z [default: guessed]
-    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, help_heading = "Unit and axes")]
+    #[arg(
+        long,
+        value_name = "AXIS",
+        allow_hyphen_values = true,
+        help_heading = "Unit and axes",
+        hide_short_help = true
+    )]
     up: Option<Axis>,
     /// The groom's axis that the face looks along [default: guessed]
-    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, help_heading = "Unit and axes")]
+    #[arg(
+        long,
+        value_name = "AXIS",
+        allow_hyphen_values = true,
+        help_heading = "Unit and axes",
+        hide_short_help = true
+    )]
     front: Option<Axis>,
-    /// Whether to exchange the groom's left and right [default: guessed, with a head]
+    /// Whether to swap the left and right of the groom [default: guessed, with a head]
     #[arg(
         long, value_name = "BOOL", num_args = 0..=1, require_equals = true,
         default_missing_value = "true",
-        help_heading = "Unit and axes"
+        help_heading = "Unit and axes", hide_short_help = true
     )]
     mirror: Option<bool>,
     /// The head's unit [default: guessed]
-    #[arg(long, value_name = "UNIT", help_heading = "Unit and axes")]
+    #[arg(long, value_name = "UNIT", help_heading = "Unit and axes", hide_short_help = true)]
     head_unit: Option<Unit>,
     /// The head's axis that points up [default: guessed]
-    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, help_heading = "Unit and axes")]
+    #[arg(
+        long,
+        value_name = "AXIS",
+        allow_hyphen_values = true,
+        help_heading = "Unit and axes",
+        hide_short_help = true
+    )]
     head_up: Option<Axis>,
     /// The head's axis that the face looks along [default: guessed]
-    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, help_heading = "Unit and axes")]
+    #[arg(
+        long,
+        value_name = "AXIS",
+        allow_hyphen_values = true,
+        help_heading = "Unit and axes",
+        hide_short_help = true
+    )]
     head_front: Option<Axis>,
 }
 

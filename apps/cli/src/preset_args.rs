@@ -12,14 +12,14 @@ use tresses_scene::{
 #[derive(clap::Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Presets")]
 pub struct PresetArgs {
-    /// Settings from a file, and the hair that it names; other options win over it
+    /// Settings from a file, and the hair that it names; other options take precedence
     #[arg(long, value_name = "FILE")]
     preset: Option<PathBuf>,
-    /// Any parameter that `tresses knobs` lists, as in simulation.drag=5; may be given again
+    /// Any parameter that `tresses knobs` lists, as in simulation.drag=5; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE")]
     assignments: Vec<Assignment>,
-    /// Write what all options come to into a preset
-    #[arg(long, value_name = "FILE")]
+    /// Write the result of all options into a preset
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
     save_preset: Option<PathBuf>,
 }
 

@@ -2,7 +2,7 @@
 
 use crate::{
     args::{self, Size},
-    debug, interrupt, lod_args,
+    debug, interrupt,
     picture::{Kind, Output},
     progress, say,
     scene::Scene,
@@ -21,35 +21,37 @@ const MAX_FRAMES: u32 = 100_000;
 
 /// The options of `tresses render`.
 #[derive(clap::Args, Debug)]
+#[command(after_help = "These are the options that are needed most; --help shows all of them by topic.")]
+#[command(after_long_help = "Every other parameter is set by --set NAME=VALUE; `tresses knobs` lists them.")]
 pub struct Args {
     #[command(flatten)]
     pub settings: SettingsArgs,
     /// How the head moves: still, nod, turn, shake, or a keyframe file (.json)
-    #[arg(long, value_name = "NAME", default_value = "still")]
+    #[arg(long, value_name = "NAME", default_value = "still", help_heading = "Picture")]
     pub motion: String,
-    /// Frames to simulate; a .png shows the last one [default: 1 for a .png, else one run of the motion]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_FRAMES)))]
+    /// Frames to simulate; a .png shows the last one [default: 1 for a .png, else one period of the motion]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_FRAMES)), help_heading = "Picture")]
     pub frames: Option<u32>,
     /// Frames per second
-    #[arg(long, value_name = "F", default_value = "24", value_parser = args::fps)]
+    #[arg(long, value_name = "F", default_value = "24", value_parser = args::fps, help_heading = "Picture")]
     pub fps: f64,
-    /// Width and height, pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720")]
+    /// Width and height in pixels, each 16 to 16384 and together at most 33,177,600 (7680x4320)
+    #[arg(long, value_name = "WxH", default_value = "1280x720", help_heading = "Picture")]
     pub size: Size,
-    /// From where
-    #[arg(long, value_name = "NAME", value_enum, default_value_t)]
+    /// Where the camera stands
+    #[arg(long, value_name = "NAME", value_enum, default_value_t, help_heading = "Picture")]
     pub camera: View,
-    /// How near: close, normal, far, or a factor
-    #[arg(long, value_name = "FACTOR", default_value = "normal", value_parser = args::zoom)]
+    /// Distance of the camera: close, normal, far, or a magnification
+    #[arg(long, value_name = "FACTOR", default_value = "normal", value_parser = args::zoom, help_heading = "Picture")]
     pub zoom: f32,
-    /// How far the camera is from the middle of what it looks at, metres; instead of --zoom
-    #[arg(long, value_name = "METRES", value_parser = lod_args::distance, conflicts_with = "zoom")]
+    /// Distance of the camera from the middle of its subject, metres; instead of --zoom
+    #[arg(long, value_name = "METRES", value_parser = args::distance, conflicts_with = "zoom", help_heading = "Picture", hide_short_help = true)]
     pub distance: Option<f32>,
-    /// How far it is in the last frame: it moves away, or nearer, by equal factors in equal times
-    #[arg(long, value_name = "METRES", value_parser = lod_args::distance)]
+    /// Distance in the last frame: the camera moves by equal factors in equal times
+    #[arg(long, value_name = "METRES", value_parser = args::distance, help_heading = "Picture", hide_short_help = true)]
     pub distance_to: Option<f32>,
-    /// Where to: one .png, a folder of numbered frames, or an animation (.webp, .gif, .apng)
-    #[arg(long, value_name = "PATH", default_value = "out/render.png")]
+    /// Output: one .png, a folder of numbered frames, or an animation (.webp, .gif, .apng)
+    #[arg(long, value_name = "PATH", default_value = "out/render.png", help_heading = "Picture")]
     pub out: PathBuf,
     #[command(flatten)]
     pub debug: debug::DebugArgs,
@@ -123,6 +125,28 @@ pub fn animate(
     times: Times,
     output: &mut Output,
 ) -> Result<()> {
+    if times.frames > 1 && !output.keeps_only_last() && scene.seeks_range() {
+        // One range of colours for all frames: they are simulated once before, and not drawn.
+        play(scene, shot, motion, times, "measuring", |scene, _, _| scene.observe())?;
+        scene.settle_range();
+    }
+    play(scene, shot, motion, times, "drawing", |scene, frame, camera| {
+        if !output.keeps_only_last() || frame + 1 == times.frames {
+            output.add(scene.picture(camera)?)?;
+        }
+        Ok(())
+    })
+}
+
+/// Moves the head from the begin of the motion on, and does something with every frame.
+fn play(
+    scene: &mut Scene,
+    shot: &Shot,
+    motion: &Motion,
+    times: Times,
+    work: &'static str,
+    mut each: impl FnMut(&mut Scene, u32, &Camera) -> Result<()>,
+) -> Result<()> {
     let pivot = scene.pivot();
     let step = 1.0 / times.fps;
     let mut time = times.lead;
@@ -131,7 +155,7 @@ pub fn animate(
     scene.watch(&at(0));
     scene.reset(&motion.pose(time, pivot))?;
     let lead_frames = (-times.lead * times.fps).round().max(0.0) as u64;
-    let bar = progress::frames("drawing", lead_frames + u64::from(times.frames));
+    let bar = progress::frames(work, lead_frames + u64::from(times.frames));
     for _ in 0..lead_frames {
         interrupt::check()?;
         time += step;
@@ -145,9 +169,7 @@ pub fn animate(
             scene.watch(&camera);
             scene.advance(&motion.pose(f64::from(frame) * step, pivot), step as f32)?;
         }
-        if !output.keeps_only_last() || frame + 1 == times.frames {
-            output.add(scene.picture(&camera)?)?;
-        }
+        each(scene, frame, &camera)?;
         bar.inc(1);
     }
     bar.finish_and_clear();

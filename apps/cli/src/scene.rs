@@ -79,6 +79,23 @@ impl Scene {
         self.debug = Debug::new(&mut self.stage, args);
     }
 
+    /// Whether a range of colours is to be found from all frames of a sequence before the first is drawn.
+    pub fn seeks_range(&self) -> bool {
+        self.debug.as_ref().is_some_and(|debug| debug.seeks_range(&self.stage))
+    }
+
+    /// Takes note of what this frame adds to that range. Blocks.
+    pub fn observe(&mut self) -> Result<()> {
+        self.debug.as_mut().map_or(Ok(()), |debug| debug.observe(&self.stage))
+    }
+
+    /// Pictures have the range of all frames that were observed from here on.
+    pub fn settle_range(&mut self) {
+        if let Some(debug) = &mut self.debug {
+            debug.settle(&mut self.stage);
+        }
+    }
+
     /// The picture as it is now. Blocks.
     pub fn picture(&mut self, camera: &Camera) -> Result<Picture> {
         let stage = &mut self.stage;

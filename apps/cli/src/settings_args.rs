@@ -1,12 +1,13 @@
 //! All options that say what hair is like, and what they make of a preset.
 
 use crate::{
-    args::SourceArgs, avoid_args::Avoid, edge_args::EdgeArgs, environment_args::EnvironmentArgs,
-    hair_hair_args::HairHairArgs, lod_args::LodArgs, preset_args::PresetArgs, shading_args::ShadingArgs,
-    shadow_args::ShadowArgs, wind_args::WindArgs,
+    args::SourceArgs,
+    flags::{All, CompanionFlags, RowFlags, Rows},
+    preset_args::PresetArgs,
 };
 use anyhow::{Result, ensure};
-use tresses_scene::Preset;
+use tresses::draw::Coverage;
+use tresses_scene::{Preset, Settings, Value, knobs, settings::HairColor};
 
 /// Everything that a preset holds. What is given here wins over the preset, and that over the defaults.
 #[derive(clap::Args, Debug, Default)]
@@ -16,56 +17,71 @@ pub struct SettingsArgs {
     #[command(flatten)]
     pub preset: PresetArgs,
     #[command(flatten)]
-    pub edges: EdgeArgs,
+    pub companions: CompanionFlags,
     #[command(flatten)]
-    pub hair_hair: HairHairArgs,
-    #[command(flatten)]
-    pub wind: WindArgs,
-    /// What drawn strands do where they would enter the head [default: strands]
-    #[arg(long, value_name = "MODE", value_enum, help_heading = "Simulation")]
-    pub avoid: Option<Avoid>,
-    #[command(flatten)]
-    pub lod: LodArgs,
-    #[command(flatten)]
-    pub shading: ShadingArgs,
-    #[command(flatten)]
-    pub environment: EnvironmentArgs,
-    #[command(flatten)]
-    pub shadows: ShadowArgs,
+    pub rows: RowFlags<All>,
 }
 
 impl SettingsArgs {
     /// What all of them come to.
     pub fn preset(&self) -> Result<Preset> {
-        ensure!(
-            self.source.color.is_none() || self.shading.melanin.is_none(),
-            "--color and --melanin both say what colour the hair has: give one"
-        );
-        self.shading.check()?;
         let mut preset = self.preset.open()?;
-        self.source.apply(&mut preset)?;
-        self.environment.apply(&mut preset)?;
-        let settings = &mut preset.settings;
-        self.edges.apply(settings)?;
-        self.hair_hair.apply(settings);
-        self.wind.apply(settings);
-        if let Some(avoid) = self.avoid {
-            settings.interpolation.mode = avoid.into();
-        }
-        self.lod.apply(settings);
-        self.shading.apply(&mut settings.look);
-        settings.shadows.ambient = self.shading.follows(settings.shadows.ambient);
-        self.shadows.apply(settings)?;
+        self.source.apply(&mut preset);
+        apply(&self.companions, &self.rows, &mut preset)?;
         self.preset.finish(&mut preset)?;
         Ok(preset)
     }
+}
+
+/// Puts the parameters that are given into `settings`; refuses pigments and roughness of a model that has none.
+pub fn apply_rows<R: Rows>(rows: &RowFlags<R>, settings: &mut Settings) -> Result<()> {
+    rows.apply(settings)?;
+    let model = knobs::find("shading.model").map(|row| row.get(settings));
+    for name in ["melanin", "roughness"] {
+        ensure!(
+            !(rows.gives(name) && rows.gives("shading")) || model != Some(Value::Choice("kajiya-kay")),
+            "--{name} describes fibres, which --shading kajiya-kay does not have"
+        );
+    }
+    Ok(())
+}
+
+/// Puts files and parameters that are given into `preset`; refuses what contradicts itself.
+pub fn apply(companions: &CompanionFlags, rows: &RowFlags<All>, preset: &mut Preset) -> Result<()> {
+    ensure!(
+        !(rows.gives("color") && rows.gives("melanin")),
+        "--color and --melanin both say what colour the hair has: give one"
+    );
+    ensure!(
+        !(rows.gives("color") && companions.gives("color_map")),
+        "--color gives all hair one colour and --color-map many; give one of them"
+    );
+    let Preset { source, settings, .. } = preset;
+    companions.apply(source);
+    apply_rows(rows, settings)?;
+    if companions.gives("color_map") {
+        settings.look.color = HairColor::File;
+    } else if rows.gives("color") {
+        source.color_map = None;
+    }
+    ensure!(
+        source.environment.is_some()
+            || !(rows.gives("environment-turn") || rows.gives("environment-strength")),
+        "there are no surroundings to turn or to strengthen: give --environment"
+    );
+    let (_, coverage) = settings.sampling(16)?;
+    ensure!(
+        !rows.gives("layers") || matches!(coverage, Coverage::DepthPeeling { .. }),
+        "--layers is for --coverage peel: the other modes have none"
+    );
+    Ok(())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use clap::Parser;
-    use tresses_scene::{Settings, knobs, preset::Extent};
+    use tresses_scene::preset::Extent;
 
     #[derive(Parser)]
     struct Command {
@@ -120,9 +136,20 @@ mod tests {
         (&["--shadow-resolution", "512"], &["shadows.resolution"]),
         (&["--shadow-softness", "5"], &["shadows.softness"]),
         (&["--shadows-per-pixel"], &["shadows.per_pixel"]),
+        (&["--ambient", "off"], &["shadows.ambient"]),
         (
             &["--light", "10,20,3"],
             &["lights.lamp1_strength", "lights.lamp1_azimuth", "lights.lamp1_elevation"],
+        ),
+        (
+            &["--light", "-10,20", "--light", "90,0,4"],
+            &[
+                "lights.lamp1_strength",
+                "lights.lamp1_azimuth",
+                "lights.lamp1_elevation",
+                "lights.lamp2_strength",
+                "lights.lamp2_elevation",
+            ],
         ),
         (&["--set", "simulation.drag=5"], &["simulation.drag"]),
         (&["--set", "style.frizz=1 mm", "--set", "lights.follow=off"], &["style.frizz", "lights.follow"]),
@@ -184,5 +211,51 @@ mod tests {
             let error = format!("{:#}", parse(&["--set", text]).unwrap_err());
             assert!(error.contains(clause), "{text}: {error}");
         }
+    }
+
+    #[test]
+    fn surroundings_go_into_a_preset() {
+        let words = ["--environment", "sky.hdr", "--environment-turn", "-90", "--environment-strength", "2"];
+        let preset = parse(&words).unwrap();
+        assert_eq!(preset.source.environment.as_deref(), Some("sky.hdr"));
+        let lights = &preset.settings.lights;
+        assert_eq!((lights.environment_turn, lights.environment_strength), (-90f32.to_radians(), 2.0));
+        assert!(parse(&["--environment-turn", "20"]).is_err(), "there is nothing to turn");
+    }
+
+    #[test]
+    fn what_contradicts_itself_is_refused() {
+        for words in [
+            &["--color", "red", "--melanin", "1"][..],
+            &["--color", "red", "--color-map", "a.png"],
+            &["--shading", "kajiya-kay", "--roughness", "0.3"],
+            &["--layers", "2", "--samples", "4"],
+            &["--layers", "2", "--coverage", "mask"],
+            &["--coverage", "alpha", "--samples", "1"],
+            &["--coverage", "peel", "--samples", "4"],
+            &["--light", "1,2", "--light", "1,2", "--light", "1,2"],
+            &["--wind", "3", "--wind", "4"],
+        ] {
+            assert!(parse(words).is_err(), "{words:?}");
+        }
+        let both = parse(&["--coverage", "mask", "--samples", "4", "--color-map", "a.png"]).unwrap();
+        assert_eq!(both.settings.sampling(16).unwrap(), (4, Coverage::SampleMask));
+    }
+
+    #[test]
+    fn another_kind_of_curl_or_edge_replaces_that_of_a_preset() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("preset.toml");
+        let file = path.to_str().unwrap();
+        let words =
+            ["--curl", "radius=7mm,flatness=0.3", "--coverage", "peel", "--layers", "8", "--ssaa", "2"];
+        parse(&[&words[..], &["--save-preset", file]].concat()).unwrap();
+        let other = parse(&["--preset", file, "--curl", "waves,shrink=0.2", "--samples", "4"]).unwrap();
+        let settings = &other.settings;
+        assert!(settings.gives("style.curl_shrink") && !settings.gives("style.curl_flatness"));
+        assert_eq!(settings.sampling(4).unwrap(), (4, Coverage::SampleMask));
+        assert_eq!((settings.edges.layers, settings.edges.ssaa), (8, 2), "not given, so they stay");
+        let varied = parse(&["--preset", file, "--curl", "shrink=0.2"]).unwrap();
+        assert!(varied.settings.gives("style.curl_flatness"), "the same curl, varied");
     }
 }

@@ -38,13 +38,13 @@ fn refuses(arguments: &[&str], clause: &str) {
 fn absurd_options_are_refused() {
     refuses(&["render", "--size", "0x0"], "16 to 16384 pixels");
     refuses(&["render", "--size", "big"], "as in 1280x720");
-    refuses(&["render", "--size", "16000x16000"], "at most");
+    refuses(&["render", "--size", "16000x16000"], "at most 33,177,600 (7680x4320)");
     refuses(&["render", "--frames", "0"], "--frames");
     refuses(&["render", "--frames", "-3"], "-3");
     refuses(&["render", "--fps", "0"], "from 1 to 1000");
-    refuses(&["render", "--samples", "3"], "1, 4, 8 or 16");
+    refuses(&["render", "--samples", "3"], "1, 4, 8, 16");
     refuses(&["render", "--strands", "0"], "--strands");
-    refuses(&["render", "--guides", "some"], "`all`");
+    refuses(&["render", "--guides", "some"], "must be all, or a whole number");
     refuses(&["render", "--zoom", "nearer"], "close, normal, far");
     refuses(&["render", "--out", "hair.mp4"], ".webp");
     refuses(&["bench", "--frames", "0"], "--frames");
@@ -53,12 +53,12 @@ fn absurd_options_are_refused() {
     refuses(&["render", "--debug", "push", "--hair-hair", "off"], "--hair-hair is off");
     refuses(&["render", "--debug", "wind"], "it is calm");
     refuses(&["render", "--curl", "spirals"], "waves, ringlets, coils");
-    refuses(&["render", "--curl", "radius=8"], "as in 8mm");
+    refuses(&["render", "--curl", "radius=800"], "from 0 to 100 mm");
     refuses(&["render", "--curl", "turns=9"], "wavelength");
     refuses(&["render", "--clump", "7"], "from 0 to 1");
-    refuses(&["render", "--frizz", "3cm"], "0mm to 20mm");
-    refuses(&["render", "--strays", "0.2,4"], "as in 0.6,4mm");
-    refuses(&["render", "--width", "8cm"], "10um to 5mm");
+    refuses(&["render", "--frizz", "3cm"], "from 0 to 20 mm");
+    refuses(&["render", "--strays", "0.2,4miles"], "from 0 to 200 mm");
+    refuses(&["render", "--width", "8cm"], "from 10 to 5000 µm");
     refuses(&["render", "--tip-width", "2"], "from 0 to 1");
     refuses(&["render", "--density-map", "top"], "front, crown, sides");
     refuses(&["render", "--color-map", "hair.png", "--color", "red"], "--color");
@@ -116,6 +116,8 @@ fn unknown_names_list_the_choices() {
     refuses(&["demo", "--style", "beehive"], "long, bob, curly or short");
     refuses(&["fly"], "fly");
     refuses(&["render", "--fly"], "--fly");
+    refuses(&["rendr"], "did you mean render?");
+    refuses(&["render", "--styl", "bob"], "did you mean --style?");
 }
 
 #[test]

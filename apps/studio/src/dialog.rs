@@ -9,6 +9,7 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
     time::Duration,
 };
+use tresses::groom::formats;
 use tresses_scene::{Companion, Preset, Shelf, preset::Extent};
 use web_time::Instant;
 
@@ -74,9 +75,6 @@ impl Content {
     }
 }
 
-/// Extensions of grooms and heads.
-const GROOMS: [&str; 6] = ["hair", "tfx", "obj", "gltf", "glb", "tfxmesh"];
-
 /// Answers on their way.
 #[derive(Clone, Default)]
 pub struct Dialogs(Arc<Mutex<Vec<Answer>>>);
@@ -129,7 +127,7 @@ impl Dialogs {
     pub fn open(&self, context: &egui::Context) {
         let ask = || {
             let ask = AsyncFileDialog::new().set_title("Open a groom, a head, or both");
-            ask.add_filter("Grooms and heads", &GROOMS)
+            ask.add_filter("Grooms and heads", &[formats::GROOMS, formats::MESHES].concat())
         };
         self.ask(context, ask, |files| sort::files(files, sort::IN_MEMORY));
     }

@@ -53,7 +53,8 @@ mod tests {
     fn an_address_tells_style_and_parameters() {
         let options = Options::of([("style", "bob"), ("style.strands", "1500")]).unwrap();
         assert_eq!(options.style.as_deref(), Some("bob"));
-        assert_eq!(options.settings.style.strands, Some(1500));
+        let strands = knobs::find("style.strands").map(|knob| knob.get(&options.settings));
+        assert_eq!(strands, Some(tresses_scene::Value::Integer(1500)));
         assert_eq!(Options::of([]).unwrap(), Options::default());
     }
 

@@ -63,7 +63,7 @@ impl Level {
             stage.look.shadows.bias *= 2.0;
         }
         stage.set_coarse(self.coarse);
-        stage.set_lod(self.lod(settings.lod.options()))
+        stage.set_lod(self.lod(settings.lod()))
     }
 
     /// Whether `finer` only has more samples: what is lit stays as it is.

@@ -141,7 +141,7 @@ fn groom(source: &preset::Source, given: &Shelf) -> Option<Files> {
 
 /// How pictures are sampled: as `settings` say, and where they say nothing so that it is fast.
 pub fn draw_options(settings: &Settings, tier: &Tier) -> tresses::Result<DrawOptions> {
-    if settings.edges.samples.is_some() || settings.edges.coverage.is_some() {
+    if settings.gives("edges.samples") || settings.gives("edges.coverage") {
         return settings.draw_options(tier.max_samples);
     }
     let fast = DrawOptions { samples: 4, coverage: Coverage::SampleMask, ..Default::default() };

@@ -27,7 +27,10 @@ impl Page {
     /// What cargo builds, and the file that comes of it.
     fn program(self) -> (&'static [&'static str], &'static str) {
         match self {
-            Self::Studio => (&["--package", "tresses-studio", "--lib"], "tresses_studio.wasm"),
+            // Only here is the studio a module of its own; everywhere else it is a library.
+            Self::Studio => {
+                (&["--package", "tresses-studio", "--lib", "--crate-type", "cdylib"], "tresses_studio.wasm")
+            }
             Self::Minimal => (&["--package", "tresses", "--example", "minimal"], "examples/minimal.wasm"),
         }
     }
@@ -86,7 +89,7 @@ pub fn pack(page: Page, out: &Path, small: bool) -> Result<Sizes> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let status = Command::new(cargo)
         .current_dir(&root)
-        .args(["build", "--quiet", "--locked", "--target", "wasm32-unknown-unknown"])
+        .args(["rustc", "--locked", "--target", "wasm32-unknown-unknown"])
         .args(["--profile", if small { "web" } else { "dev" }])
         .args(what)
         .status()

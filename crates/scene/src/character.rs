@@ -6,6 +6,7 @@ use std::{borrow::Cow, path::PathBuf};
 use tresses::{
     Progress,
     constants::MAX_STRAND_VERTICES,
+    drape,
     glam::Vec3,
     gpu::Gpu,
     groom::{
@@ -14,6 +15,7 @@ use tresses::{
         import::{self, Given, ImportOptions, ImportReport},
         mannequin,
         mesh::sdf::{self, SdfOptions},
+        orient::Placement,
         styles::{self, GridScalp, Style, StyledGuides},
     },
     lod::LodLevel,
@@ -88,15 +90,26 @@ pub enum Files<'a> {
 
 impl Files<'_> {
     fn head_name(&self) -> String {
-        let name = match self {
-            Self::Disk { heads, .. } => heads.first(),
-            Self::Given(files) => files
-                .iter()
-                .find(|(name, bytes)| import::kind(name, bytes) == Some(import::Kind::Mesh))
-                .map(|(name, _)| name),
-        };
-        name.map(|name| name.display().to_string()).unwrap_or_default()
+        match self {
+            Self::Disk { heads, .. } => heads.first().map(|name| name.display().to_string()),
+            Self::Given(files) => first(files, |kind| kind == import::Kind::Mesh),
+        }
+        .unwrap_or_default()
     }
+
+    fn groom_name(&self) -> String {
+        match self {
+            Self::Disk { grooms, .. } => grooms.first().map(|name| name.display().to_string()),
+            Self::Given(files) => first(files, |kind| kind != import::Kind::Mesh),
+        }
+        .unwrap_or_default()
+    }
+}
+
+/// The name of the first of `files` that is of a kind.
+fn first(files: &[Given<'_>], is: impl Fn(import::Kind) -> bool) -> Option<String> {
+    let found = files.iter().find(|(name, bytes)| import::kind(name, bytes).is_some_and(&is));
+    found.map(|(name, _)| name.display().to_string())
 }
 
 /// Everything of a character that does not depend on how its strands are styled.
@@ -131,7 +144,7 @@ impl Base {
         progress: &impl Progress,
     ) -> Result<Self> {
         let head = mannequin::mesh_with(mannequin::RESOLUTION, progress).await;
-        let (styled, scalp) = styles::settled(&gpu.device, &gpu.queue, simulate, style, progress).await?;
+        let (styled, scalp) = drape::settled(&gpu.device, &gpu.queue, simulate, style, progress).await?;
         Ok(Self {
             head: Some(head),
             neck: mannequin::NECK_JOINT,
@@ -173,8 +186,14 @@ impl Base {
                 None => None,
             };
         let neck = neck(&strands, head.as_ref());
-        let mut notes = report.placement.doubts.clone();
-        notes.extend(report.head_placement.iter().flat_map(|placement| placement.doubts.clone()));
+        // The same may be in doubt of both.
+        let doubts = |what: String, placement: &Placement| -> Vec<String> {
+            placement.doubts.iter().map(|doubt| format!("{what}: {doubt}")).collect()
+        };
+        let mut notes = doubts(format!("groom {}", files.groom_name()), &report.placement);
+        if let Some(placement) = &report.head_placement {
+            notes.extend(doubts(format!("head {}", files.head_name()), placement));
+        }
         Ok(Self { head, neck, hair: Hair::Imported { strands, field }, notes, report: Some(report) })
     }
 

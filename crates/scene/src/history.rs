@@ -173,7 +173,7 @@ mod tests {
         drag(&mut history, 5.0);
         let storm = with(&Settings::default(), |s| {
             s.wind.speed = 14.0;
-            s.style.frizz = Some(0.001);
+            s.set("style.frizz", 0.001).unwrap();
         });
         history.change(storm.clone(), "storm");
         assert_eq!(history.undoes(), Some("storm"));

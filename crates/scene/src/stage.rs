@@ -221,7 +221,7 @@ impl Stage {
     pub fn take(&mut self, settings: &Settings) {
         self.physics = settings.physics();
         self.hair.avoidance.options = settings.interpolation;
-        self.hair.lod.options = settings.lod.options();
+        self.hair.lod.options = settings.lod();
         self.lighting = settings.lights;
         if let Some((surroundings, as_then, lights)) = &mut self.surroundings
             && *as_then != turned(&settings.lights)

@@ -8,11 +8,12 @@ use std::borrow::Cow;
 use tresses::{
     Hair, HairRenderer, Pose,
     collide::ColliderPoses,
+    drape,
     draw::{DrawOptions, Embed, Scene, Surroundings, Targets, View},
     frame::{Frame, Recorder},
     glam::{Mat4, Vec3, camera::rh::proj::directx::perspective},
     gpu::{Gpu, readback},
-    groom::styles::{self, Style},
+    groom::styles::Style,
     light::{Directional, Lights, Sky, Sphere},
     simulate::SimulationParams,
     wgpu::{self, TextureFormat, TextureUsages},
@@ -98,7 +99,7 @@ async fn picture() -> tresses::Result<Vec<u8>> {
     let embed = Embed::new(&device, &options, COLOR)?;
     let targets = Targets::new(&device, SIZE[0], SIZE[1], options.samples, 1)?;
     let style = Style::Long(Default::default());
-    let made = styles::character(&device, &queue, &renderer.simulate, &style, Some(8000)).await?;
+    let made = drape::character(&device, &queue, &renderer.simulate, &style, Some(8000)).await?;
     let mut hair =
         Hair::new(&device, &queue, &renderer, &made.groom, &Default::default(), Some(&made.field))?;
     let view = View { view: world_to_eye, projection: View::perspective(0.5, 1.0, 0.01), size: SIZE };

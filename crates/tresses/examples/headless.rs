@@ -5,11 +5,12 @@
 use tresses::{
     Hair, HairRenderer, Pose,
     collide::ColliderPoses,
+    drape,
     draw::{Body, DrawOptions, Scene, Targets, View},
     frame::{Frame, Recorder},
     glam::{Quat, Vec3},
     gpu::Gpu,
-    groom::styles::{self, Style},
+    groom::styles::Style,
     light::Sphere,
     simulate::SimulationParams,
 };
@@ -25,7 +26,7 @@ async fn picture(path: &str) -> Result<(), Box<dyn std::error::Error>> {
     let renderer = HairRenderer::new(&device, &DrawOptions::default());
     // Once per groom.
     let style = Style::Long(Default::default());
-    let made = styles::character(&device, &queue, &renderer.simulate, &style, Some(8000)).await?;
+    let made = drape::character(&device, &queue, &renderer.simulate, &style, Some(8000)).await?;
     let mut hair =
         Hair::new(&device, &queue, &renderer, &made.groom, &Default::default(), Some(&made.field))?;
     let body = Body::new(&device, &renderer.draw, &made.mesh);

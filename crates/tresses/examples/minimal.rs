@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use tresses::wgpu::{self, CurrentSurfaceTexture as Shown};
 use tresses::{Hair, HairRenderer, Pose, Result, collide::ColliderPoses, draw::*, frame::*, gpu::Gpu};
-use tresses::{glam::*, groom::styles, light::Sphere, simulate::SimulationParams};
+use tresses::{drape, glam::*, groom::styles, light::Sphere, simulate::SimulationParams};
 use winit::{application::ApplicationHandler, event::WindowEvent, event_loop::*, window::*};
 
 struct Show {
@@ -27,7 +27,7 @@ impl Show {
         let (device, queue) = (&gpu.device, &gpu.queue);
         let renderer = HairRenderer::new(device, &DrawOptions { output, ..Default::default() });
         let style = styles::Style::Long(Default::default());
-        let made = styles::character(device, queue, &renderer.simulate, &style, Some(4000)).await?;
+        let made = drape::character(device, queue, &renderer.simulate, &style, Some(4000)).await?;
         let hair = Hair::new(device, queue, &renderer, &made.groom, &Default::default(), Some(&made.field))?;
         let body = Body::new(device, &renderer.draw, &made.mesh);
         window.request_redraw();

@@ -1,56 +1,18 @@
 //! What can go wrong, each in one sentence that names the place and, where there is one, the remedy.
 
-use std::path::PathBuf;
+use crate::groom;
+pub use groom::error::At;
 
 /// The result of the library's fallible calls.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
-
-/// Where in a file something is wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum At {
-    /// The file as a whole.
-    File,
-    /// A byte offset from the start of a binary file.
-    Byte(u64),
-    /// A line of a text file, counted from 1.
-    Line(u64),
-}
-
-impl std::fmt::Display for At {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            At::File => Ok(()),
-            At::Byte(offset) => write!(f, " at byte {offset}"),
-            At::Line(line) => write!(f, " at line {line}"),
-        }
-    }
-}
 
 /// What can go wrong.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A file cannot be opened, read or written.
-    #[error("{path}: {source}", path = .path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// A file is not what it should be.
-    #[error("{path}{at}: {problem}", path = .path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// Where in it.
-        at: At,
-        /// One clause.
-        problem: String,
-    },
-    /// A groom or a mesh cannot be used as it is.
-    #[error("{0}")]
-    Groom(String),
+    /// A file, a groom or a mesh cannot be used.
+    #[error(transparent)]
+    Groom(groom::Error),
     /// Colliders cannot be used as they are.
     #[error("colliders: {0}")]
     Colliders(String),
@@ -64,7 +26,7 @@ pub enum Error {
         /// Bytes allowed.
         have: u64,
     },
-    /// A parameter is outside its range.
+    /// A parameter is outside its range, the groom's included.
     #[error("{name} is {value}, but must be {range}")]
     Parameter {
         /// The parameter.
@@ -88,6 +50,11 @@ pub enum Error {
 }
 
 impl Error {
+    /// A groom or a mesh cannot be used as it is.
+    pub(crate) fn unusable(problem: impl Into<String>) -> Self {
+        Self::Groom(groom::Error::Unusable(problem.into()))
+    }
+
     /// [`Error::Parameter`] unless `value` is a number from `least` to `most`; `range` says so in words.
     pub(crate) fn unless_within(
         name: &'static str,
@@ -96,9 +63,15 @@ impl Error {
         most: f32,
         range: &'static str,
     ) -> Result<()> {
-        if (least..=most).contains(&value) {
-            return Ok(());
+        Ok(groom::Error::unless_within(name, value, least, most, range)?)
+    }
+}
+
+impl From<groom::Error> for Error {
+    fn from(error: groom::Error) -> Self {
+        match error {
+            groom::Error::Parameter { name, value, range } => Self::Parameter { name, value, range },
+            error => Self::Groom(error),
         }
-        Err(Self::Parameter { name, value: value.to_string(), range })
     }
 }

@@ -180,7 +180,7 @@ impl Hair {
         let head = colliders.head;
         progress.step("preparing the strands", 0.0).await;
         if groom.guides.is_empty() || groom.strands.is_empty() {
-            return Err(Error::Groom("the groom has no strands".into()));
+            return Err(Error::unusable("the groom has no strands"));
         }
         let mut arranged = groom.strands.clone();
         lod::arrange(&mut arranged);
@@ -337,7 +337,7 @@ impl Hair {
         skull: Vec3,
     ) -> Result<()> {
         if groom.strands.len() != self.strands.count as usize {
-            return Err(Error::Groom("levels of detail must be painted on the groom of the hair".into()));
+            return Err(Error::unusable("levels of detail must be painted on the groom of the hair"));
         }
         let mut arranged = groom.strands.clone();
         lod::arrange(&mut arranged);
@@ -372,7 +372,7 @@ fn extent(groom: &Groom) -> (Vec3, f32) {
 
 /// A number of strands or guides as the GPU counts them.
 fn count(n: usize) -> Result<u32> {
-    u32::try_from(n).map_err(|_| Error::Groom(format!("{n} strands are more than 32 bits can count")))
+    u32::try_from(n).map_err(|_| Error::unusable(format!("{n} strands are more than 32 bits can count")))
 }
 
 /// The strands with the upper half of their seeds shared by all that hang on the same first guide.

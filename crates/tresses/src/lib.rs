@@ -6,10 +6,11 @@
 //! use tresses::{
 //!     Hair, HairRenderer, Pose,
 //!     collide::ColliderPoses,
+//!     drape,
 //!     draw::{Body, DrawOptions, Scene, Targets},
 //!     frame::{Frame, Recorder},
 //!     gpu::Gpu,
-//!     groom::styles::{self, Style},
+//!     groom::styles::Style,
 //!     simulate::SimulationParams,
 //! };
 //!
@@ -20,7 +21,7 @@
 //!
 //! // Once per groom: here a built-in one, else `groom::import` and `groom::bind`.
 //! let style = Style::Long(Default::default());
-//! let made = styles::character(&device, &queue, &renderer.simulate, &style, None).await?;
+//! let made = drape::character(&device, &queue, &renderer.simulate, &style, None).await?;
 //! let mut hair = Hair::new(&device, &queue, &renderer, &made.groom, &Default::default(), Some(&made.field))?;
 //! let body = Body::new(&device, &renderer.draw, &made.mesh);
 //! let targets = Targets::new(&device, 1280, 720, 4, 1)?;
@@ -47,7 +48,7 @@
 //! picture; `embed` puts hair into a scene with its own targets, camera and lights ([`draw::embed`]);
 //! `portrait` reads a groom and a head from files.
 
-pub mod groom;
+pub use tresses_groom as groom;
 
 pub mod strands;
 
@@ -73,6 +74,8 @@ pub mod present;
 
 pub mod collide;
 
+pub mod drape;
+
 pub mod frame;
 pub mod hair;
 pub mod stage;
@@ -81,12 +84,11 @@ pub mod constants;
 pub mod error;
 pub mod gpu;
 pub mod math;
-pub mod progress;
 pub mod shaders;
 
 pub use error::{Error, Result};
 pub use glam;
+pub use groom::{Progress, progress};
 pub use hair::{Hair, HairOptions, HairRenderer};
 pub use math::pose::Pose;
-pub use progress::Progress;
 pub use wgpu;

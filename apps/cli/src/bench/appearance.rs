@@ -3,14 +3,14 @@
 
 use super::{
     report::Run,
-    workload::{self, masks},
+    workload::{self, Edges, masks},
 };
 use crate::{args::Size, scene::Scene};
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use serde::Serialize;
 use tresses::light::{ShadingModel, ShadingRate, ShadowMethod};
-use tresses_scene::settings::{CoverageMode, Edges, Lamp, Samples};
+use tresses_scene::settings::Lamp;
 
 /// Pixels, and drawn strands.
 const FULL: (Size, u32) = (Size { width: 1280, height: 720 }, 20_000);
@@ -19,7 +19,7 @@ const SOFTWARE: (Size, u32) = (Size { width: 640, height: 360 }, 5_000);
 /// Measured frames there, if none are asked for.
 pub const SOFTWARE_FRAMES: u32 = 3;
 /// Samples per pixel where samples are not what is compared.
-const SAMPLES: Samples = Samples::Four;
+const SAMPLES: &str = "4";
 
 /// One way to draw the character.
 pub struct Variant {
@@ -51,7 +51,10 @@ pub struct Look {
 impl Variant {
     /// Whether an adapter that offers at most `most` samples per pixel can draw it.
     pub fn fits(&self, most: u32) -> bool {
-        self.edges.samples.is_none_or(|samples| samples as u32 <= most)
+        self.edges
+            .modes
+            .and_then(|(samples, _)| samples.parse().ok())
+            .is_none_or(|samples: u32| samples <= most)
     }
 }
 
@@ -62,14 +65,10 @@ pub fn variants() -> Vec<Variant> {
     let shadows = |name, set| light("shadows", name, set);
     let samples =
         |name, samples, ssaa| Variant { topic: "samples", name, edges: masks(samples, ssaa), set: |_| {} };
-    let coverage = |name, samples, ssaa, mode, layers: Option<u32>| Variant {
+    let coverage = |name, samples, ssaa, mode, layers| Variant {
         topic: "coverage",
         name,
-        edges: Edges {
-            coverage: Some(mode),
-            layers: layers.unwrap_or(Edges::default().layers),
-            ..masks(samples, ssaa)
-        },
+        edges: Edges { modes: Some((samples, mode)), layers, ssaa: Some(ssaa) },
         set: |_| {},
     };
     vec![
@@ -97,17 +96,17 @@ pub fn variants() -> Vec<Variant> {
             scene.look.shading = ShadingRate::PerPixel;
             scene.look.shadows.per_pixel = true;
         }),
-        samples("4×MSAA", Samples::Four, 1),
-        samples("1 sample", Samples::One, 1),
-        samples("8×MSAA", Samples::Eight, 1),
-        samples("2×2 SSAA", Samples::One, 2),
-        samples("4×MSAA and 2×2 SSAA", Samples::Four, 2),
-        coverage("masks, 4×MSAA", Samples::Four, 1, CoverageMode::Mask, None),
-        coverage("alpha to coverage, 4×MSAA", Samples::Four, 1, CoverageMode::Alpha, None),
-        coverage("1 peeled layer", Samples::One, 1, CoverageMode::Peel, Some(1)),
-        coverage("4 peeled layers", Samples::One, 1, CoverageMode::Peel, Some(4)),
-        coverage("8 peeled layers", Samples::One, 1, CoverageMode::Peel, Some(8)),
-        coverage("4 peeled layers and 2×2 SSAA", Samples::One, 2, CoverageMode::Peel, Some(4)),
+        samples("4×MSAA", "4", 1),
+        samples("1 sample", "1", 1),
+        samples("8×MSAA", "8", 1),
+        samples("2×2 SSAA", "1", 2),
+        samples("4×MSAA and 2×2 SSAA", "4", 2),
+        coverage("masks, 4×MSAA", "4", 1, "mask", None),
+        coverage("alpha to coverage, 4×MSAA", "4", 1, "alpha", None),
+        coverage("1 peeled layer", "1", 1, "peel", Some(1)),
+        coverage("4 peeled layers", "1", 1, "peel", Some(4)),
+        coverage("8 peeled layers", "1", 1, "peel", Some(8)),
+        coverage("4 peeled layers and 2×2 SSAA", "1", 2, "peel", Some(4)),
     ]
 }
 

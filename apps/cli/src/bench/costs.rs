@@ -18,7 +18,7 @@ use tresses::{
     volume::{HairHair, VolumeOptions},
     wind::Wind,
 };
-use tresses_scene::{Character, Motion, settings::Edges};
+use tresses_scene::{Character, Motion};
 
 /// Guides of the measured hair.
 const GUIDES: u32 = 1000;
@@ -130,8 +130,8 @@ impl Rig {
     fn new(frames: u32) -> Result<Self> {
         let gpu = pollster::block_on(Gpu::open())?;
         let renderer = HairRenderer::new(&gpu.device, &Default::default());
-        let mut preset = workload::style(Some(STRANDS), Edges::default());
-        preset.settings.style.guides = Some(GUIDES);
+        let mut preset = workload::style(Some(STRANDS), Default::default());
+        preset.settings.set("style.guides", GUIDES)?;
         let character = load::load(&preset, &gpu, &renderer.simulate)?;
         Ok(Self { gpu, renderer, character, frames })
     }

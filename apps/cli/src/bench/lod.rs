@@ -12,14 +12,14 @@ use indicatif::ProgressBar;
 use serde::Serialize;
 use tresses::lod::{LodMode, LodOptions};
 use tresses_scene::words::grouped;
-use tresses_scene::{Camera, Motion, camera::View, settings::Samples};
+use tresses_scene::{Camera, Motion, camera::View};
 
 /// Pixels.
 const SIZE: Size = Size { width: 1280, height: 720 };
 /// Drawn strands in full detail.
 const STRANDS: u32 = 20_000;
 /// Samples per pixel.
-const SAMPLES: Samples = Samples::Four;
+const SAMPLES: &str = "4";
 /// Metres.
 pub const DISTANCES: [f32; 6] = [0.8, 2.0, 4.0, 8.0, 16.0, 40.0];
 /// The stages that simulate, whose work is that of the guides.
@@ -142,7 +142,7 @@ pub fn text(points: &[Point]) -> String {
         grouped(STRANDS.into()),
         SIZE.width,
         SIZE.height,
-        SAMPLES as u32,
+        SAMPLES,
         table(&rows)
     )
 }

@@ -9,13 +9,8 @@ use crate::{args::Size, interrupt, preset_args, scene::Scene};
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use std::{path::PathBuf, time::Instant};
-use tresses_scene::{
-    Camera, Motion, Preset, Settings,
-    camera::View,
-    character::strands_for,
-    preset::Source,
-    settings::{CoverageMode, Edges, LodChoice, Samples},
-};
+use tresses::lod::LodMode;
+use tresses_scene::{Camera, Motion, Preset, Settings, camera::View, character::strands_for, preset::Source};
 
 /// Frames before the first that counts: shaders are compiled, caches and clocks are warm.
 pub const WARM_UP: u32 = 2;
@@ -40,22 +35,48 @@ pub struct Workload {
     pub runs: Vec<(&'static str, &'static str)>,
 }
 
-/// Antialiasing with `samples` and supersampling by `ssaa`; figures of others are those of samples alone.
-pub fn masks(samples: Samples, ssaa: u32) -> Edges {
-    Edges { samples: Some(samples), ssaa, coverage: Some(CoverageMode::Mask), ..Edges::default() }
+/// How pictures are antialiased.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Edges {
+    /// Samples per pixel and coverage, as the table of parameters names them; `None` for those of the command.
+    pub modes: Option<(&'static str, &'static str)>,
+    /// Layers that are peeled; `None` for as many as are usual.
+    pub layers: Option<u32>,
+    /// Pixels drawn per pixel shown, along each axis; `None` for one.
+    pub ssaa: Option<u32>,
+}
+
+impl Edges {
+    fn settings(&self) -> Settings {
+        let mut settings = Settings::default();
+        if let Some((samples, coverage)) = self.modes {
+            settings.set("edges.samples", samples).expect("samples of the table");
+            settings.set("edges.coverage", coverage).expect("coverage of the table");
+        }
+        settings.edges.layers = self.layers.unwrap_or(settings.edges.layers);
+        settings.edges.ssaa = self.ssaa.unwrap_or(settings.edges.ssaa);
+        settings
+    }
+}
+
+/// Masks with `samples` and supersampling by `ssaa`; figures of others are those of samples alone.
+pub fn masks(samples: &'static str, ssaa: u32) -> Edges {
+    Edges { modes: Some((samples, "mask")), ssaa: Some(ssaa), layers: None }
 }
 
 /// What is measured of `source`: all of it at any distance, with those `edges`.
 pub fn preset(source: Source, edges: Edges) -> Preset {
-    let mut settings = Settings { edges, ..Settings::default() };
-    settings.lod.mode = LodChoice::Off;
+    let mut settings = edges.settings();
+    settings.lod.mode = LodMode::Off;
     Preset { source, settings, name: None }
 }
 
 /// The built-in long style, with as many strands as it has or as are asked for.
 pub fn style(strands: Option<u32>, edges: Edges) -> Preset {
     let mut preset = preset(Source { style: Some("long".into()), ..Source::default() }, edges);
-    preset.settings.style.strands = strands;
+    if let Some(strands) = strands {
+        preset.settings.set("style.strands", strands).expect("a number of strands");
+    }
     preset
 }
 
@@ -66,7 +87,7 @@ pub fn seed() -> Vec<Workload> {
         Workload {
             name: "The seed's first scene".into(),
             others: "GeForce 8800 GTX, 2008, 8×MSAA: 15.6 ms at rest, 24.4 ms in motion",
-            preset: style(None, masks(Samples::Eight, 1)),
+            preset: style(None, masks("8", 1)),
             triangles: Some(990_000),
             size: Size { width: 1920, height: 1200 },
             runs: runs.clone(),
@@ -74,7 +95,7 @@ pub fn seed() -> Vec<Workload> {
         Workload {
             name: "The seed's second scene".into(),
             others: "GeForce 8800 GTX, 2008, 8×MSAA: 41.7 ms at rest, 57.1 ms in motion",
-            preset: style(None, masks(Samples::Eight, 2)),
+            preset: style(None, masks("8", 2)),
             triangles: Some(2_100_000),
             size: Size { width: 1280, height: 1024 },
             runs,
@@ -100,7 +121,7 @@ pub fn peer(args: &Args) -> Option<Workload> {
         ""
     };
     let source = Source { grooms, heads, ..Source::default() };
-    let mut preset = preset(source, masks(Samples::One, 1));
+    let mut preset = preset(source, masks("1", 1));
     preset.settings.style.all_guides = true;
     Some(Workload {
         name: "Every strand of a groom simulated".into(),
@@ -135,7 +156,7 @@ pub fn strand_counts(quick: bool) -> Vec<u32> {
 pub fn measure(workload: &Workload, frames: u32, bar: &ProgressBar) -> Result<Group> {
     let mut preset = workload.preset.clone();
     if let Some(triangles) = workload.triangles {
-        preset.settings.style.strands = Some(strands_for(triangles));
+        preset.settings.set("style.strands", strands_for(triangles))?;
     }
     let mut scene =
         Scene::with_samples_at_most(&preset, workload.size).with_context(|| workload.name.clone())?;
@@ -165,7 +186,7 @@ pub fn measure(workload: &Workload, frames: u32, bar: &ProgressBar) -> Result<Gr
 /// Measures the long style with `strands` strands.
 pub fn point(strands: u32, frames: u32, bar: &ProgressBar) -> Result<Point> {
     let size = Size { width: 1280, height: 720 };
-    let mut scene = Scene::with_samples_at_most(&style(Some(strands), masks(Samples::One, 1)), size)?;
+    let mut scene = Scene::with_samples_at_most(&style(Some(strands), masks("1", 1)), size)?;
     let run = run(&mut scene, "in motion", "turn", size, frames, bar)?;
     Ok(Point { strands: scene.facts().strands, gpu: run.gpu, frame: run.frame })
 }

@@ -10,7 +10,11 @@ mod scenes;
 mod share;
 mod stage;
 
-use crate::{args, interrupt, picture, progress, say, shading_args::ShadingArgs, shadow_args::Method};
+use crate::{
+    args,
+    flags::{RowFlags, Rows},
+    interrupt, picture, progress, say,
+};
 use anyhow::{Context, Result, ensure};
 use metrics::Difference;
 use scenes::{Folders, Pair, Scenes, View};
@@ -18,7 +22,7 @@ use serde::Serialize;
 use share::Share;
 use stage::Stage;
 use std::{fmt::Write, path::PathBuf};
-use tresses::light::{ShadowMethod, Shadows};
+use tresses_scene::knobs::Flag;
 
 /// The options of `tresses compare`.
 #[derive(clap::Args, Debug)]
@@ -36,16 +40,23 @@ pub struct Args {
     #[arg(long, value_name = "N", value_parser = args::samples)]
     pub samples: Option<u32>,
     #[command(flatten)]
-    pub shading: ShadingArgs,
-    /// How hair shadows hair, head and body [default: deep]
-    #[arg(long, value_name = "METHOD", value_enum)]
-    pub shadows: Option<Method>,
+    pub look: RowFlags<Look>,
     /// Folder for ours, the reference and the map of the difference side by side, a picture each
     #[arg(long, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
     /// Print JSON instead of a table
     #[arg(long)]
     pub json: bool,
+}
+
+/// The parameters that pictures are compared with.
+#[derive(Clone, Debug, Default)]
+pub struct Look;
+
+impl Rows for Look {
+    fn has(flag: &Flag) -> bool {
+        ["shading", "melanin", "roughness", "shade-per", "ambient", "shadows"].contains(&flag.name)
+    }
 }
 
 /// One view, ours against the reference.
@@ -70,7 +81,6 @@ struct Report {
 
 /// Runs `tresses compare`.
 pub fn run(args: &Args) -> Result<()> {
-    args.shading.check()?;
     let assets = args.assets.clone().or_else(|| std::env::var_os("TRESSES_ASSETS").map(PathBuf::from));
     let folders = Folders { scenes: &args.scenes, assets: assets.as_deref() };
     let scenes = Scenes::read(&args.scenes)?;
@@ -80,14 +90,12 @@ pub fn run(args: &Args) -> Result<()> {
         "{}: nothing can be compared with what was asked for",
         args.scenes.display()
     );
-    let method = args.shadows.map_or(ShadowMethod::default(), Method::method);
-    let shadows = Shadows { method, ..Default::default() };
     let bar = progress::frames("comparing", (views.len() + pairs.len()) as u64);
     let mut report = Report::default();
     let mut last = None;
     for view in &views {
         let stage = stage(&mut last, view, &folders, args.samples)?;
-        let (ours, linear) = stage.draw(view, &scenes, &args.shading, shadows)?;
+        let (ours, linear) = stage.draw(view, &scenes, &args.look)?;
         let reference = folders.picture(view.name)?;
         let mask = folders.mask(view, (ours.width, ours.height))?;
         ensure!(
@@ -115,7 +123,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     for Pair { view, unshadowed } in &pairs {
         let stage = stage(&mut last, view, &folders, args.samples)?;
-        let ours = stage.draw_once(view, &scenes, &args.shading, shadows)?;
+        let ours = stage.draw_once(view, &scenes, &args.look)?;
         let size @ (width, height) = ours[0].size();
         let reference = [folders.radiance(view.name)?, folders.radiance(unshadowed)?];
         ensure!(

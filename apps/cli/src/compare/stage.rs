@@ -1,11 +1,12 @@
 //! A groom of the reference on the GPU, and its pictures.
 
+use super::Look;
 use super::{
     metrics::Linear,
     scenes::{Folders, Groom as Description, Radius, Scenes, View},
 };
-use crate::{picture::Picture, shading_args::ShadingArgs};
-use anyhow::{Context, Result, ensure};
+use crate::{flags::RowFlags, picture::Picture, settings_args::apply_rows};
+use anyhow::{Context, Error, Result, ensure};
 use half::f16;
 use tresses::{
     Hair, HairOptions, HairRenderer, Pose,
@@ -22,13 +23,11 @@ use tresses::{
         import::{self, ImportOptions},
         orient::{Axis, Choice, Unit},
     },
-    light::{
-        Directional, HairMaterial, Lights, MAX_LIGHTS, ShadowMethod, Shadows, Sky, Sphere, material::linear,
-    },
+    light::{Directional, Lights, MAX_LIGHTS, ShadowMethod, Shadows, Sky, Sphere, material::linear},
     present::ToneMap,
     simulate::SimulationParams,
 };
-use tresses_scene::camera;
+use tresses_scene::{Settings, camera, knobs};
 
 /// What the pictures are read from.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -105,12 +104,9 @@ impl Stage {
         &mut self,
         view: &View<'_>,
         scenes: &Scenes,
-        shading: &ShadingArgs,
-        shadows: Shadows,
+        look: &RowFlags<Look>,
     ) -> Result<(Picture, Linear)> {
-        let mut scene = Scene { shadows, ..self.scene(view, scenes)? };
-        shading.vary(&mut scene.hair, &mut scene.shading);
-        scene.shadows.ambient = shading.follows(scene.shadows.ambient);
+        let mut scene = self.scene(view, scenes, look)?;
         let shown = self.pixels(&scene)?;
         scene.background = Background::flat(Vec3::ZERO);
         scene.tone = ToneMap { exposure: DIM, shoulder: 0.99, desaturation: 0.0 };
@@ -126,16 +122,14 @@ impl Stage {
         &mut self,
         view: &View<'_>,
         scenes: &Scenes,
-        shading: &ShadingArgs,
-        shadows: Shadows,
+        look: &RowFlags<Look>,
     ) -> Result<[Linear; 2]> {
-        let mut scene = self.scene(view, scenes)?;
-        shading.vary(&mut scene.hair, &mut scene.shading);
+        let mut scene = self.scene(view, scenes, look)?;
         scene.background = Background::flat(Vec3::ZERO);
         scene.tone = ToneMap { exposure: DIM, shoulder: 0.99, desaturation: 0.0 };
         let width = self.targets.size[0];
         // Light that a body has thrown is scattered twice.
-        let shadows = Shadows { ambient: false, ..shadows };
+        let shadows = Shadows { ambient: false, ..scene.shadows };
         let off = Shadows { method: ShadowMethod::Off, ..shadows };
         let mut views = DebugViews::new(&self.gpu.device, &self.renderer.draw, FORMAT);
         let mut once = |shadows: Shadows| -> Result<Linear> {
@@ -152,7 +146,9 @@ impl Stage {
         Ok([once(shadows)?, once(off)?])
     }
 
-    fn scene(&self, view: &View<'_>, scenes: &Scenes) -> Result<Scene> {
+    fn scene(&self, view: &View<'_>, scenes: &Scenes, look: &RowFlags<Look>) -> Result<Scene> {
+        let mut settings = material(view.material)?;
+        apply_rows(look, &mut settings)?;
         let camera = &view.groom.camera;
         let place = |p: [f32; 3]| Vec3::from(p) * self.unit;
         let (eye, target) = (place(camera.origin), place(camera.target));
@@ -182,7 +178,9 @@ impl Stage {
                 ..Default::default()
             },
             focus: self.focus,
-            hair: HairMaterial { file_colors: false, ..material(view.material)? },
+            hair: settings.material(),
+            shading: settings.shading(),
+            shadows: settings.shadows,
             body: BodyMaterial { gloss: 0.0, wrap: 0.0, ..Default::default() },
             background: Background::flat(Vec3::splat(scenes.background_linear)),
             ..Default::default()
@@ -233,9 +231,12 @@ fn radiance(width: u32, dim: &[[f32; 3]]) -> Linear {
 }
 
 /// Ours that comes closest to a material of the reference.
-fn material(name: &str) -> Result<HairMaterial> {
+fn material(name: &str) -> Result<Settings> {
     let name = if name == "brunette" { "brown" } else { name };
-    HairMaterial::named(name).with_context(|| format!("there is no material {name}"))
+    let mut settings = Settings::default();
+    let color = knobs::named("shading.color").map_err(Error::msg)?;
+    color.set(&mut settings, color.parse(name)?).with_context(|| format!("there is no material {name}"))?;
+    Ok(settings)
 }
 
 /// The strands as the reference draws them: uniform cubic B-splines from the first to the last

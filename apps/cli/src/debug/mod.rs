@@ -16,11 +16,14 @@ use tresses_scene::Stage;
 /// The options of debug views.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub struct DebugArgs {
-    /// Look inside: show one thing alone, with a legend (docs/views.md)
-    #[arg(long, value_name = "NAME", value_parser = view(), help_heading = "Simulation")]
+    /// Show one quantity alone, with a legend (docs/views.md)
+    #[arg(long, value_name = "NAME", value_parser = view(), help_heading = "Debug views")]
     pub debug: Option<DebugView>,
-    /// The number that --debug draws brightest [default: a round one, of grids from the first picture]
-    #[arg(long, value_name = "X", requires = "debug", value_parser = positive, help_heading = "Simulation")]
+    /// The number that --debug draws brightest [default: a round one; of grids, the peak of all frames]
+    #[arg(
+        long, value_name = "X", requires = "debug", value_parser = positive,
+        help_heading = "Debug views", hide_short_help = true
+    )]
     pub debug_max: Option<f32>,
 }
 
@@ -56,6 +59,9 @@ fn positive(text: &str) -> Result<f32, String> {
 /// What belongs to a view besides what the stage draws: the range of its colours, and its legend.
 pub struct Debug {
     peak: Peak,
+    /// The largest value that was seen of a sequence, and whether the range follows from it.
+    largest: f32,
+    is_of_sequence: bool,
 }
 
 impl Debug {
@@ -63,17 +69,43 @@ impl Debug {
     pub fn new(stage: &mut Stage, args: &DebugArgs) -> Option<Self> {
         let view = args.debug?;
         stage.show(Some(Shown { high: args.debug_max, ..Shown::new(view) }));
-        Some(Self { peak: Peak::new(&stage.gpu.device) })
+        Some(Self { peak: Peak::new(&stage.gpu.device), largest: 0.0, is_of_sequence: false })
     }
 
-    /// Before a picture: for the first one, the range of the colours. Blocks.
+    /// Whether the range of the colours is still to be found: of grids that nobody gave one for. Blocks.
+    fn unknown(&mut self, stage: &Stage) -> Result<Option<f32>> {
+        let Stage { gpu, look, hair, .. } = stage;
+        let Some(shown) = stage.shown().filter(|shown| shown.high.is_none()) else { return Ok(None) };
+        let Some(grid) = shown.view.grid(look, hair) else { return Ok(None) };
+        Ok(Some(pollster::block_on(self.peak.measure(&gpu.device, &gpu.queue, &grid))?))
+    }
+
+    /// Whether the range of the colours is to be found from all frames of a sequence.
+    pub fn seeks_range(&self, stage: &Stage) -> bool {
+        use DebugView::{Density, Push, Wind};
+        let grids = |shown: &Shown| matches!(shown.view, Density | Push | Wind) && shown.high.is_none();
+        stage.shown().as_ref().is_some_and(grids)
+    }
+
+    /// Takes note of a frame of the sequence. Blocks.
+    pub fn observe(&mut self, stage: &Stage) -> Result<()> {
+        self.largest = self.largest.max(self.unknown(stage)?.unwrap_or(0.0));
+        Ok(())
+    }
+
+    /// The range of the colours is from here on that of all frames that were observed.
+    pub fn settle(&mut self, stage: &mut Stage) {
+        if let Some(shown) = stage.shown().filter(|_| self.largest > 0.0) {
+            stage.show(Some(Shown { high: Some(legend::rounded_up(self.largest)), ..shown }));
+            self.is_of_sequence = true;
+        }
+    }
+
+    /// Before a picture: the range of the colours, if it is not known yet and there is something to see. Blocks.
     pub fn prepare(&mut self, stage: &mut Stage) -> Result<()> {
-        let Some(mut shown) = stage.shown() else { return Ok(()) };
-        let Stage { gpu, look, hair, .. } = &*stage;
-        if let (None, Some(grid)) = (shown.high, shown.view.grid(look, hair)) {
-            let peak = pollster::block_on(self.peak.measure(&gpu.device, &gpu.queue, &grid))?;
-            shown.high = Some(legend::rounded_up(peak));
-            stage.show(Some(shown));
+        let peak = self.unknown(stage)?.filter(|peak| *peak > 0.0);
+        if let (Some(peak), Some(shown)) = (peak, stage.shown()) {
+            stage.show(Some(Shown { high: Some(legend::rounded_up(peak)), ..shown }));
         }
         Ok(())
     }
@@ -81,7 +113,9 @@ impl Debug {
     /// Adds the legend of `shown` to a picture.
     pub fn label(&self, shown: &Shown, picture: &mut Picture) {
         if let Some(scale) = shown.scale() {
-            Legend { title: scale.title.into(), min: scale.low, max: scale.high }.draw(picture);
+            let of = if self.is_of_sequence { ", up to the peak of all frames" } else { "" };
+            let title = format!("{}{of}", scale.title);
+            Legend { title, min: scale.low, max: scale.high }.draw(picture);
         }
         use DebugView::{Density, Distance, Push, Wind};
         if matches!(shown.view, Density | Push | Wind | Distance) {

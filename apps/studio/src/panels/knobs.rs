@@ -10,8 +10,11 @@ use eframe::egui::{
 };
 use tresses_scene::{
     Settings,
-    knobs::{Kind, Knob, SECTIONS, Scale, Section, Value},
+    knobs::{Choice, Kind, Knob, SECTIONS, Scale, Section, Value},
 };
+
+/// The sections that are open at first: what an artist reaches for.
+const OPEN: [&str; 2] = ["style", "shading"];
 
 /// Width of the names, points.
 const NAMES: f32 = 136.0;
@@ -40,34 +43,53 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
     let mut changed = None;
     ScrollArea::vertical().id_salt("knobs").auto_shrink(false).show(ui, |ui| {
         for section in SECTIONS {
-            let found: Vec<_> = section.knobs.iter().filter(|knob| matches(knob, section, &words)).collect();
-            if found.is_empty() {
+            let found = section.knobs.iter().filter(|knob| matches(knob, section, &words));
+            let (advanced, first): (Vec<_>, Vec<_>) = found.partition(|knob| knob.advanced);
+            if first.is_empty() && advanced.is_empty() {
                 continue;
             }
-            let turned = section.knobs.iter().filter(|knob| !knob.is_default(&settings)).count();
-            let title = if turned > 0 {
-                format!("{} ({turned} changed)", section.title)
-            } else {
-                section.title.into()
-            };
-            CollapsingHeader::new(RichText::new(title).strong())
-                .id_salt(section.key)
-                .default_open(section.key == "wind")
-                .open((!words.is_empty()).then_some(true))
-                .show_unindented(ui, |ui| {
-                    for knob in found {
-                        if row(knob, &mut settings, &resolved, ui) {
-                            changed = Some(knob.path);
-                        }
+            // What is found is seen.
+            let open = (!words.is_empty()).then_some(true);
+            CollapsingHeader::new(
+                RichText::new(titled(section.title, section.knobs.iter(), &settings)).strong(),
+            )
+            .id_salt(section.key)
+            .default_open(OPEN.contains(&section.key))
+            .open(open)
+            .show_unindented(ui, |ui| {
+                for knob in first {
+                    if row(knob, &mut settings, &resolved, ui) {
+                        changed = Some(knob.path);
                     }
-                    ui.add_space(6.0);
-                })
-                .header_response
-                .on_hover_text(section.about);
+                }
+                if !advanced.is_empty() {
+                    CollapsingHeader::new(titled("Advanced", advanced.iter().copied(), &settings))
+                        .id_salt((section.key, "advanced"))
+                        .open(open)
+                        .show_unindented(ui, |ui| {
+                            for knob in advanced {
+                                if row(knob, &mut settings, &resolved, ui) {
+                                    changed = Some(knob.path);
+                                }
+                            }
+                        });
+                }
+                ui.add_space(6.0);
+            })
+            .header_response
+            .on_hover_text(section.about);
         }
     });
     if let Some(path) = changed {
         studio.change(ui.ctx(), settings, path);
+    }
+}
+
+/// A title, and how many of its parameters are not as by default.
+fn titled<'a>(title: &str, knobs: impl Iterator<Item = &'a Knob>, settings: &Settings) -> String {
+    match knobs.filter(|knob| !knob.is_default(settings)).count() {
+        0 => title.into(),
+        changed => format!("{title} ({changed} changed)"),
     }
 }
 
@@ -162,7 +184,7 @@ fn widget(knob: &Knob, value: Value, auto: bool, ui: &mut Ui) -> Option<Value> {
             let changed = ui.color_edit_button_srgb(&mut rgb).on_hover_text(knob.hint).changed();
             changed.then_some(Value::Color(rgb))
         }
-        (Kind::Choice(names), value) => choice(knob, names, value, auto, ui),
+        (Kind::Choice(choices), value) => choice(knob, choices, value, auto, ui),
         // What is chosen by itself and unknown: a file has its own.
         (kind, _) => ui
             .button("auto")
@@ -175,7 +197,7 @@ fn widget(knob: &Knob, value: Value, auto: bool, ui: &mut Ui) -> Option<Value> {
                 Kind::Integer { least, .. } => Value::Integer(least),
                 Kind::Toggle => Value::Toggle(true),
                 Kind::Color => Value::Color([128, 96, 64]),
-                Kind::Choice(names) => Value::Choice(names[0]),
+                Kind::Choice(choices) => Value::Choice(choices[0].name),
             }),
     }
 }
@@ -190,7 +212,7 @@ fn short(number: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
 }
 
-fn choice(knob: &Knob, names: &[&'static str], value: Value, auto: bool, ui: &mut Ui) -> Option<Value> {
+fn choice(knob: &Knob, choices: &[Choice], value: Value, auto: bool, ui: &mut Ui) -> Option<Value> {
     let text = match value {
         Value::Choice(name) if auto => format!("{name} (auto)"),
         Value::Choice(name) => name.into(),
@@ -205,8 +227,9 @@ fn choice(knob: &Knob, names: &[&'static str], value: Value, auto: bool, ui: &mu
             if knob.automatic && ui.selectable_label(auto, "auto").clicked() {
                 chosen = Some(Value::Auto);
             }
-            for name in names {
-                if ui.selectable_label(!auto && value == Value::Choice(name), *name).clicked() {
+            for Choice { name, hint } in choices {
+                let label = ui.selectable_label(!auto && value == Value::Choice(name), *name);
+                if label.on_hover_text(*hint).clicked() {
                     chosen = Some(Value::Choice(name));
                 }
             }
@@ -245,6 +268,20 @@ mod tests {
             // Nobody draws it.
             output.textures_delta.clear();
         }
+    }
+
+    #[test]
+    fn what_an_artist_reaches_for_is_seen_first() {
+        for key in OPEN {
+            assert!(SECTIONS[..3].iter().any(|section| section.key == key), "{key}");
+        }
+        let seen: Vec<_> = SECTIONS.iter().filter(|section| OPEN.contains(&section.key)).collect();
+        let first = seen.iter().flat_map(|section| section.knobs).filter(|knob| !knob.advanced);
+        let first: Vec<_> = first.map(|knob| knob.path).collect();
+        for path in ["style.strands", "style.width", "style.curl", "shading.color"] {
+            assert!(first.contains(&path), "{path}");
+        }
+        assert!(first.iter().all(|path| !path.ends_with("seed")), "{first:?}");
     }
 
     #[test]

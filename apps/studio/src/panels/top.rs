@@ -2,7 +2,7 @@
 
 use crate::{app::Studio, job::Source, theme};
 use eframe::egui::{self, Align, ComboBox, Layout, Panel, RichText, Ui};
-use tresses::groom::styles::Style;
+use tresses::groom::{formats, styles::Style};
 use tresses_scene::preset::Preset;
 
 /// Width of a window in which everything has its button, points.
@@ -34,7 +34,10 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
 
 /// What is opened and saved: in a row, or below each other in a menu.
 fn files(studio: &mut Studio, ui: &mut Ui) {
-    let help = "A groom (.hair, .tfx, .obj), a head for it (.obj, .gltf, .glb, .tfxmesh), or both. Files can also be dropped on the window, as can maps (.png), surroundings (.hdr, .exr) and obstacles (.json).";
+    let [grooms, meshes] = [formats::GROOMS, formats::MESHES].map(|all| formats::listed(all, "or"));
+    let help = format!(
+        "A groom ({grooms}), a head for it ({meshes}), or both. Files can also be dropped on the window, as can maps (.png), surroundings (.hdr, .exr) and obstacles (.json)."
+    );
     if ui.button("Open…").on_hover_text(help).clicked() {
         studio.dialogs.open(ui.ctx());
     }

@@ -15,7 +15,10 @@ pub use surroundings::Surroundings;
 use crate::{Colliders, preset::Source, settings::Maps};
 use anyhow::{Error, Result};
 use std::path::Path;
-use tresses::groom::grow::{CurlCurve, Paint};
+use tresses::groom::{
+    formats,
+    grow::{CurlCurve, Paint},
+};
 
 /// What kind of file a companion is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,18 +42,18 @@ impl Kind {
     pub fn extensions(self) -> &'static [&'static str] {
         match self {
             Self::Map | Self::Colors => &["png"],
-            Self::Curve => &["obj", "tfx", "hair"],
+            Self::Curve => formats::GROOMS,
             Self::Levels | Self::Colliders => &["json"],
             Self::Surroundings => &["hdr", "exr"],
         }
     }
 
     /// The endings of what such files name in their turn.
-    pub fn needs(self) -> &'static [&'static str] {
+    pub fn needs(self) -> Vec<&'static str> {
         match self {
-            Self::Levels => &["png"],
-            Self::Colliders => &["obj", "mtl", "gltf", "glb", "bin", "tfxmesh"],
-            _ => &[],
+            Self::Levels => vec!["png"],
+            Self::Colliders => [formats::MESHES, formats::COMPANIONS].concat(),
+            _ => Vec::new(),
         }
     }
 
@@ -65,6 +68,8 @@ impl Kind {
 pub struct Companion {
     /// Its key in a preset.
     pub key: &'static str,
+    /// The flag of the command, without its dashes.
+    pub flag: &'static str,
     /// A word or two for a panel.
     pub title: &'static str,
     /// One line.
@@ -94,9 +99,10 @@ impl Companion {
 }
 
 macro_rules! companion {
-    ($key:ident, $kind:ident, $title:literal, $hint:literal) => {
+    ($key:ident, $flag:literal, $kind:ident, $title:literal, $hint:literal) => {
         Companion {
             key: stringify!($key),
+            flag: $flag,
             title: $title,
             hint: $hint,
             kind: Kind::$kind,
@@ -109,40 +115,52 @@ macro_rules! companion {
 pub static COMPANIONS: [Companion; 10] = [
     companion!(
         density_map,
+        "density-map",
         Map,
         "Density",
         "The share of the strands that stay: none where it is black, all where it is white"
     ),
-    companion!(thickness_map, Map, "Thickness", "What widths are multiplied by, 0 to 1"),
-    companion!(length_map, Map, "Length", "What lengths are multiplied by, 0 to 1"),
-    companion!(curl_map, Map, "Curl radius", "What the radius of curls is multiplied by, 0 to 1"),
+    companion!(thickness_map, "thickness-map", Map, "Thickness", "What widths are multiplied by, 0 to 1"),
+    companion!(length_map, "length-map", Map, "Length", "What lengths are multiplied by, 0 to 1"),
+    companion!(curl_map, "curl-map", Map, "Curl radius", "What the radius of curls is multiplied by, 0 to 1"),
     companion!(
         stiffness_map,
+        "stiffness-map",
         Map,
         "Stiffness",
         "Black is a quarter as stiff, white four times, middle grey as it was"
     ),
-    companion!(color_map, Colors, "Colours", "The colours of the hair, where shading.color is on file"),
+    companion!(
+        color_map,
+        "color-map",
+        Colors,
+        "Colours",
+        "The colours of the hair, where shading.color is on file"
+    ),
     companion!(
         curl_curve,
+        "curl-curve",
         Curve,
         "Shape of curls",
         "One drawn curl, repeated along the strands: a file of one line"
     ),
     companion!(
         lod_maps,
+        "lod-maps",
         Levels,
         "Levels of detail",
         "Painted levels of detail: sizes in pixels, each with maps of density and thickness"
     ),
     companion!(
         colliders,
+        "colliders",
         Colliders,
         "Obstacles",
         "What hair collides with besides the head: capsules, ellipsoids and meshes that move"
     ),
     companion!(
         environment,
+        "environment",
         Surroundings,
         "Surroundings",
         "An equirectangular picture that gives all light instead of key, rim and sky; its middle lies before the face"

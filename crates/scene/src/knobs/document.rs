@@ -8,16 +8,18 @@ use std::fmt::Write;
 pub fn markdown() -> String {
     let mut page = String::from(
         "# Parameters\n\n\
-         Everything that can be turned while hair is shown. Written by `tresses knobs --markdown`; a test keeps it current.\n\n\
+         Everything that can be changed while hair is shown. Written by `tresses knobs --markdown`; a test keeps it current.\n\n\
          A path such as `simulation.drag` is the key `drag` of the table `[simulation]` in a preset, and \
-         `--set simulation.drag=5` on the command line. *auto* is as it suits the style, the file or the colour. \
-         The last column says what a change takes: nothing (the next frame has it), *strands* (they are grown again), \
-         *pipelines* (they are built again).\n",
+         `--set simulation.drag=5` on the command line; some parameters have a flag of their own. *auto* is as it suits \
+         the style, the file or the colour. The last column says what a change costs: nothing (it shows in the next frame), \
+         *strands* (they are grown again) or *pipelines* (they are built again). The studio folds those marked *advanced* away.\n",
     );
     for section in SECTIONS {
         // Writing to a string cannot fail.
         let _ = write!(page, "\n## {}\n{}\n\n", section.title, section.about);
-        page.push_str("| path | what it does | allowed | default | takes |\n|---|---|---|---|---|\n");
+        page.push_str(
+            "| path | what it does | allowed | default | flag | costs |\n|---|---|---|---|---|---|\n",
+        );
         for knob in section.knobs {
             let cost = match knob.cost {
                 Change::Frame => "",
@@ -28,12 +30,14 @@ pub fn markdown() -> String {
                 Value::Auto => "*auto*".to_owned(),
                 value => knob.text(value),
             };
+            let flag = knob.flag.map(|flag| format!("`--{}`", flag.name)).unwrap_or_default();
             let _ = writeln!(
                 page,
-                "| `{}` | **{}**. {} | {} | {default} | {cost} |",
+                "| `{}` | **{}**. {}{} | {} | {default} | {flag} | {cost} |",
                 knob.path,
                 knob.label,
                 knob.hint,
+                if knob.advanced { " *Advanced.*" } else { "" },
                 knob.range()
             );
         }

@@ -1,56 +1,38 @@
 //! Parameters of antialiasing.
 
-use super::{Knob, Section, knob, value::*};
-use crate::settings::{CoverageMode, Samples};
+use super::{
+    Knob, Section,
+    flags::{Part, flag, value},
+    rows,
+    value::*,
+};
+use crate::settings::Samples;
+use tresses::draw::Coverage;
 
 pub(super) const SECTION: Section = Section {
     key: "edges",
     title: "Edges",
-    about: "How finely pictures are sampled, and how strands thinner than a pixel cover it.",
+    about: "Antialiasing: samples per pixel, and how strands thinner than a pixel cover it.",
     knobs: KNOBS,
 };
 
-const KNOBS: &[Knob] = &[
-    knob!(
-        "edges.samples",
-        "Samples per pixel",
-        choice::<Samples>(),
-        Rebuild,
-        "More for smoother edges with mask and alpha; not every adapter has more than 4.",
-        edges.samples
-    )
-    .auto(),
-    knob!(
-        "edges.coverage",
-        "Coverage",
-        choice::<CoverageMode>(),
-        Rebuild,
-        "Sorted layers (peel, finest), a mask of samples (fastest), or alpha to coverage.",
-        edges.coverage
-    )
-    .auto(),
-    knob!(
-        "edges.layers",
-        "Peeled layers",
-        integer(PLAIN, 1, 16, 1),
-        Rebuild,
-        "Layers of hair in order, a pass each (peel only); more for light, thin hair.",
-        edges.layers
-    ),
-    knob!(
-        "edges.ssaa",
-        "Supersampling",
-        integer(TIMES, 1, 2, 1),
-        Rebuild,
-        "Pixels drawn per pixel shown, along each axis; 2 costs four times as much.",
-        edges.ssaa
-    ),
-    knob!(
-        "edges.min_width",
-        "Least width",
-        number(PIXELS, 0.0, 10.0),
-        Frame,
-        "Thinner strands are drawn this wide and as much sparser (mask only).",
-        edges.min_width
-    ),
-];
+const KNOBS: &[Knob] = rows! { "edges";
+    "samples" "Samples per pixel" [edges.samples] choice::<Samples>(),
+        auto, rebuild, flag(flag("samples", "N").first(SAMPLES)),
+        "More give smoother edges with mask and alpha; not every adapter has more than 4.";
+    "coverage" "Coverage" [edges.coverage] choice::<Coverage>(),
+        auto, rebuild, flag(flag("coverage", "MODE").common().first(COVERAGE)),
+        "How strands thinner than a pixel cover it: sorted layers, a sample mask, or alpha to coverage.";
+    "layers" "Peeled layers" [edges.layers] integer(PLAIN, 1, Coverage::MAX_LAYERS, 1),
+        rebuild, flag(flag("layers", "N")),
+        "Layers of hair that are sorted, a pass each (peel only); more for light, thin hair.";
+    "ssaa" "Supersampling" [edges.ssaa] integer(TIMES, 1, 2, 1),
+        rebuild, flag(flag("ssaa", "N")),
+        "Pixels drawn per pixel shown, along each axis; 2 costs four times as much.";
+    "min_width" "Minimum width" [look.material.min_width] number(PIXELS, 0.0, 10.0), advanced,
+        "Thinner strands are drawn this wide and proportionally sparser (mask only).";
+};
+
+/// Whoever gives one of the two does not want the other of a preset, which was chosen with another.
+const SAMPLES: &[Part] = &[value("edges.samples").resets(&["edges.coverage"])];
+const COVERAGE: &[Part] = &[value("edges.coverage").resets(&["edges.samples"])];

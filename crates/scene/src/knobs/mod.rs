@@ -1,11 +1,13 @@
-//! The table of all parameters: what an interface shows, a preset holds and the documentation lists.
+//! The table of all parameters: what an interface shows, a preset holds, a flag sets and the documentation
+//! lists.
 //!
-//! A [`Knob`] is a parameter of [`Settings`] with a name, a unit, a range and a line that says when to turn
-//! it. Knobs stand in [`SECTIONS`], in the order of the pipeline. There is no other list: the panels of the
-//! studio, the keys of presets, `--set` and `docs/knobs.md` are made of this one.
+//! A [`Knob`] is a row of it: a parameter of [`Settings`] with path, unit, range, hint and what a change
+//! costs. The value itself, with its default, is a field of the library's option structs, which the row
+//! names. There is no other list: the panels of the studio, the keys of presets, `--set`, the flags of the
+//! command and `docs/knobs.md` are made of the rows in [`SECTIONS`]. `CONTRIBUTING.md` adds one as an example.
 //!
 //! Values are SI inside and human outside: `style.curl_radius` is 0.009 in [`Value::Number`] and 9 in the
-//! knob's [`Unit`], which is the millimetre. [`Knob::shown`] and [`Knob::inner`] convert.
+//! row's [`Unit`], which is the millimetre. [`Knob::shown`] and [`Knob::inner`] convert.
 //!
 //! ```
 //! use tresses_scene::{Settings, Value, knobs};
@@ -20,6 +22,7 @@
 
 mod document;
 mod edges;
+pub mod flags;
 mod interpolation;
 mod lights;
 mod lod;
@@ -32,15 +35,16 @@ mod value;
 mod wind;
 
 pub use document::markdown;
+pub use flags::Flag;
 pub use text::color;
-pub use value::{Kind, Refusal, Scale, Unit, Value};
+pub use value::{Choice, Kind, Refusal, Scale, Unit, Value};
 
 use crate::settings::{Change, Settings};
 
 /// A group of parameters.
 #[derive(Debug)]
 pub struct Section {
-    /// The first part of its knobs' paths, and its table's name in a preset.
+    /// The first part of its rows' paths, and its table's name in a preset.
     pub key: &'static str,
     /// What it is called.
     pub title: &'static str,
@@ -50,27 +54,27 @@ pub struct Section {
     pub knobs: &'static [Knob],
 }
 
-/// All parameters, in the order of the pipeline.
+/// All parameters, in the order in which people look for them.
 pub const SECTIONS: &[Section] = &[
     style::SECTION,
-    simulation::SECTION,
-    wind::SECTION,
-    interpolation::SECTION,
     shading::SECTION,
     lights::SECTION,
+    wind::SECTION,
+    simulation::SECTION,
+    interpolation::SECTION,
     shadows::SECTION,
     edges::SECTION,
     lod::SECTION,
 ];
 
-/// A parameter.
+/// A parameter: a row of the table.
 #[derive(Clone, Copy, Debug)]
 pub struct Knob {
     /// Its name: the section's key, a dot, and its own.
     pub path: &'static str,
     /// What it is called.
     pub label: &'static str,
-    /// What it does and when to turn it, in a line.
+    /// What it does and when to change it, in a line.
     pub hint: &'static str,
     /// What its values are.
     pub kind: Kind,
@@ -78,20 +82,45 @@ pub struct Knob {
     pub cost: Change,
     /// Whether [`Value::Auto`] is a value: as it suits the style, the file or the colour.
     pub automatic: bool,
+    /// Whether it is seldom needed: seeds, grids, tolerances. Interfaces fold it away.
+    pub advanced: bool,
+    /// The flag of the command that sets it, where it has one besides `--set`.
+    pub flag: Option<Flag>,
+    field: Access,
+}
+
+/// How a row reads and writes its field.
+#[derive(Clone, Copy, Debug)]
+struct Access {
     get: fn(&Settings) -> Value,
     set: fn(&mut Settings, Value),
+    /// From the second to the first, to the bit.
+    copy: fn(&mut Settings, &Settings),
 }
 
 impl Knob {
-    const fn log(mut self) -> Self {
-        if let Kind::Number { unit, least, most, .. } = self.kind {
-            self.kind = Kind::Number { unit, least, most, scale: Scale::Log };
-        }
+    const fn auto(mut self) -> Self {
+        self.automatic = true;
         self
     }
 
-    const fn auto(mut self) -> Self {
-        self.automatic = true;
+    const fn advanced(mut self) -> Self {
+        self.advanced = true;
+        self
+    }
+
+    const fn rebuild(mut self) -> Self {
+        self.cost = Change::Rebuild;
+        self
+    }
+
+    const fn regrow(mut self) -> Self {
+        self.cost = Change::Regrow;
+        self
+    }
+
+    const fn flag(mut self, flag: Flag) -> Self {
+        self.flag = Some(flag);
         self
     }
 
@@ -107,7 +136,10 @@ impl Knob {
 
     /// Its value in `settings`.
     pub fn get(&self, settings: &Settings) -> Value {
-        (self.get)(settings)
+        if self.automatic && !settings.given.contains(self.path) {
+            return Value::Auto;
+        }
+        (self.field.get)(settings)
     }
 
     /// Gives it a value.
@@ -116,8 +148,21 @@ impl Knob {
     /// One sentence for a value out of range or of another kind; `settings` stay as they were.
     pub fn set(&self, settings: &mut Settings, value: Value) -> Result<(), Refusal> {
         self.check(value)?;
-        (self.set)(settings, value);
+        self.put(settings, value);
         Ok(())
+    }
+
+    /// Gives it a value that is known to be allowed.
+    fn put(&self, settings: &mut Settings, value: Value) {
+        if value == Value::Auto {
+            settings.given.remove(self.path);
+            (self.field.copy)(settings, &Settings::default());
+        } else {
+            if self.automatic {
+                settings.given.insert(self.path);
+            }
+            (self.field.set)(settings, value);
+        }
     }
 
     /// Its value by default.
@@ -132,13 +177,26 @@ impl Knob {
 
     /// Gives it back its default.
     pub fn reset(&self, settings: &mut Settings) {
-        (self.set)(settings, self.default());
+        settings.given.remove(self.path);
+        (self.field.copy)(settings, &Settings::default());
+    }
+
+    /// Gives it in `to` the number that it has in `from`, unless it is automatic there.
+    pub(crate) fn lay(&self, to: &mut Settings, from: &Settings) {
+        if !self.automatic || from.given.contains(self.path) {
+            (self.field.copy)(to, from);
+        }
     }
 }
 
 /// All of them, in order.
 pub fn all() -> impl Iterator<Item = &'static Knob> {
     SECTIONS.iter().flat_map(|section| section.knobs)
+}
+
+/// Those of the section with this key.
+pub(crate) fn section(key: &str) -> impl Iterator<Item = &'static Knob> {
+    SECTIONS.iter().filter(move |section| section.key == key).flat_map(|section| section.knobs)
 }
 
 /// The one of this path.
@@ -164,22 +222,35 @@ pub fn named(path: &str) -> Result<&'static Knob, String> {
     })
 }
 
-/// A row of the table: path, label, kind, cost, field, hint.
-macro_rules! knob {
-    ($path:literal, $label:literal, $kind:expr, $cost:ident, $hint:literal, $($field:tt)+) => {
-        $crate::knobs::Knob {
-            path: $path,
-            label: $label,
-            hint: $hint,
-            kind: $kind,
-            cost: $crate::settings::Change::$cost,
-            automatic: false,
+/// The rows of a section: key, label, `[field]`, what its values are, what else is to say of it, hint.
+macro_rules! rows {
+    ($section:literal;
+     $($key:literal $label:literal $field:tt $kind:expr, $($more:ident $(($($value:expr),*))?,)* $hint:literal;)*) => {
+        &[$(
+            $crate::knobs::Knob {
+                path: concat!($section, ".", $key),
+                label: $label,
+                hint: $hint,
+                kind: $kind,
+                cost: $crate::settings::Change::Frame,
+                automatic: false,
+                advanced: false,
+                flag: None,
+                field: $crate::knobs::rows!(@ $field),
+            }
+            $(.$more($($($value),*)?))*
+        ),*]
+    };
+    (@ [$($field:tt)+]) => {
+        $crate::knobs::Access {
             get: |settings| $crate::knobs::value::Field::value(&settings.$($field)+),
             set: |settings, value| $crate::knobs::value::Field::put(&mut settings.$($field)+, value),
+            copy: |to, from| to.$($field)+.clone_from(&from.$($field)+),
         }
     };
+    (@ {$access:expr}) => { $access };
 }
-use knob;
+use rows;
 
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,11 @@
 //! Parameters of the look of hair.
 
-use super::{Kind, Knob, Section, knob, value::*};
+use super::{
+    Kind, Knob, Section, Value,
+    flags::{Missing, Part, Place, Set, flag, place, value},
+    rows,
+    value::*,
+};
 use crate::settings::HairColor;
 use tresses::light::{ShadingModel, ShadingRate};
 
@@ -11,275 +16,91 @@ pub(super) const SECTION: Section = Section {
     knobs: KNOBS,
 };
 
-const KNOBS: &[Knob] = &[
-    knob!(
-        "shading.color",
-        "Colour",
-        choice::<HairColor>(),
-        Frame,
-        "A file's own colours (else brown), a preset, the sRGB colour below, or the pigments below.",
-        look.color
-    ),
-    knob!(
-        "shading.srgb",
-        "sRGB colour",
-        Kind::Color,
-        Frame,
-        "The colour with Colour on srgb: that of much hair in plain light.",
-        look.srgb
-    ),
-    knob!(
-        "shading.eumelanin",
-        "Eumelanin",
-        number(PLAIN, 0.0, 100.0),
-        Frame,
-        "Brown to black pigment with Colour on melanin: blond 0.25, brown 1.3, black 6, white 0.",
-        look.eumelanin
-    )
-    .log(),
-    knob!(
-        "shading.pheomelanin",
-        "Pheomelanin",
-        number(PLAIN, 0.0, 100.0),
-        Frame,
-        "Yellow to red pigment with Colour on melanin: brown 0.2, red 1.5.",
-        look.pheomelanin
-    )
-    .log(),
-    knob!(
-        "shading.model",
-        "Model",
-        choice::<ShadingModel>(),
-        Frame,
-        "Light in fibres and among them, or two highlights set by eye, which is cheaper.",
-        look.model
-    ),
-    knob!(
-        "shading.rate",
-        "Shade per",
-        choice::<ShadingRate>(),
-        Frame,
-        "Per strand vertex, or per pixel for finer noise at a higher price.",
-        look.rate
-    ),
-    knob!(
-        "shading.roughness_along",
-        "Roughness along",
-        number(PLAIN, 0.1, 1.0),
-        Frame,
-        "Length of the highlights: 0.1 wet silk, 0.3 healthy hair, 1 wool (fiber).",
-        look.roughness_along
-    ),
-    knob!(
-        "shading.roughness_around",
-        "Roughness around",
-        number(PLAIN, 0.1, 1.0),
-        Frame,
-        "Roughness around the fibre: higher is softer and more opaque (fiber).",
-        look.roughness_around
-    ),
-    knob!(
-        "shading.tilt",
-        "Tilt of the scales",
-        number(DEGREES, -10.0, 10.0),
-        Frame,
-        "Moves the white highlight away from the coloured one; 2 to 3 for hair (fiber).",
-        look.tilt
-    ),
-    knob!(
-        "shading.refraction",
-        "Refraction",
-        number(PLAIN, 1.05, 2.5),
-        Frame,
-        "Index of refraction: 1.55 for hair, lower for wet hair, higher for more gloss (fiber).",
-        look.refraction
-    ),
-    knob!(
-        "shading.root_pigment",
-        "Pigment at the root",
-        number(TIMES, 0.0, 5.0),
-        Frame,
-        "Against the mean; higher for roots that have grown out (fiber).",
-        look.root_pigment
-    ),
-    knob!(
-        "shading.tip_pigment",
-        "Pigment at the tip",
-        number(TIMES, 0.0, 5.0),
-        Frame,
-        "Against the mean; lower for ends bleached by the sun (fiber).",
-        look.tip_pigment
-    ),
-    knob!(
-        "shading.density_forward",
-        "Forward density",
-        number(PLAIN, 0.0, 1.0),
-        Frame,
-        "Share of the light scattered on that meets other hair; lower is darker inside (fiber).",
-        look.density_forward
-    ),
-    knob!(
-        "shading.density_back",
-        "Backward density",
-        number(PLAIN, 0.0, 1.0),
-        Frame,
-        "Share of the light scattered back that does; higher is lighter and more saturated (fiber).",
-        look.density_back
-    ),
-    knob!(
-        "shading.lightness_spread",
-        "Lightness spread",
-        number(PERCENT, 0.0, 100.0),
-        Frame,
-        "How much the lightness (melanin) of strands differs; more for streaks, less for dyed hair.",
-        look.lightness_spread
-    )
-    .auto(),
-    knob!(
-        "shading.warmth_spread",
-        "Warmth spread",
-        number(PERCENT, 0.0, 100.0),
-        Frame,
-        "How much the warmth (red against blue) of strands differs.",
-        look.warmth_spread
-    )
-    .auto(),
-    knob!(
-        "shading.highlight_spread",
-        "Highlight spread",
-        number(PERCENT, 0.0, 100.0),
-        Frame,
-        "How far highlights are shifted from strand to strand; more breaks them up.",
-        look.highlight_spread
-    )
-    .auto(),
-    knob!(
-        "shading.root_darkness",
-        "Root darkness",
-        number(PLAIN, 0.0, 1.0),
-        Frame,
-        "Factor of all light at the root; 1 for none (kajiya-kay).",
-        look.root_darkness
-    )
-    .auto(),
-    knob!(
-        "shading.diffuse",
-        "Diffuse",
-        number(PLAIN, 0.0, 2.0),
-        Frame,
-        "Strength of the diffuse light (kajiya-kay).",
-        look.diffuse
-    )
-    .auto(),
-    knob!(
-        "shading.primary",
-        "First highlight",
-        number(PLAIN, 0.0, 5.0),
-        Frame,
-        "Strength of the white highlight (kajiya-kay).",
-        look.primary
-    )
-    .auto(),
-    knob!(
-        "shading.primary_exponent",
-        "First highlight's sharpness",
-        number(PLAIN, 1.0, 1000.0),
-        Frame,
-        "The exponent (kajiya-kay).",
-        look.primary_exponent
-    )
-    .log()
-    .auto(),
-    knob!(
-        "shading.primary_shift",
-        "First highlight's shift",
-        number(PLAIN, -1.0, 1.0),
-        Frame,
-        "Towards the tip, as the tangent of an angle (kajiya-kay).",
-        look.primary_shift
-    )
-    .auto(),
-    knob!(
-        "shading.secondary",
-        "Second highlight",
-        number(PLAIN, 0.0, 5.0),
-        Frame,
-        "Strength of the coloured highlight (kajiya-kay).",
-        look.secondary
-    )
-    .auto(),
-    knob!(
-        "shading.secondary_exponent",
-        "Second highlight's sharpness",
-        number(PLAIN, 1.0, 1000.0),
-        Frame,
-        "The exponent (kajiya-kay).",
-        look.secondary_exponent
-    )
-    .log()
-    .auto(),
-    knob!(
-        "shading.secondary_shift",
-        "Second highlight's shift",
-        number(PLAIN, -1.0, 1.0),
-        Frame,
-        "Towards the root when negative (kajiya-kay).",
-        look.secondary_shift
-    )
-    .auto(),
-    knob!(
-        "shading.secondary_color",
-        "Second highlight's colour",
-        Kind::Color,
-        Frame,
-        "Also that of the light that shines through (kajiya-kay).",
-        look.secondary_color
-    )
-    .auto(),
-    knob!(
-        "shading.transmission",
-        "Transmission",
-        number(PLAIN, 0.0, 5.0),
-        Frame,
-        "Strength of the light that shines through from behind (kajiya-kay).",
-        look.transmission
-    )
-    .auto(),
-    knob!(
-        "shading.transmission_exponent",
-        "Transmission's sharpness",
-        number(PLAIN, 1.0, 1000.0),
-        Frame,
-        "The exponent (kajiya-kay).",
-        look.transmission_exponent
-    )
-    .log()
-    .auto(),
-    knob!(
-        "shading.shift_noise",
-        "Noise of the shifts",
-        number(PLAIN, 0.0, 1.0),
-        Frame,
-        "Along a strand and per pixel (kajiya-kay).",
-        look.shift_noise
-    )
-    .auto(),
-    knob!(
-        "shading.opacity",
-        "Opacity of a fibre",
-        number(PLAIN, 0.0, 1.0),
-        Frame,
-        "Share of the light that each fibre takes; higher is darker inside (kajiya-kay).",
-        look.opacity
-    )
-    .auto(),
-    knob!(
-        "shading.saturation",
-        "Saturation in depth",
-        number(PLAIN, 0.0, 5.0),
-        Frame,
-        "How much more the colours that hair has less of are lost on the way (kajiya-kay).",
-        look.saturation
-    )
-    .auto(),
-];
+const KNOBS: &[Knob] = rows! { "shading";
+    "color" "Colour" [look.color] choice::<HairColor>(),
+        flag(flag("color", "NAME|RRGGBB").common().first(COLOR)
+            .about("Colour of the hair: a name, or an sRGB colour such as 5a3b28")),
+        "The colours of the file, a preset, the sRGB colour below, or the pigments below.";
+    "srgb" "sRGB colour" [look.srgb] Kind::Color,
+        "The colour of much hair in neutral light, when Colour is srgb.";
+    "eumelanin" "Eumelanin" [look.eumelanin] number(PLAIN, 0.0, 100.0).log(),
+        flag(flag("melanin", "EU,PHEO").first(MELANIN).then(PHEOMELANIN)
+            .about("Pigments instead of a colour: brown is 1.3,0.2, blond 0.25,0.05, red 0.12,1.5, black 6,0.3")),
+        "Brown to black pigment when Colour is melanin: blond 0.25, brown 1.3, black 6, white 0.";
+    "pheomelanin" "Pheomelanin" [look.pheomelanin] number(PLAIN, 0.0, 100.0).log(),
+        "Yellow to red pigment when Colour is melanin: brown 0.2, red 1.5.";
+    "root_pigment" "Pigment at the root" [look.root_pigment] number(TIMES, 0.0, 5.0),
+        "Relative to the mean; higher for roots that have grown out (fiber).";
+    "tip_pigment" "Pigment at the tip" [look.tip_pigment] number(TIMES, 0.0, 5.0),
+        "Relative to the mean; lower for ends bleached by the sun (fiber).";
+    "lightness_spread" "Lightness spread" [look.material.lightness_spread] number(PERCENT, 0.0, 100.0),
+        auto, flag(flag("lightness-spread", "SHARE")),
+        "How much the lightness (melanin) of strands varies; more for streaks, less for dyed hair.";
+    "roughness_along" "Roughness along" [look.material.fiber.shape.longitudinal] number(PLAIN, 0.1, 1.0),
+        flag(flag("roughness", "R[,R]").first(ALONG).then(AROUND)
+            .about("Roughness of the fibres: along them, and around them")),
+        "Length of the highlights: 0.1 wet silk, 0.3 healthy hair, 1 wool (fiber).";
+    "roughness_around" "Roughness around" [look.material.fiber.shape.azimuthal] number(PLAIN, 0.1, 1.0),
+        "Roughness around the fibre: higher is softer and more opaque (fiber).";
+    "model" "Model" [look.material.model] choice::<ShadingModel>(), flag(flag("shading", "MODEL")),
+        "Light in fibres and among them, or two highlights set by eye, which is cheaper.";
+    "rate" "Shade per" [look.rate] choice::<ShadingRate>(), advanced, flag(flag("shade-per", "WHERE")),
+        "Strand vertex, or pixel for finer noise at a higher cost.";
+    "tilt" "Cuticle tilt" [look.material.fiber.shape.tilt] number(DEGREES, -10.0, 10.0), advanced,
+        "Angle of the scales: separates the white highlight from the coloured one; 2 to 3° for hair (fiber).";
+    "refraction" "Refraction" [look.material.fiber.shape.eta] number(PLAIN, 1.05, 2.5), advanced,
+        "Index of refraction: 1.55 for hair, lower for wet hair, higher for more gloss (fiber).";
+    "density_forward" "Forward density" [look.material.fiber.density_forward] number(PLAIN, 0.0, 1.0), advanced,
+        "Share of the light scattered forward that meets other hair; lower is darker inside (fiber).";
+    "density_back" "Backward density" [look.material.fiber.density_back] number(PLAIN, 0.0, 1.0), advanced,
+        "Share of the light scattered back that does; higher is lighter and more saturated (fiber).";
+    "warmth_spread" "Warmth spread" [look.material.warmth_spread] number(PERCENT, 0.0, 100.0),
+        auto, advanced, flag(flag("warmth-spread", "SHARE")),
+        "How much the warmth (red against blue) of strands varies.";
+    "highlight_spread" "Highlight spread" [look.material.shift_spread] number(PERCENT, 0.0, 100.0),
+        auto, advanced, flag(flag("highlight-spread", "SHARE")),
+        "How far highlights are shifted from strand to strand; more breaks them up.";
+    "root_darkness" "Root darkness" [look.material.root_darkness] number(PLAIN, 0.0, 1.0), auto, advanced,
+        "Factor of all light at the root; 1 for none (kajiya-kay).";
+    "diffuse" "Diffuse" [look.material.diffuse] number(PLAIN, 0.0, 2.0), auto, advanced,
+        "Strength of the diffuse light (kajiya-kay).";
+    "primary" "First highlight" [look.material.primary] number(PLAIN, 0.0, 5.0), auto, advanced,
+        "Strength of the white highlight (kajiya-kay).";
+    "primary_exponent" "First highlight exponent" [look.material.primary_exponent]
+        number(PLAIN, 1.0, 1000.0).log(), auto, advanced,
+        "Sharpness of the white highlight (kajiya-kay).";
+    "primary_shift" "First highlight shift" [look.material.primary_shift] number(PLAIN, -1.0, 1.0), auto, advanced,
+        "Towards the tip, as the tangent of an angle (kajiya-kay).";
+    "secondary" "Second highlight" [look.material.secondary] number(PLAIN, 0.0, 5.0), auto, advanced,
+        "Strength of the coloured highlight (kajiya-kay).";
+    "secondary_exponent" "Second highlight exponent" [look.material.secondary_exponent]
+        number(PLAIN, 1.0, 1000.0).log(), auto, advanced,
+        "Sharpness of the coloured highlight (kajiya-kay).";
+    "secondary_shift" "Second highlight shift" [look.material.secondary_shift] number(PLAIN, -1.0, 1.0),
+        auto, advanced,
+        "Towards the root when negative (kajiya-kay).";
+    "secondary_color" "Second highlight colour" [look.material.secondary_color] Kind::Color, auto, advanced,
+        "Also the colour of the light that shines through (kajiya-kay).";
+    "transmission" "Transmission" [look.material.transmission] number(PLAIN, 0.0, 5.0), auto, advanced,
+        "Strength of the light that shines through from behind (kajiya-kay).";
+    "transmission_exponent" "Transmission exponent" [look.material.transmission_exponent]
+        number(PLAIN, 1.0, 1000.0).log(), auto, advanced,
+        "Sharpness of the light that shines through (kajiya-kay).";
+    "shift_noise" "Shift noise" [look.material.shift_noise] number(PLAIN, 0.0, 1.0), auto, advanced,
+        "Noise of both shifts along a strand and per pixel (kajiya-kay).";
+    "opacity" "Fibre opacity" [look.material.opacity] number(PLAIN, 0.0, 1.0), auto, advanced,
+        "Share of the light that each fibre takes; higher is darker inside (kajiya-kay).";
+    "saturation" "Saturation in depth" [look.material.saturation] number(PLAIN, 0.0, 5.0), auto, advanced,
+        "How much more of the weaker colour channels is absorbed on the way (kajiya-kay).";
+};
+
+const COLOR: &[Part] =
+    &[value("shading.color"), value("shading.srgb").sets(&[("shading.color", Value::Choice("srgb"))])];
+
+/// Pigments and roughness are those of fibres.
+const FIBER: Set = ("shading.model", Value::Choice("fiber"));
+const MELANIN: &[Part] =
+    &[value("shading.eumelanin").sets(&[("shading.color", Value::Choice("melanin")), FIBER])];
+const PHEOMELANIN: &[Place] = &[place(value("shading.pheomelanin"), Missing::Is("0"))];
+const ALONG: &[Part] = &[value("shading.roughness_along").sets(&[FIBER])];
+const AROUND: &[Place] = &[place(value("shading.roughness_around"), Missing::Same)];

@@ -1,6 +1,6 @@
 //! Parameters of shadows.
 
-use super::{Kind, Knob, Section, knob, value::*};
+use super::{Kind, Knob, Section, flags::flag, rows, value::*};
 use tresses::light::ShadowMethod;
 
 pub(super) const SECTION: Section = Section {
@@ -10,80 +10,25 @@ pub(super) const SECTION: Section = Section {
     knobs: KNOBS,
 };
 
-const KNOBS: &[Knob] = &[
-    knob!(
-        "shadows.method",
-        "Method",
-        choice::<ShadowMethod>(),
-        Frame,
-        "Solid hair, light lost on the way behind the front, fibres counted in layers, or none at all.",
-        shadows.method
-    ),
-    knob!(
-        "shadows.resolution",
-        "Resolution",
-        integer(TEXELS, 64, 2048, 1),
-        Rebuild,
-        "Texels along each edge of a shadow map; higher for shadows of single locks on the skin.",
-        shadow_resolution
-    ),
-    knob!(
-        "shadows.softness",
-        "Softness on hair",
-        number(MILLIMETRES, 0.1, 50.0),
-        Frame,
-        "Radius over which shadows on hair are averaged; larger is softer and quieter.",
-        shadows.hair_radius
-    )
-    .log(),
-    knob!(
-        "shadows.body_softness",
-        "Softness on skin",
-        number(MILLIMETRES, 0.1, 50.0),
-        Frame,
-        "Radius over which the shadow of the body on itself is averaged.",
-        shadows.body_radius
-    )
-    .log(),
-    knob!(
-        "shadows.density",
-        "Supposed density",
-        number(PER_METRE, 0.0, 10_000.0),
-        Frame,
-        "Fibres that light meets per metre of hair (absorption only).",
-        shadows.density
-    )
-    .log(),
-    knob!(
-        "shadows.body_opacity",
-        "Shadow on skin",
-        number(PERCENT, 0.0, 100.0),
-        Frame,
-        "How much the hair before the skin takes of its light: at 100 % what it takes from other hair.",
-        shadows.body_opacity
-    ),
-    knob!(
-        "shadows.bias",
-        "Bias",
-        number(MILLIMETRES, 0.0, 20.0),
-        Frame,
-        "How far skin is lifted towards the light; raise it where skin has stripes.",
-        shadows.bias
-    ),
-    knob!(
-        "shadows.per_pixel",
-        "Per pixel",
-        Kind::Toggle,
-        Frame,
-        "Shade hair, and look its shadows up, for every pixel; dearer.",
-        shadows.per_pixel
-    ),
-    knob!(
-        "shadows.ambient",
-        "Light from all sides",
-        Kind::Toggle,
-        Frame,
-        "Follow light from the sky and from the skin through the hair; off guesses how open the sky is.",
-        shadows.ambient
-    ),
-];
+const KNOBS: &[Knob] = rows! { "shadows";
+    "method" "Method" [shadows.method] choice::<ShadowMethod>(), flag(flag("shadows", "METHOD")),
+        "How fibres between a light and a point are counted.";
+    "softness" "Softness on hair" [shadows.hair_radius] number(MILLIMETRES, 0.1, 50.0).log(),
+        flag(flag("shadow-softness", "MM")),
+        "Radius over which shadows on hair are averaged; larger is softer and steadier.";
+    "body_opacity" "Shadow on skin" [shadows.body_opacity] number(PERCENT, 0.0, 100.0),
+        "How much light hair takes from the skin behind it; at 100 % as much as from other hair.";
+    "ambient" "Follow ambient light" [shadows.ambient] Kind::Toggle, flag(flag("ambient", "on|off")),
+        "Follow light of the sky and of the skin through the hair; off estimates the open part of the sky.";
+    "per_pixel" "Per pixel" [shadows.per_pixel] Kind::Toggle, flag(flag("shadows-per-pixel", "")),
+        "Shade hair and look up its shadows at each pixel; slower.";
+    "resolution" "Resolution" [shadow_resolution] integer(TEXELS, 64, 2048, 1),
+        advanced, rebuild, flag(flag("shadow-resolution", "N")),
+        "Texels along each edge of a shadow map; higher for shadows of single locks on the skin.";
+    "body_softness" "Softness on skin" [shadows.body_radius] number(MILLIMETRES, 0.1, 50.0).log(), advanced,
+        "Radius over which the shadow of the body on itself is averaged.";
+    "density" "Assumed density" [shadows.density] number(PER_METRE, 0.0, 10_000.0).log(), advanced,
+        "Fibres that light meets per metre of hair (absorption only).";
+    "bias" "Bias" [shadows.bias] number(MILLIMETRES, 0.0, 20.0), advanced,
+        "Distance by which skin is moved towards the light; raise it where skin shows stripes.";
+};

@@ -1,211 +1,74 @@
 //! Parameters of the physics.
 
-use super::{Change, Knob, Section, Value, knob, value::*};
+use super::{Access, Knob, Section, Value, flags::flag, rows, value::*};
 use tresses::{glam::Vec3, volume::HairHairMode};
 
 pub(super) const SECTION: Section = Section {
     key: "simulation",
     title: "Simulation",
-    about: "How guides move: stiffness, damping, what hairs do to each other, the fixed step.",
+    about: "How guides move: stiffness, damping, forces between hairs, the fixed step.",
     knobs: KNOBS,
 };
 
-const KNOBS: &[Knob] = &[
-    Knob {
-        path: "simulation.gravity",
-        label: "Gravity",
-        hint: "Free fall; less for hair under water, more for heavy hair.",
-        kind: number(ACCELERATION, 0.0, 50.0),
-        cost: Change::Frame,
-        automatic: false,
-        get: |settings| Value::Number(-settings.simulation.gravity.y),
-        set: |settings, value| {
-            if let Value::Number(v) = value {
-                settings.simulation.gravity = Vec3::new(0.0, -v, 0.0);
-            }
-        },
+const KNOBS: &[Knob] = rows! { "simulation";
+    "gravity" "Gravity" {GRAVITY} number(ACCELERATION, 0.0, 50.0),
+        "Free fall; less for hair under water, more for heavy hair.";
+    "goal_root" "Hold at the root" [simulation.goal.root] number(PER_SECOND_SQUARED, 0.0, 10_000.0).log(),
+        "Pull towards the rest shape near the scalp; raise it where the style collapses in motion.";
+    "goal_tip" "Hold at the tip" [simulation.goal.tip] number(PER_SECOND_SQUARED, 0.0, 10_000.0).log(),
+        "The same farther out, as hair spray does; 0 lets ends swing freely.";
+    "drag" "Drag" [simulation.drag] number(PER_SECOND, 0.0, 100.0).log(),
+        "Rate at which hair takes on the velocity of the air; raise it where swings last too long.";
+    "friction" "Friction" [simulation.friction] number(PLAIN, 0.0, 10.0).log(),
+        "Between hair and head, clothes and other obstacles; higher where hair slides off a shoulder.";
+    "hair_hair" "Hair against hair" [simulation.hair_hair.mode] choice::<HairHairMode>(),
+        flag(flag("hair-hair", "MODE")),
+        "What hair does where it is denser than at rest: nothing, a fixed push, or pressure and friction.";
+    "hair_hair_speed" "Pressure" [simulation.hair_hair.speed] number(METRES_PER_SECOND, 0.0, 10.0),
+        "Speed of sound of compressed hair; raise it where locks fall into each other (gradient only).";
+    "hair_hair_friction" "Friction of hair on hair" [simulation.hair_hair.friction]
+        number(PER_SECOND, 0.0, 200.0).log(),
+        "Rate at which hair takes on the motion of the hair around it; raise it for hair that moves as one.";
+    "line_density" "Mass per length" [simulation.line_density] number(LINE_DENSITY, 0.5, 100.0).log(), advanced,
+        "Heavier hair hangs straighter, swings longer and resists the wind.";
+    "bending_root" "Bending at the root" [simulation.bending.root] number(STIFFNESS, 0.0, 1000.0).log(), advanced,
+        "Bending stiffness near the scalp; a hair of 80 µm has 8, locks have more.";
+    "bending_tip" "Bending at the tip" [simulation.bending.tip] number(STIFFNESS, 0.0, 1000.0).log(), advanced,
+        "The same farther out; raise it where ends hang like strings, lower it for silk.";
+    "bending_falloff" "Bending falloff" [simulation.bending.falloff] number(CENTIMETRES, 0.0, 100.0), advanced,
+        "Length of hair over which the stiffness at the root becomes that at the tip.";
+    "goal_falloff" "Hold falloff" [simulation.goal.falloff] number(CENTIMETRES, 0.0, 100.0), advanced,
+        "Length of hair over which the hold at the root becomes that at the tip.";
+    "bending_damping" "Bending damping" [simulation.bending_damping] number(MILLISECONDS, 0.0, 100.0).log(),
+        advanced,
+        "Relaxation time of a bend by itself; raise it where hair quivers.";
+    "diameter" "Hair diameter" [simulation.diameter] number(MICROMETRES, 10.0, 1000.0).log(), advanced,
+        "What the wind acts on; not what is drawn.";
+    "stretch" "Stretch" [simulation.stretch] number(PERCENT, 0.001, 10.0).log(), advanced,
+        "How much a hanging strand is stretched by its weight; higher is springier, and wrong for hair.";
+    "hair_hair_tolerance" "Tolerated density" [simulation.hair_hair.tolerance]
+        number(PERCENT, 0.0, 1000.0).log(), advanced,
+        "How much denser than at rest hair may be before it pushes.";
+    "hair_hair_blur" "Density blur" [simulation.hair_hair.blur] number(MILLIMETRES, 0.0, 100.0), advanced,
+        "Distance at which hair senses other hair; wider is smoother and weaker.";
+    "hair_hair_limit" "Largest push" [simulation.hair_hair.limit] number(ACCELERATION, 0.0, 1000.0).log(),
+        advanced,
+        "The largest acceleration by other hair (gradient only).";
+    "hair_hair_fixed" "Fixed push" [simulation.hair_hair.fixed] number(ACCELERATION, 0.0, 1000.0).log(), advanced,
+        "The acceleration out of cells that are too dense (fixed only).";
+    "step" "Fixed step" [simulation.step] number(MILLISECONDS, 1.0, 50.0).log(), advanced,
+        "Time of one step of the physics; shorter is more exact and costs more.";
+    "substeps" "Solves per step" [simulation.substeps] integer(PLAIN, 1, 32, 1), advanced,
+        "More for stiff hair and fast motion; the cost is proportional.";
+};
+
+/// Down, as a number.
+const GRAVITY: Access = Access {
+    get: |settings| Value::Number(-settings.simulation.gravity.y),
+    set: |settings, value| {
+        if let Value::Number(v) = value {
+            settings.simulation.gravity = Vec3::new(0.0, -v, 0.0);
+        }
     },
-    knob!(
-        "simulation.line_density",
-        "Mass per length",
-        number(LINE_DENSITY, 0.5, 100.0),
-        Frame,
-        "Heavier hair hangs straighter, swings longer and gives less way to the wind.",
-        simulation.line_density
-    )
-    .log(),
-    knob!(
-        "simulation.bending_root",
-        "Bending at the root",
-        number(STIFFNESS, 0.0, 1000.0),
-        Frame,
-        "Stiffness against bending near the scalp; a hair of 80 µm has 8, locks have more.",
-        simulation.bending.root
-    )
-    .log(),
-    knob!(
-        "simulation.bending_tip",
-        "Bending at the tip",
-        number(STIFFNESS, 0.0, 1000.0),
-        Frame,
-        "The same farther out; raise it where ends hang like strings, lower it for silk.",
-        simulation.bending.tip
-    )
-    .log(),
-    knob!(
-        "simulation.bending_falloff",
-        "Bending falloff",
-        number(CENTIMETRES, 0.0, 100.0),
-        Frame,
-        "Length of hair over which the one becomes the other.",
-        simulation.bending.falloff
-    ),
-    knob!(
-        "simulation.goal_root",
-        "Hold at the root",
-        number(PER_SECOND_SQUARED, 0.0, 10_000.0),
-        Frame,
-        "Pull towards the shape at rest near the scalp; raise it where the style collapses in motion.",
-        simulation.goal.root
-    )
-    .log(),
-    knob!(
-        "simulation.goal_tip",
-        "Hold at the tip",
-        number(PER_SECOND_SQUARED, 0.0, 10_000.0),
-        Frame,
-        "The same farther out, as hair spray does; 0 lets ends swing freely.",
-        simulation.goal.tip
-    )
-    .log(),
-    knob!(
-        "simulation.goal_falloff",
-        "Hold falloff",
-        number(CENTIMETRES, 0.0, 100.0),
-        Frame,
-        "Length of hair over which the hold at the root becomes that at the tip.",
-        simulation.goal.falloff
-    ),
-    knob!(
-        "simulation.bending_damping",
-        "Bending damping",
-        number(MILLISECONDS, 0.0, 100.0),
-        Frame,
-        "Time in which a bend alone would relax; raise it where hair quivers.",
-        simulation.bending_damping
-    )
-    .log(),
-    knob!(
-        "simulation.drag",
-        "Drag",
-        number(PER_SECOND, 0.0, 100.0),
-        Frame,
-        "How fast hair takes on the velocity of the air; raise it where swings go on for too long.",
-        simulation.drag
-    )
-    .log(),
-    knob!(
-        "simulation.diameter",
-        "Hair diameter",
-        number(MICROMETRES, 10.0, 1000.0),
-        Frame,
-        "What the wind pushes against; not what is drawn.",
-        simulation.diameter
-    )
-    .log(),
-    knob!(
-        "simulation.friction",
-        "Friction",
-        number(PLAIN, 0.0, 10.0),
-        Frame,
-        "Between hair and head, clothes and other obstacles; higher where hair slides off a shoulder.",
-        simulation.friction
-    )
-    .log(),
-    knob!(
-        "simulation.stretch",
-        "Stretch",
-        number(PERCENT, 0.001, 10.0),
-        Frame,
-        "How much a hanging strand is stretched by its weight; higher is springier, and wrong for hair.",
-        simulation.stretch
-    )
-    .log(),
-    knob!(
-        "simulation.hair_hair",
-        "Hair against hair",
-        choice::<HairHairMode>(),
-        Frame,
-        "What hair does where it is denser than at rest: nothing, a fixed push, or pressure and friction.",
-        simulation.hair_hair.mode
-    ),
-    knob!(
-        "simulation.hair_hair_speed",
-        "Pressure",
-        number(METRES_PER_SECOND, 0.0, 10.0),
-        Frame,
-        "Speed of sound of pressed hair; raise it where locks fall into each other (gradient only).",
-        simulation.hair_hair.speed
-    ),
-    knob!(
-        "simulation.hair_hair_tolerance",
-        "Tolerated density",
-        number(PERCENT, 0.0, 1000.0),
-        Frame,
-        "How much denser than at rest hair may be before it pushes.",
-        simulation.hair_hair.tolerance
-    )
-    .log(),
-    knob!(
-        "simulation.hair_hair_blur",
-        "Density blur",
-        number(MILLIMETRES, 0.0, 100.0),
-        Frame,
-        "How far hair feels other hair; wider is smoother and weaker.",
-        simulation.hair_hair.blur
-    ),
-    knob!(
-        "simulation.hair_hair_friction",
-        "Friction of hair on hair",
-        number(PER_SECOND, 0.0, 200.0),
-        Frame,
-        "How fast hair takes on the motion of the hair around it; raise it for hair that moves as one.",
-        simulation.hair_hair.friction
-    )
-    .log(),
-    knob!(
-        "simulation.hair_hair_limit",
-        "Largest push",
-        number(ACCELERATION, 0.0, 1000.0),
-        Frame,
-        "The strongest acceleration by other hair (gradient only).",
-        simulation.hair_hair.limit
-    )
-    .log(),
-    knob!(
-        "simulation.hair_hair_fixed",
-        "Fixed push",
-        number(ACCELERATION, 0.0, 1000.0),
-        Frame,
-        "The acceleration out of cells that are too dense (fixed only).",
-        simulation.hair_hair.fixed
-    )
-    .log(),
-    knob!(
-        "simulation.step",
-        "Fixed step",
-        number(MILLISECONDS, 1.0, 50.0),
-        Frame,
-        "Time that one step of the physics takes; shorter is more exact and costs more.",
-        simulation.step
-    )
-    .log(),
-    knob!(
-        "simulation.substeps",
-        "Solves per step",
-        integer(PLAIN, 1, 32, 1),
-        Frame,
-        "More for stiff hair and fast motion; costs in proportion.",
-        simulation.substeps
-    ),
-];
+    copy: |to, from| to.simulation.gravity = from.simulation.gravity,
+};

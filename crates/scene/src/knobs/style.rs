@@ -1,262 +1,137 @@
 //! Parameters of the strands.
 
-use super::{Knob, Section, knob, value::*};
+use super::{
+    Kind, Knob, Section, Value,
+    flags::{Key, Missing, Part, Place, Set, flag, key, place, value, word},
+    rows,
+    value::*,
+};
 use crate::settings::Curl;
 
 pub(super) const SECTION: Section = Section {
     key: "style",
     title: "Style",
-    about: "How strands are grown on a built-in style, or changed on a groom from files.",
+    about: "How strands grow on a built-in style, and what changes on the strands of a groom file.",
     knobs: KNOBS,
 };
 
-const KNOBS: &[Knob] = &[
-    knob!(
-        "style.strands",
-        "Strands",
-        integer(PLAIN, 1, 4_000_000, 1),
-        Regrow,
-        "How many strands are drawn, at most; the built-in styles grow exactly as many.",
-        style.strands
-    )
-    .auto(),
-    knob!(
-        "style.guides",
-        "Guides",
-        integer(PLAIN, 1, 1_000_000, 1),
-        Regrow,
-        "How many strands are simulated, the others following them; more where hair moves too much as one.",
-        style.guides
-    )
-    .auto(),
-    knob!(
-        "style.all_guides",
-        "Simulate every strand",
-        Kind::Toggle,
-        Regrow,
-        "No strand follows others; for few strands, or to compare with.",
-        style.all_guides
-    ),
-    knob!(
-        "style.curl",
-        "Curls",
-        choice::<Curl>(),
-        Regrow,
-        "The kind of curl that the next parameters vary, from straight to tight.",
-        style.curl
-    )
-    .auto(),
-    knob!(
-        "style.curl_radius",
-        "Curl radius",
-        number(MILLIMETRES, 0.0, 100.0),
-        Regrow,
-        "How far curls stand off the way of the strand; wider for big hair, 0 for straight hair.",
-        style.curl_radius
-    )
-    .log()
-    .auto(),
-    knob!(
-        "style.curl_wavelength",
-        "Curl wavelength",
-        number(MILLIMETRES, 2.0, 1000.0),
-        Regrow,
-        "Way along the strand for one turn; shorter is tighter, and takes more vertices.",
-        style.curl_wavelength
-    )
-    .log()
-    .auto(),
-    knob!(
-        "style.curl_flatness",
-        "Curl flatness",
-        number(PERCENT, 0.0, 100.0),
-        Regrow,
-        "From a round spiral (0) to a wave in one plane (100).",
-        style.curl_flatness
-    )
-    .auto(),
-    knob!(
-        "style.curl_start",
-        "Curl start",
-        number(PERCENT, 0.0, 100.0),
-        Regrow,
-        "Where along the strand curls begin; later for hair that was curled at its ends.",
-        style.curl_start
-    )
-    .auto(),
-    knob!(
-        "style.curl_tip",
-        "Curl radius at the tip",
-        number(TIMES, 0.0, 3.0),
-        Regrow,
-        "Radius at the tip against that at the root; above 1 for ends that open.",
-        style.curl_tip
-    )
-    .auto(),
-    knob!(
-        "style.curl_irregularity",
-        "Curl irregularity",
-        number(PERCENT, 0.0, 100.0),
-        Regrow,
-        "How far curls differ from lock to lock and wander; less looks ironed.",
-        style.curl_irregularity
-    )
-    .auto(),
-    knob!(
-        "style.curl_coherence",
-        "Curl coherence",
-        number(PERCENT, 0.0, 100.0),
-        Regrow,
-        "How far the strands of a lock turn together; less is frizzier.",
-        style.curl_coherence
-    )
-    .auto(),
-    knob!(
-        "style.curl_neighbours",
-        "Curl of neighbours",
-        number(PERCENT, 0.0, 100.0),
-        Regrow,
-        "How far a lock turns with the locks around it; high for waves that run through the hair.",
-        style.curl_neighbours
-    )
-    .auto(),
-    knob!(
-        "style.curl_shrink",
-        "Curl shrinkage",
-        number(PERCENT, 0.0, 100.0),
-        Regrow,
-        "At 100 strands keep their length and the style gets shorter, at 0 it keeps its outline.",
-        style.curl_shrink
-    )
-    .auto(),
-    knob!(
-        "style.curl_stretch",
-        "Stretch the drawn curl",
-        Kind::Toggle,
-        Regrow,
-        "Lay a drawn curl once over the whole strand instead of repeating it.",
-        style.curl_stretch
-    ),
-    knob!(
-        "style.clump",
-        "Clumping",
-        number(PERCENT, 0.0, 100.0),
-        Regrow,
-        "How far strands run together towards their tips; high for wet or greasy hair.",
-        style.clump
-    )
-    .auto(),
-    knob!(
-        "style.clump_spacing",
-        "Clump spacing",
-        number(MILLIMETRES, 1.0, 100.0),
-        Regrow,
-        "Distance between clumps on the scalp: how thick they are.",
-        style.clump_spacing
-    )
-    .log()
-    .auto(),
-    knob!(
-        "style.clump_start",
-        "Clump start",
-        number(PERCENT, -100.0, 80.0),
-        Regrow,
-        "Where along the strand clumping begins; below 0 strands leave the scalp together.",
-        style.clump_start
-    )
-    .auto(),
-    knob!(
-        "style.clump_lock",
-        "Locks",
-        number(PERCENT, 0.0, 100.0),
-        Regrow,
-        "How far clumps gather around their guides into locks; built-in styles only.",
-        style.clump_lock
-    )
-    .auto(),
-    knob!(
-        "style.frizz",
-        "Frizz",
-        number(MILLIMETRES, 0.0, 20.0),
-        Regrow,
-        "Height of the fine waves that every strand has of its own; roughens the surface.",
-        style.frizz
-    )
-    .log()
-    .auto(),
-    knob!(
-        "style.strays",
-        "Strays",
-        number(PERCENT, 0.0, 100.0),
-        Regrow,
-        "Share of strands that stray a little towards the tip; breaks up too tidy hair.",
-        style.strays
-    )
-    .auto(),
-    knob!(
-        "style.stray_reach",
-        "Stray reach",
-        number(MILLIMETRES, 0.0, 200.0),
-        Regrow,
-        "How far strays stray.",
-        style.stray_reach
-    )
-    .log()
-    .auto(),
-    knob!(
-        "style.flyaways",
-        "Flyaways",
-        number(PERCENT, 0.0, 100.0),
-        Regrow,
-        "Share of strands, thin ones, that stray a lot and make the halo against the light.",
-        style.flyaways
-    )
-    .auto(),
-    knob!(
-        "style.flyaway_reach",
-        "Flyaway reach",
-        number(MILLIMETRES, 0.0, 200.0),
-        Regrow,
-        "How far flyaways stray.",
-        style.flyaway_reach
-    )
-    .log()
-    .auto(),
-    knob!(
-        "style.width",
-        "Strand width",
-        number(MICROMETRES, 10.0, 5000.0),
-        Regrow,
-        "Usual diameter of a drawn strand; real hair has 50 to 120, fewer strands must be wider to cover.",
-        style.width
-    )
-    .log()
-    .auto(),
-    knob!(
-        "style.width_variation",
-        "Width variation",
-        number(PERCENT, 0.0, 50.0),
-        Regrow,
-        "How much widths differ from strand to strand: standard deviation over mean.",
-        style.width_variation
-    )
-    .auto(),
-    knob!(
-        "style.tip_width",
-        "Tip width",
-        number(PERCENT, 0.0, 100.0),
-        Regrow,
-        "Width at the tip against that at the root; small for soft ends, 100 for a blunt cut.",
-        style.tip_width
-    )
-    .auto(),
-    knob!(
-        "style.seed",
-        "Seed",
-        integer(PLAIN, 0, 9999, 1),
-        Regrow,
-        "Another number, other strands of the same kind.",
-        style.seed
-    )
-    .auto(),
+const KNOBS: &[Knob] = rows! { "style";
+    "strands" "Strands" [style.growth.strand_count] integer(PLAIN, 1, 4_000_000, 1),
+        auto, regrow, flag(flag("strands", "N").common()),
+        "Number of strands drawn, at most; built-in styles grow exactly as many.";
+    "width" "Strand width" [style.growth.diameter] number(MICROMETRES, 10.0, 5000.0).log(),
+        auto, regrow, flag(flag("width", "LENGTH").common()),
+        "Typical diameter of a drawn strand. Real hair has 50 to 120 µm; fewer strands need more to cover.";
+    "curl" "Curls" [style.curl] choice::<Curl>(),
+        auto, regrow, flag(flag("curl", "NAME|KEY=VALUE,..").common().first(CURL).keys(CURL_KEYS)
+            .about("Curls by name, and what differs from them, as in waves,radius=8mm")),
+        "Type of curl, from straight to tight coils; the parameters below vary it.";
+    "curl_radius" "Curl radius" [style.growth.curls.radius] number(MILLIMETRES, 0.0, 100.0).log(), auto, regrow,
+        "Distance of the curl from the path of the strand; larger for voluminous hair, 0 for straight hair.";
+    "curl_wavelength" "Curl wavelength" [style.growth.curls.wavelength] number(MILLIMETRES, 2.0, 1000.0).log(),
+        auto, regrow,
+        "Length along the strand of one turn; shorter is tighter and takes more vertices.";
+    "clump" "Clumping" [style.growth.clumps.strength] number(PERCENT, 0.0, 100.0),
+        auto, regrow, flag(flag("clump", "STRENGTH|KEY=VALUE,..").keys(CLUMP_KEYS)),
+        "How far strands converge towards their tips; high for wet or greasy hair.";
+    "frizz" "Frizz" [style.growth.unrest.frizz] number(MILLIMETRES, 0.0, 20.0).log(),
+        auto, regrow, flag(flag("frizz", "LENGTH")),
+        "Amplitude of the fine waves of each single strand; roughens the surface.";
+    "flyaways" "Flyaways" [style.growth.unrest.flyaways] number(PERCENT, 0.0, 100.0),
+        auto, regrow, flag(flag("flyaways", "SHARE[,LENGTH]").then(FLYAWAYS)),
+        "Share of strands, thin ones, that stand off far and form the halo against the light.";
+    "tip_width" "Tip width" [style.growth.tip_width] number(PERCENT, 0.0, 100.0),
+        auto, regrow, flag(flag("tip-width", "SHARE")),
+        "Width at the tip relative to the root; small for soft ends, 100 % for a blunt cut.";
+    "guides" "Guides" [style.guides] integer(PLAIN, 1, 1_000_000, 1),
+        auto, advanced, regrow, flag(flag("guides", "N|all").common().first(GUIDES)
+            .about("Number of strands simulated, which the others follow, or `all`")),
+        "Number of strands simulated, which the others follow; more where hair moves too much as one.";
+    "all_guides" "Simulate every strand" [style.all_guides] Kind::Toggle, advanced, regrow,
+        "No strand follows others; for few strands, or for comparison.";
+    "curl_flatness" "Curl flatness" [style.growth.curls.flatness] number(PERCENT, 0.0, 100.0),
+        auto, advanced, regrow,
+        "From a round spiral (0) to a wave in one plane (100 %).";
+    "curl_start" "Curl start" [style.growth.curls.start] number(PERCENT, 0.0, 100.0), auto, advanced, regrow,
+        "Where along the strand curls begin; later for hair that was curled at its ends.";
+    "curl_tip" "Curl radius at the tip" [style.growth.curls.tip] number(TIMES, 0.0, 3.0), auto, advanced, regrow,
+        "Radius at the tip relative to the root; above 1 for ends that open.";
+    "curl_irregularity" "Curl irregularity" [style.growth.curls.irregularity] number(PERCENT, 0.0, 100.0),
+        auto, advanced, regrow,
+        "How much curls differ from lock to lock and drift along the strand; less looks ironed.";
+    "curl_coherence" "Curl coherence" [style.growth.curls.coherence] number(PERCENT, 0.0, 100.0),
+        auto, advanced, regrow,
+        "How closely the strands of a lock turn together; less is frizzier.";
+    "curl_neighbours" "Curl of neighbours" [style.growth.curls.neighbours] number(PERCENT, 0.0, 100.0),
+        auto, advanced, regrow,
+        "How closely a lock turns with adjacent locks; high for waves that run through the hair.";
+    "curl_shrink" "Curl shrinkage" [style.growth.curls.shrink] number(PERCENT, 0.0, 100.0),
+        auto, advanced, regrow,
+        "At 100 % strands keep their length and the style gets shorter; at 0 the style keeps its outline.";
+    "curl_stretch" "Stretch the drawn curl" [style.curl_stretch] Kind::Toggle, advanced, regrow,
+        "Lay a drawn curl once along the whole strand instead of repeating it.";
+    "clump_spacing" "Clump spacing" [style.growth.clumps.spacing] number(MILLIMETRES, 1.0, 100.0).log(),
+        auto, advanced, regrow,
+        "Distance between clumps on the scalp, which is their thickness.";
+    "clump_start" "Clump start" [style.growth.clumps.start] number(PERCENT, -100.0, 80.0), auto, advanced, regrow,
+        "Where along the strand clumping begins; below 0 strands leave the scalp together.";
+    "clump_lock" "Locks" [style.growth.clumps.lock] number(PERCENT, 0.0, 100.0), auto, advanced, regrow,
+        "How far clumps gather around their guides into locks; built-in styles only.";
+    "strays" "Strays" [style.growth.unrest.strays] number(PERCENT, 0.0, 100.0),
+        auto, advanced, regrow, flag(flag("strays", "SHARE[,LENGTH]").then(STRAYS)),
+        "Share of strands that stand off a little towards the tip; breaks up hair that is too tidy.";
+    "stray_reach" "Stray distance" [style.growth.unrest.stray] number(MILLIMETRES, 0.0, 200.0).log(),
+        auto, advanced, regrow,
+        "How far strays stand off.";
+    "flyaway_reach" "Flyaway distance" [style.growth.unrest.flyaway] number(MILLIMETRES, 0.0, 200.0).log(),
+        auto, advanced, regrow,
+        "How far flyaways stand off.";
+    "width_variation" "Width variation" [style.growth.width_variation] number(PERCENT, 0.0, 50.0),
+        auto, advanced, regrow, flag(flag("width-variation", "SHARE")),
+        "How much widths differ from strand to strand: standard deviation over mean.";
+    "seed" "Seed" [style.growth.seed] integer(PLAIN, 0, 9999, 1), auto, advanced, regrow,
+        "Another number gives other strands of the same kind.";
+};
+
+/// Another type of curl: what was varied of the one before does not suit it.
+const CURL: &[Part] = &[value("style.curl").resets(&[
+    "style.curl_radius",
+    "style.curl_wavelength",
+    "style.curl_flatness",
+    "style.curl_start",
+    "style.curl_tip",
+    "style.curl_irregularity",
+    "style.curl_coherence",
+    "style.curl_neighbours",
+    "style.curl_shrink",
+])];
+
+const STRETCHED: &[Set] = &[("style.curl_stretch", Value::Toggle(true))];
+const REPEATED: &[Set] = &[("style.curl_stretch", Value::Toggle(false))];
+
+const CURL_KEYS: &[Key] = &[
+    key("radius", &[value("style.curl_radius")]),
+    key("wavelength", &[word("whole", STRETCHED), value("style.curl_wavelength").sets(REPEATED)]),
+    key("flatness", &[value("style.curl_flatness")]),
+    key("start", &[value("style.curl_start")]),
+    key("tip", &[value("style.curl_tip")]),
+    key("irregularity", &[value("style.curl_irregularity")]),
+    key("coherence", &[value("style.curl_coherence")]),
+    key("neighbours", &[value("style.curl_neighbours")]),
+    key("shrink", &[value("style.curl_shrink")]),
+];
+
+const CLUMP_KEYS: &[Key] = &[
+    key("strength", &[value("style.clump")]),
+    key("spacing", &[value("style.clump_spacing")]),
+    key("start", &[value("style.clump_start")]),
+    key("lock", &[value("style.clump_lock")]),
+];
+
+const STRAYS: &[Place] = &[place(value("style.stray_reach"), Missing::Kept)];
+const FLYAWAYS: &[Place] = &[place(value("style.flyaway_reach"), Missing::Kept)];
+
+const GUIDES: &[Part] = &[
+    word("all", &[("style.all_guides", Value::Toggle(true))]),
+    value("style.guides").sets(&[("style.all_guides", Value::Toggle(false))]),
 ];

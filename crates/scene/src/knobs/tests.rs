@@ -9,7 +9,7 @@ fn ends(knob: &Knob) -> Vec<Value> {
         }
         Kind::Integer { least, most, .. } => vec![Value::Integer(least), Value::Integer(most)],
         Kind::Toggle => vec![Value::Toggle(false), Value::Toggle(true)],
-        Kind::Choice(names) => names.iter().map(|name| Value::Choice(name)).collect(),
+        Kind::Choice(choices) => choices.iter().map(|choice| Value::Choice(choice.name)).collect(),
         Kind::Color => vec![Value::Color([0; 3]), Value::Color([255; 3])],
     };
     values.extend(knob.automatic.then_some(Value::Auto));
@@ -61,10 +61,10 @@ fn what_is_beyond_is_refused_and_changes_nothing() {
             assert!(refusal.starts_with(knob.path) && !refusal.contains('\n'), "{refusal}");
             assert_eq!(settings, Settings::default(), "{}", knob.path);
             // Whoever writes the field himself is told as well.
-            if !matches!(value, Value::Choice(_)) {
-                (knob.set)(&mut settings, value);
-            }
-            if settings != Settings::default() {
+            if let (Kind::Number { .. }, Value::Number(_)) | (Kind::Integer { .. }, Value::Integer(_)) =
+                (knob.kind, value)
+            {
+                knob.put(&mut settings, value);
                 assert!(settings.check().is_err(), "{} {value:?}", knob.path);
             }
         }
@@ -78,11 +78,11 @@ fn what_the_library_refuses_no_range_allows() {
         let Kind::Number { least, most, .. } = knob.kind else { continue };
         for end in [least, most] {
             let mut settings = Settings::default();
-            (knob.set)(&mut settings, Value::Number(knob.inner(end)));
+            knob.put(&mut settings, Value::Number(knob.inner(end)));
             settings.check_library().unwrap_or_else(|error| panic!("{} {end}: {error}", knob.path));
         }
         let mut settings = Settings::default();
-        (knob.set)(&mut settings, Value::Number(f32::NAN));
+        knob.put(&mut settings, Value::Number(f32::NAN));
         limited += usize::from(settings.check_library().is_err());
     }
     // The library checks physics, avoidance, growth and level of detail.
@@ -133,17 +133,15 @@ fn automatic_values_resolve() {
         }
         // What is resolved grows the same hair.
         let maps = Maps::default();
-        let (auto, fixed) = (
-            Settings::default().style.growth(&style, &maps).unwrap(),
-            resolved.style.growth(&style, &maps).unwrap(),
-        );
+        let (auto, fixed) =
+            (Settings::default().growth(&style, &maps).unwrap(), resolved.growth(&style, &maps).unwrap());
         assert_eq!(auto.clumps, fixed.clumps, "{name}");
         assert_eq!(auto.unrest, fixed.unrest, "{name}");
         assert_eq!((auto.curls.any(), auto.seed), (fixed.curls.any(), fixed.seed), "{name}");
     }
     let file = Settings::default().resolved(None);
     assert_eq!(find("style.width").unwrap().get(&file), Value::Auto, "as the file has it");
-    assert_eq!(find("shading.diffuse").unwrap().get(&file), Value::Number(file.look.material().diffuse));
+    assert_eq!(find("shading.diffuse").unwrap().get(&file), Value::Number(file.material().diffuse));
 }
 
 #[test]
@@ -152,8 +150,9 @@ fn values_are_written_as_people_read_them() {
     assert_eq!(radius.text(Value::Number(0.009)), "9 mm");
     assert_eq!(radius.parse("9 mm"), Ok(Value::Number(0.009)));
     assert_eq!(radius.parse("auto"), Ok(Value::Auto));
-    let refusal = radius.parse("9 cm").unwrap_err().to_string();
-    assert_eq!(refusal, "style.curl_radius is 9 cm, but must be from 0 to 100 mm, or auto");
+    assert_eq!(radius.parse("0.9 cm"), Ok(Value::Number(0.009)), "any unit of length");
+    let refusal = radius.parse("19 cm").unwrap_err().to_string();
+    assert_eq!(refusal, "style.curl_radius is 19 cm, but must be from 0 to 100 mm, or auto");
     let width = find("style.width").unwrap();
     assert_eq!(width.parse("80um"), width.parse("80 µm"));
     assert_eq!(find("wind.direction").unwrap().text(Value::Number(45f32.to_radians())), "45°");
@@ -174,4 +173,89 @@ fn the_documentation_is_current() {
     let page = include_str!("../../../../docs/knobs.md");
     assert!(page == markdown(), "write docs/knobs.md anew: tresses knobs --markdown > docs/knobs.md");
     assert!(page != markdown().replacen("from 0", "from 1", 1), "a change would be seen");
+}
+
+/// What the flag of the row at `path` makes of `text`, as the rows that it turns.
+fn flagged(path: &str, text: &str) -> Result<Vec<String>, String> {
+    let assigned = find(path).unwrap().read_flag(text, 0)?;
+    let mut settings = Settings::default();
+    assigned.reset(&mut settings);
+    assigned.set(&mut settings).map_err(|refusal| refusal.to_string())?;
+    let turned = all().filter(|knob| !knob.is_default(&settings));
+    Ok(turned.map(|knob| format!("{}={}", knob.key(), knob.text(knob.get(&settings)))).collect())
+}
+
+#[test]
+fn flags_say_what_their_rows_say() {
+    for (path, text, turned) in [
+        ("wind.turbulence", "0.5", &["turbulence=50%"][..]),
+        ("wind.turbulence", "50%", &["turbulence=50%"]),
+        ("style.width", "90um", &["width=90 µm"]),
+        ("style.width", "0.09mm", &["width=90 µm"]),
+        ("style.frizz", "0.3", &["frizz=0.3 mm"]),
+        ("style.strays", "0.6,4mm", &["strays=60%", "stray_reach=4 mm"]),
+        ("style.strays", "0.3", &["strays=30%"]),
+        ("style.curl", "waves", &["curl=waves"]),
+        ("style.curl", "radius=8mm, wavelength=3cm", &["curl_radius=8 mm", "curl_wavelength=30 mm"]),
+        ("style.curl", "wavelength=whole", &["curl_stretch=true"]),
+        ("style.clump", "0.5,spacing=4mm", &["clump=50%", "clump_spacing=4 mm"]),
+        ("style.guides", "all", &["all_guides=true"]),
+        ("style.guides", "12", &["guides=12"]),
+        ("shading.color", "red", &["color=red"]),
+        ("shading.color", "FF8000", &["color=srgb", "srgb=#ff8000"]),
+        ("shading.eumelanin", "2", &["color=melanin", "eumelanin=2", "pheomelanin=0"]),
+        ("shading.roughness_along", "0.2", &["roughness_along=0.2", "roughness_around=0.2"]),
+        ("wind.speed", "8,90", &["speed=8 m/s", "direction=90°"]),
+        ("lod.mode", "0.25", &["mode=fraction", "fraction=25%"]),
+        ("lod.mode", "off", &["mode=off"]),
+        ("shadows.ambient", "off", &["ambient=false"]),
+        ("lights.lamp1_strength", "10,20", &["lamp1_strength=2", "lamp1_azimuth=10°", "lamp1_elevation=20°"]),
+    ] {
+        assert_eq!(flagged(path, text).unwrap(), turned, "{path} {text}");
+    }
+    let second = find("lights.lamp1_strength").unwrap().read_flag("10,20,3", 1).unwrap();
+    let mut settings = Settings::default();
+    second.set(&mut settings).unwrap();
+    assert_eq!(settings.lights.lamps.map(|lamp| lamp.irradiance), [0.0, 3.0]);
+}
+
+#[test]
+fn flags_refuse_what_makes_no_sense() {
+    for (path, texts) in [
+        ("wind.speed", &["", "fast", "-1", "8,", "101", "8,north", "nan", "1,2,3"][..]),
+        ("wind.turbulence", &["1.5", "-0.1", "150%"]),
+        (
+            "style.curl",
+            &["", "spirals", "radius=2m", "wavelength=1mm", "start=2", "tip=-1", "radius", "turns=3"],
+        ),
+        ("style.curl", &["shrink=nan", "radius=8mm,,", "radius=-1mm", "flatness=whole", "waves,coils"]),
+        ("style.clump", &["", "2", "grip=1", "spacing=2m", "start=-3"]),
+        ("style.strays", &["", "1.5", "0.2,", "0.2,4miles", "-0.1", "0.5,1m"]),
+        ("style.width", &["8cm", "1um", "1cm2"]),
+        ("style.guides", &["0", "none", "-3"]),
+        ("shading.color", &["", "green", "12345", "+12345", "1234567"]),
+        ("shading.eumelanin", &["", "-1", "1,2,3", "nan", "200", "a,b"]),
+        ("shading.roughness_along", &["", "0", "1.1", "0.3,", "inf"]),
+        ("lod.mode", &["", "on", "0", "1.5", "NaN", "-1"]),
+        ("lights.lamp1_strength", &["10", "10,100", "400,0", "1,2,-1"]),
+        ("edges.samples", &["3", "0"]),
+    ] {
+        for text in texts {
+            let clause = find(path).unwrap().read_flag(text, 0).unwrap_err();
+            assert!(!clause.is_empty() && !clause.contains('\n'), "{path} {text}: {clause}");
+        }
+    }
+}
+
+#[test]
+fn flags_are_told_apart_and_name_rows_that_are_there() {
+    let mut seen = std::collections::HashSet::new();
+    for knob in all().filter(|knob| knob.flag.is_some()) {
+        assert!(seen.insert(knob.flag.unwrap().name), "{} twice", knob.flag.unwrap().name);
+        for path in knob.flag_paths() {
+            assert!(find(path).is_some(), "{}: there is no {path}", knob.path);
+        }
+        assert!(knob.flag.unwrap().value.is_empty() || knob.flag_help().contains("o"), "{}", knob.path);
+    }
+    assert!(seen.len() > 35, "{}", seen.len());
 }

@@ -1,6 +1,10 @@
 //! Values as people write them.
 
-use super::{Kind, Knob, Refusal, Value};
+use super::{Choice, Kind, Knob, Refusal, Unit, Value};
+
+/// Units of length that may stand behind a number, with their metres.
+const LENGTHS: [(&str, f64); 6] =
+    [("µm", 1e-6), ("μm", 1e-6), ("um", 1e-6), ("mm", 1e-3), ("cm", 1e-2), ("m", 1.0)];
 
 impl Knob {
     /// `value` with its unit: `9 mm`, `true`, `#5a3b28`, `auto`.
@@ -32,42 +36,37 @@ impl Knob {
                 format!("a whole number {range}{multiple}{auto}")
             }
             Kind::Toggle => "true or false".into(),
-            Kind::Choice(names) => {
+            Kind::Choice(choices) => {
                 let auto = if self.automatic { "auto, " } else { "" };
-                format!("one of {auto}{}", names.join(", "))
+                format!("one of {auto}{}", names(choices))
             }
             Kind::Color => format!("a colour such as #5a3b28{auto}"),
         }
     }
 
-    /// The value that `text` says: with the unit that people read or without any.
+    /// The value that `text` says: in the unit that people read, or with a unit of its own.
     ///
     /// # Errors
     /// One sentence.
     pub fn parse(&self, text: &str) -> Result<Value, Refusal> {
         let text = text.trim();
-        let refuse = || Refusal { path: self.path, value: text.to_owned(), range: self.range() };
+        let refuse = || Refusal { path: self.path.to_owned(), value: text.to_owned(), range: self.range() };
         if self.automatic && text == "auto" {
             return Ok(Value::Auto);
         }
-        let plain = |symbol: &str| text.strip_suffix(symbol).unwrap_or(text).trim().to_owned();
         let value = match self.kind {
-            Kind::Number { unit, .. } => {
-                // Whoever has no µ on the keyboard.
-                let number = match unit.symbol {
-                    "µm" => plain("um").strip_suffix(unit.symbol).map_or(plain("um"), str::to_owned),
-                    symbol => plain(symbol),
-                };
-                Value::Number(self.inner(number.trim().parse().map_err(|_| refuse())?))
+            Kind::Number { unit, .. } => Value::Number(self.inner(in_unit(text, unit).ok_or_else(refuse)?)),
+            Kind::Integer { unit, .. } => {
+                let number = text.strip_suffix(unit.symbol).unwrap_or(text).trim();
+                Value::Integer(number.parse().map_err(|_| refuse())?)
             }
-            Kind::Integer { unit, .. } => Value::Integer(plain(unit.symbol).parse().map_err(|_| refuse())?),
             Kind::Toggle => match text {
                 "on" | "true" | "yes" => Value::Toggle(true),
                 "off" | "false" | "no" => Value::Toggle(false),
                 _ => return Err(refuse()),
             },
-            Kind::Choice(names) => {
-                Value::Choice(names.iter().find(|name| **name == text).ok_or_else(refuse)?)
+            Kind::Choice(choices) => {
+                Value::Choice(choices.iter().find(|choice| choice.name == text).ok_or_else(refuse)?.name)
             }
             Kind::Color => Value::Color(color(text).ok_or_else(refuse)?),
         };
@@ -76,7 +75,25 @@ impl Knob {
     }
 }
 
-fn with_unit(number: &str, symbol: &str) -> String {
+/// The number in `unit` that `text` says; lengths may be in any unit of length.
+fn in_unit(text: &str, unit: Unit) -> Option<f64> {
+    let number = |text: &str| text.trim().parse::<f64>().ok();
+    if LENGTHS.iter().any(|(symbol, _)| *symbol == unit.symbol) {
+        let found = LENGTHS.iter().find_map(|(symbol, si)| Some((text.strip_suffix(symbol)?, si)));
+        if let Some((rest, si)) = found.filter(|(_, si)| **si != unit.si) {
+            return Some(number(rest)? * si / unit.si);
+        }
+        return number(found.map_or(text, |(rest, _)| rest));
+    }
+    number(text.strip_suffix(unit.symbol).unwrap_or(text))
+}
+
+/// The names of `choices`, with commas between them.
+pub(super) fn names(choices: &[Choice]) -> String {
+    choices.iter().map(|choice| choice.name).collect::<Vec<_>>().join(", ")
+}
+
+pub(super) fn with_unit(number: &str, symbol: &str) -> String {
     match symbol {
         "" => number.to_owned(),
         "°" | "%" => format!("{number}{symbol}"),

@@ -1,14 +1,15 @@
 //! Values, units and ranges.
 
-use std::mem::discriminant;
+use super::Knob;
+use crate::settings::{Curl, HairColor, Samples};
 use tresses::{
     avoid::AvoidMode,
-    light::{ShadingModel, ShadingRate, ShadowMethod},
+    draw::Coverage,
+    glam::Vec3,
+    light::{ShadingModel, ShadingRate, ShadowMethod, material},
+    lod::LodMode,
     volume::HairHairMode,
 };
-
-use super::Knob;
-use crate::settings::{CoverageMode, Curl, HairColor, LodChoice, Samples};
 
 /// A parameter's value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,11 +22,22 @@ pub enum Value {
     Integer(u32),
     /// On or off.
     Toggle(bool),
-    /// One of the names of [`Kind::Choice`].
+    /// The name of one of [`Kind::Choice`].
     Choice(&'static str),
     /// sRGB.
     Color([u8; 3]),
 }
+
+macro_rules! from {
+    ($($type:ty: $variant:ident),*) => {$(
+        impl From<$type> for Value {
+            fn from(value: $type) -> Self {
+                Self::$variant(value)
+            }
+        }
+    )*};
+}
+from!(f32: Number, u32: Integer, bool: Toggle, &'static str: Choice, [u8; 3]: Color);
 
 /// A unit that people read.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,13 +74,22 @@ pub(super) const PIXELS: Unit = Unit::new("px", 1.0);
 pub(super) const TEXELS: Unit = Unit::new("texels", 1.0);
 pub(super) const TIMES: Unit = Unit::new("×", 1.0);
 
-/// How a range is best laid out under a finger.
+/// How a range is laid out along a slider.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// Evenly.
     Linear,
     /// By factors. The range may begin at 0, which then is a point of its own at its end.
     Log,
+}
+
+/// One of the values of a choice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Choice {
+    /// Its name.
+    pub name: &'static str,
+    /// What it does, in a few words.
+    pub hint: &'static str,
 }
 
 /// What the values of a parameter are.
@@ -99,11 +120,22 @@ pub enum Kind {
     /// On or off.
     Toggle,
     /// One of these.
-    Choice(&'static [&'static str]),
+    Choice(&'static [Choice]),
     /// A colour in sRGB.
     Color,
 }
 
+impl Kind {
+    /// Laid out by factors.
+    pub(super) const fn log(self) -> Self {
+        match self {
+            Self::Number { unit, least, most, .. } => Self::Number { unit, least, most, scale: Scale::Log },
+            other => other,
+        }
+    }
+}
+
+/// Numbers from `least` to `most`, both in `unit`.
 pub(super) const fn number(unit: Unit, least: f64, most: f64) -> Kind {
     Kind::Number { unit, least, most, scale: Scale::Linear }
 }
@@ -113,7 +145,7 @@ pub(super) const fn integer(unit: Unit, least: u32, most: u32, step: u32) -> Kin
 }
 
 pub(super) const fn choice<T: Named>() -> Kind {
-    Kind::Choice(T::NAMES)
+    Kind::Choice(T::CHOICES)
 }
 
 /// Why a value is refused, in one sentence.
@@ -121,7 +153,7 @@ pub(super) const fn choice<T: Named>() -> Kind {
 #[error("{path} is {value}, but must be {range}")]
 pub struct Refusal {
     /// The parameter.
-    pub path: &'static str,
+    pub path: String,
     /// What was given.
     pub value: String,
     /// What is allowed, in words.
@@ -144,13 +176,13 @@ impl Knob {
                 (least..=most).contains(&v) && v.is_multiple_of(step)
             }
             (Kind::Toggle, Value::Toggle(_)) | (Kind::Color, Value::Color(_)) => true,
-            (Kind::Choice(names), Value::Choice(name)) => names.contains(&name),
+            (Kind::Choice(choices), Value::Choice(name)) => choices.iter().any(|choice| choice.name == name),
             _ => false,
         };
         if fits {
             return Ok(());
         }
-        Err(Refusal { path: self.path, value: self.text(value), range: self.range() })
+        Err(Refusal { path: self.path.to_owned(), value: self.text(value), range: self.range() })
     }
 
     /// A number of SI units in the unit that people read, rounded as far as no digit is lost.
@@ -172,7 +204,7 @@ impl Knob {
     }
 }
 
-/// A field of the settings that a knob turns. What it is put is of its kind: [`Knob::check`] has seen it.
+/// A field of the settings that a row names. What it is put is of its kind: [`Knob::check`] has seen it.
 pub trait Field {
     /// As a value.
     fn value(&self) -> Value;
@@ -193,87 +225,124 @@ macro_rules! plain {
                 }
             }
         }
+
+        /// What the library leaves open.
+        impl Field for Option<$type> {
+            fn value(&self) -> Value {
+                self.map_or(Value::Auto, Value::$variant)
+            }
+
+            fn put(&mut self, value: Value) {
+                match value {
+                    Value::Auto => *self = None,
+                    Value::$variant(v) => *self = Some(v),
+                    _ => {}
+                }
+            }
+        }
     )*};
 }
 plain!(f32: Number, u32: Integer, bool: Toggle, [u8; 3]: Color);
 
-impl<T: Field + Clone + Blank> Field for Option<T> {
+/// A linear colour, which people see as sRGB.
+impl Field for Vec3 {
     fn value(&self) -> Value {
-        self.as_ref().map_or(Value::Auto, Field::value)
+        Value::Color(self.to_array().map(|v| {
+            let curve = if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
+            (255.0 * curve).round() as u8
+        }))
     }
 
     fn put(&mut self, value: Value) {
-        let mut other = self.clone().unwrap_or(T::BLANK);
-        other.put(value);
-        match value {
-            Value::Auto => *self = None,
-            // Of another kind.
-            _ if discriminant(&other.value()) != discriminant(&value) => {}
-            _ => *self = Some(other),
+        if let Value::Color([r, g, b]) = value {
+            *self = material::srgb(u32::from_be_bytes([0, r, g, b]));
         }
     }
 }
 
-/// Any value, to be overwritten.
-pub trait Blank {
-    /// It.
-    const BLANK: Self;
-}
-
-impl Blank for f32 {
-    const BLANK: Self = 0.0;
-}
-impl Blank for u32 {
-    const BLANK: Self = 0;
-}
-impl Blank for [u8; 3] {
-    const BLANK: Self = [0; 3];
-}
-
-/// A choice whose variants have names.
-pub trait Named: Copy + PartialEq + Sized + 'static {
-    /// The names, in the order of `VARIANTS`.
-    const NAMES: &'static [&'static str];
-    /// The variants.
-    const VARIANTS: &'static [Self];
+/// An enum whose variants have names.
+pub trait Named: 'static {
+    /// The names, with what they mean.
+    const CHOICES: &'static [Choice];
 }
 
 macro_rules! named {
-    ($($type:ident { $($name:literal => $variant:ident),* })*) => {$(
+    ($($type:ident { $($name:literal $variant:ident $hint:literal $(=> $payload:tt $value:expr)?;)* })*) => {$(
         impl Named for $type {
-            const NAMES: &'static [&'static str] = &[$($name),*];
-            const VARIANTS: &'static [Self] = &[$(Self::$variant),*];
-        }
-
-        impl Blank for $type {
-            const BLANK: Self = Self::VARIANTS[0];
+            const CHOICES: &'static [Choice] = &[$(Choice { name: $name, hint: $hint }),*];
         }
 
         impl Field for $type {
             fn value(&self) -> Value {
                 // Exhaustive, so that no variant is without a name.
-                Value::Choice(match self { $(Self::$variant => $name),* })
+                Value::Choice(match self { $(Self::$variant $($payload)? => $name),* })
             }
 
             fn put(&mut self, value: Value) {
-                let place = Self::NAMES.iter().position(|name| value == Value::Choice(name));
-                *self = place.map_or(*self, |place| Self::VARIANTS[place]);
+                match value {
+                    $(Value::Choice($name) => *self = named!(@ $($value,)? Self::$variant),)*
+                    _ => {}
+                }
             }
         }
     )*};
+    (@ $value:expr, $variant:expr) => { $value };
+    (@ $variant:expr) => { $variant };
 }
 named! {
-    Curl { "none" => None, "waves" => Waves, "ringlets" => Ringlets, "coils" => Coils }
-    HairHairMode { "off" => Off, "fixed" => Fixed, "gradient" => Gradient }
-    AvoidMode { "off" => Off, "vertices" => PenetratingOnly, "strands" => ChangeOver }
-    HairColor {
-        "file" => File, "blond" => Blond, "brown" => Brown, "red" => Red, "black" => Black,
-        "srgb" => Srgb, "melanin" => Melanin
+    Curl {
+        "none" None "straight";
+        "waves" Waves "loose flat waves that run through the hair";
+        "ringlets" Ringlets "round ringlets as wide as a piece of chalk";
+        "coils" Coils "tight coils as wide as a pencil; for short hair";
     }
-    ShadingModel { "fiber" => Fiber, "kajiya-kay" => KajiyaKay }
-    ShadingRate { "vertex" => PerVertex, "pixel" => PerPixel }
-    ShadowMethod { "opaque" => Opaque, "absorption" => Absorption, "deep" => DeepOpacity, "off" => Off }
-    Samples { "1" => One, "4" => Four, "8" => Eight, "16" => Sixteen }
-    CoverageMode { "mask" => Mask, "alpha" => Alpha, "peel" => Peel }
-    LodChoice { "auto" => Auto, "off" => Off, "fraction" => Fixed }
+    HairHairMode {
+        "off" Off "hairs pass through each other";
+        "fixed" Fixed "a fixed push out of cells that are too dense";
+        "gradient" Gradient "pressure along the negative gradient of the density, and friction";
+    }
+    AvoidMode {
+        "off" Off "strands enter obstacles";
+        "vertices" PenetratingOnly "only the vertices inside are moved out";
+        "strands" ChangeOver "a strand that hits an obstacle follows its nearest guide";
+    }
+    HairColor {
+        "file" File "the colours of the groom file, or brown where it has none";
+        "blond" Blond "light blond";
+        "brown" Brown "brown";
+        "red" Red "copper red";
+        "black" Black "black";
+        "srgb" Srgb "the sRGB colour";
+        "melanin" Melanin "eumelanin and pheomelanin";
+    }
+    ShadingModel {
+        "fiber" Fiber "light refracted and absorbed in fibres and scattered among them";
+        "kajiya-kay" KajiyaKay "a diffuse colour and two highlights set by eye; the cheapest";
+    }
+    ShadingRate {
+        "vertex" PerVertex "at each strand vertex, interpolated along the strand";
+        "pixel" PerPixel "at each pixel";
+    }
+    ShadowMethod {
+        "opaque" Opaque "hair is solid: soft edges, black behind the first layer";
+        "absorption" Absorption "light is lost in proportion to the distance behind the nearest hair";
+        "deep" DeepOpacity "deep opacity maps: fibres are counted in layers behind the front of the hair";
+        "off" Off "no shadows";
+    }
+    Samples {
+        "1" One "one sample";
+        "4" Four "4×MSAA";
+        "8" Eight "8×MSAA";
+        "16" Sixteen "16×MSAA";
+    }
+    Coverage {
+        "mask" SampleMask "each strand covers its share of the samples of a pixel; the fastest";
+        "alpha" AlphaToCoverage "the adapter turns a strand's share of a pixel into samples";
+        "peel" DepthPeeling "depth peeling: strands are blended in sorted layers; the finest" => { .. } Coverage::PEELING;
+    }
+    LodMode {
+        "auto" Auto "by the size of a pixel at the hair";
+        "off" Off "full detail at any distance";
+        "fraction" Fixed "a fixed share of the strands" => (_) LodMode::Fixed(1.0);
+    }
 }

@@ -117,12 +117,8 @@ fn value(knob: &Knob, found: &DeValue) -> Option<Value> {
         (Kind::Number { .. }, DeValue::Integer(v)) => Value::Number(knob.inner(v.to_string().parse().ok()?)),
         (Kind::Integer { .. }, DeValue::Integer(v)) => Value::Integer(v.to_string().parse().ok()?),
         (Kind::Toggle, DeValue::Boolean(on)) => Value::Toggle(*on),
-        (Kind::Choice(names), DeValue::String(text)) => {
-            Value::Choice(names.iter().find(|name| **name == text.as_ref())?)
-        }
-        (Kind::Choice(names), DeValue::Integer(v)) => {
-            Value::Choice(names.iter().find(|name| **name == v.to_string())?)
-        }
+        (Kind::Choice(_), DeValue::String(text)) => knob.parse(text).ok()?,
+        (Kind::Choice(_), DeValue::Integer(v)) => knob.parse(&v.to_string()).ok()?,
         (Kind::Color, DeValue::String(text)) => Value::Color(color(text)?),
         _ => return None,
     })

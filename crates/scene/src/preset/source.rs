@@ -84,7 +84,7 @@ pub(super) const TEXTS: &[Text] = &[
         "style",
         |source| source.style.clone(),
         |source, text| {
-            let style: Style = text.parse().map_err(|error: tresses::Error| error.to_string())?;
+            let style: Style = text.parse().map_err(|error: tresses::groom::Error| error.to_string())?;
             source.style = Some(style.name().to_owned());
             Ok(())
         },

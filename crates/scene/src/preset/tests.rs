@@ -20,7 +20,7 @@ fn any_value(knob: &Knob, (share, bits, pick): (f64, u32, u8)) -> Value {
             Value::Integer(least + bits % count * step)
         }
         Kind::Toggle => Value::Toggle(bits % 2 == 1),
-        Kind::Choice(names) => Value::Choice(names[bits as usize % names.len()]),
+        Kind::Choice(choices) => Value::Choice(choices[bits as usize % choices.len()].name),
         Kind::Color => Value::Color([bits as u8, (bits >> 8) as u8, (bits >> 16) as u8]),
     }
 }
@@ -36,8 +36,8 @@ fn any_settings() -> impl Strategy<Value = Settings> {
                 }
             }
             // Values that each make sense may contradict each other.
-            if settings.edges.check_together().is_err() {
-                settings.edges.coverage = None;
+            if settings.sampling(16).is_err() {
+                settings.set("edges.coverage", Value::Auto).unwrap();
             }
             settings
         },
@@ -86,9 +86,9 @@ fn a_preset_reads_well() {
     preset.source.orientation.orient.unit = "cm".parse().ok();
     preset.source.orientation.orient_head.front = "-z".parse().ok();
     preset.source.orientation.orient.mirror = Some(true);
-    preset.settings.style.curl_radius = Some(0.009);
+    preset.settings.set("style.curl_radius", 0.009).unwrap();
     preset.settings.wind.direction = 45f32.to_radians();
-    preset.settings.edges.samples = Some(crate::settings::Samples::Four);
+    preset.settings.set("edges.samples", "4").unwrap();
     let text = preset.write(Extent::Changed);
     let expected = "# Settings of Tresses that differ from the defaults; `tresses knobs` lists all.
 version = 1

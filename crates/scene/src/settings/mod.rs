@@ -1,4 +1,4 @@
-//! Everything that a person can turn while hair is shown, as one plain value.
+//! Everything that a person can change while hair is shown, as one plain value.
 //!
 //! ```text
 //! Settings ─┬─ style ─────────────────────► Growth, Restyle        strands are grown again
@@ -8,26 +8,30 @@
 //!           ├─ edges, shadow_resolution ──► DrawOptions, targets   pipelines are built again
 //!           └─ lod ───────────────────────► LodOptions             the next frame
 //! ```
-//! The defaults are those of `tresses render`. What depends on the hairstyle or on the colour is an
-//! `Option`, `None` being *as it suits them*; [`Settings::resolved`] says what that comes to.
-//! Names, units, ranges and hints of all fields stand in one table, [`knobs`].
+//! Fields are the library's option structs, so that a parameter and its default stand there once; what is
+//! here besides is a person's way to say it (a direction of the wind, a colour by name). Paths, units, ranges
+//! and hints stand in one table, [`knobs`].
+//!
+//! What depends on the hairstyle or on the colour is *automatic* until it is given: settings remember which
+//! automatic parameters are [given](Settings::gives), and the fields of the others do not count. Fields of
+//! automatic parameters are therefore written by [`Settings::set`] alone. [`Settings::resolved`] says what
+//! automatic parameters come to.
 
 mod edges;
 mod lights;
-mod lod;
 mod look;
 mod style;
 
-pub use edges::{CoverageMode, Edges, Samples};
+pub use edges::{EdgeSettings, Samples};
 pub use lights::{Lamp, LightSettings};
-pub use lod::{LodChoice, LodSettings};
 pub use look::{HairColor, LookSettings};
 pub use style::{Curl, Maps, StyleSettings};
 
 use crate::{
-    Quality, Styling,
+    Quality, Styling, Value,
     knobs::{self, Refusal},
 };
+use std::collections::BTreeSet;
 use tresses::{
     Result,
     avoid::AvoidOptions,
@@ -35,6 +39,7 @@ use tresses::{
     glam::Vec3,
     groom::styles::Style,
     light::{ShadingRate, Shadows},
+    lod::{LodMode, LodOptions},
     simulate::SimulationParams,
 };
 
@@ -97,9 +102,13 @@ pub struct Settings {
     /// Texels along each edge of a shadow map.
     pub shadow_resolution: u32,
     /// How finely pictures are sampled.
-    pub edges: Edges,
-    /// How much of the hair is drawn.
-    pub lod: LodSettings,
+    pub edges: EdgeSettings,
+    /// How much of the hair is drawn; the share of [`LodMode::Fixed`] is [`lod_fraction`](Self::lod_fraction).
+    pub lod: LodOptions,
+    /// The share of the strands that are drawn where the mode is a share.
+    pub lod_fraction: f32,
+    /// The automatic parameters that have a value of their own, by their paths.
+    pub(crate) given: BTreeSet<&'static str>,
 }
 
 impl Default for Settings {
@@ -113,8 +122,10 @@ impl Default for Settings {
             lights: LightSettings::default(),
             shadows: Shadows::default(),
             shadow_resolution: DrawOptions::default().shadow_resolution,
-            edges: Edges::default(),
-            lod: LodSettings::default(),
+            edges: EdgeSettings::default(),
+            lod: LodOptions::default(),
+            lod_fraction: 1.0,
+            given: BTreeSet::new(),
         }
     }
 }
@@ -131,6 +142,31 @@ pub enum SettingsError {
 }
 
 impl Settings {
+    /// Gives the parameter at `path` a value.
+    ///
+    /// # Errors
+    /// One sentence for a value out of range or of another kind, and where there is no such parameter.
+    pub fn set(&mut self, path: &str, value: impl Into<Value>) -> Result<(), Refusal> {
+        match knobs::find(path) {
+            Some(knob) => knob.set(self, value.into()),
+            None => Err(Refusal {
+                path: path.to_owned(),
+                value: "no parameter".to_owned(),
+                range: "one that `tresses knobs` lists".to_owned(),
+            }),
+        }
+    }
+
+    /// Whether the automatic parameter at `path` has a value of its own.
+    pub fn gives(&self, path: &str) -> bool {
+        self.given.contains(path)
+    }
+
+    /// Automatic parameters among `paths` have values of their own from here on.
+    fn take_as_given(&mut self, paths: impl Iterator<Item = &'static str>) {
+        self.given.extend(paths.filter(|path| knobs::find(path).is_some_and(|knob| knob.automatic)));
+    }
+
     /// Whether every parameter is within its range and all of them fit together.
     ///
     /// # Errors
@@ -146,10 +182,10 @@ impl Settings {
     pub(crate) fn check_library(&self) -> Result<()> {
         self.physics().check()?;
         self.interpolation.check()?;
-        self.lod.options().check()?;
-        self.edges.check()?;
-        self.style.growth(&Style::default(), &Maps::default())?.check()?;
-        if let Some(restyle) = self.style.restyle(&Maps::default())? {
+        self.lod().check()?;
+        self.check_edges()?;
+        self.growth(&Style::default(), &Maps::default())?.check()?;
+        if let Some(restyle) = self.restyle(&Maps::default())? {
             restyle.check()?;
         }
         Ok(())
@@ -173,9 +209,9 @@ impl Settings {
     /// A parameter for which a file has a value of its own, such as its widths, stays automatic.
     pub fn resolved(&self, style: Option<&Style>) -> Self {
         let mut resolved = self.clone();
-        self.style.resolve(style, &mut resolved.style);
-        self.look.resolve(&mut resolved.look);
-        self.edges.resolve(&mut resolved.edges);
+        self.resolve_style(style, &mut resolved);
+        self.resolve_look(&mut resolved);
+        self.resolve_edges(&mut resolved);
         resolved
     }
 
@@ -185,6 +221,15 @@ impl Settings {
         let mut physics = self.simulation;
         physics.wind.velocity = -self.wind.speed * Vec3::new(sin, 0.0, cos);
         physics
+    }
+
+    /// How much of the hair is drawn, with the share of the strands.
+    pub fn lod(&self) -> LodOptions {
+        let mode = match self.lod.mode {
+            LodMode::Fixed(_) => LodMode::Fixed(self.lod_fraction),
+            mode => mode,
+        };
+        LodOptions { mode, ..self.lod }
     }
 
     /// Where hair is shaded: shadows that are looked up for every pixel take shading for every pixel.
@@ -197,7 +242,7 @@ impl Settings {
     /// # Errors
     /// Samples and coverage that do not go together.
     pub fn draw_options(&self, most: u32) -> Result<DrawOptions> {
-        let (samples, coverage) = self.edges.choose(most)?;
+        let (samples, coverage) = self.sampling(most)?;
         let shadow_resolution = self.shadow_resolution;
         Ok(DrawOptions { samples, coverage, shadow_resolution, ..Default::default() })
     }
@@ -218,11 +263,11 @@ impl Settings {
     /// Curls out of range.
     pub fn styling(&self, style: Option<&Style>, maps: &Maps) -> Result<Styling> {
         Ok(Styling {
-            growth: style.map(|style| self.style.growth(style, maps)).transpose()?,
-            strands: self.style.strands,
-            guides: self.style.guides(),
+            growth: style.map(|style| self.growth(style, maps)).transpose()?,
+            strands: self.strands(),
+            guides: self.guides(),
             paint: maps.paint.clone(),
-            restyle: if style.is_none() { self.style.restyle(maps)? } else { None },
+            restyle: if style.is_none() { self.restyle(maps)? } else { None },
             stiffness: maps.stiffness.clone(),
             levels: maps.levels.clone(),
         })
@@ -231,8 +276,7 @@ impl Settings {
     /// Puts hair colour, shading, shadows and exposure into `scene`; the lights, which may go with the
     /// camera, are [`LightSettings::lights`].
     pub fn apply(&self, scene: &mut draw::Scene) {
-        scene.hair = self.look.material();
-        scene.hair.min_width = self.edges.min_width;
+        scene.hair = self.material();
         scene.shading = self.shading();
         scene.shadows = self.shadows;
         scene.tone.exposure = self.lights.exposure;

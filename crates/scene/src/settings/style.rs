@@ -1,19 +1,22 @@
 //! How strands are grown on a built-in style, or restyled on a groom from files.
 
+use super::Settings;
+use crate::knobs;
 use tresses::{
     Result,
     groom::{
         GuideCount, Restyle,
-        grow::{Clumps, CurlCurve, Curls, Growth, Paint, ScalpMap, Unrest},
+        grow::{CurlCurve, Curls, Growth, Paint, ScalpMap, Unrest},
         styles::Style,
     },
     lod::LodLevel,
 };
 
 /// The curls that others are varied from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Curl {
     /// Straight.
+    #[default]
     None,
     /// [`Curls::waves`].
     Waves,
@@ -47,69 +50,48 @@ pub struct Maps {
     pub levels: Vec<LodLevel>,
 }
 
-/// Strands. What is `None` stays as the style or the file has it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Strands. Most parameters are automatic: their fields count where [`Settings::gives`] them.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct StyleSettings {
-    /// How many strands are drawn, at most.
-    pub strands: Option<u32>,
+    /// Growth as it is given.
+    pub(crate) growth: Growth,
     /// How many are simulated, the others following them.
-    pub guides: Option<u32>,
+    pub(crate) guides: u32,
     /// Whether every strand is simulated, whatever `guides` says.
     pub all_guides: bool,
-    /// The curls that the following vary.
-    pub curl: Option<Curl>,
-    /// Distance of curls from the path, metres.
-    pub curl_radius: Option<f32>,
-    /// Way along the path for one turn, metres.
-    pub curl_wavelength: Option<f32>,
-    /// 0 for a round helix, 1 for a wave in one plane.
-    pub curl_flatness: Option<f32>,
-    /// Fraction of the length at which curls begin.
-    pub curl_start: Option<f32>,
-    /// Radius at the tip against that at the root.
-    pub curl_tip: Option<f32>,
-    /// How far curls differ and wander, 0 to 1.
-    pub curl_irregularity: Option<f32>,
-    /// How far the strands of a lock turn together, 0 to 1.
-    pub curl_coherence: Option<f32>,
-    /// How far a lock turns with the locks around it, 0 to 1.
-    pub curl_neighbours: Option<f32>,
-    /// How much of the length that curls take is taken from the hairstyle, 0 to 1.
-    pub curl_shrink: Option<f32>,
+    /// The curls that those of `growth` vary.
+    pub(crate) curl: Curl,
     /// Whether a drawn curl is stretched over the whole strand instead of repeated.
     pub curl_stretch: bool,
-    /// How far strands run together at the tip, 0 to 1.
-    pub clump: Option<f32>,
-    /// Distance between clump centres on the scalp, metres.
-    pub clump_spacing: Option<f32>,
-    /// Fraction of the length at which strands begin to run together; below 0 where they grow together.
-    pub clump_start: Option<f32>,
-    /// How far strands are drawn to their heaviest guide at the tip, 0 to 1.
-    pub clump_lock: Option<f32>,
-    /// Amplitude of the fine waves that every strand has, metres.
-    pub frizz: Option<f32>,
-    /// Share of strands that stray a little.
-    pub strays: Option<f32>,
-    /// How far, metres.
-    pub stray_reach: Option<f32>,
-    /// Share of strands that stray a lot.
-    pub flyaways: Option<f32>,
-    /// How far, metres.
-    pub flyaway_reach: Option<f32>,
-    /// Usual diameter of a strand, metres; on a built-in style `None` is what covers the head.
-    pub width: Option<f32>,
-    /// Standard deviation of the diameter as a fraction.
-    pub width_variation: Option<f32>,
-    /// Width at the tip as a fraction.
-    pub tip_width: Option<f32>,
-    /// What every random choice of the strands follows from.
-    pub seed: Option<u32>,
 }
 
-impl StyleSettings {
+/// The parameters of curls that vary [`Curl`].
+const CURLS: [&str; 9] = [
+    "style.curl_radius",
+    "style.curl_wavelength",
+    "style.curl_flatness",
+    "style.curl_start",
+    "style.curl_tip",
+    "style.curl_irregularity",
+    "style.curl_coherence",
+    "style.curl_neighbours",
+    "style.curl_shrink",
+];
+const CLUMPS: [&str; 4] = ["style.clump", "style.clump_spacing", "style.clump_start", "style.clump_lock"];
+const UNREST: [&str; 3] = ["style.frizz", "style.strays", "style.flyaways"];
+
+impl Settings {
+    /// How many strands are drawn, where that is given.
+    pub(super) fn strands(&self) -> Option<u32> {
+        self.gives("style.strands").then_some(self.style.growth.strand_count).flatten()
+    }
+
     /// How many strands are simulated; `None` for what is usual.
-    pub fn guides(&self) -> Option<GuideCount> {
-        if self.all_guides { Some(GuideCount::All) } else { self.guides.map(GuideCount::Count) }
+    pub(super) fn guides(&self) -> Option<GuideCount> {
+        match self.style.all_guides {
+            true => Some(GuideCount::All),
+            false => self.gives("style.guides").then_some(GuideCount::Count(self.style.guides)),
+        }
     }
 
     /// The growth of a built-in style.
@@ -118,21 +100,11 @@ impl StyleSettings {
     /// Curls out of range.
     pub fn growth(&self, style: &Style, maps: &Maps) -> Result<Growth> {
         let mut growth = Growth::for_style(style);
-        if let Some(count) = self.strands {
-            growth = growth.with_strands(count);
-        }
         if self.any_curls(maps) {
             let curls = self.curls(growth.curls.clone(), maps)?;
             growth = growth.with_curls(curls);
         }
-        self.gather(&mut growth.clumps);
-        self.disturb(&mut growth.unrest);
-        growth.diameter = self.width.or(growth.diameter);
-        growth.width_variation = self.width_variation.unwrap_or(growth.width_variation);
-        growth.tip_width = self.tip_width.unwrap_or(growth.tip_width);
-        growth.seed = self.seed.unwrap_or(growth.seed);
-        growth.paint = maps.paint.clone();
-        Ok(growth)
+        Ok(Growth { paint: maps.paint.clone(), ..self.over(growth) })
     }
 
     /// What changes on a groom from files after it is bound; `None` for nothing.
@@ -140,71 +112,60 @@ impl StyleSettings {
     /// # Errors
     /// Curls out of range.
     pub fn restyle(&self, maps: &Maps) -> Result<Option<Restyle>> {
+        let any = |paths: &[&str]| paths.iter().any(|path| self.gives(path));
         let plain = Growth::default();
-        let mut restyle = Restyle { seed: self.seed.unwrap_or(1), ..Restyle::default() };
-        if self.any_curls(maps) {
-            restyle.curls = self.curls(Curls::default(), maps)?;
-        }
-        let clumps = [self.clump, self.clump_spacing, self.clump_start, self.clump_lock];
-        if clumps.iter().any(Option::is_some) {
-            let mut clumps = match restyle.curls.any() {
-                true => plain.clumps.curled(&restyle.curls),
-                false => plain.clumps,
-            };
-            self.gather(&mut clumps);
-            restyle.clumps = Some(clumps);
-        }
-        if self.frizz.is_some() || self.strays.is_some() || self.flyaways.is_some() {
+        let curls = match self.any_curls(maps) {
+            true => self.curls(Curls::default(), maps)?,
+            false => Curls::default(),
+        };
+        let growth = self.over(Growth {
+            clumps: if curls.any() { plain.clumps.curled(&curls) } else { plain.clumps },
+            curls,
             // Only what is asked for: the file's strands stray by themselves.
-            let mut unrest = Unrest { frizz: 0.0, strays: 0.0, flyaways: 0.0, shorter: 0.0, ..plain.unrest };
-            self.disturb(&mut unrest);
-            restyle.unrest = Some(unrest);
-        }
-        restyle.diameter = self.width;
-        restyle.width_variation = self.width_variation.unwrap_or(0.0);
-        restyle.tip_width = self.tip_width;
-        restyle.curl_map = maps.paint.curl.clone();
+            unrest: Unrest { frizz: 0.0, strays: 0.0, flyaways: 0.0, shorter: 0.0, ..plain.unrest },
+            diameter: None,
+            width_variation: 0.0,
+            seed: 1,
+            ..plain
+        });
+        let restyle = Restyle {
+            curls: growth.curls,
+            curl_map: maps.paint.curl.clone(),
+            clumps: any(&CLUMPS).then_some(growth.clumps),
+            unrest: any(&UNREST).then_some(growth.unrest),
+            diameter: growth.diameter,
+            width_variation: growth.width_variation,
+            tip_width: any(&["style.tip_width"]).then_some(growth.tip_width),
+            seed: growth.seed,
+        };
         Ok(restyle.any().then_some(restyle))
     }
 
+    /// `growth` with everything that is given.
+    fn over(&self, growth: Growth) -> Growth {
+        let mut onto = self.clone();
+        onto.style.growth = growth;
+        knobs::section("style").for_each(|knob| knob.lay(&mut onto, self));
+        onto.style.growth
+    }
+
     fn any_curls(&self, maps: &Maps) -> bool {
-        let own = [
-            self.curl_radius,
-            self.curl_wavelength,
-            self.curl_flatness,
-            self.curl_start,
-            self.curl_tip,
-            self.curl_irregularity,
-            self.curl_coherence,
-            self.curl_neighbours,
-            self.curl_shrink,
-        ];
-        self.curl.is_some() || maps.curl.is_some() || own.iter().any(Option::is_some)
+        maps.curl.is_some() || self.gives("style.curl") || CURLS.iter().any(|path| self.gives(path))
     }
 
     fn curls(&self, base: Curls, maps: &Maps) -> Result<Curls> {
         // Whoever gives a wavelength but no radius wants curls nevertheless.
-        let base = match self.curl {
-            Some(curl) => curl.curls(),
-            None if base.any() => base,
-            None => Curls::ringlets(),
+        let base = match self.gives("style.curl") {
+            true => self.style.curl.curls(),
+            false if base.any() => base,
+            false => Curls::ringlets(),
         };
-        let mut curls = Curls {
-            radius: self.curl_radius.unwrap_or(base.radius),
-            wavelength: self.curl_wavelength.unwrap_or(base.wavelength),
-            flatness: self.curl_flatness.unwrap_or(base.flatness),
-            start: self.curl_start.unwrap_or(base.start),
-            tip: self.curl_tip.unwrap_or(base.tip),
-            irregularity: self.curl_irregularity.unwrap_or(base.irregularity),
-            coherence: self.curl_coherence.unwrap_or(base.coherence),
-            neighbours: self.curl_neighbours.unwrap_or(base.neighbours),
-            shrink: self.curl_shrink.unwrap_or(base.shrink),
-            curve: maps.curl.clone(),
-        };
+        let mut curls = self.over(Growth { curls: base, ..Growth::default() }).curls;
+        curls.curve = maps.curl.clone();
         if let Some(curve) = &mut curls.curve {
-            if self.curl_stretch {
+            if self.style.curl_stretch {
                 curve.stretched = true;
-            } else if self.curl_wavelength.is_none() {
+            } else if !self.gives("style.curl_wavelength") {
                 curls.wavelength = curve.length_for(curls.radius).clamp(1e-3, 1.0);
             }
         }
@@ -212,65 +173,41 @@ impl StyleSettings {
         Ok(curls)
     }
 
-    fn gather(&self, clumps: &mut Clumps) {
-        clumps.strength = self.clump.unwrap_or(clumps.strength);
-        clumps.spacing = self.clump_spacing.unwrap_or(clumps.spacing);
-        clumps.start = self.clump_start.unwrap_or(clumps.start);
-        clumps.lock = self.clump_lock.unwrap_or(clumps.lock);
-    }
-
-    fn disturb(&self, unrest: &mut Unrest) {
-        unrest.frizz = self.frizz.unwrap_or(unrest.frizz);
-        unrest.strays = self.strays.unwrap_or(unrest.strays);
-        unrest.stray = self.stray_reach.unwrap_or(unrest.stray);
-        unrest.flyaways = self.flyaways.unwrap_or(unrest.flyaways);
-        unrest.flyaway = self.flyaway_reach.unwrap_or(unrest.flyaway);
-    }
-
-    pub(super) fn resolve(&self, style: Option<&Style>, into: &mut Self) {
+    pub(super) fn resolve_style(&self, style: Option<&Style>, into: &mut Self) {
         let maps = Maps::default();
-        let (curls, clumps, unrest) = match style {
+        // What only a file knows.
+        let mut unknown = Vec::new();
+        let growth = match style {
             Some(style) => {
-                let Ok(growth) = self.growth(style, &maps) else { return };
-                into.strands = growth.strand_count;
-                into.guides = self.guides.or(Some(style.recipe().guides));
-                into.seed = Some(growth.seed);
-                let count = growth.strand_count.unwrap_or_default() as usize;
-                into.width = Some(growth.diameter_for(count));
-                into.width_variation = Some(growth.width_variation);
-                into.tip_width = Some(growth.tip_width);
-                (growth.curls, Some(growth.clumps), Some(growth.unrest))
+                let Ok(mut growth) = self.growth(style, &maps) else { return };
+                if !self.gives("style.guides") {
+                    into.style.guides = style.recipe().guides;
+                }
+                growth.diameter = Some(growth.diameter_for(growth.strand_count.unwrap_or_default() as usize));
+                growth
             }
             None => {
                 let Ok(restyle) = self.restyle(&maps) else { return };
-                let restyle = restyle.unwrap_or_default();
-                into.seed = self.seed.or(Some(1));
-                into.width_variation = Some(restyle.width_variation);
-                (restyle.curls, restyle.clumps, restyle.unrest)
+                let restyle = restyle.unwrap_or_else(|| Restyle { seed: 1, ..Restyle::default() });
+                unknown.extend(["style.strands", "style.guides", "style.width", "style.tip_width"]);
+                unknown.extend(restyle.clumps.is_none().then_some(CLUMPS).into_iter().flatten());
+                let plain = Growth::default();
+                self.over(Growth {
+                    curls: restyle.curls,
+                    clumps: restyle.clumps.unwrap_or(plain.clumps),
+                    // A file's strands stray by themselves; nothing is added.
+                    unrest: Unrest { frizz: 0.0, strays: 0.0, flyaways: 0.0, ..plain.unrest },
+                    width_variation: restyle.width_variation,
+                    seed: restyle.seed,
+                    ..plain
+                })
             }
         };
-        into.curl = self.curl.or(Some(if curls.any() { Curl::Ringlets } else { Curl::None }));
-        into.curl_radius = Some(curls.radius);
-        into.curl_wavelength = Some(curls.wavelength);
-        into.curl_flatness = Some(curls.flatness);
-        into.curl_start = Some(curls.start);
-        into.curl_tip = Some(curls.tip);
-        into.curl_irregularity = Some(curls.irregularity);
-        into.curl_coherence = Some(curls.coherence);
-        into.curl_neighbours = Some(curls.neighbours);
-        into.curl_shrink = Some(curls.shrink);
-        if let Some(clumps) = clumps {
-            into.clump = Some(clumps.strength);
-            into.clump_spacing = Some(clumps.spacing);
-            into.clump_start = Some(clumps.start);
-            into.clump_lock = Some(clumps.lock);
+        if !self.gives("style.curl") {
+            into.style.curl = if growth.curls.any() { Curl::Ringlets } else { Curl::None };
         }
-        // A file's strands stray by themselves; nothing is added.
-        into.frizz = Some(unrest.map_or(0.0, |unrest| unrest.frizz));
-        into.strays = Some(unrest.map_or(0.0, |unrest| unrest.strays));
-        into.flyaways = Some(unrest.map_or(0.0, |unrest| unrest.flyaways));
-        let usual = unrest.unwrap_or(Growth::default().unrest);
-        into.stray_reach = Some(usual.stray);
-        into.flyaway_reach = Some(usual.flyaway);
+        into.style.growth = growth;
+        let known = knobs::section("style").map(|knob| knob.path).filter(|path| !unknown.contains(path));
+        into.take_as_given(known);
     }
 }

@@ -1,8 +1,9 @@
-//! Drawn strands that enter an obstacle leave it, without further simulation.
+//! Avoidance: drawn strands that enter an obstacle are moved out of it, without further simulation.
 //!
-//! What: no guide is in an obstacle, but what is interpolated between guides on two sides of one is
-//! (S23). Each strand finds its first penetrating vertex (S24); from before it to the tip the strand
-//! changes over from the blend of its guides to the clump around the nearest one (S25).
+//! No guide is inside an obstacle, but what is interpolated between guides on two sides of one may be. Each
+//! strand finds its first penetrating vertex; from before it to the tip the strand changes over from the
+//! blend of its guides (multi-strand interpolation) to the clump around the nearest one (single-strand
+//! interpolation).
 //!
 //! ```text
 //! vertices, rest ─► first_hit (per vertex) ─► states: hit ─► change_over (per strand) ─► vertices
@@ -10,30 +11,30 @@
 //! ```
 //!
 //! **The first hit** is an atomic minimum of vertex indices, one integer per strand. A vertex penetrates
-//! when it is nearer to an obstacle than the clearance, or than it rests where that is nearer, by more
-//! than a tolerance: hair that rests in the skin is not torn out of it. How much nearer it rests is a
-//! constant of the vertex, eight bits of [`PackedRest`], so that the search reads one distance per vertex.
+//! when it is nearer to an obstacle than the clearance, or than its rest distance where that is smaller, by
+//! more than a tolerance: hair that rests in the skin stays there. The difference from the rest distance is
+//! a constant of the vertex, eight bits of [`PackedRest`], so that the search reads one distance per
+//! vertex.
 //!
-//! **The change-over.** Behind the hit a vertex wants to be where its first guide alone (the one with
-//! the largest weight) carries it, its way from the guide shortened by the tightness, so that a clump
-//! wider than its guide is far from the obstacle draws together. Over a zone before the hit the blend
-//! becomes the clump; the zone is a length of hair in metres, ends at the hit and begins no earlier than
-//! the root. The strand is then walked again: the directions of the edges of that curve, with the rest
-//! lengths; what the walk strays sideways is made good over a third of the zone. A vertex that still
-//! penetrates slides along the obstacle: it moves out along the normal and its edge takes its length
-//! again. Lengths are exact, and a strand without a hit keeps its bits.
+//! **The change-over.** Beyond the hit the target of a vertex is where its first guide alone (the one with
+//! the largest weight) carries it, with its offset from the guide shortened by the tightness, so that a
+//! clump wider than its guide's distance from the obstacle draws together. Over a zone before the hit the
+//! blend becomes the clump; the zone is a length of hair in metres, ends at the hit and starts no earlier
+//! than the root. The strand is then walked again: the directions of the edges of that curve, with the rest
+//! lengths; the sideways drift of the walk is corrected over a third of the zone. A vertex that still
+//! penetrates slides along the obstacle: it is moved out along the normal and its edge is restored to its
+//! length. Lengths are exact, and a strand without a hit is unchanged bit for bit.
 //!
-//! **Nothing pops.** The first hit jumps from frame to frame, so each strand remembers an amount and
-//! a place. The amount rises from 0 to 1 while there are hits and falls when there are none; the place
-//! follows the first hit at a bounded speed. What penetrates in the meantime slides: the slide begins at
-//! no depth and therefore needs no smoothing. Rates of two frames are averaged, since a hit begins
-//! somewhere between them: 30 and 60 frames per second part by less than 2 mm in the midst of a turn.
-//! When the head jumps or the hair is reset all that is forgotten, and strands that hit have changed over
-//! at once.
+//! **Nothing pops.** The first hit jumps from frame to frame, so each strand stores an amount and a place.
+//! The amount rises from 0 to 1 while there are hits and falls when there are none; the place follows the
+//! first hit at a bounded speed. Vertices that penetrate in the meantime slide: the slide starts at depth
+//! zero and therefore needs no smoothing. Rates of two frames are averaged, since a hit starts somewhere
+//! between them: 30 and 60 frames per second differ by less than 2 mm in the middle of a turn. When the
+//! head jumps or the hair is reset this state is cleared, and strands that hit have changed over at once.
 //!
-//! **Measured** (`tests/avoid_grooms.rs`): vertices deeper in the head than 0.5 mm (or than 0.5 mm below where
-//! they rest, if they rest in it) in the worst frame of a turn and of a shake, in percent, with nothing
-//! done, with the vertices moved, with the method:
+//! **Measured** (`tests/gpu/avoid_grooms.rs`): vertices deeper in the head than 0.5 mm (or than 0.5 mm below
+//! where they rest, if they rest in it) in the worst frame of a turn and of a shake, in percent: without
+//! avoidance, with penetrating vertices moved, with the method:
 //!
 //! | groom | turn | shake |
 //! |---|---|---|
@@ -46,23 +47,24 @@
 //! | Sintel, one guide in 64 | 0.11, 0.01, 0.01 | 0.28, 0.02, 0.01 |
 //!
 //! In a turn a third as fast, on a coarse groom, avoidance moves no vertex by more than 1.6 mm per frame
-//! relative to the head; without smoothing it is 15 mm (`tests/avoid.rs`). The stage costs about two
-//! thirds of [`crate::interpolate`] for the turning long style with 16,000 strands, half of that the search.
+//! relative to the head; without smoothing, by up to 15 mm (`tests/gpu/avoid.rs`). The stage costs about two
+//! thirds of [`crate::interpolate`] for the turning long style with 16,000 strands, half of that in the
+//! search.
 //!
-//! **Why not only move the vertices out?** They are then outside as well ([`AvoidMode::PenetratingOnly`]
-//! does it), but edges stretch and what follows stays where it was: tips lie flat on the skin or dive in
-//! and out of it. **Why not as in the first publication** (Tariq and Bavoil, SIGGRAPH 2008; Tariq, GDC
-//! 2010)? It blends over 60 vertices before the hit, nearly the whole hair, at once; and it shared a
-//! hit among ten strands by mistake. **Why not slide every strand while it is interpolated?** That was
-//! here before. It keeps strands out too, but samples the field inside the longest walk, and what follows
-//! a contact keeps the direction that led into the obstacle.
+//! **Why not only move the vertices out?** That also puts them outside ([`AvoidMode::PenetratingOnly`] does
+//! it), but edges stretch and the rest of the strand stays where it was: tips lie flat on the skin or dip
+//! in and out of it. **Why not as in the first publication** (Tariq and Bavoil, SIGGRAPH 2008; Tariq, GDC
+//! 2010)? It blends over 60 vertices before the hit, nearly the whole hair, in a single frame; and it
+//! shared a hit among ten strands by mistake. **Why not slide every strand while it is interpolated?** An
+//! earlier version did. It keeps strands out too, but samples the field inside the longest walk, and hair
+//! beyond a contact keeps the direction that led into the obstacle.
 //!
-//! **Known limits.** A strand with one guide has no other to change over to: it draws together and
-//! slides. Between two vertices nothing is tested. The distance field's normal is no way out from deep
-//! inside a thin part, such as an ear. A strand's own rest distance counts for every collider, not only
-//! for the head that it grows from.
+//! **Known limits.** A strand with one guide has no other to change over to: it draws together and slides.
+//! Nothing is tested between two vertices. From deep inside a thin part, such as an ear, the distance
+//! field's normal does not lead out. A strand's own rest distance counts for every collider, not only for
+//! the head that it grows from.
 //!
-//! **Untried.** A tightness that follows from how far the guide is from the obstacle; skipping vertices of
+//! **Untried.** A tightness that depends on the guide's distance from the obstacle; skipping vertices of
 //! the search that the distance at their neighbour already clears.
 
 mod kernels;

@@ -1,4 +1,4 @@
-//! What a user sets.
+//! User parameters.
 
 use crate::{Error, Result};
 

@@ -1,7 +1,7 @@
-//! What hair collides with: capsules, ellipsoids and distance fields, up to
-//! [`MAX_COLLIDERS`](crate::constants::MAX_COLLIDERS) in all, each rigid and each with its own pose. No stage but
-//! a service: every kernel that needs obstacles binds the same group as `@group(1)` and asks
-//! `nearest.wesl`.
+//! Colliders: capsules, ellipsoids and signed distance fields, up to
+//! [`MAX_COLLIDERS`](crate::constants::MAX_COLLIDERS) in total, each rigid and each with its own pose. This
+//! is a service, not a stage: every kernel that needs obstacles binds the same group as `@group(1)` and
+//! calls `nearest.wesl`.
 //!
 //! ```text
 //! SdfGrid, mesh ─► tiles of one 3-D texture ─┐
@@ -9,41 +9,42 @@
 //! poses of a frame ─► places [moment][collider] ┘
 //! ```
 //!
-//! **Moments.** The simulation sees a collider at the begin of the frame's first step (moment 0) and at
-//! the end of every substep `k` of the frame (moment `k`), the last two arguments of
-//! `nearest(x, moment)`; the host writes one [`Place`] per moment and collider, so that no kernel
-//! interpolates poses per vertex. The velocity of an obstacle's point is its rigid motion, turning
-//! included, in the substep that ends at the moment. Between frames a collider moves from where it was
-//! at the end of the last step towards where it is now, just as the head does ([`crate::simulate::clock`]).
+//! **Moments.** The simulation sees a collider at the start of the frame's first step (moment 0) and at the
+//! end of every substep `k` of the frame (moment `k`), the last argument of `nearest(x, moment)`; the host
+//! writes one [`Place`] per moment and collider, so that no kernel interpolates poses per vertex. The
+//! velocity of a point of an obstacle is its rigid motion, rotation included, in the substep that ends at
+//! the moment. Between frames a collider moves from its pose at the end of the last step towards its
+//! current pose, just as the head does ([`crate::simulate::clock`]).
 //!
-//! **Now.** What is drawn lies between the last two states *in the head's frame*, carried to the head's
-//! pose now: hair is drawn as it was one step ago relative to the head. The moment `NOW` gives the colliders
-//! in the same way, and [`ColliderSet::drawn`] says where that is: draw a hand there, and the hair that
-//! it pushes lies on it. Colliders on the head are simply there.
+//! **Now.** What is drawn is interpolated between the last two states *in the head's frame* and carried to
+//! the head's current pose: hair is drawn as it was up to one step ago relative to the head. The moment
+//! `NOW` gives the colliders in the same way, and [`ColliderSet::drawn`] returns that pose: draw a hand
+//! there, and the hair that it pushes lies on it. Colliders attached to the head need no correction.
 //!
-//! **Fields.** All distance fields are tiles of one texture, rgba16float: the unit gradient and the
-//! distance. Bind groups hold a fixed number of textures, an atlas any number of fields; samples are
-//! kept half a texel inside their tile, so neighbours do not bleed. Several colliders may show one
-//! field. Outside its box a field is never solid: the distance is that of the nearest point of the box
-//! plus the way to it.
+//! **Fields.** All distance fields are tiles of one rgba16float texture: the unit gradient and the
+//! distance. Bind groups hold a fixed number of textures, an atlas any number of fields; samples stay half
+//! a texel inside their tile, so neighbours do not bleed. Several colliders may share one field. Outside
+//! its box a field is never solid: the distance is that of the nearest point of the box plus the distance
+//! to that point.
 //!
-//! **Ellipsoids.** The distance of a point to an ellipsoid has no closed form. With `k1 = |p / r|` and
-//! `k2 = |p / r²|` (componentwise), `k1 (k1 - 1) / k2` is zero on the surface and has a unit gradient there,
-//! which is the normal `(p / r²) / k2`: exact to first order where hair touches, too small far away and
-//! never of the wrong sign.
+//! **Ellipsoids.** The distance from a point to an ellipsoid has no closed form. With `k1 = |p / r|` and
+//! `k2 = |p / r²|` (componentwise), `k1 (k1 - 1) / k2` is zero on the surface and has a unit gradient
+//! there, the normal `(p / r²) / k2`: exact to first order where hair touches, too small far away and never
+//! of the wrong sign.
 //!
-//! **Culling.** Every collider has a bounding sphere, in the world, in the list of places. `nearest` skips
-//! those farther than the best so far; `simulate` keeps, for every four predicted vertices of a strand,
-//! a bit per collider whose sphere touches their box, anew in each substep, and tests vertices against
-//! those alone. The masks are exact: contacts are made at predicted positions. Without blocks, 64
-//! capsules in the hair cost eight times one; a tree over the colliders would be worth its traffic from a thousand on.
+//! **Culling.** Every collider has a world-space bounding sphere in the list of places. `nearest` skips
+//! those farther than the best so far; `simulate` keeps, for every four predicted vertices of a strand, a
+//! bit per collider whose sphere touches their box, rebuilt in each substep, and tests vertices against
+//! those alone. The masks are exact: contacts are made at predicted positions. Without them, 64 capsules in
+//! the hair cost eight times as much as one; a tree over the colliders would be worth its memory traffic
+//! from about a thousand on.
 //!
-//! **Why not one union field?** Re-voxelising all obstacles once per step would make any number as cheap as one, but
-//! at 4 mm per cell a finger is two cells, friction and velocity per collider are lost, and a hand that
-//! passes at 3 m/s moves three cells per substep.
+//! **Why not one union field?** Re-voxelising all obstacles once per step would make any number as cheap as
+//! one, but at 4 mm per cell a finger is two cells wide, friction and velocity per collider are lost, and a
+//! hand that passes at 3 m/s moves three cells per substep.
 //!
-//! **Untried.** Colliders that deform (skinned bodies): the field builder is fast enough for a small one per
-//! frame, but contacts would need the velocity of the skin from somewhere.
+//! **Untried.** Colliders that deform (skinned bodies): the field builder is fast enough for a small one
+//! per frame, but contacts would need the velocity of the skin from another source.
 
 mod atlas;
 pub mod build;

@@ -1,4 +1,4 @@
-//! Where the colliders are at every moment of a frame.
+//! The poses of the colliders at every moment of a frame.
 
 use super::{Anchor, ColliderPoses};
 use crate::{

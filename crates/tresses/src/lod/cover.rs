@@ -1,7 +1,8 @@
-//! What wider strands cover and how light they are: more than as many thin ones of the same area, where
-//! they reach over gaps and outlines, and so does a pixel that strands cover as if they lay in it in no
-//! order. The eye then sees deeper or less deep, where less light gets. The factors that take both back are
-//! measured on the CPU at load ([`seen`](super::seen)).
+//! Coverage and brightness of wider strands. Few wide strands cover more than many thin ones of the same
+//! area, because they cover gaps and reach beyond outlines; a coarse pixel covers more as well, because
+//! strands within it are treated as overlapping at random. The eye then sees less or more deeply into the
+//! hair, where less light arrives. Factors that correct both are measured on the CPU at load
+//! ([`seen`](super::seen)).
 
 use super::{
     curve::CurveTable,

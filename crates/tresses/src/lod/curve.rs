@@ -1,4 +1,4 @@
-//! What fewer segments cost: how far a strand strays, and by how much it gets shorter.
+//! The error of fewer segments: how far a strand deviates, and by how much it gets shorter.
 
 use crate::groom::BoundStrands;
 use glam::Vec3;

@@ -1,4 +1,4 @@
-//! How much light gets to what the eye sees of strands, on the CPU: counts of fibres towards lights.
+//! How much light reaches the visible parts of strands, on the CPU: fibre counts towards lights.
 
 use super::seen::{EYES, Seen, Strip, axes};
 use glam::{Vec2, Vec3};

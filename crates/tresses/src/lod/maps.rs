@@ -1,4 +1,4 @@
-//! Levels that a designer paints.
+//! Levels of detail painted by a designer.
 
 use crate::{
     Error, Result,

@@ -1,8 +1,8 @@
 //! Level of detail: the cost of hair follows the pixels it covers, not the strands in its file.
 //!
-//! What (S37 to S39): once per frame the CPU decides from the size of a pixel at the hair's distance how
-//! many strands are drawn, with how many segments, how much wider, and how fast the physics steps. Every
-//! stage behind the guides then works on so many strands and vertices and no more. Nothing is read back.
+//! Once per frame the CPU decides from the size of a pixel at the hair's distance how many strands are
+//! drawn, with how many segments, how much wider, and how fast the physics steps. All stages after the
+//! guides then process only that many strands and vertices. Nothing is read back.
 //!
 //! ```text
 //! view, bounding sphere ─► Lod::detail ─► Detail ─┬─► StrandBuffers::drawn ─► interpolate, avoid, light, draw
@@ -10,39 +10,40 @@
 //! painted levels ───────────────┘                 └─► length of a fixed step
 //! ```
 //!
-//! **Fewer strands** (Cook et al., "Stochastic simplification of aggregate detail", SIGGRAPH 2007). When hair
-//! is brought to the GPU its strands are put in an order of which any first part is an even sample
-//! ([`arrange`]). A share of the strands is drawn such that, once widened, they are about
-//! [`LodOptions::strand_width`] pixels wide. Strands come in buckets of a fourth of an octave; the bucket
-//! on the verge fades in by width, as a whole, so that nothing pops at any number.
+//! **Fewer strands** (Cook et al., "Stochastic simplification of aggregate detail", SIGGRAPH 2007). When
+//! hair is uploaded to the GPU its strands are put in an order in which every prefix is an even sample
+//! ([`arrange`]). The fraction drawn is such that the strands, once widened, are about
+//! [`LodOptions::strand_width`] pixels wide. Strands are added in buckets of a quarter of an octave; the
+//! last bucket fades in by width, as a whole, so that nothing pops at any fraction.
 //!
-//! **Wider strands.** What is drawn is widened by the area of all strands over the area of those drawn,
-//! so that the total area is the same at any level, times a little less than 1: wide strands reach over gaps
-//! and outlines, which [`CoverTable`] measures at load. The kernel `widths` writes the radius of every drawn
-//! strand; shading, strips and shadows read that radius. Shadow maps
-//! and the grid of light from all sides hold the area of full detail. Through those narrower strands the eye sees
-//! deeper; so that what it sees is on average as light as at full detail, the fibres before it count by a factor,
-//! measured at load too, that differs between lights beside the eye and behind the hair ([`CoverTable::factors`]).
+//! **Wider strands.** Drawn strands are widened by the area of all strands over the area of those drawn, so
+//! that the total area is the same at any level, times a little less than 1: wide strands cover gaps and
+//! reach beyond outlines, which [`CoverTable`] measures at load. The kernel `widths` writes the radius of
+//! every drawn strand; shading, strips and shadows read that radius. Shadow maps and the grid of ambient
+//! light hold the area of full detail. Between those narrower strands the eye sees deeper; so that visible
+//! hair is on average as bright as at full detail, the fibres in front of it are counted with a factor,
+//! also measured at load, that differs between lights beside the eye and lights behind the hair
+//! ([`CoverTable::factors`]).
 //!
-//! **Fewer segments.** At load [`CurveTable`] measures how far strands stray when they are drawn with fewer
-//! segments, and how much shorter they get (which widens them in turn). A frame takes the number for which
-//! they stray a fraction of a pixel. The number need not be whole: vertices lie at equal steps of the
-//! strand's parameter, the last step being what is left. As the number changes all vertices slide along
-//! the strand; a new one grows out of the tip.
+//! **Fewer segments.** At load [`CurveTable`] measures how far strands deviate when they are drawn with
+//! fewer segments, and how much shorter they get (which widens them in turn). A frame uses the number for
+//! which they deviate by a fraction of a pixel. The number may be fractional: vertices lie at equal steps
+//! of the strand's parameter, and the last step is the remainder. As the number changes all vertices slide
+//! along the strand; a new one grows out of the tip.
 //!
-//! **Slower physics.** Far away the fixed step grows continuously up to twice its length, the grids' with
-//! it; what is drawn is always interpolated between two steps.
+//! **Slower physics.** Far away the fixed step grows continuously up to twice its length, and that of the
+//! grids with it; what is drawn is always interpolated between two steps.
 //!
 //! **Painted levels** ([`LodLevel`]). Factors on density and width at every root for up to four projected
 //! sizes, eight bytes per strand; the kernel blends between them.
 //!
 //! **Why not levels in the file?** They pop, or are drawn twice while they blend. **Why not decide on the
-//! GPU, strand by strand?** The counts of every dispatch would have to come from there; a head is small
-//! against its distance. **Why not a random order by hash alone?** The number of strands of each lock
-//! would vary as random numbers do; van der Corput's order keeps them even.
+//! GPU, strand by strand?** Every dispatch would have to be indirect; a head is small compared with its
+//! distance. **Why not a random order by hash alone?** The number of strands in each lock would vary as
+//! random numbers do; van der Corput's order keeps it even.
 //!
-//! **Known limits.** All guides are simulated and tessellated whatever the level. The table of curves knows the
-//! rest shape.
+//! **Known limits.** All guides are simulated and tessellated at any level. The table of curves is measured
+//! on the rest shape.
 //!
 //! **Untried.** Strands with an aggregated BSDF per width; fewer guides.
 

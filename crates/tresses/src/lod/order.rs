@@ -1,4 +1,4 @@
-//! The order of strands: any first part of them is an even sample of all.
+//! The order of strands: every prefix of it is an even sample of all.
 
 use crate::{groom::BoundStrands, math::hash::pcg};
 

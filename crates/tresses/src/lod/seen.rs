@@ -1,4 +1,4 @@
-//! What the eye sees of strands, on the CPU: small pictures of strips in the order of their depth.
+//! The visible parts of strands, on the CPU: small depth-ordered pictures of strips.
 
 use super::curve::resample;
 use crate::{groom::BoundStrands, strands::Strand};

@@ -1,8 +1,8 @@
 //! Symmetric, positive definite 3×3 matrices as factors L D Lᵀ; twin of `ldl.wesl`.
 //!
-//! Not an inverse by cofactors: where a matrix is κ times stiffer one way than another, such an
-//! inverse is off by κ times the rounding, and by κ² once it multiplies a matrix as stiff again.
-//! The factors are exact to the rounding of the matrix.
+//! Not an inverse by cofactors: where a matrix is κ times stiffer in one direction than in another, such an
+//! inverse has κ times the rounding error, and κ² times once it multiplies an equally stiff matrix. The
+//! factors are exact to the rounding of the matrix.
 
 use glam::{Mat3, Vec3};
 

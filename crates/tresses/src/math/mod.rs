@@ -1,6 +1,7 @@
-//! Small mathematics that several stages share.
+//! Mathematics shared by several stages.
 
-pub mod hash;
 pub mod ldl;
 pub mod pose;
 pub mod rotation;
+
+pub use crate::groom::hash;

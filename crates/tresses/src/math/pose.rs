@@ -1,4 +1,4 @@
-//! A rigid pose: where a head or a collider is.
+//! A rigid pose of a head or a collider.
 
 use glam::{Mat4, Quat, Vec3};
 

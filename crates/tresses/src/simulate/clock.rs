@@ -1,8 +1,9 @@
 //! Fixed steps from real time.
 //!
-//! A frame hands over the time since the last one and where the head is now; out come the fixed
-//! steps to simulate and how far the drawn state lies between the last two. The head's way within
-//! the frame is divided among the steps, so that the hair sees the same motion at any frame rate.
+//! A frame passes in the time since the last one and the current pose of the head; the result is the fixed
+//! steps to simulate and the interpolation factor of the drawn state between the last two. The head's
+//! motion within the frame is divided among the steps, so that the hair sees the same motion at any frame
+//! rate.
 
 use super::{MAX_STEPS, Step, params::Mode};
 use crate::Pose;

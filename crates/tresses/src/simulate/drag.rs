@@ -1,9 +1,10 @@
-//! The drag of air on a hair: quadratic, different across the hair and along it.
+//! Air drag on a hair: quadratic, different across the hair and along it.
 //!
 //! Per length, `½ ρ C_n d |u_n| u_n` across and `½ ρ C_t π d |u_t| u_t` along the hair, where `u` is the
-//! air's velocity as the hair sees it. A hair is so thin that the coefficients depend on the Reynolds
-//! number (about 27 in 5 m/s): across after Sucker and Brauer (1975), along after Matsui (1976), who
-//! measured filaments being spun. A hair falls across itself with 0.7 m/s and flies in any breeze.
+//! air's velocity relative to the hair. A hair is so thin that the coefficients depend on the Reynolds
+//! number (about 27 in 5 m/s): across the hair after Sucker and Brauer (1975), along it after Matsui
+//! (1976), who measured filaments being spun. The terminal speed of a hair falling broadside is 0.7 m/s,
+//! and it flies in any breeze.
 
 use glam::{Vec2, Vec3};
 

@@ -1,4 +1,4 @@
-//! The kernel that gathers what the grids do to the guides.
+//! The kernel that gathers the forces of the grids on the guides.
 
 use super::{MAX_STEPS, SimulationParams, drag};
 use crate::{

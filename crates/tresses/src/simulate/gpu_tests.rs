@@ -290,8 +290,8 @@ fn draped_hair_lies_on_the_sphere() {
     let grid = sphere();
     let simulate = Simulate::new(&gpu.device);
     let start = std::time::Instant::now();
-    let options = super::DrapeOptions { clearance: 0.002, ..Default::default() };
-    let settled = pollster::block_on(super::drape(
+    let options = crate::drape::DrapeOptions { clearance: 0.002, ..Default::default() };
+    let settled = pollster::block_on(crate::drape::drape(
         &gpu.device,
         &gpu.queue,
         &simulate,

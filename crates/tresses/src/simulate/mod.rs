@@ -1,55 +1,52 @@
 //! The motion of the guides: one fixed step is one dispatch, one thread simulates one guide.
 //!
-//! A guide is a chain of points with inertia, springs along its edges, bending springs towards its
-//! rest shape, a weak pull to its rest pose, drag, gravity and contacts. Each of a step's substeps
-//! predicts `y = x + h v`, linearises all forces there and solves the implicit Euler equations of
-//! the whole strand at once: a symmetric system of 3×3 blocks with two off-diagonals, eliminated
-//! from root to tip and substituted back.
+//! A guide is a chain of point masses with springs along its edges, bending springs towards its rest shape,
+//! a weak pull to its rest pose, drag, gravity and contacts. Each substep predicts `y = x + h v`,
+//! linearises all forces there and solves the implicit Euler equations of the whole strand at once: a
+//! symmetric system of 3×3 blocks with two off-diagonals, eliminated from root to tip and substituted back.
 //!
 //! ```text
 //! info, rest, shape ─► ┌ root to tip: predict, carry the frames     ┐
-//! previous, current,   │ tip to root: twist that bends hand upwards │ × substeps ─► previous, current,
+//! previous, current,   │ tip to root: twist passed up by the bends  │ × substeps ─► previous, current,
 //! velocity          ─► │ root to tip: assemble, eliminate           │              velocity
 //! colliders         ─► └ tip to root: substitute                    ┘
 //! ```
 //!
-//! **Bending.** The edge after vertex `j` wants to be `t = R c`, where `R` is the rotation from rest
-//! to now of the edge before (the head's at the root, then minimal rotations from edge to edge)
-//! and `c` the rest edge plus its compensation of gravity. The force is the exact derivative of
-//! `½ k |e − t|²`, including how `t` follows all edges above it: a bend twists the hair above, and
-//! without that torque curls gain energy by themselves. The torque has no cheap stiffness matrix;
-//! in its place stands a brake proportional to the curl, which slows tight stiff curls a little
-//! and vanishes in equilibrium.
+//! **Bending.** The target of the edge after vertex `j` is `t = R c`, where `R` is the rotation from rest
+//! to the current state of the edge before it (the head's at the root, then minimal rotations from edge to
+//! edge) and `c` the rest edge plus its compensation of gravity. The force is the exact derivative of
+//! `½ k |e − t|²`, including how `t` follows all edges above it: a bend twists the hair above, and without
+//! that torque curls gain energy spontaneously. The torque has no cheap stiffness matrix; instead there is
+//! damping proportional to the curl, which slows tight stiff curls a little and vanishes in equilibrium.
 //!
-//! **Why not a workgroup per guide with iterated constraints?** Iterations hold neither lengths
-//! nor stiffness: with 20 of them a strand of 16 vertices is a rubber band, and its stiffness
-//! depends on their number. A direct solve holds both (cantilever within 1 %, strain below 1 % in
-//! a 2 Hz shake; `docs/physics.md` has the table) for fewer operations, and elimination is serial along the strand, so 63 of 64
-//! threads would wait at barriers. A thousand guides fill a GPU as well as a thousand groups.
+//! **Why not a workgroup per guide with iterated constraints?** Iterations preserve neither lengths nor
+//! stiffness: with 20 of them a strand of 16 vertices is a rubber band, and its stiffness depends on their
+//! number. A direct solve preserves both (cantilever within 1 %, strain below 1 % in a 2 Hz shake;
+//! `docs/physics.md` has the table) with fewer operations, and elimination is serial along the strand, so
+//! 63 of 64 threads would wait at barriers. A thousand guides fill a GPU as well as a thousand groups.
 //!
-//! **Lengths.** The springs along the edges leave less than 1 % in a shake. In a shock of 20 g a slack
-//! chain folds within a substep and single edges are compressed by up to 82 %, so every edge that has
-//! left ±0.8 % is brought back there, root to tip, before the next solve.
+//! **Lengths.** The springs along the edges leave less than 1 % of strain in a shake. In a shock of 20 g a
+//! slack chain folds within a substep and single edges are compressed by up to 82 %, so every edge outside
+//! ±0.8 % is brought back to that limit, root to tip, before the next solve.
 //!
-//! **Rounding.** Along an edge a strand is thousands of times stiffer than across. The blocks are
-//! therefore factored (see [`crate::math::ldl`]), not inverted. Kernel and scalar twin part by 0.01 mm
-//! (16 vertices) to 0.1 mm (32) and 2 mm (64) in four steps of a turning head. Only a strand with a segment of no
-//! length parts by millimetres: the direction of that segment is rounding.
+//! **Rounding.** A strand is thousands of times stiffer along an edge than across it. The blocks are
+//! therefore factored (see [`crate::math::ldl`]), not inverted. Kernel and scalar twin differ by 0.01 mm
+//! (16 vertices) to 0.1 mm (32) and 2 mm (64) in four steps of a turning head. Only a strand with a segment
+//! of zero length differs by millimetres: the direction of that segment is rounding error.
 //!
-//! **Speed.** On two cores of a CPU driver (Mesa's lavapipe) a step of 11,400 guides with 16 vertices
-//! takes 52 ms, with or without a distance field, and of 166 guides with 32 vertices 1.6 ms. Most of
-//! it is traffic with the private arrays. Unrolled by the driver it took 130 ms, hence
-//! [`params::StepUniforms::one`]. Contacts hold on to the collider that they read last: reading its
-//! place and shape anew for every vertex took a fifth of the step. Loops that go round once or not at all, so that
-//! such a driver skips what few vertices need, gained nothing there.
+//! **Speed.** On two cores of a CPU driver (Mesa's lavapipe) a step of 11,400 guides with 16 vertices takes
+//! 52 ms, with or without a distance field, and of 166 guides with 32 vertices 1.6 ms. Most of it is memory
+//! traffic of the private arrays. Unrolled by the driver it took 130 ms, hence
+//! [`params::StepUniforms::one`]. Contacts cache the collider that they read last: reading its place and
+//! shape again for every vertex took a fifth of the step. Loops of zero or one iteration, which let such a
+//! driver skip work that few vertices need, gained nothing here.
 //!
-//! **Known limits.** Elimination from tip to root would save a pass, but its rounding is far worse.
-//! Twist has no stiffness of its own: it is rigid. Positions are single precision in world axes: hair
-//! hundreds of metres from the origin would tremble.
+//! **Known limits.** Elimination from tip to root would save a pass, but its rounding error is far larger.
+//! Twist has no stiffness parameter: it is rigid. Positions are single precision in world axes: hair
+//! hundreds of metres from the origin would jitter.
 
 pub mod clock;
 pub mod drag;
-pub mod drape;
 mod forces;
 pub mod grab;
 pub mod params;
@@ -74,7 +71,6 @@ use params::StepUniforms;
 use std::sync::OnceLock;
 
 pub use clock::{Clock, Ticks};
-pub use drape::{DrapeOptions, drape};
 pub use forces::{AirUniforms, Forces};
 pub use grab::{Grab, Ray, Target};
 pub use params::{Along, Mode, SimulationParams};

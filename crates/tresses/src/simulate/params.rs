@@ -1,4 +1,4 @@
-//! What a user sets, in SI units, and what one fixed step of the GPU reads.
+//! User parameters, in SI units, and the uniforms of one fixed step.
 
 use crate::{Error, Pose, Result, volume::HairHair, wind::Wind};
 use bytemuck::{Pod, Zeroable};

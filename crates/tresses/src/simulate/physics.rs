@@ -1,5 +1,5 @@
-//! Invariants on the twin, where thousands of steps cost nothing. The closed forms are measured on the GPU:
-//! `tests/physics`.
+//! Invariants on the twin, where thousands of steps are cheap. The closed forms are measured on the GPU:
+//! `tests/gpu/physics`.
 
 use super::{
     params::{Along, Mode, SimulationParams, StepUniforms},

@@ -1,21 +1,21 @@
-//! From guide polylines to what the step needs: rest positions, contact clearances and the rest
-//! shape, with or without compensation of gravity.
+//! From guide polylines to the step's inputs: rest positions, contact clearances and the rest shape, with
+//! or without compensation of gravity.
 //!
-//! A groom is authored as it should look under gravity. Taken as the shape without gravity, it
-//! sags in the first second. [`RestShape::SagFree`] walks from tip to root: the edge below a
-//! vertex must carry the weight of all that hangs from it. The part along the edge goes into the
-//! edge's rest length, the part across it into the bend at its upper end, whose rest value is
-//! moved until the bending spring gives exactly that force. The pose then is an equilibrium of the
-//! discrete equations that the step solves, not only of the continuous ones.
+//! A groom is authored as it should look under gravity. Taken as the shape without gravity, it sags in the
+//! first second. [`RestShape::SagFree`] walks from tip to root: the edge below a vertex must carry the
+//! weight of everything below it. The component along the edge goes into the edge's rest length, the
+//! component across it into the bend at its upper end, whose rest value is moved until the bending spring
+//! gives exactly that force. The pose is then an equilibrium of the discrete equations that the step
+//! solves, not only of the continuous ones.
 //!
-//! An equilibrium need not be stable. A floppy strand that is authored to stick out needs a rest
-//! shape wound up like a watch spring, and topples at the first touch. Real hair that stands out is
-//! stiff or leans on other hair; [`support`] therefore raises the stiffness of those guides, and of no
-//! others, until their poses stay. The compensation of one bend is limited all the same, to
-//! [`MOST_COMPENSATION`] of the edge; what is missing shows as true sag, less what the goal spring
-//! holds. Contact forces at rest are not compensated: a pose that was supported by the head hovers over
-//! it. Untried: the second variation with the torques of bends, which couple the two directions across
-//! the strand, and a factor for each vertex in place of one for the guide.
+//! An equilibrium need not be stable. A floppy strand that is authored to stick out needs a rest shape
+//! wound up like a watch spring, and collapses at the first touch. Real hair that stands out is stiff or
+//! leans on other hair; [`support`] therefore raises the stiffness of those guides, and of no others, until
+//! their poses are stable. The compensation of one bend is still limited to [`MOST_COMPENSATION`] of the
+//! edge; the remainder shows as sag, less what the goal spring holds. Contact forces at rest are not
+//! compensated: a pose that was supported by the head hovers over it. Untried: the second variation with
+//! the torques of bends, which couple the two directions across the strand, and a factor for each vertex
+//! instead of one for the guide.
 
 use super::params::SimulationParams;
 use crate::{
@@ -100,7 +100,7 @@ impl RestGuides {
     pub fn upload(&self, queue: &wgpu::Queue, buffers: &GuideBuffers) -> Result<()> {
         let counts = (buffers.count as usize, buffers.vertex_count);
         if counts != (self.info.len(), self.vertex_count) {
-            return Err(Error::Groom(format!(
+            return Err(Error::unusable(format!(
                 "buffers for {} guides with {} vertices cannot take {} guides with {}",
                 counts.0,
                 counts.1,
@@ -145,14 +145,14 @@ pub fn guides(
     let n = n as usize;
     let count = positions.len() / n;
     if count * n != positions.len() || !(traits.is_empty() || traits.len() == count) {
-        return Err(Error::Groom(format!(
+        return Err(Error::unusable(format!(
             "{} positions and {} traits do not make guides of {n} vertices",
             positions.len(),
             traits.len()
         )));
     }
     if let Some(at) = positions.iter().position(|p| !(p.is_finite() && p.abs().max_element() < 1e3)) {
-        return Err(Error::Groom(format!(
+        return Err(Error::unusable(format!(
             "vertex {} of guide {} is at {}, which is not within a kilometre of the head",
             at % n,
             at / n,

@@ -15,16 +15,22 @@
 //! neighbouring threads, one per guide, read neighbouring addresses. Samples and strand vertices
 //! are stored strand-major (`index = strand * vertex_count + vertex`).
 
-pub mod binding;
 pub mod buffers;
 pub mod force;
 pub mod guide;
-pub mod strand;
 pub mod vertex;
 
-pub use binding::{PackedRest, StrandBinding};
+pub use crate::groom::bound::{
+    binding::{self, PackedRest, StrandBinding},
+    strand::{self, Strand},
+};
 pub use buffers::{Drawn, GuideBuffers, StrandBuffers};
 pub use force::{Force, GuideForce};
 pub use guide::{Guide, GuideRest, GuideSample, GuideShape};
-pub use strand::Strand;
 pub use vertex::StrandVertex;
+
+// What the CPU side allows is what the shaders have room for.
+const _: () = assert!(
+    crate::constants::MAX_GUIDE_VERTICES == crate::groom::MAX_GUIDE_VERTICES
+        && crate::constants::MAX_STRAND_VERTICES == crate::groom::MAX_STRAND_VERTICES
+);

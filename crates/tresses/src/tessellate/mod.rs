@@ -1,16 +1,16 @@
 //! Guides become smooth curves.
 //!
-//! What: for every guide, `sample_count` points of a uniform cubic B-spline at equal parameter
-//! steps, each with the rotation that carries its neighbourhood from rest to now. Computed once per
-//! frame; every drawn strand reads it (S12, S18).
+//! For every guide, `sample_count` points of a uniform cubic B-spline at equal parameter steps, each with
+//! the rotation that carries its neighbourhood from rest to the current state. Computed once per frame;
+//! every drawn strand reads it.
 //!
-//! How: one thread per guide walks its control vertices from root to tip with four of them in
-//! registers. A vertex is first interpolated between the last two simulation states, *in the
-//! head's frame*: both states are carried rigidly from the head's pose at their step to its pose
-//! now, so the roots sit on the drawn head at any frame rate. Phantom vertices `2 P[0] - P[1]` and
-//! `2 P[n-1] - P[n-2]` make the curve start at the root and end at the tip (the original missed
-//! both by a sixth of a segment and moved the first vertex back by hand). Rotations are the head's at the
-//! root, then minimal rotations from edge to edge (parallel transport), blended between edges.
+//! One thread per guide walks its control vertices from root to tip with four of them in registers. A
+//! vertex is first interpolated between the last two simulation states, *in the head's frame*: both states
+//! are carried rigidly from the head's pose at their step to its current pose, so the roots sit on the
+//! drawn head at any frame rate. Phantom vertices `2 P[0] - P[1]` and `2 P[n-1] - P[n-2]` make the curve
+//! start at the root and end at the tip (the original missed both by a sixth of a segment and moved the
+//! first vertex back by hand). Rotations are the head's at the root, then minimal rotations from edge to
+//! edge (parallel transport), blended between edges.
 //!
 //! ```text
 //! previous, current (vec4, vertex-major) ─┐
@@ -18,8 +18,8 @@
 //! poses (uniform)                        ─┘
 //! ```
 //!
-//! Why not a thread per sample: parallel transport is a walk along the strand, and a guide has at
-//! most 64 vertices. Untried: a thread per sample after a scan of rotations.
+//! **Why not a thread per sample?** Parallel transport is serial along the strand, and a guide has at most
+//! 64 vertices. **Untried.** A thread per sample after a scan of rotations.
 
 mod spline;
 

@@ -1,4 +1,4 @@
-//! What the uniforms hold of a groom: how much hair a sample, an integer and a cell stand for.
+//! A groom's constants in the uniforms: how much hair a sample, an integer unit and a cell represent.
 
 use super::{
     grid::{Grid, mean_density},

@@ -1,4 +1,4 @@
-//! Where the grid is, and how dense a groom is.
+//! The position of the grid, and the density of a groom.
 
 use crate::simulate::RestGuides;
 use glam::{IVec3, Vec3};

@@ -1,4 +1,4 @@
-//! The grid of one groom: its memory, and what is recorded of it in a step.
+//! The grid of one groom: its buffers, and the passes recorded for it in a step.
 
 use super::{
     Grid, HairHair, HairHairMode, VolumeStage,

@@ -1,10 +1,10 @@
-//! Gusts: a frozen field of turbulence that the mean wind carries past the head.
+//! Wind turbulence: a frozen field of gusts that the mean wind carries past the head.
 //!
-//! A sum of plane waves with random directions and phases. Each wave's amplitude is perpendicular to
-//! its direction, so the sum is free of divergence (Kraichnan 1970). The waves share the energy as
-//! von Kármán's spectrum does, which falls with k^-5/3 above one over the length scale. Waves
-//! longer than the grid are felt as the wind's strength and direction changing slowly. That the
-//! field passes without changing is Taylor's hypothesis of frozen turbulence.
+//! A sum of plane waves with random directions and phases. Each wave's amplitude is perpendicular to its
+//! direction, so the sum is divergence-free (Kraichnan 1970). The waves share the energy by von Kármán's
+//! spectrum, which falls with k^-5/3 for wave numbers above one over the length scale. Waves longer than
+//! the grid appear as slow changes of the wind's strength and direction. That the field passes without
+//! changing is Taylor's hypothesis of frozen turbulence.
 
 use super::params::{MAX_GUSTS, Wind};
 use crate::math::hash::pcg;

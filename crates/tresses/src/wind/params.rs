@@ -1,4 +1,4 @@
-//! What a user sets, in SI units, and what the kernels of one step read.
+//! User parameters, in SI units, and the uniforms of one step.
 
 use super::gusts::GustMode;
 use crate::{Error, Result};

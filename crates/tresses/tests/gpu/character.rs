@@ -5,6 +5,7 @@ use crate::common;
 use tresses::{
     Pose,
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
+    drape,
     glam::Vec3,
     gpu::{Gpu, readback::blocking as readback},
     groom::{
@@ -22,7 +23,7 @@ use tresses::{
 fn settled(gpu: &Gpu, simulate: &Simulate, style: &Style, scalp: &GridScalp) -> (StyledGuides, StyledGuides) {
     let before = styles::guides(style, scalp);
     let mut after = before.clone();
-    pollster::block_on(styles::settle(&gpu.device, &gpu.queue, simulate, &mut after, &scalp.field)).unwrap();
+    pollster::block_on(drape::settle(&gpu.device, &gpu.queue, simulate, &mut after, &scalp.field)).unwrap();
     (before, after)
 }
 
@@ -73,7 +74,7 @@ fn the_same_seed_gives_the_same_bits() {
     let Some(simulate) = common::simulate() else { return };
     let style = Style::default();
     let make = |style| {
-        pollster::block_on(styles::character(&gpu.device, &gpu.queue, simulate, style, Some(500))).unwrap()
+        pollster::block_on(drape::character(&gpu.device, &gpu.queue, simulate, style, Some(500))).unwrap()
     };
     let (once, twice) = (make(&style), make(&style));
     assert_eq!(once.groom, twice.groom);

@@ -5,10 +5,11 @@ use crate::{common, moving};
 use moving::{Character, TURN, advance, angle, drawn};
 use tresses::{
     avoid::{AvoidMode, AvoidOptions},
+    drape,
     glam::Vec3,
     groom::{
         grow::{Curls, Growth},
-        styles::{self, Style},
+        styles::Style,
     },
 };
 
@@ -51,7 +52,7 @@ fn curls_keep_their_shape_while_the_head_turns() {
     let style = Style::default();
     let curls = Curls { wavelength: 0.045, ..Curls::ringlets() };
     let growth = Growth::for_style(&style).with_strands(STRANDS).with_curls(curls);
-    let built = pollster::block_on(styles::character_with(
+    let built = pollster::block_on(drape::character_with(
         &gpu.device,
         &gpu.queue,
         &renderer.simulate,

@@ -8,10 +8,11 @@ use std::{collections::HashMap, sync::Arc};
 use tresses::{
     Hair, HairOptions, HairRenderer, Pose,
     collide::ColliderPoses,
+    drape::Character,
     frame::{Frame, Recorder},
     glam::{IVec3, Quat, Vec3},
     gpu::{Gpu, readback::blocking as readback},
-    groom::styles::{Character, Style},
+    groom::styles::Style,
     simulate::SimulationParams,
     strands::StrandVertex,
     volume::{HairHair, HairHairMode},

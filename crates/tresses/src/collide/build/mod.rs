@@ -1,4 +1,4 @@
-//! The distance field of any triangle mesh, made on the GPU.
+//! The signed distance field of any triangle mesh, built on the GPU.
 //!
 //! ```text
 //! mesh ─► tree (CPU) ─► skin ──► measure ─────► flood ───────► close ──► texel ─► tile of the atlas
@@ -7,25 +7,27 @@
 //!                                distance
 //! ```
 //!
-//! The method is that of [`crate::groom::mesh::sdf`], whose chapter says why: what is solid is where the winding number exceeds
-//! one half, and distances are those to the *solid's* boundary, which is skin (triangles with air on one
-//! side and solid on the other) and lids (where the winding number passes one half without a triangle).
-//! A thread per voxel asks the same tree as on the CPU: for the winding number without a stack, along
-//! links that skip what is far enough to be a dipole; for the distance with a small one, nearer child
-//! first. The CPU settles most voxels by Harnack's inequality and seeds each search with its neighbour's
-//! result, which a GPU cannot; a software driver is therefore no match for it, and the built-in and
-//! imported heads, whose distances are needed on the CPU anyhow (for growth, and for what a guide may
-//! have at rest), stay with it. Tried: one way through the tree for all threads of a brick, with bounds for
-//! the whole brick. It reads less memory, but looks at so many more triangles that it takes twice as long.
+//! The method is that of [`crate::groom::mesh::sdf`], whose chapter gives the reasons: a point is solid
+//! where the winding number exceeds one half, and distances are those to the *solid's* boundary, which
+//! consists of skin (triangles with air on one side and solid on the other) and lids (where the winding
+//! number passes one half without a triangle). One thread per voxel queries the same tree as on the CPU:
+//! for the winding number without a stack, along links that skip what is far enough away to be a dipole;
+//! for the distance with a small stack, nearer child first. The CPU settles most voxels by Harnack's
+//! inequality and starts each search from its neighbour's result, which a GPU cannot; a software driver is
+//! therefore much slower than the CPU, and the built-in and imported heads, whose distances are needed on
+//! the CPU anyway (for growth, and for the clearance of guides at rest), are built there. Tried: a
+//! common traversal for all threads of a brick, with bounds for the whole brick. It reads less memory, but
+//! visits so many more triangles that it takes twice as long.
 //!
-//! **Lids.** The plane through the cuts of the grid's edges next to a lid, spread by jump flooding. The
-//! distance to a lid is exact near it and off by less than a cell farther away, where the CPU solves the eikonal equation.
+//! **Lids.** The plane through the crossings on the grid edges next to a lid, spread by jump flooding. The
+//! distance to a lid is exact near it and off by less than a cell farther away, where the CPU solves the
+//! eikonal equation.
 //!
-//! **Left to the CPU's builder:** cavities that no air reaches stay air, and solids too small for the
-//! grid (less than eight nodes) stay solid. Both lie out of the reach of hair.
+//! **Only in the CPU's builder:** filling cavities that no air reaches, and removing solids too small for
+//! the grid (less than eight nodes). Both are out of the reach of hair.
 //!
-//! **Time.** A browser stops work that takes seconds. Voxels are therefore done in parts, each a
-//! submission of its own. Nothing is read back, unless [`FieldBuilder::grid`] is asked for the result.
+//! **Time.** A browser stops work that takes seconds. Voxels are therefore processed in parts, each a
+//! submission of its own. Nothing is read back, unless [`FieldBuilder::grid`] requests the result.
 
 use crate::{
     Error, Result,
@@ -40,6 +42,8 @@ use crate::{
 use bytemuck::{Pod, Zeroable};
 use glam::{UVec3, Vec3};
 use wgpu::util::DeviceExt;
+
+pub use crate::groom::mesh::TreeNode;
 
 #[cfg(test)]
 mod tests;
@@ -68,28 +72,6 @@ pub struct BuildParams {
     pub jump: u32,
     /// Unused.
     pub _pad: u32,
-}
-
-/// A node of the tree, depth first.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct TreeNode {
-    /// Smallest corner of the box, metres.
-    pub low: Vec3,
-    /// A leaf's first triangle; else the second child, the first being the next node.
-    pub first: u32,
-    /// Largest corner.
-    pub high: Vec3,
-    /// Triangles of a leaf; 0 for others.
-    pub count: u32,
-    /// Centroid of the triangles, weighted by area.
-    pub center: Vec3,
-    /// Distance from there to the farthest corner of the box.
-    pub radius: f32,
-    /// Sum of the triangles' area vectors, m².
-    pub area: Vec3,
-    /// The next node that is not below this one.
-    pub skip: u32,
 }
 
 /// Voxels of one submission: some hundred milliseconds on two cores of a software driver.
@@ -177,7 +159,7 @@ impl FieldBuilder {
         let distances = self.distances(device, queue, &plan)?;
         let distances: Vec<f32> = readback::buffer(device, queue, &distances).await?;
         if !distances.iter().any(|d| *d < 0.0) {
-            return Err(Error::Groom(sdf::NOTHING.into()));
+            return Err(Error::unusable(sdf::NOTHING));
         }
         Ok(SdfGrid { distances, ..plan.grid })
     }

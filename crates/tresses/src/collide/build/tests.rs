@@ -1,4 +1,4 @@
-//! The GPU's builder against the CPU's and against closed forms.
+//! The GPU builder against the CPU builder and against closed forms.
 
 use super::*;
 use crate::{

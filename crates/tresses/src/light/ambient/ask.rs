@@ -1,4 +1,4 @@
-//! Asks for light from all sides at any points: what tests and tools measure it with.
+//! Evaluates ambient light at arbitrary points: used for measurements by tests and tools.
 
 use crate::{Result, draw::DrawStage, gpu::Binding, light::asked::Asked};
 use glam::{Vec3, Vec4};

@@ -1,36 +1,38 @@
-//! Light from all sides: how open the sky is in the hair, and what light the body throws on it.
+//! Ambient light: the visibility of the sky within the hair, and the light that the body reflects onto it.
 //!
 //! ```text
 //! strand vertices ──► lay ───┐                        ┌─ slice by slice ─┐
 //! body, shadow maps ► glow ──┴► cells ─► settle ─► cells ─► sweep ─► fields, 24 ─► gather ─► five layers
 //! ```
 //!
-//! A cube of cells around [`Scene::focus`](crate::draw::Scene::focus), [`DrawOptions::ambient_cells`] to an
-//! edge, made anew each frame. `lay` adds the area of the hair, width times length, in fixed point; `glow` does
-//! the same with points all over the body's surface ([`Surface`]), and adds the radiance that leaves them by the lights
-//! that reach them through the shadow maps and by the sky. `settle` makes means of the sums.
+//! A cube of cells around [`Scene::focus`](crate::draw::Scene::focus), [`DrawOptions::ambient_cells`] per
+//! edge, rebuilt each frame. `lay` adds the area of the hair, width times length, in fixed point; `glow`
+//! does the same with sample points over the body's surface ([`Surface`]), and adds the radiance that
+//! leaves them, from the lights that reach them through the shadow maps and from the sky. `settle` turns
+//! the sums into means.
 //!
-//! **Discrete ordinates.** `sweep` follows light along the 24 directions of a level-symmetric quadrature
-//! (S4; Carlson and Lathrop 1965) through the cells, slice after slice, each of which needs only the one before (short
-//! characteristics, Kunasz and Auer 1988). That is one step per cell and direction, where marching rays from
-//! each cell would take as many as a ray crosses. It carries the share of the sky that is left where
-//! fibres take none, an eighth, half and all of the light that meets them: between these the share for any absorption
-//! and colour channel is interpolated, and as sums run over directions before that, thin and dense
-//! sides are not mixed up. And it carries the radiance of the body, from which each fibre takes what it does
-//! not pass on in dual scattering.
+//! **Discrete ordinates.** `sweep` propagates light along the 24 directions of a level-symmetric quadrature
+//! (the set named S4; Carlson and Lathrop 1965) through the cells, slice by slice, where each slice needs
+//! only the previous one (short characteristics, Kunasz and Auer 1988). That is one step per cell and
+//! direction, whereas marching rays from each cell takes as many as a ray crosses. It carries the fraction
+//! of the sky that is left where fibres remove none, an eighth, half and all of the light that meets them:
+//! the fraction for any absorption and colour channel is interpolated between these, and since this happens
+//! before the sum over directions, thin and dense sides are not mixed. It also carries the radiance of the
+//! body, of which each fibre removes what it does not pass on in dual scattering.
 //!
-//! **A body is a surface.** Cells hold the sum of its area as a vector. What lies in a cell hides what is behind
-//! it from the cells before it; from that cell itself only towards the body's inside: so a cell on the skin
-//! sees the whole sky above it and the skin below. Cells inside see nothing, and weigh nothing in the interpolation.
+//! **A body is a surface.** Cells hold the sum of its area as a vector. The surface in a cell hides what is
+//! beyond it from the previous cells; from that cell itself only towards the body's inside: a cell on the
+//! skin sees the whole sky above it and the skin below. Cells inside the body see nothing, and have no
+//! weight in the interpolation.
 //!
-//! **Five layers.** `gather` keeps means and first moments over the directions. Shading asks
-//! for the two half circles of azimuths before and behind a fibre, whose mean vectors are known, and for
-//! those first moments are all that an average over them needs (`ambient.wesl`). The body's own shading asks the same way.
+//! **Five layers.** `gather` keeps means and first moments over the directions. Shading needs averages over
+//! the two half circles of azimuths in front of and behind a fibre, whose mean vectors are known, and for
+//! those the first moments suffice (`ambient.wesl`). The body's own shading uses the same lookup.
 //!
-//! What bodies throw is lit once: light from skin to skin to hair, and from hair to skin, is left out.
-//! Not taken: probes that march rays (above); a lookup in the shadow maps for the zenith and the lights alone, as
-//! it was, which was a fifth too bright under a grey sky. Untried: fibres that lie in order let more light
-//! through along them than across.
+//! Light reflected by bodies is a single bounce: light from skin to skin to hair, and from hair to skin, is
+//! left out. Rejected: probes that march rays (above); the earlier lookup in the shadow maps for the zenith
+//! and the lights alone, which was a fifth too bright under a grey sky. Untried: aligned fibres transmit
+//! more light along than across them.
 
 mod ask;
 mod surface;

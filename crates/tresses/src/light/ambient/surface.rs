@@ -1,4 +1,4 @@
-//! Points all over a body's surface, each of which stands for as much of it.
+//! Sample points over a body's surface, each of which represents the same area.
 
 use crate::groom::TriMesh;
 use glam::Vec3;

@@ -1,9 +1,9 @@
-//! Light scattered by one fibre, where it hits it: Chiang, Bitterli, Tappan, Burley, *A Practical
+//! Light scattered by one fibre at the point where it hits: Chiang, Bitterli, Tappan, Burley, *A Practical
 //! and Controllable Hair and Fur Model for Production Path Tracing* (2016).
 //!
-//! Everything is `f cos`: radiance per irradiance on a plane that faces the light. The camera's
-//! side decides where light enters, as path tracers have it. Angles: θ is the inclination towards
-//! the tip, φ the azimuth of the light about the fibre, from the eye's.
+//! All values are `f cos`: radiance per irradiance on a plane that faces the light. As in path tracers, the
+//! offset across the fibre and the refraction are those of the eye's ray. Angles: θ is the inclination
+//! towards the tip, φ the azimuth of the light about the fibre, measured from the eye's.
 
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;

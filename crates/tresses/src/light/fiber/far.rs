@@ -1,9 +1,9 @@
-//! A fibre thinner than a pixel: the mean over its width, as moments that every colour shares.
+//! A fibre thinner than a pixel: the mean over its width, stored as moments shared by all colours.
 //!
-//! Absorption acts on a lobe as `exp(-σ l)`, where the way `l` inside the fibre differs a little
-//! with the place `h` across it. For each lobe and azimuth the table holds the weight, the mean way
-//! and the variance of the ways, `Σ exp(-σ l) ≈ W exp(-σ l̄ + σ² var/2)`: within 0.2 % of the sum for
-//! any hair that is not black, and one fetch serves all channels and every melanin.
+//! Absorption acts on a lobe as `exp(-σ l)`, where the path length `l` inside the fibre varies a little
+//! with the offset `h` across it. For each lobe and azimuth the table holds the weight, the mean path
+//! length and its variance, `Σ exp(-σ l) ≈ W exp(-σ l̄ + σ² var/2)`: within 0.2 % of the sum for any hair
+//! that is not black, and one fetch serves all channels and any melanin.
 
 use super::bsdf::{FiberShape, LOBES, along};
 use glam::{DVec3, Vec3};

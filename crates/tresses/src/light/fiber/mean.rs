@@ -1,6 +1,6 @@
-//! What many fibres do on average: the quantities of dual scattering (Zinke, Yuksel, Weber, Keyser,
-//! *Dual Scattering Approximation for Fast Multiple Scattering in Hair*, 2008), integrated from the
-//! same lobes that a single fibre is shaded with.
+//! The average behaviour of many fibres: the quantities of dual scattering (Zinke, Yuksel, Weber, Keyser,
+//! *Dual Scattering Approximation for Fast Multiple Scattering in Hair*, 2008), integrated from the same
+//! lobes that shade a single fibre.
 
 use super::{
     bsdf::LOBES,

@@ -1,46 +1,48 @@
-//! A lock of hair is grabbed and pulled.
+//! Grabbing and pulling a lock of hair.
 //!
 //! ```text
 //! at the grab:  ray, strand vertices ─► pick ─► marks ─► hit ─► state: where the ray has met hair
-//!               guides ─► reach ─► marks ─► hold ─► holds: way from there and weight, per guide vertex
-//! each step:    ray or point ─► aim ─► state: the way of the target in this step
+//!               guides ─► reach ─► marks ─► hold ─► holds: offset from there and weight, per guide vertex
+//! each step:    ray or point ─► aim ─► state: the motion of the target in this step
 //!               holds, guides, obstacles ─► pull ─► GuideForce ─► simulate::step
 //! ```
 //!
 //! **What is grabbed.** `pick` is an atomic minimum over the drawn segments near the ray, since those are
-//! what is seen: depth plus [`ASIDE`] times the distance from the ray, so that hair under the cursor wins
-//! against hair a little nearer beside it. `hit` asks the obstacles along the ray: hair behind the head is
-//! not grabbed. `reach` finds how far the nearest guide vertex is from there, because guides may be farther
-//! apart than the radius; `hold` stores for all within the radius, or a little more than that
-//! distance, the way from the place that was hit and a weight that falls to 0 at the edge.
+//! what the user sees: depth plus [`ASIDE`] times the distance from the ray, so that hair under the cursor
+//! wins over hair a little nearer beside it. `hit` tests the obstacles along the ray: hair behind the head
+//! is not grabbed. `reach` finds the distance of the nearest guide vertex from the hit point, because
+//! guides may be farther apart than the radius; `hold` stores, for all vertices within the radius or
+//! slightly more than that distance, the offset from the hit point and a weight that falls to 0 at the
+//! edge.
 //!
-//! **What pulls.** Each held vertex wants to be where it would be if it had moved with the target. The pull is
-//! a rate towards a velocity, `RATE (w − v)`, and `w` is the target's velocity plus the way that is missing over
-//! [`SETTLE`]: critically damped by construction, since nothing but the velocity has inertia. The step takes the
-//! rate implicitly in the velocity, as it does drag, so that no strength is unstable; a force stiff in the position
-//! would need room in the solve, which has no ninth buffer. The acceleration is at most [`STRONGEST`]: hair that is
-//! pulled beyond its length is taut, not torn, and what it stores of it is too little to see when it is let go.
-//! Near an obstacle `w` leads no deeper than its surface.
+//! **What pulls.** The target of each held vertex is where it would be if it had moved with the grab's
+//! target. The pull is a rate towards a velocity, `RATE (w − v)`, and `w` is the target's velocity plus the
+//! remaining offset over [`SETTLE`]: critically damped by construction, since nothing but the velocity has
+//! inertia. The step treats the rate implicitly in the velocity, as it does drag, so that no strength is
+//! unstable; a force stiff in the position would need a term in the solve, which has no ninth buffer. The
+//! acceleration is at most [`STRONGEST`]: hair pulled beyond its length becomes taut, and the energy
+//! that it stores is too small to see on release. Near an obstacle `w` leads no deeper than its surface.
 //!
-//! **Nothing is read back.** The host knows neither what was hit nor whether anything was; a ray that
-//! meets nothing holds nothing, and the guides move to the bit as without it. A target given by a ray lies in the
-//! plane through the place that was hit, across the ray of the grab.
+//! **Nothing is read back.** The host knows neither what was hit nor whether anything was; a ray that meets
+//! nothing holds nothing, and the guides move bit-identically without it. A target given by a ray lies in
+//! the plane through the hit point, perpendicular to the ray of the grab.
 //!
-//! **Fixed steps.** The target moves from where it was at the end of the last step towards where it is now, in shares
-//! of the frame, as the head does ([`super::clock`]): the same motion at any frame rate. The hair lets go when the head
-//! jumps or the hair is put to rest.
+//! **Fixed steps.** The target moves from its position at the end of the last step towards its current
+//! position, in fractions of the frame, as the head does ([`super::clock`]): the same motion at any frame
+//! rate. The hair is released when the head jumps or the hair is reset to rest.
 //!
-//! **Price.** Buffers and pipelines are made at the first grab; while nobody grabs, nothing is dispatched. While
-//! somebody does, two small kernels per step, and `simulate::step` reads its forces.
+//! **Cost.** Buffers and pipelines are created at the first grab; without a grab, nothing is dispatched.
+//! During a grab there are two small kernels per step, and `simulate::step` reads their forces.
 //!
-//! **Measured** (`tests/grab.rs`): what is held is within 1.5 mm of its place half a second after a drag of 3 cm; pulled out of
-//! reach, and through the head, no edge is more than 0.82 % from its rest length and no vertex in the head; let go
-//! from there it moves at 0.5 m/s after a step and never faster than 2.1 m/s. 30, 60 and 144 frames per second part by 2 µm.
+//! **Measured** (`tests/gpu/grab.rs`): held hair is within 1.5 mm of its target half a second after a drag of
+//! 3 cm; pulled out of reach, and through the head, no edge is more than 0.82 % from its rest length and no
+//! vertex in the head; released from there it moves at 0.5 m/s after a step and never faster than 2.1 m/s.
+//! At 30, 60 and 144 frames per second positions differ by 2 µm.
 //!
-//! **Known limit.** Strands between a guide that is held and one that is not lie between both: where guides are
-//! few, a lifted lock is a fan.
+//! **Known limit.** Strands between a held guide and a free one are interpolated between both: where guides
+//! are sparse, a lifted lock is a fan.
 //!
-//! **Untried.** Turning a lock with the hand; grabbing drawn strands alone, which hang on guides.
+//! **Untried.** Rotating a lock by hand; grabbing drawn strands alone, which follow the guides.
 
 mod kernels;
 

@@ -1,4 +1,4 @@
-//! What the grid does to the hair.
+//! The effect of the grid on the hair.
 
 use super::scene::{N, Scene, cube, somewhere, still};
 use crate::{

@@ -1,4 +1,4 @@
-//! What is splatted of many guides, and what it costs.
+//! Splatting many guides with few samples: error and cost.
 
 use super::{
     push::outward,

@@ -1,4 +1,4 @@
-//! What of the hair is in the grid.
+//! The hair in the grid.
 
 use super::scene::{H, N, Scene, cube, somewhere, still, swirl};
 use crate::{

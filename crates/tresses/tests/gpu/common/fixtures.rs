@@ -6,10 +6,13 @@ use std::{
     path::{Path, PathBuf},
     sync::{Arc, Mutex, OnceLock, PoisonError},
 };
-use tresses::groom::{
-    SdfGrid, Strands, TriMesh, import,
-    mesh::sdf,
-    styles::{self, Character, GridScalp, Style},
+use tresses::{
+    drape::{self, Character},
+    groom::{
+        SdfGrid, Strands, TriMesh, import,
+        mesh::sdf,
+        styles::{GridScalp, Style},
+    },
 };
 
 /// The built-in style `name` with `strands` strands; made once. `None` where there is no GPU.
@@ -23,7 +26,7 @@ pub fn character(name: &str, strands: u32) -> Option<Arc<Character>> {
     };
     let made = place.get_or_init(|| {
         let style = name.parse::<Style>().expect("a style");
-        let made = styles::character(&gpu.device, &gpu.queue, simulate, &style, Some(strands));
+        let made = drape::character(&gpu.device, &gpu.queue, simulate, &style, Some(strands));
         Arc::new(pollster::block_on(made).expect("a character"))
     });
     Some(made.clone())

@@ -6,13 +6,13 @@ use super::{
 };
 use crate::common;
 use tresses::{
-    Pose,
+    Pose, drape,
     glam::{Quat, Vec3},
     groom::{
         BindOptions, GuideCount, SdfGrid, bind,
         import::{self, ImportOptions},
         mannequin,
-        styles::{self, GUIDE_VERTICES, Style},
+        styles::{GUIDE_VERTICES, Style},
     },
     simulate::{GuideTraits, RestShape, SimulationParams},
 };
@@ -31,7 +31,7 @@ pub fn style(lab: &Lab, name: &str) -> Subject {
     let (device, queue) = (&lab.gpu.device, &lab.gpu.queue);
     let style = name.parse::<Style>().unwrap();
     let (styled, scalp) =
-        pollster::block_on(styles::settled(device, queue, lab.simulate, &style, &())).unwrap();
+        pollster::block_on(drape::settled(device, queue, lab.simulate, &style, &())).unwrap();
     let traits = styled.stiffness.iter().map(|&stiffness| GuideTraits { stiffness, ..Default::default() });
     Subject {
         name: name.into(),

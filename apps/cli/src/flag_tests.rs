@@ -1,0 +1,177 @@
+//! Flags stay: scripts, documentation and habits hold them.
+
+use super::Cli;
+use clap::CommandFactory;
+
+/// The flags of what hair is like, of `render`, `studio` and `preset`.
+const SETTINGS: &[&str] = &[
+    "ambient",
+    "avoid",
+    "clump",
+    "colliders",
+    "color",
+    "color-map",
+    "coverage",
+    "curl",
+    "curl-curve",
+    "curl-map",
+    "density-map",
+    "environment",
+    "environment-strength",
+    "environment-turn",
+    "flyaways",
+    "frizz",
+    "front",
+    "guides",
+    "gusts",
+    "hair-hair",
+    "head",
+    "head-front",
+    "head-unit",
+    "head-up",
+    "highlight-spread",
+    "layers",
+    "length-map",
+    "light",
+    "lightness-spread",
+    "lod",
+    "lod-bias",
+    "lod-maps",
+    "melanin",
+    "mirror",
+    "preset",
+    "roughness",
+    "samples",
+    "save-preset",
+    "set",
+    "shade-per",
+    "shading",
+    "shadow-resolution",
+    "shadow-softness",
+    "shadows",
+    "shadows-per-pixel",
+    "ssaa",
+    "stiffness-map",
+    "strands",
+    "strays",
+    "style",
+    "thickness-map",
+    "tip-width",
+    "unit",
+    "up",
+    "warmth-spread",
+    "width",
+    "width-variation",
+    "wind",
+    "wind-seed",
+];
+/// Those that `render` has besides.
+const RENDER: &[&str] = &[
+    "camera",
+    "debug",
+    "debug-max",
+    "distance",
+    "distance-to",
+    "fps",
+    "frames",
+    "motion",
+    "out",
+    "size",
+    "zoom",
+];
+const DEMO: &[&str] = &[
+    "clump",
+    "color-map",
+    "coverage",
+    "curl",
+    "curl-curve",
+    "curl-map",
+    "density-map",
+    "flyaways",
+    "frizz",
+    "highlight-spread",
+    "layers",
+    "length-map",
+    "lightness-spread",
+    "out",
+    "preset",
+    "samples",
+    "save-preset",
+    "set",
+    "ssaa",
+    "stiffness-map",
+    "strays",
+    "style",
+    "thickness-map",
+    "tip-width",
+    "warmth-spread",
+    "width",
+    "width-variation",
+];
+const COMPARE: &[&str] = &[
+    "ambient",
+    "assets",
+    "json",
+    "melanin",
+    "only",
+    "out",
+    "roughness",
+    "samples",
+    "shade-per",
+    "shading",
+    "shadows",
+];
+
+/// Flags of `command` that are missing of `names`.
+fn missing<'a>(command: &str, names: &[&'a str]) -> Vec<&'a str> {
+    let mut cli = Cli::command();
+    cli.build();
+    let command = cli.find_subcommand(command).unwrap();
+    let has = |name: &&&str| command.get_arguments().any(|arg| arg.get_long() == Some(**name));
+    names.iter().filter(|name| !has(name)).copied().collect()
+}
+
+#[test]
+fn no_flag_is_lost() {
+    for command in ["render", "studio", "preset"] {
+        assert_eq!(missing(command, SETTINGS), [""; 0], "{command}");
+    }
+    assert_eq!(missing("render", RENDER), [""; 0]);
+    assert_eq!(missing("demo", DEMO), [""; 0]);
+    assert_eq!(missing("compare", COMPARE), [""; 0]);
+    assert_eq!(missing("compare", &["curl"]), ["curl"], "what is missing would be seen");
+}
+
+#[test]
+fn commands_make_sense() {
+    Cli::command().debug_assert();
+}
+
+#[test]
+fn a_short_help_is_short_and_a_long_one_has_topics() {
+    let mut cli = Cli::command();
+    let render = cli.find_subcommand_mut("render").unwrap();
+    let (short, long) = (render.render_help().to_string(), render.render_long_help().to_string());
+    let count = |text: &str| text.lines().filter(|line| line.trim_start().starts_with("--")).count();
+    assert!((15..=25).contains(&count(&short)), "{short}");
+    assert!(count(&long) >= SETTINGS.len() + RENDER.len(), "{long}");
+    for topic in ["Hair:", "Style:", "Shading:", "Wind:", "Shadows:", "Maps on the scalp:", "Picture:"] {
+        assert!(long.contains(&format!("\n{topic}\n")), "{topic} {long}");
+    }
+    for flag in ["--out", "--size", "--style", "--color", "--curl", "--set"] {
+        assert!(short.contains(flag), "{flag}: {short}");
+    }
+}
+
+#[test]
+fn what_was_meant_is_said() {
+    use clap::Parser;
+    for (words, name) in [
+        (&["tresses", "render", "--styl", "bob"][..], "; did you mean --style?"),
+        (&["tresses", "rendr"], "; did you mean render?"),
+        (&["tresses", "render", "--camera", "frnt"], "; did you mean front?"),
+    ] {
+        let Err(error) = Cli::try_parse_from(words) else { panic!("{words:?} is nothing") };
+        assert_eq!(super::meant(&error).as_deref(), Some(name), "{error}");
+    }
+}

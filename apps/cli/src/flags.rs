@@ -1,0 +1,198 @@
+//! Flags that are made of tables: those of parameters, and those of files that go with the hair.
+
+use anyhow::Result;
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches, error::ErrorKind};
+use std::{marker::PhantomData, str::FromStr};
+use tresses_scene::{
+    Settings,
+    companions::{COMPANIONS, ColorSource, Companion, Kind as Companionship, MapSource},
+    knobs::{Flag, Kind, Knob, SECTIONS, flags::Assigned},
+    preset::Source,
+};
+
+/// Which rows of the table a command has flags of.
+pub trait Rows {
+    /// Whether it has this one.
+    fn has(flag: &Flag) -> bool;
+}
+
+/// All of them.
+#[derive(Clone, Debug, Default)]
+pub struct All;
+
+impl Rows for All {
+    fn has(_: &Flag) -> bool {
+        true
+    }
+}
+
+/// What the flags of parameters say.
+#[derive(Clone, Debug, Default)]
+pub struct RowFlags<R> {
+    given: Vec<(&'static str, Assigned)>,
+    rows: PhantomData<R>,
+}
+
+impl<R: Rows> RowFlags<R> {
+    /// Whether this flag is given.
+    pub fn gives(&self, name: &str) -> bool {
+        self.given.iter().any(|(given, _)| *given == name)
+    }
+
+    /// Puts what is given into `settings`.
+    pub fn apply(&self, settings: &mut Settings) -> Result<()> {
+        self.given.iter().for_each(|(_, assigned)| assigned.reset(settings));
+        self.given.iter().try_for_each(|(_, assigned)| Ok(assigned.set(settings)?))
+    }
+
+    /// Rows that have flags, with the titles of their sections.
+    fn rows() -> impl Iterator<Item = (&'static str, &'static Knob, Flag)> {
+        let rows = SECTIONS.iter().flat_map(|section| section.knobs.iter().map(|row| (section.title, row)));
+        rows.filter_map(|(title, row)| Some((title, row, row.flag.filter(|flag| R::has(flag))?)))
+    }
+}
+
+impl<R: Rows> Args for RowFlags<R> {
+    fn augment_args(command: Command) -> Command {
+        Self::rows().fold(command, |command, (title, row, flag)| command.arg(argument(title, row, flag)))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl<R: Rows> FromArgMatches for RowFlags<R> {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
+        let mut given = Vec::new();
+        let refuse = |kind, sentence: String| Error::raw(kind, sentence + "\n");
+        for (_, row, flag) in Self::rows() {
+            let texts: Vec<&str> = match flag.value {
+                "" => matches.get_flag(flag.name).then_some("on").into_iter().collect(),
+                _ => {
+                    matches.get_many::<String>(flag.name).into_iter().flatten().map(String::as_str).collect()
+                }
+            };
+            if texts.len() > flag.times {
+                let (name, count, most) = (flag.name, texts.len(), flag.times);
+                let sentence = format!("--{name} was given {count} times, but at most {most} are possible");
+                return Err(refuse(ErrorKind::TooManyValues, sentence));
+            }
+            for (time, text) in texts.into_iter().enumerate() {
+                let assigned = row.read_flag(text, time);
+                given.push((flag.name, assigned.map_err(|clause| refuse(ErrorKind::InvalidValue, clause))?));
+            }
+        }
+        Ok(Self { given, rows: PhantomData })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+/// The flag of a row: what it does from its hint, what is allowed and its default from the row.
+fn argument(title: &'static str, row: &'static Knob, flag: Flag) -> Arg {
+    let about = if flag.about.is_empty() { row.hint } else { flag.about };
+    let about = about.trim_end_matches('.');
+    let mut long = format!("{about}.\n{}", row.flag_help());
+    if let Kind::Choice(choices) = row.kind {
+        for choice in choices {
+            long += &format!("\n- {}: {}", choice.name, choice.hint);
+        }
+    }
+    let arg = Arg::new(flag.name)
+        .long(flag.name)
+        .help_heading(title)
+        .help(about.to_owned())
+        .long_help(long.trim_end().to_owned())
+        .hide_short_help(!flag.common);
+    match flag.value {
+        "" => arg.action(ArgAction::SetTrue),
+        value => arg
+            .value_name(value)
+            .action(if flag.times > 1 { ArgAction::Append } else { ArgAction::Set })
+            // A list may begin with a negative number, which is no flag.
+            .allow_hyphen_values(flag.times > 1)
+            .allow_negative_numbers(true)
+            .value_parser(move |text: &str| row.read_flag(text, 0).map(|_| text.to_owned())),
+    }
+}
+
+/// Files that go with the hair: maps, curls, obstacles, surroundings.
+#[derive(Clone, Debug, Default)]
+pub struct CompanionFlags {
+    given: Vec<(&'static Companion, String)>,
+}
+
+impl CompanionFlags {
+    /// Whether the file with this key is given.
+    pub fn gives(&self, key: &str) -> bool {
+        self.given.iter().any(|(companion, _)| companion.key == key)
+    }
+
+    /// Puts what is given into `source`.
+    pub fn apply(&self, source: &mut Source) {
+        self.given.iter().for_each(|(companion, name)| companion.set(source, Some(name.clone())));
+    }
+}
+
+/// What a picture over the scalp is.
+const SCALP: &str = "\nA .png over the scalp, its top the front and its right the left of the head (:r, :g or :b \
+    behind it for one channel), or front, crown, sides, nape, hairline, noise, or not-front ..";
+
+impl Args for CompanionFlags {
+    fn augment_args(command: Command) -> Command {
+        COMPANIONS.iter().fold(command, |command, companion| {
+            let (heading, value) = match companion.kind {
+                Companionship::Map => ("Maps on the scalp", "IMAGE[:C]|NAME"),
+                Companionship::Colors => ("Maps on the scalp", "IMAGE"),
+                _ => ("Files", "FILE"),
+            };
+            let mut long = format!("{}.", companion.hint);
+            if companion.kind == Companionship::Map {
+                long += if companion.key == COMPANIONS[0].key {
+                    SCALP
+                } else {
+                    "\nA picture or a name as for --density-map."
+                };
+            }
+            let kind = companion.kind;
+            let arg = Arg::new(companion.key)
+                .long(companion.flag)
+                .value_name(value)
+                .help_heading(heading)
+                .help(companion.hint)
+                .long_help(long)
+                .hide_short_help(companion.key != "environment")
+                .value_parser(move |text: &str| name(kind, text));
+            command.arg(arg)
+        })
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for CompanionFlags {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
+        let name = |key| matches.get_one::<String>(key).cloned();
+        Ok(Self { given: COMPANIONS.iter().filter_map(|c| Some((c, name(c.key)?))).collect() })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+/// The name of a file of this kind, as a preset has it.
+fn name(kind: Companionship, text: &str) -> Result<String, String> {
+    Ok(match kind {
+        Companionship::Map => MapSource::from_str(text).map_err(|error| error.to_string())?.to_string(),
+        Companionship::Colors => ColorSource::from_str(text).map_err(|error| error.to_string())?.to_string(),
+        _ => text.to_owned(),
+    })
+}

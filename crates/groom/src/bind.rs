@@ -1,0 +1,407 @@
+//! Imported strands: guides are chosen among them, and every other strand is bound to up to three guides.
+
+use super::{BoundStrands, Groom, Guides, Strands, bound, bound::Influence, curve};
+use crate::{
+    Error, MAX_GUIDE_VERTICES, MAX_STRAND_VERTICES, Result,
+    bound::{Strand, strand::pack_color},
+    hash,
+};
+use glam::{UVec3, Vec3};
+use std::collections::HashMap;
+
+/// How many of the strands are simulated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GuideCount {
+    /// One in this many strands.
+    OneIn(u32),
+    /// This many, or all when there are fewer strands.
+    Count(u32),
+    /// Every strand is its own guide.
+    All,
+}
+
+/// How a groom is made of strands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BindOptions {
+    /// How many strands are simulated.
+    pub guides: GuideCount,
+    /// Vertices per guide, 3 to 64; `None`: 32, or as many as the strands have when all are guides.
+    pub guide_vertices: Option<u32>,
+    /// Vertices per drawn strand, 2 to 64; `None`: about 32, such that the strands' own vertices
+    /// are among them.
+    pub strand_vertices: Option<u32>,
+    /// Radius at root and tip, metres; `None`: the file's, or one that covers a head.
+    pub radius: Option<(f32, f32)>,
+}
+
+impl Default for BindOptions {
+    fn default() -> Self {
+        Self { guides: GuideCount::OneIn(16), guide_vertices: None, strand_vertices: None, radius: None }
+    }
+}
+
+/// Default tip radius as a fraction of the root's.
+const TAPER: f32 = 0.4;
+
+/// Chooses guides among `strands` (metres, groom space) and binds all strands to them.
+///
+/// Guides are spread evenly: strands are sorted along a space-filling curve of their roots, cut
+/// into runs of equal size, and of each run the strand nearest to the run's mean shape is taken.
+/// A strand is bound to the guides that are nearest at root, middle and tip together, so that hair
+/// on either side of a parting does not mix.
+///
+/// # Errors
+/// [`Error::Unusable`] without strands; [`Error::Parameter`] for counts out of range.
+pub fn bind(strands: &Strands, options: &BindOptions) -> Result<Groom> {
+    if strands.is_empty() {
+        return Err(Error::Unusable("the groom has no strands".into()));
+    }
+    if let Some(i) = (0..strands.len()).find(|i| strands.range(*i).len() < 2) {
+        return Err(Error::Unusable(format!("strand {i} has fewer than two vertices")));
+    }
+    let typical = typical_vertices(strands);
+    let guide_vertices = options.guide_vertices.unwrap_or(if options.guides == GuideCount::All {
+        typical.clamp(8, MAX_GUIDE_VERTICES)
+    } else {
+        32
+    });
+    let strand_vertices = options.strand_vertices.unwrap_or_else(|| drawn_vertices(typical));
+    in_range("guide_vertices", guide_vertices, 3, MAX_GUIDE_VERTICES, "3 to 64")?;
+    in_range("strand_vertices", strand_vertices, 2, MAX_STRAND_VERTICES, "2 to 64")?;
+
+    let shapes = Shapes::new(strands);
+    let chosen = match options.guides {
+        GuideCount::All => (0..strands.len() as u32).collect(),
+        GuideCount::Count(count) => {
+            in_range("guides", count, 1, u32::MAX, "at least 1")?;
+            shapes.choose(count as usize)
+        }
+        GuideCount::OneIn(n) => {
+            in_range("one guide in", n, 1, u32::MAX, "at least 1")?;
+            shapes.choose(strands.len().div_ceil(n as usize))
+        }
+    };
+    let mut guides = Guides::new(guide_vertices);
+    for &i in &chosen {
+        guides.push(strands.strand(i as usize), 1.0, shapes.pinned[i as usize]);
+    }
+    let lengths: Vec<f32> = (0..guides.len()).map(|i| curve::length(guides.guide(i)).max(1e-9)).collect();
+
+    let mut bound = BoundStrands::new(strand_vertices);
+    let all = options.guides == GuideCount::All;
+    let finder = Finder::new(&shapes, &chosen);
+    for i in 0..strands.len() {
+        let influences = if all {
+            vec![Influence { guide: i as u32, weight: 1.0, scale: 1.0 }]
+        } else {
+            let own = strands.length(i);
+            let mut found = finder.nearest(&shapes, i as u32);
+            for influence in &mut found {
+                influence.scale = own / lengths[influence.guide as usize];
+            }
+            found
+        };
+        for influence in &influences {
+            guides.strands[influence.guide as usize] += influence.weight;
+        }
+        let rest = curve::subdivide(strands.strand(i), strand_vertices as usize);
+        let (strand, radii) = appearance(strands, i, strand_vertices, options);
+        bound.push(strand, &rest, &radii, &influences);
+    }
+    for count in &mut guides.strands {
+        // The one that each guide started with stood for itself.
+        *count = (*count - 1.0).max(1.0);
+    }
+    Ok(Groom { guides, strands: bound })
+}
+
+fn in_range(name: &'static str, value: u32, lo: u32, hi: u32, range: &'static str) -> Result<()> {
+    if (lo..=hi).contains(&value) {
+        Ok(())
+    } else {
+        Err(Error::Parameter { name, value: value.to_string(), range })
+    }
+}
+
+/// The median number of vertices per strand.
+fn typical_vertices(strands: &Strands) -> u32 {
+    let mut counts: Vec<_> = strands.offsets.windows(2).map(|w| w[1] - w[0]).collect();
+    let middle = counts.len() / 2;
+    *counts.select_nth_unstable(middle).1
+}
+
+/// About 32 vertices, one more than a multiple of the segments of a typical strand.
+fn drawn_vertices(typical: u32) -> u32 {
+    let segments = typical.max(2) - 1;
+    let per_segment = (31.0 / segments as f32).round().max(1.0) as u32;
+    (segments * per_segment + 1).min(MAX_STRAND_VERTICES)
+}
+
+/// Radius and colours of strand `i`, and the radius fraction at each drawn vertex.
+fn appearance(strands: &Strands, i: usize, vertices: u32, options: &BindOptions) -> (Strand, Vec<f32>) {
+    let range = strands.range(i);
+    let along = |j: u32| j as f32 / (vertices - 1) as f32;
+    let (radius, fractions) = if let (None, Some(radii)) = (options.radius, strands.radii.get(range.clone()))
+    {
+        let largest = radii.iter().copied().fold(0.0, f32::max).max(1e-9);
+        let at = |s: f32| {
+            let x = s * (radii.len() - 1) as f32;
+            let k = (x as usize).min(radii.len() - 2);
+            let t = x - k as f32;
+            (radii[k] * (1.0 - t) + radii[k + 1] * t) / largest
+        };
+        (largest, (0..vertices).map(|j| at(along(j))).collect())
+    } else {
+        let covering = bound::covering_radius(strands.len());
+        let (root, tip) = options.radius.unwrap_or((covering, TAPER * covering));
+        let largest = root.max(tip).max(1e-9);
+        (largest, (0..vertices).map(|j| (root + (tip - root) * along(j)) / largest).collect())
+    };
+    let colors = strands.colors.get(range).filter(|colors| !colors.is_empty());
+    let color = |pick: fn(&[Vec3]) -> Option<&Vec3>| colors.and_then(pick).map_or(0, |c| pack_color(*c));
+    let strand = Strand {
+        radius,
+        seed: hash::pcg(i as u32),
+        root_color: color(<[Vec3]>::first),
+        tip_color: color(<[Vec3]>::last),
+    };
+    (strand, fractions)
+}
+
+/// Where each strand is at root, middle and tip.
+struct Shapes {
+    points: Vec<[Vec3; 3]>,
+    pinned: Vec<bool>,
+}
+
+impl Shapes {
+    fn new(strands: &Strands) -> Self {
+        let points = strands
+            .iter()
+            .map(|s| {
+                let even = curve::resample(s, 3);
+                [even[0], even[1], even[2]]
+            })
+            .collect();
+        let pinned =
+            (0..strands.len()).map(|i| strands.tip_pinned.get(i).copied().unwrap_or(false)).collect();
+        Self { points, pinned }
+    }
+
+    /// Squared distance of two strands' shapes, roots counting most.
+    fn distance(a: &[Vec3; 3], b: &[Vec3; 3]) -> f32 {
+        a[0].distance_squared(b[0]) + 0.5 * a[1].distance_squared(b[1]) + 0.25 * a[2].distance_squared(b[2])
+    }
+
+    /// `count` strands, well spread over the roots; strands with pinned tips keep guides of their own.
+    fn choose(&self, count: usize) -> Vec<u32> {
+        let (lo, hi) = self
+            .points
+            .iter()
+            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p[0]), hi.max(p[0])));
+        let scale = 1023.0 / (hi - lo).max_element().max(1e-9);
+        let mut order: Vec<u32> = (0..self.points.len() as u32).collect();
+        order.sort_by_cached_key(|&i| {
+            let cell = ((self.points[i as usize][0] - lo) * scale).as_uvec3();
+            (self.pinned[i as usize], morton(cell), i)
+        });
+        let count = count.clamp(1, order.len());
+        let first_pinned = order.partition_point(|&i| !self.pinned[i as usize]);
+        let pinned_share = (order.len() - first_pinned) as f32 / order.len() as f32;
+        let mut pinned_runs = (count as f32 * pinned_share).round() as usize;
+        if first_pinned < order.len() {
+            pinned_runs = pinned_runs.max(1);
+        }
+        if first_pinned > 0 {
+            pinned_runs = pinned_runs.min(count.saturating_sub(1));
+        }
+        let mut chosen = Vec::with_capacity(count);
+        for (part, runs) in
+            [(&order[..first_pinned], count - pinned_runs), (&order[first_pinned..], pinned_runs)]
+        {
+            for run in 0..runs {
+                let members = &part[run * part.len() / runs..(run + 1) * part.len() / runs];
+                chosen.extend(self.medoid(members));
+            }
+        }
+        chosen
+    }
+
+    /// The strand nearest to the mean of `members`.
+    fn medoid(&self, members: &[u32]) -> Option<u32> {
+        let mut mean = [Vec3::ZERO; 3];
+        for &i in members {
+            for (sum, p) in mean.iter_mut().zip(&self.points[i as usize]) {
+                *sum += *p / members.len() as f32;
+            }
+        }
+        let key = |i: u32| Self::distance(&self.points[i as usize], &mean);
+        members.iter().copied().min_by(|a, b| key(*a).total_cmp(&key(*b)))
+    }
+}
+
+/// Interleaves the lower ten bits of each axis.
+fn morton(cell: UVec3) -> u32 {
+    let spread = |v: u32| (0..10).fold(0, |bits, i| bits | (v >> i & 1) << (3 * i));
+    spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2
+}
+
+/// Guides in cells of a hashed grid over their roots.
+struct Finder {
+    cell: f32,
+    cells: HashMap<glam::IVec3, Vec<u32>>,
+    /// For each guide, the strand that it is.
+    chosen: Vec<u32>,
+}
+
+impl Finder {
+    fn new(shapes: &Shapes, chosen: &[u32]) -> Self {
+        let (lo, hi) = chosen.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), &i| {
+            let root = shapes.points[i as usize][0];
+            (lo.min(root), hi.max(root))
+        });
+        // Roots lie on a surface: about two per cell of this size.
+        let cell = ((hi - lo).length() / (chosen.len() as f32).sqrt()).max(1e-6);
+        let mut cells: HashMap<_, Vec<u32>> = HashMap::new();
+        for (guide, &i) in chosen.iter().enumerate() {
+            let key = (shapes.points[i as usize][0] / cell).floor().as_ivec3();
+            cells.entry(key).or_default().push(guide as u32);
+        }
+        Self { cell, cells, chosen: chosen.to_vec() }
+    }
+
+    /// The guides within `reach` cells of `root`.
+    fn around(&self, root: Vec3, reach: i32) -> Vec<u32> {
+        let center = (root / self.cell).floor().as_ivec3();
+        let mut found = Vec::new();
+        for z in -reach..=reach {
+            for y in -reach..=reach {
+                for x in -reach..=reach {
+                    if let Some(guides) = self.cells.get(&(center + glam::IVec3::new(x, y, z))) {
+                        found.extend_from_slice(guides);
+                    }
+                }
+            }
+        }
+        found
+    }
+
+    /// Up to three guides for strand `i`, with weights by inverse squared distance of shapes.
+    fn nearest(&self, shapes: &Shapes, i: u32) -> Vec<Influence> {
+        let own = &shapes.points[i as usize];
+        let pinned = shapes.pinned[i as usize];
+        let mut candidates = Vec::new();
+        for reach in [1, 2, 4] {
+            candidates = self.around(own[0], reach);
+            candidates.retain(|g| shapes.pinned[self.chosen[*g as usize] as usize] == pinned);
+            if candidates.len() >= 3 {
+                break;
+            }
+        }
+        if candidates.is_empty() {
+            // A strand far from every guide of its kind: all of them are candidates.
+            candidates = (0..self.chosen.len() as u32).collect();
+        }
+        let mut ranked: Vec<(f32, u32)> = candidates
+            .into_iter()
+            .map(|g| (Shapes::distance(own, &shapes.points[self.chosen[g as usize] as usize]), g))
+            .collect();
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        ranked.truncate(3);
+        // A guide more than twice as far as the nearest pulls the wrong way: it fades out.
+        let nearest = ranked[0].0.max(1e-8);
+        let weight = |d: f32| (nearest / d.max(1e-8) - 0.2).max(0.0);
+        let total: f32 = ranked.iter().map(|r| weight(r.0)).sum();
+        ranked
+            .iter()
+            .map(|&(d, guide)| Influence { guide, weight: weight(d) / total, scale: 1.0 })
+            .filter(|influence| influence.weight > 0.0)
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Strands on a sphere of 9 cm that hang 10 cm.
+    fn groom(count: usize) -> Strands {
+        let mut strands = Strands::default();
+        for i in 0..count {
+            let y = 1.0 - i as f32 / count as f32;
+            let angle = i as f32 * 2.399_963;
+            let out = Vec3::new((1.0 - y * y).sqrt() * angle.cos(), y, (1.0 - y * y).sqrt() * angle.sin());
+            let curve: Vec<_> = (0..16)
+                .map(|j| {
+                    let s = j as f32 / 15.0;
+                    out * (0.09 + 0.03 * s.sqrt()) - Vec3::Y * 0.1 * s * s
+                })
+                .collect();
+            strands.push(&curve);
+        }
+        strands
+    }
+
+    #[test]
+    fn weights_sum_to_one_and_counts_are_as_asked() {
+        let strands = groom(3000);
+        for (guides, expected) in
+            [(GuideCount::OneIn(16), 188), (GuideCount::Count(100), 100), (GuideCount::All, 3000)]
+        {
+            let groom = bind(&strands, &BindOptions { guides, ..Default::default() }).unwrap();
+            assert_eq!(groom.guides.len(), expected);
+            assert_eq!(groom.strands.len(), 3000);
+            assert_eq!(groom.strands.vertex_count, 31);
+            for b in &groom.strands.bindings {
+                assert!(b.weight_b >= 0.0 && b.weight_c >= 0.0 && b.weight_b + b.weight_c <= 0.667);
+                assert!(b.guides.iter().all(|g| (*g as usize) < expected));
+            }
+            let stood_for: f32 = groom.guides.strands.iter().sum();
+            assert!((stood_for - 3000.0).abs() < 5.0, "{stood_for}");
+        }
+    }
+
+    #[test]
+    fn guides_are_well_spread() {
+        let strands = groom(4000);
+        let groom =
+            bind(&strands, &BindOptions { guides: GuideCount::Count(250), ..Default::default() }).unwrap();
+        let reach = |p: Vec3| {
+            (0..groom.guides.len())
+                .map(|g| groom.guides.guide(g)[0].distance(p))
+                .fold(f32::INFINITY, f32::min)
+        };
+        let farthest = strands.iter().map(|s| reach(s[0])).fold(0.0, f32::max);
+        // A perfect triangular grid of 250 points on this half sphere leaves none farther than 9 mm.
+        assert!(farthest < 0.02, "{farthest}");
+    }
+
+    #[test]
+    fn rest_positions_survive_within_a_tenth_of_a_millimetre() {
+        let strands = groom(500);
+        let groom = bind(&strands, &BindOptions::default()).unwrap();
+        for (i, strand) in strands.iter().enumerate() {
+            let rest: Vec<_> = groom.strands.rest_positions(i).collect();
+            for (j, p) in strand.iter().enumerate() {
+                assert!(rest[2 * j].distance(*p) < 1e-5);
+            }
+        }
+    }
+
+    #[test]
+    fn tips_that_are_pinned_keep_their_own_guides() {
+        let mut strands = groom(1000);
+        strands.tip_pinned = (0..1000).map(|i| i % 5 == 0).collect();
+        let groom = bind(&strands, &BindOptions::default()).unwrap();
+        for (i, b) in groom.strands.bindings.iter().enumerate() {
+            assert_eq!(groom.guides.tip_pinned[b.guides[0] as usize], i % 5 == 0);
+        }
+    }
+
+    #[test]
+    fn nonsense_is_refused() {
+        assert!(bind(&Strands::default(), &BindOptions::default()).is_err());
+        let options = BindOptions { guide_vertices: Some(1000), ..Default::default() };
+        assert!(bind(&groom(10), &options).unwrap_err().to_string().contains("guide_vertices is 1000"));
+    }
+}

@@ -1,0 +1,38 @@
+//! The file formats that are read and written, by extension: the only list of them.
+
+use std::path::Path;
+
+/// Grooms, read and written. An `.obj` is one when it has lines.
+pub const GROOMS: &[&str] = &["tfx", "hair", "obj"];
+/// Heads and other meshes, read. An `.obj` is one when it has faces.
+pub const MESHES: &[&str] = &["obj", "gltf", "glb", "tfxmesh"];
+/// What meshes may need beside them.
+pub const COMPANIONS: &[&str] = &["mtl", "bin"];
+
+/// The extension of a file's name in lower case, or nothing.
+pub fn extension(path: &Path) -> String {
+    path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase()
+}
+
+/// Extensions for a sentence, `joint` before the last: ".tfx, .hair or .obj".
+pub fn listed(extensions: &[&str], joint: &str) -> String {
+    let dotted: Vec<_> = extensions.iter().map(|extension| format!(".{extension}")).collect();
+    match dotted.split_last() {
+        Some((last, [])) => last.clone(),
+        Some((last, others)) => format!("{} {joint} {last}", others.join(", ")),
+        None => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn extensions_make_a_sentence() {
+        assert_eq!(listed(GROOMS, "or"), ".tfx, .hair or .obj");
+        assert_eq!(listed(MESHES, "or"), ".obj, .gltf, .glb or .tfxmesh");
+        assert_eq!(listed(&["png"], "or"), ".png");
+        assert_eq!(extension(Path::new("a/B.GLTF")), "gltf");
+    }
+}

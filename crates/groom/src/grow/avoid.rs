@@ -1,0 +1,86 @@
+//! Keeps rest curves clear of the head.
+
+use crate::styles::random::Rng;
+use crate::styles::{Face, Scalp};
+use glam::Vec3;
+
+/// Rounds of pushing out and restoring lengths.
+const ROUNDS: usize = 2;
+
+/// A push that stretches no segment worth mentioning, metres.
+const TOLERABLE: f32 = 4e-4;
+
+/// A distance field never changes faster than the way; blended and sampled ones are trusted less.
+const TRUST: f32 = 0.7;
+
+pub(crate) struct Keeper<'a> {
+    scalp: &'a dyn Scalp,
+    face: Option<Face>,
+    clearance: f32,
+}
+
+impl<'a> Keeper<'a> {
+    pub(crate) fn new(scalp: &'a dyn Scalp, face: Option<Face>, clearance: f32) -> Self {
+        Self { scalp, face, clearance }
+    }
+
+    /// Moves the vertices of `line` behind the root out of the head and off the face, and restores
+    /// the lengths of its segments as far as that allows.
+    pub(crate) fn keep(&self, line: &mut [Vec3], rng: &mut Rng) {
+        let full = self.clearance * rng.range(0.6, 1.8);
+        let mut lengths = [0.0f32; 64];
+        for (length, w) in lengths.iter_mut().zip(line.windows(2)) {
+            *length = w[0].distance(w[1]);
+        }
+        for round in 0..=ROUNDS {
+            if self.push(line, full, &lengths) < TOLERABLE || round == ROUNDS {
+                break;
+            }
+            for i in 1..line.len() {
+                let edge = line[i] - line[i - 1];
+                line[i] = line[i - 1] + edge.normalize_or(Vec3::NEG_Y) * lengths[i - 1];
+            }
+        }
+    }
+
+    /// Moves vertices out; the longest way that one had to go, metres.
+    fn push(&self, line: &mut [Vec3], full: f32, lengths: &[f32; 64]) -> f32 {
+        let mut moved = 0.0f32;
+        let mut along = 0.0;
+        let mut free = 0.0f32;
+        for i in 1..line.len() {
+            along += lengths[i - 1];
+            // No need to look where the last look left room enough.
+            free -= line[i].distance(line[i - 1]);
+            if free > 0.0 {
+                continue;
+            }
+            let mut p = line[i];
+            if let Some(face) = self.face
+                && face.depth(p) > 0.0
+            {
+                p = face.clear(p, p.x.signum());
+            }
+            let wanted = full.min(0.15 * along + 1e-4);
+            let mut d = self.scalp.distance(p);
+            for _ in 0..4 {
+                if d >= wanted {
+                    break;
+                }
+                p += self.scalp.normal(p) * (wanted - d + 1e-5);
+                d = self.scalp.distance(p);
+            }
+            let face_room = self
+                .face
+                .map_or(1.0, |face| ((p - face.centre).length() - face.radii.max_element()).max(0.0));
+            if p != line[i] {
+                moved = moved.max(p.distance(line[i]));
+                line[i] = p;
+                free = 0.0;
+            } else {
+                free = TRUST * (d - wanted).min(face_room);
+            }
+        }
+        moved
+    }
+}

@@ -1,0 +1,118 @@
+//! A curl drawn by an artist.
+
+use crate::error::{At, Error, Result};
+use crate::{curve, import};
+use glam::Vec3;
+use std::path::Path;
+
+/// Points of a drawn curve at equal steps of its length.
+const POINTS: usize = 256;
+
+/// One turn (or several) of a curl as an artist drew it, without a size: offsets from its own axis at
+/// equal steps of the way along it, the largest of length 1.
+///
+/// The axis is parallel to the line from the first vertex to the last and runs through the middle of
+/// the curve. So the offsets at both ends are the same, and repeated curls join without a break.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CurlCurve {
+    /// x and y: across the axis; z: how far the curve runs ahead of an even advance along the axis.
+    offsets: Vec<Vec3>,
+    /// Length along the axis over the largest distance from it.
+    proportion: f32,
+    turns: f32,
+    /// Whether it is drawn once over the whole strand instead of being repeated every wavelength.
+    pub stretched: bool,
+}
+
+impl CurlCurve {
+    /// A curl from the polyline `points`, in any unit, from root to tip.
+    ///
+    /// # Errors
+    /// [`Error::Unusable`] for fewer than three points, a closed curve, a straight one, and coordinates
+    /// that are not finite.
+    pub fn new(points: &[Vec3]) -> Result<Self> {
+        let refuse = |what: &str| Err(Error::Unusable(format!("the curl's curve {what}")));
+        if points.len() < 3 {
+            return refuse("has fewer than three points");
+        }
+        if points.iter().any(|p| !p.is_finite()) {
+            return refuse("has coordinates that are not finite");
+        }
+        let even = curve::resample_chords(points, POINTS);
+        let way = even[POINTS - 1] - even[0];
+        let axis = way.normalize_or_zero();
+        if way.length() <= 1e-3 * curve::length(points) {
+            return refuse("ends where it begins, so that it has no axis");
+        }
+        let across = |p: Vec3| p - axis * p.dot(axis);
+        // The end repeats the beginning and must not count twice.
+        let middle =
+            even[..POINTS - 1].iter().map(|p| across(*p - even[0])).sum::<Vec3>() / (POINTS - 1) as f32;
+        let out: Vec<Vec3> = even.iter().map(|p| across(*p - even[0]) - middle).collect();
+        let largest = out.iter().map(|o| o.length()).fold(0.0, f32::max);
+        if largest < 1e-4 * way.length() {
+            return refuse("is straight");
+        }
+        let u = out[0].normalize_or(axis.any_orthonormal_vector());
+        let v = axis.cross(u);
+        let offsets: Vec<Vec3> = (0..POINTS)
+            .map(|i| {
+                let even_advance = way.length() * i as f32 / (POINTS - 1) as f32;
+                let ahead = (even[i] - even[0]).dot(axis) - even_advance;
+                Vec3::new(out[i].dot(u), out[i].dot(v), ahead) / largest
+            })
+            .collect();
+        let turns = turns(&offsets);
+        Ok(Self { offsets, proportion: way.length() / largest, turns, stretched: false })
+    }
+
+    /// The only polyline of the groom file at `path` (OBJ lines, or any other that holds strands).
+    ///
+    /// # Errors
+    /// What reading the file says; [`Error::File`] for a file of several curves and for a curve that
+    /// [`new`](Self::new) refuses.
+    pub fn read(path: &Path) -> Result<Self> {
+        Self::parse(path, &import::load(path)?)
+    }
+
+    /// [`read`](Self::read) from bytes; `path` decides the format and stands in errors.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self> {
+        let raw = import::parse(path, bytes, false)?;
+        let wrong = |problem| Error::File { path: path.to_path_buf(), at: At::File, problem };
+        if raw.strands.len() != 1 {
+            return Err(wrong(format!("{} curves; a curl is one", raw.strands.len())));
+        }
+        Self::new(raw.strands.strand(0)).map_err(|error| wrong(error.to_string()))
+    }
+
+    /// Length along the axis of the whole curve that is `radius` metres wide to either side, as drawn.
+    pub fn length_for(&self, radius: f32) -> f32 {
+        self.proportion * radius
+    }
+
+    /// About how many turns or waves it has.
+    pub fn turns(&self) -> f32 {
+        self.turns
+    }
+
+    /// The offset at the fraction `s` of the curve, repeated outside of 0 to 1: x and y across the axis,
+    /// z along it, the largest across of length 1.
+    pub fn at(&self, s: f32) -> Vec3 {
+        let x = (s - s.floor()) * (POINTS - 1) as f32;
+        let i = (x as usize).min(POINTS - 2);
+        self.offsets[i].lerp(self.offsets[i + 1], x - i as f32)
+    }
+}
+
+/// How often the offsets go around or back and forth: half the number of times that they cross the plane
+/// through the axis that they are furthest from, at least 1.
+fn turns(offsets: &[Vec3]) -> f32 {
+    let far = offsets.iter().copied().max_by(|a, b| a.x.hypot(a.y).total_cmp(&b.x.hypot(b.y)));
+    let way = far.unwrap_or(Vec3::X).truncate().normalize_or_zero();
+    let side = |o: &Vec3| o.truncate().dot(way) >= 0.0;
+    let crossings = offsets.windows(2).filter(|w| side(&w[0]) != side(&w[1])).count();
+    (crossings as f32 / 2.0).max(1.0)
+}

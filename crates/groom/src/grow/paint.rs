@@ -1,0 +1,220 @@
+//! Values painted on the scalp, on top of those of a style or a file.
+
+use super::ScalpMap;
+use crate::bound::strand::pack_color;
+use crate::styles::random::Rng;
+use crate::styles::scalp_uv;
+use crate::{Error, Result};
+use crate::{Strands, bound::covering_radius, curve};
+use glam::{Vec2, Vec3};
+
+/// Length under which nothing is left of a strand, as a fraction of what it had.
+const SHAVED: f32 = 0.02;
+
+/// Width under which nothing is left of a strand, as a fraction of what it had.
+const VANISHED: f32 = 0.01;
+
+/// Colours painted on the scalp: the albedo, linear sRGB.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColorMap {
+    /// Red, green and blue.
+    pub channels: [ScalpMap; 3],
+}
+
+impl ColorMap {
+    /// The colour at `uv`, linear.
+    pub fn sample(&self, uv: Vec2) -> Vec3 {
+        Vec3::from_array([0, 1, 2].map(|c| self.channels[c].sample(uv)))
+    }
+
+    /// The colours of root and tip of a strand rooted at `uv`, packed for
+    /// [`Strand`](crate::bound::Strand): darker at the root and lighter at the tip, by as much as
+    /// the default colours of `tresses` are.
+    pub fn strand(&self, uv: Vec2) -> [u32; 2] {
+        let albedo = self.sample(uv);
+        [pack_color(ROOT * albedo), pack_color(TIP * albedo)]
+    }
+}
+
+/// Albedo at the root and at the tip against the painted one.
+const ROOT: f32 = 0.8;
+const TIP: f32 = 1.25;
+
+/// Maps over the scalp; each multiplies what is there without it, so that white changes nothing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Paint {
+    /// Share of the strands that stay.
+    pub density: Option<ScalpMap>,
+    /// Factor of the widths; strands of no width are left out.
+    pub thickness: Option<ScalpMap>,
+    /// Factor of the lengths; strands are cut, those of no length are left out.
+    pub length: Option<ScalpMap>,
+    /// Factor of the radius of curls.
+    pub curl: Option<ScalpMap>,
+    /// Colours of the strands.
+    pub color: Option<ColorMap>,
+}
+
+fn factor(map: Option<&ScalpMap>, uv: Vec2) -> f32 {
+    map.map_or(1.0, |map| map.sample(uv))
+}
+
+impl Paint {
+    /// What the maps make of a strand rooted at `uv`: factors of length and width, or `None` when there
+    /// is to be none. `chance` is a random number from 0 to 1.
+    pub(crate) fn strand(&self, uv: Vec2, chance: f32) -> Option<[f32; 2]> {
+        let length = factor(self.length.as_ref(), uv).min(1.0);
+        let width = factor(self.thickness.as_ref(), uv);
+        let stays = chance < factor(self.density.as_ref(), uv) && length > SHAVED && width > VANISHED;
+        stays.then_some([length, width])
+    }
+
+    /// The factor of curls rooted at `uv`.
+    pub(crate) fn curl(&self, uv: Vec2) -> f32 {
+        factor(self.curl.as_ref(), uv)
+    }
+
+    /// Thins out, cuts, scales and colours the imported `strands` (groom space, metres) by where their
+    /// roots lie as seen from `skull`, the middle of the braincase. What a strand is spared is decided
+    /// by `seed`. The map of curls is left to [`restyle`](crate::restyle).
+    ///
+    /// # Errors
+    /// [`Error::Unusable`] when nothing is left.
+    pub fn apply(&self, strands: &Strands, skull: Vec3, seed: u32) -> Result<Strands> {
+        let all = strands.len();
+        let mut out = Strands { offsets: vec![0], ..Strands::default() };
+        let covering = covering_radius(all);
+        for i in 0..all {
+            let line = strands.strand(i);
+            let Some(root) = line.first() else { continue };
+            let uv = scalp_uv(*root - skull);
+            let chance = Rng::new(seed ^ 0xd09, i as u32).unit();
+            let Some([length, width]) = self.strand(uv, chance) else { continue };
+            let n = line.len();
+            let range = strands.range(i);
+            // The same vertices over less of the way.
+            let places = if length < 1.0 { cut(line, length) } else { (0..n).map(|k| k as f32).collect() };
+            let lerp_at = |x: f32| {
+                ((x as usize).min(n.saturating_sub(2)), x - (x as usize).min(n.saturating_sub(2)) as f32)
+            };
+            out.positions.extend(places.iter().map(|x| {
+                let (k, f) = lerp_at(*x);
+                line[k].lerp(line[(k + 1).min(n - 1)], f)
+            }));
+            out.offsets.push(out.positions.len() as u32);
+            if let Some(radii) = strands.radii.get(range.clone()).filter(|r| !r.is_empty()) {
+                out.radii.extend(places.iter().map(|x| {
+                    let (k, f) = lerp_at(*x);
+                    width * (radii[k] + (radii[(k + 1).min(n - 1)] - radii[k]) * f)
+                }));
+            } else if self.thickness.is_some() {
+                let taper = |k: usize| 1.0 - 0.6 * k as f32 / (n - 1).max(1) as f32;
+                out.radii.extend((0..n).map(|k| width * covering * taper(k)));
+            }
+            if let Some(color) = &self.color {
+                let albedo = color.sample(uv);
+                let along = |k: usize| ROOT + (TIP - ROOT) * k as f32 / (n - 1).max(1) as f32;
+                out.colors.extend((0..n).map(|k| (albedo * along(k)).min(Vec3::ONE)));
+            } else {
+                out.colors.extend(strands.colors.get(range).into_iter().flatten());
+            }
+            out.root_uvs.extend(strands.root_uvs.get(i));
+            // A strand that is cut lets go of what held its tip.
+            out.tip_pinned.extend(strands.tip_pinned.get(i).map(|pinned| *pinned && length >= 1.0));
+        }
+        if out.is_empty() {
+            return Err(Error::Unusable(
+                "the maps leave no strand: they are black wherever hair is rooted".into(),
+            ));
+        }
+        Ok(out)
+    }
+}
+
+/// For each vertex of `line` the place, in vertices, that it moves to when the line ends at the fraction
+/// `share` of its length.
+fn cut(line: &[Vec3], share: f32) -> Vec<f32> {
+    let n = line.len();
+    let end = share * curve::length(line);
+    let mut passed = 0.0;
+    let mut last = (n - 1) as f32;
+    for (k, w) in line.windows(2).enumerate() {
+        let step = w[0].distance(w[1]);
+        if passed + step >= end {
+            last = k as f32 + if step > 0.0 { (end - passed) / step } else { 0.0 };
+            break;
+        }
+        passed += step;
+    }
+    (0..n).map(|k| last * k as f32 / (n - 1).max(1) as f32).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Strands all over a head at the origin, 10 cm long, straight out.
+    fn ball(count: usize) -> Strands {
+        let mut strands = Strands::default();
+        for i in 0..count {
+            let dir = crate::styles::spread_direction(i as u32, Vec2::new(0.3, 0.6));
+            let line: Vec<Vec3> = (0..11).map(|k| dir * (0.09 + 0.01 * k as f32)).collect();
+            strands.push(&line);
+        }
+        strands
+    }
+
+    fn left() -> ScalpMap {
+        ScalpMap::from_fn(64, |uv| if uv.x > 0.5 { 1.0 } else { 0.25 })
+    }
+
+    /// The mean of `value` over the strands that are rooted well to the left of the head, and to the right.
+    fn sides(strands: &Strands, value: impl Fn(usize) -> f32) -> [f32; 2] {
+        [1.0, -1.0].map(|side| {
+            let there: Vec<f32> =
+                (0..strands.len()).filter(|i| strands.strand(*i)[0].x * side > 0.03).map(&value).collect();
+            there.iter().sum::<f32>() / there.len().max(1) as f32
+        })
+    }
+
+    #[test]
+    fn paint_acts_where_it_is() {
+        let strands = ball(4000);
+        let count =
+            |s: &Strands, side: f32| (0..s.len()).filter(|i| s.strand(*i)[0].x * side > 0.03).count() as f32;
+        let thin =
+            Paint { density: Some(left()), ..Paint::default() }.apply(&strands, Vec3::ZERO, 1).unwrap();
+        let kept = [1.0, -1.0].map(|side| count(&thin, side) / count(&strands, side));
+        let good = |[l, r]: [f32; 2]| l == 1.0 && (r - 0.25).abs() < 0.04;
+        assert!(good(kept) && !good([kept[1], kept[0]]), "{kept:?}");
+
+        let cut = Paint { length: Some(left()), ..Paint::default() }.apply(&strands, Vec3::ZERO, 1).unwrap();
+        let lengths = sides(&cut, |i| cut.length(i));
+        let good = |[l, r]: [f32; 2]| (l - 0.1).abs() < 1e-5 && (r - 0.025).abs() < 1e-5;
+        assert!(good(lengths) && !good([lengths[1], lengths[0]]), "{lengths:?}");
+
+        let fine =
+            Paint { thickness: Some(left()), ..Paint::default() }.apply(&strands, Vec3::ZERO, 1).unwrap();
+        let widths = sides(&fine, |i| fine.radii[fine.range(i).start]);
+        assert!((widths[1] / widths[0] - 0.25).abs() < 1e-4, "{widths:?}");
+
+        let grey = ScalpMap::from_fn(2, |_| 0.2);
+        let color = Some(ColorMap { channels: [left(), grey.clone(), grey] });
+        let red = Paint { color, ..Paint::default() }.apply(&strands, Vec3::ZERO, 1).unwrap();
+        let roots = sides(&red, |i| red.colors[red.range(i).start].x);
+        assert!((roots[0] - 0.8).abs() < 1e-5 && (roots[1] - 0.2).abs() < 1e-5, "{roots:?}");
+        assert_eq!(Paint::default().apply(&strands, Vec3::ZERO, 1).unwrap(), strands);
+    }
+
+    #[test]
+    fn black_everywhere_is_refused() {
+        let black = ScalpMap::from_fn(2, |_| 0.0);
+        for paint in [
+            Paint { density: Some(black.clone()), ..Paint::default() },
+            Paint { length: Some(black.clone()), ..Paint::default() },
+            Paint { thickness: Some(black), ..Paint::default() },
+        ] {
+            assert!(paint.apply(&ball(20), Vec3::ZERO, 1).is_err());
+        }
+    }
+}

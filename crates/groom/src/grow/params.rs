@@ -1,0 +1,244 @@
+//! The parameters of growth.
+
+use super::{Curls, Paint, ScalpMap};
+use crate::MAX_STRAND_VERTICES;
+use crate::bound::covering_radius;
+use crate::styles::{Curly, Style};
+use crate::{Error, Result};
+
+/// More strands than any adapter holds today, and few enough to be grown in memory.
+const MOST_STRANDS: u32 = 4_000_000;
+
+/// Which kinds of strands are grown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Kind {
+    /// Around single guides.
+    Clump,
+    /// Between three guides.
+    Multi,
+    /// Both.
+    #[default]
+    Both,
+}
+
+/// How strands gather.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clumps {
+    /// Distance between clump centres on the scalp, metres.
+    pub spacing: f32,
+    /// How far strands run together at the tip, 0 to 1.
+    pub strength: f32,
+    /// Fraction of the length at which they begin to; below 0 where they grow together.
+    pub start: f32,
+    /// How far strands are drawn to their heaviest guide at the tip, 0 to 1: the locks.
+    pub lock: f32,
+    /// Width of a clump-based strand's place around its guide at the tip against that at the root.
+    pub tip_spread: f32,
+}
+
+impl Clumps {
+    /// Clumps that curl as `curls` do. Round curls show when a lock of a centimetre or so, no thicker than
+    /// the curl is wide, winds as one from near its root; waves run through and change little.
+    pub fn curled(self, curls: &Curls) -> Self {
+        let round = 1.0 - curls.flatness;
+        let mix = |a: f32, b: f32| a + (b - a) * round;
+        Self {
+            spacing: mix(self.spacing.max(0.007), (1.45 * curls.radius).clamp(0.005, 0.016)),
+            strength: mix(self.strength.max(0.7), 0.97),
+            start: mix(self.start, -0.4),
+            lock: mix(self.lock, 0.1),
+            tip_spread: mix(self.tip_spread, 0.8),
+        }
+    }
+}
+
+/// How single strands differ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unrest {
+    /// Amplitude of the fine waves that every strand has, metres.
+    pub frizz: f32,
+    /// Share of strands that stray a little, at the tip alone.
+    pub strays: f32,
+    /// How far they stray, metres.
+    pub stray: f32,
+    /// Share of strands, thin ones, that stray a lot.
+    pub flyaways: f32,
+    /// How far those stray, metres.
+    pub flyaway: f32,
+    /// Greatest shortening of strands against their guides, as a fraction.
+    pub shorter: f32,
+}
+
+/// How strands grow from guides. Counts come from maps, as in a groom made by hand, or as one
+/// exact total.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Growth {
+    /// Which kinds of strands.
+    pub kind: Kind,
+    /// The exact number of strands, before [`paint`](Self::paint) thins them out; `None` for what the counts and maps give.
+    pub strand_count: Option<u32>,
+    /// Share of clump-based strands where the total is given and both kinds grow.
+    pub clump_share: f32,
+    /// Strands around a guide where the map is 1.
+    pub clump_count: u32,
+    /// Strands in a triangle of guides where the map is 1.
+    pub multi_count: u32,
+    /// Density of clump-based strands over the scalp; `None` for one that thins out at the hairline.
+    pub clump_map: Option<ScalpMap>,
+    /// Density of multi-strands (the green channel of the original's map); `None` as above.
+    pub density_map: Option<ScalpMap>,
+    /// Thickness of strands (the red channel), 1 for the full width; `None` for one that is finer
+    /// at the hairline.
+    pub thickness_map: Option<ScalpMap>,
+    /// Vertices of each strand, 2 to 64.
+    pub vertices: u32,
+    /// Diameter of a strand, metres; `None` for 80 µm at 100,000 strands and more at fewer, so
+    /// that they cover as much.
+    pub diameter: Option<f32>,
+    /// Standard deviation of the diameter as a fraction.
+    pub width_variation: f32,
+    /// Fraction of the length at which strands begin to taper.
+    pub taper_start: f32,
+    /// Width at the tip as a fraction.
+    pub tip_width: f32,
+    /// Clumps and locks.
+    pub clumps: Clumps,
+    /// Curls of all strands; their locks are the clumps.
+    pub curls: Curls,
+    /// Maps on top of the above. They take away: the number of strands is that before the painted
+    /// density.
+    pub paint: Paint,
+    /// Differences between single strands.
+    pub unrest: Unrest,
+    /// Smallest distance of strands from the skin, metres.
+    pub clearance: f32,
+    /// What every random choice follows from.
+    pub seed: u32,
+}
+
+impl Default for Growth {
+    fn default() -> Self {
+        Self::for_style(&Style::default())
+    }
+}
+
+impl Growth {
+    /// The growth that suits `style`.
+    pub fn for_style(style: &Style) -> Self {
+        let base = Self {
+            kind: Kind::Both,
+            strand_count: Some(20_000),
+            clump_share: 0.3,
+            clump_count: 80,
+            multi_count: 45,
+            clump_map: None,
+            density_map: None,
+            thickness_map: None,
+            vertices: 32,
+            diameter: None,
+            width_variation: 0.13,
+            taper_start: 0.45,
+            tip_width: 0.25,
+            clumps: Clumps { spacing: 0.0055, strength: 0.8, start: 0.05, lock: 0.35, tip_spread: 0.45 },
+            unrest: Unrest {
+                frizz: 0.0003,
+                strays: 0.25,
+                stray: 0.004,
+                flyaways: 0.035,
+                flyaway: 0.016,
+                shorter: 0.11,
+            },
+            curls: Curls::default(),
+            paint: Paint::default(),
+            clearance: 0.001,
+            seed: style.recipe().seed,
+        };
+        match style {
+            Style::Long(_) => base,
+            Style::Bob(_) => Self {
+                clumps: Clumps { spacing: 0.005, strength: 0.55, start: 0.1, lock: 0.15, tip_spread: 0.7 },
+                unrest: Unrest { frizz: 0.0003, stray: 0.0025, flyaway: 0.01, shorter: 0.06, ..base.unrest },
+                ..base
+            },
+            Style::Curly(Curly { diameter, .. }) => Self {
+                vertices: 64,
+                curls: Curls { radius: 0.5 * diameter, ..Curls::ringlets() },
+                clump_share: 0.2,
+                clumps: Clumps { spacing: 0.013, strength: 0.97, start: -0.4, lock: 0.1, tip_spread: 0.8 },
+                unrest: Unrest { frizz: 0.0005, flyaways: 0.05, flyaway: 0.014, shorter: 0.2, ..base.unrest },
+                ..base
+            },
+            Style::Short(_) => Self {
+                strand_count: Some(30_000),
+                vertices: 16,
+                clump_share: 0.25,
+                clumps: Clumps { spacing: 0.0065, strength: 0.6, start: 0.1, lock: 0.2, tip_spread: 0.6 },
+                unrest: Unrest { frizz: 0.0004, stray: 0.003, flyaway: 0.006, shorter: 0.22, ..base.unrest },
+                ..base
+            },
+        }
+    }
+
+    /// The same growth with curls, and with the clumps that suit them: locks that hold together from
+    /// near the root on, and as many vertices as there may be.
+    pub fn with_curls(mut self, curls: Curls) -> Self {
+        if curls.any() {
+            self.vertices = MAX_STRAND_VERTICES;
+            self.clumps = self.clumps.curled(&curls);
+        }
+        self.curls = curls;
+        self
+    }
+
+    /// The same growth with exactly `count` strands.
+    pub fn with_strands(mut self, count: u32) -> Self {
+        self.strand_count = Some(count);
+        self
+    }
+
+    /// The usual diameter of `count` strands, metres.
+    pub fn diameter_for(&self, count: usize) -> f32 {
+        self.diameter.unwrap_or_else(|| 2.0 * covering_radius(count))
+    }
+
+    /// Checks that every value is in its range.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a value out of range.
+    pub fn check(&self) -> Result<()> {
+        let fraction = |name, v: f32| match (0.0..=1.0).contains(&v) {
+            true => Ok(()),
+            false => Err(Error::Parameter { name, value: v.to_string(), range: "from 0 to 1" }),
+        };
+        let length = |name, v: f32| match v.is_finite() && (0.0..=1.0).contains(&v) {
+            true => Ok(()),
+            false => Err(Error::Parameter { name, value: v.to_string(), range: "from 0 to 1 metre" }),
+        };
+        if !(2..=64).contains(&self.vertices) {
+            let value = self.vertices.to_string();
+            return Err(Error::Parameter { name: "vertices of each strand", value, range: "from 2 to 64" });
+        }
+        if let Some(count) = self.strand_count.filter(|count| *count > MOST_STRANDS) {
+            let value = count.to_string();
+            return Err(Error::Parameter { name: "number of strands", value, range: "at most 4,000,000" });
+        }
+        fraction("clump share", self.clump_share)?;
+        fraction("taper start", self.taper_start)?;
+        fraction("tip width", self.tip_width)?;
+        fraction("width variation", self.width_variation)?;
+        fraction("clump strength", self.clumps.strength)?;
+
+        fraction("lock strength", self.clumps.lock)?;
+        fraction("clump tip spread", self.clumps.tip_spread)?;
+        fraction("share of strays", self.unrest.strays)?;
+        fraction("share of flyaways", self.unrest.flyaways)?;
+        fraction("shortening", self.unrest.shorter)?;
+        self.curls.check()?;
+        length("clump spacing", self.clumps.spacing)?;
+        length("frizz", self.unrest.frizz)?;
+        length("stray", self.unrest.stray)?;
+        length("flyaway", self.unrest.flyaway)?;
+        length("clearance", self.clearance)?;
+        length("diameter", self.diameter.unwrap_or(0.0))
+    }
+}

@@ -1,0 +1,205 @@
+//! The rest curve of a strand.
+
+use super::avoid::Keeper;
+use super::bind::{Scaffold, frames_from};
+use super::cells::Cells;
+use super::seed::Seed;
+use super::unrest::unrest;
+use super::{CurlStrand, Curls, Growth, Twist};
+use crate::styles::random::{Rng, lerp, smoothstep};
+use crate::styles::{Scalp, StyledGuides, stereographic};
+use glam::{Vec2, Vec3};
+
+/// Points of the curve of a clump's centre.
+const CENTRE_POINTS: usize = 33;
+
+/// How a clump curls.
+#[derive(Clone, Copy, Debug)]
+struct ClumpTwist {
+    twist: Twist,
+    /// The length of its centre, metres.
+    length: f32,
+    /// The fraction of its path that it takes.
+    fraction: f32,
+}
+
+/// What came of a strand.
+pub(crate) struct Filled {
+    /// Width against the usual one.
+    pub(crate) fineness: f32,
+    /// Fraction of the guides at which it ends.
+    pub(crate) fraction: f32,
+}
+
+pub(crate) struct Shaper<'a> {
+    scaffold: &'a Scaffold<'a>,
+    growth: &'a Growth,
+    keeper: Keeper<'a>,
+    /// The clump of each strand.
+    clump: Vec<u32>,
+    /// The uncut curve of each clump's centre.
+    centres: Vec<Vec3>,
+    /// Two directions across it at each of its points.
+    across: Vec<[Vec3; 2]>,
+    /// How each clump curls, where hair curls.
+    twists: Vec<ClumpTwist>,
+}
+
+impl<'a> Shaper<'a> {
+    pub(crate) fn new(
+        scaffold: &'a Scaffold,
+        styled: &'a StyledGuides,
+        growth: &'a Growth,
+        scalp: &'a dyn Scalp,
+        seeds: &[Seed],
+    ) -> Self {
+        let skull = scalp.landmarks().skull;
+        let mut shaper = Self {
+            scaffold,
+            growth,
+            keeper: Keeper::new(scalp, styled.face, growth.clearance),
+            clump: vec![0; seeds.len()],
+            centres: Vec::new(),
+            across: Vec::new(),
+            twists: Vec::new(),
+        };
+        // A scalp has about 0.065 square metres. The first strands are as evenly spread as all.
+        let wanted = (0.065 / growth.clumps.spacing.max(5e-4).powi(2)) as usize;
+        let count = wanted.min(seeds.len() / 4);
+        let flat = |seed: &Seed| stereographic(seed.root - skull);
+        let places: Vec<Vec2> = seeds[..count].iter().map(flat).collect();
+        let sizes: Vec<f32> =
+            (0..count).map(|i| Rng::new(growth.seed ^ 0xc1, i as u32).range(0.55, 1.6).powi(-2)).collect();
+        let cells = Cells::new(places);
+        for (i, seed) in seeds.iter().enumerate() {
+            let cost = |k: usize, d: f32| {
+                // Hair does not cross the parting to its clump.
+                let across = seed.beside < 0.02 && seeds[k].side != seed.side;
+                d * sizes[k] + if across { 1.0 } else { 0.0 }
+            };
+            // The nearest by mere distance decides for centres themselves: each is its own.
+            let own = if i < count { Some(i) } else { cells.nearest(flat(seed), 0.39, cost) };
+            shaper.clump[i] = own.unwrap_or(0) as u32;
+        }
+        shaper.centres = vec![Vec3::ZERO; count * CENTRE_POINTS];
+        let mut centres = std::mem::take(&mut shaper.centres);
+        for (seed, line) in seeds.iter().zip(centres.as_chunks_mut::<CENTRE_POINTS>().0) {
+            shaper.base(&Seed { fraction: 1.0, ..*seed }, line);
+        }
+        if growth.curls.any() {
+            for (i, (seed, line)) in seeds.iter().zip(centres.as_chunks::<CENTRE_POINTS>().0).enumerate() {
+                shaper.across.extend(frames_from(line, seed.root - skull));
+                let twist = Twist::new(&growth.curls, growth.seed, i as u32, seed.root);
+                let length: f32 = line.windows(2).map(|w| w[0].distance(w[1])).sum();
+                let fraction = twist.fraction(&growth.curls, growth.paint.curl(seed.uv), length);
+                shaper.twists.push(ClumpTwist { twist, length, fraction });
+            }
+        }
+        shaper.centres = centres;
+        shaper
+    }
+
+    /// The curve by interpolation alone.
+    fn base(&self, seed: &Seed, line: &mut [Vec3]) {
+        let last = (line.len() - 1) as f32;
+        let lead = seed.bound.guides[0];
+        let offset = seed.root - self.scaffold.blended(&seed.bound, 0.0);
+        let clumps = self.growth.clumps;
+        let around = {
+            // The way from the lead guide's root to this one, seen in the guide's frame.
+            let away = seed.root - self.scaffold.sample(lead, 0.0);
+            let tangent =
+                (self.scaffold.sample(lead, 0.03) - self.scaffold.sample(lead, 0.0)).normalize_or_zero();
+            let [u, v] = self.scaffold.across(lead, 0.0);
+            Vec3::new(away.dot(u), away.dot(v), away.dot(tangent))
+        };
+        for (k, p) in line.iter_mut().enumerate() {
+            let s = k as f32 / last;
+            let t = s * seed.fraction;
+            let clumped = || {
+                let [u, v] = self.scaffold.across(lead, t);
+                let shrink = lerp(1.0, clumps.tip_spread, smoothstep(0.0, 1.0, t));
+                let middle = self.scaffold.sample(lead, t);
+                // The part along the guide at the root has nowhere to go further down.
+                let along = seed.root - self.scaffold.sample(lead, 0.0) - {
+                    let [u, v] = self.scaffold.across(lead, 0.0);
+                    u * around.x + v * around.y
+                };
+                middle + (u * around.x + v * around.y) * shrink + along * (1.0 - smoothstep(0.0, 0.5, t))
+            };
+            *p = if seed.clump {
+                clumped()
+            } else {
+                let blend =
+                    self.scaffold.blended(&seed.bound, t) + offset * (1.0 - 0.4 * smoothstep(0.0, 1.0, t));
+                let pull = clumps.lock * smoothstep(0.15, 1.0, t);
+                if pull > 0.0 { blend.lerp(clumped(), pull) } else { blend }
+            };
+        }
+        line[0] = seed.root;
+    }
+
+    /// Writes the rest curve of strand `index` and returns its width against the usual one.
+    pub(crate) fn fill(&self, index: usize, seed: &Seed, rng: &mut Rng, line: &mut [Vec3]) -> Filled {
+        let clump = self.clump[index];
+        let twist = self.twists.get(clump as usize);
+        let seed = &Seed { fraction: seed.fraction * twist.map_or(1.0, |t| t.fraction), ..*seed };
+        self.base(seed, line);
+        let stray = rng.unit();
+        let flyaway = stray < self.growth.unrest.flyaways;
+        self.gather(clump, seed, if flyaway { 0.3 } else { 1.0 }, rng, line);
+        if let Some(twist) = twist {
+            self.wind(clump, twist, seed, flyaway, rng, line);
+        }
+        unrest(&self.growth.unrest, stray, rng, line);
+        self.keeper.keep(line, rng);
+        Filled { fineness: if flyaway { 0.65 } else { 1.0 }, fraction: seed.fraction }
+    }
+
+    /// Draws the strand to the centre of its clump.
+    fn gather(&self, clump: u32, seed: &Seed, share: f32, rng: &mut Rng, line: &mut [Vec3]) {
+        let at = clump as usize * CENTRE_POINTS;
+        let Some(centre) = self.centres.get(at..at + CENTRE_POINTS) else { return };
+        let clumps = self.growth.clumps;
+        let mut shared = Rng::new(self.growth.seed ^ 0xbeef, clump);
+        // Some clumps are tight, some open.
+        let strength = clumps.strength * shared.range(0.45, 1.0).sqrt() * rng.range(0.75, 1.0) * share;
+        let last = (line.len() - 1) as f32;
+        for (k, p) in line.iter_mut().enumerate().skip(1) {
+            let t = k as f32 / last * seed.fraction;
+            let x = t * (CENTRE_POINTS - 1) as f32;
+            let i = (x as usize).min(CENTRE_POINTS - 2);
+            let middle = centre[i].lerp(centre[i + 1], x - i as f32);
+            let profile = smoothstep(clumps.start, 0.85, t);
+            *p = p.lerp(middle, strength * profile);
+        }
+    }
+
+    /// Winds the strand around its path. The strands of a clump turn together: they share the way
+    /// along the clump's centre and the directions across it.
+    fn wind(
+        &self,
+        clump: u32,
+        clump_twist: &ClumpTwist,
+        seed: &Seed,
+        loose: bool,
+        rng: &mut Rng,
+        line: &mut [Vec3],
+    ) {
+        let at = clump as usize * CENTRE_POINTS;
+        let across = &self.across[at..at + CENTRE_POINTS];
+        let curls: &Curls = &self.growth.curls;
+        let strength = self.growth.paint.curl(seed.uv);
+        let own = CurlStrand::new(curls, loose, rng);
+        let last = (line.len() - 1) as f32;
+        for (k, p) in line.iter_mut().enumerate().skip(1) {
+            let t = k as f32 / last * seed.fraction;
+            let x = t * (CENTRE_POINTS - 1) as f32;
+            let i = (x as usize).min(CENTRE_POINTS - 2);
+            let [u, v] = [0, 1].map(|a| across[i][a].lerp(across[i + 1][a], x - i as f32));
+            let o =
+                clump_twist.twist.offset(curls, &own, t * clump_twist.length, clump_twist.length) * strength;
+            *p += u * o.x + v * o.y + u.cross(v) * o.z;
+        }
+    }
+}

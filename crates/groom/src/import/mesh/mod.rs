@@ -1,0 +1,110 @@
+//! Triangle meshes from OBJ, glTF/GLB and TressFX's text `.tfxmesh`.
+
+#[cfg(feature = "gltf")]
+mod gltf;
+mod obj;
+mod tfxmesh;
+
+use std::path::Path;
+
+pub(crate) use super::Source;
+use super::{Files, Given};
+use crate::{
+    TriMesh,
+    error::{At, Error, Result},
+    formats,
+};
+
+/// A mesh as its file has it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RawMesh {
+    /// In the file's own unit and axes.
+    pub mesh: TriMesh,
+    /// Whether the format itself prescribes metres, Y up, face +Z.
+    pub declared: bool,
+}
+
+/// The body's colour where only some parts of a mesh have one: a neutral skin, linear.
+const PLAIN: glam::Vec3 = glam::Vec3::new(0.45, 0.32, 0.265);
+
+/// Reads one mesh, in the file's own unit and axes; [`crate::orient::head`] orients it. Normals
+/// that the file lacks are computed, angle-weighted; colours are the materials' base colours.
+pub fn read(path: &Path) -> Result<RawMesh> {
+    parse(Files::Disk, path, &Files::Disk.load(path)?)
+}
+
+/// [`read`] from bytes: the mesh called `path` and what it needs are among `files`.
+///
+/// # Errors
+/// As [`read`], and [`Error::File`] when a file that it needs is not among them.
+pub fn read_given(files: &[Given<'_>], path: &Path) -> Result<RawMesh> {
+    let files = Files::Given(files);
+    parse(files, path, &files.load(path)?)
+}
+
+/// Reads several meshes that share one unit and one set of axes into one.
+pub fn read_all<P: AsRef<Path>>(paths: &[P]) -> Result<RawMesh> {
+    read_from(Files::Disk, paths)
+}
+
+/// The same from any source of files.
+pub(super) fn read_from<P: AsRef<Path>>(files: Files<'_>, paths: &[P]) -> Result<RawMesh> {
+    let mut all: Option<RawMesh> = None;
+    for path in paths {
+        let path = path.as_ref();
+        let part = parse(files, path, &files.load(path)?)?;
+        all = Some(match all {
+            None => part,
+            Some(mut all) => {
+                append(&mut all.mesh, part.mesh);
+                all.declared &= part.declared;
+                all
+            }
+        });
+    }
+    all.ok_or_else(|| Error::Unusable("no head mesh is given".into()))
+}
+
+/// A mesh from its bytes; `path` decides the format and where among `files` materials and buffers are
+/// looked for.
+fn parse(files: Files<'_>, path: &Path, bytes: &[u8]) -> Result<RawMesh> {
+    let source = Source { path, bytes, files, lenient: false };
+    let mut raw = match formats::extension(path).as_str() {
+        _ if bytes.is_empty() => return Err(source.problem(At::Byte(0), "the file is empty")),
+        "obj" => RawMesh { mesh: obj::read(&source)?, declared: false },
+        "tfxmesh" => RawMesh { mesh: tfxmesh::read(&source)?, declared: false },
+        #[cfg(feature = "gltf")]
+        "gltf" | "glb" => RawMesh { mesh: gltf::read(&source)?, declared: true },
+        _ => {
+            let meshes = formats::listed(formats::MESHES, "or");
+            return Err(source.problem(At::File, format!("a head is an {meshes} file")));
+        }
+    };
+    if raw.mesh.triangles.is_empty() {
+        return Err(source.problem(At::File, "the file holds no triangles"));
+    }
+    if raw.mesh.positions.iter().any(|p| !p.is_finite()) {
+        return Err(source.problem(At::File, "a vertex position is not finite"));
+    }
+    if raw.mesh.normals.len() != raw.mesh.positions.len() {
+        raw.mesh.compute_normals();
+    }
+    Ok(raw)
+}
+
+fn append(all: &mut TriMesh, part: TriMesh) {
+    let base = all.positions.len() as u32;
+    if !all.colors.is_empty() || !part.colors.is_empty() {
+        all.colors.resize(all.positions.len(), PLAIN);
+        all.colors.extend(part.colors);
+    }
+    all.positions.extend(part.positions);
+    all.normals.extend(part.normals);
+    all.triangles.extend(part.triangles.iter().map(|t| t.map(|i| i + base)));
+    if !all.colors.is_empty() {
+        all.colors.resize(all.positions.len(), PLAIN);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,192 @@
+//! Valid and broken meshes.
+
+use std::path::Path;
+
+use glam::Vec3;
+use proptest::prelude::*;
+
+use super::{Files, parse};
+
+const CUBE: &str = "o cube
+v -1 -1 -1
+v 1 -1 -1
+v 1 1 -1
+v -1 1 -1
+v -1 -1 1
+v 1 -1 1
+v 1 1 1
+v -1 1 1
+vt 0 0
+vt 1 0
+f 4/1 3/2 2/1 1/2
+f 5 6 7 8
+f 1 2 6 5
+f 3 4 8 7
+f 1/1 5/2 8/1 4/2
+f 2 3 7 6
+";
+
+const TFXMESH: &str = "# a comment
+numOfBones 1
+0 root
+numOfVertices 3
+0 0 0 0 0 0 1 0 0 0 0 1 0 0 0
+1 1 0 0 0 0 1 0 0 0 0 1 0 0 0
+2 0 1 0 0 0 1 0 0 0 0 1 0 0 0
+numOfTriangles 1
+0 0 1 2
+";
+
+/// A GLB with one triangle under a node that scales by 2, and a red material.
+#[cfg(feature = "gltf")]
+fn glb() -> Vec<u8> {
+    let json = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
+"nodes":[{"mesh":0,"scale":[2,2,2]}],
+"materials":[{"pbrMetallicRoughness":{"baseColorFactor":[0.8,0.1,0.05,1]}}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":0}]}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},
+{"bufferView":1,"componentType":5123,"count":3,"type":"SCALAR"}],
+"bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":6}],
+"buffers":[{"byteLength":44}]}"#;
+    let mut json = json.as_bytes().to_vec();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let mut bin: Vec<u8> =
+        [0f32, 0., 0., 1., 0., 0., 0., 1., 0.].iter().flat_map(|v| v.to_le_bytes()).collect();
+    bin.extend([0u16, 1, 2, 0].iter().flat_map(|v| v.to_le_bytes()));
+    let total = 12 + 8 + json.len() + 8 + bin.len();
+    let mut out = b"glTF".to_vec();
+    for v in [2, total as u32, json.len() as u32, 0x4E4F_534A] {
+        out.extend(v.to_le_bytes());
+    }
+    out.extend(&json);
+    for v in [bin.len() as u32, 0x004E_4942] {
+        out.extend(v.to_le_bytes());
+    }
+    out.extend(&bin);
+    out
+}
+
+#[test]
+fn a_cube_is_one_surface_whatever_its_seams() {
+    let mesh = parse(Files::Disk, Path::new("cube.obj"), CUBE.as_bytes()).unwrap().mesh;
+    assert_eq!((mesh.positions.len(), mesh.triangles.len()), (8, 12));
+    for (p, n) in mesh.positions.iter().zip(&mesh.normals) {
+        assert!(n.dot(p.normalize()) > 0.99, "{p} {n}");
+    }
+}
+
+#[test]
+fn a_tfxmesh_is_read() {
+    let mesh = parse(Files::Disk, Path::new("a.tfxmesh"), TFXMESH.as_bytes()).unwrap().mesh;
+    assert_eq!((mesh.positions[1], mesh.normals[0], mesh.triangles[0]), (Vec3::X, Vec3::Z, [0, 1, 2]));
+}
+
+#[cfg(feature = "gltf")]
+#[test]
+fn a_glb_has_its_transform_and_colour() {
+    let raw = parse(Files::Disk, Path::new("a.glb"), &glb()).unwrap();
+    assert!(raw.declared);
+    let mesh = raw.mesh;
+    assert_eq!(mesh.positions, vec![Vec3::ZERO, Vec3::X * 2.0, Vec3::Y * 2.0]);
+    assert_eq!(mesh.normals, vec![Vec3::Z; 3]);
+    assert_eq!(mesh.colors[0], Vec3::new(0.8, 0.1, 0.05));
+}
+
+#[test]
+fn errors_name_the_line() {
+    let says = |name: &str, text: &str| {
+        parse(Files::Disk, Path::new(name), text.as_bytes()).unwrap_err().to_string()
+    };
+    let broken = CUBE.replace("v 1 1 -1", "v 1 one -1");
+    assert!(says("a.obj", &broken).starts_with("a.obj at line 4:"), "{}", says("a.obj", &broken));
+    assert!(says("a.obj", "v 0 0 0\n").contains("no triangles"));
+    assert!(says("a.tfxmesh", &TFXMESH.replace("0 0 1 2", "0 0 1 7")).contains("line 9"));
+    assert!(says("a.stl", "solid").contains(".obj"));
+}
+
+fn survives(name: &str, bytes: &[u8]) -> Result<(), TestCaseError> {
+    match parse(Files::Disk, Path::new(name), bytes) {
+        Ok(raw) => {
+            let n = raw.mesh.positions.len();
+            prop_assert!(n <= bytes.len() && raw.mesh.normals.len() == n);
+            prop_assert!(raw.mesh.triangles.iter().flatten().all(|i| (*i as usize) < n));
+        }
+        Err(error) => {
+            let text = error.to_string();
+            prop_assert!(!text.contains('\n') && text.len() < 500, "{}", text);
+        }
+    }
+    Ok(())
+}
+
+fn files() -> Vec<(&'static str, Vec<u8>)> {
+    vec![
+        ("a.obj", CUBE.as_bytes().to_vec()),
+        ("a.tfxmesh", TFXMESH.as_bytes().to_vec()),
+        #[cfg(feature = "gltf")]
+        ("a.glb", glb()),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(256))]
+
+    #[test]
+    fn broken_meshes_do_no_harm(
+        share in 0.0f64..1.0,
+        flips in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
+    ) {
+        for (name, whole) in files() {
+            survives(name, &whole[..(whole.len() as f64 * share) as usize])?;
+            let mut flipped = whole;
+            for (at, value) in &flips {
+                let at = at.index(flipped.len());
+                flipped[at] = *value;
+            }
+            survives(name, &flipped)?;
+        }
+    }
+
+    #[test]
+    fn changed_digits_do_no_harm(at in any::<prop::sample::Index>(), digit in b'0'..=b'9', more in 0usize..12) {
+        for (name, mut bytes) in files() {
+            let digits: Vec<usize> = (20..bytes.len()).filter(|i| bytes[*i].is_ascii_digit()).collect();
+            let at = digits[at.index(digits.len())];
+            bytes[at] = digit;
+            // Numbers grow without the file growing: what follows is overwritten.
+            for i in (at + 1..(at + more).min(bytes.len())).take_while(|i| *i < digits[digits.len() - 1]) {
+                if bytes[i] == b' ' {
+                    bytes[i] = digit;
+                }
+            }
+            survives(name, &bytes)?;
+        }
+    }
+}
+
+#[test]
+fn given_files_find_each_other_and_are_missed_in_a_sentence() {
+    use crate::import::{Given, Kind, kind, read_given, read_given_head};
+    let given = |name: &str, text: &str| -> Given<'static> { (name.into(), text.as_bytes().to_vec().into()) };
+    let mesh = format!("mtllib head.mtl\nusemtl skin\n{CUBE}");
+    let material = given("head.mtl", "newmtl skin\nKd 0.1 0.2 0.3\n");
+    // A cube of head's size, so that nothing is doubted.
+    let head = given("head.obj", &mesh);
+    let groom = given("hair.obj", "v 0 1 0\nv 0 1.1 0\nv 0 1.2 0\nl 1 2 3\n");
+    let sorts = [&head, &material, &groom].map(|(name, bytes)| kind(name, bytes));
+    assert_eq!(sorts, [Some(Kind::Mesh), Some(Kind::Companion), Some(Kind::Groom)]);
+    let files = [groom.clone(), material, head.clone()];
+    let (strands, mesh, report) = read_given(&files, &Default::default()).unwrap();
+    assert_eq!((strands.len(), report.files.len()), (1, 1));
+    assert_eq!(mesh.unwrap().colors[0], Vec3::new(0.1, 0.2, 0.3));
+    // Without its materials a mesh has no colours, as on disk; without its buffers it is nothing.
+    assert!(read_given_head(&[head], &Default::default()).unwrap().0.colors.is_empty());
+    #[cfg(feature = "gltf")]
+    {
+        let gltf = r#"{"asset":{"version":"2.0"},"buffers":[{"uri":"a%20b.bin","byteLength":36}]}"#;
+        let error = read_given_head(&[given("head.gltf", gltf)], &Default::default()).unwrap_err();
+        assert_eq!(error.to_string(), "head.gltf: it needs a b.bin, which has to be given with it");
+    }
+    let error = read_given(&[groom, given("notes.txt", "")], &Default::default()).unwrap_err();
+    assert!(error.to_string().starts_with("notes.txt: a groom is"), "{error}");
+}

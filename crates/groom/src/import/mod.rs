@@ -1,0 +1,252 @@
+//! Grooms and heads from files.
+//!
+//! [`read`] takes the files of one groom, joins them, converts them to metres, Y up, face +Z and repairs
+//! what would cause trouble later; [`read_with_head`] does so for a groom and the mesh it grows on, and
+//! uses each to orient the other. A file is first read whole, and no size in its header is trusted before
+//! it fits into the bytes that are there.
+
+mod files;
+mod hair;
+mod join;
+pub mod mesh;
+mod obj_lines;
+mod source;
+mod tfx_binary;
+mod tfx_text;
+
+pub(crate) use hair::{COLORS, MARK, POINTS, SEGMENTS, THICKNESS};
+pub(crate) use source::Source;
+
+use files::Files;
+pub use files::{Given, Kind, kind};
+
+use std::path::{Path, PathBuf};
+
+use super::{Strands, TriMesh, formats, lint, orient};
+use crate::error::{At, Error, Result};
+
+/// The most vertices a groom may have: 16 bytes each fill the largest buffer that WebGPU can bind.
+pub const MAX_VERTICES: u64 = 1 << 28;
+
+/// How files are read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ImportOptions {
+    /// What is known of the groom's unit and axes; the rest is guessed.
+    pub orient: orient::Choice,
+    /// What is known of the head's unit and axes; the rest is guessed.
+    pub orient_head: orient::Choice,
+    /// Whether numbers that are not finite are kept for a lint to count, instead of an error.
+    pub lenient: bool,
+    /// Whether the groom is left as the files have it, without [`lint::repair`].
+    pub unrepaired: bool,
+}
+
+/// What one file held.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileReport {
+    /// The file.
+    pub path: PathBuf,
+    /// Format and version.
+    pub format: &'static str,
+    /// Strands in it.
+    pub strands: usize,
+    /// Vertices in it.
+    pub vertices: usize,
+    /// What was done on the way, or left out.
+    pub notes: Vec<String>,
+}
+
+/// What was read and what was done with it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImportReport {
+    /// One per groom file, in the order given.
+    pub files: Vec<FileReport>,
+    /// How the groom came into metres, Y up, face +Z.
+    pub placement: orient::Placement,
+    /// How the head did.
+    pub head_placement: Option<orient::Placement>,
+    /// What the groom was like before the repair.
+    pub lint: lint::Report,
+    /// What the repair did.
+    pub repaired: lint::Repaired,
+}
+
+/// One file as it is, in its own unit and axes.
+pub(crate) struct Raw {
+    pub strands: Strands,
+    pub format: &'static str,
+    pub notes: Vec<String>,
+    /// Whether the file itself says that it is in metres, Y up, face +Z.
+    pub declared: bool,
+}
+
+impl Raw {
+    pub fn new(format: &'static str) -> Self {
+        Self { strands: Strands::default(), format, notes: Vec::new(), declared: false }
+    }
+}
+
+/// Reads one groom from one or more files and orients it by itself.
+pub fn read<P: AsRef<Path>>(paths: &[P], options: &ImportOptions) -> Result<(Strands, ImportReport)> {
+    let (strands, _, report) = read_all(Files::Disk, paths, &[] as &[&Path], options)?;
+    Ok((strands, report))
+}
+
+/// Reads one groom from one or more files and the head it grows on from one or more mesh files
+/// (head, eyes, …, all in one unit and one set of axes), and orients both.
+pub fn read_with_head<P: AsRef<Path>, H: AsRef<Path>>(
+    paths: &[P],
+    heads: &[H],
+    options: &ImportOptions,
+) -> Result<(Strands, TriMesh, ImportReport)> {
+    if heads.is_empty() {
+        return Err(Error::Unusable("no head mesh is given".into()));
+    }
+    let (strands, head, report) = read_all(Files::Disk, paths, heads, options)?;
+    Ok((strands, head.unwrap_or_default(), report))
+}
+
+/// The same from bytes, for a browser: of `files` the grooms are joined, the meshes make the head, and
+/// companions (`.mtl`, `.bin`) are found by those that name them, by [`kind`]. Without a mesh there is no
+/// head.
+///
+/// # Errors
+/// As [`read`], and [`Error::File`] for a file of no known kind, or when a file that another one needs is
+/// not among them.
+pub fn read_given(
+    files: &[Given<'_>],
+    options: &ImportOptions,
+) -> Result<(Strands, Option<TriMesh>, ImportReport)> {
+    let sorted = Sorted::new(files)?;
+    read_all(Files::Given(files), &sorted.grooms, &sorted.meshes, options)
+}
+
+/// [`read_head`] from bytes: the meshes among `files` and their companions.
+///
+/// # Errors
+/// As [`read_given`].
+pub fn read_given_head(files: &[Given<'_>], options: &ImportOptions) -> Result<(TriMesh, orient::Placement)> {
+    let sorted = Sorted::new(files)?;
+    head_of(Files::Given(files), &sorted.meshes, options)
+}
+
+/// Given files by what they are.
+struct Sorted<'a> {
+    grooms: Vec<&'a Path>,
+    meshes: Vec<&'a Path>,
+}
+
+impl<'a> Sorted<'a> {
+    fn new(files: &'a [Given<'_>]) -> Result<Self> {
+        let mut sorted = Self { grooms: Vec::new(), meshes: Vec::new() };
+        for (name, bytes) in files {
+            match kind(name, bytes) {
+                Some(Kind::Groom) => sorted.grooms.push(name),
+                Some(Kind::Mesh) => sorted.meshes.push(name),
+                Some(Kind::Companion) => {}
+                None => {
+                    let [grooms, meshes] =
+                        [formats::GROOMS, formats::MESHES].map(|all| formats::listed(all, "or"));
+                    let problem = format!("a groom is a {grooms} file, a head an {meshes} file");
+                    return Err(Error::File { path: name.clone(), at: At::File, problem });
+                }
+            }
+        }
+        Ok(sorted)
+    }
+}
+
+/// Reads a head without a groom and orients it.
+pub fn read_head<H: AsRef<Path>>(
+    heads: &[H],
+    options: &ImportOptions,
+) -> Result<(TriMesh, orient::Placement)> {
+    head_of(Files::Disk, heads, options)
+}
+
+fn head_of<H: AsRef<Path>>(
+    files: Files<'_>,
+    heads: &[H],
+    options: &ImportOptions,
+) -> Result<(TriMesh, orient::Placement)> {
+    options.orient_head.check()?;
+    let mut head = mesh::read_from(files, heads)?;
+    let placement = orient::head(&head, &options.orient_head);
+    placement.apply_to_mesh(&mut head.mesh);
+    Ok((head.mesh, placement))
+}
+
+fn read_all<P: AsRef<Path>, H: AsRef<Path>>(
+    from: Files<'_>,
+    paths: &[P],
+    heads: &[H],
+    options: &ImportOptions,
+) -> Result<(Strands, Option<TriMesh>, ImportReport)> {
+    options.orient.check()?;
+    options.orient_head.check()?;
+    let (raw, files) = join::read(from, paths, options.lenient)?;
+    let mut strands = raw.strands;
+    let mut head = if heads.is_empty() { None } else { Some(mesh::read_from(from, heads)?) };
+    let (placement, head_placement) = match &head {
+        Some(head) => {
+            let (groom, head) = orient::pair(&strands, raw.declared, head, options);
+            (groom, Some(head))
+        }
+        None => (orient::groom(&strands, raw.declared, &options.orient), None),
+    };
+    placement.apply(&mut strands);
+    if let (Some(head), Some(placement)) = (&mut head, &head_placement) {
+        placement.apply_to_mesh(&mut head.mesh);
+    }
+    let head = head.map(|h| h.mesh);
+    let lint = lint::check(&strands, head.as_ref());
+    let mut repaired = lint::Repaired::default();
+    if !options.unrepaired {
+        repaired = lint::repair(&mut strands);
+        if strands.is_empty() {
+            let path = paths.first().map(|p| p.as_ref().to_path_buf()).unwrap_or_default();
+            let problem = "every strand has zero length or a single vertex, so nothing is left to use".into();
+            return Err(Error::File { path, at: At::File, problem });
+        }
+    }
+    Ok((strands, head, ImportReport { files, placement, head_placement, lint, repaired }))
+}
+
+/// One groom file from its bytes, as it is; `path` decides the format and stands in errors.
+pub(crate) fn parse(path: &Path, bytes: &[u8], lenient: bool) -> Result<Raw> {
+    // Grooms have no companions.
+    let source = Source { path, bytes, files: Files::Given(&[]), lenient };
+    let raw = match formats::extension(path).as_str() {
+        _ if bytes.is_empty() => return Err(source.problem(At::Byte(0), "the file is empty")),
+        "tfx" if starts_with_word(bytes) => tfx_text::read(&source)?,
+        "tfx" => tfx_binary::read(&source)?,
+        "hair" => hair::read(&source)?,
+        "obj" => obj_lines::read(&source)?,
+        mesh if formats::MESHES.contains(&mesh) => {
+            return Err(source.problem(At::File, "a mesh, not a groom; it can be the head of one"));
+        }
+        _ => {
+            let grooms = formats::listed(formats::GROOMS, "or");
+            return Err(source.problem(At::File, format!("a groom is a {grooms} file")));
+        }
+    };
+    if raw.strands.is_empty() {
+        return Err(source.problem(At::File, "the file holds no strands"));
+    }
+    source.check_vertices(0, raw.strands.positions.len() as u64)?;
+    Ok(raw)
+}
+
+/// Whether a `.tfx` file is text: a version number as a float always has a byte outside ASCII text.
+fn starts_with_word(bytes: &[u8]) -> bool {
+    let first = bytes.iter().find(|b| !b.is_ascii_whitespace());
+    first.is_some_and(|b| b.is_ascii_alphabetic() || *b == b'#')
+}
+
+/// A whole file, or the error that names it.
+pub(crate) fn load(path: &Path) -> Result<Vec<u8>> {
+    std::fs::read(path).map_err(|source| Error::Io { path: path.to_path_buf(), source })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,251 @@
+//! Deliberately broken files, and round trips through every format.
+
+use std::path::Path;
+
+use glam::{Vec2, Vec3};
+use proptest::prelude::*;
+
+use super::{parse, *};
+use crate::{
+    Strands,
+    export::{Format, encode},
+};
+
+/// A groom of up to 12 strands; `uniform` gives all the same number of vertices.
+fn grooms() -> impl Strategy<Value = Strands> {
+    let strand = |n| prop::collection::vec(prop::array::uniform3(-2.0f32..2.0), n);
+    let strands = prop_oneof![
+        prop::collection::vec(strand(2..9), 1..12),
+        (2usize..9).prop_flat_map(move |n| prop::collection::vec(strand(n..n + 1), 1..12)),
+    ];
+    (strands, any::<[bool; 4]>()).prop_map(|(list, [radii, colors, uvs, pins])| {
+        let mut out = Strands::default();
+        for s in &list {
+            out.push(&s.iter().map(|p| Vec3::from(*p)).collect::<Vec<_>>());
+        }
+        let n = out.positions.len();
+        if radii {
+            out.radii = (0..n).map(|i| 3e-5 + 1e-7 * i as f32).collect();
+        }
+        if colors {
+            out.colors = out.positions.iter().map(|p| p.abs() * 0.3 + 0.01).collect();
+        }
+        if uvs {
+            out.root_uvs = (0..list.len()).map(|i| Vec2::new(0.5, i as f32 + 1.0)).collect();
+        }
+        if pins {
+            out.tip_pinned = (0..list.len()).map(|i| i % 2 == 0).collect();
+        }
+        out
+    })
+}
+
+/// A file of each readable format with the same groom.
+fn files(groom: &Strands) -> Vec<(&'static str, Vec<u8>)> {
+    let encoded = |format| encode(groom, format, false).unwrap().bytes;
+    vec![
+        ("a.hair", encoded(Format::Hair)),
+        ("a.tfx", encoded(Format::Tfx)),
+        ("a.obj", encoded(Format::Obj)),
+        ("b.tfx", tfx3(groom)),
+        ("c.tfx", tfx2(groom).into_bytes()),
+    ]
+}
+
+fn tfx3(groom: &Strands) -> Vec<u8> {
+    let n = groom.strand(0).len();
+    let strands: Vec<&[Vec3]> = groom.iter().filter(|s| s.len() == n).collect();
+    let mut bytes = vec![0; 296];
+    let pins = u32::from(!groom.tip_pinned.is_empty());
+    let words = [(0, 3f32.to_bits()), (4, strands.len() as u32), (8, n as u32), (16, pins), (144, 296)];
+    for (at, value) in words {
+        bytes[at..at + 4].copy_from_slice(&value.to_le_bytes());
+    }
+    for p in strands.iter().copied().flatten() {
+        bytes.extend(p.to_array().iter().flat_map(|v| v.to_le_bytes()));
+    }
+    bytes
+}
+
+fn tfx2(groom: &Strands) -> String {
+    let pins = usize::from(!groom.tip_pinned.is_empty());
+    let mut text = format!(
+        "version 2.0\r\nscale 1.0\nrotation 0 0 0\nbothEndsImmovable {pins}\nnumStrands {}\nis sorted 1\n",
+        groom.len()
+    );
+    for (i, s) in groom.iter().enumerate() {
+        text += &format!("strand {i} numVerts {} texcoord 0.5 {}\n", s.len(), i + 1);
+        s.iter().for_each(|p| text += &format!("{} {} {}\n", p.x, p.y, p.z));
+        text += "\n";
+    }
+    text
+}
+
+/// Reads a broken file: whatever comes, no panic, and an error is one line that names the file.
+fn survives(name: &str, bytes: &[u8]) -> Result<(), TestCaseError> {
+    for lenient in [false, true] {
+        match parse(Path::new(name), bytes, lenient) {
+            Ok(raw) => {
+                let s = &raw.strands;
+                prop_assert!(!s.is_empty() && s.offsets.windows(2).all(|w| w[0] <= w[1]));
+                prop_assert_eq!(*s.offsets.last().unwrap() as usize, s.positions.len());
+                // No allocation beyond what the file's bytes can hold; an OBJ may name a vertex often.
+                prop_assert!(s.positions.len() <= bytes.len());
+                prop_assert!(lenient || s.positions.iter().all(|p| p.is_finite()));
+            }
+            Err(error) => {
+                let text = error.to_string();
+                prop_assert!(text.starts_with(name) && !text.contains('\n') && text.len() < 300, "{}", text);
+            }
+        }
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(96))]
+
+    #[test]
+    fn written_grooms_read_back_bit_for_bit(groom in grooms()) {
+        for (format, name) in [(Format::Hair, "a.hair"), (Format::Tfx, "a.tfx"), (Format::Obj, "a.obj")] {
+            let bytes = encode(&groom, format, true).unwrap().bytes;
+            let raw = parse(Path::new(name), &bytes, false).unwrap();
+            prop_assert!(raw.declared);
+            let mut back = raw.strands;
+            let mut expected = groom.clone();
+            if format != Format::Hair {
+                expected.radii.clear();
+            }
+            if format == Format::Obj {
+                expected.colors.clear();
+            }
+            if format != Format::Tfx {
+                expected.root_uvs.clear();
+                expected.tip_pinned.clear();
+            }
+            if expected.tip_pinned.iter().all(|p| !p) {
+                expected.tip_pinned.clear();
+            }
+            if format == Format::Tfx {
+                // Shorter strands were filled up with their tip; random ones keep all else.
+                lint::repair(&mut back);
+                lint::repair(&mut expected);
+            }
+            prop_assert_eq!(&back, &expected, "{}", name);
+        }
+    }
+
+    #[test]
+    fn read_only_formats_hold_what_was_put_in(groom in grooms()) {
+        let text = parse(Path::new("c.tfx"), tfx2(&groom).as_bytes(), false).unwrap().strands;
+        prop_assert_eq!(&text.positions, &groom.positions);
+        prop_assert_eq!(&text.offsets, &groom.offsets);
+        prop_assert_eq!(text.tip_pinned.len(), if groom.tip_pinned.is_empty() { 0 } else { groom.len() });
+        prop_assert_eq!(text.root_uvs[0], Vec2::new(0.5, 1.0));
+        let three = parse(Path::new("b.tfx"), &tfx3(&groom), false).unwrap().strands;
+        prop_assert_eq!(three.strand(0), groom.strand(0));
+    }
+
+    #[test]
+    fn truncated_files_are_errors(groom in grooms(), share in 0.0f64..1.0) {
+        for (name, bytes) in files(&groom) {
+            let cut = &bytes[..(bytes.len() as f64 * share) as usize];
+            survives(name, cut)?;
+            // A text may end early at a number that is shorter but whole.
+            let binary = name == "a.hair" || bytes[0] < 32;
+            prop_assert!(!binary || parse(Path::new(name), cut, false).is_err(), "{} {}", name, cut.len());
+        }
+    }
+
+    #[test]
+    fn flipped_bytes_do_no_harm(groom in grooms(), flips in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..12)) {
+        for (name, mut bytes) in files(&groom) {
+            for (at, value) in &flips {
+                let at = at.index(bytes.len());
+                bytes[at] = *value;
+            }
+            survives(name, &bytes)?;
+        }
+    }
+
+    #[test]
+    fn inflated_headers_do_no_harm(groom in grooms(), at in 0usize..48, value in any::<u32>()) {
+        for (name, mut bytes) in files(&groom).into_iter().filter(|f| f.0 == "a.hair" || f.1[0] < 32) {
+            let at = if at >= 40 { 144 + 4 * (at - 40) } else { 4 * at };
+            for value in [value, u32::MAX, 0, bytes.len() as u32, 0x7fff_ffff] {
+                if at + 4 <= bytes.len() {
+                    bytes[at..at + 4].copy_from_slice(&value.to_le_bytes());
+                }
+                survives(name, &bytes)?;
+            }
+        }
+    }
+
+    #[test]
+    fn noise_does_no_harm(bytes in prop::collection::vec(any::<u8>(), 0..600)) {
+        for name in ["a.hair", "a.tfx", "a.obj", "a.xyz"] {
+            survives(name, &bytes)?;
+        }
+    }
+
+    #[test]
+    fn repaired_grooms_keep_their_promises(mut groom in grooms(), nan in any::<prop::sample::Index>()) {
+        let at = nan.index(groom.positions.len());
+        groom.positions[at].y = f32::NAN;
+        let before = groom.positions.len();
+        lint::repair(&mut groom);
+        for i in 0..groom.len() {
+            prop_assert!(groom.strand(i).len() >= 2 && groom.length(i) > 0.0);
+            prop_assert!(groom.strand(i).windows(2).all(|w| w[0].distance(w[1]) >= lint::MIN_SEGMENT));
+        }
+        prop_assert!(groom.positions.iter().all(|p| p.is_finite()) && groom.positions.len() < before);
+        let once = groom.clone();
+        lint::repair(&mut groom);
+        prop_assert_eq!(once, groom);
+    }
+}
+
+#[test]
+fn not_a_number_is_named_with_its_place() {
+    let mut groom = Strands::default();
+    groom.push(&[Vec3::ZERO, Vec3::new(0.0, f32::NAN, 0.0)]);
+    for (format, name, place) in [
+        (Format::Hair, "a.hair", "at byte 144"),
+        (Format::Tfx, "a.tfx", "at byte 180"),
+        (Format::Obj, "a.obj", "at line 3"),
+    ] {
+        let bytes = encode(&groom, format, false).unwrap().bytes;
+        let error = parse(Path::new(name), &bytes, false).err().map(|e| e.to_string()).unwrap_or_default();
+        assert!(error.contains(place) && error.contains("NaN"), "{error}");
+        assert!(parse(Path::new(name), &bytes, true).is_ok());
+    }
+}
+
+#[test]
+fn a_hair_file_of_defaults_only_has_them() {
+    let mut groom = Strands::default();
+    groom.push(&[Vec3::ZERO, Vec3::X]);
+    let mut bytes = encode(&groom, Format::Hair, false).unwrap().bytes;
+    bytes[20..24].copy_from_slice(&0.1f32.to_le_bytes());
+    bytes[28..32].copy_from_slice(&0.5f32.to_le_bytes());
+    let strands = parse(Path::new("a.hair"), &bytes, false).unwrap().strands;
+    assert_eq!(strands.radii, vec![0.05; 2]);
+    assert_eq!(strands.colors, vec![Vec3::new(0.5, 0.0, 0.0); 2]);
+    // Thickness and transparency and colours, in that order.
+    bytes[12..16].copy_from_slice(&(2u32 | 4 | 8 | 16).to_le_bytes());
+    bytes.extend([1.0f32, 2.0, 0.9, 0.8, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6].iter().flat_map(|v| v.to_le_bytes()));
+    let strands = parse(Path::new("a.hair"), &bytes, false).unwrap().strands;
+    assert_eq!(strands.radii, vec![0.5, 1.0]);
+    assert_eq!(strands.colors[1], Vec3::new(0.4, 0.5, 0.6));
+}
+
+#[test]
+fn the_wrong_kind_of_file_is_told_so() {
+    let says = |name: &str, bytes: &[u8]| parse(Path::new(name), bytes, false).err().unwrap().to_string();
+    assert!(says("a.hair", b"HAIL").contains("HAIR"));
+    assert!(says("a.tfx", &[0; 400]).contains("version"));
+    assert!(says("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").contains("head"));
+    assert!(says("a.obj", b"v 0 0 0\nl 1 2\n").contains("line 2"));
+    assert!(says("a.tfx", b"").contains("empty"));
+    assert!(says("a.glb", b"glTF").contains("head"));
+}

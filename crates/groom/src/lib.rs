@@ -1,0 +1,49 @@
+//! Grooms before the GPU: strands and heads, imported or procedural, guides, and the strands that follow
+//! them.
+//!
+//! ```text
+//! files ─► import ─► orient ─► lint, repair ─► bind ──► restyle ─┐
+//!                                                                ├─► Groom
+//! mannequin ─► styles: guides of a recipe ─► grow ───────────────┘
+//! ```
+//!
+//! Everything here runs on the CPU and needs no GPU. The crate `tresses` simulates and draws a [`Groom`];
+//! it re-exports this one as `tresses::groom`.
+
+pub mod bind;
+pub mod bound;
+pub mod curve;
+pub mod export;
+pub mod formats;
+pub mod grow;
+pub mod guides;
+pub mod import;
+pub mod lint;
+pub mod mannequin;
+pub mod mesh;
+pub mod orient;
+pub mod restyle;
+pub mod sdf;
+pub mod strands;
+pub mod styles;
+
+pub mod error;
+pub mod hash;
+pub mod progress;
+mod rice;
+
+pub use bind::{BindOptions, GuideCount, bind};
+pub use bound::{BoundStrands, Groom, Influence};
+pub use error::{Error, Result};
+pub use glam;
+pub use guides::Guides;
+pub use mesh::TriMesh;
+pub use progress::Progress;
+pub use restyle::Restyle;
+pub use sdf::SdfGrid;
+pub use strands::Strands;
+
+/// The most vertices a guide may have.
+pub const MAX_GUIDE_VERTICES: u32 = 64;
+/// The most vertices a drawn strand may have.
+pub const MAX_STRAND_VERTICES: u32 = 64;

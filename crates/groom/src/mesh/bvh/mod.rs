@@ -1,0 +1,82 @@
+//! A bounding volume hierarchy over a mesh's triangles that answers two queries for a point: the nearest
+//! point of the mesh, and the winding number of the mesh around it.
+//!
+//! One tree serves both: a node has its box for the first query and, for the second, the sum of its
+//! triangles' area vectors, which is all of them that matters from far away.
+
+mod build;
+mod closest;
+mod flat;
+#[cfg(test)]
+mod tests;
+mod winding;
+
+use glam::Vec3;
+
+use super::TriMesh;
+pub use closest::Closest;
+pub use flat::TreeNode;
+use winding::Moment;
+
+/// A bounding volume hierarchy over the triangles of a mesh. It keeps copies of what it needs.
+///
+/// Triangles with an index out of range or a corner that is not finite are left out; triangles
+/// without area stay, as the segments or points they are.
+#[derive(Clone, Debug)]
+pub struct Bvh {
+    nodes: Vec<Node>,
+    moments: Vec<Moment>,
+    /// Corners of the triangles in the order of the leaves.
+    corners: Vec<[Vec3; 3]>,
+    /// Their indices in the mesh.
+    source: Vec<u32>,
+}
+
+/// A box; with `count > 0` a leaf of that many triangles from `first` on, else the parent of the next
+/// node and of node `first`.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    lo: Vec3,
+    first: u32,
+    hi: Vec3,
+    count: u32,
+}
+
+impl Node {
+    fn distance_squared(&self, p: Vec3) -> f32 {
+        (self.lo - p).max(p - self.hi).max(Vec3::ZERO).length_squared()
+    }
+}
+
+/// The tree is never deeper, so a traversal that keeps one node per level on its stack needs no more.
+const DEPTH: usize = 64;
+
+impl Bvh {
+    /// The tree over the triangles of `mesh`.
+    pub fn new(mesh: &TriMesh) -> Self {
+        let corner = |i: u32| mesh.positions.get(i as usize).copied().filter(|p| p.is_finite());
+        let mut source = Vec::with_capacity(mesh.triangles.len());
+        let mut corners = Vec::with_capacity(mesh.triangles.len());
+        for (i, &[a, b, c]) in mesh.triangles.iter().enumerate() {
+            if let (Some(a), Some(b), Some(c)) = (corner(a), corner(b), corner(c)) {
+                source.push(i as u32);
+                corners.push([a, b, c]);
+            }
+        }
+        let (nodes, order) = build::build(&corners);
+        let corners: Vec<_> = order.iter().map(|&i| corners[i as usize]).collect();
+        let source = order.iter().map(|&i| source[i as usize]).collect();
+        let moments = winding::moments(&nodes, &corners);
+        Self { nodes, moments, corners, source }
+    }
+
+    /// Whether there is no triangle in it.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// The smallest and largest corner, or `None` without triangles.
+    pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
+        self.nodes.first().map(|root| (root.lo, root.hi))
+    }
+}

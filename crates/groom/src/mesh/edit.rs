@@ -1,0 +1,183 @@
+//! Creating, validating and editing whole meshes.
+
+use glam::{Affine3A, Quat, Vec3};
+
+use super::{TriMesh, parts};
+use crate::{Error, Result};
+
+impl TriMesh {
+    /// Whether the mesh can be used: all indices in range, all numbers finite, and as many normals and
+    /// colours as positions, or none.
+    pub fn validate(&self) -> Result<()> {
+        let count = self.positions.len();
+        for (name, values, optional) in [
+            ("positions", &self.positions, false),
+            ("normals", &self.normals, true),
+            ("colours", &self.colors, true),
+        ] {
+            if values.len() != count && !(optional && values.is_empty()) {
+                return Err(Error::Unusable(format!(
+                    "the mesh has {} {name} for {count} vertices",
+                    values.len()
+                )));
+            }
+            if let Some(i) = values.iter().position(|v| !v.is_finite()) {
+                return Err(Error::Unusable(format!(
+                    "vertex {i} of the mesh has {name} that are not finite"
+                )));
+            }
+        }
+        if let Some(i) = self.triangles.iter().position(|t| t.iter().any(|&v| v as usize >= count)) {
+            return Err(Error::Unusable(format!(
+                "triangle {i} of the mesh has the corners {:?}, but there are {count} vertices",
+                self.triangles[i]
+            )));
+        }
+        Ok(())
+    }
+
+    /// Sets the normals from the triangles, each weighted by its angle at the vertex, so that they do
+    /// not depend on how a flat face is cut up. Vertices at the same place share one normal: seams of
+    /// texture coordinates stay invisible, and so do edges that were meant to be hard. A vertex without
+    /// triangles looks up. Triangles with an index out of range are ignored.
+    pub fn compute_normals(&mut self) {
+        let places = parts::places(&self.positions);
+        let mut sums = vec![Vec3::ZERO; self.positions.len()];
+        for t in self.triangles.iter().filter(|t| t.iter().all(|&v| (v as usize) < places.len())) {
+            let corners = t.map(|v| self.positions[v as usize]);
+            let [a, b, c] = corners;
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            for i in 0..3 {
+                let (to, from) = (corners[(i + 1) % 3] - corners[i], corners[(i + 2) % 3] - corners[i]);
+                let angle = to.cross(from).length().atan2(to.dot(from));
+                sums[places[t[i] as usize] as usize] += normal * angle;
+            }
+        }
+        self.normals = places.iter().map(|&p| sums[p as usize].normalize_or(Vec3::Y)).collect();
+    }
+
+    /// All of `meshes` as one. Normals and colours are kept where every mesh that has vertices has
+    /// them, and dropped otherwise.
+    pub fn merge(meshes: &[Self]) -> Self {
+        let filled = || meshes.iter().filter(|m| !m.positions.is_empty());
+        let normals = filled().all(|m| m.normals.len() == m.positions.len());
+        let colors = filled().all(|m| m.colors.len() == m.positions.len());
+        let mut all = Self::default();
+        for mesh in meshes {
+            let first = all.positions.len() as u32;
+            all.positions.extend(&mesh.positions);
+            if normals {
+                all.normals.extend(&mesh.normals);
+            }
+            if colors {
+                all.colors.extend(&mesh.colors);
+            }
+            all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|v| v + first)));
+        }
+        all
+    }
+
+    /// The mesh scaled about the origin, then rotated, then moved (metres). A negative scale mirrors;
+    /// the triangles are turned so that their outside stays outside.
+    pub fn transform(&mut self, scale: f32, rotation: Quat, translation: Vec3) {
+        let by = Affine3A::from_scale_rotation_translation(Vec3::splat(scale), rotation, translation);
+        self.transform_affine(by);
+    }
+
+    /// The mesh under any invertible affine map: axes swapped, mirrored or sheared. Normals stay
+    /// perpendicular, and triangles are turned if the map mirrors, so that outside stays outside.
+    pub fn transform_affine(&mut self, by: Affine3A) {
+        self.positions.iter_mut().for_each(|p| *p = by.transform_point3(*p));
+        let mirrors = by.matrix3.determinant() < 0.0;
+        // The inverse transpose up to a positive factor.
+        let sign = if mirrors { -1.0 } else { 1.0 };
+        let [x, y, z] = [by.matrix3.x_axis, by.matrix3.y_axis, by.matrix3.z_axis];
+        let cofactors = [y.cross(z) * sign, z.cross(x) * sign, x.cross(y) * sign].map(Vec3::from);
+        for n in &mut self.normals {
+            let turned = cofactors[0] * n.x + cofactors[1] * n.y + cofactors[2] * n.z;
+            *n = turned.normalize_or(Vec3::Y);
+        }
+        if mirrors {
+            self.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::shapes;
+    use super::*;
+
+    #[test]
+    fn broken_meshes_are_named() {
+        let good = shapes::cuboid(Vec3::ONE);
+        assert!(good.validate().is_ok());
+        let mut bad = good.clone();
+        bad.triangles[3][1] = 8;
+        assert!(bad.validate().unwrap_err().to_string().contains("triangle 3"));
+        bad = good.clone();
+        bad.positions[5].y = f32::INFINITY;
+        assert!(bad.validate().unwrap_err().to_string().contains("vertex 5"));
+        bad = good;
+        bad.normals.push(Vec3::Y);
+        assert!(bad.validate().unwrap_err().to_string().contains("normals"));
+    }
+
+    #[test]
+    fn normals_of_a_cuboid_are_its_diagonals_and_of_a_sphere_its_radii() {
+        let mut mesh = shapes::cuboid(Vec3::new(1.0, 2.0, 3.0));
+        mesh.compute_normals();
+        for (p, n) in mesh.positions.iter().zip(&mesh.normals) {
+            assert!(n.distance(p.signum() / 3f32.sqrt()) < 1e-6);
+        }
+        let mut mesh = shapes::sphere(0.1, 24);
+        mesh.compute_normals();
+        // Also across the seam, where the vertices are apart in the index but not in space.
+        assert!(mesh.positions.iter().zip(&mesh.normals).all(|(p, n)| n.dot(p.normalize()) > 0.999));
+        assert!(mesh.validate().is_ok());
+    }
+
+    #[test]
+    fn merging_moves_the_indices_and_keeps_what_all_have() {
+        let mut a = shapes::cuboid(Vec3::ONE);
+        a.compute_normals();
+        let mut b = shapes::torus(3.0, 1.0, 8);
+        b.compute_normals();
+        b.colors = vec![Vec3::ONE; b.positions.len()];
+        let all = TriMesh::merge(&[a.clone(), TriMesh::default(), b.clone()]);
+        assert!(all.validate().is_ok());
+        assert_eq!(all.triangles.len(), a.triangles.len() + b.triangles.len());
+        assert_eq!(all.triangles[a.triangles.len()], b.triangles[0].map(|v| v + 8));
+        assert!(all.normals.len() == all.positions.len() && all.colors.is_empty());
+    }
+
+    #[test]
+    fn outside_stays_outside_under_rotations_and_mirrors() {
+        for (scale, turn) in [(0.01, Quat::from_rotation_x(1.3)), (-2.0, Quat::from_rotation_z(0.4))] {
+            let mut mesh = shapes::sphere(1.0, 12);
+            mesh.compute_normals();
+            mesh.transform(scale, turn, Vec3::X);
+            let moved = mesh.normals.clone();
+            mesh.compute_normals();
+            for ((p, n), m) in mesh.positions.iter().zip(&mesh.normals).zip(&moved) {
+                assert!(((*p - Vec3::X).length() - scale.abs()).abs() < 1e-5);
+                assert!(n.dot(*p - Vec3::X) > 0.0 && n.distance(*m) < 1e-3, "{n} {m}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_corner_of_a_cube_points_along_its_diagonal() {
+        // Three faces at the origin's corner, one of them cut in two: area or count would tilt it.
+        let p = |x, y, z| Vec3::new(x, y, z);
+        let positions =
+            vec![p(0., 0., 0.), p(1., 0., 0.), p(0., 1., 0.), p(0., 0., 1.), p(0., 1., 1.), p(0., 0., 0.)];
+        let triangles = [[0, 1, 3], [5, 2, 1], [0, 3, 4], [0, 4, 2]];
+        let mut mesh = TriMesh { positions, triangles: triangles.to_vec(), ..Default::default() };
+        mesh.compute_normals();
+        let normals = mesh.normals;
+        let expected = p(-1., -1., -1.).normalize();
+        assert!((normals[0].abs() - expected.abs()).length() < 1e-6, "{}", normals[0]);
+        assert_eq!(normals[0], normals[5], "the same place, the same normal");
+    }
+}

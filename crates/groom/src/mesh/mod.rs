@@ -1,0 +1,35 @@
+//! Triangle meshes: heads and bodies that hair grows on and collides with.
+
+pub mod bvh;
+mod edit;
+mod parts;
+pub mod sdf;
+pub mod shapes;
+mod triangle;
+
+use glam::Vec3;
+
+pub use bvh::{Bvh, Closest, TreeNode};
+pub use parts::Part;
+pub use sdf::SdfOptions;
+
+/// A triangle mesh, metres, in the same space as the groom.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TriMesh {
+    /// One per vertex.
+    pub positions: Vec<Vec3>,
+    /// Unit normals, one per vertex.
+    pub normals: Vec<Vec3>,
+    /// Linear colours, one per vertex, or empty for the body's default colour.
+    pub colors: Vec<Vec3>,
+    /// Counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl TriMesh {
+    /// The smallest and largest corner, or `None` without vertices.
+    pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
+        let first = *self.positions.first()?;
+        Some(self.positions.iter().fold((first, first), |(lo, hi), p| (lo.min(*p), hi.max(*p))))
+    }
+}

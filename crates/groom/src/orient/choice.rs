@@ -1,0 +1,146 @@
+//! The user's choice of a file's unit and axes.
+
+use std::str::FromStr;
+
+use glam::Vec3;
+
+use crate::error::{Error, Result};
+
+/// A signed coordinate axis of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// +X.
+    X,
+    /// +Y.
+    Y,
+    /// +Z.
+    Z,
+    /// −X.
+    NegX,
+    /// −Y.
+    NegY,
+    /// −Z.
+    NegZ,
+}
+
+impl Axis {
+    /// All six, the usual ones first.
+    pub const ALL: [Self; 6] = [Self::Y, Self::Z, Self::X, Self::NegY, Self::NegZ, Self::NegX];
+
+    /// As a unit vector.
+    pub fn vector(self) -> Vec3 {
+        match self {
+            Self::X => Vec3::X,
+            Self::Y => Vec3::Y,
+            Self::Z => Vec3::Z,
+            Self::NegX => Vec3::NEG_X,
+            Self::NegY => Vec3::NEG_Y,
+            Self::NegZ => Vec3::NEG_Z,
+        }
+    }
+
+    /// The axis that `v` is closest to.
+    pub fn nearest(v: Vec3) -> Self {
+        let mut best = Self::Y;
+        for axis in Self::ALL {
+            if axis.vector().dot(v) > best.vector().dot(v) {
+                best = axis;
+            }
+        }
+        best
+    }
+
+    /// The opposite direction.
+    pub fn opposite(self) -> Self {
+        Self::nearest(-self.vector())
+    }
+
+    /// As the command line has it: `y`, `-z`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::X => "x",
+            Self::Y => "y",
+            Self::Z => "z",
+            Self::NegX => "-x",
+            Self::NegY => "-y",
+            Self::NegZ => "-z",
+        }
+    }
+}
+
+impl FromStr for Axis {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let plain = text.trim().trim_start_matches('+').to_ascii_lowercase();
+        Self::ALL.into_iter().find(|a| a.name() == plain).ok_or_else(|| Error::Parameter {
+            name: "the axis",
+            value: text.into(),
+            range: "one of x, y, z, -x, -y, -z",
+        })
+    }
+}
+
+/// Metres per unit of a file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unit(pub f32);
+
+impl Unit {
+    /// The units that files come in, with their names.
+    pub const KNOWN: [(&'static str, f32); 6] =
+        [("m", 1.0), ("cm", 0.01), ("mm", 0.001), ("dm", 0.1), ("in", 0.0254), ("ft", 0.3048)];
+
+    /// Its name, or the metres it has.
+    pub fn name(self) -> String {
+        match Self::KNOWN.iter().find(|k| k.1 == self.0) {
+            Some((name, _)) => (*name).into(),
+            None => format!("{:.4}", self.0),
+        }
+    }
+}
+
+impl FromStr for Unit {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let plain = text.trim();
+        if let Some((_, metres)) = Self::KNOWN.iter().find(|k| k.0.eq_ignore_ascii_case(plain)) {
+            return Ok(Self(*metres));
+        }
+        match plain.parse::<f32>() {
+            Ok(metres) if (1e-9..=1e9).contains(&metres) => Ok(Self(metres)),
+            _ => Err(Error::Parameter {
+                name: "the unit",
+                value: text.into(),
+                range: "m, cm, mm, dm, in, ft or metres per unit, a positive number",
+            }),
+        }
+    }
+}
+
+/// What is known about a file; `None` is guessed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Choice {
+    /// Metres per unit.
+    pub unit: Option<Unit>,
+    /// Which axis of the file points up.
+    pub up: Option<Axis>,
+    /// Which axis of the file the face looks along.
+    pub front: Option<Axis>,
+    /// Whether the file is a mirror image, left for right.
+    pub mirror: Option<bool>,
+}
+
+impl Choice {
+    /// That up and front can both be so.
+    pub fn check(&self) -> Result<()> {
+        match (self.up, self.front) {
+            (Some(up), Some(front)) if up.vector().dot(front.vector()) != 0.0 => Err(Error::Parameter {
+                name: "the front axis",
+                value: front.name().into(),
+                range: "at a right angle to the up axis",
+            }),
+            _ => Ok(()),
+        }
+    }
+}

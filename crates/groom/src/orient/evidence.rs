@@ -1,0 +1,187 @@
+//! Evidence for up and front from roots, strands and a head's surface.
+//!
+//! Each fact is a vector in the file's frame that should point up, down, forward or back; a candidate frame
+//! is scored by how well it agrees with all of them, with a small bonus for the frames that common programs
+//! write.
+
+use std::collections::HashMap;
+
+use glam::Vec3;
+
+use super::{Axis, Sphere, likeness};
+use crate::{Strands, TriMesh, mesh::bvh::Bvh};
+
+/// A candidate: the file's axes that point up and forward.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Frame {
+    pub up: Axis,
+    pub front: Axis,
+}
+
+impl Frame {
+    /// All 24, the usual ones first.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let pairs =
+            Axis::ALL.into_iter().flat_map(|up| Axis::ALL.into_iter().map(move |front| Self { up, front }));
+        pairs.filter(|f| f.up.vector().dot(f.front.vector()) == 0.0)
+    }
+
+    /// How common it is among programs.
+    pub fn habit(self) -> f32 {
+        match (self.up, self.front) {
+            (Axis::Y, Axis::Z) => 0.3,
+            (Axis::Z, Axis::NegY) => 0.2,
+            (Axis::Z, Axis::Y) | (Axis::Y, Axis::NegZ) => 0.15,
+            _ => 0.0,
+        }
+    }
+}
+
+/// What hair says.
+#[derive(Clone, Debug)]
+pub(super) struct HairFacts {
+    /// Up to a few thousand roots, in the file's unit.
+    pub roots: Vec<Vec3>,
+    /// The sphere they lie on.
+    pub sphere: Sphere,
+    /// Their mean direction from its centre: up and back, since a face has none.
+    pub mean: Vec3,
+    /// The mean direction from root to tip: down.
+    pub fall: Vec3,
+}
+
+impl HairFacts {
+    /// `None` when no strand has a finite root and tip.
+    pub fn of(strands: &Strands) -> Option<Self> {
+        let step = (strands.len() / 4000).max(1);
+        let ends: Vec<(Vec3, Vec3)> = strands
+            .iter()
+            .step_by(step)
+            .filter_map(|s| Some((*s.first()?, *s.last()?)))
+            .filter(|(root, tip)| root.is_finite() && tip.is_finite())
+            .collect();
+        let roots: Vec<Vec3> = ends.iter().map(|e| e.0).collect();
+        let n = roots.len() as f32;
+        let middle = roots.iter().sum::<Vec3>() / n;
+        let spread = (roots.iter().map(|p| p.distance_squared(middle)).sum::<f32>() / n).sqrt();
+        let sphere = Sphere::fit(&roots).filter(|s| s.radius < 10.0 * spread);
+        let sphere = sphere.unwrap_or(Sphere { center: middle, radius: spread });
+        if roots.is_empty() || !sphere.radius.is_finite() || sphere.radius <= 0.0 {
+            return None;
+        }
+        let mean = roots.iter().map(|p| (*p - sphere.center) / sphere.radius).sum::<Vec3>() / n;
+        let fall = ends.iter().map(|(root, tip)| (*tip - *root).normalize_or_zero()).sum::<Vec3>() / n;
+        Some(Self { roots, sphere, mean, fall })
+    }
+
+    /// How well a frame agrees.
+    pub fn score(&self, frame: Frame) -> f32 {
+        let (up, front) = (frame.up.vector(), frame.front.vector());
+        let side = up.cross(front);
+        self.mean.dot(up)
+            - 0.5 * self.fall.dot(up)
+            - 0.8 * self.mean.dot(front)
+            - 0.5 * self.mean.dot(side).abs()
+    }
+
+    /// Half the breadth of the rooted area along `side`, without the outermost 2 % on either hand.
+    pub fn half_breadth(&self, side: Vec3) -> f32 {
+        let mut along: Vec<f32> = self.roots.iter().map(|p| p.dot(side)).collect();
+        along.sort_unstable_by(f32::total_cmp);
+        let at = |share: f32| along[((along.len() - 1) as f32 * share) as usize];
+        0.5 * (at(0.98) - at(0.02))
+    }
+}
+
+/// Up to this mean difference, in skull radii, a mesh is like a human head: people's have at most 0.1.
+const ALIKE: f32 = 0.12;
+/// How much a head's shape counts.
+const LIKENESS: f32 = 6.0;
+
+/// What a head's surface says.
+#[derive(Clone, Debug)]
+pub(super) struct MeshFacts {
+    /// How far the mirror image lies from the mesh, per axis, their sum being 1.
+    asymmetry: Vec3,
+    /// From the centre of the surface to the centre of the vertices: modellers spend them on faces.
+    detail: Vec3,
+    /// From the centre to the middle of the surface's edges, mostly the cut through the neck: down.
+    cut: Vec3,
+    /// The difference to a head in every frame, in the order of [`Frame::all`]; empty where the mesh is
+    /// like a head in none.
+    differences: Vec<(Frame, f32)>,
+}
+
+impl MeshFacts {
+    /// Of a mesh with its tree.
+    pub fn of(mesh: &TriMesh, bvh: &Bvh) -> Self {
+        let (lo, hi) = mesh.bounds().unwrap_or_default();
+        let (middle, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
+        let size = half.max_element().max(f32::MIN_POSITIVE);
+        let mut asymmetry = Vec3::ZERO;
+        for axis in 0..3 {
+            for p in mesh.positions.iter().step_by((mesh.positions.len() / 400).max(1)) {
+                let mut q = *p;
+                q[axis] = 2.0 * middle[axis] - q[axis];
+                asymmetry[axis] += bvh.closest_point(q).map_or(0.0, |c| c.distance);
+            }
+        }
+        let total = asymmetry.element_sum();
+        let asymmetry = if total > 0.0 { asymmetry / total } else { Vec3::splat(1.0 / 3.0) };
+        let vertices = mesh.positions.iter().sum::<Vec3>() / mesh.positions.len().max(1) as f32;
+        let (mut surface, mut area) = (Vec3::ZERO, 0.0);
+        for t in &mesh.triangles {
+            let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
+            let twice = (b - a).cross(c - a).length();
+            surface += (a + b + c) / 3.0 * twice;
+            area += twice;
+        }
+        let detail = if area > 0.0 { (vertices - surface / area) / size } else { Vec3::ZERO };
+        let step = (mesh.positions.len() / 6000).max(1);
+        let sample: Vec<Vec3> = mesh.positions.iter().copied().step_by(step).collect();
+        let mut differences: Vec<_> = Frame::all().map(|f| (f, likeness::difference(&sample, f))).collect();
+        if !differences.iter().any(|d| d.1 < ALIKE) {
+            differences.clear();
+        }
+        Self { asymmetry, detail, cut: cut(mesh).map_or(Vec3::ZERO, |c| (c - middle) / size), differences }
+    }
+
+    /// How well a frame agrees.
+    pub fn score(&self, frame: Frame) -> f32 {
+        let (up, front) = (frame.up.vector(), frame.front.vector());
+        let side = up.cross(front).abs();
+        let difference = self.differences.iter().find(|d| d.0 == frame).map_or(0.0, |d| d.1);
+        1.5 * self.detail.dot(front) + 0.5 * self.detail.dot(up)
+            - self.asymmetry.dot(side)
+            - 0.2 * self.cut.dot(up)
+            - LIKENESS * difference
+    }
+}
+
+/// The middle of the edges that belong to one triangle only, weighted by length.
+fn cut(mesh: &TriMesh) -> Option<Vec3> {
+    // Seams are no cuts: vertices at one place are one vertex.
+    let mut places = HashMap::with_capacity(mesh.positions.len());
+    let place: Vec<u32> = mesh
+        .positions
+        .iter()
+        .map(|p| {
+            let next = places.len() as u32;
+            *places.entry(p.to_array().map(f32::to_bits)).or_insert(next)
+        })
+        .collect();
+    let mut edges: HashMap<(u32, u32), (u32, [u32; 2])> = HashMap::with_capacity(mesh.triangles.len() * 2);
+    for t in &mesh.triangles {
+        for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
+            let (x, y) = (place[a as usize], place[b as usize]);
+            edges.entry((x.min(y), x.max(y))).or_insert((0, [a, b])).0 += 1;
+        }
+    }
+    let (mut sum, mut total) = (Vec3::ZERO, 0.0);
+    for (_, ends) in edges.values().filter(|e| e.0 == 1) {
+        let [a, b] = ends.map(|i| mesh.positions[i as usize]);
+        sum += (a + b) * (0.5 * a.distance(b));
+        total += a.distance(b);
+    }
+    (total > 0.0).then(|| sum / total)
+}

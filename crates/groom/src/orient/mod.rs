@@ -1,0 +1,217 @@
+//! Units, up axis, facing and mirroring: set by the user, or guessed with reasons.
+//!
+//! A groom alone is oriented by its roots: they lie on a sphere of known size, on top and behind, and hair
+//! falls. A head alone is oriented by its profile, its symmetry and by where its vertices are dense. A
+//! groom and a head are first related to each other, by the distance of the roots to the mesh over all
+//! plausible units, rotations and reflections, and then oriented together. A groom made for another head is
+//! fitted onto this one, and this is reported.
+
+mod choice;
+mod evidence;
+mod likeness;
+mod pair;
+mod placement;
+mod seat;
+mod size;
+mod sphere;
+
+pub use choice::{Axis, Choice, Unit};
+pub use pair::pair;
+pub use placement::Placement;
+pub use seat::seat;
+pub use sphere::Sphere;
+
+use evidence::{Frame, HairFacts, MeshFacts};
+use size::{HALF_BREADTH, HEAD_HEIGHT};
+
+use super::{Strands, TriMesh, import::mesh::RawMesh, mesh::bvh::Bvh};
+
+/// The lead over the next candidate under which a guess is called doubtful.
+const DOUBT: f32 = 0.1;
+
+impl Choice {
+    /// What is left to guess of a file that says it is in metres, Y up, face +Z.
+    fn declared(self, declared: bool) -> Self {
+        if !declared {
+            return self;
+        }
+        Self {
+            unit: self.unit.or(Some(Unit(1.0))),
+            up: self.up.or(Some(Axis::Y)),
+            front: self.front.or(Some(Axis::Z)),
+            mirror: self.mirror.or(Some(false)),
+        }
+    }
+
+    fn allows(&self, frame: Frame) -> bool {
+        self.up.is_none_or(|up| up == frame.up) && self.front.is_none_or(|front| front == frame.front)
+    }
+}
+
+/// The best frame that a choice allows, and its lead over the next.
+fn best_frame(choice: &Choice, score: impl Fn(Frame) -> f32) -> (Frame, f32, Option<Frame>) {
+    let mut ranked: Vec<(f32, Frame)> =
+        Frame::all().filter(|f| choice.allows(*f)).map(|f| (score(f), f)).collect();
+    // A choice that contradicts itself leaves none.
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let best = ranked.first().copied().unwrap_or((0.0, Frame { up: Axis::Y, front: Axis::Z }));
+    let next = ranked.get(1).copied();
+    (best.1, next.map_or(f32::INFINITY, |n| best.0 - n.0), next.map(|n| n.1))
+}
+
+/// What is said about the axes.
+fn explain_axes(placement: &mut Placement, choice: &Choice, declared: bool, why: &str) {
+    let (up, front) = (placement.up.name(), placement.front.name());
+    placement.reasons.push(match (choice.up, choice.front) {
+        (Some(_), Some(_)) if declared => format!("up {up}, face {front}: the file says so"),
+        (Some(_), Some(_)) => format!("up {up}, face {front}: given"),
+        (Some(_), None) => format!("up {up}: given; face {front}: {why}"),
+        (None, Some(_)) => format!("face {front}: given; up {up}: {why}"),
+        (None, None) => format!("up {up}, face {front}: {why}"),
+    });
+}
+
+fn explain_doubt(placement: &mut Placement, lead: f32, next: Option<Frame>) {
+    if let (true, Some(next)) = (lead < DOUBT, next) {
+        placement.doubts.push(format!(
+            "up {} and face {} is nearly as likely; giving both axes settles it",
+            next.up.name(),
+            next.front.name()
+        ));
+    }
+}
+
+/// How a groom without a head comes into metres, Y up, face +Z. `declared` says that its files say
+/// they already are.
+pub fn groom(strands: &Strands, declared: bool, choice: &Choice) -> Placement {
+    let choice = choice.declared(declared);
+    let mut placement = Placement { mirrored: choice.mirror.unwrap_or(false), ..Default::default() };
+    let Some(facts) = HairFacts::of(strands) else {
+        placement.unit = choice.unit.unwrap_or(Unit(1.0));
+        placement.up = choice.up.unwrap_or(Axis::Y);
+        placement.front = choice.front.unwrap_or(Axis::Z);
+        placement.doubts.push("too few roots to guess from; give unit, up and front by hand".into());
+        return placement;
+    };
+    let (frame, lead, next) = best_frame(&choice, |f| facts.score(f) + f.habit());
+    (placement.up, placement.front) = (frame.up, frame.front);
+    explain_axes(&mut placement, &choice, declared, "roots lie on top and behind, hair falls");
+    explain_doubt(&mut placement, lead, next);
+    unit_of_hair(&mut placement, &facts, &choice, declared);
+    placement
+}
+
+/// The unit, from the breadth of the rooted area.
+fn unit_of_hair(placement: &mut Placement, facts: &HairFacts, choice: &Choice, declared: bool) {
+    if let Some(unit) = choice.unit {
+        placement.unit = unit;
+        let why = if declared { "the file says so" } else { "given" };
+        placement.reasons.push(format!("1 unit is {} m: {why}", unit.0));
+        return;
+    }
+    let breadth = facts.half_breadth(placement.up.vector().cross(placement.front.vector()));
+    // A strip or a single tuft has no breadth; its sphere is all there is.
+    let breadth = if breadth > 0.1 * facts.sphere.radius { breadth } else { facts.sphere.radius };
+    let (unit, known) = size::unit(breadth, HALF_BREADTH);
+    placement.unit = unit;
+    let seen = format!(
+        "the rooted area is {:.3} units wide, a head's is {} cm",
+        2.0 * breadth,
+        200.0 * HALF_BREADTH
+    );
+    explain_unit(placement, known, &seen);
+}
+
+fn explain_unit(placement: &mut Placement, known: bool, seen: &str) {
+    let unit = placement.unit;
+    placement.reasons.push(if known {
+        format!("1 unit is 1 {}: {seen}", unit.name())
+    } else {
+        format!("1 unit is {:.3} mm, no usual unit but the size of a head: {seen}", 1e3 * unit.0)
+    });
+    if !known {
+        placement.doubts.push(format!(
+            "the size is a guess; a unit of {:.5} m or the like, given by hand, settles it",
+            unit.0
+        ));
+    }
+}
+
+/// How a head without a groom comes into metres, Y up, face +Z.
+pub fn head(head: &RawMesh, choice: &Choice) -> Placement {
+    let choice = choice.declared(head.declared);
+    let mut placement = Placement { mirrored: choice.mirror.unwrap_or(false), ..Default::default() };
+    let facts = MeshFacts::of(&head.mesh, &Bvh::new(&head.mesh));
+    // Habit counts for more: a mesh says less than hair.
+    let (frame, lead, next) = best_frame(&choice, |f| facts.score(f) + 2.0 * f.habit());
+    (placement.up, placement.front) = (frame.up, frame.front);
+    let why = "a head's profile and symmetry, and where the vertices are dense";
+    explain_axes(&mut placement, &choice, head.declared, why);
+    explain_doubt(&mut placement, lead, next);
+    unit_of_head(&mut placement, &head.mesh, None, &choice, head.declared);
+    placement
+}
+
+/// The unit, from crown and chin, or from the breadth of the rooted area.
+fn unit_of_head(
+    placement: &mut Placement,
+    mesh: &TriMesh,
+    half_breadth: Option<f32>,
+    choice: &Choice,
+    declared: bool,
+) {
+    if let Some(unit) = choice.unit {
+        placement.unit = unit;
+        let why = if declared { "the format says so" } else { "given" };
+        placement.reasons.push(format!("1 unit is {} m: {why}", unit.0));
+        return;
+    }
+    let found = size::head(mesh, placement.axes(), half_breadth);
+    let found = found.filter(|h| half_breadth.is_none_or(|b| (2.0..3.6).contains(&(h.height / b))));
+    let (known, seen) = match (found, half_breadth) {
+        (Some(head), Some(breadth)) => {
+            // Long heads and broad ones: neither measure alone.
+            let (unit, known) =
+                size::unit((head.height * breadth).sqrt(), (HEAD_HEIGHT * HALF_BREADTH).sqrt());
+            placement.unit = unit;
+            let seen = format!(
+                "crown to chin is {:.3} units, the rooted area {:.3} wide; a head has {} and {} cm",
+                head.height,
+                2.0 * breadth,
+                100.0 * HEAD_HEIGHT,
+                200.0 * HALF_BREADTH
+            );
+            (known, seen)
+        }
+        (Some(head), None) => {
+            let (unit, known) = size::unit(head.height, HEAD_HEIGHT);
+            placement.unit = unit;
+            (
+                known,
+                format!("crown to chin is {:.3} units, a head's is {} cm", head.height, 100.0 * HEAD_HEIGHT),
+            )
+        }
+        (None, Some(breadth)) => {
+            let (unit, known) = size::unit(breadth, HALF_BREADTH);
+            placement.unit = unit;
+            (
+                known,
+                format!(
+                    "the rooted area is {:.3} units wide, a head's is {} cm",
+                    2.0 * breadth,
+                    200.0 * HALF_BREADTH
+                ),
+            )
+        }
+        (None, None) => {
+            placement
+                .doubts
+                .push("no crown and chin found, so the unit is taken for a metre; if that is wrong, give it by hand".into());
+            (true, "nothing says otherwise".into())
+        }
+    };
+    explain_unit(placement, known, &seen);
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,193 @@
+//! A groom and the head it grows on, which may come in different units and axes.
+
+use glam::Vec3;
+
+use super::{
+    Axis, Choice, DOUBT, Frame, Placement, Unit,
+    evidence::{HairFacts, MeshFacts},
+    explain_axes, explain_unit, groom, head, seat, unit_of_head,
+};
+use crate::{
+    Strands,
+    import::{ImportOptions, mesh::RawMesh},
+    mesh::bvh::Bvh,
+};
+
+/// The roots' median distance to the mesh, in radii of their sphere, up to which they belong to it.
+const BELONGS: f32 = 0.04;
+/// A root closer than this, in radii, was put exactly onto the mesh. Heads are nearly symmetric and
+/// their mirror images nearly fit, but not exactly.
+const EXACT: f32 = 1e-4;
+/// Scales between files of the usual units, the same unit first.
+const SCALES: [f32; 9] = [1.0, 0.01, 100.0, 0.1, 10.0, 0.001, 1000.0, 0.0254, 39.370_08];
+
+/// How a groom and its head come into metres, Y up, face +Z: the groom's placement, then the head's.
+pub fn pair(
+    strands: &Strands,
+    declared: bool,
+    raw: &RawMesh,
+    options: &ImportOptions,
+) -> (Placement, Placement) {
+    let choice = options.orient.declared(declared);
+    let choice_head = options.orient_head.declared(raw.declared);
+    let bvh = Bvh::new(&raw.mesh);
+    let alone = || (groom(strands, declared, &options.orient), head(raw, &options.orient_head));
+    let Some(facts) = HairFacts::of(strands) else { return alone() };
+    let relations = relations(&facts, &bvh, &choice, &choice_head);
+    let surface = MeshFacts::of(&raw.mesh, &bvh);
+    // Relation and head frame together: the first must bring the roots to the skin, the second the
+    // result upright, and both must be what the user allows.
+    let mut ranked = Vec::new();
+    for (relation, cost) in relations.iter().filter(|r| r.1 < BELONGS) {
+        let exact = exact(&facts, relation, &bvh);
+        for frame in Frame::all().filter(|f| choice_head.allows(*f)) {
+            let mirrored = choice_head.mirror.unwrap_or(false);
+            let upright = Placement { up: frame.up, front: frame.front, mirrored, ..Default::default() };
+            let whole = compose(&upright, relation);
+            let own = Frame { up: whole.up, front: whole.front };
+            if choice.allows(own) && choice.mirror.is_none_or(|m| m == whole.mirrored) {
+                let score = facts.score(own) + surface.score(frame) + frame.habit() - 10.0 * cost
+                    + 0.5 * exact
+                    + habit(relation);
+                ranked.push((score, relation, upright, *cost));
+            }
+        }
+    }
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let Some((score, relation, mut upright, cost)) = ranked.first().cloned() else {
+        let (own, head) = alone();
+        let own = seat(strands, own, &raw.mesh, &head);
+        return (own, head);
+    };
+    let why = "a head's profile and symmetry; roots lie on top and behind, hair falls";
+    explain_axes(&mut upright, &choice_head, raw.declared, why);
+    // A unit given for one of the two files gives the other's.
+    let given = choice_head.unit.or(choice.unit.map(|u| Unit(u.0 / relation.unit.0)));
+    let side = relation.axes().transpose() * upright.up.vector().cross(upright.front.vector());
+    let breadth = facts.half_breadth(side) * relation.unit.0;
+    let sized = Choice { unit: given, ..choice_head };
+    unit_of_head(&mut upright, &raw.mesh, Some(breadth), &sized, raw.declared && choice_head.unit == given);
+    let mut own = compose(&upright, relation);
+    let median = cost * facts.sphere.radius * own.unit.0;
+    explain_relation(&mut own, relation, median);
+    if let Some(next) = ranked.iter().find(|n| n.2.up != upright.up || n.2.front != upright.front)
+        && score - next.0 < DOUBT
+    {
+        let (up, front) = (next.2.up.name(), next.2.front.name());
+        own.doubts.push(format!(
+            "up {up} and face {front} of the head is nearly as likely; giving both axes settles it"
+        ));
+    }
+    (own, upright)
+}
+
+fn explain_relation(own: &mut Placement, relation: &Placement, median: f32) {
+    let mut how = Vec::new();
+    if relation.unit.0 != 1.0 {
+        how.push(format!("scaled by {}", relation.unit.0));
+    }
+    if relation.axes() != glam::Mat3::IDENTITY {
+        let what = if relation.mirrored { "mirrored" } else { "turned" };
+        let axis = |v: Vec3| Axis::nearest(relation.axes() * v).name();
+        how.push(format!(
+            "{what} (its x, y, z are the head's {}, {}, {})",
+            axis(Vec3::X),
+            axis(Vec3::Y),
+            axis(Vec3::Z)
+        ));
+    }
+    let how = if how.is_empty() { "shares the head's axes and unit".into() } else { how.join(" and ") };
+    own.reasons.insert(
+        0,
+        format!("the groom, {how}, has its roots on the mesh: median distance {:.1} mm", median * 1e3),
+    );
+    let unit = own.unit;
+    explain_unit(own, Unit::KNOWN.iter().any(|k| k.1 == unit.0) || unit.0 == 1.0, "from the head");
+}
+
+/// What is usual between a groom and its head.
+fn habit(relation: &Placement) -> f32 {
+    let turned = relation.axes() != glam::Mat3::IDENTITY;
+    let mut score = 0.0;
+    score -= if relation.unit.0 != 1.0 { 0.1 } else { 0.0 };
+    score -= if turned { 0.1 } else { 0.0 };
+    score - if relation.mirrored { 0.02 } else { 0.0 }
+}
+
+/// Every turn, reflection and scale from the groom's file to the head's, with the roots' median
+/// distance to the mesh in radii of their sphere.
+fn relations(facts: &HairFacts, bvh: &Bvh, groom: &Choice, head: &Choice) -> Vec<(Placement, f32)> {
+    let given = match (groom.unit, head.unit) {
+        (Some(g), Some(h)) => Some(g.0 / h.0),
+        _ => None,
+    };
+    let step = (facts.roots.len() / 96).max(1);
+    let sample: Vec<Vec3> = facts.roots.iter().copied().step_by(step).collect();
+    let mut found: Vec<(Placement, f32)> = Vec::new();
+    for scale in given.map_or(SCALES.to_vec(), |g| vec![g]) {
+        for frame in Frame::all() {
+            for mirrored in [false, true] {
+                let unit = Unit(scale);
+                let relation =
+                    Placement { unit, up: frame.up, front: frame.front, mirrored, ..Default::default() };
+                let cost = cost(&sample, &relation, bvh) / (facts.sphere.radius * scale);
+                found.push((relation, cost));
+            }
+        }
+        // Files of one groom and its head mostly share a unit: look no further then.
+        if found.iter().any(|f| f.1 < BELONGS) {
+            break;
+        }
+    }
+    found
+}
+
+fn cost(roots: &[Vec3], relation: &Placement, bvh: &Bvh) -> f32 {
+    let mut distances: Vec<f32> = roots
+        .iter()
+        .map(|p| bvh.closest_point(relation.point(*p)).map_or(f32::MAX, |c| c.distance))
+        .collect();
+    let middle = distances.len() / 2;
+    *distances.select_nth_unstable_by(middle, f32::total_cmp).1
+}
+
+/// The share of roots that lie exactly on the mesh.
+fn exact(facts: &HairFacts, relation: &Placement, bvh: &Bvh) -> f32 {
+    let near = EXACT * facts.sphere.radius * relation.unit.0;
+    let on = |p: &&Vec3| bvh.closest_point_within(relation.point(**p), near).is_some();
+    facts.roots.iter().filter(on).count() as f32 / facts.roots.len() as f32
+}
+
+/// `outer` after `inner`.
+fn compose(outer: &Placement, inner: &Placement) -> Placement {
+    let axes = outer.axes() * inner.axes();
+    Placement {
+        unit: Unit(outer.unit.0 * inner.unit.0),
+        up: Axis::nearest(axes.row(1)),
+        front: Axis::nearest(axes.row(2)),
+        mirrored: axes.determinant() < 0.0,
+        translation: outer.point(inner.translation),
+        ..Default::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn composing_is_applying_one_after_the_other() {
+        let inner = Placement {
+            unit: Unit(0.1),
+            up: Axis::Z,
+            front: Axis::NegX,
+            mirrored: true,
+            translation: Vec3::new(1.0, 2.0, 3.0),
+            ..Default::default()
+        };
+        let outer = Placement { unit: Unit(2.0), up: Axis::NegY, front: Axis::X, ..Default::default() };
+        let p = Vec3::new(0.3, -0.7, 5.0);
+        let whole = compose(&outer, &inner);
+        assert!(whole.point(p).distance(outer.point(inner.point(p))) < 1e-5);
+    }
+}

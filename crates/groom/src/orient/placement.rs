@@ -1,0 +1,118 @@
+//! The transform from a file's unit and axes to metres, Y up, face +Z.
+
+use glam::{Mat3, Vec3};
+
+use super::{Axis, Unit};
+use crate::{Strands, TriMesh};
+
+/// How a file's coordinates become metres, Y up, face +Z, and why so.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Placement {
+    /// Metres per unit of the file.
+    pub unit: Unit,
+    /// The file's axis that points up.
+    pub up: Axis,
+    /// The file's axis that the face looks along.
+    pub front: Axis,
+    /// Whether left and right are exchanged on the way.
+    pub mirrored: bool,
+    /// Added after everything else, metres. Zero unless hair had to be moved onto a head.
+    pub translation: Vec3,
+    /// Why: one clause per decision.
+    pub reasons: Vec<String>,
+    /// What is in doubt, with the option that settles it.
+    pub doubts: Vec<String>,
+}
+
+impl Default for Placement {
+    fn default() -> Self {
+        Self {
+            unit: Unit(1.0),
+            up: Axis::Y,
+            front: Axis::Z,
+            mirrored: false,
+            translation: Vec3::ZERO,
+            reasons: Vec::new(),
+            doubts: Vec::new(),
+        }
+    }
+}
+
+impl Placement {
+    /// The rotation (or, mirrored, the reflection) without unit and translation.
+    pub fn axes(&self) -> Mat3 {
+        let (up, front) = (self.up.vector(), self.front.vector());
+        let side = up.cross(front) * if self.mirrored { -1.0 } else { 1.0 };
+        Mat3::from_cols(side, up, front).transpose()
+    }
+
+    /// A point of the file, in metres, Y up, face +Z.
+    pub fn point(&self, p: Vec3) -> Vec3 {
+        self.axes() * p * self.unit.0 + self.translation
+    }
+
+    /// Whether nothing changes.
+    pub fn is_identity(&self) -> bool {
+        self.axes() == Mat3::IDENTITY && self.unit.0 == 1.0 && self.translation == Vec3::ZERO
+    }
+
+    /// Transforms strands in place.
+    pub fn apply(&self, strands: &mut Strands) {
+        if self.is_identity() {
+            return;
+        }
+        let (axes, scale) = (self.axes(), self.unit.0);
+        for p in &mut strands.positions {
+            *p = axes * *p * scale + self.translation;
+        }
+        for r in &mut strands.radii {
+            *r *= scale;
+        }
+    }
+
+    /// Transforms a mesh in place; a mirrored one keeps its outside.
+    pub fn apply_to_mesh(&self, mesh: &mut TriMesh) {
+        if self.is_identity() {
+            return;
+        }
+        let (axes, scale) = (self.axes(), self.unit.0);
+        for p in &mut mesh.positions {
+            *p = axes * *p * scale + self.translation;
+        }
+        for n in &mut mesh.normals {
+            *n = axes * *n;
+        }
+        if self.mirrored {
+            for t in &mut mesh.triangles {
+                t.swap(1, 2);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn up_and_front_go_where_they_belong() {
+        let zup = Placement { up: Axis::Z, front: Axis::Y, unit: Unit(0.01), ..Default::default() };
+        assert_eq!(zup.point(Vec3::new(1.0, 2.0, 3.0)), Vec3::new(-0.01, 0.03, 0.02));
+        assert!(zup.axes().determinant() > 0.0);
+        let mirrored = Placement { front: Axis::NegZ, mirrored: true, ..Default::default() };
+        assert_eq!(mirrored.point(Vec3::new(1.0, 2.0, 3.0)), Vec3::new(1.0, 2.0, -3.0));
+    }
+
+    #[test]
+    fn a_mirrored_mesh_keeps_its_outside() {
+        let mut mesh = TriMesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            normals: vec![Vec3::Z; 3],
+            colors: vec![],
+            triangles: vec![[0, 1, 2]],
+        };
+        Placement { front: Axis::NegZ, mirrored: true, ..Default::default() }.apply_to_mesh(&mut mesh);
+        let [a, b, c] = mesh.triangles[0].map(|i| mesh.positions[i as usize]);
+        assert_eq!((b - a).cross(c - a).normalize(), mesh.normals[0]);
+    }
+}

@@ -1,0 +1,316 @@
+//! Curls, clumps, stray hairs and widths for existing grooms, above all imported ones.
+//!
+//! Guides stay as they are. They are chosen and bound among the hair as the file has it, and the rest
+//! curves of the drawn strands change afterwards: a curled guide would be simulated as a spring, and the
+//! strands of three such guides would be their mean, which is not a curl.
+//!
+//! ```text
+//! bound strands ─► locks ─► gather ─► curl ─► unrest ─► widths ─► bound strands
+//! ```
+//!
+//! *Locks* are strands whose roots lie within the clumps' spacing of a centre; among those centres each
+//! strand takes the one whose direction is most similar, so that no lock has hair from both sides of a
+//! parting.
+
+use super::{
+    Groom,
+    bound::BoundStrands,
+    curve,
+    grow::{Clumps, CurlStrand, Curls, Growth, ScalpMap, Twist, Unrest, frames_from, unrest},
+    styles::{
+        random::{Rng, smoothstep},
+        scalp_uv,
+    },
+};
+use crate::{
+    Result,
+    bound::{PackedRest, StrandBinding},
+    hash::pcg,
+};
+use glam::{IVec3, Vec3};
+use std::collections::HashMap;
+
+/// What changes on strands that are bound to guides.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Restyle {
+    /// Curls; their locks are the clumps.
+    pub curls: Curls,
+    /// Factor of the radius of curls, over the scalp.
+    pub curl_map: Option<ScalpMap>,
+    /// How strands gather; `None`: as the file has them, or as it suits the curls. `lock` and
+    /// `tip_spread` are without effect.
+    pub clumps: Option<Clumps>,
+    /// Frizz, strays and flyaways; `None` for none. `shorter` is without effect.
+    pub unrest: Option<Unrest>,
+    /// The usual diameter, metres; `None` for what the strands have.
+    pub diameter: Option<f32>,
+    /// Standard deviation of the width over the strands, as a fraction.
+    pub width_variation: f32,
+    /// Width at the tip as a fraction, reached evenly along the strand; `None` for what the strands have.
+    pub tip_width: Option<f32>,
+    /// What every random choice follows from.
+    pub seed: u32,
+}
+
+/// The clumps of strands that have been given none.
+const NO_CLUMPS: Clumps = Clumps { spacing: 0.006, strength: 0.0, start: 0.05, lock: 0.0, tip_spread: 1.0 };
+
+impl Restyle {
+    /// Whether it changes anything.
+    pub fn any(&self) -> bool {
+        self.curls.any() || *self != Self { curls: self.curls.clone(), seed: self.seed, ..Self::default() }
+    }
+
+    /// The clumps that strands get.
+    fn clumps(&self) -> Clumps {
+        match self.clumps {
+            Some(clumps) => clumps,
+            None if self.curls.any() => NO_CLUMPS.curled(&self.curls),
+            None => NO_CLUMPS,
+        }
+    }
+
+    /// The frizz, strays and flyaways that strands get.
+    fn unruly(&self) -> Unrest {
+        let still = Unrest { frizz: 0.0, strays: 0.0, stray: 0.0, flyaways: 0.0, flyaway: 0.0, shorter: 0.0 };
+        self.unrest.unwrap_or(still)
+    }
+
+    /// Checks that every value is in its range, which is that of growth.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`](crate::Error::Parameter) for a value out of range.
+    pub fn check(&self) -> Result<()> {
+        Growth {
+            curls: self.curls.clone(),
+            clumps: self.clumps(),
+            unrest: self.unruly(),
+            diameter: self.diameter,
+            width_variation: self.width_variation,
+            tip_width: self.tip_width.unwrap_or(1.0),
+            ..Growth::default()
+        }
+        .check()
+    }
+
+    /// Changes the strands of `groom` (metres, groom space); `skull` is the middle of the braincase.
+    /// Strands on guides whose tips are fixed get no curls.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`](crate::Error::Parameter) for values out of range,
+    /// [`Error::Unusable`](crate::Error::Unusable) where the strands have too few
+    /// vertices for the curls: bind with [`BindOptions::strand_vertices`](super::BindOptions) of 64.
+    pub fn apply(&self, groom: &mut Groom, skull: Vec3) -> Result<()> {
+        self.check()?;
+        let (clumps, unruly) = (self.clumps(), self.unruly());
+        let n = groom.strands.vertex_count as usize;
+        let lines: Vec<Vec<Vec3>> =
+            (0..groom.strands.len()).map(|i| groom.strands.rest_positions(i).collect()).collect();
+        let lengths: Vec<f32> = lines.iter().map(|line| curve::length(line)).collect();
+        self.curls.fits(median(&lengths), groom.strands.vertex_count)?;
+        let usual = median(&groom.strands.strands.iter().map(|s| s.radius).collect::<Vec<_>>()).max(1e-9);
+        let shaped = self.curls.any() || self.clumps.is_some() || self.unrest.is_some();
+        let locks = if shaped { Locks::new(&lines, clumps.spacing) } else { Locks::default() };
+        let old = std::mem::take(&mut groom.strands);
+        groom.strands = BoundStrands::new(old.vertex_count);
+        for (i, line) in lines.iter().enumerate() {
+            let id = pcg(self.seed ^ pcg(i as u32 ^ 0x5717e));
+            let mut rng = Rng::new(id, 1);
+            let mut strand = old.strands[i];
+            let mut binding = old.bindings[i];
+            let mut radii: Vec<f32> =
+                old.rest[i * n..(i + 1) * n].iter().map(|rest| rest.unpack(&old.bindings[i]).1).collect();
+            let stray = rng.unit();
+            let flyaway = stray < unruly.flyaways;
+            let mut line = line.clone();
+            let held = groom.guides.tip_pinned.get(binding.guides[0] as usize) == Some(&true);
+            if shaped && !held && lengths[i] > 0.0 {
+                let lock = locks.of[i] as usize;
+                let centre = locks.centres[lock] as usize;
+                let share = if flyaway { 0.3 } else { 1.0 };
+                gather(&mut line, &lines[centre], &clumps, share, self.seed, lock as u32, &mut rng);
+                if self.curls.any() {
+                    let uv = scalp_uv(line[0] - skull);
+                    let strength = self.curl_map.as_ref().map_or(1.0, |map| map.sample(uv));
+                    let twist = Twist::new(&self.curls, self.seed, lock as u32, lines[centre][0]);
+                    let outward = lines[centre][0] - skull;
+                    let own = CurlStrand::new(&self.curls, flyaway, &mut rng);
+                    let f = wind(&mut line, &self.curls, &twist, &own, strength, outward);
+                    binding.scale = binding.scale.map(|scale| scale * f);
+                }
+                unrest(&unruly, stray, &mut rng, &mut line);
+            }
+            if let Some(diameter) = self.diameter {
+                strand.radius *= 0.5 * diameter / usual;
+            }
+            let width = 1.0 + self.width_variation * rng.bell().clamp(-2.0, 2.0);
+            strand.radius *= width.max(0.2) * if flyaway { 0.65 } else { 1.0 };
+            if let Some(tip) = self.tip_width {
+                for (k, radius) in radii.iter_mut().enumerate() {
+                    *radius = 1.0 + (tip - 1.0) * k as f32 / (n - 1) as f32;
+                }
+            }
+            push(&mut groom.strands, strand, binding, &line, &radii);
+        }
+        Ok(())
+    }
+}
+
+fn median(values: &[f32]) -> f32 {
+    let mut values = values.to_vec();
+    values.sort_by(f32::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// Adds a strand with the guides of `binding` and another shape.
+fn push(
+    out: &mut BoundStrands,
+    strand: crate::bound::Strand,
+    binding: StrandBinding,
+    line: &[Vec3],
+    radii: &[f32],
+) {
+    let (lo, hi) =
+        line.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+    let binding = StrandBinding { origin: lo, extent: (hi - lo).max_element(), ..binding };
+    out.rest.extend(line.iter().zip(radii).map(|(p, radius)| PackedRest::pack(*p, *radius, &binding)));
+    out.strands.push(strand);
+    out.bindings.push(binding);
+}
+
+/// Draws the strand to the centre of its lock: to the point as far from the root, as long as there is one.
+fn gather(
+    line: &mut [Vec3],
+    centre: &[Vec3],
+    clumps: &Clumps,
+    share: f32,
+    seed: u32,
+    lock: u32,
+    rng: &mut Rng,
+) {
+    let mut shared = Rng::new(seed ^ 0xbeef, lock);
+    let strength = clumps.strength * shared.range(0.45, 1.0).sqrt() * rng.range(0.75, 1.0) * share;
+    if strength <= 0.0 {
+        return;
+    }
+    let (own, reach) = (curve::length(line), curve::length(centre).max(1e-6));
+    let last = (line.len() - 1) as f32;
+    let mut walk = Walk::new(centre);
+    for (k, p) in line.iter_mut().enumerate().skip(1) {
+        let t = k as f32 / last;
+        let along = own * t;
+        // A strand that is longer than the centre goes on beside its end.
+        let there = 1.0 - smoothstep(0.85 * reach, 1.05 * reach, along);
+        let middle = walk.at(along.min(reach));
+        *p = p.lerp(middle, strength * smoothstep(clumps.start, 0.85, t) * there);
+    }
+}
+
+/// Winds the strand around its path and returns the fraction of it that it takes.
+fn wind(
+    line: &mut [Vec3],
+    curls: &Curls,
+    twist: &Twist,
+    own: &CurlStrand,
+    strength: f32,
+    outward: Vec3,
+) -> f32 {
+    let length = curve::length(line);
+    let fraction = twist.fraction(curls, strength, length);
+    let last = (line.len() - 1) as f32;
+    let path: Vec<Vec3> = {
+        let mut walk = Walk::new(line);
+        (0..line.len()).map(|k| walk.at(k as f32 / last * fraction * length)).collect()
+    };
+    for (k, (p, [u, v])) in line.iter_mut().zip(frames_from(&path, outward)).enumerate() {
+        let arc = k as f32 / last * fraction * length;
+        let o = twist.offset(curls, own, arc, length) * strength;
+        *p = path[k] + u * o.x + v * o.y + u.cross(v) * o.z;
+    }
+    fraction
+}
+
+/// Points along a polyline at rising distances.
+struct Walk<'a> {
+    line: &'a [Vec3],
+    segment: usize,
+    passed: f32,
+}
+
+impl<'a> Walk<'a> {
+    fn new(line: &'a [Vec3]) -> Self {
+        Self { line, segment: 0, passed: 0.0 }
+    }
+
+    fn at(&mut self, along: f32) -> Vec3 {
+        loop {
+            let (a, b) = (self.line[self.segment], self.line[(self.segment + 1).min(self.line.len() - 1)]);
+            let step = a.distance(b);
+            if along <= self.passed + step || self.segment + 2 >= self.line.len() {
+                return a.lerp(b, ((along - self.passed) / step.max(1e-12)).clamp(0.0, 1.0));
+            }
+            self.passed += step;
+            self.segment += 1;
+        }
+    }
+}
+
+/// Strands in locks.
+#[derive(Default)]
+struct Locks {
+    /// The strand in the middle of each lock.
+    centres: Vec<u32>,
+    /// The lock of each strand.
+    of: Vec<u32>,
+}
+
+impl Locks {
+    fn new(lines: &[Vec<Vec3>], spacing: f32) -> Self {
+        let spacing = spacing.max(5e-4);
+        let cell = |p: Vec3| (p / spacing).floor().as_ivec3();
+        let mut cells: HashMap<IVec3, Vec<u32>> = HashMap::new();
+        let mut centres: Vec<u32> = Vec::new();
+        let around = |cells: &HashMap<IVec3, Vec<u32>>, p: Vec3| -> Vec<u32> {
+            let middle = cell(p);
+            (0..27)
+                .filter_map(|k| cells.get(&(middle + IVec3::new(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1))))
+                .flatten()
+                .copied()
+                .collect()
+        };
+        // In random order every strand that is far enough from all centres becomes one: they are spread
+        // evenly, and every strand has one within the spacing.
+        let mut order: Vec<u32> = (0..lines.len() as u32).collect();
+        order.sort_by_key(|&i| (pcg(i ^ 0x10c5), i));
+        for i in order {
+            let root = lines[i as usize][0];
+            let near = |k: &u32| lines[centres[*k as usize] as usize][0].distance(root) < spacing;
+            if !around(&cells, root).iter().any(near) {
+                cells.entry(cell(root)).or_default().push(centres.len() as u32);
+                centres.push(i);
+            }
+        }
+        let shape = |i: usize| {
+            let line = &lines[i];
+            [line[0], line[line.len() / 2], line[line.len() - 1]]
+        };
+        let of = (0..lines.len())
+            .map(|i| {
+                let own = shape(i);
+                let cost = |k: u32| {
+                    let it = shape(centres[k as usize] as usize);
+                    own[0].distance_squared(it[0])
+                        + 0.5 * own[1].distance_squared(it[1])
+                        + 0.25 * own[2].distance_squared(it[2])
+                };
+                let nearby = around(&cells, own[0]);
+                nearby.into_iter().min_by(|a, b| cost(*a).total_cmp(&cost(*b))).unwrap_or(0)
+            })
+            .collect();
+        Self { centres, of }
+    }
+}
+
+#[cfg(test)]
+#[path = "restyle_tests.rs"]
+mod tests;

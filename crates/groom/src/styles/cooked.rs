@@ -1,0 +1,83 @@
+//! The guides of the built-in styles as stored in this crate: draped beforehand.
+//!
+//! Draping a style takes the simulation of `tresses`, and so a GPU. For the default styles on the mannequin
+//! the result is stored: the same guides on every machine, in a few milliseconds.
+//! `cargo run -p tresses --example cook` writes the file; a test there compares it with the result of the
+//! simulation.
+
+use super::{GUIDE_VERTICES, Lines, Recipe, Scalp, Style, StyledGuides};
+use crate::{
+    Strands,
+    mannequin::STEP,
+    rice::{Context, Reader, Writer},
+};
+use glam::{IVec3, Vec3};
+use std::sync::OnceLock;
+
+static FILE: &[u8] = include_bytes!("../../cooked/guides.bin");
+
+/// The recipes that are stored, in the file's order.
+fn recipes() -> impl Iterator<Item = Recipe> {
+    Style::NAMES.iter().filter_map(|name| name.parse::<Style>().ok()).map(|style| style.recipe())
+}
+
+/// The guides of `recipe` that have fallen into place on the mannequin, whose scalp is `mannequin`; `None`
+/// for a recipe that is not one of [`Style::NAMES`] as it is by default.
+pub fn settled(recipe: &Recipe, mannequin: &dyn Scalp) -> Option<StyledGuides> {
+    static GUIDES: OnceLock<Vec<Strands>> = OnceLock::new();
+    let at = recipes().position(|stored| stored == *recipe)?;
+    let guides = GUIDES.get_or_init(|| read(FILE))[at].clone();
+    Some(Lines::new(recipe, mannequin).styled(recipe, mannequin, guides))
+}
+
+/// The file for the settled guides of all styles, in the order of [`Style::NAMES`].
+pub fn cook(styles: &[StyledGuides]) -> Vec<u8> {
+    let mut out = Writer::default();
+    let mut kinds = Kinds::default();
+    for styled in styles {
+        for guide in styled.guides.iter() {
+            let mut line = Vec::with_capacity(GUIDE_VERTICES);
+            for p in guide {
+                let at = (p / STEP).round().as_ivec3();
+                let (kind, off) = (line.len().min(2), at - ahead(&line));
+                (0..3).for_each(|a| out.put(&mut kinds[kind][a], off[a]));
+                line.push(at);
+            }
+        }
+    }
+    out.finish()
+}
+
+fn read(bytes: &[u8]) -> Vec<Strands> {
+    let mut from = Reader::new(bytes);
+    let mut kinds = Kinds::default();
+    let styles = recipes().map(|recipe| {
+        let mut strands = Strands::default();
+        for _ in 0..recipe.guides {
+            let mut line = Vec::with_capacity(GUIDE_VERTICES);
+            for _ in 0..GUIDE_VERTICES {
+                let kind = line.len().min(2);
+                let off = [0, 1, 2].map(|a| from.get(&mut kinds[kind][a]));
+                line.push(ahead(&line) + IVec3::from_array(off));
+            }
+            let line: Vec<Vec3> = line.iter().map(|p| p.as_vec3() * STEP).collect();
+            strands.push(&line);
+        }
+        strands
+    });
+    let styles = styles.collect();
+    assert!(from.is_done(), "the cooked guides are those of other styles: run the example `cook`");
+    styles
+}
+
+/// Roots, first steps and all others, along each axis.
+type Kinds = [[Context; 3]; 3];
+
+/// Where the next vertex is likely to be: straight on.
+fn ahead(line: &[IVec3]) -> IVec3 {
+    match line {
+        [] => IVec3::ZERO,
+        [root] => *root,
+        [.., before, last] => 2 * last - before,
+    }
+}

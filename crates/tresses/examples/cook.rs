@@ -1,0 +1,40 @@
+//! Writes what comes cooked with `tresses-groom`: the mannequin, meshed and measured, and the guides of the
+//! built-in styles, draped. Run it when the sculpture, a recipe or the draping has changed.
+//!
+//! `cargo run -p tresses --example cook`, and once more: guides are traced on the bust that was built in.
+
+use std::path::Path;
+use tresses::{
+    drape,
+    gpu::Gpu,
+    groom::{
+        mannequin,
+        styles::{self, GridScalp, Style},
+    },
+    simulate::Simulate,
+};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../groom/cooked");
+    let write = |name: &str, bytes: Vec<u8>| {
+        println!("{name}: {} bytes", bytes.len());
+        std::fs::write(folder.join(name), bytes)
+    };
+    let bust = mannequin::cook();
+    let is_fresh = std::fs::read(folder.join("bust.bin")).is_ok_and(|stored| stored == bust);
+    write("bust.bin", bust)?;
+    if !is_fresh {
+        println!("the bust has changed: run it once more for the guides");
+        return Ok(());
+    }
+    let Gpu { device, queue, .. } = pollster::block_on(Gpu::open())?;
+    let simulate = Simulate::new(&device);
+    let scalp = GridScalp::mannequin(mannequin::FIELD_RESOLUTION);
+    let mut all = Vec::new();
+    for name in Style::NAMES {
+        let recipe = name.parse::<Style>()?.recipe();
+        all.push(pollster::block_on(drape::fallen(&device, &queue, &simulate, &recipe, &scalp, &()))?);
+    }
+    write("guides.bin", styles::cook(&all))?;
+    Ok(())
+}

@@ -1,0 +1,87 @@
+//! Settling: simulation steps with the head at rest.
+
+use crate::simulate::{
+    MAX_STEPS, RestOptions, RestShape, Simulate, Simulation, SimulationParams, Step,
+    params::Mode,
+    rest::{self, GuideTraits},
+};
+use crate::{
+    Pose, Result,
+    collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
+    gpu::readback,
+    groom::SdfGrid,
+    strands::GuideBuffers,
+};
+use glam::Vec3;
+
+/// How a groom is draped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DrapeOptions {
+    /// Simulated time, s.
+    pub seconds: f32,
+    /// Drag while it falls, 1/s: high, so that it comes to rest in that time.
+    pub drag: f32,
+    /// Distance to keep from the head, metres.
+    pub clearance: f32,
+}
+
+impl Default for DrapeOptions {
+    fn default() -> Self {
+        Self { seconds: 1.5, drag: 6.0, clearance: 1.5e-3 }
+    }
+}
+
+/// The positions to which `positions` (guide-major, `n` per guide, groom space, metres: the shape
+/// without gravity) settle under `params`, in the same order.
+///
+/// # Errors
+/// What [`rest::guides`] and the buffers say, and [`crate::Error::Gpu`] when the device is lost.
+#[allow(clippy::too_many_arguments)]
+pub async fn drape(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    simulate: &Simulate,
+    positions: &[Vec3],
+    n: u32,
+    traits: &[GuideTraits],
+    params: &SimulationParams,
+    field: Option<&SdfGrid>,
+    options: &DrapeOptions,
+) -> Result<Vec<Vec3>> {
+    let rest_options = RestOptions { shape: RestShape::Natural, clearance: options.clearance };
+    let params = SimulationParams { drag: options.drag, ..*params };
+    let rest = rest::guides(positions, n, traits, &params, &rest_options, field)?;
+    let count = rest.info.len();
+    if count == 0 {
+        return Ok(Vec::new());
+    }
+    let guides = GuideBuffers::new(device, count as u32, n, 2)?;
+    rest.upload(queue, &guides)?;
+    let obstacles = ColliderDescriptor { head: field, ..Default::default() };
+    let mut colliders = ColliderSet::new(device, queue, &obstacles)?;
+    let mut simulation = Simulation::new(device, simulate, &guides);
+    let still = Pose::IDENTITY;
+    let step = Step { mode: Mode::Step, begin: still, end: still, from: 0.0, to: 1.0 };
+    let mut left = (options.seconds.clamp(0.0, 60.0) / params.step).ceil() as u32;
+    while left > 0 {
+        let now = left.min(MAX_STEPS);
+        let mut encoder =
+            device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("drape") });
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some("drape"),
+                timestamp_writes: None,
+            });
+            let steps = vec![step; now as usize];
+            let (substeps, length) = (params.substeps, params.step);
+            let moments = Moments { steps: &steps, substeps, step: length, head: still, alpha: 1.0 };
+            colliders.advance(queue, &ColliderPoses::default(), &moments)?;
+            simulation.record(simulate, device, queue, &mut pass, &params, &steps, &colliders)?;
+        }
+        queue.submit([encoder.finish()]);
+        left -= now;
+    }
+    let settled: Vec<[f32; 4]> = readback::buffer(device, queue, &guides.current).await?;
+    let n = n as usize;
+    Ok((0..count * n).map(|i| Vec3::from_slice(&settled[i % n * count + i / n][..3])).collect())
+}
