@@ -4,7 +4,7 @@ use crate::common;
 
 use common::{gpu, metre_is_pixel, picture};
 use tresses::{
-    draw::{Background, DrawOptions, DrawStage, HairSet, Scene, Targets, View},
+    draw::{DrawOptions, DrawStage, HairSet, Scene, Targets, View},
     glam::Vec3,
     gpu::{Gpu, readback::blocking as readback},
     light::{HairMaterial, ShadingModel, ShadingRate, ShadowMethod, Sphere},
