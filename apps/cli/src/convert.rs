@@ -1,18 +1,15 @@
 //! `tresses convert`: grooms from one format into another.
 
-use std::{
-    io::Write,
-    path::{Path, PathBuf},
-};
+use std::path::PathBuf;
 
-use anyhow::{anyhow, bail};
+use anyhow::bail;
 use tresses::groom::{
     export::{self, Format},
     import,
     orient::{Axis, Choice, Unit},
 };
 
-use crate::orient_args::OrientArgs;
+use crate::{files, orient_args::OrientArgs};
 
 /// Convert grooms to .hair, .tfx or .obj, in metres, Y up, face towards +Z.
 #[derive(clap::Args)]
@@ -53,8 +50,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         (strands, report)
     };
     let encoded = export::encode(&strands, format, !args.as_is)?;
-    write_whole(output, &encoded.bytes)
-        .map_err(|e| anyhow!("{}: cannot be written ({e})", output.display()))?;
+    files::write(output, &encoded.bytes)?;
     let done = report.repaired;
     println!(
         "{}: {} strands, {} vertices ({} strands dropped, {} vertices merged, {} strands resampled)",
@@ -70,23 +66,5 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     }
     report.placement.doubts.iter().filter(|_| !args.as_is).for_each(|d| println!("  in doubt: {d}"));
     encoded.notes.iter().for_each(|n| println!("  {n}"));
-    Ok(())
-}
-
-/// Writes a file whole or not at all: beside its place first, then moved there.
-pub fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".tresses-");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // As any other new file, under the user's mask; temporary files are private otherwise.
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    let mut file = builder.tempfile_in(folder)?;
-    file.write_all(bytes)?;
-    file.as_file().sync_all()?;
-    file.persist(path).map_err(|e| e.error)?;
     Ok(())
 }

@@ -3,10 +3,9 @@
 use crate::{
     args::{Size, SourceArgs},
     flags::{All, CompanionFlags, RowFlags},
-    interrupt,
     picture::Output,
     preset_args::PresetArgs,
-    progress,
+    progress::Preparing,
     render::{Times, animate},
     say,
     scene::Scene,
@@ -63,20 +62,22 @@ pub fn run(args: &Args) -> Result<()> {
     args.preset.finish(&mut preset)?;
     let motion = Motion::named("turn").context("the built-in motions hold a turn")?;
 
-    let spinner = progress::spinner("growing and draping the hair, drawing a picture");
+    eprintln!("Making a character with moving hair.");
     let mut scene = Scene::open(&preset, PICTURE)?;
-    eprintln!("Drawing on {}.", scene.adapter_name());
+    eprintln!("Drawing a picture on {}.", scene.adapter_name());
+    let drawing = Preparing::new("drawing the picture");
     let camera = Camera::portrait(View::ThreeQuarter, scene.subject(), PICTURE.aspect(), 1.0);
     let mut output = Output::create(&args.out.join("demo.png"), (PICTURE.width, PICTURE.height), 1, 1.0)?;
     let pivot = scene.pivot();
     scene.reset(&motion.pose(0.0, pivot))?;
     output.add(scene.picture(&camera)?)?;
     let picture = output.finish()?;
-    spinner.finish_and_clear();
-    interrupt::check()?;
+    drop(drawing);
 
     let frames = (motion.duration() * LOOP_FPS).round() as u32;
+    let fitting = Preparing::new("trying how fast a loop can be drawn");
     let (size, seconds) = fit(&mut scene, &motion, f64::from(frames))?;
+    drop(fitting);
     let path = args.out.join("demo.webp");
     let mut output = Output::create(&path, (size.width, size.height), frames, LOOP_FPS)?;
     let times = Times { frames, fps: LOOP_FPS, lead: -motion.duration() };
@@ -101,7 +102,6 @@ fn fit(scene: &mut Scene, motion: &Motion, frames: f64) -> Result<(Size, f64)> {
         let mut seconds = 0.0;
         // The second tells: the first still makes what is new at this size.
         for frame in 0..2 {
-            interrupt::check()?;
             let start = Instant::now();
             scene.advance(&motion.pose(f64::from(frame) / LOOP_FPS, pivot), (1.0 / LOOP_FPS) as f32)?;
             scene.picture(&camera)?;

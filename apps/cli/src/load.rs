@@ -2,11 +2,16 @@
 
 use anyhow::{Result, ensure};
 use std::str::FromStr;
-use tresses::{gpu::Gpu, groom::styles::Style, simulate::Simulate};
+use tresses::{Progress, gpu::Gpu, groom::styles::Style, simulate::Simulate};
 use tresses_scene::{Base, Character, Companions, Files, Preset, Shelf, settings::HairColor};
 
 /// Reads or grows the character of `preset`; what is grown is draped on `gpu`.
-pub fn load(preset: &Preset, gpu: &Gpu, simulate: &Simulate) -> Result<Character> {
+pub fn load(
+    preset: &Preset,
+    gpu: &Gpu,
+    simulate: &Simulate,
+    progress: &impl Progress,
+) -> Result<Character> {
     // What can be refused is refused before anything is made.
     let source = &preset.source;
     ensure!(
@@ -20,11 +25,11 @@ pub fn load(preset: &Preset, gpu: &Gpu, simulate: &Simulate) -> Result<Character
     };
     let styling = preset.settings.styling(style.as_ref(), &maps)?;
     let base = match &style {
-        Some(style) => pollster::block_on(Base::built_in(style, gpu, simulate, &()))?,
+        Some(style) => pollster::block_on(Base::built_in(style, gpu, simulate, progress))?,
         None => {
             let files = Files::Disk { grooms: &source.grooms, heads: &source.heads };
-            pollster::block_on(Base::imported(&files, &source.orientation, &()))?
+            pollster::block_on(Base::imported(&files, &source.orientation, progress))?
         }
     };
-    pollster::block_on(base.dress(&styling, &()))
+    pollster::block_on(base.dress(&styling, progress))
 }

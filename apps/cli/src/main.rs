@@ -6,6 +6,7 @@ mod compare;
 mod convert;
 mod debug;
 mod demo;
+mod files;
 #[cfg(test)]
 mod flag_tests;
 mod flags;
@@ -83,7 +84,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("tresses: {}", one_line(&sentence(&error)));
-            ExitCode::from(if error.is::<interrupt::Interrupted>() { interrupt::EXIT_CODE as u8 } else { 1 })
+            ExitCode::FAILURE
         }
     }
 }

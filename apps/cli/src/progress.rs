@@ -1,20 +1,95 @@
 //! Progress on the terminal; silent where the output is not one.
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressStyle, WeakProgressBar};
+use std::{
+    cell::Cell,
+    sync::{Mutex, PoisonError},
+    time::Duration,
+};
+use tresses::Progress;
+
+/// The bar that is on the terminal.
+static SHOWN: Mutex<Option<WeakProgressBar>> = Mutex::new(None);
+
+fn shown(bar: ProgressBar) -> ProgressBar {
+    *SHOWN.lock().unwrap_or_else(PoisonError::into_inner) = Some(bar.downgrade());
+    bar
+}
+
+/// Takes the bar from the terminal, for the last words of a program.
+pub fn clear() {
+    let shown = SHOWN.lock().unwrap_or_else(PoisonError::into_inner).take();
+    if let Some(bar) = shown.and_then(|bar| bar.upgrade()) {
+        bar.finish_and_clear();
+    }
+}
+
+fn styled(bar: &ProgressBar, template: &str) {
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style);
+    }
+}
 
 /// A bar over `frames` frames.
 pub fn frames(what: &'static str, frames: u64) -> ProgressBar {
     let bar = ProgressBar::new(frames).with_message(what);
-    let template = "{msg} {wide_bar} {pos}/{len} frames, {eta} left";
-    if let Ok(style) = ProgressStyle::with_template(template) {
-        bar.set_style(style);
-    }
-    bar
+    styled(&bar, "{msg} {wide_bar} {pos}/{len} frames, {eta} left");
+    shown(bar)
 }
 
-/// A line that turns while something of unknown length goes on.
-pub fn spinner(what: &'static str) -> ProgressBar {
-    let bar = ProgressBar::new_spinner().with_message(what);
-    bar.enable_steady_tick(std::time::Duration::from_millis(100));
-    bar
+/// Steps of a bar that shows a share.
+const STEPS: u64 = 1000;
+
+/// What is being made before the first frame: a line that turns, or a bar with the time left once a task can tell how
+/// far it is.
+pub struct Preparing {
+    bar: ProgressBar,
+    task: Cell<&'static str>,
+    is_measured: Cell<bool>,
+}
+
+impl Preparing {
+    /// Shows the first task.
+    pub fn new(task: &'static str) -> Self {
+        let preparing = Self {
+            bar: shown(ProgressBar::new(STEPS)),
+            task: Cell::new(""),
+            is_measured: Cell::new(false),
+        };
+        preparing.task(task);
+        preparing.bar.enable_steady_tick(Duration::from_millis(100));
+        preparing
+    }
+
+    /// `task` goes on now; nobody knows how far it is.
+    pub fn task(&self, task: &'static str) {
+        self.task.set(task);
+        self.is_measured.set(false);
+        self.bar.reset();
+        styled(&self.bar, "{spinner} {msg}, {elapsed}");
+        self.bar.set_message(task);
+    }
+
+    /// Lets `tell` write to the terminal.
+    pub fn suspend(&self, tell: impl FnOnce()) {
+        self.bar.suspend(tell);
+    }
+}
+
+impl Drop for Preparing {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Progress for Preparing {
+    async fn step(&self, task: &'static str, fraction: f32) {
+        if task != self.task.get() {
+            self.task(task);
+        }
+        if fraction > 0.0 && !self.is_measured.replace(true) {
+            styled(&self.bar, "{msg} {wide_bar} {eta} left");
+        }
+        self.bar.set_position((fraction.clamp(0.0, 1.0) * STEPS as f32) as u64);
+    }
 }

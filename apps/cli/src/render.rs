@@ -2,7 +2,7 @@
 
 use crate::{
     args::{self, Size},
-    debug, interrupt,
+    debug,
     picture::{Kind, Output},
     progress, say,
     scene::Scene,
@@ -81,10 +81,8 @@ pub fn run(args: &Args) -> Result<()> {
         *hair_hair = HairHair { speed: 0.0, friction: 0.0, ..HairHair::default() };
     }
     args.debug.check(&preset.settings.physics())?;
-    let start = progress::spinner("preparing");
     let mut scene = Scene::open(&preset, args.size)?;
     scene.show(&args.debug);
-    start.finish_and_clear();
     let camera = Camera::portrait(args.camera, scene.subject(), args.size.aspect(), args.zoom);
     let camera = args.distance.map_or(camera, |distance| camera.moved(distance));
     let shot = args.distance_to.map_or(Shot::still(camera), |distance| Shot::moving(camera, distance));
@@ -157,13 +155,11 @@ fn play(
     let lead_frames = (-times.lead * times.fps).round().max(0.0) as u64;
     let bar = progress::frames(work, lead_frames + u64::from(times.frames));
     for _ in 0..lead_frames {
-        interrupt::check()?;
         time += step;
         scene.advance(&motion.pose(time, pivot), step as f32)?;
         bar.inc(1);
     }
     for frame in 0..times.frames {
-        interrupt::check()?;
         let camera = at(frame);
         if frame > 0 {
             scene.watch(&camera);
@@ -173,6 +169,5 @@ fn play(
         bar.inc(1);
     }
     bar.finish_and_clear();
-    interrupt::check()?;
     Ok(())
 }

@@ -5,6 +5,7 @@ use crate::{
     debug::{self, Debug},
     load,
     picture::Picture,
+    progress::Preparing,
 };
 use anyhow::{Result, ensure};
 use std::{
@@ -50,6 +51,7 @@ impl Scene {
         settings.check()?;
         let companions = Companions::of(&preset.source, Shelf::default());
         let surroundings = companions.surroundings()?;
+        let preparing = Preparing::new("opening the GPU");
         let gpu = pollster::block_on(Gpu::open())?;
         let most = gpu.tier.max_samples;
         let mut quality = settings.quality([size.width, size.height], most)?;
@@ -60,14 +62,15 @@ impl Scene {
             gpu.info.name
         );
         quality.samples = quality.samples.min(most);
+        preparing.task("making pipelines");
         let renderer = Arc::new(quality.renderer(&gpu.device));
-        let character = load::load(preset, &gpu, &renderer.simulate)?;
+        let character = load::load(preset, &gpu, &renderer.simulate, &preparing)?;
         for note in &character.notes {
-            eprintln!("note: {note}");
+            preparing.suspend(|| eprintln!("note: {note}"));
         }
         let colliders = companions.colliders()?;
         let physics = settings.physics();
-        let stage = Stage::new(gpu, renderer, character, colliders, &physics, &quality, &());
+        let stage = Stage::new(gpu, renderer, character, colliders, &physics, &quality, &preparing);
         let mut stage = pollster::block_on(stage)?;
         stage.apply(settings)?;
         stage.set_surroundings(surroundings.map(Arc::new));

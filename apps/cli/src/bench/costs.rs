@@ -2,7 +2,7 @@
 //! vertices, chosen among the strands of the built-in long style, in motion.
 
 use super::{statistics::Summary, workload};
-use crate::{interrupt, load};
+use crate::load;
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use serde::Serialize;
@@ -132,7 +132,7 @@ impl Rig {
         let renderer = HairRenderer::new(&gpu.device, &Default::default());
         let mut preset = workload::style(Some(STRANDS), Default::default());
         preset.settings.set("style.guides", GUIDES)?;
-        let character = load::load(&preset, &gpu, &renderer.simulate)?;
+        let character = load::load(&preset, &gpu, &renderer.simulate, &())?;
         Ok(Self { gpu, renderer, character, frames })
     }
 
@@ -152,7 +152,6 @@ impl Rig {
             // Half a step more before the first: rounding never drops a step.
             let dt = if frame == 0 { 1.5 / FPS } else { 1.0 / FPS } as f32;
             for ((variant, hair), rows) in variants.iter().zip(&mut hairs).zip(&mut rows) {
-                interrupt::check()?;
                 let poses = variant.colliders.iter().map(|(_, pose)| *pose).collect();
                 let colliders = &ColliderPoses { head: None, colliders: poses };
                 let moment = Frame { dt, head, colliders, simulation: &variant.physics };
@@ -210,7 +209,6 @@ impl Rig {
         let options = SdfOptions { resolution, ..Default::default() };
         let mut times = Vec::new();
         while times.is_empty() || (times.len() < BUILDS && times.iter().sum::<f64>() < LONG) {
-            interrupt::check()?;
             let start = Instant::now();
             sdf::build(head, &options)?;
             times.push(start.elapsed().as_secs_f64() * 1e3);

@@ -6,7 +6,7 @@ use super::{
     statistics::Summary,
     workload::{self, FPS, WARM_UP},
 };
-use crate::{args::Size, interrupt, scene::Scene};
+use crate::{args::Size, scene::Scene};
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use serde::Serialize;
@@ -77,7 +77,6 @@ fn point(scene: &mut Scene, camera: &Camera, frames: u32, bar: &ProgressBar) -> 
         scene.reset(&motion.pose(0.0, pivot))?;
         let (mut strands, mut guides, mut whole) = (Vec::new(), Vec::new(), Vec::new());
         for frame in 0..WARM_UP + frames {
-            interrupt::check()?;
             let pose = motion.pose(f64::from(frame + 1) / FPS, pivot);
             let (wall, times) = scene.measured_frame(&pose, (1.0 / FPS) as f32, camera)?;
             if frame < WARM_UP {

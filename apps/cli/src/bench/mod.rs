@@ -11,7 +11,7 @@ mod report;
 mod statistics;
 mod workload;
 
-use crate::{interrupt, progress, say};
+use crate::{progress, say};
 use anyhow::Result;
 use report::{Adapter, Report};
 use std::path::PathBuf;
@@ -112,12 +112,10 @@ pub fn run(args: &Args) -> Result<()> {
         tell(lod::text(&report.lod));
     }
     for variant in &looks {
-        interrupt::check()?;
         report.looks.push(appearance::measure(variant, software, look_frames, &bar)?);
     }
     tell(report.looks_text());
     for strands in &counts {
-        interrupt::check()?;
         report.line.push(workload::point(*strands, frames, &bar)?);
     }
     if !counts.is_empty() {

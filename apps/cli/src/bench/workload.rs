@@ -5,7 +5,7 @@ use super::{
     report::{Group, Point, Run, Stage},
     statistics::Summary,
 };
-use crate::{args::Size, interrupt, preset_args, scene::Scene};
+use crate::{args::Size, preset_args, scene::Scene};
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use std::{path::PathBuf, time::Instant};
@@ -208,7 +208,6 @@ pub fn run(
     let (mut sums, mut walls) = (Vec::new(), Vec::new());
     let start = Instant::now();
     for frame in 0..WARM_UP + frames {
-        interrupt::check()?;
         if walls.len() >= LEAST && start.elapsed().as_secs_f64() > LONG {
             bar.inc(u64::from(WARM_UP + frames - frame));
             break;

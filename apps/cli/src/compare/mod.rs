@@ -13,7 +13,7 @@ mod stage;
 use crate::{
     args,
     flags::{RowFlags, Rows},
-    interrupt, picture, progress, say,
+    picture, progress, say,
 };
 use anyhow::{Context, Result, ensure};
 use metrics::Difference;
@@ -150,7 +150,6 @@ fn stage<'a>(
     folders: &Folders<'_>,
     samples: Option<u32>,
 ) -> Result<&'a mut Stage> {
-    interrupt::check()?;
     if last.as_ref().is_none_or(|stage| stage.groom() != view.groom_name) {
         *last = Some(Stage::new(view, folders, samples)?);
     }

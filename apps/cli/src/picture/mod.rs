@@ -3,8 +3,7 @@
 //! Nothing half-written is ever seen under its final name: every file is written next to its place
 //! under a temporary name and moved there when it is complete.
 
-mod file;
-
+use crate::files;
 use anyhow::{Context, Result, bail, ensure};
 use std::path::{Path, PathBuf};
 pub use tresses_scene::picture::Picture;
@@ -43,7 +42,7 @@ pub fn beside(pictures: &[&Picture]) -> Picture {
 
 /// Writes it as a PNG file.
 pub fn write(picture: &Picture, path: &Path) -> Result<()> {
-    file::write(path, &picture.png()?)
+    files::write(path, &picture.png()?)
 }
 
 /// What a path stands for.
@@ -129,7 +128,7 @@ impl Output {
             std::fs::create_dir_all(folder)
                 .with_context(|| format!("{}: the folder cannot be made", folder.display()))?;
         }
-        file::probe(folder)?;
+        files::probe(folder)?;
         let sink = match kind {
             Kind::Still => Sink::Still(None),
             Kind::Folder => Sink::Folder { next: 0 },
@@ -178,7 +177,7 @@ impl Output {
             }
             Sink::Animation(animation) => {
                 let bytes = animation.finish().with_context(|| shown.to_string())?;
-                file::write(&self.path, &bytes)?;
+                files::write(&self.path, &bytes)?;
                 Ok(format!("{shown} ({:.1} MB)", bytes.len() as f64 * 1e-6))
             }
         }

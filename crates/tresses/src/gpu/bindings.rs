@@ -1,4 +1,9 @@
 //! Bind group layouts by position: the nth entry is `@binding(n)`.
+//!
+//! **A trap.** Mesa's lavapipe (seen in 22.3.6: `lvp_inline_uniforms.c`) puts the values of uniforms that decide loops and
+//! branches into a copy of the shader, anew for every bind, and keeps all copies for as long as the pipeline lives: 1 to
+//! 4 MB and some milliseconds per draw, without end. It drops the idea only for shaders that hardly change by it. A shader
+//! that falls to it binds those values as [`Binding::Storage`], which the driver leaves alone; `tests/memory.rs` tells.
 
 use wgpu::{BindingType, BufferBindingType, SamplerBindingType, TextureSampleType, TextureViewDimension};
 
@@ -11,6 +16,8 @@ pub enum Binding {
     UniformDynamic,
     /// `var<storage, read>`.
     Storage,
+    /// `var<storage, read>` whose offset is given when the group is set.
+    StorageDynamic,
     /// `var<storage, read_write>`.
     StorageMut,
     /// `texture_2d<f32>` of a filterable format.
@@ -55,6 +62,7 @@ impl Binding {
             Self::Uniform => buffer(BufferBindingType::Uniform, false),
             Self::UniformDynamic => buffer(BufferBindingType::Uniform, true),
             Self::Storage => buffer(BufferBindingType::Storage { read_only: true }, false),
+            Self::StorageDynamic => buffer(BufferBindingType::Storage { read_only: true }, true),
             Self::StorageMut => buffer(BufferBindingType::Storage { read_only: false }, false),
             Self::Texture2d => texture(filterable, TextureViewDimension::D2, false),
             Self::Texture2dArray => texture(filterable, TextureViewDimension::D2Array, false),
@@ -128,12 +136,13 @@ pub fn group(
     device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
 }
 
-/// A buffer for a `var<uniform>` of `size` bytes, written through the queue.
+/// A buffer of `size` bytes for values that are the same for a whole dispatch or draw, written through the queue: a
+/// `var<uniform>`, or a `var<storage, read>` where they decide how often loops run and which way branches go.
 pub fn uniform(device: &wgpu::Device, label: &str, size: usize) -> wgpu::Buffer {
     device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
         size: size as u64,
-        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
     })
 }

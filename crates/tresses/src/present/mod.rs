@@ -80,13 +80,13 @@ pub struct Present {
 impl Present {
     /// For targets of `samples` with hair in them by `coverage`, and an output of `format`.
     pub fn new(device: &wgpu::Device, samples: u32, coverage: Coverage, format: wgpu::TextureFormat) -> Self {
-        use Binding::{Depth, Texture2d, TextureMultisampled, Uniform};
+        use Binding::{Depth, Storage, Texture2d, TextureMultisampled};
         let (module, bindings): (_, &[_]) = match (coverage, samples) {
             (Coverage::DepthPeeling { .. }, _) => {
-                ("present::layers", &[Uniform, Texture2d, Texture2d, Texture2d, Texture2d, Depth])
+                ("present::layers", &[Storage, Texture2d, Texture2d, Texture2d, Texture2d, Depth])
             }
-            (_, 1) => ("present::single", &[Uniform, Texture2d]),
-            _ => ("present::resolve", &[Uniform, TextureMultisampled, Uniform]),
+            (_, 1) => ("present::single", &[Storage, Texture2d]),
+            _ => ("present::resolve", &[Storage, TextureMultisampled, Storage]),
         };
         let name = module.rsplit("::").next().unwrap_or(module);
         let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -128,7 +128,7 @@ impl Present {
             device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
                 label: Some("footprint"),
                 contents: bytemuck::bytes_of(&footprint),
-                usage: wgpu::BufferUsages::UNIFORM,
+                usage: wgpu::BufferUsages::STORAGE,
             })
         });
         Self { pipeline, layout, uniform, footprint, encode: !format.is_srgb() }

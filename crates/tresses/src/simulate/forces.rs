@@ -27,7 +27,7 @@ impl ForcesKernel {
             Binding::Texture3d,
             Binding::Texture3d,
             Binding::Sampler,
-            Binding::UniformDynamic,
+            Binding::StorageDynamic,
             Binding::Texture3d,
             Binding::Storage,
             Binding::Texture3d,

@@ -21,15 +21,15 @@ pub struct Fluid {
 impl Fluid {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
-        use Binding::{Sampler, Texels3d, Texture3d, Uniform, UniformDynamic, Write3d, WriteFull3d};
+        use Binding::{Sampler, StorageDynamic, Texels3d, Texture3d, Uniform, UniformDynamic, Write3d, WriteFull3d};
         let kernel = |module, entries: &[Binding]| Kernel::new(device, module, entries);
-        let air = [UniformDynamic, Texture3d, Texture3d, Sampler];
+        let air = [StorageDynamic, Texture3d, Texture3d, Sampler];
         let blocks = [UniformDynamic, Uniform, Texels3d, Texels3d, Texels3d, Texels3d, Texels3d];
         Self {
             obstacles: Kernel::beside(
                 device,
                 "wind::obstacles",
-                &[UniformDynamic, Texture3d, Sampler, Write3d, Write3d],
+                &[StorageDynamic, Texture3d, Sampler, Write3d, Write3d],
                 &[&collide::layout(device)],
             ),
             predict: kernel("wind::predict", &[&air[..], &[Write3d]].concat()),

@@ -326,7 +326,7 @@ fn constant<T: bytemuck::Pod>(device: &wgpu::Device, label: &str, value: &T) -> 
     device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
         label: Some(label),
         contents: bytemuck::bytes_of(value),
-        usage: wgpu::BufferUsages::UNIFORM,
+        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE,
     })
 }
 

@@ -50,7 +50,7 @@ pub(super) struct StrandsKernel(Kernel);
 impl StrandsKernel {
     pub(super) fn new(device: &wgpu::Device) -> Self {
         use Binding::{Storage, StorageMut, Uniform};
-        let entries = [Uniform, Uniform, Storage, Storage, Storage, Storage, Storage, StorageMut];
+        let entries = [Storage, Uniform, Storage, Storage, Storage, Storage, Storage, StorageMut];
         Self(Kernel::new(device, "draw::debug::strands", &entries))
     }
 
