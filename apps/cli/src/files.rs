@@ -58,7 +58,9 @@ impl Drop for Temporary {
 
 /// Fails when no file can be made in `folder`.
 pub fn probe(folder: &Path) -> Result<()> {
-    Temporary::new(folder).map(drop).with_context(|| format!("{}: no file can be made there", folder.display()))
+    Temporary::new(folder)
+        .map(drop)
+        .with_context(|| format!("{}: no file can be made there", folder.display()))
 }
 
 /// Writes `bytes` to `path`, replacing what is there.

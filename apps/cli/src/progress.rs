@@ -51,11 +51,8 @@ pub struct Preparing {
 impl Preparing {
     /// Shows the first task.
     pub fn new(task: &'static str) -> Self {
-        let preparing = Self {
-            bar: shown(ProgressBar::new(STEPS)),
-            task: Cell::new(""),
-            is_measured: Cell::new(false),
-        };
+        let preparing =
+            Self { bar: shown(ProgressBar::new(STEPS)), task: Cell::new(""), is_measured: Cell::new(false) };
         preparing.task(task);
         preparing.bar.enable_steady_tick(Duration::from_millis(100));
         preparing

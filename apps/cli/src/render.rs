@@ -82,7 +82,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     args.debug.check(&preset.settings.physics())?;
     let mut scene = Scene::open(&preset, args.size)?;
-    scene.show(&args.debug);
+    scene.show(&args.debug)?;
     let camera = Camera::portrait(args.camera, scene.subject(), args.size.aspect(), args.zoom);
     let camera = args.distance.map_or(camera, |distance| camera.moved(distance));
     let shot = args.distance_to.map_or(Shot::still(camera), |distance| Shot::moving(camera, distance));
@@ -126,7 +126,7 @@ pub fn animate(
     if times.frames > 1 && !output.keeps_only_last() && scene.seeks_range() {
         // One range of colours for all frames: they are simulated once before, and not drawn.
         play(scene, shot, motion, times, "measuring", |scene, _, _| scene.observe())?;
-        scene.settle_range();
+        scene.settle_range()?;
     }
     play(scene, shot, motion, times, "drawing", |scene, frame, camera| {
         if !output.keeps_only_last() || frame + 1 == times.frames {

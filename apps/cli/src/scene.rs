@@ -12,7 +12,7 @@ use std::{
     ops::{Deref, DerefMut},
     sync::Arc,
 };
-use tresses::{draw::Background, gpu::Gpu};
+use tresses::{Pipelines, gpu::Gpu, present::Background};
 use tresses_scene::{Camera, Companions, Preset, Shelf, Stage};
 
 /// A stage, and what is shown over its pictures.
@@ -62,15 +62,14 @@ impl Scene {
             gpu.info.name
         );
         quality.samples = quality.samples.min(most);
-        preparing.task("making pipelines");
-        let renderer = Arc::new(quality.renderer(&gpu.device));
-        let character = load::load(preset, &gpu, &renderer.simulate, &preparing)?;
+        let pipelines = Arc::new(Pipelines::new(&gpu.device));
+        let character = load::load(preset, &gpu, &pipelines.simulate, &preparing)?;
         for note in &character.notes {
             preparing.suspend(|| eprintln!("note: {note}"));
         }
         let colliders = companions.colliders()?;
         let physics = settings.physics();
-        let stage = Stage::new(gpu, renderer, character, colliders, &physics, &quality, &preparing);
+        let stage = Stage::new(gpu, pipelines, character, colliders, &physics, &quality, &preparing);
         let mut stage = pollster::block_on(stage)?;
         stage.apply(settings)?;
         stage.set_surroundings(surroundings.map(Arc::new));
@@ -78,8 +77,9 @@ impl Scene {
     }
 
     /// From here on pictures show what `args` ask for.
-    pub fn show(&mut self, args: &debug::DebugArgs) {
-        self.debug = Debug::new(&mut self.stage, args);
+    pub fn show(&mut self, args: &debug::DebugArgs) -> Result<()> {
+        self.debug = Debug::new(&mut self.stage, args)?;
+        Ok(())
     }
 
     /// Whether a range of colours is to be found from all frames of a sequence before the first is drawn.
@@ -93,10 +93,8 @@ impl Scene {
     }
 
     /// Pictures have the range of all frames that were observed from here on.
-    pub fn settle_range(&mut self) {
-        if let Some(debug) = &mut self.debug {
-            debug.settle(&mut self.stage);
-        }
+    pub fn settle_range(&mut self) -> Result<()> {
+        self.debug.as_mut().map_or(Ok(()), |debug| debug.settle(&mut self.stage))
     }
 
     /// The picture as it is now. Blocks.
@@ -109,8 +107,8 @@ impl Scene {
         let mut encoder = stage.gpu.device.create_command_encoder(&Default::default());
         stage.record_draw(&mut encoder, None, camera)?;
         stage.gpu.queue.submit([encoder.finish()]);
-        let rgba = pollster::block_on(stage.targets.read(&stage.gpu.device, &stage.gpu.queue))?;
-        let [width, height] = stage.targets.size;
+        let rgba = pollster::block_on(stage.targets().read(&stage.gpu.device, &stage.gpu.queue))?;
+        let [width, height] = stage.targets().size;
         let mut picture = Picture { width, height, rgba };
         if let (Some(debug), Some(shown)) = (&self.debug, self.stage.shown()) {
             debug.label(&shown, &mut picture);

@@ -23,7 +23,7 @@ use crate::{
 use anyhow::{Context, Result};
 use eframe::{egui, egui_wgpu::RenderState};
 use std::{sync::Arc, time::Duration};
-use tresses::{HairRenderer, draw::debug, glam::Vec3, gpu::Gpu, groom::styles::Style};
+use tresses::{Pipelines, draw::debug, glam::Vec3, gpu::Gpu, groom::styles::Style};
 use tresses_scene::{Base, History, Surroundings, camera::View};
 use web_time::Instant;
 
@@ -43,7 +43,7 @@ pub struct Shown {
 pub struct Studio {
     pub(crate) gpu: Gpu,
     pub(crate) state: RenderState,
-    pub(crate) renderer: Option<Arc<HairRenderer>>,
+    pub(crate) pipelines: Option<Arc<Pipelines>>,
     pub(crate) dialogs: Dialogs,
     /// The picture is to be saved.
     pub(crate) wants_picture: bool,
@@ -119,7 +119,7 @@ impl Studio {
             hair: hair.clone(),
             base: None,
             surroundings: None,
-            renderer: None,
+            pipelines: None,
             settings: settings.clone(),
             keep: false,
         };
@@ -135,7 +135,7 @@ impl Studio {
             drawn: Level::FULL,
             gpu,
             state,
-            renderer: None,
+            pipelines: None,
             job: Some(job),
             recording: None,
             wish: Wish::default(),

@@ -81,7 +81,7 @@ impl Studio {
         self.stop_recording();
         let Ready { stage, hair, base, surroundings, notes, keep } = ready;
         self.arrived(context, &hair);
-        self.renderer = Some(stage.renderer.clone());
+        self.pipelines = Some(stage.pipelines.clone());
         if !keep {
             self.orbit.show(stage.subject());
             self.play.reset();

@@ -108,9 +108,7 @@ impl Studio {
         }
         if self.shown.as_ref().is_some_and(|shown| shown.hair == hair) {
             // Whatever was on its way is wanted no longer, but for what settings have asked for.
-            if let Some(job) = self.job.take() {
-                (self.regrow, self.rebuild) = (true, self.rebuild | job.rebuilds);
-            }
+            self.regrow |= self.job.take().is_some();
             return;
         }
         self.light(context, hair);
@@ -137,12 +135,11 @@ impl Studio {
             light(&shown.hair) == light(&hair) && !shown.hair.companions.files_differ(&hair.companions)
         };
         let surroundings = shown.filter(same_light).and_then(|shown| shown.surroundings.clone());
-        let rebuilds = self.rebuild || self.job.as_ref().is_some_and(|job| job.rebuilds);
-        let renderer = self.renderer.clone().filter(|_| !rebuilds);
+        let pipelines = self.pipelines.clone();
         (self.regrow, self.rebuild) = (false, false);
         let settings = self.settings.now().clone();
         let keep = base.is_some();
-        self.start(context, Order { hair, base, surroundings, renderer, settings, keep });
+        self.start(context, Order { hair, base, surroundings, pipelines, settings, keep });
     }
 
     /// `hair` is shown from here on, which is a step that can be undone. Colours that were painted for it are

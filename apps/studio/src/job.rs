@@ -5,10 +5,11 @@ use anyhow::Result;
 use eframe::egui;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tresses::{
-    HairRenderer, Pose, Progress,
-    draw::{DrawOptions, DrawStage},
+    Pipelines, Pose, Progress, Wanted,
     gpu::Gpu,
     groom::{import::ImportOptions, mannequin, styles::Style},
+    view::ViewOptions,
+    volume::HairHairMode,
 };
 use tresses_scene::{Base, Quality, Settings, Stage, Surroundings};
 
@@ -52,7 +53,7 @@ pub struct Order {
     /// Its surroundings, if they are read already.
     pub surroundings: Option<Arc<Surroundings>>,
     /// The pipelines, if they are made already.
-    pub renderer: Option<Arc<HairRenderer>>,
+    pub pipelines: Option<Arc<Pipelines>>,
     /// How.
     pub settings: Settings,
     /// Whether camera and motion stay as they are.
@@ -98,8 +99,6 @@ pub struct Job {
     inbox: Arc<Mutex<Inbox>>,
     /// What will be shown.
     pub hair: Hair,
-    /// Whether pipelines are built again.
-    pub rebuilds: bool,
     is_light: bool,
     /// When it was begun.
     pub begun: web_time::Instant,
@@ -146,8 +145,7 @@ impl Progress for Teller {
 impl Job {
     /// Starts to make `order` ready.
     pub fn start(context: &egui::Context, gpu: Gpu, order: Order) -> Self {
-        let rebuilds = order.renderer.is_none();
-        let (job, teller) = Self::begin(context, order.hair.clone(), rebuilds, false);
+        let (job, teller) = Self::begin(context, order.hair.clone(), false);
         task::spawn(move || async move {
             let done = ready(gpu, order, &teller).await;
             teller.done(done.map(|ready| Done::Hair(Box::new(ready))));
@@ -158,7 +156,7 @@ impl Job {
     /// Starts to read the surroundings of `hair`, which is shown but for them.
     pub fn light(context: &egui::Context, hair: Hair) -> Self {
         let companions = hair.companions.clone();
-        let (job, teller) = Self::begin(context, hair, false, true);
+        let (job, teller) = Self::begin(context, hair, true);
         task::spawn(move || async move {
             teller.step("reading the surroundings", 0.0).await;
             teller.done(companions.surroundings().map(|read| Done::Light(read.map(Arc::new))));
@@ -166,11 +164,11 @@ impl Job {
         job
     }
 
-    fn begin(context: &egui::Context, hair: Hair, rebuilds: bool, is_light: bool) -> (Self, Teller) {
+    fn begin(context: &egui::Context, hair: Hair, is_light: bool) -> (Self, Teller) {
         let inbox = Arc::<Mutex<Inbox>>::default();
         let begun = web_time::Instant::now();
         let teller = Teller { inbox: inbox.clone(), context: context.clone() };
-        (Self { inbox, hair, rebuilds, is_light, begun }, teller)
+        (Self { inbox, hair, is_light, begun }, teller)
     }
 
     /// Whether only the light will be another.
@@ -195,7 +193,7 @@ impl Job {
 }
 
 async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready> {
-    let Order { hair, base, surroundings, renderer, settings, keep } = order;
+    let Order { hair, base, surroundings, pipelines, settings, keep } = order;
     let Hair { source, companions } = &hair;
     // What can be refused is refused before anything is made.
     progress.step("reading maps and surroundings", 0.0).await;
@@ -205,14 +203,13 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready
         None => companions.surroundings()?.map(Arc::new),
     };
     let options = turn::draw_options(&settings, &gpu.tier)?;
-    let renderer = match renderer {
-        Some(renderer) => renderer,
-        None => Arc::new(pipelines(&gpu, &options, progress).await),
-    };
+    let pipelines = pipelines.unwrap_or_else(|| Arc::new(Pipelines::new(&gpu.device)));
+    // What is compiled already is there at once.
+    pipelines.prepare(&wanted(&settings, options), progress).await?;
     let base = match (base, source) {
         (Some(base), _) => base,
         (None, Source::Style(name)) => {
-            Arc::new(Base::built_in(&name.parse::<Style>()?, &gpu, &renderer.simulate, progress).await?)
+            Arc::new(Base::built_in(&name.parse::<Style>()?, &gpu, &pipelines.simulate, progress).await?)
         }
         (None, Source::Files { files, options }) => {
             Arc::new(Base::imported(&files.borrowed(), options, progress).await?)
@@ -230,9 +227,9 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready
         ..Quality::new(FIRST)
     };
     let physics = settings.physics();
-    let stage = Stage::new(gpu, renderer, character, colliders, &physics, &quality, progress).await;
+    let stage = Stage::new(gpu, pipelines, character, colliders, &physics, &quality, progress).await;
     let mut stage = stage?;
-    settings.apply(&mut stage.look);
+    settings.apply(&mut stage.look, &mut stage.hair.set.material);
     stage.set_surroundings(surroundings.clone());
     if stage.gpu.tier.software && matches!(source, Source::Style(_)) {
         // Shadow maps draw it again and again, and here each of its corners takes its time.
@@ -243,25 +240,20 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready
     Ok(Ready { stage, hair, base, surroundings, notes, keep })
 }
 
-/// All pipelines, one kind after the other.
-async fn pipelines(gpu: &Gpu, options: &DrawOptions, progress: &impl Progress) -> HairRenderer {
-    let device = &gpu.device;
-    macro_rules! kind {
-        ($number:literal, $make:expr) => {{
-            progress.step("compiling shaders", $number as f32 / 8.0).await;
-            $make
-        }};
+/// The pipelines that a frame needs.
+fn wanted(settings: &Settings, options: ViewOptions) -> Vec<Wanted> {
+    use tresses::stage::Stage::{Avoid, Interpolate, Simulate, Tessellate, Volume, Wind};
+    let physics = settings.physics();
+    let mut stages = vec![Simulate, Tessellate, Interpolate, Avoid];
+    if physics.wind.blows() {
+        stages.push(Wind);
     }
-    HairRenderer {
-        volume: kind!(1, tresses::volume::VolumeStage::new(device)),
-        wind: kind!(2, tresses::wind::Fluid::new(device)),
-        simulate: kind!(3, tresses::simulate::Simulate::new(device)),
-        tessellate: kind!(4, tresses::tessellate::Tessellate::new(device)),
-        interpolate: kind!(5, tresses::interpolate::Interpolate::new(device)),
-        avoid: kind!(6, tresses::avoid::Avoid::new(device)),
-        widths: kind!(7, tresses::lod::Widths::new(device)),
-        draw: kind!(8, DrawStage::new(device, options)),
+    if physics.wind.blows() || physics.hair_hair.mode != HairHairMode::Off {
+        stages.push(Volume);
     }
+    let mut wanted: Vec<_> = stages.into_iter().map(Wanted::Motion).collect();
+    wanted.push(Wanted::Picture(options, settings.shading()));
+    wanted
 }
 
 /// Drivers finish compiling when something is drawn: better here than in the window.

@@ -23,7 +23,7 @@ impl Studio {
         }
         self.wants_picture = false;
         let Some(show) = &self.show else { return };
-        let (device, size) = (self.gpu.device.clone(), show.stage.targets.size);
+        let (device, size) = (self.gpu.device.clone(), show.stage.targets().size);
         let copy = show.copy();
         let (dialogs, context) = (self.dialogs.clone(), context.clone());
         task::spawn(move || async move {

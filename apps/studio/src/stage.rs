@@ -120,7 +120,7 @@ impl Show {
     /// Draws a frame; the one before must have [landed](Self::landed).
     pub fn draw(&mut self, state: &RenderState, context: &egui::Context, moment: &Moment) -> Result<()> {
         let begun = Instant::now();
-        let targets = &self.stage.targets;
+        let targets = self.stage.targets();
         if (targets.size, targets.ssaa) != (moment.size, moment.ssaa) || self.texture.is_none() {
             self.stage.resample(moment.size, moment.ssaa)?;
         }
@@ -134,7 +134,7 @@ impl Show {
         // One frame's times at a time.
         let mut timings = self.timings.as_mut().filter(|_| self.rows.is_none());
         if moment.again {
-            self.stage.record_redraw(&mut encoder, timings.as_deref_mut());
+            self.stage.record_redraw(&mut encoder, timings.as_deref_mut())?;
         } else {
             self.stage.record_advance(&mut encoder, timings.as_deref_mut(), &moment.pose, moment.seconds)?;
             self.stage.place_colliders();
@@ -162,12 +162,12 @@ impl Show {
     /// The picture that is drawn or being drawn, on its way to the CPU.
     pub fn copy(&self) -> tresses::Result<Pending> {
         let gpu = &self.stage.gpu;
-        Pending::texture(&gpu.device, &gpu.queue, self.stage.targets.picture().texture())
+        Pending::texture(&gpu.device, &gpu.queue, self.stage.targets().picture().texture())
     }
 
     /// egui knows the targets' picture by one name, whatever its size.
     fn register(&mut self, state: &RenderState) {
-        let view = self.stage.targets.picture();
+        let view = self.stage.targets().picture();
         let filter = wgpu::FilterMode::Linear;
         let mut renderer = state.renderer.write();
         match self.texture {

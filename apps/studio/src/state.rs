@@ -72,7 +72,7 @@ impl Studio {
             error: self.error.clone().or_else(|| self.lost()).unwrap_or_default(),
             playing: self.play.playing,
             time: self.play.time,
-            size: show.map_or([0; 2], |show| show.stage.targets.size),
+            size: show.map_or([0; 2], |show| show.stage.targets().size),
             distance: self.orbit.camera().distance(),
             milliseconds: show.map_or(0.0, |show| show.milliseconds),
             adapter: self.gpu.info.name.clone(),

@@ -4,9 +4,10 @@ use crate::{app::Studio, files::Files, hair::Hair, job::Source, pace::Level};
 use eframe::egui;
 use std::{path::Path, sync::Arc};
 use tresses::{
-    draw::{Coverage, DrawOptions},
+    draw::Coverage,
     gpu::Tier,
     groom::{import, styles::Style},
+    view::ViewOptions,
 };
 use tresses_scene::{
     Companions, Settings, Shelf,
@@ -120,10 +121,10 @@ impl Studio {
         let Some(show) = &mut self.show else { return };
         self.drawn = *level;
         let stage = &mut show.stage;
-        if let Err(error) = level.dress(stage, self.settings.now()) {
+        let dressed = level.dress(stage, self.settings.now());
+        if let Err(error) = dressed.and_then(|()| stage.show(self.view)) {
             self.error = Some(format!("{error:#}"));
         }
-        stage.show(self.view);
     }
 }
 
@@ -140,16 +141,16 @@ fn groom(source: &preset::Source, given: &Shelf) -> Option<Files> {
 }
 
 /// How pictures are sampled: as `settings` say, and where they say nothing so that it is fast.
-pub fn draw_options(settings: &Settings, tier: &Tier) -> tresses::Result<DrawOptions> {
+pub fn draw_options(settings: &Settings, tier: &Tier) -> tresses::Result<ViewOptions> {
     if settings.gives("edges.samples") || settings.gives("edges.coverage") {
         return settings.draw_options(tier.max_samples);
     }
-    let fast = DrawOptions { samples: 4, coverage: Coverage::SampleMask, ..Default::default() };
+    let fast = ViewOptions { samples: 4, coverage: Coverage::SampleMask, ..Default::default() };
     let shadow_resolution = settings.shadow_resolution;
     Ok(if tier.software {
         // An eighth of the cells, whose work does not fall with the strands.
-        DrawOptions { samples: 1, shadow_resolution: shadow_resolution.min(256), ambient_cells: 12, ..fast }
+        ViewOptions { samples: 1, shadow_resolution: shadow_resolution.min(256), ambient_cells: 12, ..fast }
     } else {
-        DrawOptions { shadow_resolution, ..fast }
+        ViewOptions { shadow_resolution, ..fast }
     })
 }

@@ -43,7 +43,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
 /// Where the picture goes: everywhere, unless one of another form is recorded.
 fn fitted(studio: &Studio, rect: Rect) -> Rect {
     let (Some(show), Some(_)) = (&studio.show, &studio.recording) else { return rect };
-    let [width, height] = show.stage.targets.size.map(|side| side as f32);
+    let [width, height] = show.stage.targets().size.map(|side| side as f32);
     let scale = (rect.width() / width).min(rect.height() / height);
     Rect::from_center_size(rect.center(), scale * vec2(width, height))
 }

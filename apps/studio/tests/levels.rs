@@ -2,12 +2,12 @@
 
 use std::{path::Path, sync::Arc};
 use tresses::{
-    Pose,
-    draw::Background,
+    Pipelines, Pose,
     glam::Vec3,
     gpu::Gpu,
     groom::{mannequin, styles::Style},
     lod::Detail,
+    present::Background,
 };
 use tresses_scene::{Base, Camera, Colliders, Quality, Settings, Stage, camera::View, settings::HairColor};
 use tresses_studio::{
@@ -33,15 +33,15 @@ fn stage() -> Option<(Stage, Settings)> {
         ambient_cells: options.ambient_cells,
         ..Quality::new([64, 64])
     };
-    let renderer = Arc::new(quality.renderer(&gpu.device));
+    let pipelines = Arc::new(Pipelines::new(&gpu.device));
     let stage = pollster::block_on(async {
-        let base = Base::built_in(&Style::default(), &gpu, &renderer.simulate, &()).await.unwrap();
+        let base = Base::built_in(&Style::default(), &gpu, &pipelines.simulate, &()).await.unwrap();
         let styling = settings.styling(base.style(), &Default::default()).unwrap();
         let character = base.dress(&styling, &()).await.unwrap();
         let physics = settings.physics();
         let (colliders, progress) = (Colliders::default(), &());
         let mut stage =
-            Stage::new(gpu, renderer, character, colliders, &physics, &quality, progress).await.unwrap();
+            Stage::new(gpu, pipelines, character, colliders, &physics, &quality, progress).await.unwrap();
         stage.offer_coarse(mannequin::mesh_with(48, &()).await);
         stage
     });
@@ -53,9 +53,9 @@ fn picture(stage: &mut Stage, settings: &Settings, level: &Level, view: View) ->
     stage.resize(size).unwrap();
     level.dress(stage, settings).unwrap();
     // Skin is black in any light, hair is not: what is which is seen of every pixel.
-    stage.look.body.color = Vec3::ZERO;
+    let body = &mut stage.body.as_mut().unwrap().material;
+    (body.color, body.gloss) = (Vec3::ZERO, 0.0);
     stage.look.tone.exposure *= 16.0;
-    stage.look.body.gloss = 0.0;
     stage.look.background = Background::transparent();
     let camera = Camera::portrait(view, stage.subject(), AREA[0] / AREA[1], 1.0);
     let mut encoder = stage.gpu.device.create_command_encoder(&Default::default());
@@ -64,7 +64,7 @@ fn picture(stage: &mut Stage, settings: &Settings, level: &Level, view: View) ->
     stage.record_advance(&mut encoder, None, &Pose::IDENTITY, 0.0).unwrap();
     stage.record_draw(&mut encoder, None, &camera).unwrap();
     stage.gpu.queue.submit([encoder.finish()]);
-    pollster::block_on(stage.targets.read(&stage.gpu.device, &stage.gpu.queue)).unwrap()
+    pollster::block_on(stage.targets().read(&stage.gpu.device, &stage.gpu.queue)).unwrap()
 }
 
 /// Blocks along each edge of a picture.
@@ -72,7 +72,7 @@ const BLOCKS: usize = 24;
 
 /// The share of each block of the picture that is hair.
 fn hair(stage: &Stage, picture: &[u8]) -> Vec<f32> {
-    let [width, height] = stage.targets.size.map(|side| side as usize);
+    let [width, height] = stage.targets().size.map(|side| side as usize);
     let mut blocks = vec![[0.0; 2]; BLOCKS * BLOCKS];
     for (i, [r, g, b, alpha]) in picture.as_chunks().0.iter().enumerate() {
         let [x, y] = [i % width * BLOCKS / width, i / width * BLOCKS / height];
@@ -119,7 +119,7 @@ fn cover_as_much(views: &[View]) {
             let picture = picture(&mut stage, &settings, level, view);
             if let Some(folder) = std::env::var_os("TRESSES_PICTURES") {
                 let path = Path::new(&folder).join(format!("level-{view:?}-{name}.png"));
-                let [width, height] = stage.targets.size;
+                let [width, height] = stage.targets().size;
                 image::save_buffer(path, &picture, width, height, image::ExtendedColorType::Rgba8).unwrap();
             }
             let Detail { strands, segments, .. } = stage.detail();

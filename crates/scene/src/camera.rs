@@ -140,7 +140,7 @@ impl Shot {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tresses::draw::View as Projection;
+    use tresses::Camera as Projection;
 
     const HAIR: Bounds = (Vec3::new(-0.11, 1.40, -0.13), Vec3::new(0.10, 1.67, 0.13));
 

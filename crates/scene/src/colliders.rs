@@ -21,8 +21,8 @@ use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use tresses::{
     Pose,
+    body::BodyMaterial,
     collide::{Anchor, Collider, ColliderPoses, FieldBuilder, FieldId, FieldSource, Shape},
-    draw::BodyMaterial,
     glam::Vec3,
     groom::{TriMesh, import, mesh::SdfOptions},
 };

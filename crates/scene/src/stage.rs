@@ -11,20 +11,22 @@ use crate::{
 use anyhow::{Context, Result};
 use std::sync::Arc;
 use tresses::{
-    Hair, HairOptions, HairRenderer, Pose, Progress,
+    Hair, HairOptions, Pipelines, Pose, Progress, View,
+    body::Body,
     collide::{ColliderDescriptor, FieldBuilder},
     draw::{
-        self, Body, Coverage, DrawOptions, Targets, View,
+        Coverage, Targets,
         debug::{DebugViews, Shown},
         targets::PICTURE_FORMAT,
     },
-    frame::{Frame, Recorder},
+    frame::{Frame, Recorder, Shows, Sight},
     glam::Vec3,
     gpu::{Gpu, Timings},
     groom::{SdfGrid, TriMesh},
     light::{Lights, Sphere},
     lod::{Detail, LodMode, LodOptions},
     simulate::SimulationParams,
+    view::{Picture, ViewOptions},
 };
 
 /// The size of a picture and how finely it is sampled.
@@ -47,20 +49,19 @@ pub struct Quality {
 impl Quality {
     /// Peeled strands, one sample per pixel.
     pub fn new(size: [u32; 2]) -> Self {
-        let DrawOptions { shadow_resolution, ambient_cells, .. } = DrawOptions::default();
+        let ViewOptions { shadow_resolution, ambient_cells, .. } = ViewOptions::default();
         Self { size, samples: 1, coverage: Coverage::PEELING, ssaa: 1, shadow_resolution, ambient_cells }
     }
 
-    /// The pipelines for it.
-    pub fn renderer(&self, device: &wgpu::Device) -> HairRenderer {
-        let options = DrawOptions {
+    /// How a view of it is made.
+    pub fn view_options(&self) -> ViewOptions {
+        ViewOptions {
             samples: self.samples,
             coverage: self.coverage,
             shadow_resolution: self.shadow_resolution,
             ambient_cells: self.ambient_cells,
             ..Default::default()
-        };
-        HairRenderer::new(device, &options)
+        }
     }
 }
 
@@ -95,15 +96,17 @@ pub struct Stage {
     /// Adapter, device, queue.
     pub gpu: Gpu,
     /// The pipelines.
-    pub renderer: Arc<HairRenderer>,
+    pub pipelines: Arc<Pipelines>,
     /// The hair.
     pub hair: Hair,
     /// What is drawn with it.
     pub body: Option<Body>,
     /// What is drawn into.
-    pub targets: Targets,
-    /// Looks that do not depend on the camera; view, lights and pose are set for each frame.
-    pub look: draw::Scene,
+    pub view: View,
+    /// What does not depend on the camera; this and the lights are set for each frame.
+    pub look: Picture,
+    /// Where the head is.
+    pose: Pose,
     /// The physics.
     pub physics: SimulationParams,
     /// The head's distance field, groom space.
@@ -135,14 +138,13 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// Brings `character` to the GPU, at rest under `physics`, among `colliders`. `renderer` must be
-    /// [`Quality::renderer`]'s.
+    /// Brings `character` to the GPU, at rest under `physics`, among `colliders`.
     ///
     /// # Errors
     /// One sentence, when the adapter cannot hold it or the character makes no sense.
     pub async fn new(
         gpu: Gpu,
-        renderer: Arc<HairRenderer>,
+        pipelines: Arc<Pipelines>,
         character: Character,
         colliders: Colliders,
         physics: &SimulationParams,
@@ -158,15 +160,14 @@ impl Stage {
         let (head, list) = (character.field.as_ref(), colliders.list.as_slice());
         let what = ColliderDescriptor { head, fields: &fields, colliders: list };
         let groom = &character.groom;
-        let hair = Hair::with_progress(device, queue, &renderer, groom, &options, &what, progress);
+        let hair = Hair::with_progress(device, queue, &pipelines, groom, &options, &what, progress);
         let mut hair = hair.await?;
         // Full detail, unless somebody asks for less.
         hair.lod.options.mode = LodMode::Off;
         if !character.levels.is_empty() {
             hair.paint_levels(queue, &character.groom, &character.levels, character.skull())?;
         }
-        let [width, height] = quality.size;
-        let targets = renderer.draw.targets(device, width, height, quality.ssaa)?;
+        let view = View::new(device, &pipelines, &quality.view_options(), quality.size, quality.ssaa)?;
         #[cfg(not(target_arch = "wasm32"))]
         let timings = match gpu.tier.timestamps && !gpu.tier.software {
             true => Timings::new(device, queue),
@@ -176,12 +177,13 @@ impl Stage {
         let mut focus = Sphere::around(subject.0, subject.1);
         // Hair that swings must not leave the shadow maps.
         focus.radius *= 1.15;
-        let look = draw::Scene { focus, ..Default::default() };
+        let look = Picture { focus, ..Default::default() };
         let mut stage = Self {
-            renderer,
+            pipelines,
             hair,
             body: None,
-            targets,
+            view,
+            pose: Pose::IDENTITY,
             #[cfg(not(target_arch = "wasm32"))]
             timings,
             shown: None,
@@ -228,7 +230,7 @@ impl Stage {
         {
             (*as_then, *lights) = (turned(&settings.lights), surroundings.lights(&settings.lights));
         }
-        settings.apply(&mut self.look);
+        settings.apply(&mut self.look, &mut self.hair.set.material);
     }
 
     /// The head with few triangles, for [`set_coarse`](Self::set_coarse). Without it one is made of the head's.
@@ -253,18 +255,22 @@ impl Stage {
         if self.is_coarse { self.coarse.as_ref() } else { self.head.as_ref() }
     }
 
-    /// The body on the GPU, its colliders still where their own frames are.
+    /// The body on the GPU, looking as it did, its colliders still where their own frames are.
     fn make_body(&mut self) {
-        let (device, stage) = (&self.gpu.device, &self.renderer.draw);
+        let (device, cells) = (&self.gpu.device, self.view.options().ambient_cells);
         let bare = self.colliders.list.is_empty();
-        self.body = match self.drawn_head() {
-            Some(head) if bare => Some(Body::new(device, stage, head)),
+        let mut made = match self.drawn_head() {
             None if bare => None,
+            Some(head) if bare => Some(Body::for_cells(device, head, cells)),
             head => {
                 let poses = vec![Pose::IDENTITY; self.colliders.list.len()];
-                Some(Body::new(device, stage, &self.colliders.with_body(head, &poses)))
+                Some(Body::for_cells(device, &self.colliders.with_body(head, &poses), cells))
             }
         };
+        if let (Some(made), Some(before)) = (&mut made, &self.body) {
+            made.material = before.material;
+        }
+        self.body = made;
     }
 
     /// Sorts the triangles of a coarse body when the camera has come around it.
@@ -273,7 +279,7 @@ impl Stage {
             return;
         }
         let towards = (camera.eye - camera.target).normalize_or(Vec3::Z);
-        let towards = self.look.pose.rotation.inverse() * towards;
+        let towards = self.pose.rotation.inverse() * towards;
         if towards.dot(self.facing) > TURNED {
             return;
         }
@@ -307,13 +313,17 @@ impl Stage {
     }
 
     /// From here on pictures show `shown` instead of hair as it looks.
-    pub fn show(&mut self, shown: Option<Shown>) {
+    ///
+    /// # Errors
+    /// When the adapter refuses a pipeline for it.
+    pub fn show(&mut self, shown: Option<Shown>) -> Result<()> {
         if shown.is_some() && self.views.is_none() {
-            let mut views = DebugViews::new(&self.gpu.device, &self.renderer.draw, PICTURE_FORMAT);
+            let mut views = DebugViews::new(&self.gpu.device, PICTURE_FORMAT)?;
             views.set_head(self.field.as_ref());
             self.views = Some(views);
         }
         self.shown = shown;
+        Ok(())
     }
 
     /// What pictures show instead of hair as it looks.
@@ -336,9 +346,14 @@ impl Stage {
         self.neck
     }
 
+    /// The textures of the pictures.
+    pub fn targets(&self) -> &Targets {
+        self.view.targets()
+    }
+
     /// Samples per pixel.
     pub fn samples(&self) -> u32 {
-        self.targets.samples
+        self.targets().samples
     }
 
     /// On what the pictures are made.
@@ -353,7 +368,7 @@ impl Stage {
             strands: self.hair.strands.count,
             vertices_per_strand: self.hair.strands.vertex_count,
             triangles: self.hair.set.triangles(),
-            bytes: self.hair.bytes(),
+            bytes: self.hair.bytes() + self.view.shaded_bytes(),
         }
     }
 
@@ -362,16 +377,15 @@ impl Stage {
     /// # Errors
     /// One sentence, when the adapter has no textures of that size.
     pub fn resize(&mut self, size: [u32; 2]) -> Result<()> {
-        self.resample(size, self.targets.ssaa)
+        self.resample(size, self.targets().ssaa)
     }
 
     /// The same, each pixel of which is made of `ssaa` × `ssaa` that are drawn.
     ///
     /// # Errors
     /// As [`resize`](Self::resize).
-    pub fn resample(&mut self, [width, height]: [u32; 2], ssaa: u32) -> Result<()> {
-        self.targets = self.renderer.draw.targets(&self.gpu.device, width, height, ssaa)?;
-        Ok(())
+    pub fn resample(&mut self, size: [u32; 2], ssaa: u32) -> Result<()> {
+        Ok(self.view.resize(&self.gpu.device, size, ssaa)?)
     }
 
     /// The hair at rest on a head at `pose`.
@@ -417,7 +431,7 @@ impl Stage {
         if count == 0 {
             return;
         }
-        let to_head = self.look.pose.inverse();
+        let to_head = self.pose.inverse();
         let poses: Vec<_> = own.iter().map(|pose| to_head.after(pose)).collect();
         let moved = self.colliders.with_body(None, &poses);
         let first = self.drawn_head().map_or(0, |head| head.positions.len());
@@ -426,9 +440,15 @@ impl Stage {
         }
     }
 
+    /// `camera` as the library has it.
+    fn eye(&self, camera: &Camera) -> tresses::Camera {
+        let size = self.targets().size;
+        tresses::Camera::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, size)
+    }
+
     /// Camera and lights: these go with it, as a photographer's do, unless there are others.
-    pub(crate) fn look_from(&mut self, camera: &Camera) {
-        self.look.view = View::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, self.targets.size);
+    fn look_from(&mut self, camera: &Camera) {
+        self.look.camera = self.eye(camera);
         let back = camera.eye - camera.target;
         let surroundings = self.surroundings.as_ref().map(|(.., lights)| lights);
         self.look.lights = self.lighting.lights(back.x.atan2(back.z), surroundings);
@@ -445,16 +465,16 @@ impl Stage {
         pose: &Pose,
         seconds: f32,
     ) -> Result<()> {
-        self.look.pose = *pose;
+        self.pose = *pose;
         self.time += f64::from(seconds);
         if let Some(camera) = &self.watcher {
-            let view = View::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, self.targets.size);
-            self.hair.look_from(&self.gpu.device, &self.gpu.queue, &view, pose);
+            let eye = self.eye(camera);
+            self.hair.look_from(&self.gpu.device, &self.gpu.queue, &eye, pose);
         }
         let poses = self.colliders.poses(self.time);
         let frame = Frame { dt: seconds, head: *pose, colliders: &poses, simulation: &self.physics };
         let Gpu { device, queue, .. } = &self.gpu;
-        let mut recorder = Recorder { renderer: &self.renderer, device, queue, encoder, timings };
+        let mut recorder = Recorder { pipelines: &self.pipelines, device, queue, encoder, timings };
         Ok(recorder.advance(&mut self.hair, &frame)?)
     }
 
@@ -470,25 +490,44 @@ impl Stage {
     ) -> Result<()> {
         self.look_from(camera);
         self.face(camera);
-        let Self { gpu: Gpu { device, queue, .. }, renderer, hair, targets, look, .. } = self;
-        let mut recorder = Recorder { renderer, device, queue, encoder, timings };
-        let (body, output) = (self.body.as_ref(), targets.picture());
-        match (&mut self.shown, &mut self.views) {
-            (Some(shown), Some(views)) => {
-                shown.wind = self.physics.wind.velocity;
-                recorder.draw_view(views, shown, hair, body, look, targets, output)?;
-            }
-            _ => recorder.draw(hair, body, look, targets, output),
-        }
-        Ok(())
+        self.record_picture(encoder, timings, false)
     }
 
     /// Records the picture of the last [`record_draw`](Self::record_draw) once more, after the targets have become
     /// others: hair, camera, and what is shown are the same, and it is hair as it looks.
-    pub fn record_redraw(&mut self, encoder: &mut wgpu::CommandEncoder, timings: Option<&mut Timings>) {
-        let Self { gpu: Gpu { device, queue, .. }, renderer, hair, targets, look, .. } = self;
-        let mut recorder = Recorder { renderer, device, queue, encoder, timings };
-        recorder.redraw(hair, self.body.as_ref(), look, targets, targets.picture());
+    ///
+    /// # Errors
+    /// As there.
+    pub fn record_redraw(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        timings: Option<&mut Timings>,
+    ) -> Result<()> {
+        self.record_picture(encoder, timings, true)
+    }
+
+    fn record_picture(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        timings: Option<&mut Timings>,
+        again: bool,
+    ) -> Result<()> {
+        let Self { gpu: Gpu { device, queue, .. }, pipelines, hair, body, view, look, .. } = self;
+        if let Some(body) = body {
+            body.pose = self.pose;
+        }
+        let bodies: Vec<_> = body.iter().collect();
+        let shows = match (&mut self.shown, &mut self.views) {
+            _ if again => Shows::Again,
+            (Some(shown), Some(views)) => {
+                shown.wind = self.physics.wind.velocity;
+                Shows::Inside(views, shown)
+            }
+            _ => Shows::Hair,
+        };
+        let sight = Sight { shows, ..Sight::new(view, look) };
+        let mut recorder = Recorder { pipelines, device, queue, encoder, timings };
+        Ok(recorder.draw(&[hair], &bodies, sight)?)
     }
 
     pub(crate) fn submit(&self, encoder: wgpu::CommandEncoder) -> Result<()> {

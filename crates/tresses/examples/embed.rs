@@ -6,16 +6,17 @@
 use half::f16;
 use std::borrow::Cow;
 use tresses::{
-    Hair, HairRenderer, Pose,
+    Camera, Hair, Pipelines, Pose, View,
     collide::ColliderPoses,
     drape,
-    draw::{DrawOptions, Embed, Scene, Surroundings, Targets, View},
-    frame::{Frame, Recorder},
+    draw::{Embed, Surroundings},
+    frame::{Frame, Recorder, Shows, Sight},
     glam::{Mat4, Vec3, camera::rh::proj::directx::perspective},
     gpu::{Gpu, readback},
     groom::styles::Style,
     light::{Directional, Lights, Sky, Sphere},
     simulate::SimulationParams,
+    view::{Picture, ViewOptions},
     wgpu::{self, TextureFormat, TextureUsages},
 };
 
@@ -93,37 +94,38 @@ async fn picture() -> tresses::Result<Vec<u8>> {
     let depth = texture(DEPTH, TextureUsages::TEXTURE_BINDING).create_view(&Default::default());
     let ball = Ball::new(&device, &queue, projection * world_to_eye, light);
 
-    // The library's: the same camera and light, targets of the same size.
-    let options = DrawOptions::default();
-    let renderer = HairRenderer::new(&device, &options);
-    let embed = Embed::new(&device, &options, COLOR)?;
-    let targets = Targets::new(&device, SIZE[0], SIZE[1], options.samples, 1)?;
+    // The library's: the same camera and light, a view of the same size.
+    let pipelines = Pipelines::new(&device);
+    let options = ViewOptions::default();
+    let view = View::new(&device, &pipelines, &options, SIZE, 1)?;
+    let embed = Embed::new(&device, (options.samples, options.coverage), COLOR)?;
     let style = Style::Long(Default::default());
-    let made = drape::character(&device, &queue, &renderer.simulate, &style, Some(8000)).await?;
+    let made = drape::character(&device, &queue, &pipelines.simulate, &style, Some(8000)).await?;
     let mut hair =
-        Hair::new(&device, &queue, &renderer, &made.groom, &Default::default(), Some(&made.field))?;
-    let view = View { view: world_to_eye, projection: View::perspective(0.5, 1.0, 0.01), size: SIZE };
+        Hair::new(&device, &queue, &pipelines, &made.groom, &Default::default(), Some(&made.field))?;
+    let camera = Camera { view: world_to_eye, projection: Camera::perspective(0.5, 1.0, 0.01), size: SIZE };
     let mut lights =
         Lights { directional: [Directional::OFF; 4], sky: Sky::default(), environment: Default::default() };
     lights.directional[0] = Directional { direction: light, irradiance: Vec3::splat(5.0) };
     lights.sky.zenith = Vec3::splat(0.3);
     let focus = Sphere::around(Vec3::splat(-0.25), Vec3::splat(0.25));
-    let scene = Scene { view, lights, focus, ..Default::default() };
+    let picture = Picture { camera, lights, focus, ..Default::default() };
 
     // A frame: the scene first, then hair into it.
     let mut encoder = device.create_command_encoder(&Default::default());
     ball.draw(&mut encoder, &color, &depth);
     let (colliders, simulation) = (&ColliderPoses::default(), &SimulationParams::default());
     let mut recorder = Recorder {
-        renderer: &renderer,
+        pipelines: &pipelines,
         device: &device,
         queue: &queue,
         encoder: &mut encoder,
         timings: None,
     };
-    recorder.advance(&mut hair, &Frame { dt: 1.0 / 60.0, head: Pose::IDENTITY, colliders, simulation })?;
+    let frame = Frame { dt: 1.0 / 60.0, head: Pose::IDENTITY, colliders, simulation };
     let into = Surroundings { color: &color, depth: &depth, projection };
-    recorder.draw_into(&hair, None, &scene, &targets, &embed, &into);
+    let sight = Sight { shows: Shows::Over(&embed, into), ..Sight::new(&view, &picture) };
+    recorder.record(&mut [(&mut hair, frame)], &[], vec![sight])?;
     queue.submit([encoder.finish()]);
 
     // The renderer's own tone mapping, here a mere sRGB curve on the CPU.

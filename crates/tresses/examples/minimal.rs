@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 use tresses::wgpu::{self, CurrentSurfaceTexture as Shown};
-use tresses::{Hair, HairRenderer, Pose, Result, collide::ColliderPoses, draw::*, frame::*, gpu::Gpu};
-use tresses::{drape, glam::*, groom::styles, light::Sphere, simulate::SimulationParams};
+use tresses::{Camera, Hair, Pipelines, Pose, Result, View, body::Body, collide::ColliderPoses, frame::*};
+use tresses::{drape, glam::*, gpu::Gpu, groom::styles, light::Sphere, simulate::SimulationParams, view::*};
 use winit::{application::ApplicationHandler, event::WindowEvent, event_loop::*, window::*};
 
 struct Show {
     window: Arc<Window>,
     surface: wgpu::Surface<'static>,
     gpu: Gpu,
-    renderer: HairRenderer,
-    targets: Targets,
+    pipelines: Pipelines,
+    view: View,
     hair: Hair,
     body: Body,
     neck: Vec3,
@@ -23,15 +23,16 @@ impl Show {
         let instance = Gpu::instance();
         let surface = instance.create_surface(window.clone()).expect("a window can be drawn to");
         let gpu = Gpu::showing(&instance, Some(&surface)).await?;
-        let (targets, output) = fit(&surface, &gpu, &window)?;
         let (device, queue) = (&gpu.device, &gpu.queue);
-        let renderer = HairRenderer::new(device, &DrawOptions { output, ..Default::default() });
+        let pipelines = Pipelines::new(device);
+        let (size, output) = fit(&surface, &gpu, &window);
+        let view = View::new(device, &pipelines, &ViewOptions { output, ..Default::default() }, size, 1)?;
         let style = styles::Style::Long(Default::default());
-        let made = drape::character(device, queue, &renderer.simulate, &style, Some(4000)).await?;
-        let hair = Hair::new(device, queue, &renderer, &made.groom, &Default::default(), Some(&made.field))?;
-        let body = Body::new(device, &renderer.draw, &made.mesh);
+        let made = drape::character(device, queue, &pipelines.simulate, &style, Some(4000)).await?;
+        let hair = Hair::new(device, queue, &pipelines, &made.groom, &Default::default(), Some(&made.field))?;
+        let body = Body::new(device, &made.mesh);
         window.request_redraw();
-        Ok(Self { window, surface, gpu, renderer, targets, hair, body, neck: made.neck, time: 0.0 })
+        Ok(Self { window, surface, gpu, pipelines, view, hair, body, neck: made.neck, time: 0.0 })
     }
 
     fn frame(&mut self) -> Result<()> {
@@ -40,27 +41,30 @@ impl Show {
         let (Shown::Success(shown) | Shown::Suboptimal(shown)) = shown else { return Ok(()) };
         self.time += 1.0 / 60.0;
         let head = Pose::about(self.neck, Quat::from_rotation_y(0.7 * (2.0 * self.time).sin()));
-        let view = View::look_at(vec3(0.2, 0.1, 0.9), vec3(0.0, 0.04, 0.0), 0.5, self.targets.size);
+        let size = self.view.targets().size;
+        let camera = Camera::look_at(vec3(0.2, 0.1, 0.9), vec3(0.0, 0.04, 0.0), 0.5, size);
         let focus = Sphere::around(Vec3::splat(-0.25), Vec3::splat(0.25));
-        let scene = Scene { view, focus, pose: head, ..Default::default() };
+        let picture = Picture { camera, focus, ..Default::default() };
+        self.body.pose = head;
         let (colliders, simulation) = (&ColliderPoses::default(), &SimulationParams::default());
-        let (Gpu { device, queue, .. }, renderer) = (&self.gpu, &self.renderer);
+        let (Gpu { device, queue, .. }, pipelines) = (&self.gpu, &self.pipelines);
         let mut encoder = device.create_command_encoder(&Default::default());
-        let mut recorder = Recorder { renderer, device, queue, encoder: &mut encoder, timings: None };
-        recorder.advance(&mut self.hair, &Frame { dt: 1.0 / 60.0, head, colliders, simulation })?;
-        let picture = shown.texture.create_view(&Default::default());
-        recorder.draw(&self.hair, Some(&self.body), &scene, &self.targets, &picture);
+        let mut recorder = Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None };
+        let frame = Frame { dt: 1.0 / 60.0, head, colliders, simulation };
+        let output = &shown.texture.create_view(&Default::default());
+        let sight = Sight { output: Some(output), ..Sight::new(&self.view, &picture) };
+        recorder.record(&mut [(&mut self.hair, frame)], &[&self.body], vec![sight])?;
         queue.submit([encoder.finish()]);
         queue.present(shown);
         Ok(())
     }
 }
 
-fn fit(surface: &wgpu::Surface<'_>, gpu: &Gpu, window: &Window) -> Result<(Targets, wgpu::TextureFormat)> {
+fn fit(surface: &wgpu::Surface<'_>, gpu: &Gpu, window: &Window) -> ([u32; 2], wgpu::TextureFormat) {
     let [width, height] = <[u32; 2]>::from(window.inner_size()).map(|length| length.max(1));
     let config = surface.get_default_config(&gpu.adapter, width, height).expect("it fits the surface");
     surface.configure(&gpu.device, &config);
-    Ok((Targets::new(&gpu.device, width, height, 4, 1)?, config.format))
+    ([width, height], config.format)
 }
 
 struct App(EventLoopProxy<Result<Show>>, Option<Show>);
@@ -87,7 +91,8 @@ impl ApplicationHandler<Result<Show>> for App {
         let done = match event {
             WindowEvent::CloseRequested => return events.exit(),
             WindowEvent::Resized(_) => {
-                fit(&show.surface, &show.gpu, &show.window).map(|(t, _)| show.targets = t)
+                let (size, _) = fit(&show.surface, &show.gpu, &show.window);
+                show.view.resize(&show.gpu.device, size, 1)
             }
             WindowEvent::RedrawRequested => show.frame(),
             _ => Ok(()),

@@ -1,19 +1,32 @@
-//! The frame: one call per stage, in order.
+//! The frame: the only place that writes the order of the stages.
+//!
+//! ```text
+//! each groom   per fixed step: volume ─► wind ─► simulate; then tessellate ─► interpolate ─► avoid
+//! each view    light: shadow maps, light from all sides, shading ─► draw: bodies, hair ─► present
+//! ```
+//!
+//! Any number of grooms and views go into one submission. What a groom is goes with [`Hair`], what a view has with
+//! [`View`]: neither knows what else is recorded, as long as each is recorded once. The grooms of a view lie in the
+//! same shadow maps and the same grid of light, and each pass that draws hair draws all of them, so that their order
+//! means nothing.
 
 use crate::{
-    Hair, HairRenderer, Pose, Result,
+    Hair, Pipelines, Pose, Result,
+    body::Body,
     collide::ColliderPoses,
     draw::{
-        Body, Embed, HairSet, Scene, Surroundings, Targets,
+        Embed, Surroundings,
         debug::{DebugViews, Shown},
+        record::Canvas,
     },
-    gpu::Timings,
+    gpu::{Timings, kernel},
+    light::{HairSet, Seen},
     simulate::SimulationParams,
     stage::Stage,
+    view::{Picture, View},
 };
-use web_time::Instant;
 
-/// What a frame depends on besides the hair itself.
+/// What the motion of a groom depends on besides the hair itself.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'a> {
     /// Time since the last frame, seconds.
@@ -26,188 +39,290 @@ pub struct Frame<'a> {
     pub simulation: &'a SimulationParams,
 }
 
-/// What a frame is recorded with. Record each groom once per submission: a frame's uniforms are
-/// written through the queue and are those of the last frame recorded.
+/// What is drawn into a view.
+#[derive(Debug)]
+pub struct Sight<'a> {
+    /// The view.
+    pub view: &'a View,
+    /// Who looks, in which light.
+    pub picture: &'a Picture,
+    /// Where the finished picture goes; `None` for [`Targets::picture`](crate::draw::Targets::picture). It has the
+    /// view's size and the format of its options.
+    pub output: Option<&'a wgpu::TextureView>,
+    /// What is shown.
+    pub shows: Shows<'a>,
+}
+
+/// What a view shows.
+#[derive(Debug, Default)]
+pub enum Shows<'a> {
+    /// Bodies and hair.
+    #[default]
+    Hair,
+    /// The same as in the view's last picture, which is drawn but not lit anew: after
+    /// [`View::resize`], a picture that stands still becomes finer. Hair, bodies and lights must be the same.
+    Again,
+    /// Hair over a scene that is drawn already, hidden by what is in front of it ([`crate::draw::embed`]). Bodies are
+    /// not drawn, but their shadows fall on hair; background and tone play no part.
+    Over(&'a Embed, Surroundings<'a>),
+    /// What is asked for instead of hair as it looks ([`crate::draw::debug`]). Nothing is read back.
+    Inside(&'a mut DebugViews, &'a Shown),
+}
+
+impl<'a> Sight<'a> {
+    /// Bodies and hair into the view's own picture.
+    pub fn new(view: &'a View, picture: &'a Picture) -> Self {
+        Self { view, picture, output: None, shows: Shows::Hair }
+    }
+}
+
+/// What a frame is recorded with.
 #[derive(Debug)]
 pub struct Recorder<'a> {
     /// The pipelines.
-    pub renderer: &'a HairRenderer,
+    pub pipelines: &'a Pipelines,
     /// The device of the pipelines and of everything that is recorded.
     pub device: &'a wgpu::Device,
     /// Its queue.
     pub queue: &'a wgpu::Queue,
-    /// Takes the commands.
+    /// Takes the commands. After an error they are not to be submitted.
     pub encoder: &'a mut wgpu::CommandEncoder,
-    /// Takes the stages' times, where the device has timestamps.
+    /// Takes the stages' times, where the device has timestamps. [By the clock](Timings::by_the_clock), each part is
+    /// submitted and waited for.
     pub timings: Option<&'a mut Timings>,
 }
 
 impl Recorder<'_> {
-    /// Moves the hair by a frame: [`simulate`](Self::simulate), then [`follow`](Self::follow).
+    /// A whole frame: each groom moves, then each view is drawn.
     ///
     /// # Errors
     /// [`crate::Error::Parameter`] when a parameter of the physics is out of its range,
-    /// [`crate::Error::Colliders`] when there are not as many poses as colliders.
+    /// [`crate::Error::Colliders`] when there are not as many poses as colliders, [`crate::Error::Limit`] when the
+    /// device cannot hold what a view needs, [`crate::Error::Gpu`] when a pipeline cannot be compiled.
+    pub fn record(
+        &mut self,
+        hair: &mut [(&mut Hair, Frame<'_>)],
+        bodies: &[&Body],
+        views: Vec<Sight<'_>>,
+    ) -> Result<()> {
+        for (hair, frame) in &mut *hair {
+            self.advance(hair, frame)?;
+        }
+        let hair: Vec<&Hair> = hair.iter().map(|(hair, _)| &**hair).collect();
+        views.into_iter().try_for_each(|sight| self.draw(&hair, bodies, sight))
+    }
+
+    /// Moves the hair by a frame.
+    ///
+    /// # Errors
+    /// As [`record`](Self::record).
     pub fn advance(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
         self.simulate(hair, frame)?;
-        self.follow(hair, frame);
-        Ok(())
+        self.follow(hair, frame)
     }
 
-    /// Guides move: as many fixed steps as have become due.
+    /// Only the guides: they move by as many fixed steps as have become due.
     ///
     /// # Errors
-    /// As [`advance`](Self::advance).
+    /// As [`record`](Self::record).
     pub fn simulate(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
-        let (renderer, device) = (self.renderer, self.device);
-        for step in 0..hair.begin(device, self.queue, renderer, frame)? {
+        let (pipelines, device) = (self.pipelines, self.device);
+        for step in 0..hair.begin(device, self.queue, pipelines, frame)? {
             if hair.uses_volume() {
-                self.stage(Stage::Volume, |pass| hair.record_volume(pass, &renderer.volume, step));
+                self.stage(Stage::Volume, |pass| hair.record_volume(pass, &pipelines.volume, step));
             }
             if hair.uses_wind() {
-                self.stage(Stage::Wind, |pass| hair.record_wind(pass, &renderer.wind, step));
+                self.stage(Stage::Wind, |pass| hair.record_wind(pass, &pipelines.wind, step));
             }
-            self.stage(Stage::Simulate, |pass| hair.record_simulate(pass, device, &renderer.simulate, step));
+            self.stage(Stage::Simulate, |pass| hair.record_simulate(pass, device, &pipelines.simulate, step));
         }
-        Ok(())
+        kernel::refused()
     }
 
-    /// The drawn strands follow the guides: [`tessellate`](Self::tessellate),
-    /// [`interpolate`](Self::interpolate), [`avoid`](Self::avoid).
-    pub fn follow(&mut self, hair: &mut Hair, frame: &Frame<'_>) {
-        self.tessellate(hair, frame);
-        self.interpolate(hair);
-        self.avoid(hair);
-    }
-
-    /// The guides' smooth curves for the head's pose now.
-    pub fn tessellate(&mut self, hair: &mut Hair, frame: &Frame<'_>) {
-        hair.prepare(self.queue, &frame.head, frame.dt);
-        let renderer = self.renderer;
-        self.stage(Stage::Tessellate, |pass| hair.record_tessellate(pass, &renderer.tessellate));
-    }
-
-    /// The strands' vertices between those curves, some of them in obstacles.
-    pub fn interpolate(&mut self, hair: &Hair) {
-        let renderer = self.renderer;
-        self.stage(Stage::Interpolate, |pass| {
-            hair.record_interpolate(pass, &renderer.interpolate, &renderer.widths)
-        });
-    }
-
-    /// Strands that entered an obstacle leave it. Once after each [`interpolate`](Self::interpolate):
-    /// what it remembers moves on by the frame's time.
-    pub fn avoid(&mut self, hair: &Hair) {
-        let renderer = self.renderer;
-        self.stage(Stage::Avoid, |pass| hair.record_avoid(pass, &renderer.avoid));
-    }
-
-    /// Draws hair and body as they are now: shadow maps, shading, the HDR picture, the finished one
-    /// into `output` (of the size of `targets`, in the format that the renderer was made for).
-    pub fn draw(
-        &mut self,
-        hair: &Hair,
-        body: Option<&Body>,
-        scene: &Scene,
-        targets: &Targets,
-        output: &wgpu::TextureView,
-    ) {
-        let (stage, set) = (&self.renderer.draw, &hair.set);
-        stage.prepare(self.queue, scene, targets, Some(set), body);
-        stage.shadow(self.encoder, self.timings.as_deref_mut(), scene, Some(set), body);
-        stage.shade(self.encoder, self.timings.as_deref_mut(), set);
-        self.picture(set, body, scene, targets, output);
-    }
-
-    /// Draws what the last [`draw`](Self::draw) has lit once more, into `targets` of another size or with more
-    /// samples: a picture that stands still becomes finer without being lit anew. Hair, body and `scene` must be
-    /// the same; what is lit per strand vertex stays as it is.
-    pub fn redraw(
-        &mut self,
-        hair: &Hair,
-        body: Option<&Body>,
-        scene: &Scene,
-        targets: &Targets,
-        output: &wgpu::TextureView,
-    ) {
-        self.renderer.draw.prepare(self.queue, scene, targets, Some(&hair.set), body);
-        self.picture(&hair.set, body, scene, targets, output);
-    }
-
-    /// Draws hair as it is now over a scene that is drawn already, hidden by what is in front of it:
-    /// see [`draw::embed`](crate::draw::embed). `body`'s shadow falls on it.
-    pub fn draw_into(
-        &mut self,
-        hair: &Hair,
-        body: Option<&Body>,
-        scene: &Scene,
-        targets: &Targets,
-        embed: &Embed,
-        into: &Surroundings<'_>,
-    ) {
-        let (stage, timings) = (&self.renderer.draw, self.timings.as_deref_mut());
-        let (device, queue) = (self.device, self.queue);
-        embed.record(device, queue, self.encoder, timings, stage, scene, targets, &hair.set, body, into);
-    }
-
-    /// As [`draw`](Self::draw), but the picture shows what `shown` asks for. Nothing is read back.
+    /// Only the drawn strands: they follow the guides, which do not move.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`] when the device cannot hold what the view needs.
-    #[allow(clippy::too_many_arguments)]
-    pub fn draw_view(
-        &mut self,
-        views: &mut DebugViews,
-        shown: &Shown,
-        hair: &Hair,
-        body: Option<&Body>,
-        scene: &Scene,
-        targets: &Targets,
-        output: &wgpu::TextureView,
-    ) -> Result<()> {
-        let draw = &self.renderer.draw;
-        let timings = self.timings.as_deref_mut();
-        views.record(
-            draw,
-            self.device,
-            self.queue,
-            self.encoder,
-            timings,
-            shown,
-            hair,
-            body,
-            scene,
-            targets,
-            output,
-        )
+    /// As [`record`](Self::record).
+    pub fn follow(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
+        let pipelines = self.pipelines;
+        hair.prepare(self.queue, &frame.head, frame.dt);
+        self.stage(Stage::Tessellate, |pass| hair.record_tessellate(pass, &pipelines.tessellate));
+        self.stage(Stage::Interpolate, |pass| {
+            hair.record_interpolate(pass, &pipelines.interpolate, &pipelines.widths)
+        });
+        self.stage(Stage::Avoid, |pass| hair.record_avoid(pass, &pipelines.avoid));
+        kernel::refused()
     }
 
-    /// The HDR picture, and the finished one.
+    /// Draws hair and bodies as they are now into a view.
+    ///
+    /// # Errors
+    /// As [`record`](Self::record).
+    pub fn draw(&mut self, hair: &[&Hair], bodies: &[&Body], sight: Sight<'_>) -> Result<()> {
+        let sets: Vec<_> = hair.iter().map(|hair| &hair.set).collect();
+        self.picture(&sets, hair, bodies, sight)
+    }
+
+    /// [`draw`](Self::draw) for strands that nothing moves. Of [`Shows::Inside`], what is not in the strands
+    /// themselves is not seen.
+    ///
+    /// # Errors
+    /// As [`record`](Self::record).
+    pub fn draw_strands(&mut self, strands: &[&HairSet], bodies: &[&Body], sight: Sight<'_>) -> Result<()> {
+        self.picture(strands, &[], bodies, sight)
+    }
+
+    /// Only the light of a picture, for those who ask it: the shadow maps and light from all sides.
+    ///
+    /// # Errors
+    /// As [`record`](Self::record).
+    pub fn light(
+        &mut self,
+        strands: &[&HairSet],
+        bodies: &[&Body],
+        view: &View,
+        picture: &Picture,
+    ) -> Result<()> {
+        let shares = view.shares(self.device, self.pipelines, strands)?;
+        let seen: Vec<_> = strands.iter().zip(&shares).map(|(hair, shaded)| Seen { hair, shaded }).collect();
+        bodies.iter().for_each(|body| body.prepare(self.queue));
+        let lit = view.prepare(self.queue, picture, &seen);
+        self.cast(view, &lit, &seen, bodies)
+    }
+
+    /// The order of the stages that make a picture.
     fn picture(
         &mut self,
-        hair: &HairSet,
-        body: Option<&Body>,
-        scene: &Scene,
-        targets: &Targets,
-        output: &wgpu::TextureView,
-    ) {
-        let stage = &self.renderer.draw;
-        stage.draw(self.encoder, self.timings.as_deref_mut(), scene, targets, Some(hair), body);
-        stage.present(self.device, self.encoder, self.timings.as_deref_mut(), targets, output);
+        sets: &[&HairSet],
+        hair: &[&Hair],
+        bodies: &[&Body],
+        sight: Sight<'_>,
+    ) -> Result<()> {
+        let Sight { view, picture, output, mut shows } = sight;
+        let inside = match &mut shows {
+            Shows::Inside(views, shown) => Some((&mut **views, *shown)),
+            _ => None,
+        };
+        let picture = &inside.as_ref().map_or(*picture, |(_, shown)| shown.picture(picture));
+        let shares = view.shares(self.device, self.pipelines, sets)?;
+        let seen: Vec<_> = sets.iter().zip(&shares).map(|(hair, shaded)| Seen { hair, shaded }).collect();
+        // A view may leave hair out, which would hide what is to be seen.
+        let hides = inside.as_ref().is_some_and(|(_, shown)| shown.view.hides_hair());
+        let visible = if hides { &[][..] } else { &seen[..] };
+
+        self.start();
+        bodies.iter().for_each(|body| body.prepare(self.queue));
+        let lit = view.prepare(self.queue, picture, &seen);
+        if !matches!(shows, Shows::Again) {
+            self.cast(view, &lit, visible, bodies)?;
+            let replaced = match &mut shows {
+                Shows::Inside(views, shown) => {
+                    views.shade(self.device, self.encoder, shown, picture, hair, &seen)
+                }
+                _ => false,
+            };
+            if !replaced {
+                let timings = self.timings.as_deref_mut();
+                view.light.shade(&self.pipelines.light, self.encoder, timings, &seen);
+                self.lap("shade");
+            }
+        }
+
+        let output = output.unwrap_or_else(|| view.targets().picture());
+        let draw = &self.pipelines.draw;
+        let canvas = &mut Canvas {
+            device: self.device,
+            queue: self.queue,
+            encoder: self.encoder,
+            timings: self.timings.as_deref_mut(),
+            targets: view.targets(),
+            frame: &view.light.frame,
+            coverage: view.options().coverage,
+            rate: picture.shading,
+        };
+        if let Shows::Over(embed, into) = &shows {
+            embed.record_depth(canvas, picture.camera.projection, into);
+            draw.record_hair(canvas, visible, false)?;
+            canvas.lap("hair");
+            embed.record(canvas, into);
+            canvas.lap("embed");
+            return kernel::refused();
+        }
+        let body_first = draw.body_first(canvas.coverage);
+        for bodies_now in [body_first, !body_first] {
+            if bodies_now {
+                draw.record_bodies(canvas, bodies)?;
+                canvas.lap("body");
+            } else {
+                draw.record_hair(canvas, visible, true)?;
+                canvas.lap("hair");
+            }
+        }
+        let timings = self.timings.as_deref_mut();
+        let present = &self.pipelines.present;
+        view.present().record(present, self.encoder, timings, view.targets(), output)?;
+        self.lap("present");
+        if let Shows::Inside(views, shown) = shows {
+            let timings = self.timings.as_deref_mut();
+            views.over(
+                self.device,
+                self.encoder,
+                timings,
+                shown,
+                picture,
+                view,
+                hair,
+                &seen,
+                bodies,
+                output,
+            )?;
+            self.lap("debug");
+        }
+        kernel::refused()
+    }
+
+    /// Shadow maps, then light from all sides.
+    fn cast(
+        &mut self,
+        view: &View,
+        lit: &crate::light::Lit,
+        hair: &[Seen<'_>],
+        bodies: &[&Body],
+    ) -> Result<()> {
+        let pipelines = &self.pipelines.light;
+        let timings = self.timings.as_deref_mut();
+        view.light.record_shadows(pipelines, self.encoder, timings, lit, hair, bodies)?;
+        self.lap("shadow");
+        if lit.ambient {
+            let timings = self.timings.as_deref_mut();
+            view.light.record_ambient(pipelines, self.encoder, timings, hair, bodies);
+            self.lap("ambient");
+        }
+        kernel::refused()
     }
 
     /// A compute pass under the name of a stage.
-    fn stage<R>(&mut self, stage: Stage, record: impl FnOnce(&mut wgpu::ComputePass<'_>) -> R) -> R {
-        let start = self.timings.as_ref().filter(|timings| timings.is_by_the_clock()).map(|_| Instant::now());
+    fn stage(&mut self, stage: Stage, record: impl FnOnce(&mut wgpu::ComputePass<'_>)) {
+        self.start();
         let mut pass = self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some(stage.name()),
             timestamp_writes: self.timings.as_deref_mut().and_then(|timings| timings.compute(stage.name())),
         });
-        let result = record(&mut pass);
+        record(&mut pass);
         drop(pass);
-        if let (Some(timings), Some(start)) = (&mut self.timings, start) {
-            timings.finish(self.device, self.queue, self.encoder, stage.name(), start);
+        self.lap(stage.name());
+    }
+
+    fn start(&mut self) {
+        if let Some(timings) = &mut self.timings {
+            timings.start();
         }
-        result
+    }
+
+    /// A part of the frame ends: whoever measures by the clock waits for it.
+    fn lap(&mut self, name: &'static str) {
+        if let Some(timings) = &mut self.timings {
+            timings.lap(self.device, self.queue, self.encoder, name);
+        }
     }
 }

@@ -1,67 +1,31 @@
-//! The three lifetimes: pipelines live as long as the device ([`HairRenderer`]), buffers as long
-//! as a groom is shown ([`Hair`]), parameters for a frame ([`crate::frame::Frame`]).
+//! One groom on the GPU. Pipelines live as long as the device ([`Pipelines`]), a groom's buffers as long as it is
+//! there ([`Hair`]), those of a picture as long as somebody looks ([`crate::view::View`]), parameters for a frame
+//! ([`crate::frame::Frame`]).
 
 use crate::{
-    Error, Pose, Progress, Result,
-    avoid::{self, Avoid, AvoidOptions, Avoidance},
+    Camera, Error, Pipelines, Pose, Progress, Result,
+    avoid::{self, AvoidOptions, Avoidance},
     collide::{Collider, ColliderDescriptor, ColliderSet},
-    draw::{DrawOptions, DrawStage, HairSet, View},
     gpu::bindings,
     groom::{BoundStrands, Groom, SdfGrid},
-    interpolate::{Interpolate, InterpolateParams},
-    lod::{self, Detail, Lod, LodLevel, Widths},
+    interpolate::InterpolateParams,
+    light::HairSet,
+    lod::{self, Detail, Lod, LodLevel},
     math::hash::pcg,
     progress::at_once,
     simulate::{
-        Clock, Forces, Grab, GuideTraits, Ray, RestOptions, RestShape, Simulate, Simulation,
-        SimulationParams, Target, rest,
+        Clock, Forces, Grab, GuideTraits, Ray, RestOptions, RestShape, Simulation, SimulationParams, Target,
+        rest,
     },
     strands::{GuideBuffers, Strand, StrandBuffers},
-    tessellate::{Tessellate, TessellateParams, rest_samples},
-    volume::{Volume, VolumeOptions, VolumeStage},
-    wind::{Air, Fluid},
+    tessellate::{TessellateParams, rest_samples},
+    volume::{Volume, VolumeOptions},
+    wind::Air,
 };
 
 use glam::Vec3;
 
 mod record;
-
-/// Every pipeline; made once per device.
-#[derive(Debug)]
-pub struct HairRenderer {
-    /// Guides fill a grid.
-    pub volume: VolumeStage,
-    /// Air moves.
-    pub wind: Fluid,
-    /// Guides move.
-    pub simulate: Simulate,
-    /// Guides become curves.
-    pub tessellate: Tessellate,
-    /// Guides become strands.
-    pub interpolate: Interpolate,
-    /// Strands leave obstacles.
-    pub avoid: Avoid,
-    /// Widths of strands at a level of detail.
-    pub widths: Widths,
-    /// Lights to picture.
-    pub draw: DrawStage,
-}
-
-impl HairRenderer {
-    /// Builds the pipelines.
-    pub fn new(device: &wgpu::Device, options: &DrawOptions) -> Self {
-        Self {
-            volume: VolumeStage::new(device),
-            wind: Fluid::new(device),
-            simulate: Simulate::new(device),
-            tessellate: Tessellate::new(device),
-            interpolate: Interpolate::new(device),
-            avoid: Avoid::new(device),
-            widths: Widths::new(device),
-            draw: DrawStage::new(device, options),
-        }
-    }
-}
 
 /// How a groom is brought to the GPU.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,7 +61,7 @@ pub struct Hair {
     pub guides: GuideBuffers,
     /// What is drawn.
     pub strands: StrandBuffers,
-    /// Index buffers, shaded values and bind groups of the drawing stages.
+    /// What it looks like, and what light and draw need of it.
     pub set: HairSet,
     /// How drawn strands avoid obstacles, and what is remembered of it from frame to frame.
     pub avoidance: Avoidance,
@@ -121,6 +85,8 @@ pub struct Hair {
     pub(crate) clock: Clock,
     /// Poses of the head before and after the last step, and the blend between them.
     states: (Pose, Pose, f32),
+    /// Where the head is in the frame that is recorded.
+    pub(crate) head: Pose,
     /// Whether the last frame put the hair somewhere else.
     moved_away: bool,
     tessellate_params: wgpu::Buffer,
@@ -138,13 +104,13 @@ impl Hair {
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        renderer: &HairRenderer,
+        pipelines: &Pipelines,
         groom: &Groom,
         options: &HairOptions,
         head: Option<&SdfGrid>,
     ) -> Result<Self> {
         let colliders = ColliderDescriptor { head, ..Default::default() };
-        Self::with_colliders(device, queue, renderer, groom, options, &colliders)
+        Self::with_colliders(device, queue, pipelines, groom, options, &colliders)
     }
 
     /// Brings `groom` to the GPU, at rest, the head at the origin, among `colliders`. The strands are put
@@ -156,12 +122,12 @@ impl Hair {
     pub fn with_colliders(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        renderer: &HairRenderer,
+        pipelines: &Pipelines,
         groom: &Groom,
         options: &HairOptions,
         colliders: &ColliderDescriptor<'_>,
     ) -> Result<Self> {
-        at_once(Self::with_progress(device, queue, renderer, groom, options, colliders, &()))
+        at_once(Self::with_progress(device, queue, pipelines, groom, options, colliders, &()))
     }
 
     /// The same, telling `progress`.
@@ -171,7 +137,7 @@ impl Hair {
     pub async fn with_progress(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        renderer: &HairRenderer,
+        pipelines: &Pipelines,
         groom: &Groom,
         options: &HairOptions,
         colliders: &ColliderDescriptor<'_>,
@@ -222,17 +188,21 @@ impl Hair {
         }
 
         let colliders = ColliderSet::new(device, queue, colliders)?;
-        let simulation = Simulation::new(device, &renderer.simulate, &guides);
-        let volume = Volume::new(device, &renderer.volume, &guides, &rest, &options.volume)?;
+        let simulation = Simulation::new(device, &pipelines.simulate, &guides);
+        let volume = Volume::new(device, &pipelines.volume, &guides, &rest, &options.volume)?;
         let uniform = |label, size| bindings::uniform(device, label, size);
         let tessellate_params = uniform("tessellate", size_of::<TessellateParams>());
         let interpolate_params = uniform("interpolate", size_of::<InterpolateParams>());
+        let lod = Lod::new(device, queue, &pipelines.widths, &arranged, &infos, &strands, progress).await?;
+        let mut set = HairSet::new(device, &strands)?;
+        set.area = lod.area();
         Ok(Self {
-            set: HairSet::new(device, &renderer.draw, &strands)?,
-            lod: Lod::new(device, queue, &renderer.widths, &arranged, &infos, &strands, progress).await?,
-            tessellate_group: renderer.tessellate.bind(device, &tessellate_params, &guides),
-            interpolate_group: renderer.interpolate.bind(device, &interpolate_params, &guides, &strands),
-            forces: Forces::new(device, &renderer.simulate, &guides, &volume, None),
+            set,
+            lod,
+            head: Pose::IDENTITY,
+            tessellate_group: pipelines.tessellate.bind(device, &tessellate_params, &guides),
+            interpolate_group: pipelines.interpolate.bind(device, &interpolate_params, &guides, &strands),
+            forces: Forces::new(device, &pipelines.simulate, &guides, &volume, None),
             air: None,
             windy: false,
             extent: extent(groom),
@@ -242,7 +212,7 @@ impl Hair {
             avoidance: Avoidance::new(
                 device,
                 queue,
-                &renderer.avoid,
+                &pipelines.avoid,
                 options.avoid,
                 options.clearance,
                 &guides,
@@ -279,7 +249,7 @@ impl Hair {
         self.colliders.replace(device, queue, colliders)
     }
 
-    /// Grabs the lock that `ray` (world space, from the eye through the cursor: [`View::ray`]) meets
+    /// Grabs the lock that `ray` (world space, from the eye through the cursor: [`Camera::ray`]) meets
     /// first: all of the hair that hangs on guide vertices within `radius` metres of there, or on the nearest. It
     /// holds it until [`release`](Self::release), until the head jumps or until the hair is
     /// [reset](Self::reset); a ray that meets no hair, or the head before it, holds nothing. See
@@ -310,10 +280,10 @@ impl Hair {
     }
 
     /// The frames from here on are drawn at the level of detail that [`Lod::options`](crate::lod::Lod::options)
-    /// have for what `view` sees on a head at `head`. Call it before a frame is recorded; without it hair
+    /// have for what `camera` sees on a head at `head`. Call it before a frame is recorded; without it hair
     /// is drawn in full detail.
-    pub fn look_from(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, view: &View, head: &Pose) {
-        self.set_detail(device, queue, self.lod.seen(view, head));
+    pub fn look_from(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, camera: &Camera, head: &Pose) {
+        self.set_detail(device, queue, self.lod.seen(camera, head));
     }
 
     /// The frames from here on are drawn as `detail` says, which comes from [`Lod::detail`](crate::lod::Lod::detail).
@@ -344,7 +314,7 @@ impl Hair {
         self.lod.paint(queue, &arranged, levels, skull)
     }
 
-    /// Bytes of GPU memory, without render targets and shadow maps.
+    /// Bytes of GPU memory, without what each view has of it ([`View::shaded_bytes`](crate::view::View::shaded_bytes)).
     pub fn bytes(&self) -> u64 {
         self.guides.bytes()
             + self.strands.bytes()

@@ -4,42 +4,43 @@
 //!
 //! ```no_run
 //! use tresses::{
-//!     Hair, HairRenderer, Pose,
+//!     Camera, Hair, Pipelines, Pose,
+//!     body::Body,
 //!     collide::ColliderPoses,
 //!     drape,
-//!     draw::{Body, DrawOptions, Scene, Targets},
-//!     frame::{Frame, Recorder},
+//!     frame::{Frame, Recorder, Sight},
 //!     gpu::Gpu,
 //!     groom::styles::Style,
 //!     simulate::SimulationParams,
+//!     view::{Picture, View, ViewOptions},
 //! };
 //!
 //! # async fn example() -> tresses::Result<()> {
 //! // Once per device; an engine has one already. Pipelines live as long as it does.
 //! let Gpu { device, queue, .. } = Gpu::open().await?;
-//! let renderer = HairRenderer::new(&device, &DrawOptions::default());
+//! let pipelines = Pipelines::new(&device);
 //!
 //! // Once per groom: here a built-in one, else `groom::import` and `groom::bind`.
 //! let style = Style::Long(Default::default());
-//! let made = drape::character(&device, &queue, &renderer.simulate, &style, None).await?;
-//! let mut hair = Hair::new(&device, &queue, &renderer, &made.groom, &Default::default(), Some(&made.field))?;
-//! let body = Body::new(&device, &renderer.draw, &made.mesh);
-//! let targets = Targets::new(&device, 1280, 720, 4, 1)?;
+//! let made = drape::character(&device, &queue, &pipelines.simulate, &style, None).await?;
+//! let mut hair = Hair::new(&device, &queue, &pipelines, &made.groom, &Default::default(), Some(&made.field))?;
+//! let body = Body::new(&device, &made.mesh);
+//! // Once per picture that is to be seen at a time.
+//! let view = View::new(&device, &pipelines, &ViewOptions::default(), [1280, 720], 1)?;
 //!
 //! // Once per frame: the hair moves, then it is drawn.
-//! let scene = Scene { pose: Pose::IDENTITY, ..Default::default() };
+//! let picture = Picture { camera: Camera::default(), ..Default::default() };
 //! let (colliders, simulation) = (&ColliderPoses::default(), &SimulationParams::default());
-//! let frame = Frame { dt: 1.0 / 60.0, head: scene.pose, colliders, simulation };
+//! let frame = Frame { dt: 1.0 / 60.0, head: Pose::IDENTITY, colliders, simulation };
 //! let mut encoder = device.create_command_encoder(&Default::default());
 //! let mut recorder = Recorder {
-//!     renderer: &renderer,
+//!     pipelines: &pipelines,
 //!     device: &device,
 //!     queue: &queue,
 //!     encoder: &mut encoder,
 //!     timings: None,
 //! };
-//! recorder.advance(&mut hair, &frame)?;
-//! recorder.draw(&hair, Some(&body), &scene, &targets, targets.picture());
+//! recorder.record(&mut [(&mut hair, frame)], &[&body], vec![Sight::new(&view, &picture)])?;
 //! queue.submit([encoder.finish()]);
 //! # Ok(()) }
 //! ```
@@ -64,6 +65,8 @@ pub mod interpolate;
 
 pub mod avoid;
 
+pub mod body;
+
 pub mod light;
 
 pub mod lod;
@@ -76,9 +79,12 @@ pub mod collide;
 
 pub mod drape;
 
+pub mod camera;
 pub mod frame;
 pub mod hair;
+pub mod pipelines;
 pub mod stage;
+pub mod view;
 
 pub mod constants;
 pub mod error;
@@ -86,9 +92,12 @@ pub mod gpu;
 pub mod math;
 pub mod shaders;
 
+pub use camera::Camera;
 pub use error::{Error, Result};
 pub use glam;
 pub use groom::{Progress, progress};
-pub use hair::{Hair, HairOptions, HairRenderer};
+pub use hair::{Hair, HairOptions};
 pub use math::pose::Pose;
+pub use pipelines::{Pipelines, Wanted};
+pub use view::View;
 pub use wgpu;

@@ -3,12 +3,13 @@
 use wgpu::naga;
 
 use tresses::{
-    draw::{Background, body::BodyUniform, view::ViewUniform},
+    body::BodyUniform,
+    camera::CameraUniform,
     light::{
         lights::{LightUniform, LightsUniform},
         material::HairUniform,
     },
-    present::{Footprint, PresentUniform},
+    present::{Background, Footprint, PresentUniform},
 };
 
 /// Byte layout of a struct: (name, offset) of each member, and the whole size.
@@ -338,7 +339,7 @@ fn a_swapped_member_is_seen() {
 
 #[test]
 fn view() {
-    let rust = rust_layout!(ViewUniform {
+    let rust = rust_layout!(CameraUniform {
         view_projection,
         eye,
         pixel,
@@ -351,7 +352,7 @@ fn view() {
         _pad,
         way
     });
-    assert_eq!(wgsl_layout("draw::view::ViewUniform"), rust);
+    assert_eq!(wgsl_layout("camera::CameraUniform"), rust);
 }
 
 #[test]

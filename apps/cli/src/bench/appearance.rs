@@ -74,12 +74,12 @@ pub fn variants() -> Vec<Variant> {
     vec![
         shading("fibre, per strand vertex", |_| {}),
         shading("Kajiya–Kay, per strand vertex", |scene| {
-            scene.look.hair.model = ShadingModel::KajiyaKay;
+            scene.hair.set.material.model = ShadingModel::KajiyaKay;
         }),
         shading("fibre, per pixel", |scene| scene.look.shading = ShadingRate::PerPixel),
         shading("Kajiya–Kay, per pixel", |scene| {
-            let look = &mut scene.look;
-            (look.hair.model, look.shading) = (ShadingModel::KajiyaKay, ShadingRate::PerPixel);
+            scene.hair.set.material.model = ShadingModel::KajiyaKay;
+            scene.look.shading = ShadingRate::PerPixel;
         }),
         shadows("deep opacity maps", |_| {}),
         shadows("absorption", |scene| scene.look.shadows.method = ShadowMethod::Absorption),

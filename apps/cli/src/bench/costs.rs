@@ -8,7 +8,7 @@ use indicatif::ProgressBar;
 use serde::Serialize;
 use std::time::Instant;
 use tresses::{
-    Hair, HairOptions, HairRenderer, Pose,
+    Hair, HairOptions, Pipelines, Pose,
     collide::{Anchor, Collider, ColliderDescriptor, ColliderPoses, Shape},
     frame::{Frame, Recorder},
     glam::{Quat, Vec3},
@@ -91,7 +91,7 @@ impl Costs {
 /// What all runs share.
 struct Rig {
     gpu: Gpu,
-    renderer: HairRenderer,
+    pipelines: Pipelines,
     character: Character,
     frames: u32,
 }
@@ -129,11 +129,11 @@ impl Rows {
 impl Rig {
     fn new(frames: u32) -> Result<Self> {
         let gpu = pollster::block_on(Gpu::open())?;
-        let renderer = HairRenderer::new(&gpu.device, &Default::default());
+        let pipelines = Pipelines::new(&gpu.device);
         let mut preset = workload::style(Some(STRANDS), Default::default());
         preset.settings.set("style.guides", GUIDES)?;
-        let character = load::load(&preset, &gpu, &renderer.simulate, &())?;
-        Ok(Self { gpu, renderer, character, frames })
+        let character = load::load(&preset, &gpu, &pipelines.simulate, &())?;
+        Ok(Self { gpu, pipelines, character, frames })
     }
 
     /// The times of each variant while the head turns. A frame of one, a frame of the next, and so
@@ -157,7 +157,7 @@ impl Rig {
                 let moment = Frame { dt, head, colliders, simulation: &variant.physics };
                 let mut encoder = device.create_command_encoder(&Default::default());
                 let mut recorder = Recorder {
-                    renderer: &self.renderer,
+                    pipelines: &self.pipelines,
                     device,
                     queue,
                     encoder: &mut encoder,
@@ -186,7 +186,7 @@ impl Rig {
         };
         let Gpu { device, queue, .. } = &self.gpu;
         let groom = &self.character.groom;
-        Ok(Hair::with_colliders(device, queue, &self.renderer, groom, &variant.options, &descriptor)?)
+        Ok(Hair::with_colliders(device, queue, &self.pipelines, groom, &variant.options, &descriptor)?)
     }
 
     /// `count` capsules the size of fingers around the neck and the shoulders, where the hair hangs.

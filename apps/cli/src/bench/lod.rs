@@ -25,7 +25,7 @@ pub const DISTANCES: [f32; 6] = [0.8, 2.0, 4.0, 8.0, 16.0, 40.0];
 /// The stages that simulate, whose work is that of the guides.
 const MOVING: [&str; 4] = ["volume", "wind", "simulate", "tessellate"];
 /// The stages that only the picture's size and the head matter to.
-const OTHERS: [&str; 2] = ["draw body", "present"];
+const OTHERS: [&str; 2] = ["body", "present"];
 
 /// One distance.
 #[derive(Debug, Serialize)]

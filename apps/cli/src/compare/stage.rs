@@ -3,19 +3,18 @@
 use super::Look;
 use super::{
     metrics::Linear,
-    scenes::{Folders, Groom as Description, Radius, Scenes, View},
+    scenes::{Folders, Groom as Description, Radius, Scenes, View as Wanted},
 };
 use crate::{flags::RowFlags, picture::Picture, settings_args::apply_rows};
 use anyhow::{Context, Error, Result, ensure};
 use half::f16;
 use tresses::{
-    Hair, HairOptions, HairRenderer, Pose,
+    Camera, Hair, HairOptions, Pipelines, Pose, View,
+    body::{Body, BodyMaterial},
+    camera::ToneMap,
     collide::ColliderPoses,
-    draw::{
-        Background, Body, BodyMaterial, DrawOptions, Scene, Targets, View as Projection,
-        debug::{DebugView, DebugViews, Shown},
-    },
-    frame::{Frame, Recorder},
+    draw::debug::{DebugView, DebugViews, Shown},
+    frame::{Frame, Recorder, Shows, Sight},
     glam::{Affine3A, Mat4, Vec3},
     gpu::{Gpu, readback::blocking as readback},
     groom::{
@@ -24,8 +23,9 @@ use tresses::{
         orient::{Axis, Choice, Unit},
     },
     light::{Directional, Lights, MAX_LIGHTS, ShadowMethod, Shadows, Sky, Sphere, material::linear},
-    present::ToneMap,
+    present::Background,
     simulate::SimulationParams,
+    view::{Picture as Shot, ViewOptions},
 };
 use tresses_scene::{Settings, camera, knobs};
 
@@ -40,10 +40,10 @@ const FINER: usize = 2;
 pub struct Stage {
     name: String,
     gpu: Gpu,
-    renderer: HairRenderer,
+    pipelines: Pipelines,
     hair: Hair,
     body: Body,
-    targets: Targets,
+    view: View,
     output: wgpu::Texture,
     /// Metres per unit of the description.
     unit: f32,
@@ -52,7 +52,7 @@ pub struct Stage {
 
 impl Stage {
     /// Brings the groom of `view` to the GPU.
-    pub fn new(view: &View<'_>, folders: &Folders<'_>, samples: Option<u32>) -> Result<Self> {
+    pub fn new(view: &Wanted<'_>, folders: &Folders<'_>, samples: Option<u32>) -> Result<Self> {
         let gpu = pollster::block_on(Gpu::open())?;
         let most = gpu.tier.max_samples;
         let samples = samples.unwrap_or(most.min(8));
@@ -62,8 +62,7 @@ impl Stage {
             gpu.info.name
         );
         let (device, queue) = (&gpu.device, &gpu.queue);
-        let options = DrawOptions { samples, output: FORMAT, ..Default::default() };
-        let renderer = HairRenderer::new(device, &options);
+        let pipelines = Pipelines::new(device);
         let unit = view.groom.unit()?;
         let orient =
             Choice { unit: Some(Unit(unit)), up: Some(Axis::Y), front: Some(Axis::Z), mirror: Some(false) };
@@ -73,12 +72,14 @@ impl Stage {
         let vertices = strands.range(0).len() as u32;
         let groom = bind(&strands, &BindOptions { strand_vertices: Some(vertices), ..Default::default() })?;
         let head = head(view.groom, folders, &options, unit)?;
-        let hair = Hair::new(device, queue, &renderer, &groom, &HairOptions::default(), None)?;
-        let body = Body::new(device, &renderer.draw, &head);
+        let hair = Hair::new(device, queue, &pipelines, &groom, &HairOptions::default(), None)?;
+        let mut body = Body::new(device, &head);
+        body.material = BodyMaterial { gloss: 0.0, wrap: 0.0, ..Default::default() };
         let hair_bounds = groom.bounds().context("the groom is empty")?;
         let subject = camera::subject(hair_bounds, head.bounds());
         let [width, height] = view.groom.camera.resolution;
-        let targets = renderer.draw.targets(device, width, height, 1)?;
+        let options = ViewOptions { samples, output: FORMAT, ..Default::default() };
+        let eye = View::new(device, &pipelines, &options, [width, height], 1)?;
         let output = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("compared"),
             size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
@@ -91,7 +92,7 @@ impl Stage {
         });
         let name = view.groom_name.to_owned();
         let focus = Sphere::around(subject.0, subject.1);
-        Ok(Self { name, renderer, hair, body, targets, output, unit, focus, gpu })
+        Ok(Self { name, pipelines, hair, body, view: eye, output, unit, focus, gpu })
     }
 
     /// Name of the groom.
@@ -102,7 +103,7 @@ impl Stage {
     /// The picture as the reference's PNG files are made, and the radiance before black.
     pub fn draw(
         &mut self,
-        view: &View<'_>,
+        view: &Wanted<'_>,
         scenes: &Scenes,
         look: &RowFlags<Look>,
     ) -> Result<(Picture, Linear)> {
@@ -111,7 +112,7 @@ impl Stage {
         scene.background = Background::flat(Vec3::ZERO);
         scene.tone = ToneMap { exposure: DIM, shoulder: 0.99, desaturation: 0.0 };
         let dim = self.pixels(&scene)?;
-        let [width, height] = self.targets.size;
+        let [width, height] = self.view.targets().size;
         let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
         let rgba = shown.iter().flat_map(|[r, g, b]| [byte(*r), byte(*g), byte(*b), 255]).collect();
         Ok((Picture { width, height, rgba }, radiance(width, &dim)))
@@ -120,20 +121,20 @@ impl Stage {
     /// The radiance of light that one fibre has scattered, with shadows and without.
     pub fn draw_once(
         &mut self,
-        view: &View<'_>,
+        view: &Wanted<'_>,
         scenes: &Scenes,
         look: &RowFlags<Look>,
     ) -> Result<[Linear; 2]> {
         let mut scene = self.scene(view, scenes, look)?;
         scene.background = Background::flat(Vec3::ZERO);
         scene.tone = ToneMap { exposure: DIM, shoulder: 0.99, desaturation: 0.0 };
-        let width = self.targets.size[0];
+        let width = self.view.targets().size[0];
         // Light that a body has thrown is scattered twice.
         let shadows = Shadows { ambient: false, ..scene.shadows };
         let off = Shadows { method: ShadowMethod::Off, ..shadows };
-        let mut views = DebugViews::new(&self.gpu.device, &self.renderer.draw, FORMAT);
+        let mut views = DebugViews::new(&self.gpu.device, FORMAT)?;
         let mut once = |shadows: Shadows| -> Result<Linear> {
-            let scene = Scene { shadows, ..scene };
+            let scene = Shot { shadows, ..scene };
             // All light but that which several fibres have scattered. The body is in each picture: where hair
             // adds nothing, as of a sky that is black, it is alone.
             let [all, many, none] = [DebugView::Direct, DebugView::Multiple, DebugView::Sky]
@@ -146,7 +147,8 @@ impl Stage {
         Ok([once(shadows)?, once(off)?])
     }
 
-    fn scene(&self, view: &View<'_>, scenes: &Scenes, look: &RowFlags<Look>) -> Result<Scene> {
+    /// What `view` shows; its material is the hair's from here on.
+    fn scene(&mut self, view: &Wanted<'_>, scenes: &Scenes, look: &RowFlags<Look>) -> Result<Shot> {
         let mut settings = material(view.material)?;
         apply_rows(look, &mut settings)?;
         let camera = &view.groom.camera;
@@ -165,39 +167,33 @@ impl Stage {
             *place = light(name)?;
         }
         let sky = if view.environment { scenes.environment_radiance_rgb.into() } else { Vec3::ZERO };
-        Ok(Scene {
-            view: Projection::look_at(
-                eye,
-                target,
-                camera.vertical_fov_degrees.to_radians(),
-                camera.resolution,
-            ),
+        self.hair.set.material = settings.material();
+        Ok(Shot {
+            camera: Camera::look_at(eye, target, camera.vertical_fov_degrees.to_radians(), camera.resolution),
             lights: Lights {
                 directional,
                 sky: Sky { zenith: sky, horizon: sky, ground: sky },
                 ..Default::default()
             },
             focus: self.focus,
-            hair: settings.material(),
             shading: settings.shading(),
             shadows: settings.shadows,
-            body: BodyMaterial { gloss: 0.0, wrap: 0.0, ..Default::default() },
             background: Background::flat(Vec3::splat(scenes.background_linear)),
             ..Default::default()
         })
     }
 
     /// Draws `scene`; sRGB, from 0 to 1.
-    fn pixels(&mut self, scene: &Scene) -> Result<Vec<[f32; 3]>> {
+    fn pixels(&mut self, scene: &Shot) -> Result<Vec<[f32; 3]>> {
         self.shown(scene, None)
     }
 
     /// Draws `scene`, or what a view shows of it.
-    fn shown(&mut self, scene: &Scene, shown: Option<(&mut DebugViews, DebugView)>) -> Result<Vec<[f32; 3]>> {
+    fn shown(&mut self, scene: &Shot, shown: Option<(&mut DebugViews, DebugView)>) -> Result<Vec<[f32; 3]>> {
         let Gpu { device, queue, .. } = &self.gpu;
         let mut encoder = device.create_command_encoder(&Default::default());
         let mut recorder =
-            Recorder { renderer: &self.renderer, device, queue, encoder: &mut encoder, timings: None };
+            Recorder { pipelines: &self.pipelines, device, queue, encoder: &mut encoder, timings: None };
         let frame = Frame {
             dt: 0.0,
             head: Pose::default(),
@@ -205,14 +201,14 @@ impl Stage {
             simulation: &SimulationParams::default(),
         };
         recorder.advance(&mut self.hair, &frame)?;
-        let view = self.output.create_view(&Default::default());
-        let (hair, body) = (&self.hair, Some(&self.body));
-        match shown {
-            None => recorder.draw(hair, body, scene, &self.targets, &view),
-            Some((views, which)) => {
-                recorder.draw_view(views, &Shown::new(which), hair, body, scene, &self.targets, &view)?;
-            }
-        }
+        let output = self.output.create_view(&Default::default());
+        let shown = shown.map(|(views, which)| (views, Shown::new(which)));
+        let shows = match shown {
+            None => Shows::Hair,
+            Some((views, ref shown)) => Shows::Inside(views, shown),
+        };
+        let sight = Sight { output: Some(&output), shows, ..Sight::new(&self.view, scene) };
+        recorder.draw(&[&self.hair], &[&self.body], sight)?;
         queue.submit([encoder.finish()]);
         let bytes = readback::texture(device, queue, &self.output)?;
         let halves: Vec<f16> = bytemuck::pod_collect_to_vec(&bytes);

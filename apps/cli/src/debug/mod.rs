@@ -66,17 +66,17 @@ pub struct Debug {
 
 impl Debug {
     /// Makes `stage` show what `args` ask for, if anything.
-    pub fn new(stage: &mut Stage, args: &DebugArgs) -> Option<Self> {
-        let view = args.debug?;
-        stage.show(Some(Shown { high: args.debug_max, ..Shown::new(view) }));
-        Some(Self { peak: Peak::new(&stage.gpu.device), largest: 0.0, is_of_sequence: false })
+    pub fn new(stage: &mut Stage, args: &DebugArgs) -> Result<Option<Self>> {
+        let Some(view) = args.debug else { return Ok(None) };
+        stage.show(Some(Shown { high: args.debug_max, ..Shown::new(view) }))?;
+        Ok(Some(Self { peak: Peak::new(&stage.gpu.device), largest: 0.0, is_of_sequence: false }))
     }
 
     /// Whether the range of the colours is still to be found: of grids that nobody gave one for. Blocks.
     fn unknown(&mut self, stage: &Stage) -> Result<Option<f32>> {
-        let Stage { gpu, look, hair, .. } = stage;
+        let Stage { gpu, hair, .. } = stage;
         let Some(shown) = stage.shown().filter(|shown| shown.high.is_none()) else { return Ok(None) };
-        let Some(grid) = shown.view.grid(look, hair) else { return Ok(None) };
+        let Some(grid) = shown.view.grid(hair) else { return Ok(None) };
         Ok(Some(pollster::block_on(self.peak.measure(&gpu.device, &gpu.queue, &grid))?))
     }
 
@@ -94,18 +94,19 @@ impl Debug {
     }
 
     /// The range of the colours is from here on that of all frames that were observed.
-    pub fn settle(&mut self, stage: &mut Stage) {
+    pub fn settle(&mut self, stage: &mut Stage) -> Result<()> {
         if let Some(shown) = stage.shown().filter(|_| self.largest > 0.0) {
-            stage.show(Some(Shown { high: Some(legend::rounded_up(self.largest)), ..shown }));
+            stage.show(Some(Shown { high: Some(legend::rounded_up(self.largest)), ..shown }))?;
             self.is_of_sequence = true;
         }
+        Ok(())
     }
 
     /// Before a picture: the range of the colours, if it is not known yet and there is something to see. Blocks.
     pub fn prepare(&mut self, stage: &mut Stage) -> Result<()> {
         let peak = self.unknown(stage)?.filter(|peak| *peak > 0.0);
         if let (Some(peak), Some(shown)) = (peak, stage.shown()) {
-            stage.show(Some(Shown { high: Some(legend::rounded_up(peak)), ..shown }));
+            stage.show(Some(Shown { high: Some(legend::rounded_up(peak)), ..shown }))?;
         }
         Ok(())
     }

@@ -28,7 +28,7 @@ fn right(studio: &mut Studio, ui: &mut Ui) {
     if let Some(ms) = studio.panels.frames.median() {
         ui.label(quiet(format!("{ms:.0} ms"))).on_hover_text("The median of the last frames of hair");
     }
-    let [width, height] = show.stage.targets.size;
+    let [width, height] = show.stage.targets().size;
     // Of the picture that is seen, which is not always that of the next.
     let level = &studio.drawn;
     let drawn = show.stage.detail().strands;
@@ -36,8 +36,8 @@ fn right(studio: &mut Studio, ui: &mut Ui) {
     let coarse = ![Level::FULL, Level::STILL].contains(level);
     if coarse {
         text += &format!(" ({:.0} %)", level.scale * 100.0);
-    } else if show.stage.targets.ssaa > 1 {
-        text += &format!(", {0}×{0} SSAA", show.stage.targets.ssaa);
+    } else if show.stage.targets().ssaa > 1 {
+        text += &format!(", {0}×{0} SSAA", show.stage.targets().ssaa);
     }
     let text = if coarse { quiet(text).color(theme::ACCENT) } else { quiet(text) };
     let help = if coarse {

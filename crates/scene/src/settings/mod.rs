@@ -4,8 +4,8 @@
 //! Settings ─┬─ style ─────────────────────► Growth, Restyle        strands are grown again
 //!           ├─ simulation, wind ──────────► SimulationParams       the next frame
 //!           ├─ interpolation ─────────────► AvoidOptions           the next frame
-//!           ├─ look, lights, shadows ─────► draw::Scene            the next frame
-//!           ├─ edges, shadow_resolution ──► DrawOptions, targets   pipelines are built again
+//!           ├─ look, lights, shadows ─────► Picture, HairMaterial  the next frame
+//!           ├─ edges, shadow_resolution ──► ViewOptions            the view is made again
 //!           └─ lod ───────────────────────► LodOptions             the next frame
 //! ```
 //! Fields are the library's option structs, so that a parameter and its default stand there once; what is
@@ -35,12 +35,12 @@ use std::collections::BTreeSet;
 use tresses::{
     Result,
     avoid::AvoidOptions,
-    draw::{self, DrawOptions},
     glam::Vec3,
     groom::styles::Style,
-    light::{ShadingRate, Shadows},
+    light::{HairMaterial, ShadingRate, Shadows},
     lod::{LodMode, LodOptions},
     simulate::SimulationParams,
+    view::{Picture, ViewOptions},
 };
 
 /// What a change of a parameter costs.
@@ -121,7 +121,7 @@ impl Default for Settings {
             look: LookSettings::default(),
             lights: LightSettings::default(),
             shadows: Shadows::default(),
-            shadow_resolution: DrawOptions::default().shadow_resolution,
+            shadow_resolution: ViewOptions::default().shadow_resolution,
             edges: EdgeSettings::default(),
             lod: LodOptions::default(),
             lod_fraction: 1.0,
@@ -241,10 +241,10 @@ impl Settings {
     ///
     /// # Errors
     /// Samples and coverage that do not go together.
-    pub fn draw_options(&self, most: u32) -> Result<DrawOptions> {
+    pub fn draw_options(&self, most: u32) -> Result<ViewOptions> {
         let (samples, coverage) = self.sampling(most)?;
         let shadow_resolution = self.shadow_resolution;
-        Ok(DrawOptions { samples, coverage, shadow_resolution, ..Default::default() })
+        Ok(ViewOptions { samples, coverage, shadow_resolution, ..Default::default() })
     }
 
     /// How pictures of `size` (pixels) are sampled where the adapter offers `most` samples per pixel.
@@ -252,7 +252,7 @@ impl Settings {
     /// # Errors
     /// As [`draw_options`](Self::draw_options).
     pub fn quality(&self, size: [u32; 2], most: u32) -> Result<Quality> {
-        let DrawOptions { samples, coverage, shadow_resolution, ambient_cells, .. } =
+        let ViewOptions { samples, coverage, shadow_resolution, ambient_cells, .. } =
             self.draw_options(most)?;
         Ok(Quality { size, samples, coverage, ssaa: self.edges.ssaa, shadow_resolution, ambient_cells })
     }
@@ -273,12 +273,12 @@ impl Settings {
         })
     }
 
-    /// Puts hair colour, shading, shadows and exposure into `scene`; the lights, which may go with the
-    /// camera, are [`LightSettings::lights`].
-    pub fn apply(&self, scene: &mut draw::Scene) {
-        scene.hair = self.material();
-        scene.shading = self.shading();
-        scene.shadows = self.shadows;
-        scene.tone.exposure = self.lights.exposure;
+    /// Puts hair colour, shading, shadows and exposure into `picture` and `material`; the lights, which may go with
+    /// the camera, are [`LightSettings::lights`].
+    pub fn apply(&self, picture: &mut Picture, material: &mut HairMaterial) {
+        *material = self.material();
+        picture.shading = self.shading();
+        picture.shadows = self.shadows;
+        picture.tone.exposure = self.lights.exposure;
     }
 }

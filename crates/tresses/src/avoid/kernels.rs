@@ -40,6 +40,11 @@ impl Avoid {
         }
     }
 
+    /// All of them.
+    pub(crate) fn kernels(&self) -> Vec<&Kernel> {
+        vec![&self.first_hit, &self.push_out, &self.change_over]
+    }
+
     /// Binds the stage to one groom, a uniform buffer of [`super::AvoidParams`] and a
     /// [`super::StrandState`] per strand.
     pub fn bind(

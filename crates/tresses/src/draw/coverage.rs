@@ -5,7 +5,7 @@ use crate::{Error, Result};
 /// How strands cover pixels that they are thinner than.
 ///
 /// Figures and pictures of each stand in `docs/appearance/edges.md`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Coverage {
     /// A strip is drawn at least [`min_width`](crate::light::HairMaterial::min_width) pixels wide
     /// and covers only the share of the samples that it is too wide for, each strand others. One

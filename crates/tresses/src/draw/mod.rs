@@ -8,7 +8,7 @@
 //!
 //! Hair is drawn as camera-facing strips: two vertices per strand vertex, made in the vertex
 //! shader from the shared strand buffer. One 16-bit index list for as many strands as it reaches
-//! is drawn again and again with another base vertex (see `hair.rs`).
+//! is drawn again and again with another base vertex (`strands::indices`).
 //!
 //! **Coverage.** Hair is mostly thinner than a pixel. [`Coverage`] names three ways to cover as much
 //! as it does; `docs/appearance/edges.md` holds them against each other.
@@ -29,7 +29,7 @@
 //!
 //! The two others draw a strip as wide as it is and a pixel more, and ask each pixel which share of it
 //! the strand covers (`coverage.wesl`): exact for a pixel that is a square, so that nothing need be
-//! widened. Peeling (`peel.rs`) blends strands in order, as many as there are layers. How thick the hair
+//! widened. Peeling (`strips/peel.rs`) blends strands in order, as many as there are layers. How thick the hair
 //! behind them is one more pass tells at eight depths (`thickness.wesl`), so that in the last one each
 //! strand counts by what lies before it.
 //!
@@ -37,26 +37,15 @@
 //! (they cross), moments of transmittance. Untried: analytic coverage in a compute rasteriser, for
 //! which `light::shade`'s output is ready; peeling several layers per pass.
 
-pub mod background;
-pub mod body;
 pub mod coverage;
 pub mod debug;
 pub mod embed;
-pub mod hair;
-pub(crate) mod peel;
-pub(crate) mod pipeline;
-pub mod scene;
-pub mod stage;
+mod pipelines;
+pub(crate) mod record;
 pub(crate) mod strips;
 pub mod targets;
-pub mod view;
 
-pub use background::Background;
-pub use body::{Body, BodyMaterial};
 pub use coverage::Coverage;
 pub use embed::{Embed, Surroundings};
-pub use hair::HairSet;
-pub use scene::Scene;
-pub use stage::{DrawOptions, DrawStage};
+pub use pipelines::Pipelines;
 pub use targets::Targets;
-pub use view::View;

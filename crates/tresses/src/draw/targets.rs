@@ -1,6 +1,6 @@
 //! The textures that a picture is drawn into.
 
-use super::peel::Layers;
+use super::{Coverage, strips::Layers};
 use crate::{Error, Result, gpu::readback};
 
 /// Label, format and usage of a texture of the linear target's size.
@@ -9,7 +9,7 @@ pub(crate) type TextureKind = (&'static str, wgpu::TextureFormat, wgpu::TextureU
 /// The linear target.
 pub const HDR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 /// Its depth.
-pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+pub use crate::gpu::pipeline::DEPTH_FORMAT;
 /// The finished picture of [`Targets`].
 pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
@@ -33,13 +33,19 @@ pub struct Targets {
 }
 
 impl Targets {
-    /// Textures for a picture of `width` × `height` pixels with `samples` (1, 4, 8 or 16; as many
-    /// as the stage was built for) and supersampling by `ssaa` (1, 2 or 4) along each axis. A stage
-    /// that peels needs more: [`DrawStage::targets`](super::DrawStage::targets) fits any.
+    /// Textures for a picture of `size` (width and height, pixels) with `samples` (1, 4, 8 or 16), covered by
+    /// `coverage`, and supersampling by `ssaa` (1, 2 or 4) along each axis.
     ///
     /// # Errors
-    /// [`Error::Parameter`] when the size is 0 or more than the device allows.
-    pub fn new(device: &wgpu::Device, width: u32, height: u32, samples: u32, ssaa: u32) -> Result<Self> {
+    /// [`Error::Parameter`] when the size is 0 or more than the device allows, or when coverage and samples do not
+    /// go together.
+    pub fn new(
+        device: &wgpu::Device,
+        [width, height]: [u32; 2],
+        (samples, coverage): (u32, Coverage),
+        ssaa: u32,
+    ) -> Result<Self> {
+        coverage.check(samples)?;
         let ssaa = ssaa.clamp(1, 4);
         let most = device.limits().max_texture_dimension_2d;
         if width == 0 || height == 0 || width.max(height) > most / ssaa {
@@ -67,7 +73,7 @@ impl Targets {
         let depth = texture("depth", wide, high, samples, DEPTH_FORMAT, read);
         let picture = texture("picture", width, height, 1, PICTURE_FORMAT, read);
         let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
-        Ok(Self {
+        let targets = Self {
             size: [width, height],
             samples,
             ssaa,
@@ -79,17 +85,17 @@ impl Targets {
             picture,
             bytes: u64::from(wide) * u64::from(high) * u64::from(samples) * 12
                 + u64::from(width) * u64::from(height) * 4,
+        };
+        Ok(match coverage {
+            Coverage::DepthPeeling { .. } => targets.with_layers(device),
+            _ => targets,
         })
     }
 
-    /// Adds the textures of depth peeling, made by `layers` from a maker of textures.
-    pub(crate) fn with_layers(
-        mut self,
-        device: &wgpu::Device,
-        layers: impl FnOnce(&dyn Fn(TextureKind) -> wgpu::Texture) -> Layers,
-    ) -> Self {
+    /// Adds the textures of depth peeling.
+    fn with_layers(mut self, device: &wgpu::Device) -> Self {
         let size = self.depth_texture.size();
-        self.layers = Some(layers(&|(label, format, usage)| {
+        self.layers = Some(Layers::new(device, |(label, format, usage)| {
             device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
                 size,

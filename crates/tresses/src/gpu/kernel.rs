@@ -1,19 +1,47 @@
 //! A compute kernel: one linked shader, one pipeline, a bind group layout of its own and those that it
 //! shares with other kernels.
 
-use super::bindings::{self, Binding};
-use crate::shaders;
+use super::{
+    bindings::{self, Binding},
+    pipeline,
+};
+use crate::{Error, Result, shaders};
+use std::{cell::RefCell, sync::OnceLock};
 
-/// A compute pipeline and the layout of its own bind group, `@group(0)`.
+/// A compute pipeline and the layout of its own bind group, `@group(0)`. The pipeline is compiled when it is first
+/// recorded, or [asked for](Self::compile).
 #[derive(Debug)]
 pub struct Kernel {
-    label: &'static str,
-    pipeline: wgpu::ComputePipeline,
+    device: wgpu::Device,
+    module: &'static str,
     layout: wgpu::BindGroupLayout,
+    shared: Vec<wgpu::BindGroupLayout>,
+    pipeline: OnceLock<Result<wgpu::ComputePipeline, String>>,
+}
+
+thread_local! {
+    /// What could not be compiled while this thread recorded.
+    static REFUSED: RefCell<Option<Error>> = const { RefCell::new(None) };
+}
+
+/// The first kernel since the last call that this thread recorded and that could not be compiled.
+///
+/// # Errors
+/// [`Error::Gpu`] when there is one.
+pub(crate) fn refused() -> Result<()> {
+    REFUSED.take().map_or(Ok(()), Err)
+}
+
+/// Something that can be compiled beside others.
+pub(crate) type Job<'a> = Box<dyn Fn() -> Result<()> + Send + Sync + 'a>;
+
+/// What compiles `kernels`.
+pub(crate) fn jobs<'a>(kernels: impl IntoIterator<Item = &'a Kernel>) -> Vec<Job<'a>> {
+    kernels.into_iter().map(|kernel| Box::new(|| kernel.compile()) as Job<'a>).collect()
 }
 
 impl Kernel {
-    /// Builds the kernel of the shader `module` (for example `simulate::step`), whose entry point
+    /// The kernel of the shader `module` (for example `simulate::step`), whose entry point
     /// has the name of the module's last part and whose nth binding is `entries[n]`.
     pub fn new(device: &wgpu::Device, module: &'static str, entries: &[Binding]) -> Self {
         Self::beside(device, module, entries, &[])
@@ -27,35 +55,42 @@ impl Kernel {
         entries: &[Binding],
         shared: &[&wgpu::BindGroupLayout],
     ) -> Self {
-        let entry_point = module.rsplit("::").next().expect("a module path has a last part");
-        let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(module),
-            source: wgpu::ShaderSource::Wgsl(shaders::source(module).into()),
-        });
-        let layout = bindings::layout(device, module, wgpu::ShaderStages::COMPUTE, entries);
-        let layouts: Vec<_> = std::iter::once(Some(&layout)).chain(shared.iter().map(|l| Some(*l))).collect();
-        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(module),
-            layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some(module),
-                bind_group_layouts: &layouts,
-                immediate_size: 0,
-            })),
-            module: &shader,
-            entry_point: Some(entry_point),
-            compilation_options: wgpu::PipelineCompilationOptions {
+        Self {
+            device: device.clone(),
+            module,
+            layout: bindings::layout(device, module, wgpu::ShaderStages::COMPUTE, entries),
+            shared: shared.iter().map(|layout| (*layout).clone()).collect(),
+            pipeline: OnceLock::new(),
+        }
+    }
+
+    /// Compiles it, unless it is.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] with what wgpu said.
+    pub fn compile(&self) -> Result<()> {
+        self.pipeline().map(|_| ())
+    }
+
+    fn pipeline(&self) -> Result<&wgpu::ComputePipeline> {
+        let made = self.pipeline.get_or_init(|| {
+            let entry = self.module.rsplit("::").next().unwrap_or(self.module);
+            let layouts: Vec<_> = std::iter::once(&self.layout).chain(&self.shared).collect();
+            let options = wgpu::PipelineCompilationOptions {
                 // Every kernel writes its workgroup memory before it reads it.
                 zero_initialize_workgroup_memory: false,
                 ..Default::default()
-            },
-            cache: None,
+            };
+            let source = (shaders::source(self.module), entry);
+            pipeline::compute(&self.device, self.module, source, &layouts, options)
+                .map_err(|error| error.to_string())
         });
-        Self { label: module, pipeline, layout }
+        made.as_ref().map_err(|problem| Error::Gpu { stage: self.module, problem: problem.clone() })
     }
 
     /// A bind group for [`record`](Self::record).
     pub fn bind(&self, device: &wgpu::Device, resources: &[wgpu::BindingResource<'_>]) -> wgpu::BindGroup {
-        bindings::group(device, self.label, &self.layout, resources)
+        bindings::group(device, self.module, &self.layout, resources)
     }
 
     /// Records one dispatch of `workgroups` workgroups. More than 65,535 spread over two
@@ -71,12 +106,11 @@ impl Kernel {
             return;
         }
         const WIDTH: u32 = 65_535;
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, group, offsets);
-        pass.dispatch_workgroups(workgroups.min(WIDTH), workgroups.div_ceil(WIDTH), 1);
+        self.record_grid(pass, group, offsets, [workgroups.min(WIDTH), workgroups.div_ceil(WIDTH), 1]);
     }
 
-    /// Records one dispatch of a grid of workgroups.
+    /// Records one dispatch of a grid of workgroups. One that cannot be compiled records nothing; the frame
+    /// tells ([`crate::frame::Recorder`]).
     pub fn record_grid(
         &self,
         pass: &mut wgpu::ComputePass<'_>,
@@ -84,8 +118,13 @@ impl Kernel {
         offsets: &[u32],
         [x, y, z]: [u32; 3],
     ) {
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, group, offsets);
-        pass.dispatch_workgroups(x, y, z);
+        match self.pipeline() {
+            Ok(pipeline) => {
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(0, group, offsets);
+                pass.dispatch_workgroups(x, y, z);
+            }
+            Err(error) => REFUSED.with_borrow_mut(|refused| _ = refused.get_or_insert(error)),
+        }
     }
 }

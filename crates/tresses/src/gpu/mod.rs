@@ -6,6 +6,7 @@ pub mod bindings;
 pub mod device;
 pub(crate) mod grid;
 pub mod kernel;
+pub(crate) mod pipeline;
 pub mod readback;
 pub mod timings;
 

@@ -24,7 +24,7 @@ enum Source {
         period: f32,
     },
     /// Every stage is submitted and waited for alone.
-    Clock { rows: Vec<(&'static str, f64)>, lost: Option<Error> },
+    Clock { since: Instant, rows: Vec<(&'static str, f64)>, lost: Option<Error> },
 }
 
 impl Timings {
@@ -49,12 +49,12 @@ impl Timings {
         Self { source }
     }
 
-    /// By the clock: a [`crate::frame::Recorder`] submits the compute passes of its stages one by
+    /// By the clock: a [`crate::frame::Recorder`] submits the parts of its stages one by
     /// one and waits for each. For tools on a software driver, whose timestamps of compute passes
-    /// are those of the call; a stage's time holds the call and the waiting. Render passes are not
-    /// timed. In a browser, where nothing can be waited for, the times are those of the calls alone.
+    /// are those of the call, and those of drawing when pixels are filled; a part's time holds the call and
+    /// the waiting. In a browser, where nothing can be waited for, the times are those of the calls alone.
     pub fn by_the_clock() -> Self {
-        Self { source: Source::Clock { rows: Vec::new(), lost: None } }
+        Self { source: Source::Clock { since: Instant::now(), rows: Vec::new(), lost: None } }
     }
 
     fn next(&mut self, name: &'static str) -> Option<(&wgpu::QuerySet, u32)> {
@@ -86,28 +86,31 @@ impl Timings {
         })
     }
 
-    /// By the clock, a stage called `name` ends here: what `encoder` holds, recorded since `start`,
-    /// is submitted and waited for. With timestamps nothing happens.
-    pub(crate) fn finish(
+    /// By the clock, a part of a stage begins here. With timestamps nothing happens.
+    pub(crate) fn start(&mut self) {
+        if let Source::Clock { since, .. } = &mut self.source {
+            *since = Instant::now();
+        }
+    }
+
+    /// By the clock, a part called `name` ends here and the next begins: what `encoder` holds is submitted and
+    /// waited for. With timestamps nothing happens.
+    pub(crate) fn lap(
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         encoder: &mut wgpu::CommandEncoder,
         name: &'static str,
-        start: Instant,
     ) {
-        let Source::Clock { rows, lost } = &mut self.source else { return };
+        let Source::Clock { since, rows, lost } = &mut self.source else { return };
         let recorded = std::mem::replace(encoder, device.create_command_encoder(&Default::default()));
         queue.submit([recorded.finish()]);
         if let Err(error) = device.poll(wgpu::PollType::wait_indefinitely()) {
             *lost = Some(Error::Gpu { stage: name, problem: error.to_string() });
         }
-        add(rows, name, start.elapsed().as_secs_f64() * 1e3);
-    }
-
-    /// Whether stages are to be [`finish`](Self::finish)ed.
-    pub(crate) fn is_by_the_clock(&self) -> bool {
-        matches!(self.source, Source::Clock { .. })
+        let now = Instant::now();
+        add(rows, name, now.duration_since(*since).as_secs_f64() * 1e3);
+        *since = now;
     }
 
     /// Records the resolve; once per frame, after the last pass.
@@ -143,7 +146,7 @@ impl Timings {
                 names: std::mem::take(names),
                 period: *period,
             },
-            Source::Clock { rows, lost } => RowSource::Known(Some(match lost.take() {
+            Source::Clock { rows, lost, .. } => RowSource::Known(Some(match lost.take() {
                 Some(error) => Err(error),
                 None => Ok(std::mem::take(rows)),
             })),

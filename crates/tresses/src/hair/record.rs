@@ -1,9 +1,9 @@
 //! What a frame does with a groom: [`begin`](Hair::begin) and [`prepare`](Hair::prepare) write what its
 //! stages read, the rest records them, in the order of [`crate::frame`].
 
-use super::{Hair, HairRenderer};
+use super::Hair;
 use crate::{
-    Pose, Result,
+    Pipelines, Pose, Result,
     avoid::Avoid,
     collide::{ColliderPoses, Moments},
     frame::Frame,
@@ -21,7 +21,7 @@ impl Hair {
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        renderer: &HairRenderer,
+        pipelines: &Pipelines,
         frame: &Frame<'_>,
     ) -> Result<u32> {
         frame.simulation.check()?;
@@ -30,7 +30,7 @@ impl Hair {
             &SimulationParams { step: (frame.simulation.step * slow).min(0.1), ..*frame.simulation };
         self.windy = physics.wind.blows();
         if self.windy {
-            self.make_air(device, queue, renderer, &physics.wind)?;
+            self.make_air(device, queue, pipelines, &physics.wind)?;
         }
         let steps = self.tick(queue, frame.dt, physics, &frame.head, frame.colliders)?;
         self.forced = self.windy || physics.hair_hair.mode != HairHairMode::Off;
@@ -48,7 +48,7 @@ impl Hair {
             // When the wind comes back it finds no traces of the last one.
             air.reset();
         }
-        let (stage, buffers) = (&renderer.simulate, (&self.guides, &self.strands));
+        let (stage, buffers) = (&pipelines.simulate, (&self.guides, &self.strands));
         let held = self.grab.prepare(device, queue, stage, physics, &steps, buffers, self.forced)?;
         self.simulation.prepare(queue, physics, &steps, self.forced || held)
     }
@@ -58,15 +58,16 @@ impl Hair {
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        renderer: &HairRenderer,
+        pipelines: &Pipelines,
         wind: &Wind,
     ) -> Result<()> {
         let (middle, side) = self.extent;
         let size = side * wind.room;
         let fits = |air: &Air| air.cells == wind.cells && air.cell == size / wind.cells as f32;
         if !self.air.as_ref().is_some_and(fits) {
-            let air = Air::new(device, queue, &renderer.wind, wind.cells, (middle, size), &self.volume.hair)?;
-            self.forces = Forces::new(device, &renderer.simulate, &self.guides, &self.volume, Some(&air));
+            let air =
+                Air::new(device, queue, &pipelines.wind, wind.cells, (middle, size), &self.volume.hair)?;
+            self.forces = Forces::new(device, &pipelines.simulate, &self.guides, &self.volume, Some(&air));
             self.air = Some(air);
         }
         Ok(())
@@ -125,6 +126,7 @@ impl Hair {
     /// Writes the uniforms of the stages that follow the guides: the head is at `head`, `dt` seconds
     /// after the last frame.
     pub(crate) fn prepare(&mut self, queue: &wgpu::Queue, head: &Pose, dt: f32) {
+        self.head = *head;
         let (previous, current, blend) = self.states;
         let params = TessellateParams::new(&self.guides, &previous, &current, head, blend);
         queue.write_buffer(&self.tessellate_params, 0, bytemuck::bytes_of(&params));

@@ -63,6 +63,11 @@ impl Interpolate {
         Self { kernel: Kernel::new(device, "interpolate::blend", &entries) }
     }
 
+    /// All of them.
+    pub(crate) fn kernels(&self) -> Vec<&Kernel> {
+        vec![&self.kernel]
+    }
+
     /// Binds the stage to one groom and a uniform buffer of [`InterpolateParams`].
     pub fn bind(
         &self,

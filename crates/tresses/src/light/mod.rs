@@ -28,7 +28,7 @@
 //! The hair's texels are as large as the shadow is soft, and every texel under the filter is met: that
 //! is why shadows do not crawl when a light turns (`tests/shadows`), and why the maps are small.
 //!
-//! **Shade** ([`Shade`]): one thread per strand vertex asks for all lights and, unless pixels are to be
+//! **Shade** ([`State::shade`]): one thread per strand vertex asks for all lights and, unless pixels are to be
 //! shaded, evaluates the whole radiance. Both are interpolated along the strand. Eight bytes per vertex.
 //!
 //! **Shading** (`shading.wesl`): two models, chosen by [`ShadingModel`], from the same fibre, eye, light and
@@ -50,20 +50,27 @@ pub mod ambient;
 mod asked;
 pub mod environment;
 pub mod fiber;
+pub mod hair;
 pub mod lights;
 pub mod material;
+mod pipelines;
 pub mod probe;
-pub mod shade;
 pub mod shadow;
 pub mod shadows;
+pub mod state;
 pub mod terms;
 
 pub use ambient::Ambient;
 pub use environment::Environment;
+pub(crate) use hair::Seen;
+pub use hair::{HairSet, Shaded};
 pub use lights::{Directional, Lights, MAX_LIGHTS, Sky, Sphere};
 pub use material::{FiberMaterial, HairMaterial, ShadingModel, ShadingRate};
+use pipelines::FRAME;
+pub use pipelines::Pipelines;
 pub use probe::{Shadow, ShadowProbe};
-pub use shade::Shade;
 pub use shadow::ShadowMaps;
 pub use shadows::{ShadowMethod, Shadows};
+pub(crate) use state::Lit;
+pub use state::State;
 pub use terms::{Term, Terms};

@@ -1,7 +1,7 @@
 //! Asks the shadow maps about any points: what tests and tools measure shadows with.
 
-use super::{MAX_LIGHTS, asked::Asked};
-use crate::{Result, draw::DrawStage, gpu::Binding};
+use super::{MAX_LIGHTS, State, asked::Asked};
+use crate::{Result, gpu::Binding};
 use glam::{Vec3, Vec4};
 
 /// What is between a point and a light.
@@ -18,7 +18,7 @@ pub struct Shadow {
 pub struct ShadowProbe(Asked<[[f32; 2]; MAX_LIGHTS]>);
 
 impl ShadowProbe {
-    /// Takes `points` (metres, at most four million) to the GPU, to be asked about in the maps of `stage`: as
+    /// Takes `points` (metres, at most four million) to the GPU, to be asked about in the maps of a view's `light`: as
     /// points that are seen from afar in the direction `eye` (unit), or, without, as any points of the hair.
     ///
     /// # Errors
@@ -26,20 +26,20 @@ impl ShadowProbe {
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        stage: &DrawStage,
+        light: &State,
         points: &[Vec3],
         eye: Option<Vec3>,
     ) -> Result<Self> {
         use Binding::{Comparison, DepthArray, Storage, Uniform};
         let entries = [Uniform, DepthArray, Comparison, Storage, Storage];
-        let frame = entries.into_iter().zip(stage.light_resources());
+        let frame = entries.into_iter().zip(light.resources());
         let eye = eye.map_or(Vec4::ZERO, |eye| eye.extend(1.0));
         let words: Vec<_> =
             std::iter::once(eye).chain(points.iter().map(|point| point.extend(0.0))).collect();
         Ok(Self(Asked::new((device, queue), "light::probe", (&words, points.len()), frame)?))
     }
 
-    /// Asks, after [`DrawStage::shadow`] has been recorded.
+    /// Asks, after [`Recorder::light`](crate::frame::Recorder::light) has been recorded.
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
         self.0.record(encoder);
     }

@@ -1,4 +1,4 @@
-//! The shadow maps and the passes that draw them: the body as triangles into depth textures, the
+//! The shadow maps of a view and the passes that draw them: the body as triangles into depth textures, the
 //! hair by kernels into a buffer.
 //!
 //! Hair is thinner than a texel, so that a line walk with an atomic is all the rasterisation it
@@ -8,22 +8,18 @@
 use glam::Mat4;
 
 use super::{
+    Lit, Pipelines, Seen,
     lights::{LightsUniform, SHADOW_MAPS},
-    shadows::{DEEP_FINEST, ShadowMethod, Shadows},
+    shadows::{DEEP_FINEST, ShadowMethod},
 };
 use crate::{
+    Result,
+    body::Body,
     constants::{DEEP_LAYERS, SHADOW_BLOCK as BLOCK, STRAND_WORKGROUP},
-    draw::{Body, HairSet, Scene},
-    gpu::{
-        Binding, Kernel, Timings,
-        bindings::{group, layout},
-    },
-    shaders,
-    strands::StrandBuffers,
+    gpu::{Kernel, Timings, bindings::group, pipeline::DEPTH_FORMAT},
+    strands::Drawn,
 };
 
-/// Depth of the shadow maps.
-const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// The most texels along an edge: the maps stay within the 128 MiB that any device binds.
 const MOST: u32 = 2048;
 /// Words of a texel of a deep opacity map, as in `light::deep`.
@@ -31,7 +27,7 @@ const DEEP_WORDS: u32 = DEEP_LAYERS + 2;
 /// Distance between the matrices of two layers: the largest offset alignment WebGPU asks for.
 const STEP: u64 = 256;
 
-/// One depth map per light, and the pipelines that draw hair and body into them.
+/// One depth map per light, what the hair leaves in them, and where they look.
 #[derive(Debug)]
 pub struct ShadowMaps {
     /// Texels along each edge.
@@ -41,23 +37,16 @@ pub struct ShadowMaps {
     layers: Vec<wgpu::TextureView>,
     matrices: wgpu::Buffer,
     layer_group: wgpu::BindGroup,
-    /// The hair nearest the light.
-    splat: Kernel,
-    /// The same in blocks of texels.
-    summary: Kernel,
-    /// Deep opacity maps: where the hair's front is, hair into the layers, sums over the layers.
-    deep: [Kernel; 3],
     /// Per map, heights of the hair nearest the light or a deep opacity map.
     hair: wgpu::Buffer,
     /// Per map, how much hair and how high in blocks of texels.
     blocks: wgpu::Buffer,
     comparison: wgpu::Sampler,
-    body: wgpu::RenderPipeline,
 }
 
 impl ShadowMaps {
-    /// Maps of `resolution`² texels. `body` is the layout of [`Body`]'s bind group.
-    pub(crate) fn new(device: &wgpu::Device, resolution: u32, body: &wgpu::BindGroupLayout) -> Self {
+    /// Maps of `resolution`² texels.
+    pub(super) fn new(device: &wgpu::Device, pipelines: &Pipelines, resolution: u32) -> Self {
         let resolution = resolution.clamp(BLOCK, MOST);
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("shadow maps"),
@@ -69,7 +58,7 @@ impl ShadowMaps {
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
-            format: FORMAT,
+            format: DEPTH_FORMAT,
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
         });
@@ -89,55 +78,16 @@ impl ShadowMaps {
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let layer_layout =
-            layout(device, "shadow layer", wgpu::ShaderStages::VERTEX, &[Binding::UniformDynamic]);
         let layer_group = group(
             device,
             "shadow layer",
-            &layer_layout,
+            &pipelines.layer,
             &[wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                 buffer: &matrices,
                 offset: 0,
                 size: wgpu::BufferSize::new(size_of::<Mat4>() as u64),
             })],
         );
-        let module = "light::shadow_body";
-        let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(module),
-            source: wgpu::ShaderSource::Wgsl(shaders::source(module).into()),
-        });
-        let body = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(module),
-            layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some(module),
-                bind_group_layouts: &[Some(&layer_layout), Some(body)],
-                immediate_size: 0,
-            })),
-            vertex: wgpu::VertexState {
-                module: &shader,
-                entry_point: Some("shadow_body"),
-                compilation_options: Default::default(),
-                buffers: &[Some(Body::LAYOUT)],
-            },
-            primitive: Default::default(),
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format: FORMAT,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(wgpu::CompareFunction::Less),
-                stencil: Default::default(),
-                bias: Default::default(),
-            }),
-            multisample: Default::default(),
-            fragment: None,
-            multiview_mask: None,
-            cache: None,
-        });
-        use Binding::{Storage, StorageMut, Uniform};
-        // One group for all: those that need less of it leave the rest alone.
-        let kernel = |module| {
-            let entries = [Uniform, Uniform, Storage, Storage, StorageMut, StorageMut, Storage];
-            Kernel::new(device, module, &entries)
-        };
         let buffer = |label, count| {
             device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -157,20 +107,7 @@ impl ShadowMaps {
             ..Default::default()
         });
         let view = texture.create_view(&Default::default());
-        Self {
-            resolution,
-            view,
-            layers,
-            matrices,
-            layer_group,
-            splat: kernel("light::splat"),
-            summary: kernel("light::blocks"),
-            deep: ["light::front", "light::cover", "light::stack"].map(kernel),
-            hair,
-            blocks,
-            comparison,
-            body,
-        }
+        Self { resolution, view, layers, matrices, layer_group, hair, blocks, comparison }
     }
 
     /// What shaders need to ask for light: body maps, their sampler, the hair's maps, its blocks.
@@ -189,41 +126,34 @@ impl ShadowMaps {
         depth + self.hair.size() + self.blocks.size() + self.matrices.size()
     }
 
-    /// The group of all kernels.
-    pub(crate) fn bind_splat(
-        &self,
-        device: &wgpu::Device,
-        lights: &wgpu::Buffer,
-        uniform: &wgpu::Buffer,
-        strands: &StrandBuffers,
-    ) -> wgpu::BindGroup {
-        let StrandBuffers { vertices, strands, widening, .. } = strands;
-        let buffers = [lights, uniform, vertices, strands, &self.hair, &self.blocks, widening];
-        self.splat.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()))
+    /// What the hair leaves in the maps, and the same in blocks of texels.
+    pub(super) fn hair_buffers(&self) -> [&wgpu::Buffer; 2] {
+        [&self.hair, &self.blocks]
     }
 
-    pub(crate) fn prepare(&self, queue: &wgpu::Queue, lights: &LightsUniform) {
+    pub(super) fn prepare(&self, queue: &wgpu::Queue, lights: &LightsUniform) {
         for (i, matrix) in lights.shadow.iter().enumerate() {
             queue.write_buffer(&self.matrices, STEP * i as u64, bytemuck::bytes_of(matrix));
         }
     }
 
-    /// Records the maps of the lights of `scene` that are on, and of the sky where its openness is guessed.
-    pub(crate) fn record(
+    /// Records the maps that `lit` has.
+    pub(super) fn record(
         &self,
+        pipelines: &Pipelines,
         encoder: &mut wgpu::CommandEncoder,
         mut timings: Option<&mut Timings>,
-        scene: &Scene,
-        hair: Option<&HairSet>,
-        body: Option<&Body>,
-    ) {
-        let Shadows { method, .. } = scene.shadows;
+        lit: &Lit,
+        hair: &[Seen<'_>],
+        bodies: &[&Body],
+    ) -> Result<()> {
+        let Lit { method, maps, across, .. } = *lit;
         let casts = method != ShadowMethod::Off;
-        let (hair, body) = (hair.filter(|_| casts), body.filter(|_| casts));
-        let maps = scene.shadows.maps(scene.lights.active().count());
+        let (hair, bodies) = if casts { (hair, bodies) } else { (&[][..], &[][..]) };
         if maps == 0 {
-            return;
+            return Ok(());
         }
+        let body = if bodies.is_empty() { None } else { Some(pipelines.shadow_body()?) };
         for (i, layer) in self.layers[..maps].iter().enumerate() {
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("shadow"),
@@ -240,42 +170,46 @@ impl ShadowMaps {
                 ..Default::default()
             });
             pass.set_bind_group(0, &self.layer_group, &[(STEP * i as u64) as u32]);
-            if let Some(body) = body {
-                pass.set_pipeline(&self.body);
-                body.record(&mut pass);
+            if let Some(body) = &body {
+                pass.set_pipeline(body);
+                bodies.iter().for_each(|body| body.record(&mut pass));
             }
         }
-        let across = scene.shadows.hair_texels(2.0 * scene.focus.radius.max(1e-6) / self.resolution as f32);
         let words = maps as u64 * map_words(method, self.resolution, across);
         encoder.clear_buffer(&self.hair, 0, Some(4 * words));
-        let Some(hair) = hair else {
+        let Some(first) = hair.first() else {
             encoder.clear_buffer(&self.blocks, 0, None);
-            return;
+            return Ok(());
         };
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("shadow"),
             timestamp_writes: timings.and_then(|timings| timings.compute("shadow")),
         });
-        let pass = &mut pass;
-        let mut run = |kernel: &Kernel, threads: u64| {
-            kernel.record(pass, &hair.splat_group, &[], threads.div_ceil(u64::from(STRAND_WORKGROUP)) as u32);
+        let mut run = |kernel: &Kernel, of: &Seen<'_>, threads: u64| {
+            let workgroups = threads.div_ceil(u64::from(STRAND_WORKGROUP)) as u32;
+            kernel.record(&mut pass, &of.shaded.splat, &[], workgroups);
         };
-        run(&self.splat, u64::from(hair.drawn.count) * u64::from(hair.splat[1]));
+        for seen in hair {
+            run(&pipelines.splat, seen, u64::from(seen.hair.drawn.count) * u64::from(seen.hair.splat[1]));
+        }
+        // What works on texels is the same whichever groom it is bound with.
         match method {
             ShadowMethod::DeepOpacity | ShadowMethod::Off => {
                 let texels = words / u64::from(DEEP_WORDS);
-                let [front, cover, stack] = &self.deep;
-                run(front, texels);
-                run(
-                    cover,
-                    u64::from(hair.drawn.count) * u64::from(hair.drawn.vertex_count.saturating_sub(1)),
-                );
-                run(stack, texels);
+                let [front, cover, stack] = &pipelines.deep;
+                run(front, first, texels);
+                for seen in hair {
+                    let Drawn { count, vertex_count, .. } = seen.hair.drawn;
+                    run(cover, seen, u64::from(count) * u64::from(vertex_count.saturating_sub(1)));
+                }
+                run(stack, first, texels);
             }
             ShadowMethod::Opaque | ShadowMethod::Absorption => {
-                run(&self.summary, maps as u64 * u64::from(self.resolution.div_ceil(across * BLOCK)).pow(2));
+                let blocks = maps as u64 * u64::from(self.resolution.div_ceil(across * BLOCK)).pow(2);
+                run(&pipelines.summary, first, blocks);
             }
         }
+        Ok(())
     }
 }
 

@@ -1,9 +1,9 @@
 //! The kernel that shades strand vertices with one term of the shading alone. It stands beside
-//! [`super::Shade`], so that pictures with all terms neither change nor pay for it.
+//! `light::shade`, so that pictures with all terms neither change nor pay for it.
 
+use super::{Seen, fiber::FiberTables};
 use crate::{
     constants::STRAND_WORKGROUP,
-    draw::HairSet,
     gpu::{
         Binding, Kernel,
         bindings::{group, layout},
@@ -55,8 +55,8 @@ pub struct Terms {
 }
 
 impl Terms {
-    /// Builds the kernel. `fiber` is the layout of the fibres' tables.
-    pub(crate) fn new(device: &wgpu::Device, fiber: &wgpu::BindGroupLayout) -> Self {
+    /// The kernel.
+    pub(crate) fn new(device: &wgpu::Device) -> Self {
         let which = layout(device, "term", wgpu::ShaderStages::COMPUTE, &[Binding::Uniform]);
         let groups = Term::ALL.map(|term| {
             let uniform = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
@@ -66,17 +66,24 @@ impl Terms {
             });
             group(device, "term", &which, &[uniform.as_entire_binding()])
         });
-        let kernel = Kernel::beside(device, "light::terms", &super::shade::BINDINGS, &[&which, fiber]);
+        let kernel = Kernel::beside(
+            device,
+            "light::terms",
+            &super::pipelines::shade_bindings(),
+            &[&which, &FiberTables::layout(device)],
+        );
         Self { kernel, groups: groups.into() }
     }
 
-    /// Records the kernel for all vertices of `hair`, in the place of [`super::Shade::record`].
-    pub fn record(&self, encoder: &mut wgpu::CommandEncoder, hair: &HairSet, term: Term) {
+    /// Records the kernel for all vertices of `hair`, in the place of [`super::State::shade`].
+    pub(crate) fn record(&self, encoder: &mut wgpu::CommandEncoder, hair: &[Seen<'_>], term: Term) {
         let mut pass = encoder
             .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("terms"), ..Default::default() });
-        let workgroups = (hair.drawn.count * hair.drawn.vertex_count).div_ceil(STRAND_WORKGROUP);
         pass.set_bind_group(1, &self.groups[term as usize], &[]);
-        pass.set_bind_group(2, &hair.fiber.group, &[]);
-        self.kernel.record(&mut pass, &hair.shade_group, &[], workgroups);
+        for Seen { hair, shaded } in hair {
+            let workgroups = (hair.drawn.count * hair.drawn.vertex_count).div_ceil(STRAND_WORKGROUP);
+            pass.set_bind_group(2, &hair.fiber.group, &[]);
+            self.kernel.record(&mut pass, &shaded.shade, &[], workgroups);
+        }
     }
 }

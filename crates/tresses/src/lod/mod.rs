@@ -62,8 +62,7 @@ pub use order::{BUCKET_RATIO, arrange, buckets};
 pub use widths::{StrandLod, WidthParams, Widths};
 
 use crate::{
-    Error, Pose, Progress, Result,
-    draw::View,
+    Camera, Error, Pose, Progress, Result,
     groom::BoundStrands,
     strands::{Drawn, Strand, StrandBuffers},
 };
@@ -263,20 +262,25 @@ impl Lod {
         Ok(lod)
     }
 
+    /// The area of all strands, width times length, m².
+    pub(crate) fn area(&self) -> f32 {
+        self.areas.last().map_or(0.0, |area| *area as f32)
+    }
+
     /// The level of detail of the frame that is being recorded.
     pub fn current(&self) -> &Detail {
         &self.detail
     }
 
-    /// The level of detail of hair that `view` sees on a head at `head`.
-    pub fn seen(&self, view: &View, head: &Pose) -> Detail {
+    /// The level of detail of hair that `camera` sees on a head at `head`.
+    pub fn seen(&self, camera: &Camera, head: &Pose) -> Detail {
         let (middle, radius) = self.sphere;
-        let clip = view.projection * view.view;
+        let clip = camera.projection * camera.view;
         let w = (clip * head.point(middle).extend(1.0)).w;
         // A perspective camera's w is the distance, an orthographic one's is 1.
-        let per_metre = view.projection.z_axis.w.abs();
+        let per_metre = camera.projection.z_axis.w.abs();
         let nearest = if per_metre > 0.0 { (w - radius * per_metre).max(0.01) } else { w };
-        let pixel = view.pixel();
+        let pixel = camera.pixel();
         self.detail(pixel * nearest, 2.0 * radius / (pixel * w.max(nearest)))
     }
 

@@ -51,6 +51,11 @@ impl Widths {
         let entries = [Binding::Uniform, Binding::Storage, Binding::StorageMut, Binding::StorageMut];
         Self(Kernel::new(device, "lod::widths", &entries))
     }
+
+    /// All of them.
+    pub(crate) fn kernels(&self) -> Vec<&Kernel> {
+        vec![&self.0]
+    }
 }
 
 /// One groom's share.

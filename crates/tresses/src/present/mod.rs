@@ -10,8 +10,10 @@
 //! neighbourhood finds. Peeled hair is tone mapped where it is drawn and lies over the rest
 //! (`layers.wesl`).
 
+mod background;
 mod footprint;
 
+pub use background::Background;
 pub use footprint::Footprint;
 
 use bytemuck::{Pod, Zeroable};
@@ -19,30 +21,15 @@ use glam::Vec2;
 use wgpu::util::DeviceExt;
 
 use crate::{
-    draw::{Background, Coverage, Scene, Targets},
+    Result,
+    camera::ToneMap,
+    draw::{Coverage, Targets},
     gpu::{
         Binding, Timings,
         bindings::{group, layout},
+        pipeline::{Made, Recipe},
     },
-    shaders,
 };
-
-/// From linear radiance to the picture's 0..1.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ToneMap {
-    /// Factor before everything else.
-    pub exposure: f32,
-    /// Below this the picture is linear; above it is compressed so that it never reaches 1.
-    pub shoulder: f32,
-    /// How fast colours brighter than the shoulder fade to white.
-    pub desaturation: f32,
-}
-
-impl Default for ToneMap {
-    fn default() -> Self {
-        Self { exposure: 1.0, shoulder: 0.7, desaturation: 0.15 }
-    }
-}
 
 /// What the shaders know of the presentation.
 #[repr(C)]
@@ -66,64 +53,76 @@ pub struct PresentUniform {
     pub encode: u32,
 }
 
-/// The pipeline of the last pass.
+/// The pipelines of the stage, each made when it is first needed.
 #[derive(Debug)]
-pub struct Present {
-    pipeline: wgpu::RenderPipeline,
-    layout: wgpu::BindGroupLayout,
-    uniform: wgpu::Buffer,
-    /// Of targets with several samples.
-    footprint: Option<wgpu::Buffer>,
-    encode: bool,
+pub struct Pipelines {
+    device: wgpu::Device,
+    made: Made<(&'static str, wgpu::TextureFormat), wgpu::RenderPipeline>,
 }
 
-impl Present {
-    /// For targets of `samples` with hair in them by `coverage`, and an output of `format`.
-    pub fn new(device: &wgpu::Device, samples: u32, coverage: Coverage, format: wgpu::TextureFormat) -> Self {
-        use Binding::{Depth, Storage, Texture2d, TextureMultisampled};
-        let (module, bindings): (_, &[_]) = match (coverage, samples) {
-            (Coverage::DepthPeeling { .. }, _) => {
-                ("present::layers", &[Storage, Texture2d, Texture2d, Texture2d, Texture2d, Depth])
-            }
-            (_, 1) => ("present::single", &[Storage, Texture2d]),
-            _ => ("present::resolve", &[Storage, TextureMultisampled, Storage]),
-        };
-        let name = module.rsplit("::").next().unwrap_or(module);
-        let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(module),
-            source: wgpu::ShaderSource::Wgsl(shaders::source(module).into()),
-        });
-        let layout = layout(device, module, wgpu::ShaderStages::FRAGMENT, bindings);
-        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(module),
-            layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some(module),
-                bind_group_layouts: &[Some(&layout)],
-                immediate_size: 0,
-            })),
-            vertex: wgpu::VertexState {
-                module: &shader,
-                entry_point: Some(&format!("{name}_vertex")),
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
-            primitive: Default::default(),
-            depth_stencil: None,
-            multisample: Default::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &shader,
-                entry_point: Some(&format!("{name}_fragment")),
-                compilation_options: Default::default(),
+/// The shader for targets of so many samples with hair in them by `coverage`, and what it binds.
+fn shader(coverage: Coverage, samples: u32) -> (&'static str, &'static [Binding]) {
+    use Binding::{Depth, Storage, Texture2d, TextureMultisampled};
+    match (coverage, samples) {
+        (Coverage::DepthPeeling { .. }, _) => {
+            ("present::layers", &[Storage, Texture2d, Texture2d, Texture2d, Texture2d, Depth])
+        }
+        (_, 1) => ("present::single", &[Storage, Texture2d]),
+        _ => ("present::resolve", &[Storage, TextureMultisampled, Storage]),
+    }
+}
+
+impl Pipelines {
+    /// None of them made yet.
+    pub fn new(device: &wgpu::Device) -> Self {
+        Self { device: device.clone(), made: Made::default() }
+    }
+
+    /// From targets of so many samples with hair in them by `coverage` into an output of `format`.
+    pub(crate) fn get(
+        &self,
+        coverage: Coverage,
+        samples: u32,
+        format: wgpu::TextureFormat,
+    ) -> Result<wgpu::RenderPipeline> {
+        let (module, bindings) = shader(coverage, samples);
+        self.made.get((module, format), || {
+            let name = module.rsplit("::").next().unwrap_or(module);
+            Recipe {
+                vertex: (module, &format!("{name}_vertex")),
+                fragment: Some((module, &format!("{name}_fragment"))),
+                layouts: &[&layout(&self.device, module, wgpu::ShaderStages::FRAGMENT, bindings)],
                 targets: &[Some(format.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
+                ..Recipe::PLAIN
+            }
+            .build(&self.device)
+        })
+    }
+}
+
+/// What the stage has of one view: it is bound to its targets.
+#[derive(Debug)]
+pub struct State {
+    uniform: wgpu::Buffer,
+    group: wgpu::BindGroup,
+    coverage: Coverage,
+    format: wgpu::TextureFormat,
+}
+
+impl State {
+    /// For `targets` with hair in them by `coverage`, and an output of `format`.
+    pub fn new(
+        device: &wgpu::Device,
+        targets: &Targets,
+        coverage: Coverage,
+        format: wgpu::TextureFormat,
+    ) -> Self {
+        use wgpu::BindingResource::TextureView;
         let uniform = crate::gpu::bindings::uniform(device, "present", size_of::<PresentUniform>());
-        let footprint = (samples > 1).then(|| {
+        let footprint = (targets.samples > 1).then(|| {
             let footprint = match coverage {
-                Coverage::SampleMask => Footprint::disc(samples),
-                _ => Footprint::square(samples),
+                Coverage::SampleMask => Footprint::disc(targets.samples),
+                _ => Footprint::square(targets.samples),
             };
             device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
                 label: Some("footprint"),
@@ -131,40 +130,51 @@ impl Present {
                 usage: wgpu::BufferUsages::STORAGE,
             })
         });
-        Self { pipeline, layout, uniform, footprint, encode: !format.is_srgb() }
-    }
-
-    pub(crate) fn prepare(&self, queue: &wgpu::Queue, scene: &Scene, targets: &Targets) {
-        let uniform = PresentUniform {
-            background: scene.background,
-            size: Vec2::new(targets.size[0] as f32, targets.size[1] as f32),
-            exposure: scene.tone.exposure,
-            shoulder: scene.tone.shoulder.clamp(0.0, 0.99),
-            desaturation: scene.tone.desaturation,
-            ssaa: targets.ssaa,
-            samples: targets.samples,
-            encode: u32::from(self.encode),
-        };
-        queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
-    }
-
-    /// Records the pass.
-    pub fn record(
-        &self,
-        device: &wgpu::Device,
-        encoder: &mut wgpu::CommandEncoder,
-        timings: Option<&mut Timings>,
-        targets: &Targets,
-        output: &wgpu::TextureView,
-    ) {
-        use wgpu::BindingResource::TextureView;
-        let mut resources = vec![self.uniform.as_entire_binding(), TextureView(&targets.hdr)];
-        resources.extend(self.footprint.iter().map(|footprint| footprint.as_entire_binding()));
+        let mut resources = vec![uniform.as_entire_binding(), TextureView(&targets.hdr)];
+        resources.extend(footprint.iter().map(|footprint| footprint.as_entire_binding()));
         if let Some(layers) = &targets.layers {
             resources.extend(layers.presented().map(TextureView));
             resources.push(TextureView(&targets.depth));
         }
-        let group = group(device, "present", &self.layout, &resources);
+        let (module, bindings) = shader(coverage, targets.samples);
+        let layout = layout(device, module, wgpu::ShaderStages::FRAGMENT, bindings);
+        Self { group: group(device, "present", &layout, &resources), uniform, coverage, format }
+    }
+
+    /// Writes the uniform of a frame.
+    pub(crate) fn prepare(
+        &self,
+        queue: &wgpu::Queue,
+        background: &Background,
+        tone: &ToneMap,
+        targets: &Targets,
+    ) {
+        let uniform = PresentUniform {
+            background: *background,
+            size: Vec2::new(targets.size[0] as f32, targets.size[1] as f32),
+            exposure: tone.exposure,
+            shoulder: tone.shoulder.clamp(0.0, 0.99),
+            desaturation: tone.desaturation,
+            ssaa: targets.ssaa,
+            samples: targets.samples,
+            encode: u32::from(!self.format.is_srgb()),
+        };
+        queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+    }
+
+    /// Records the finished picture of `targets`, those it was made for, into `output`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the pipeline cannot be made.
+    pub(crate) fn record(
+        &self,
+        pipelines: &Pipelines,
+        encoder: &mut wgpu::CommandEncoder,
+        timings: Option<&mut Timings>,
+        targets: &Targets,
+        output: &wgpu::TextureView,
+    ) -> Result<()> {
+        let pipeline = pipelines.get(self.coverage, targets.samples, self.format)?;
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("present"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -179,8 +189,9 @@ impl Present {
             timestamp_writes: timings.and_then(|timings| timings.render("present")),
             ..Default::default()
         });
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &group, &[]);
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &self.group, &[]);
         pass.draw(0..3, 0..1);
+        Ok(())
     }
 }

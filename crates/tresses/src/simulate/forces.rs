@@ -14,7 +14,7 @@ use glam::Vec3;
 /// The pipeline.
 #[derive(Debug)]
 pub(crate) struct ForcesKernel {
-    kernel: Kernel,
+    pub(super) kernel: Kernel,
     sampler: wgpu::Sampler,
 }
 

@@ -104,6 +104,11 @@ impl Simulate {
         }
     }
 
+    /// All kernels but those of single sizes of guides.
+    pub(crate) fn kernels(&self) -> Vec<&crate::gpu::Kernel> {
+        vec![&self.forces.kernel]
+    }
+
     /// The pipeline for guides of `vertex_count` vertices.
     pub fn pipeline(&self, device: &wgpu::Device, vertex_count: u32) -> &wgpu::ComputePipeline {
         let class = step::capacity(vertex_count);

@@ -35,8 +35,8 @@ pub struct GuideBuffers {
     pub sample_rest: wgpu::Buffer,
 }
 
-/// The buffers of the drawn strands.
-#[derive(Debug)]
+/// The buffers of the drawn strands. A clone names the same buffers.
+#[derive(Clone, Debug)]
 pub struct StrandBuffers {
     /// Number of strands.
     pub count: u32,

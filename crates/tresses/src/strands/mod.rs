@@ -18,6 +18,7 @@
 pub mod buffers;
 pub mod force;
 pub mod guide;
+pub(crate) mod indices;
 pub mod vertex;
 
 pub use crate::groom::bound::{

@@ -71,6 +71,11 @@ impl Tessellate {
         Self { kernel: Kernel::new(device, "tessellate::spline", &entries) }
     }
 
+    /// All of them.
+    pub(crate) fn kernels(&self) -> Vec<&Kernel> {
+        vec![&self.kernel]
+    }
+
     /// Binds the stage to the guides of one groom and a uniform buffer of [`TessellateParams`].
     pub fn bind(
         &self,

@@ -37,4 +37,10 @@ impl VolumeStage {
             settle: kernel("volume::settle", &[Uniform, Read, Read, Write]),
         }
     }
+
+    /// All of them.
+    pub(crate) fn kernels(&self) -> Vec<&Kernel> {
+        let Self { obstacles, splat, sum, blur: [x, y], density, push, settle } = self;
+        vec![obstacles, splat, sum, x, y, density, push, settle]
+    }
 }

@@ -21,7 +21,9 @@ pub struct Fluid {
 impl Fluid {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
-        use Binding::{Sampler, StorageDynamic, Texels3d, Texture3d, Uniform, UniformDynamic, Write3d, WriteFull3d};
+        use Binding::{
+            Sampler, StorageDynamic, Texels3d, Texture3d, Uniform, UniformDynamic, Write3d, WriteFull3d,
+        };
         let kernel = |module, entries: &[Binding]| Kernel::new(device, module, entries);
         let air = [StorageDynamic, Texture3d, Texture3d, Sampler];
         let blocks = [UniformDynamic, Uniform, Texels3d, Texels3d, Texels3d, Texels3d, Texels3d];
@@ -48,6 +50,12 @@ impl Fluid {
             ),
             sampler: bindings::linear(device),
         }
+    }
+
+    /// All of them.
+    pub(crate) fn kernels(&self) -> Vec<&Kernel> {
+        let Self { obstacles, predict, correct, gather, relax, project, .. } = self;
+        vec![obstacles, predict, correct, gather, relax, project]
     }
 
     /// Records step `index` of those that [`Air::prepare`] wrote, among `colliders`, which have been

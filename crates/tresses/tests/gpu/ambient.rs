@@ -1,18 +1,21 @@
 //! Light from all sides against closed forms.
 
-use crate::common::{self, Lease};
+use crate::common;
 
 use tresses::{
-    draw::{Body, DrawOptions, DrawStage, HairSet, Scene, Targets},
+    Pipelines, View,
+    body::Body,
+    frame::Recorder,
     glam::{Quat, Vec3},
     gpu::Gpu,
     groom::TriMesh,
     light::{
-        Directional, Lights, MAX_LIGHTS, Sky, Sphere,
+        Directional, HairSet, Lights, MAX_LIGHTS, Sky, Sphere,
         ambient::{AmbientProbe, Around},
     },
     math::hash::pcg,
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
+    view::{Picture, ViewOptions},
 };
 
 /// Half the edge of all cells, metres.
@@ -27,29 +30,34 @@ fn random(i: u32, k: u32) -> f32 {
 
 struct Bench<'a> {
     gpu: &'a Gpu,
-    stage: Lease<DrawStage>,
+    pipelines: &'static Pipelines,
+    view: View,
     hair: Option<HairSet>,
     body: Option<Body>,
-    scene: Scene,
+    scene: Picture,
 }
 
 impl<'a> Bench<'a> {
     fn new(gpu: &'a Gpu) -> Self {
-        Self::with_cells(gpu, DrawOptions::default().ambient_cells)
+        Self::with_cells(gpu, ViewOptions::default().ambient_cells)
     }
 
     fn with_cells(gpu: &'a Gpu, ambient_cells: u32) -> Self {
-        let options = DrawOptions { samples: 1, shadow_resolution: 256, ambient_cells, ..Default::default() };
-        let mut scene = Scene { focus: Sphere { center: Vec3::ZERO, radius: HALF }, ..Default::default() };
+        let options = ViewOptions { samples: 1, shadow_resolution: 256, ambient_cells, ..Default::default() };
+        let mut scene = Picture { focus: Sphere { center: Vec3::ZERO, radius: HALF }, ..Default::default() };
         scene.lights =
             Lights { directional: [Directional::OFF; MAX_LIGHTS], sky: Sky::default(), ..Default::default() };
-        scene.body.color = Vec3::splat(WHITE);
-        scene.body.wrap = 0.0;
-        Self { stage: common::stage(gpu, &options), gpu, hair: None, body: None, scene }
+        let pipelines = common::pipelines().expect("there is a GPU");
+        let view = View::new(&gpu.device, pipelines, &options, [16, 16], 1).expect("fits");
+        Self { pipelines, view, gpu, hair: None, body: None, scene }
     }
 
     fn body(mut self, mesh: &TriMesh) -> Self {
-        self.body = Some(Body::new(&self.gpu.device, &self.stage, mesh));
+        let cells = self.view.options().ambient_cells;
+        let mut body = Body::for_cells(&self.gpu.device, mesh, cells);
+        body.material.color = Vec3::splat(WHITE);
+        body.material.wrap = 0.0;
+        self.body = Some(body);
         self
     }
 
@@ -64,7 +72,7 @@ impl<'a> Bench<'a> {
         queue.write_buffer(&strands.vertices, 0, bytemuck::cast_slice(&vertices));
         let info = vec![Strand { radius, seed: 1, root_color: 0, tip_color: 0 }; pieces.len()];
         queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&info));
-        self.hair = Some(HairSet::new(device, &self.stage, &strands).expect("fits"));
+        self.hair = Some(HairSet::new(device, &strands).expect("fits"));
         self
     }
 
@@ -76,12 +84,12 @@ impl<'a> Bench<'a> {
 
     fn ask(&self, points: &[(Vec3, Vec3)]) -> Vec<Around> {
         let Gpu { device, queue, .. } = self.gpu;
-        let probe = AmbientProbe::new(device, queue, &self.stage, points).expect("fits");
-        let targets = Targets::new(device, 16, 16, 1, 1).expect("fits");
+        let probe = AmbientProbe::new(device, queue, &self.view.light, points).expect("fits");
         let mut encoder = device.create_command_encoder(&Default::default());
-        let (hair, body) = (self.hair.as_ref(), self.body.as_ref());
-        self.stage.prepare(queue, &self.scene, &targets, hair, body);
-        self.stage.shadow(&mut encoder, None, &self.scene, hair, body);
+        let (hair, bodies): (Vec<_>, Vec<_>) = (self.hair.iter().collect(), self.body.iter().collect());
+        Recorder { pipelines: self.pipelines, device, queue, encoder: &mut encoder, timings: None }
+            .light(&hair, &bodies, &self.view, &self.scene)
+            .expect("it fits");
         probe.record(&mut encoder);
         queue.submit([encoder.finish()]);
         pollster::block_on(probe.read(device, queue)).expect("answers")
@@ -302,7 +310,7 @@ fn slow_motion_changes_slowly() {
     let frames: Vec<Vec<Around>> = (0..6)
         .map(|i| {
             let angle = 0.25_f32.to_radians() * i as f32;
-            bench.scene.pose.rotation = Quat::from_rotation_y(angle);
+            bench.body.as_mut().unwrap().pose.rotation = Quat::from_rotation_y(angle);
             bench.scene.lights.directional[0].direction =
                 Quat::from_rotation_y(-angle) * Vec3::new(0.3, 0.2, 1.0).normalize();
             bench.ask(&points)

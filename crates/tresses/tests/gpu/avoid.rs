@@ -5,7 +5,7 @@ use crate::{common, moving};
 
 use moving::{Character, SHAKE, TURN, advance, angle, drawn, search, states};
 use tresses::{
-    Hair, HairRenderer, Pose,
+    Hair, Pipelines, Pose,
     avoid::{AvoidMode, AvoidOptions, NO_HIT},
     glam::Vec3,
     gpu::Gpu,
@@ -19,7 +19,7 @@ const CLEARANCE: f32 = 1.5e-3;
 /// One device for all tests: a software driver takes long to build pipelines.
 struct Stage {
     gpu: &'static Gpu,
-    renderer: &'static HairRenderer,
+    pipelines: &'static Pipelines,
     character: Character,
 }
 
@@ -36,14 +36,14 @@ impl Stage {
         // As the hair has them.
         tresses::lod::arrange(&mut groom.strands);
         Some(Self {
-            renderer: common::renderer()?,
+            pipelines: common::pipelines()?,
             character: Character { groom, field: common::ball(HEAD, 64), neck: Vec3::new(0.0, 0.0, -0.02) },
             gpu,
         })
     }
 
     fn hair(&self, avoid: AvoidOptions) -> Hair {
-        self.character.hair(self.gpu, self.renderer, avoid)
+        self.character.hair(self.gpu, self.pipelines, avoid)
     }
 
     /// Hair shaken until strands are in the head, and where the head is then.
@@ -51,13 +51,13 @@ impl Stage {
         let mut hair = self.hair(avoid);
         for i in 0..36 {
             let head = self.character.head(angle(SHAKE, i as f32 / 60.0));
-            advance(self.gpu, self.renderer, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / 60.0 });
+            advance(self.gpu, self.pipelines, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / 60.0 });
         }
         (hair, self.character.head(angle(SHAKE, 35.0 / 60.0)))
     }
 
     fn drawn(&self, hair: &mut Hair, head: Pose, mode: AvoidMode) -> Vec<StrandVertex> {
-        drawn(self.gpu, self.renderer, hair, head, mode)
+        drawn(self.gpu, self.pipelines, hair, head, mode)
     }
 
     /// The first vertex of each strand that is nearer to the head than it may be, less `margin`.
@@ -85,7 +85,7 @@ fn the_first_hit_is_that_of_a_search_one_by_one() {
     let options = AvoidOptions { mode: AvoidMode::Off, ..Default::default() };
     let (mut hair, head) = stage.shaken(options);
     let vertices = stage.drawn(&mut hair, head, AvoidMode::Off);
-    let found: Vec<u32> = search(stage.gpu, stage.renderer, &hair).iter().map(|state| state.hit).collect();
+    let found: Vec<u32> = search(stage.gpu, stage.pipelines, &hair).iter().map(|state| state.hit).collect();
     // Texture filters and packed allowances are coarser than the search here: by an eighth of a
     // millimetre and a bit.
     let early = stage.first_hits(&vertices, head, options.tolerance, -0.02e-3);
@@ -156,7 +156,7 @@ fn largest_pop(stage: &Stage, options: AvoidOptions) -> f32 {
     for i in 0..90 {
         // Three times slower than the command's turn.
         let head = stage.character.head(angle(TURN, i as f32 / 180.0));
-        advance(stage.gpu, stage.renderer, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / 60.0 });
+        advance(stage.gpu, stage.pipelines, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / 60.0 });
         let with = stage.drawn(&mut hair, head, AvoidMode::ChangeOver);
         let without = stage.drawn(&mut hair, head, AvoidMode::Off);
         let back = head.inverse().rotation;
@@ -190,11 +190,11 @@ fn jumps_and_resets_are_forgotten() {
         |hair: &Hair| states(stage.gpu, hair).iter().filter(|s| s.amount > 0.0 && s.amount < 1.0).count();
     assert!(midway(&hair) > 5, "{}", midway(&hair));
     let far = Pose { translation: head.translation + Vec3::X * 30.0, ..head };
-    advance(stage.gpu, stage.renderer, &mut hair, far, 1.0 / 60.0);
+    advance(stage.gpu, stage.pipelines, &mut hair, far, 1.0 / 60.0);
     assert_eq!(midway(&hair), 0);
     let changed = states(stage.gpu, &hair).iter().filter(|s| s.amount == 1.0).count();
     assert!(changed > 20, "what is in the head leaves it at once: {changed}");
     hair.reset();
-    advance(stage.gpu, stage.renderer, &mut hair, far, 1.0 / 60.0);
+    advance(stage.gpu, stage.pipelines, &mut hair, far, 1.0 / 60.0);
     assert!(states(stage.gpu, &hair).iter().all(|s| s.amount == 0.0));
 }

@@ -5,7 +5,7 @@ use crate::{common, moving};
 
 use moving::{Character, Keys, SHAKE, TURN, advance, angle, drawn};
 use tresses::{
-    HairRenderer,
+    Pipelines,
     avoid::{AvoidMode, AvoidOptions},
     glam::Vec3,
     gpu::Gpu,
@@ -33,20 +33,20 @@ fn penetrating(character: &Character, rest: &[f32], vertices: impl Iterator<Item
 
 /// The largest fraction over the frames of a motion for each of [`MODES`], of the same frames:
 /// deeper than [`DEPTH`], and below the surface at all.
-fn worst(gpu: &Gpu, renderer: &HairRenderer, character: &Character, keys: Keys) -> [[f32; 3]; 2] {
+fn worst(gpu: &Gpu, pipelines: &Pipelines, character: &Character, keys: Keys) -> [[f32; 3]; 2] {
     let rest = character.rest_distances();
-    let mut hair = character.hair(gpu, renderer, AvoidOptions::default());
+    let mut hair = character.hair(gpu, pipelines, AvoidOptions::default());
     let mut worst = [[0.0f32; 3]; 2];
     for i in 0..=(keys[keys.len() - 1].0 * FPS) as u32 {
         let head = character.head(angle(keys, i as f32 / FPS));
-        advance(gpu, renderer, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / FPS });
+        advance(gpu, pipelines, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / FPS });
         if i % 4 != 0 {
             continue;
         }
         let back = head.inverse();
         // The present state is that of the change-over: it is read first.
         for m in [2, 0, 1] {
-            let vertices = drawn(gpu, renderer, &mut hair, head, MODES[m]);
+            let vertices = drawn(gpu, pipelines, &mut hair, head, MODES[m]);
             assert!(vertices.iter().all(|v| v.position.is_finite()));
             for (worst, depth) in worst.iter_mut().zip([DEPTH, 0.0]) {
                 let points = vertices.iter().map(|v: &StrandVertex| back.point(v.position));
@@ -64,13 +64,13 @@ const MOTIONS: [(&str, Keys); 2] = [("turn", TURN), ("shake", SHAKE)];
 fn check(
     name: &str,
     gpu: &Gpu,
-    renderer: &HairRenderer,
+    pipelines: &Pipelines,
     character: &Character,
     motions: &[(&str, Keys)],
     least: f32,
 ) {
     for (motion, keys) in motions {
-        let [deep, any] = worst(gpu, renderer, character, keys);
+        let [deep, any] = worst(gpu, pipelines, character, keys);
         let percent = |f: [f32; 3]| f.map(|f| format!("{:.3} %", 100.0 * f)).join(", ");
         println!("{name}, {motion}: deeper than 0.5 mm {}; at all {}", percent(deep), percent(any));
         assert!(deep[2] <= 0.001, "{name}, {motion}: {} with the method", deep[2]);
@@ -89,8 +89,8 @@ fn style(name: &str) -> Character {
 #[test]
 fn at_most_a_thousandth_of_the_vertices_is_in_the_head() {
     let Some(gpu) = common::gpu() else { return };
-    let Some(renderer) = common::renderer() else { return };
-    check("long", gpu, renderer, &style("long"), &[("shake", SHAKE)], 0.005);
+    let Some(pipelines) = common::pipelines() else { return };
+    check("long", gpu, pipelines, &style("long"), &[("shake", SHAKE)], 0.005);
 }
 
 /// The table of docs/physics.md.
@@ -98,9 +98,9 @@ fn at_most_a_thousandth_of_the_vertices_is_in_the_head() {
 #[ignore = "proof"]
 fn at_most_a_thousandth_of_the_vertices_of_any_style_is_in_the_head() {
     let Some(gpu) = common::gpu() else { return };
-    let Some(renderer) = common::renderer() else { return };
+    let Some(pipelines) = common::pipelines() else { return };
     for (name, least) in [("long", 0.005), ("bob", 0.002), ("curly", 0.005), ("short", 0.0)] {
-        check(name, gpu, renderer, &style(name), &MOTIONS, least);
+        check(name, gpu, pipelines, &style(name), &MOTIONS, least);
     }
 }
 
@@ -125,7 +125,7 @@ fn the_counter_sees_a_strand_in_the_head() {
 #[ignore = "proof"]
 fn a_real_groom_is_served_too() {
     let Some(gpu) = common::gpu() else { return };
-    let Some(renderer) = common::renderer() else { return };
+    let Some(pipelines) = common::pipelines() else { return };
     let Some((strands, _, field)) = common::sintel() else { return };
     let crown = strands.iter().map(|strand| strand[0]).reduce(|a, b| if a.y > b.y { a } else { b }).unwrap();
     // The built-in head's joint is as far below its crown.
@@ -138,7 +138,7 @@ fn a_real_groom_is_served_too() {
     check(
         "Sintel, all guides",
         gpu,
-        renderer,
+        pipelines,
         &Character { groom: own, field: field.clone(), neck },
         &MOTIONS,
         0.0,
@@ -149,7 +149,7 @@ fn a_real_groom_is_served_too() {
         thin(&mut groom.strands, 4);
         lod::arrange(&mut groom.strands);
         let character = Character { groom, field: field.clone(), neck };
-        check(&format!("Sintel, one guide in {share}"), gpu, renderer, &character, &MOTIONS, least);
+        check(&format!("Sintel, one guide in {share}"), gpu, pipelines, &character, &MOTIONS, least);
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::common;
 
 use tresses::{
-    Hair, HairOptions, HairRenderer, Pose,
+    Hair, HairOptions, Pipelines, Pose,
     collide::{Collider, ColliderDescriptor, ColliderPoses, Shape, shape},
     frame::{Frame, Recorder},
     glam::{Quat, Vec3},
@@ -74,7 +74,7 @@ impl Seen {
 
 struct Run<'a> {
     gpu: &'a Gpu,
-    renderer: &'a HairRenderer,
+    pipelines: &'a Pipelines,
     hair: Hair,
     params: SimulationParams,
 }
@@ -111,8 +111,8 @@ impl Run<'_> {
                 colliders: &poses(t),
                 simulation: &self.params,
             };
-            let renderer = self.renderer;
-            Recorder { renderer, device, queue, encoder: &mut encoder, timings: None }
+            let pipelines = self.pipelines;
+            Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
                 .simulate(&mut self.hair, &input)
                 .unwrap();
             queue.submit([encoder.finish()]);
@@ -134,24 +134,19 @@ impl Run<'_> {
     }
 }
 
-fn run<'a>(
-    gpu: &'a Gpu,
-    renderer: &'a HairRenderer,
-    character: &Character,
-    colliders: &[Collider],
-) -> Run<'a> {
+fn run<'a>(gpu: &'a Gpu, pipelines: &'a Pipelines, character: &Character, colliders: &[Collider]) -> Run<'a> {
     let what = ColliderDescriptor { head: Some(&character.field), colliders, ..Default::default() };
     let options = HairOptions::default();
     let (device, queue) = (&gpu.device, &gpu.queue);
-    let hair = Hair::with_colliders(device, queue, renderer, &character.groom, &options, &what).unwrap();
-    Run { gpu, renderer, hair, params: options.simulation }
+    let hair = Hair::with_colliders(device, queue, pipelines, &character.groom, &options, &what).unwrap();
+    Run { gpu, pipelines, hair, params: options.simulation }
 }
 
 /// A shake of `seconds`.
-fn shaken(gpu: &Gpu, renderer: &HairRenderer, name: &str, character: &Character, seconds: f32) -> Seen {
+fn shaken(gpu: &Gpu, pipelines: &Pipelines, name: &str, character: &Character, seconds: f32) -> Seen {
     let Character { field, neck, .. } = character;
     let head = |t| shake(t, *neck);
-    let seen = run(gpu, renderer, character, &[]).watch(
+    let seen = run(gpu, pipelines, character, &[]).watch(
         seconds,
         &head,
         &|_| ColliderPoses::default(),
@@ -167,14 +162,14 @@ fn shaken(gpu: &Gpu, renderer: &HairRenderer, name: &str, character: &Character,
 #[test]
 fn no_vertex_stays_in_the_head_during_a_shake() {
     let Some(gpu) = common::gpu() else { return };
-    let Some(renderer) = common::renderer() else { return };
+    let Some(pipelines) = common::pipelines() else { return };
     let character = built_in("long");
-    assert!(shaken(gpu, renderer, "long", &character, 1.5).holds());
+    assert!(shaken(gpu, pipelines, "long", &character, 1.5).holds());
     // Held against a head twice a strand's clearance larger, it does not.
     let SdfGrid { distances, .. } = &character.field;
     let distances = distances.iter().map(|d| d - 3e-3).collect();
     let field = SdfGrid { distances, ..character.field.clone() };
-    let mut run = run(gpu, renderer, &character, &[]);
+    let mut run = run(gpu, pipelines, &character, &[]);
     let head = |t| shake(t, character.neck);
     let inside = |x: Vec3, t: f32| field.sample(head(t).inverse().point(x));
     assert!(!run.watch(0.3, &head, &|_| ColliderPoses::default(), &inside, &|_, _, _| false).holds());
@@ -185,13 +180,13 @@ fn no_vertex_stays_in_the_head_during_a_shake() {
 #[ignore = "proof"]
 fn no_vertex_of_any_groom_stays_in_the_head_during_a_shake() {
     let Some(gpu) = common::gpu() else { return };
-    let Some(renderer) = common::renderer() else { return };
+    let Some(pipelines) = common::pipelines() else { return };
     let mut all = true;
     for name in Style::NAMES {
-        all &= shaken(gpu, renderer, name, &built_in(name), 10.0).holds();
+        all &= shaken(gpu, pipelines, name, &built_in(name), 10.0).holds();
     }
     if let Some(character) = sintel() {
-        all &= shaken(gpu, renderer, "Sintel", &character, 10.0).holds();
+        all &= shaken(gpu, pipelines, "Sintel", &character, 10.0).holds();
     }
     assert!(all);
 }
@@ -200,7 +195,7 @@ fn no_vertex_of_any_groom_stays_in_the_head_during_a_shake() {
 const HAND: f32 = 0.035;
 
 /// A forearm of 30 cm that crosses the hair below the head from behind to the front, at `speed`.
-fn sweep(gpu: &Gpu, renderer: &HairRenderer, character: &Character, speed: f32) -> Seen {
+fn sweep(gpu: &Gpu, pipelines: &Pipelines, character: &Character, speed: f32) -> Seen {
     let shape = Shape::Capsule { half_length: 0.15, radius: HAND };
     let neck = character.neck;
     let way = 0.6;
@@ -215,7 +210,7 @@ fn sweep(gpu: &Gpu, renderer: &HairRenderer, character: &Character, speed: f32) 
         let (a, b) = (hand(t - 1.0 / 60.0).inverse().point(before), hand(t).inverse().point(after));
         (0..=8).any(|i| shape::capsule(a.lerp(b, i as f32 / 8.0), 0.5 * HAND, 0.15).w < 0.0)
     };
-    let mut run = run(gpu, renderer, character, &[Collider::new(shape)]);
+    let mut run = run(gpu, pipelines, character, &[Collider::new(shape)]);
     // It begins in the open air.
     let seen = run.watch(0.1 + way / speed + 0.2, &|_| Pose::IDENTITY, &poses, &distance, &through);
     println!("a hand at {speed} m/s: {seen:?}");
@@ -225,8 +220,8 @@ fn sweep(gpu: &Gpu, renderer: &HairRenderer, character: &Character, speed: f32) 
 #[test]
 fn a_hand_pushes_hair_aside() {
     let Some(gpu) = common::gpu() else { return };
-    let Some(renderer) = common::renderer() else { return };
-    let seen = sweep(gpu, renderer, &built_in("long"), 3.0);
+    let Some(pipelines) = common::pipelines() else { return };
+    let seen = sweep(gpu, pipelines, &built_in("long"), 3.0);
     assert!(seen.holds(), "{seen:?}");
 }
 
@@ -235,10 +230,10 @@ fn a_hand_pushes_hair_aside() {
 #[ignore = "proof"]
 fn a_hand_of_any_speed_pushes_hair_aside() {
     let Some(gpu) = common::gpu() else { return };
-    let Some(renderer) = common::renderer() else { return };
+    let Some(pipelines) = common::pipelines() else { return };
     let character = built_in("long");
     let seen =
-        [0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 10.0].map(|speed| (speed, sweep(gpu, renderer, &character, speed)));
+        [0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 10.0].map(|speed| (speed, sweep(gpu, pipelines, &character, speed)));
     for (speed, seen) in &seen {
         assert!(*speed > 3.0 || seen.holds(), "{speed} m/s: {seen:?}");
     }
@@ -246,7 +241,7 @@ fn a_hand_of_any_speed_pushes_hair_aside() {
 
 /// How far each of 64 straight strands has moved, at most, after a second in which a small capsule stands in the way of
 /// each but number `spared`.
-fn moved_by_capsules(gpu: &Gpu, renderer: &HairRenderer, spared: Option<usize>) -> Vec<f32> {
+fn moved_by_capsules(gpu: &Gpu, pipelines: &Pipelines, spared: Option<usize>) -> Vec<f32> {
     let (device, queue) = (&gpu.device, &gpu.queue);
     let root = |i: usize| 0.04 * Vec3::new((i % 8) as f32, 0.0, (i / 8) as f32);
     let mut strands = Strands::default();
@@ -265,13 +260,13 @@ fn moved_by_capsules(gpu: &Gpu, renderer: &HairRenderer, spared: Option<usize>) 
     };
     let colliders = ColliderPoses { head: None, colliders: (0..64).map(pose).collect() };
     let mut hair =
-        Hair::with_colliders(device, queue, renderer, &groom, &HairOptions::default(), &what).unwrap();
+        Hair::with_colliders(device, queue, pipelines, &groom, &HairOptions::default(), &what).unwrap();
     // Strands shall know nothing of each other.
     let physics = SimulationParams { hair_hair: HairHair::OFF, ..Default::default() };
     let mut read = |dt: f32| {
         let mut encoder = device.create_command_encoder(&Default::default());
         let frame = Frame { dt, head: Pose::IDENTITY, colliders: &colliders, simulation: &physics };
-        Recorder { renderer, device, queue, encoder: &mut encoder, timings: None }
+        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
             .simulate(&mut hair, &frame)
             .unwrap();
         queue.submit([encoder.finish()]);
@@ -293,14 +288,14 @@ fn moved_by_capsules(gpu: &Gpu, renderer: &HairRenderer, spared: Option<usize>) 
 #[test]
 fn each_of_sixty_four_capsules_acts() {
     let Some(gpu) = common::gpu() else { return };
-    let Some(renderer) = common::renderer() else { return };
+    let Some(pipelines) = common::pipelines() else { return };
     let least = |moved: &[f32]| moved.iter().copied().fold(f32::MAX, f32::min);
-    let all = moved_by_capsules(gpu, renderer, None);
+    let all = moved_by_capsules(gpu, pipelines, None);
     println!("strands are moved by {} mm or more", 1e3 * least(&all));
     assert!(least(&all) > 0.01, "{all:?}");
     // A strand without a capsule is seen, whichever word of the masks its capsule is in.
     for spared in [0, 31, 32, 63] {
-        let moved = moved_by_capsules(gpu, renderer, Some(spared));
+        let moved = moved_by_capsules(gpu, pipelines, Some(spared));
         assert!(moved[spared] < 1e-3, "{spared}: {}", moved[spared]);
         let still: Vec<_> = (0..64).filter(|i| moved[*i] < 0.01).collect();
         assert_eq!(still, [spared], "{moved:?}");

@@ -4,11 +4,12 @@ use crate::common;
 
 use common::{gpu, metre_is_pixel, picture};
 use tresses::{
-    draw::{DrawOptions, DrawStage, HairSet, Scene, Targets, View},
+    Camera, Pipelines, View,
     glam::Vec3,
     gpu::{Gpu, readback::blocking as readback},
-    light::{HairMaterial, ShadingModel, ShadingRate, ShadowMethod, Sphere},
+    light::{HairMaterial, HairSet, ShadingModel, ShadingRate, ShadowMethod, Sphere},
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
+    view::{Picture, ViewOptions},
 };
 
 fn upload(gpu: &Gpu, radius: f32, strands: &[[Vec3; 2]]) -> StrandBuffers {
@@ -28,8 +29,21 @@ fn upload(gpu: &Gpu, radius: f32, strands: &[[Vec3; 2]]) -> StrandBuffers {
     buffers
 }
 
-fn render(gpu: &Gpu, stage: &DrawStage, scene: &Scene, hair: &HairSet, targets: &Targets) -> Vec<u8> {
-    picture(gpu, stage, scene, hair, None, targets)
+/// Pipelines, and a view of `size`² pixels of so many samples and texels along each axis.
+fn view(gpu: &Gpu, size: u32, samples: u32, ssaa: u32) -> (&'static Pipelines, View) {
+    let pipelines = common::pipelines().expect("there is a GPU");
+    let options = ViewOptions { samples, ..Default::default() };
+    let view = View::new(&gpu.device, pipelines, &options, [size, size], ssaa).expect("fits");
+    (pipelines, view)
+}
+
+fn render(
+    gpu: &Gpu,
+    (pipelines, view): &(&'static Pipelines, View),
+    scene: &Picture,
+    hair: &HairSet,
+) -> Vec<u8> {
+    picture(gpu, (pipelines, view), scene, &[hair], &[])
 }
 
 const SIZE: u32 = 512;
@@ -53,18 +67,17 @@ fn coverage(gpu: &Gpu, width: f32, samples: u32, ssaa: u32) -> (f64, f64) {
             [center - half, center + half]
         })
         .collect();
-    let stage = common::stage(gpu, &DrawOptions { samples, ..Default::default() });
+    let view = view(gpu, SIZE, samples, ssaa);
     let strands_count = strands.len();
     let buffers = upload(gpu, 0.5 * width, &strands);
-    let hair = HairSet::new(&gpu.device, &stage, &buffers).expect("fits");
-    let targets = Targets::new(&gpu.device, SIZE, SIZE, samples, ssaa).expect("fits");
+    let hair = HairSet::new(&gpu.device, &buffers).expect("fits");
     let half = SIZE as f32 * 0.5;
-    let scene = Scene {
-        view: metre_is_pixel(SIZE),
+    let scene = Picture {
+        camera: metre_is_pixel(SIZE),
         focus: Sphere { center: Vec3::new(half, half, 0.0), radius: SIZE as f32 },
         ..common::dark()
     };
-    let picture = render(gpu, &stage, &scene, &hair, &targets);
+    let picture = render(gpu, &view, &scene, &hair);
     let drawn: f64 = picture.chunks(4).map(|pixel| f64::from(pixel[3]) / 255.0).sum();
     (f64::from(width * LENGTH) * strands_count as f64, drawn)
 }
@@ -94,7 +107,7 @@ fn strips_cover_their_area() {
 #[test]
 fn light_is_finite_and_bounded() {
     let Some(gpu) = gpu() else { return };
-    let stage = common::stage(gpu, &DrawOptions { samples: 1, ..Default::default() });
+    let view = view(gpu, 16, 1, 1);
     // A ball of directions, well apart so that no strand shades another.
     let strands: Vec<_> = (0..600)
         .map(|i| {
@@ -106,24 +119,24 @@ fn light_is_finite_and_bounded() {
             [at, at + direction.any_orthonormal_vector() * 0.001 + direction * 0.002]
         })
         .collect();
-    let hair = HairSet::new(&gpu.device, &stage, &upload(gpu, 4e-5, &strands)).expect("fits");
-    let targets = Targets::new(&gpu.device, 16, 16, 1, 1).expect("fits");
+    let mut hair = HairSet::new(&gpu.device, &upload(gpu, 4e-5, &strands)).expect("fits");
     let models = [ShadingModel::KajiyaKay, ShadingModel::Fiber];
     for (name, model) in HairMaterial::NAMES.iter().flat_map(|name| models.map(|model| (name, model))) {
         let mut brightest = 0f32;
+        hair.material = HairMaterial { model, ..HairMaterial::named(name).expect("a preset") };
         for eye in [Vec3::Z, Vec3::X, Vec3::NEG_Z, Vec3::Y * 0.99 + Vec3::Z * 0.1, Vec3::new(-0.5, 0.6, 0.4)]
         {
-            let mut scene = Scene {
-                view: View::look_at(eye, Vec3::ZERO, 0.6, [16, 16]),
+            let mut scene = Picture {
+                camera: Camera::look_at(eye, Vec3::ZERO, 0.6, [16, 16]),
                 focus: Sphere { center: Vec3::ZERO, radius: 0.3 },
-                hair: HairMaterial { model, ..HairMaterial::named(name).expect("a preset") },
                 shading: ShadingRate::PerVertex,
                 ..Default::default()
             };
             // Also where light, tangent and eye are on one line.
             scene.lights.directional[0].direction = eye.normalize();
-            render(gpu, &stage, &scene, &hair, &targets);
-            let shaded: Vec<u16> = readback::buffer(&gpu.device, &gpu.queue, hair.shaded()).expect("values");
+            render(gpu, &view, &scene, &hair);
+            let shaded: Vec<u16> =
+                readback::buffer(&gpu.device, &gpu.queue, &view.1.shaded(&hair).unwrap()).expect("values");
             for texel in shaded.chunks(4) {
                 for bits in &texel[..3] {
                     let value = half(*bits);
@@ -152,7 +165,7 @@ fn half(bits: u16) -> f32 {
 #[test]
 fn hair_shades_hair() {
     let Some(gpu) = gpu() else { return };
-    let stage = common::stage(gpu, &DrawOptions { samples: 1, ..Default::default() });
+    let view = view(gpu, 64, 1, 1);
     // Two curtains without gaps, the second a centimetre behind the first, as the key light sees
     // it, and shorter, so that it does not see past the other's ends.
     let curtain = |z: f32, tall: f32| {
@@ -162,18 +175,17 @@ fn hair_shades_hair() {
         })
     };
     let strands: Vec<_> = curtain(0.0, 0.06).chain(curtain(-0.01, 0.05)).collect();
-    let hair = HairSet::new(&gpu.device, &stage, &upload(gpu, 1e-4, &strands)).expect("fits");
-    let targets = Targets::new(&gpu.device, 64, 64, 1, 1).expect("fits");
-    let mut scene = Scene {
-        view: View::look_at(Vec3::new(0.0, 0.0, 0.5), Vec3::ZERO, 0.15, [64, 64]),
+    let mut hair = HairSet::new(&gpu.device, &upload(gpu, 1e-4, &strands)).expect("fits");
+    let mut scene = Picture {
+        camera: Camera::look_at(Vec3::new(0.0, 0.0, 0.5), Vec3::ZERO, 0.15, [64, 64]),
         focus: Sphere { center: Vec3::ZERO, radius: 0.1 },
         shading: ShadingRate::PerPixel,
         ..Default::default()
     };
     scene.lights.directional[0].direction = Vec3::Z;
     // With two vertices per strand, what bends or jumps along a strand cannot agree.
-    scene.hair.root_darkness = 1.0;
-    scene.hair.shift_noise = 0.0;
+    hair.material.root_darkness = 1.0;
+    hair.material.shift_noise = 0.0;
     scene.shadows.ambient = false;
     // How many fibres each method counts before the second curtain, whose hairs stand 1.6 deep.
     let behind = scene.shadows.density * (0.01 - scene.shadows.bias);
@@ -183,8 +195,9 @@ fn hair_shades_hair() {
         (ShadowMethod::DeepOpacity, 1.6, 0.15),
     ] {
         scene.shadows.method = method;
-        render(gpu, &stage, &scene, &hair, &targets);
-        let shaded: Vec<u8> = readback::buffer(&gpu.device, &gpu.queue, hair.shaded()).expect("values");
+        render(gpu, &view, &scene, &hair);
+        let shaded: Vec<u8> =
+            readback::buffer(&gpu.device, &gpu.queue, &view.1.shaded(&hair).unwrap()).expect("values");
         let mean = |strands: std::ops::Range<usize>| {
             let count = strands.len() as f32;
             // The key light's byte of the first of two vertices of eight bytes.
@@ -197,10 +210,10 @@ fn hair_shades_hair() {
         assert!(front < if method == ShadowMethod::DeepOpacity { 0.8 } else { 0.01 }, "{method:?}: {front}");
         assert!((back - expected).abs() < tolerance, "{method:?}: {back}, not {expected}");
     }
-    let pixels = render(gpu, &stage, &scene, &hair, &targets);
+    let pixels = render(gpu, &view, &scene, &hair);
 
     scene.shading = ShadingRate::PerVertex;
-    let vertices = render(gpu, &stage, &scene, &hair, &targets);
+    let vertices = render(gpu, &view, &scene, &hair);
     let level = |picture: &[u8]| picture.iter().map(|v| f64::from(*v)).sum::<f64>() / picture.len() as f64;
     let (a, b) = (level(&pixels), level(&vertices));
     assert!((a - b).abs() < 4.0, "per pixel {a}, per vertex {b}");

@@ -1,14 +1,14 @@
 //! Hair in somebody else's scene: what is in front of it hides it, what is not covered keeps its bits, and
 //! the scene's way of writing depth does not matter.
 
-use crate::common::{self, Lease};
+use crate::common;
 
 use half::f16;
 use tresses::{
-    Hair, HairRenderer, Pose,
+    Camera, Hair, Pipelines, Pose, View,
     collide::ColliderPoses,
-    draw::{Coverage, DrawOptions, Embed, Scene, Surroundings, Targets, View},
-    frame::{Frame, Recorder},
+    draw::{Coverage, Embed, Surroundings},
+    frame::{Frame, Recorder, Shows, Sight},
     glam::{
         Mat4, Vec3, Vec4,
         camera::rh::proj::directx::{orthographic, perspective},
@@ -17,6 +17,7 @@ use tresses::{
     groom::bind,
     light::{Lights, Sphere},
     simulate::SimulationParams,
+    view::{Picture, ViewOptions},
     wgpu::{self, TextureFormat, TextureUsages},
 };
 
@@ -28,37 +29,38 @@ const FOV: f32 = 0.5;
 /// A scene of one colour and one depth, and the hair that is drawn into it.
 struct Stage<'a> {
     gpu: &'a Gpu,
-    renderer: Lease<HairRenderer>,
+    pipelines: &'static Pipelines,
     embed: Embed,
     hair: Hair,
-    targets: Targets,
-    scene: Scene,
+    view: View,
+    scene: Picture,
 }
 
 impl<'a> Stage<'a> {
-    fn new(gpu: &'a Gpu, options: &DrawOptions, ssaa: u32) -> Self {
+    fn new(gpu: &'a Gpu, options: &ViewOptions, ssaa: u32) -> Self {
         let Gpu { device, queue, .. } = gpu;
-        let renderer = common::drawing(gpu, options);
+        let pipelines = common::pipelines().expect("there is a GPU");
         let groom = bind(&common::hanging(500, 16, 0.12), &Default::default()).unwrap();
         let field = common::ball(0.085, 32);
         let mut hair =
-            Hair::new(device, queue, &renderer, &groom, &Default::default(), Some(&field)).unwrap();
+            Hair::new(device, queue, pipelines, &groom, &Default::default(), Some(&field)).unwrap();
         let mut encoder = device.create_command_encoder(&Default::default());
         let (colliders, simulation) = (&ColliderPoses::default(), &SimulationParams::default());
-        Recorder { renderer: &renderer, device, queue, encoder: &mut encoder, timings: None }
+        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
             .advance(&mut hair, &Frame { dt: 0.0, head: Pose::IDENTITY, colliders, simulation })
             .unwrap();
         queue.submit([encoder.finish()]);
-        let scene = Scene {
-            view: View::look_at(Vec3::Z * DISTANCE, Vec3::ZERO, FOV, SIZE),
+        let scene = Picture {
+            camera: Camera::look_at(Vec3::Z * DISTANCE, Vec3::ZERO, FOV, SIZE),
             focus: Sphere { center: Vec3::ZERO, radius: 0.3 },
             lights: Lights::around(0.3),
             ..Default::default()
         };
         Self {
-            embed: Embed::new(device, options, TextureFormat::Rgba16Float).unwrap(),
-            targets: Targets::new(device, SIZE[0], SIZE[1], options.samples, ssaa).unwrap(),
-            renderer,
+            embed: Embed::new(device, (options.samples, options.coverage), TextureFormat::Rgba16Float)
+                .unwrap(),
+            view: View::new(device, pipelines, options, SIZE, ssaa).unwrap(),
+            pipelines,
             hair,
             scene,
             gpu,
@@ -108,14 +110,10 @@ impl<'a> Stage<'a> {
             ..Default::default()
         });
         let into = Surroundings { color: &picture_view, depth: &depths, projection };
-        Recorder { renderer: &self.renderer, device, queue, encoder: &mut encoder, timings: None }.draw_into(
-            &self.hair,
-            None,
-            &self.scene,
-            &self.targets,
-            &self.embed,
-            &into,
-        );
+        let sight = Sight { shows: Shows::Over(&self.embed, into), ..Sight::new(&self.view, &self.scene) };
+        Recorder { pipelines: self.pipelines, device, queue, encoder: &mut encoder, timings: None }
+            .draw(&[&self.hair], &[], sight)
+            .unwrap();
         queue.submit([encoder.finish()]);
         let bytes = pollster::block_on(readback::texture(device, queue, &picture)).unwrap();
         let texels: Vec<[f16; 4]> = bytemuck::pod_collect_to_vec(&bytes);
@@ -144,7 +142,7 @@ fn hair_is_hidden_by_what_is_in_front_of_it() {
     let blue = Vec4::new(0.125, 0.25, 0.5, 1.0);
     let usual = perspective(FOV, SIZE[0] as f32 / SIZE[1] as f32, 0.05, 50.0);
     for (samples, ssaa) in [(4, 1), (1, 1), (1, 2)] {
-        let options = DrawOptions { samples, shadow_resolution: 64, ..Default::default() };
+        let options = ViewOptions { samples, shadow_resolution: 64, ..Default::default() };
         let stage = Stage::new(gpu, &options, ssaa);
         let [free, halved, hidden] = [20.0, DISTANCE, 0.3].map(|at| stage.wall(blue, usual, at));
         let [some, half, none] = [&free, &halved, &hidden].map(|picture| covered(picture, blue));
@@ -160,7 +158,7 @@ fn hair_is_hidden_by_what_is_in_front_of_it() {
 
         // Whichever way its depth runs, and however far it reaches, the wall hides the same hair.
         let aspect = SIZE[0] as f32 / SIZE[1] as f32;
-        let reversed = View::perspective(FOV, aspect, 0.02);
+        let reversed = Camera::perspective(FOV, aspect, 0.02);
         let short = perspective(FOV, aspect, 0.2, 4.0);
         for other in [reversed, short] {
             let picture = stage.wall(blue, other, DISTANCE);
@@ -180,7 +178,7 @@ fn hair_is_blended_over_the_scene() {
     let Some(gpu) = common::gpu() else { return };
     let projection = perspective(FOV, SIZE[0] as f32 / SIZE[1] as f32, 0.05, 50.0);
     for coverage in [Coverage::SampleMask, Coverage::AlphaToCoverage] {
-        let options = DrawOptions { samples: 4, coverage, shadow_resolution: 64, ..Default::default() };
+        let options = ViewOptions { samples: 4, coverage, shadow_resolution: 64, ..Default::default() };
         let stage = Stage::new(gpu, &options, 1);
         let [black, grey, white] =
             [0.0, 0.5, 1.0].map(|c| stage.wall(Vec4::new(c, c, c, 1.0), projection, 20.0));
@@ -199,6 +197,5 @@ fn hair_is_blended_over_the_scene() {
         }
         assert!(partial > 100, "{coverage:?}: {partial} pixels are partly covered");
     }
-    let peeling = DrawOptions { coverage: Coverage::DepthPeeling { layers: 4 }, ..Default::default() };
-    assert!(Embed::new(&gpu.device, &peeling, TextureFormat::Rgba16Float).is_err());
+    assert!(Embed::new(&gpu.device, (1, Coverage::PEELING), TextureFormat::Rgba16Float).is_err());
 }

@@ -4,14 +4,16 @@ use crate::common;
 
 use std::path::Path;
 use tresses::{
-    draw::{DrawOptions, HairSet, Scene, Targets, View},
+    Camera, View,
     glam::{DVec3, Mat3, Vec3},
     gpu::{Gpu, readback::blocking as readback},
     light::{
-        Directional, Environment, FiberMaterial, HairMaterial, Lights, MAX_LIGHTS, ShadingModel, Sky, Sphere,
+        Directional, Environment, FiberMaterial, HairMaterial, HairSet, Lights, MAX_LIGHTS, ShadingModel,
+        ShadowMethod, Shadows, Sky, Sphere,
         fiber::{FarField, FiberShape, bsdf},
     },
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
+    view::{Picture, ViewOptions},
 };
 
 /// A file of the references, where there are some.
@@ -127,37 +129,38 @@ fn on_gpu(gpu: &Gpu, view: &View1, material: FiberMaterial) -> Vec<Vec3> {
             [0.0, 1e-5].map(|y| StrandVertex { position: at(y), tangent })
         })
         .collect();
-    let stage = common::stage(gpu, &DrawOptions { samples: 1, shadow_resolution: 64, ..Default::default() });
+    let pipelines = common::pipelines().expect("there is a GPU");
+    let options = ViewOptions { samples: 1, shadow_resolution: 64, ..Default::default() };
+    let eye = View::new(device, pipelines, &options, [16, 16], 1).expect("fits");
     let strands = StrandBuffers::new(device, count, 2).expect("fits");
     queue.write_buffer(&strands.vertices, 0, bytemuck::cast_slice(&vertices));
     let info = vec![Strand { radius: 1e-4, seed: 7, root_color: 0, tip_color: 0 }; count as usize];
     queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&info));
-    let hair = HairSet::new(device, &stage, &strands).expect("fits");
-    let targets = Targets::new(device, 16, 16, 1, 1).expect("fits");
+    let mut hair = HairSet::new(device, &strands).expect("fits");
+    hair.material = HairMaterial {
+        model: ShadingModel::Fiber,
+        fiber: material,
+        warmth_spread: 0.0,
+        ..Default::default()
+    };
     let mut lights = Lights {
         directional: [Directional::OFF; MAX_LIGHTS],
         sky: Sky::default(),
         environment: Environment::default(),
     };
     lights.directional[0] = Directional { direction: to_light, irradiance: Vec3::ONE };
-    let scene = Scene {
-        view: View::look_at(Vec3::ZERO, Vec3::Z, 1.0, [16, 16]),
+    // Each fibre is alone: none is before another.
+    let shadows = Shadows { method: ShadowMethod::Off, ..Default::default() };
+    let picture = Picture {
+        camera: Camera::look_at(Vec3::ZERO, Vec3::Z, 1.0, [16, 16]),
         focus: Sphere { center: Vec3::ZERO, radius: 3.0 },
         lights,
-        hair: HairMaterial {
-            model: ShadingModel::Fiber,
-            fiber: material,
-            warmth_spread: 0.0,
-            ..Default::default()
-        },
+        shadows,
         ..Default::default()
     };
-    let mut encoder = device.create_command_encoder(&Default::default());
-    stage.prepare(queue, &scene, &targets, Some(&hair), None);
-    stage.shadow(&mut encoder, None, &scene, None, None);
-    stage.shade(&mut encoder, None, &hair);
-    queue.submit([encoder.finish()]);
-    let shaded: Vec<[u32; 2]> = readback::buffer(device, queue, hair.shaded()).expect("read back");
+    common::picture(gpu, (pipelines, &eye), &picture, &[&hair], &[]);
+    let shaded: Vec<[u32; 2]> =
+        readback::buffer(device, queue, &eye.shaded(&hair).unwrap()).expect("read back");
     let half = |bits: u32| half::f16::from_bits(bits as u16).to_f32();
     shaded.iter().step_by(2).map(|[rg, b]| Vec3::new(half(*rg), half(rg >> 16), half(*b))).collect()
 }

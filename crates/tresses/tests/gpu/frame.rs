@@ -4,7 +4,7 @@
 use crate::common;
 
 use tresses::{
-    Hair, HairOptions, HairRenderer, Pose,
+    Hair, HairOptions, Pipelines, Pose,
     collide::ColliderPoses,
     frame::{Frame, Recorder},
     glam::{Quat, Vec3},
@@ -18,7 +18,7 @@ const HEAD: f32 = 0.09;
 
 struct Stage {
     gpu: &'static Gpu,
-    renderer: &'static HairRenderer,
+    pipelines: &'static Pipelines,
     groom: Groom,
     field: SdfGrid,
 }
@@ -35,13 +35,13 @@ impl Stage {
         let mut groom = bind(&common::hanging(300, 16, 0.12), &BindOptions::default()).unwrap();
         // As the hair has them.
         tresses::lod::arrange(&mut groom.strands);
-        Some(Self { renderer: common::renderer()?, groom, field: common::ball(HEAD, 64), gpu })
+        Some(Self { pipelines: common::pipelines()?, groom, field: common::ball(HEAD, 64), gpu })
     }
 
     fn hair(&self) -> Hair {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         let options = HairOptions::default();
-        Hair::new(device, queue, self.renderer, &self.groom, &options, Some(&self.field)).unwrap()
+        Hair::new(device, queue, self.pipelines, &self.groom, &options, Some(&self.field)).unwrap()
     }
 
     fn advance(&self, hair: &mut Hair, head: Pose, dt: f32) {
@@ -53,8 +53,8 @@ impl Stage {
             colliders: &ColliderPoses::default(),
             simulation: &SimulationParams::default(),
         };
-        let renderer = self.renderer;
-        Recorder { renderer, device, queue, encoder: &mut encoder, timings: None }
+        let pipelines = self.pipelines;
+        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
             .advance(hair, &input)
             .unwrap();
         queue.submit([encoder.finish()]);

@@ -5,12 +5,14 @@ use crate::common;
 
 use std::path::Path;
 use tresses::{
-    draw::{Body, DrawOptions, HairSet, Scene, Targets, View},
+    Camera, View,
+    body::Body,
     glam::Vec3,
     gpu::Gpu,
     groom::TriMesh,
-    light::{FiberMaterial, HairMaterial, ShadingModel, Sphere},
+    light::{FiberMaterial, HairMaterial, HairSet, ShadingModel, Sphere},
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
+    view::{Picture, ViewOptions},
 };
 
 const SIZE: [u32; 2] = [120, 96];
@@ -73,17 +75,18 @@ fn ball() -> TriMesh {
 }
 
 pub fn picture(gpu: &Gpu, hair_material: HairMaterial) -> Vec<u8> {
-    let stage = common::stage(gpu, &DrawOptions { shadow_resolution: 256, ..Default::default() });
-    let hair = HairSet::new(&gpu.device, &stage, &strands(gpu)).expect("fits");
-    let body = Body::new(&gpu.device, &stage, &ball());
-    let targets = Targets::new(&gpu.device, SIZE[0], SIZE[1], 4, 1).expect("fits");
-    let scene = Scene {
-        view: View::look_at(Vec3::new(0.2, 0.12, 0.5), Vec3::new(0.0, -0.01, 0.0), 0.38, SIZE),
+    let pipelines = common::pipelines().expect("there is a GPU");
+    let options = ViewOptions { shadow_resolution: 256, ..Default::default() };
+    let view = View::new(&gpu.device, pipelines, &options, SIZE, 1).expect("fits");
+    let mut hair = HairSet::new(&gpu.device, &strands(gpu)).expect("fits");
+    hair.material = hair_material;
+    let body = Body::new(&gpu.device, &ball());
+    let picture = Picture {
+        camera: Camera::look_at(Vec3::new(0.2, 0.12, 0.5), Vec3::new(0.0, -0.01, 0.0), 0.38, SIZE),
         focus: Sphere { center: Vec3::ZERO, radius: 0.15 },
-        hair: hair_material,
         ..Default::default()
     };
-    common::picture(gpu, &stage, &scene, &hair, Some(&body), &targets)
+    common::picture(gpu, (pipelines, &view), &picture, &[&hair], &[&body])
 }
 
 /// Mean and 99th percentile of the differences of all channels, in steps of 1/255.

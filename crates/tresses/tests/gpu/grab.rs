@@ -3,7 +3,7 @@
 use crate::common;
 
 use tresses::{
-    Hair, HairOptions, HairRenderer, Pose,
+    Hair, HairOptions, Pipelines, Pose,
     collide::{Collider, ColliderPoses, Shape},
     frame::{Frame, Recorder},
     glam::{Quat, Vec3},
@@ -20,7 +20,7 @@ const RADIUS: f32 = 0.015;
 
 struct Stage {
     gpu: &'static Gpu,
-    renderer: &'static HairRenderer,
+    pipelines: &'static Pipelines,
     groom: Groom,
     field: SdfGrid,
     physics: SimulationParams,
@@ -39,7 +39,7 @@ impl Stage {
         let mut physics = SimulationParams::default();
         physics.hair_hair.mode = HairHairMode::Off;
         Some(Self {
-            renderer: common::renderer()?,
+            pipelines: common::pipelines()?,
             groom: bind(
                 &common::hanging(300, 16, 0.2),
                 &BindOptions { guides: GuideCount::OneIn(2), ..Default::default() },
@@ -56,7 +56,7 @@ impl Stage {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         let options = HairOptions { simulation: self.physics, ..Default::default() };
         let mut hair =
-            Hair::new(device, queue, self.renderer, &self.groom, &options, Some(&self.field)).unwrap();
+            Hair::new(device, queue, self.pipelines, &self.groom, &options, Some(&self.field)).unwrap();
         for _ in 0..31 {
             self.advance(&mut hair, Pose::IDENTITY, 1.0 / 60.0, &[]);
         }
@@ -79,8 +79,8 @@ impl Stage {
         let mut encoder = device.create_command_encoder(&Default::default());
         let poses = ColliderPoses { head: None, colliders: colliders.to_vec() };
         let frame = Frame { dt, head, colliders: &poses, simulation };
-        let renderer = self.renderer;
-        Recorder { renderer, device, queue, encoder: &mut encoder, timings: None }
+        let pipelines = self.pipelines;
+        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
             .advance(hair, &frame)
             .unwrap();
         queue.submit([encoder.finish()]);
@@ -351,7 +351,7 @@ fn a_ball_comes_pushes_hair_and_goes() {
     let poses = ColliderPoses { head: None, colliders: vec![Pose::IDENTITY] };
     let frame = Frame { dt: 0.0, head: Pose::IDENTITY, colliders: &poses, simulation: &stage.physics };
     let mut encoder = device.create_command_encoder(&Default::default());
-    let renderer = stage.renderer;
-    let mut recorder = Recorder { renderer, device, queue, encoder: &mut encoder, timings: None };
+    let pipelines = stage.pipelines;
+    let mut recorder = Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None };
     assert!(recorder.advance(&mut hair, &frame).is_err());
 }

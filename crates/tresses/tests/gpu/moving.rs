@@ -2,7 +2,7 @@
 #![allow(dead_code)]
 
 use tresses::{
-    Hair, HairOptions, HairRenderer, Pose,
+    Hair, HairOptions, Pipelines, Pose,
     avoid::{AvoidMode, AvoidOptions, StrandState},
     collide::ColliderPoses,
     frame::{Frame, Recorder},
@@ -39,9 +39,9 @@ pub struct Character {
 }
 
 impl Character {
-    pub fn hair(&self, gpu: &Gpu, renderer: &HairRenderer, avoid: AvoidOptions) -> Hair {
+    pub fn hair(&self, gpu: &Gpu, pipelines: &Pipelines, avoid: AvoidOptions) -> Hair {
         let options = HairOptions { avoid, ..Default::default() };
-        Hair::new(&gpu.device, &gpu.queue, renderer, &self.groom, &options, Some(&self.field)).unwrap()
+        Hair::new(&gpu.device, &gpu.queue, pipelines, &self.groom, &options, Some(&self.field)).unwrap()
     }
 
     /// The head turned by `angle` radians.
@@ -58,33 +58,33 @@ impl Character {
 }
 
 /// Moves the hair on by `dt` seconds.
-pub fn advance(gpu: &Gpu, renderer: &HairRenderer, hair: &mut Hair, head: Pose, dt: f32) {
-    record(gpu, renderer, head, dt, |recorder, frame| recorder.advance(hair, frame).unwrap());
+pub fn advance(gpu: &Gpu, pipelines: &Pipelines, hair: &mut Hair, head: Pose, dt: f32) {
+    record(gpu, pipelines, head, dt, |recorder, frame| recorder.advance(hair, frame).unwrap());
 }
 
 /// The strands of the present guides as `mode` has them. With [`AvoidMode::ChangeOver`] only what
 /// the last [`advance`] left; nothing that is remembered changes otherwise.
 pub fn drawn(
     gpu: &Gpu,
-    renderer: &HairRenderer,
+    pipelines: &Pipelines,
     hair: &mut Hair,
     head: Pose,
     mode: AvoidMode,
 ) -> Vec<StrandVertex> {
     if mode != AvoidMode::ChangeOver {
         let before = std::mem::replace(&mut hair.avoidance.options.mode, mode);
-        record(gpu, renderer, head, 0.0, |recorder, frame| recorder.follow(hair, frame));
+        record(gpu, pipelines, head, 0.0, |recorder, frame| recorder.follow(hair, frame).unwrap());
         hair.avoidance.options.mode = before;
     }
     readback::buffer(&gpu.device, &gpu.queue, &hair.strands.vertices).unwrap()
 }
 
 /// Runs only the search for first hits.
-pub fn search(gpu: &Gpu, renderer: &HairRenderer, hair: &Hair) -> Vec<StrandState> {
+pub fn search(gpu: &Gpu, pipelines: &Pipelines, hair: &Hair) -> Vec<StrandState> {
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     hair.avoidance.record_search(
         &mut encoder.begin_compute_pass(&Default::default()),
-        &renderer.avoid,
+        &pipelines.avoid,
         &hair.colliders,
         &hair.strands,
     );
@@ -98,7 +98,7 @@ pub fn states(gpu: &Gpu, hair: &Hair) -> Vec<StrandState> {
 
 fn record(
     gpu: &Gpu,
-    renderer: &HairRenderer,
+    pipelines: &Pipelines,
     head: Pose,
     dt: f32,
     what: impl FnOnce(&mut Recorder<'_>, &Frame<'_>),
@@ -107,6 +107,6 @@ fn record(
     let mut encoder = device.create_command_encoder(&Default::default());
     let frame =
         Frame { dt, head, colliders: &ColliderPoses::default(), simulation: &SimulationParams::default() };
-    what(&mut Recorder { renderer, device, queue, encoder: &mut encoder, timings: None }, &frame);
+    what(&mut Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }, &frame);
     queue.submit([encoder.finish()]);
 }

@@ -19,21 +19,20 @@ fn simulate() {
 #[test]
 fn a_frame_is_recorded_on_baseline_webgpu() {
     use tresses::{
-        Hair, HairOptions, HairRenderer, Pose,
+        Hair, HairOptions, Pipelines, Pose, View,
+        body::Body,
         collide::{
             Anchor, Collider, ColliderDescriptor, ColliderPoses, FieldBuilder, FieldId, FieldSource, Shape,
         },
-        draw::{
-            Body, Scene, Targets,
-            debug::{DebugView, DebugViews, Shown},
-        },
-        frame::{Frame, Recorder},
+        draw::debug::{DebugView, DebugViews, Shown},
+        frame::{Frame, Recorder, Shows, Sight},
         groom::{BindOptions, TriMesh, bind},
         simulate::SimulationParams,
+        view::Picture,
     };
     let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
     assert_eq!(device.limits().max_storage_buffers_per_shader_stage, 8);
-    let renderer = HairRenderer::new(&device, &Default::default());
+    let pipelines = Pipelines::new(&device);
     let groom = bind(&common::hanging(50, 16, 0.1), &BindOptions::default()).unwrap();
     let field = common::ball(0.09, 16);
     let options = HairOptions::default();
@@ -52,10 +51,12 @@ fn a_frame_is_recorded_on_baseline_webgpu() {
     let made = FieldSource::Mesh { builder: &builder, mesh: &cube, options: &Default::default() };
     let fields = [FieldSource::Grid(&field), made];
     let colliders = ColliderDescriptor { head: Some(&field), fields: &fields, colliders: &list };
-    let mut hair = Hair::with_colliders(&device, &queue, &renderer, &groom, &options, &colliders).unwrap();
+    let mut hair = Hair::with_colliders(&device, &queue, &pipelines, &groom, &options, &colliders).unwrap();
     let more = [list.as_slice(), &list[..1]].concat();
     let error = |colliders: &ColliderDescriptor<'_>| {
-        Hair::with_colliders(&device, &queue, &renderer, &groom, &options, colliders).unwrap_err().to_string()
+        Hair::with_colliders(&device, &queue, &pipelines, &groom, &options, colliders)
+            .unwrap_err()
+            .to_string()
     };
     assert!(error(&ColliderDescriptor { colliders: &more, ..colliders }).contains("129 are more than 128"));
     assert!(error(&ColliderDescriptor { fields: &fields[..1], ..colliders }).contains("no field 1, only 1"));
@@ -65,8 +66,8 @@ fn a_frame_is_recorded_on_baseline_webgpu() {
         colors: Vec::new(),
         triangles: vec![[0, 1, 2]],
     };
-    let body = Body::new(&device, &renderer.draw, &triangle);
-    let targets = Targets::new(&device, 64, 64, 4, 1).unwrap();
+    let body = Body::new(&device, &triangle);
+    let view = View::new(&device, &pipelines, &Default::default(), [64, 64], 1).unwrap();
     let input = Frame {
         dt: 1.0 / 60.0,
         head: Pose::IDENTITY,
@@ -75,27 +76,27 @@ fn a_frame_is_recorded_on_baseline_webgpu() {
     };
     let mut encoder = device.create_command_encoder(&Default::default());
     let mut recorder = Recorder {
-        renderer: &renderer,
+        pipelines: &pipelines,
         device: &device,
         queue: &queue,
         encoder: &mut encoder,
         timings: None,
     };
     recorder.advance(&mut hair, &input).unwrap();
-    let scene = Scene::default();
-    recorder.draw(&hair, Some(&body), &scene, &targets, targets.picture());
+    let picture = Picture::default();
+    recorder.draw(&[&hair], &[&body], Sight::new(&view, &picture)).unwrap();
     // A hand in it, and every view of it.
-    hair.grab(&scene.view.ray(20.0, 30.0), 0.02).unwrap();
+    hair.grab(&picture.camera.ray(20.0, 30.0), 0.02).unwrap();
     recorder.advance(&mut hair, &input).unwrap();
-    hair.drag_to(&tresses::simulate::Target::Ray(scene.view.ray(30.0, 30.0))).unwrap();
+    hair.drag_to(&tresses::simulate::Target::Ray(picture.camera.ray(30.0, 30.0))).unwrap();
     recorder.advance(&mut hair, &input).unwrap();
     assert!(hair.grabbed().is_active() && hair.grabbed().state().is_some());
-    let mut views = DebugViews::new(&device, &renderer.draw, tresses::draw::targets::PICTURE_FORMAT);
+    let mut views = DebugViews::new(&device, tresses::draw::targets::PICTURE_FORMAT).unwrap();
     views.set_head(Some(&field));
-    for view in DebugView::ALL {
-        let shown = Shown { wind: glam::Vec3::X, ..Shown::new(view) };
-        let output = targets.picture();
-        recorder.draw_view(&mut views, &shown, &hair, Some(&body), &scene, &targets, output).unwrap();
+    for what in DebugView::ALL {
+        let shown = Shown { wind: glam::Vec3::X, ..Shown::new(what) };
+        let sight = Sight { shows: Shows::Inside(&mut views, &shown), ..Sight::new(&view, &picture) };
+        recorder.draw(&[&hair], &[&body], sight).unwrap();
     }
     queue.submit([encoder.finish()]);
     assert!(hair.bytes() > 50 * 31 * 16);

@@ -1,33 +1,33 @@
 //! Every pipeline of light, draw and present is valid within baseline limits. No GPU needed.
 
 use tresses::{
-    draw::{Body, Coverage, DrawOptions, DrawStage, Embed, HairSet, Scene, Surroundings, Targets, View},
+    Camera, Pipelines, View,
+    body::Body,
+    draw::{Coverage, Embed, Surroundings, Targets},
+    frame::{Recorder, Shows, Sight},
     groom::TriMesh,
-    light::ShadingRate,
+    light::{HairSet, ShadingRate},
     strands::StrandBuffers,
+    view::{Picture, ViewOptions},
 };
 
 /// Builds and records a whole frame with `samples` per pixel; what wgpu objects to.
-fn frame(samples: u32, coverage: Coverage, target_samples: Option<u32>) -> Option<wgpu::Error> {
+fn frame(samples: u32, coverage: Coverage) -> Option<wgpu::Error> {
     let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
+    let (device, queue) = (&device, &queue);
     let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-    let stage = DrawStage::new(&device, &DrawOptions { samples, coverage, ..Default::default() });
-    let strands = StrandBuffers::new(&device, 5000, 16).expect("small enough");
-    let hair = HairSet::new(&device, &stage, &strands).expect("small enough");
-    let body = Body::new(&device, &stage, &TriMesh::default());
-    let targets = match target_samples {
-        Some(samples) => Targets::new(&device, 64, 40, samples, 2),
-        None => stage.targets(&device, 64, 40, 2),
-    };
-    let targets = targets.expect("a fair size");
+    let pipelines = &Pipelines::new(device);
+    let options = ViewOptions { samples, coverage, ..Default::default() };
+    let view = View::new(device, pipelines, &options, [64, 40], 2).expect("a fair size");
+    let strands = StrandBuffers::new(device, 5000, 16).expect("small enough");
+    let hair = [(); 2].map(|()| HairSet::new(device, &strands).expect("small enough"));
+    let body = Body::new(device, &TriMesh::default());
     for shading in [ShadingRate::PerPixel, ShadingRate::PerVertex] {
-        let scene = Scene { shading, ..Default::default() };
+        let picture = Picture { shading, ..Default::default() };
         let mut encoder = device.create_command_encoder(&Default::default());
-        stage.prepare(&queue, &scene, &targets, Some(&hair), Some(&body));
-        stage.shadow(&mut encoder, None, &scene, Some(&hair), Some(&body));
-        stage.shade(&mut encoder, None, &hair);
-        stage.draw(&mut encoder, None, &scene, &targets, Some(&hair), Some(&body));
-        stage.present(&device, &mut encoder, None, &targets, targets.picture());
+        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
+            .draw_strands(&hair.each_ref(), &[&body, &body], Sight::new(&view, &picture))
+            .expect("every pipeline is made");
         queue.submit([encoder.finish()]);
     }
     pollster::block_on(scope.pop())
@@ -42,26 +42,37 @@ fn a_frame_is_valid() {
         (1, Coverage::DepthPeeling { layers: 1 }),
         (1, Coverage::DepthPeeling { layers: Coverage::MAX_LAYERS }),
     ] {
-        let error = frame(samples, coverage, None);
+        let error = frame(samples, coverage);
         assert!(error.is_none(), "{samples} samples, {coverage:?}: {error:?}");
     }
 }
 
 #[test]
-fn wrong_targets_are_refused() {
-    assert!(frame(4, Coverage::SampleMask, Some(1)).is_some());
+fn samples_and_coverage_that_do_not_fit_are_refused() {
+    let (device, _) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
+    let pipelines = Pipelines::new(&device);
+    let options = ViewOptions { samples: 4, coverage: Coverage::PEELING, ..Default::default() };
+    let error = View::new(&device, &pipelines, &options, [64, 40], 1).unwrap_err().to_string();
+    assert!(error.contains("samples"), "{error}");
+    // A view that becomes another keeps what it was where that cannot be.
+    let mut view = View::new(&device, &pipelines, &ViewOptions::default(), [64, 40], 1).unwrap();
+    assert!(view.set_options(&device, &pipelines, &options).is_err());
+    assert_eq!(*view.options(), ViewOptions::default());
+    let fits = ViewOptions { samples: 1, ..options };
+    view.set_options(&device, &pipelines, &fits).unwrap();
+    assert_eq!((view.options(), view.targets().samples), (&fits, 1));
 }
 
 /// Hair in a scene of `format`, recorded; what wgpu objects to.
 fn embedded(samples: u32, format: wgpu::TextureFormat, color: wgpu::TextureFormat) -> Option<wgpu::Error> {
     let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
     let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-    let options = DrawOptions { samples, coverage: Coverage::SampleMask, ..Default::default() };
-    let stage = DrawStage::new(&device, &options);
-    let embed = Embed::new(&device, &options, format).expect("masks");
+    let pipelines = &Pipelines::new(&device);
+    let options = ViewOptions { samples, ..Default::default() };
+    let view = View::new(&device, pipelines, &options, [64, 40], 2).expect("a fair size");
+    let embed = Embed::new(&device, (samples, options.coverage), format).expect("masks");
     let strands = StrandBuffers::new(&device, 5000, 16).expect("small enough");
-    let hair = HairSet::new(&device, &stage, &strands).expect("small enough");
-    let targets = stage.targets(&device, 64, 40, 2).expect("a fair size");
+    let hair = HairSet::new(&device, &strands).expect("small enough");
     let texture = |format, usage| {
         let descriptor = wgpu::TextureDescriptor {
             label: None,
@@ -78,11 +89,14 @@ fn embedded(samples: u32, format: wgpu::TextureFormat, color: wgpu::TextureForma
     let into = Surroundings {
         color: &texture(color, wgpu::TextureUsages::RENDER_ATTACHMENT),
         depth: &texture(wgpu::TextureFormat::Depth24Plus, wgpu::TextureUsages::TEXTURE_BINDING),
-        projection: View::perspective(0.5, 1.6, 0.01),
+        projection: Camera::perspective(0.5, 1.6, 0.01),
     };
     let mut encoder = device.create_command_encoder(&Default::default());
-    let scene = Scene::default();
-    embed.record(&device, &queue, &mut encoder, None, &stage, &scene, &targets, &hair, None, &into);
+    let picture = Picture::default();
+    let sight = Sight { shows: Shows::Over(&embed, into), ..Sight::new(&view, &picture) };
+    Recorder { pipelines, device: &device, queue: &queue, encoder: &mut encoder, timings: None }
+        .draw_strands(&[&hair], &[], sight)
+        .expect("every pipeline is made");
     queue.submit([encoder.finish()]);
     pollster::block_on(scope.pop())
 }
@@ -109,10 +123,8 @@ fn debug_views(format: wgpu::TextureFormat, output: wgpu::TextureFormat) -> Opti
     };
     let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
     let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-    let stage = DrawStage::new(&device, &DrawOptions { samples: 4, ..Default::default() });
-    let mut debug = DebugStage::new(&device, &stage, format);
-    let body = Body::new(&device, &stage, &TriMesh::default());
-    let targets = Targets::new(&device, 64, 40, 4, 1).expect("a fair size");
+    let mut debug = DebugStage::new(&device, format).expect("every pipeline is made");
+    let body = Body::new(&device, &TriMesh::default());
     let texture = |dimension, format, depth_or_array_layers, usage| {
         let size = wgpu::Extent3d { width: 64, height: 40, depth_or_array_layers };
         let descriptor = wgpu::TextureDescriptor {
@@ -158,12 +170,9 @@ fn debug_views(format: wgpu::TextureFormat, output: wgpu::TextureFormat) -> Opti
         Layer::Lines(&outline, paint),
         Layer::Lines(&[], paint),
     ];
-    let scene = Scene::default();
+    let camera = Camera { size: [64, 40], ..Default::default() };
     let mut encoder = device.create_command_encoder(&Default::default());
-    stage.prepare(&queue, &scene, &targets, None, Some(&body));
-    debug
-        .record(&device, &mut encoder, None, &scene, &targets, Some(&body), &picture, &layers)
-        .expect("small enough");
+    debug.record(&device, &mut encoder, None, &camera, &[&body], &picture, &layers).expect("small enough");
     queue.submit([encoder.finish()]);
     Peak::new(&device);
     pollster::block_on(scope.pop())
@@ -182,6 +191,6 @@ fn debug_views_are_valid() {
 #[test]
 fn an_empty_or_huge_picture_is_an_error() {
     let (device, _) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
-    assert!(Targets::new(&device, 0, 10, 1, 1).is_err());
-    assert!(Targets::new(&device, 1_000_000, 10, 1, 1).is_err());
+    assert!(Targets::new(&device, [0, 10], (1, Coverage::SampleMask), 1).is_err());
+    assert!(Targets::new(&device, [1_000_000, 10], (1, Coverage::SampleMask), 1).is_err());
 }

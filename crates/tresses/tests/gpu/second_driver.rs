@@ -31,16 +31,16 @@ struct Made {
 
 fn make(gpu: &Gpu) -> Made {
     let picture = golden::picture(gpu, brown());
-    let renderer = common::renderer().expect("there is a GPU");
+    let pipelines = common::pipelines().expect("there is a GPU");
     let groom = bind(&common::hanging(200, 16, 0.16), &Default::default()).unwrap();
     let character = Character { groom, field: common::ball(0.09, 48), neck: Vec3::new(0.0, 0.0, -0.02) };
-    let mut hair = character.hair(gpu, renderer, AvoidOptions::default());
+    let mut hair = character.hair(gpu, pipelines, AvoidOptions::default());
     let mut motion = Vec::new();
     for i in 0..=36u32 {
         let head = character.head(angle(SHAKE, i as f32 / 60.0));
-        advance(gpu, renderer, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / 60.0 });
+        advance(gpu, pipelines, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / 60.0 });
         if i % 6 == 0 {
-            let vertices = drawn(gpu, renderer, &mut hair, head, AvoidMode::ChangeOver);
+            let vertices = drawn(gpu, pipelines, &mut hair, head, AvoidMode::ChangeOver);
             motion.push(vertices.iter().map(|v| v.position).collect());
         }
     }

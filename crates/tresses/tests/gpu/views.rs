@@ -1,63 +1,62 @@
 //! Views of a whole frame: they leave other pictures alone, differ, and terms of the shading add up.
 
-use crate::common::{self, Lease};
+use crate::common;
 
 use half::f16;
 use tresses::{
-    Hair, HairOptions, HairRenderer, Pose,
+    Camera, Hair, HairOptions, Pipelines, Pose, View,
+    body::Body,
     collide::ColliderPoses,
-    draw::{
-        Body, DrawOptions, Scene, Targets, View,
-        debug::{DebugView, DebugViews, Shown},
-    },
-    frame::{Frame, Recorder},
+    draw::debug::{DebugView, DebugViews, Shown},
+    frame::{Frame, Recorder, Shows, Sight},
     glam::Vec3,
     gpu::{Gpu, readback},
     groom::{BindOptions, bind},
     light::{Lights, ShadingModel, Sphere, Term},
     simulate::SimulationParams,
+    view::{Picture, ViewOptions},
     wind::Wind,
 };
 
 /// A head full of hair in the wind, and all that draws it.
 struct Stage {
     gpu: &'static Gpu,
-    renderer: Lease<HairRenderer>,
+    pipelines: &'static Pipelines,
     views: DebugViews,
     hair: Hair,
     body: Body,
-    targets: Targets,
-    scene: Scene,
+    view: View,
+    scene: Picture,
 }
 
 impl Stage {
     fn new() -> Option<Self> {
         let gpu = common::gpu()?;
         let (device, queue) = (&gpu.device, &gpu.queue);
-        let options = DrawOptions { samples: 4, shadow_resolution: 128, ..Default::default() };
-        let renderer = common::drawing(gpu, &options);
+        let pipelines = common::pipelines().expect("there is a GPU");
         let groom = bind(&common::hanging(400, 16, 0.15), &BindOptions::default()).unwrap();
         let field = common::ball(0.085, 32);
         let options = HairOptions::default();
-        let mut hair = Hair::new(device, queue, &renderer, &groom, &options, Some(&field)).unwrap();
-        let mut views = DebugViews::new(device, &renderer.draw, tresses::draw::targets::PICTURE_FORMAT);
+        let mut hair = Hair::new(device, queue, pipelines, &groom, &options, Some(&field)).unwrap();
+        let mut views = DebugViews::new(device, tresses::draw::targets::PICTURE_FORMAT).unwrap();
         views.set_head(Some(&field));
         let simulation = SimulationParams { wind: Wind::new(Vec3::X * 6.0), ..Default::default() };
         for _ in 0..6 {
             let mut encoder = device.create_command_encoder(&Default::default());
             let colliders = &ColliderPoses::default();
             let frame = Frame { dt: 1.0 / 30.0, head: Pose::IDENTITY, colliders, simulation: &simulation };
-            Recorder { renderer: &renderer, device, queue, encoder: &mut encoder, timings: None }
+            Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
                 .advance(&mut hair, &frame)
                 .unwrap();
             queue.submit([encoder.finish()]);
         }
-        let view = View::look_at(Vec3::new(0.1, 0.05, 0.8), Vec3::ZERO, 0.45, [120, 96]);
+        let camera = Camera::look_at(Vec3::new(0.1, 0.05, 0.8), Vec3::ZERO, 0.45, [120, 96]);
         let focus = Sphere { center: Vec3::ZERO, radius: 0.3 };
-        let scene = Scene { view, focus, lights: Lights::around(0.3), ..Default::default() };
-        let body = Body::new(device, &renderer.draw, &common::cube(0.05));
-        let targets = renderer.draw.targets(device, 120, 96, 1).unwrap();
-        Some(Self { renderer, views, hair, body, targets, scene, gpu })
+        let scene = Picture { camera, focus, lights: Lights::around(0.3), ..Default::default() };
+        let body = Body::new(device, &common::cube(0.05));
+        let options = ViewOptions { shadow_resolution: 128, ..Default::default() };
+        let view = View::new(device, pipelines, &options, [120, 96], 1).unwrap();
+        Some(Self { pipelines, views, hair, body, view, scene, gpu })
     }
 
     /// A picture of a view, or without one; of what it draws, the strands' colours.
@@ -65,37 +64,32 @@ impl Stage {
         let Gpu { device, queue, .. } = self.gpu;
         let mut encoder = device.create_command_encoder(&Default::default());
         let mut recorder =
-            Recorder { renderer: &self.renderer, device, queue, encoder: &mut encoder, timings: None };
-        let (hair, body, targets) = (&self.hair, Some(&self.body), &self.targets);
-        let (scene, output) = (&self.scene, targets.picture());
-        match view {
-            Some(view) => {
-                let shown = Shown { wind: Vec3::X * 6.0, ..Shown::new(view) };
-                recorder.draw_view(&mut self.views, &shown, hair, body, scene, targets, output).unwrap();
-            }
-            None => recorder.draw(hair, body, scene, targets, output),
-        }
+            Recorder { pipelines: self.pipelines, device, queue, encoder: &mut encoder, timings: None };
+        let shown = view.map(|view| Shown { wind: Vec3::X * 6.0, ..Shown::new(view) });
+        let shows = shown.as_ref().map_or(Shows::Hair, |shown| Shows::Inside(&mut self.views, shown));
+        let sight = Sight { shows, ..Sight::new(&self.view, &self.scene) };
+        recorder.draw(&[&self.hair], &[&self.body], sight).unwrap();
         queue.submit([encoder.finish()]);
-        let shaded: Vec<[f16; 4]> =
-            pollster::block_on(readback::buffer(device, queue, hair.set.shaded())).unwrap();
+        let shaded = self.view.shaded(&self.hair.set).unwrap();
+        let shaded: Vec<[f16; 4]> = pollster::block_on(readback::buffer(device, queue, &shaded)).unwrap();
         let colors = shaded.iter().map(|v| Vec3::new(v[0].to_f32(), v[1].to_f32(), v[2].to_f32())).collect();
-        (pollster::block_on(targets.read(device, queue)).unwrap(), colors)
+        (pollster::block_on(self.view.targets().read(device, queue)).unwrap(), colors)
     }
 
     /// What the last picture has lit, with twice the pixels along each axis.
     fn finer(&mut self, anew: bool) -> Vec<u8> {
         let Gpu { device, queue, .. } = self.gpu;
-        let targets = self.renderer.draw.targets(device, 120, 96, 2).unwrap();
+        self.view.resize(device, [120, 96], 2).unwrap();
         let mut encoder = device.create_command_encoder(&Default::default());
         let mut recorder =
-            Recorder { renderer: &self.renderer, device, queue, encoder: &mut encoder, timings: None };
-        let (hair, body, scene, output) = (&self.hair, Some(&self.body), &self.scene, targets.picture());
-        match anew {
-            true => recorder.draw(hair, body, scene, &targets, output),
-            false => recorder.redraw(hair, body, scene, &targets, output),
-        }
+            Recorder { pipelines: self.pipelines, device, queue, encoder: &mut encoder, timings: None };
+        let shows = if anew { Shows::Hair } else { Shows::Again };
+        let sight = Sight { shows, ..Sight::new(&self.view, &self.scene) };
+        recorder.draw(&[&self.hair], &[&self.body], sight).unwrap();
         queue.submit([encoder.finish()]);
-        pollster::block_on(targets.read(device, queue)).unwrap()
+        let picture = pollster::block_on(self.view.targets().read(device, queue)).unwrap();
+        self.view.resize(device, [120, 96], 1).unwrap();
+        picture
     }
 
     fn term(&mut self, term: Term) -> Vec<Vec3> {
@@ -121,7 +115,7 @@ fn sum(lists: &[&[Vec3]]) -> Vec<Vec3> {
 fn terms_add_up() {
     let Some(mut stage) = Stage::new() else { return };
     for model in [ShadingModel::Fiber, ShadingModel::KajiyaKay] {
-        stage.scene.hair.model = model;
+        stage.hair.set.material.model = model;
         let all = stage.picture(None).1;
         let terms = Term::ALL.map(|term| stage.term(term));
         let [reflection, transmission, inner, multiple, sky, direct, shadow] =

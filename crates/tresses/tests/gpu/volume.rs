@@ -6,7 +6,7 @@ use crate::common;
 
 use std::{collections::HashMap, sync::Arc};
 use tresses::{
-    Hair, HairOptions, HairRenderer, Pose,
+    Hair, HairOptions, Pipelines, Pose,
     collide::ColliderPoses,
     drape::Character,
     frame::{Frame, Recorder},
@@ -44,30 +44,30 @@ fn shaken(t: f32, neck: Vec3) -> Pose {
 
 struct Stage {
     gpu: &'static Gpu,
-    renderer: &'static HairRenderer,
+    pipelines: &'static Pipelines,
     character: Arc<Character>,
 }
 
 impl Stage {
     fn new(style: &str, strands: u32) -> Option<Self> {
         let gpu = common::gpu()?;
-        let renderer = common::renderer()?;
+        let pipelines = common::pipelines()?;
         let character = common::character(style, strands)?;
-        Some(Self { gpu, renderer, character })
+        Some(Self { gpu, pipelines, character })
     }
 
     fn hair(&self, options: &HairOptions) -> Hair {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         let Character { groom, field, .. } = &*self.character;
-        Hair::new(device, queue, self.renderer, groom, options, Some(field)).unwrap()
+        Hair::new(device, queue, self.pipelines, groom, options, Some(field)).unwrap()
     }
 
     fn advance(&self, hair: &mut Hair, simulation: &SimulationParams, head: Pose, dt: f32) {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         let mut encoder = device.create_command_encoder(&Default::default());
         let frame = Frame { dt, head, colliders: &ColliderPoses::default(), simulation };
-        let renderer = self.renderer;
-        Recorder { renderer, device, queue, encoder: &mut encoder, timings: None }
+        let pipelines = self.pipelines;
+        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
             .advance(hair, &frame)
             .unwrap();
         queue.submit([encoder.finish()]);

@@ -74,7 +74,7 @@ impl Flow {
 }
 
 fn stage() -> Option<(&'static Gpu, &'static Fluid)> {
-    Some((common::gpu()?, &common::renderer()?.wind))
+    Some((common::gpu()?, &common::pipelines()?.wind))
 }
 
 /// The texels of a cube in rgba16float.

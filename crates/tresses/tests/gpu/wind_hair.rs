@@ -3,7 +3,7 @@
 use crate::common;
 
 use tresses::{
-    Hair, HairOptions, HairRenderer, Pose,
+    Hair, HairOptions, Pipelines, Pose,
     collide::ColliderPoses,
     frame::{Frame, Recorder},
     glam::{Vec2, Vec3},
@@ -17,7 +17,7 @@ use tresses::{
 
 struct Stage {
     gpu: &'static Gpu,
-    renderer: &'static HairRenderer,
+    pipelines: &'static Pipelines,
 }
 
 impl Stage {
@@ -26,7 +26,7 @@ impl Stage {
         static STAGE: std::sync::OnceLock<Option<Stage>> = std::sync::OnceLock::new();
         let new = || {
             let gpu = common::gpu()?;
-            Some(Self { renderer: common::renderer()?, gpu })
+            Some(Self { pipelines: common::pipelines()?, gpu })
         };
         STAGE.get_or_init(new).as_ref()
     }
@@ -36,7 +36,7 @@ impl Stage {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         let volume = VolumeOptions { resolution: cells, ..Default::default() };
         let options = HairOptions { volume, ..Default::default() };
-        Hair::new(device, queue, self.renderer, groom, &options, Some(field)).unwrap()
+        Hair::new(device, queue, self.pipelines, groom, &options, Some(field)).unwrap()
     }
 
     /// The guides alone, `seconds` on.
@@ -49,8 +49,8 @@ impl Stage {
             let dt = part as f32 / 60.0;
             let frame = Frame { dt, head: Pose::IDENTITY, colliders: &colliders, simulation: physics };
             let mut encoder = device.create_command_encoder(&Default::default());
-            let renderer = self.renderer;
-            Recorder { renderer, device, queue, encoder: &mut encoder, timings: None }
+            let pipelines = self.pipelines;
+            Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
                 .simulate(hair, &frame)
                 .unwrap();
             queue.submit([encoder.finish()]);
@@ -168,7 +168,7 @@ fn in_plain_air(
     let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
     let volume = VolumeOptions { resolution: 8, ..Default::default() };
     let options = HairOptions { volume, simulation: physics, ..Default::default() };
-    let mut hair = Hair::new(device, queue, stage.renderer, &groom, &options, None).unwrap();
+    let mut hair = Hair::new(device, queue, stage.pipelines, &groom, &options, None).unwrap();
     let wind = Wind { cells: 16, turbulence: 0.0, ..Wind::new(velocity) };
     let physics = SimulationParams { wind, hair_hair: HairHair::OFF, ..physics };
     stage.simulate(&mut hair, &physics, 0.0);

@@ -2,9 +2,12 @@
 //! guides and outlines.
 
 use super::{Canvas, Paint, constant, overlay};
-use crate::gpu::{
-    Binding,
-    bindings::{group, layout},
+use crate::{
+    Result,
+    gpu::{
+        Binding,
+        bindings::{group, layout},
+    },
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -55,12 +58,12 @@ impl Lines {
         device: &wgpu::Device,
         view: &wgpu::BindGroupLayout,
         format: wgpu::TextureFormat,
-    ) -> Self {
+    ) -> Result<Self> {
         let entries = [Binding::Uniform, Binding::Uniform, Binding::Storage];
         let layout = layout(device, "lines", wgpu::ShaderStages::VERTEX_FRAGMENT, &entries);
         let topology = wgpu::PrimitiveTopology::TriangleList;
-        let pipeline = overlay(device, "draw::debug::lines", &[&layout, view], format, topology, true);
-        Self { pipeline, layout }
+        let pipeline = overlay(device, "draw::debug::lines", &[&layout, view], format, topology, true)?;
+        Ok(Self { pipeline, layout })
     }
 
     /// Lines of `per_line` points each.

@@ -67,19 +67,21 @@ pub use view::{DebugView, Scale};
 pub use views::{DebugViews, Shown, panels};
 
 use crate::{
-    Result,
+    Camera, Result,
+    body::{self, Body},
     collide::ColliderSet,
-    draw::{Body, DrawStage, HairSet, Scene, Targets, targets::DEPTH_FORMAT},
+    draw::Coverage,
     gpu::{
         Binding, Timings,
         bindings::{group, layout},
+        pipeline::{DEPTH_FORMAT, Recipe},
     },
-    shaders,
+    light::Seen,
     strands::GuideBuffers,
 };
 use wgpu::util::DeviceExt;
 
-/// One view over a picture.
+/// One layer over a picture.
 #[derive(Clone, Copy, Debug)]
 pub enum Layer<'a> {
     /// A grid as a luminous volume.
@@ -92,9 +94,6 @@ pub enum Layer<'a> {
     Streams(Grid<'a>, Paint, Streams<'a>),
     /// The guides as they are drawn, after [`crate::frame::Recorder::follow`].
     Guides(&'a GuideBuffers, Paint, GuideQuantity),
-    /// Strips that are drawn over a pixel, counted at its middle: those of one pass, before the body,
-    /// whatever else is before them. After [`DrawStage::prepare`] and [`DrawStage::shade`] for them.
-    Overdraw(&'a HairSet, Paint),
     /// The distance to the obstacles in the box of a grid, whose texture is not looked at, as slices.
     Distance(&'a ColliderSet, Grid<'a>, [(Paint, Slices); 2]),
     /// One line; a point with an alpha below 0 interrupts it.
@@ -128,7 +127,7 @@ struct Canvas<'a> {
     timings: Option<&'a mut Timings>,
     output: &'a wgpu::TextureView,
     depth: &'a wgpu::TextureView,
-    scene: &'a Scene,
+    camera: &'a Camera,
     /// A group of the camera's uniform alone.
     view: &'a wgpu::BindGroup,
     sampler: &'a wgpu::Sampler,
@@ -136,19 +135,22 @@ struct Canvas<'a> {
 }
 
 impl DebugStage {
-    /// Builds the pipelines, for bodies made with `draw` and an output of `format`.
-    pub fn new(device: &wgpu::Device, draw: &DrawStage, format: wgpu::TextureFormat) -> Self {
+    /// Builds the pipelines, for an output of `format`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when wgpu refuses one.
+    pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Result<Self> {
         let view_layout =
             layout(device, "debug view", wgpu::ShaderStages::VERTEX_FRAGMENT, &[Binding::Uniform]);
-        Self {
-            body: body_pipeline(device, &view_layout, draw.body_layout()),
-            volume: volume::Volume::new(device, format),
-            slices: slices::SlicesPipeline::new(device, &view_layout, format),
-            lines: lines::Lines::new(device, &view_layout, format),
+        Ok(Self {
+            body: body_pipeline(device, &view_layout)?,
+            volume: volume::Volume::new(device, format)?,
+            slices: slices::SlicesPipeline::new(device, &view_layout, format)?,
+            lines: lines::Lines::new(device, &view_layout, format)?,
             arrows: arrows::ArrowsKernel::new(device),
             streams: streams::StreamsKernel::new(device),
             guides: guides::GuidesKernel::new(device),
-            overdraw: overdraw::Overdraw::new(device, draw, format),
+            overdraw: overdraw::Overdraw::new(device, format),
             field: None,
             depth: None,
             sampler: device.create_sampler(&wgpu::SamplerDescriptor {
@@ -159,11 +161,11 @@ impl DebugStage {
             }),
             view_layout,
             encode: !format.is_srgb(),
-        }
+        })
     }
 
-    /// Records `layers` over the picture in `output`, which has the size of `targets`. To be
-    /// recorded after [`DrawStage::prepare`] with the same `scene` and `body`, and after `present`.
+    /// Records `layers` over the picture of `camera` in `output`, after `present`. Of `bodies`, as they were
+    /// drawn last, only the depth counts.
     ///
     /// # Errors
     /// [`crate::Error::Limit`] when the device cannot hold as many lines.
@@ -173,17 +175,12 @@ impl DebugStage {
         device: &wgpu::Device,
         encoder: &mut wgpu::CommandEncoder,
         mut timings: Option<&mut Timings>,
-        scene: &Scene,
-        targets: &Targets,
-        body: Option<&Body>,
+        camera: &Camera,
+        bodies: &[&Body],
         output: &wgpu::TextureView,
         layers: &[Layer<'_>],
     ) -> Result<()> {
-        let uniform =
-            constant(device, "debug view", &scene.view.uniform(targets.samples, targets.ssaa, &scene.tone));
-        let view = group(device, "debug view", &self.view_layout, &[uniform.as_entire_binding()]);
-        let depth = self.depth(device, targets.size);
-        self.record_depth(encoder, timings.as_deref_mut(), &view, &depth, body);
+        let (view, depth) = self.begin(device, encoder, timings.as_deref_mut(), camera, bodies, output);
         for layer in layers {
             let mut canvas = Canvas {
                 device,
@@ -191,7 +188,7 @@ impl DebugStage {
                 timings: timings.as_deref_mut(),
                 output,
                 depth: &depth,
-                scene,
+                camera,
                 view: &view,
                 sampler: &self.sampler,
                 encode: self.encode,
@@ -212,7 +209,6 @@ impl DebugStage {
                     let points = self.guides.record(&mut canvas, guides, *quantity)?;
                     self.lines.record(&mut canvas, &points, guides.sample_count, paint);
                 }
-                Layer::Overdraw(hair, paint) => self.overdraw.record(&mut canvas, hair, paint),
                 Layer::Distance(colliders, grid, slices) => {
                     let field = self.field.get_or_insert_with(|| field::FieldKernel::new(device));
                     field.record(&mut canvas, grid, colliders);
@@ -230,6 +226,54 @@ impl DebugStage {
             }
         }
         Ok(())
+    }
+
+    /// The camera's group, and the depth of `bodies` in it, of the size of `output`, which is recorded.
+    fn begin(
+        &mut self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        timings: Option<&mut Timings>,
+        camera: &Camera,
+        bodies: &[&Body],
+        output: &wgpu::TextureView,
+    ) -> (wgpu::BindGroup, wgpu::TextureView) {
+        let uniform = constant(device, "debug view", &camera.uniform(1, 1, &Default::default()));
+        let view = group(device, "debug view", &self.view_layout, &[uniform.as_entire_binding()]);
+        let size = output.texture().size();
+        let depth = self.depth(device, [size.width, size.height]);
+        self.record_depth(encoder, timings, &view, &depth, bodies);
+        (view, depth)
+    }
+
+    /// Records how many strips of `hair`, drawn so, lie over each pixel at its middle: those of one pass, before
+    /// the bodies, whatever else is before them. `frame` is the view's group, for which they have been shaded.
+    #[allow(clippy::too_many_arguments)]
+    fn record_overdraw(
+        &mut self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        mut timings: Option<&mut Timings>,
+        camera: &Camera,
+        bodies: &[&Body],
+        output: &wgpu::TextureView,
+        (frame, coverage): (&wgpu::BindGroup, Coverage),
+        hair: &[Seen<'_>],
+        paint: &Paint,
+    ) -> Result<()> {
+        let (view, depth) = self.begin(device, encoder, timings.as_deref_mut(), camera, bodies, output);
+        let mut canvas = Canvas {
+            device,
+            encoder,
+            timings,
+            output,
+            depth: &depth,
+            camera,
+            view: &view,
+            sampler: &self.sampler,
+            encode: self.encode,
+        };
+        self.overdraw.record(&mut canvas, (frame, coverage), hair, paint)
     }
 
     /// A depth texture of `size`: that of the last picture, where it fits.
@@ -260,7 +304,7 @@ impl DebugStage {
         timings: Option<&mut Timings>,
         view: &wgpu::BindGroup,
         depth: &wgpu::TextureView,
-        body: Option<&Body>,
+        bodies: &[&Body],
     ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("debug depth"),
@@ -275,11 +319,9 @@ impl DebugStage {
             timestamp_writes: timings.and_then(|timings| timings.render("debug")),
             ..Default::default()
         });
-        if let Some(body) = body {
-            pass.set_pipeline(&self.body);
-            pass.set_bind_group(0, view, &[]);
-            body.record(&mut pass);
-        }
+        pass.set_pipeline(&self.body);
+        pass.set_bind_group(0, view, &[]);
+        bodies.iter().for_each(|body| body.record(&mut pass));
     }
 }
 
@@ -313,7 +355,7 @@ impl Canvas<'_> {
     }
 
     fn paint(&self, paint: &Paint) -> wgpu::Buffer {
-        constant(self.device, "paint", &PaintUniform::new(paint, &self.scene.view, self.encode))
+        constant(self.device, "paint", &PaintUniform::new(paint, self.camera, self.encode))
     }
 
     fn grid(&self, grid: &Grid<'_>) -> wgpu::Buffer {
@@ -330,90 +372,41 @@ fn constant<T: bytemuck::Pod>(device: &wgpu::Device, label: &str, value: &T) -> 
     })
 }
 
-/// The body into depth alone.
-fn body_pipeline(
-    device: &wgpu::Device,
-    view: &wgpu::BindGroupLayout,
-    body: &wgpu::BindGroupLayout,
-) -> wgpu::RenderPipeline {
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("debug body"),
-        layout: Some(&pipeline_layout(device, &[view, body])),
-        vertex: wgpu::VertexState {
-            module: &module(device, "draw::body"),
-            entry_point: Some("body_vertex"),
-            compilation_options: Default::default(),
-            buffers: &[Some(Body::LAYOUT)],
-        },
-        primitive: Default::default(),
-        depth_stencil: Some(depth_state(true)),
-        multisample: Default::default(),
-        fragment: None,
-        multiview_mask: None,
-        cache: None,
-    })
+/// Bodies into depth alone.
+fn body_pipeline(device: &wgpu::Device, view: &wgpu::BindGroupLayout) -> Result<wgpu::RenderPipeline> {
+    Recipe {
+        vertex: ("draw::body", "body_vertex"),
+        layouts: &[view, &body::layout(device)],
+        buffers: &[Some(Body::LAYOUT)],
+        depth: Some((true, wgpu::CompareFunction::Greater)),
+        ..Recipe::PLAIN
+    }
+    .build(device)
 }
 
 /// A pipeline over the picture: premultiplied colours, entry points `{name}_vertex` and
 /// `{name}_fragment` of `draw::debug::{name}`.
 fn overlay(
     device: &wgpu::Device,
-    module_name: &'static str,
+    module: &'static str,
     layouts: &[&wgpu::BindGroupLayout],
     format: wgpu::TextureFormat,
     topology: wgpu::PrimitiveTopology,
     hidden: bool,
-) -> wgpu::RenderPipeline {
-    let name = module_name.rsplit("::").next().unwrap_or(module_name);
-    let shader = module(device, module_name);
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(module_name),
-        layout: Some(&pipeline_layout(device, layouts)),
-        vertex: wgpu::VertexState {
-            module: &shader,
-            entry_point: Some(&format!("{name}_vertex")),
-            compilation_options: Default::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState { topology, ..Default::default() },
-        depth_stencil: hidden.then(|| depth_state(false)),
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &shader,
-            entry_point: Some(&format!("{name}_fragment")),
-            compilation_options: Default::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format,
-                blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
-}
-
-fn module(device: &wgpu::Device, name: &'static str) -> wgpu::ShaderModule {
-    device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(name),
-        source: wgpu::ShaderSource::Wgsl(shaders::source(name).into()),
-    })
-}
-
-fn pipeline_layout(device: &wgpu::Device, groups: &[&wgpu::BindGroupLayout]) -> wgpu::PipelineLayout {
-    device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("debug"),
-        bind_group_layouts: &groups.iter().map(|group| Some(*group)).collect::<Vec<_>>(),
-        immediate_size: 0,
-    })
-}
-
-fn depth_state(write: bool) -> wgpu::DepthStencilState {
-    wgpu::DepthStencilState {
-        format: DEPTH_FORMAT,
-        depth_write_enabled: Some(write),
-        depth_compare: Some(wgpu::CompareFunction::Greater),
-        stencil: Default::default(),
-        bias: Default::default(),
+) -> Result<wgpu::RenderPipeline> {
+    let name = module.rsplit("::").next().unwrap_or(module);
+    Recipe {
+        vertex: (module, &format!("{name}_vertex")),
+        fragment: Some((module, &format!("{name}_fragment"))),
+        layouts,
+        targets: &[Some(wgpu::ColorTargetState {
+            format,
+            blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+            write_mask: wgpu::ColorWrites::ALL,
+        })],
+        topology,
+        depth: hidden.then_some((false, wgpu::CompareFunction::Greater)),
+        ..Recipe::PLAIN
     }
+    .build(device)
 }

@@ -1,82 +1,69 @@
 //! Host side of `overdraw.wesl`: strips are drawn into a target that counts them, whose sums become
 //! colours.
 
-use super::{Canvas, Paint, depth_state, overlay, pipeline_layout};
+use super::{Canvas, Paint, overlay};
 use crate::{
-    draw::{Coverage, DrawStage, HairSet},
+    Result,
+    draw::Coverage,
     gpu::{
         Binding,
         bindings::{group, layout},
+        pipeline::{Made, Recipe, blended},
     },
-    shaders,
+    light::{self, Seen},
 };
 
 /// Counts exactly up to 2048, and every adapter blends it.
 const COUNTS: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
 
-/// The two pipelines: counting, and showing what was counted.
+/// The two pipelines, counting and showing what was counted, made when they are first asked for.
 #[derive(Debug)]
 pub(super) struct Overdraw {
-    count: wgpu::RenderPipeline,
-    show: wgpu::RenderPipeline,
+    made: Made<&'static str, wgpu::RenderPipeline>,
     layout: wgpu::BindGroupLayout,
-    frame: wgpu::BindGroup,
+    format: wgpu::TextureFormat,
 }
 
 impl Overdraw {
-    /// For hair as `draw` draws it.
-    pub(super) fn new(device: &wgpu::Device, draw: &DrawStage, format: wgpu::TextureFormat) -> Self {
-        let (frame, layouts) = draw.hair_groups();
-        // The strips of each way to cover pixels are as wide as it needs them.
-        let (module, entry) = match draw.coverage() {
+    pub(super) fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
+        let entries = [Binding::Uniform, Binding::Texture2d];
+        let layout = layout(device, "overdraw", wgpu::ShaderStages::FRAGMENT, &entries);
+        Self { made: Made::default(), layout, format }
+    }
+
+    /// Counts the strips of each way to cover pixels, which are as wide as it needs them.
+    fn count(&self, device: &wgpu::Device, coverage: Coverage) -> Result<wgpu::RenderPipeline> {
+        let vertex = match coverage {
             Coverage::SampleMask => ("draw::hair", "hair_shaded"),
             Coverage::AlphaToCoverage | Coverage::DepthPeeling { .. } => ("draw::alpha", "alpha_shaded"),
         };
-        let shader = |name: &'static str| {
-            device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some(name),
-                source: wgpu::ShaderSource::Wgsl(shaders::source(name).into()),
-            })
-        };
-        let add = wgpu::BlendComponent {
-            src_factor: wgpu::BlendFactor::One,
-            dst_factor: wgpu::BlendFactor::One,
-            operation: wgpu::BlendOperation::Add,
-        };
-        let count = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("overdraw"),
-            layout: Some(&pipeline_layout(device, &layouts)),
-            vertex: wgpu::VertexState {
-                module: &shader(module),
-                entry_point: Some(entry),
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
-            primitive: Default::default(),
-            depth_stencil: Some(depth_state(false)),
-            multisample: Default::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &shader("draw::debug::overdraw"),
-                entry_point: Some("overdraw_count"),
-                compilation_options: Default::default(),
-                targets: &[Some(wgpu::ColorTargetState {
-                    format: COUNTS,
-                    blend: Some(wgpu::BlendState { color: add, alpha: add }),
-                    write_mask: wgpu::ColorWrites::ALL,
-                })],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
-        let layout =
-            layout(device, "overdraw", wgpu::ShaderStages::FRAGMENT, &[Binding::Uniform, Binding::Texture2d]);
-        let topology = wgpu::PrimitiveTopology::TriangleList;
-        let show = overlay(device, "draw::debug::overdraw", &[&layout], format, topology, false);
-        Self { count, show, layout, frame: frame.clone() }
+        self.made.get(vertex.1, || {
+            let light::Pipelines { frame, hair, fiber, .. } = &light::Pipelines::new(device);
+            Recipe {
+                vertex,
+                fragment: Some(("draw::debug::overdraw", "overdraw_count")),
+                layouts: &[frame, hair, fiber],
+                targets: &[blended(COUNTS, wgpu::BlendFactor::One, wgpu::BlendFactor::One)],
+                depth: Some((false, wgpu::CompareFunction::Greater)),
+                ..Recipe::PLAIN
+            }
+            .build(device)
+        })
     }
 
     /// The strips of `hair` before the body, in colours of their number.
-    pub(super) fn record(&self, canvas: &mut Canvas<'_>, hair: &HairSet, paint: &Paint) {
+    pub(super) fn record(
+        &self,
+        canvas: &mut Canvas<'_>,
+        (frame, coverage): (&wgpu::BindGroup, Coverage),
+        hair: &[Seen<'_>],
+        paint: &Paint,
+    ) -> Result<()> {
+        let count = self.count(canvas.device, coverage)?;
+        let show = self.made.get("show", || {
+            let topology = wgpu::PrimitiveTopology::TriangleList;
+            overlay(canvas.device, "draw::debug::overdraw", &[&self.layout], self.format, topology, false)
+        })?;
         // As large as the picture.
         let size = canvas.depth.texture().size();
         let counts = canvas
@@ -111,16 +98,17 @@ impl Overdraw {
             timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.render("debug")),
             ..Default::default()
         });
-        pass.set_pipeline(&self.count);
-        pass.set_bind_group(0, &self.frame, &[]);
-        hair.record_strips(&mut pass);
+        pass.set_pipeline(&count);
+        pass.set_bind_group(0, frame, &[]);
+        hair.iter().for_each(|seen| seen.record_strips(&mut pass));
         drop(pass);
         let paint = canvas.paint(paint);
         let resources = [paint.as_entire_binding(), wgpu::BindingResource::TextureView(&counts)];
         let group = group(canvas.device, "overdraw", &self.layout, &resources);
         let mut pass = canvas.pass(false);
-        pass.set_pipeline(&self.show);
+        pass.set_pipeline(&show);
         pass.set_bind_group(0, &group, &[]);
         pass.draw(0..3, 0..1);
+        Ok(())
     }
 }

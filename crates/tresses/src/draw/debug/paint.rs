@@ -1,6 +1,6 @@
 //! How numbers become paint on the finished picture.
 
-use crate::draw::View;
+use crate::Camera;
 use bytemuck::{Pod, Zeroable};
 use glam::Mat4;
 
@@ -33,9 +33,9 @@ pub struct PaintUniform {
 }
 
 impl PaintUniform {
-    pub(super) fn new(paint: &Paint, view: &View, encode: bool) -> Self {
+    pub(super) fn new(paint: &Paint, camera: &Camera, encode: bool) -> Self {
         Self {
-            inverse: (view.projection * view.view).inverse(),
+            inverse: (camera.projection * camera.view).inverse(),
             low: paint.low,
             high: paint.high,
             opacity: paint.opacity,

@@ -1,9 +1,12 @@
 //! Host side of `slices.wesl`.
 
 use super::{Canvas, Grid, Paint, constant, overlay};
-use crate::gpu::{
-    Binding,
-    bindings::{group, layout},
+use crate::{
+    Result,
+    gpu::{
+        Binding,
+        bindings::{group, layout},
+    },
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
@@ -64,7 +67,7 @@ impl SlicesPipeline {
         device: &wgpu::Device,
         view: &wgpu::BindGroupLayout,
         format: wgpu::TextureFormat,
-    ) -> Self {
+    ) -> Result<Self> {
         use Binding::{Sampler, Texture3d, Uniform};
         let entries = [Uniform, Uniform, Texture3d, Sampler, Uniform];
         let layout = layout(device, "slices", wgpu::ShaderStages::VERTEX_FRAGMENT, &entries);
@@ -72,7 +75,7 @@ impl SlicesPipeline {
             let topology = wgpu::PrimitiveTopology::TriangleStrip;
             overlay(device, "draw::debug::slices", &[&layout, view], format, topology, hidden)
         };
-        Self { scene: pipeline(true), panels: pipeline(false), layout }
+        Ok(Self { scene: pipeline(true)?, panels: pipeline(false)?, layout })
     }
 
     pub(super) fn record(&self, canvas: &mut Canvas<'_>, grid: &Grid<'_>, paint: &Paint, slices: &Slices) {

@@ -6,6 +6,7 @@ use crate::{
     Hair,
     constants::STRAND_WORKGROUP,
     gpu::{Binding, Kernel},
+    light::Seen,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -60,6 +61,7 @@ impl StrandsKernel {
         device: &wgpu::Device,
         encoder: &mut wgpu::CommandEncoder,
         hair: &Hair,
+        seen: &Seen<'_>,
         eye: Vec3,
         quantity: StrandQuantity,
         high: f32,
@@ -73,16 +75,16 @@ impl StrandsKernel {
             _pad_c: 0,
         };
         let uniform = constant(device, "debug strands", &uniform);
-        let (set, strands) = (&hair.set, &hair.strands);
+        let (set, strands) = (seen.hair, &hair.strands);
         let buffers = [
             &uniform,
-            &set.uniform,
+            &seen.shaded.uniform,
             &strands.vertices,
             &strands.strands,
             &strands.bindings,
             hair.avoidance.states(),
             &strands.widening,
-            set.shaded(),
+            &seen.shaded.colors,
         ];
         let group = self.0.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()));
         let workgroups = (set.drawn.count * set.drawn.vertex_count).div_ceil(STRAND_WORKGROUP);

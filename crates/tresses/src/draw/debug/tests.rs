@@ -2,11 +2,16 @@
 
 use super::{arrows::ArrowsKernel, guides::GuidesKernel, streams::StreamsKernel, *};
 use crate::{
-    Pose,
-    draw::{Background, DrawOptions, View},
+    Pipelines, Pose,
+    camera::Camera,
+    draw::targets::PICTURE_FORMAT,
+    frame::{Recorder, Shows, Sight},
     gpu::{Gpu, for_tests as gpu, readback::blocking as readback},
     groom::TriMesh,
-    strands::{GuideSample, GuideShape},
+    light::HairSet,
+    present::Background,
+    strands::{GuideSample, GuideShape, Strand},
+    view::{Picture, View, ViewOptions},
 };
 use glam::{Mat4, Quat, UVec3, Vec3, Vec4};
 use half::f16;
@@ -44,9 +49,9 @@ fn grid(texture: &wgpu::TextureView, pose: Pose, quantity: Quantity) -> Grid<'_>
 }
 
 /// Orthographic, along -Z, 30 cm wide and high, nearest at z = 1 m and farthest at z = -1 m.
-fn view() -> View {
+fn view() -> Camera {
     let half = 0.15;
-    View {
+    Camera {
         view: Mat4::IDENTITY,
         projection: Mat4::from_cols_array_2d(&[
             [1.0 / half, 0.0, 0.0, 0.0],
@@ -61,28 +66,39 @@ fn view() -> View {
 /// `layers` over nothing but what hides them: RGBA, rows from the top.
 fn picture(gpu: &Gpu, layers: &[Layer<'_>], body: Option<&TriMesh>) -> Vec<[u8; 4]> {
     let Gpu { device, queue, .. } = gpu;
-    let draw = DrawStage::new(device, &DrawOptions { samples: 1, ..Default::default() });
-    let mut debug = DebugStage::new(device, &draw, crate::draw::targets::PICTURE_FORMAT);
-    let targets = Targets::new(device, SIZE, SIZE, 1, 1).unwrap();
-    let body = body.map(|mesh| Body::new(device, &draw, mesh));
-    let scene = Scene { view: view(), background: Background::transparent(), ..Default::default() };
+    let pipelines = &Pipelines::new(device);
+    let mut debug = DebugStage::new(device, PICTURE_FORMAT).unwrap();
+    let view = empty(device, pipelines);
+    let body = body.map(|mesh| Body::new(device, mesh));
+    let picture = nothing();
     let mut encoder = device.create_command_encoder(&Default::default());
-    draw.prepare(queue, &scene, &targets, None, body.as_ref());
-    draw.draw(&mut encoder, None, &scene, &targets, None, None);
-    draw.present(device, &mut encoder, None, &targets, targets.picture());
-    debug
-        .record(device, &mut encoder, None, &scene, &targets, body.as_ref(), targets.picture(), layers)
+    Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
+        .draw_strands(&[], &[], Sight::new(&view, &picture))
         .unwrap();
+    body.iter().for_each(|body| body.prepare(queue));
+    let bodies: Vec<_> = body.iter().collect();
+    let output = view.targets().picture();
+    debug.record(device, &mut encoder, None, &picture.camera, &bodies, output, layers).unwrap();
     queue.submit([encoder.finish()]);
-    pollster::block_on(targets.read(device, queue)).unwrap().as_chunks().0.to_vec()
+    pollster::block_on(view.targets().read(device, queue)).unwrap().as_chunks().0.to_vec()
+}
+
+/// A view of one sample per pixel, without shadows to speak of.
+fn empty(device: &wgpu::Device, pipelines: &Pipelines) -> View {
+    let options = ViewOptions { samples: 1, shadow_resolution: 4, ambient_cells: 4, ..Default::default() };
+    View::new(device, pipelines, &options, [SIZE, SIZE], 1).unwrap()
+}
+
+/// What [`view`] sees before nothing.
+fn nothing() -> Picture {
+    Picture { camera: view(), background: Background::transparent(), ..Default::default() }
 }
 
 /// What `record` leaves in its buffer.
 fn points(gpu: &Gpu, record: impl FnOnce(&mut Canvas<'_>) -> wgpu::Buffer) -> Vec<LinePoint> {
     let Gpu { device, queue, .. } = gpu;
-    let draw = DrawStage::new(device, &DrawOptions { samples: 1, ..Default::default() });
-    let debug = DebugStage::new(device, &draw, crate::draw::targets::PICTURE_FORMAT);
-    let targets = Targets::new(device, 16, 16, 1, 1).unwrap();
+    let debug = DebugStage::new(device, PICTURE_FORMAT).unwrap();
+    let targets = crate::draw::Targets::new(device, [16, 16], (1, Coverage::SampleMask), 1).unwrap();
     let uniform = constant(device, "view", &view().uniform(1, 1, &Default::default()));
     let group = group(device, "view", &debug.view_layout, &[uniform.as_entire_binding()]);
     let mut encoder = device.create_command_encoder(&Default::default());
@@ -92,7 +108,7 @@ fn points(gpu: &Gpu, record: impl FnOnce(&mut Canvas<'_>) -> wgpu::Buffer) -> Ve
         timings: None,
         output: targets.picture(),
         depth: targets.picture(),
-        scene: &Scene::default(),
+        camera: &view(),
         view: &group,
         sampler: &debug.sampler,
         encode: true,
@@ -236,15 +252,10 @@ fn panels_name_the_plane() {
 #[test]
 fn strips_are_counted() {
     let Some(gpu) = gpu() else { return };
-    use crate::{
-        draw::HairSet,
-        strands::{StrandBuffers, StrandVertex, vertex::pack_tangent},
-    };
+    use crate::strands::{StrandBuffers, StrandVertex, vertex::pack_tangent};
     let Gpu { device, queue, .. } = gpu;
-    let draw = DrawStage::new(device, &DrawOptions { samples: 1, ..Default::default() });
-    let mut debug = DebugStage::new(device, &draw, crate::draw::targets::PICTURE_FORMAT);
-    let targets = Targets::new(device, SIZE, SIZE, 1, 1).unwrap();
-    let scene = Scene { view: view(), background: Background::transparent(), ..Default::default() };
+    let pipelines = &Pipelines::new(device);
+    let view = empty(device, pipelines);
     // Strands from left to right behind each other, 10 mm wide; all cross the right half, the first also
     // the left one.
     let count = 7;
@@ -258,18 +269,20 @@ fn strips_are_counted() {
         })
         .collect();
     queue.write_buffer(&strands.vertices, 0, bytemuck::cast_slice(&vertices));
-    let set = HairSet::new(device, &draw, &strands).unwrap();
-    // As `light::shade` leaves it: millimetres in the fourth half float.
-    let shaded = vec![[0, 0, 0, f16::from_f32(5.0).to_bits()]; 2 * count as usize];
-    queue.write_buffer(set.shaded(), 0, bytemuck::cast_slice(&shaded));
+    let infos = vec![Strand { radius: 5e-3, seed: 1, root_color: 0, tip_color: 0 }; count as usize];
+    queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&infos));
+    let set = HairSet::new(device, &strands).unwrap();
+    let mut views = DebugViews::new(device, PICTURE_FORMAT).unwrap();
+    let shown = Shown { high: Some(10.0), ..Shown::new(DebugView::Overdraw) };
+    let picture = nothing();
+    let sight = Sight { shows: Shows::Inside(&mut views, &shown), ..Sight::new(&view, &picture) };
     let mut encoder = device.create_command_encoder(&Default::default());
-    draw.prepare(queue, &scene, &targets, Some(&set), None);
-    draw.draw(&mut encoder, None, &scene, &targets, None, None);
-    draw.present(device, &mut encoder, None, &targets, targets.picture());
-    let layers = [Layer::Overdraw(&set, Paint { low: 0.0, high: 10.0, opacity: 1.0 })];
-    debug.record(device, &mut encoder, None, &scene, &targets, None, targets.picture(), &layers).unwrap();
+    Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
+        .draw_strands(&[&set], &[], sight)
+        .unwrap();
     queue.submit([encoder.finish()]);
-    let seen: Vec<[u8; 4]> = pollster::block_on(targets.read(device, queue)).unwrap().as_chunks().0.to_vec();
+    let seen = pollster::block_on(view.targets().read(device, queue)).unwrap();
+    let seen: Vec<[u8; 4]> = seen.as_chunks().0.to_vec();
     let pixel = |x: u32, y: u32| seen[(y * SIZE + x) as usize];
     let (middle, quarter) = (SIZE / 2, SIZE / 4);
     for (x, y, number) in [(middle + quarter, middle, 7), (middle - quarter, middle + 1, 1)] {

@@ -1,7 +1,7 @@
 //! What can be looked at: one list for every program that offers views.
 
 use super::{Grid, StrandQuantity};
-use crate::{Hair, draw::Scene, light::Term, simulate::SimulationParams, volume::HairHairMode};
+use crate::{Hair, light::Term, simulate::SimulationParams, volume::HairHairMode};
 
 /// What a picture shows instead of hair as it looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -204,8 +204,8 @@ impl DebugView {
     }
 
     /// The grid whose values it shows, where it shows one and there is one: what [`super::Peak`] measures.
-    pub fn grid<'a>(self, scene: &Scene, hair: &'a Hair) -> Option<Grid<'a>> {
-        super::views::grid(self, scene, hair).filter(|_| self != Self::Distance)
+    pub fn grid(self, hair: &Hair) -> Option<Grid<'_>> {
+        super::views::grid(self, hair).filter(|_| self != Self::Distance)
     }
 
     /// The quantity that drawn strands have the colour of.

@@ -5,12 +5,13 @@ use super::{
     Streams, outline::Pen, strands::StrandsKernel,
 };
 use crate::{
-    Hair, Pose, Result,
-    draw::{Body, DrawStage, Scene, Targets},
+    Camera, Hair, Pose, Result,
+    body::Body,
+    camera::ToneMap,
     gpu::Timings,
     groom::SdfGrid,
-    light::{ShadingRate, terms::Terms},
-    present::ToneMap,
+    light::{Seen, ShadingRate, terms::Terms},
+    view::{Picture, View},
 };
 use glam::{Vec3, Vec4};
 
@@ -49,6 +50,21 @@ impl Shown {
             None => scale,
         })
     }
+
+    /// The picture as the frame is to draw it.
+    pub(crate) fn picture(&self, picture: &Picture) -> Picture {
+        let mut picture = Picture { shading: ShadingRate::PerVertex, ..*picture };
+        if self.view.strands().is_some() || self.view == DebugView::Shadow {
+            // A colour that stands for something arrives as it is.
+            picture.tone = ToneMap { exposure: 1.0, shoulder: 0.99, desaturation: 0.0 };
+        }
+        picture
+    }
+
+    /// The number drawn brightest.
+    fn high(&self) -> f32 {
+        self.scale().map_or(1.0, |scale| scale.high)
+    }
 }
 
 /// The pipelines of all views, and what is kept from picture to picture. Made when somebody first looks,
@@ -63,14 +79,17 @@ pub struct DebugViews {
 }
 
 impl DebugViews {
-    /// Builds them for pictures that `draw` makes, into an output of `format`.
-    pub fn new(device: &wgpu::Device, draw: &DrawStage, format: wgpu::TextureFormat) -> Self {
-        Self {
-            stage: DebugStage::new(device, draw, format),
+    /// Builds them for pictures in an output of `format`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when wgpu refuses one.
+    pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Result<Self> {
+        Ok(Self {
+            stage: DebugStage::new(device, format)?,
             strands: StrandsKernel::new(device),
-            terms: Terms::new(device, draw.fiber_layout()),
+            terms: Terms::new(device),
             contours: Vec::new(),
-        }
+        })
     }
 
     /// The head's distance field, which [`DebugView::Colliders`] draws; `None` for none.
@@ -84,73 +103,79 @@ impl DebugViews {
         }
     }
 
-    /// Records a whole picture: [`crate::frame::Recorder::draw_view`].
+    /// Records what stands in the place of the shading of strands; whether something does, or nothing has to.
+    pub(crate) fn shade(
+        &self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        shown: &Shown,
+        picture: &Picture,
+        hair: &[&Hair],
+        seen: &[Seen<'_>],
+    ) -> bool {
+        match (shown.view.strands(), shown.view.term()) {
+            (Some(quantity), _) => {
+                for (hair, seen) in hair.iter().zip(seen) {
+                    let eye = picture.camera.eye();
+                    self.strands.record(device, encoder, hair, seen, eye, quantity, shown.high());
+                }
+                true
+            }
+            (None, Some(term)) => {
+                self.terms.record(encoder, seen, term);
+                true
+            }
+            // Counting strips needs their width.
+            (None, None) => shown.view.hides_hair() && shown.view != DebugView::Overdraw,
+        }
+    }
+
+    /// Records what lies over the finished picture in `output`.
     ///
     /// # Errors
     /// [`crate::Error::Limit`] when the device cannot hold as many lines.
     #[allow(clippy::too_many_arguments)]
-    pub(crate) fn record(
+    pub(crate) fn over(
         &mut self,
-        draw: &DrawStage,
         device: &wgpu::Device,
-        queue: &wgpu::Queue,
         encoder: &mut wgpu::CommandEncoder,
         mut timings: Option<&mut Timings>,
         shown: &Shown,
-        hair: &Hair,
-        body: Option<&Body>,
-        scene: &Scene,
-        targets: &Targets,
+        picture: &Picture,
+        view: &View,
+        hair: &[&Hair],
+        seen: &[Seen<'_>],
+        bodies: &[&Body],
         output: &wgpu::TextureView,
     ) -> Result<()> {
-        let view = shown.view;
-        let mut scene = Scene { shading: ShadingRate::PerVertex, ..*scene };
-        let (quantity, term) = (view.strands(), view.term());
-        if quantity.is_some() || view == DebugView::Shadow {
-            // A colour that stands for something arrives as it is.
-            scene.tone = ToneMap { exposure: 1.0, shoulder: 0.99, desaturation: 0.0 };
-        }
-        let scale = shown.scale();
-        let high = scale.map_or(1.0, |scale| scale.high);
-        let seen = (!view.hides_hair()).then_some(&hair.set);
-        draw.prepare(queue, &scene, targets, Some(&hair.set), body);
-        draw.shadow(encoder, timings.as_deref_mut(), &scene, seen, body);
-        match (quantity, term) {
-            (Some(quantity), _) => {
-                self.strands.record(device, encoder, hair, scene.view.eye(), quantity, high);
-            }
-            (None, Some(term)) => self.terms.record(encoder, &hair.set, term),
-            // Counting strips needs their width.
-            (None, None) if seen.is_some() || view == DebugView::Overdraw => {
-                draw.shade(encoder, timings.as_deref_mut(), &hair.set);
-            }
-            (None, None) => {}
-        }
-        draw.draw(encoder, timings.as_deref_mut(), &scene, targets, seen, body);
-        draw.present(device, encoder, timings.as_deref_mut(), targets, output);
-        if quantity.is_some() || term.is_some() {
+        let (what, camera, high) = (shown.view, &picture.camera, shown.high());
+        if what.strands().is_some() || what.term().is_some() {
             return Ok(());
         }
-        let paint = |opacity| Paint { low: scale.map_or(0.0, |scale| scale.low), high, opacity };
-        let grid = grid(view, &scene, hair);
-        let lines = self.lines(view, &scene, hair, grid.as_ref(), high);
-        let seeds = match (view, &grid) {
-            (DebugView::Wind, Some(grid)) => Streams::upwind(grid, shown.wind, STREAMS),
-            _ => Vec::new(),
-        };
-        let layers = layers(view, hair, grid, &lines, &seeds, paint, &scene);
-        self.stage.record(device, encoder, timings, &scene, targets, body, output, &layers)
+        let low = shown.scale().map_or(0.0, |scale| scale.low);
+        let paint = |opacity| Paint { low, high, opacity };
+        if what == DebugView::Overdraw {
+            let drawn = (&view.light.frame, view.options().coverage);
+            let (stage, paint) = (&mut self.stage, paint(1.0));
+            return stage
+                .record_overdraw(device, encoder, timings, camera, bodies, output, drawn, seen, &paint);
+        }
+        for hair in hair {
+            let grid = grid(what, hair);
+            let lines = self.lines(what, hair, grid.as_ref(), high);
+            let seeds = match (what, &grid) {
+                (DebugView::Wind, Some(grid)) => Streams::upwind(grid, shown.wind, STREAMS),
+                _ => Vec::new(),
+            };
+            let layers = layers(what, hair, grid, &lines, &seeds, paint, camera);
+            let timings = timings.as_deref_mut();
+            self.stage.record(device, encoder, timings, camera, bodies, output, &layers)?;
+        }
+        Ok(())
     }
 
     /// The box of a grid, or the head's contours.
-    fn lines(
-        &self,
-        view: DebugView,
-        scene: &Scene,
-        hair: &Hair,
-        grid: Option<&Grid<'_>>,
-        high: f32,
-    ) -> Vec<LinePoint> {
+    fn lines(&self, view: DebugView, hair: &Hair, grid: Option<&Grid<'_>>, high: f32) -> Vec<LinePoint> {
         let mut lines = Vec::new();
         match (view, grid) {
             (DebugView::Density | DebugView::Push | DebugView::Wind, Some(grid)) => {
@@ -158,7 +183,7 @@ impl DebugViews {
             }
             (DebugView::Colliders, _) => {
                 // The head's field comes first; it follows the head.
-                let pose = hair.colliders.drawn().first().copied().unwrap_or(scene.pose);
+                let pose = hair.colliders.drawn().first().copied().unwrap_or(hair.head);
                 let place = |p: &LinePoint| LinePoint { position: pose.point(p.position), ..*p };
                 lines.extend(self.contours.iter().map(place));
             }
@@ -169,7 +194,7 @@ impl DebugViews {
 }
 
 /// The grid that a view shows, or the box in which it looks.
-pub(super) fn grid<'a>(view: DebugView, scene: &Scene, hair: &'a Hair) -> Option<Grid<'a>> {
+pub(super) fn grid(view: DebugView, hair: &Hair) -> Option<Grid<'_>> {
     let volume = &hair.volume;
     let (texture, quantity, turns) = match view {
         DebugView::Density => (&volume.hair, Quantity::Channel(3), false),
@@ -191,7 +216,7 @@ pub(super) fn grid<'a>(view: DebugView, scene: &Scene, hair: &'a Hair) -> Option
         _ => return None,
     };
     let (scale, bias) = (Vec3::splat(volume.grid.scale), volume.grid.bias);
-    Some(Grid { texture, pose: scene.pose, scale, bias, quantity, turns })
+    Some(Grid { texture, pose: hair.head, scale, bias, quantity, turns })
 }
 
 /// What goes over the picture.
@@ -202,16 +227,15 @@ fn layers<'a>(
     lines: &'a [LinePoint],
     seeds: &'a [Vec3],
     paint: impl Fn(f32) -> Paint,
-    scene: &Scene,
+    camera: &Camera,
 ) -> Vec<Layer<'a>> {
     let high = paint(1.0).high;
-    let column = Slices { panels: Some(panels(scene.view.size)), ..Default::default() };
+    let column = Slices { panels: Some(panels(camera.size)), ..Default::default() };
     let guides = |quantity| vec![Layer::Guides(&hair.guides, paint(1.0), quantity)];
     match (view, grid) {
         (DebugView::Guides, _) => guides(GuideQuantity::Guide),
         (DebugView::Speed, _) => guides(GuideQuantity::Speed),
         (DebugView::Strain, _) => guides(GuideQuantity::Strain),
-        (DebugView::Overdraw, _) => vec![Layer::Overdraw(&hair.set, paint(1.0))],
         (DebugView::Density, Some(grid)) => vec![
             Layer::Lines(lines, paint(0.7)),
             Layer::Volume(grid, paint(60.0)),
@@ -234,9 +258,8 @@ fn layers<'a>(
         }
         (DebugView::Distance, Some(grid)) => {
             // The plane that the camera looks at.
-            let eye = (grid.pose.inverse().point(scene.view.eye())
-                - (Vec3::splat(0.5) - grid.bias) / grid.scale)
-                .abs();
+            let eye =
+                (grid.pose.inverse().point(camera.eye()) - (Vec3::splat(0.5) - grid.bias) / grid.scale).abs();
             let axis = if eye.x > eye.y.max(eye.z) { 0 } else { 1 + u32::from(eye.z >= eye.y) };
             let plane = Slices { facing: Some(axis), contours: CONTOURS, ..Default::default() };
             vec![Layer::Distance(

@@ -1,9 +1,12 @@
 //! Host side of `volume.wesl`.
 
 use super::{Canvas, Grid, Paint, overlay};
-use crate::gpu::{
-    Binding,
-    bindings::{group, layout},
+use crate::{
+    Result,
+    gpu::{
+        Binding,
+        bindings::{group, layout},
+    },
 };
 
 /// The pipeline of the ray march.
@@ -14,13 +17,13 @@ pub(super) struct Volume {
 }
 
 impl Volume {
-    pub(super) fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
+    pub(super) fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Result<Self> {
         let entries =
             [Binding::Uniform, Binding::Uniform, Binding::Texture3d, Binding::Sampler, Binding::Depth];
         let layout = layout(device, "volume", wgpu::ShaderStages::FRAGMENT, &entries);
         let topology = wgpu::PrimitiveTopology::TriangleList;
-        let pipeline = overlay(device, "draw::debug::volume", &[&layout], format, topology, false);
-        Self { pipeline, layout }
+        let pipeline = overlay(device, "draw::debug::volume", &[&layout], format, topology, false)?;
+        Ok(Self { pipeline, layout })
     }
 
     pub(super) fn record(&self, canvas: &mut Canvas<'_>, grid: &Grid<'_>, paint: &Paint) {

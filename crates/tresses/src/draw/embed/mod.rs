@@ -6,21 +6,25 @@
 //! ```
 //!
 //! The scene keeps its format, its number of samples (one) and its way of writing depth: depths are
-//! carried over from its projection to that of the [`View`](super::View), pixel by pixel, before the hair
-//! is drawn with as many samples as its stage has. What these cover is blended over the scene, so that
+//! carried over from its projection to that of the [`Camera`](crate::Camera), pixel by pixel, before the hair
+//! is drawn with as many samples as its view has. What these cover is blended over the scene, so that
 //! thin hair stays thin. The scene's depth is left as it is: what is transparent and drawn later, in
 //! front of hair or behind it, blends as if no hair were there.
 //!
 //! Not taken: drawing strips into the scene's own target, which would need its pipelines built for its
 //! format and samples and a coverage of one sample per pixel to be smoothed afterwards.
 
-use super::{HairSet, Scene, Targets, pipeline::Recipe};
+use super::{
+    Coverage, Targets,
+    record::{Canvas, pass},
+    targets::HDR_FORMAT,
+};
 use crate::{
     Error, Result,
-    draw::{Body, Coverage, DrawOptions, DrawStage},
     gpu::{
-        Binding, Timings,
+        Binding,
         bindings::{group, layout, uniform},
+        pipeline::{Recipe, blended},
     },
 };
 use bytemuck::{Pod, Zeroable};
@@ -66,11 +70,11 @@ pub struct Surroundings<'a> {
     /// Its depth, with `TEXTURE_BINDING`, one sample per pixel, of the size of the picture.
     pub depth: &'a wgpu::TextureView,
     /// The projection that it was drawn with: of the camera and field of view of
-    /// [`Scene::view`](super::Scene::view), but with any planes and any direction of depth from 0 to 1.
+    /// [`Picture::camera`](crate::view::Picture::camera), but with any planes and any direction of depth from 0 to 1.
     pub projection: Mat4,
 }
 
-/// The pipelines that put hair into a scene.
+/// What puts the hair of one view into a scene.
 #[derive(Debug)]
 pub struct Embed {
     depth: wgpu::RenderPipeline,
@@ -81,13 +85,18 @@ pub struct Embed {
 }
 
 impl Embed {
-    /// For hair drawn by a stage with `options` into scenes whose linear colour is of `format`, which
-    /// must be one that can be blended.
+    /// For hair that is drawn with `samples` per pixel, covered by `coverage`, into scenes whose linear colour is of
+    /// `format`, which must be one that can be blended.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a coverage that peels: its layers are tone mapped as they are drawn.
-    pub fn new(device: &wgpu::Device, options: &DrawOptions, format: wgpu::TextureFormat) -> Result<Self> {
-        if matches!(options.coverage, Coverage::DepthPeeling { .. }) {
+    /// [`Error::Parameter`] for a coverage that peels: its layers are tone mapped as they are drawn. [`Error::Gpu`]
+    /// when wgpu refuses the format.
+    pub fn new(
+        device: &wgpu::Device,
+        (samples, coverage): (u32, Coverage),
+        format: wgpu::TextureFormat,
+    ) -> Result<Self> {
+        if matches!(coverage, Coverage::DepthPeeling { .. }) {
             return Err(Error::Parameter {
                 name: "the coverage of hair in a scene",
                 value: "depth peeling".into(),
@@ -97,74 +106,64 @@ impl Embed {
         use wgpu::{BlendFactor::*, ShaderStages as Stages};
         let layout = |label, texture| layout(device, label, Stages::FRAGMENT, &[Binding::Uniform, texture]);
         let depth_layout = layout("embed depth", Binding::Depth);
-        let many = options.samples > 1;
+        let many = samples > 1;
         let hdr = if many { Binding::TextureMultisampled } else { Binding::Texture2d };
         let composite_layout = layout("embed", hdr);
+        let module = "draw::embed::depth";
         let depth = Recipe {
-            module: "draw::embed::depth",
-            entry: ["depth_vertex", "depth_fragment"],
-            layouts: &[Some(&depth_layout)],
-            buffers: &[],
-            targets: &[Some(super::targets::HDR_FORMAT.into())],
+            vertex: (module, "depth_vertex"),
+            fragment: Some((module, "depth_fragment")),
+            layouts: &[&depth_layout],
+            targets: &[Some(HDR_FORMAT.into())],
             depth: Some((true, wgpu::CompareFunction::Always)),
-            samples: options.samples,
-            alpha_to_coverage: false,
+            samples,
+            ..Recipe::PLAIN
+        };
+        let (module, entry) = match many {
+            true => ("draw::embed::many", ["many_vertex", "many_fragment"]),
+            false => ("draw::embed::one", ["one_vertex", "one_fragment"]),
         };
         let composite = Recipe {
-            module: if many { "draw::embed::many" } else { "draw::embed::one" },
-            entry: if many { ["many_vertex", "many_fragment"] } else { ["one_vertex", "one_fragment"] },
-            layouts: &[Some(&composite_layout)],
-            buffers: &[],
-            targets: &[super::pipeline::blended(format, One, OneMinusSrcAlpha)],
-            depth: None,
-            samples: 1,
-            alpha_to_coverage: false,
+            vertex: (module, entry[0]),
+            fragment: Some((module, entry[1])),
+            layouts: &[&composite_layout],
+            targets: &[blended(format, One, OneMinusSrcAlpha)],
+            ..Recipe::PLAIN
         };
         Ok(Self {
-            depth: depth.build(device),
-            composite: composite.build(device),
+            depth: depth.build(device)?,
+            composite: composite.build(device)?,
             depth_layout,
             composite_layout,
             uniform: uniform(device, "embed", size_of::<EmbedUniform>()),
         })
     }
 
-    /// Records hair as `stage` draws it for `scene` over what is in `into`; [`Scene::background`] and
-    /// [`Scene::tone`] play no part. `targets` are of the stage and of the scene's size. `body` is not drawn,
-    /// only its shadow falls on the hair.
-    #[allow(clippy::too_many_arguments)]
-    pub fn record(
+    fn bind(
         &self,
         device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        encoder: &mut wgpu::CommandEncoder,
-        mut timings: Option<&mut Timings>,
-        stage: &DrawStage,
-        scene: &Scene,
-        targets: &Targets,
-        hair: &HairSet,
-        body: Option<&Body>,
-        into: &Surroundings<'_>,
-    ) {
-        let values = EmbedUniform::new(into.projection, scene.view.projection, targets);
-        queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&values));
-        stage.prepare(queue, scene, targets, Some(hair), body);
-        stage.shadow(encoder, timings.as_deref_mut(), scene, Some(hair), body);
-        stage.shade(encoder, timings.as_deref_mut(), hair);
-        let bind = |layout, view| {
-            let texture = wgpu::BindingResource::TextureView(view);
-            group(device, "embed", layout, &[self.uniform.as_entire_binding(), texture])
-        };
-        {
-            let group = bind(&self.depth_layout, into.depth);
-            let mut pass = stage.pass(encoder, None, "embed depth", true, targets);
-            pass.set_pipeline(&self.depth);
-            pass.set_bind_group(0, &group, &[]);
-            pass.draw(0..3, 0..1);
-        }
-        stage.draw_hair_over(encoder, timings.as_deref_mut(), scene, targets, hair);
-        let group = bind(&self.composite_layout, &targets.hdr);
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        layout: &wgpu::BindGroupLayout,
+        view: &wgpu::TextureView,
+    ) -> wgpu::BindGroup {
+        let texture = wgpu::BindingResource::TextureView(view);
+        group(device, "embed", layout, &[self.uniform.as_entire_binding(), texture])
+    }
+
+    /// Records the scene's depth into the targets, seen with the projection `to`: before the hair.
+    pub(crate) fn record_depth(&self, canvas: &mut Canvas<'_>, to: Mat4, into: &Surroundings<'_>) {
+        let values = EmbedUniform::new(into.projection, to, canvas.targets);
+        canvas.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&values));
+        let group = self.bind(canvas.device, &self.depth_layout, into.depth);
+        let mut pass = pass(canvas, "embed", true);
+        pass.set_pipeline(&self.depth);
+        pass.set_bind_group(0, &group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+
+    /// Records what the targets have of hair over the scene's colour.
+    pub(crate) fn record(&self, canvas: &mut Canvas<'_>, into: &Surroundings<'_>) {
+        let group = self.bind(canvas.device, &self.composite_layout, &canvas.targets.hdr);
+        let mut pass = canvas.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("embed"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: into.color,
@@ -172,7 +171,7 @@ impl Embed {
                 resolve_target: None,
                 ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
             })],
-            timestamp_writes: timings.and_then(|timings| timings.render("embed")),
+            timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.render("embed")),
             ..Default::default()
         });
         pass.set_pipeline(&self.composite);
@@ -184,12 +183,12 @@ impl Embed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::draw::View;
+    use crate::Camera;
     use glam::Vec3;
 
     #[test]
     fn depths_are_carried_over_whatever_their_direction() {
-        let ours = View::perspective(0.5, 1.5, 0.01);
+        let ours = Camera::perspective(0.5, 1.5, 0.01);
         let usual = glam::camera::rh::proj::directx::perspective(0.5, 1.5, 0.1, 100.0);
         let flat = glam::camera::rh::proj::directx::orthographic(-1.0, 1.0, -1.0, 1.0, 0.1, 100.0);
         let depth = |m: Mat4, z: f32| m.project_point3(Vec3::new(0.0, 0.0, -z)).z;

@@ -1,6 +1,10 @@
 //! Evaluates ambient light at arbitrary points: used for measurements by tests and tools.
 
-use crate::{Result, draw::DrawStage, gpu::Binding, light::asked::Asked};
+use crate::{
+    Result,
+    gpu::Binding,
+    light::{State, asked::Asked},
+};
 use glam::{Vec3, Vec4};
 
 /// What arrives at a point from some directions.
@@ -18,7 +22,7 @@ pub struct Around {
 pub struct AmbientProbe(Asked<[Vec4; 2]>);
 
 impl AmbientProbe {
-    /// Takes `points` to the GPU, to be asked about in the cells of `stage`: positions (metres), and the mean vector of
+    /// Takes `points` to the GPU, to be asked about in the cells of a view's `light`: positions (metres), and the mean vector of
     /// the directions that are asked about (0 for all of them, half a unit vector for a hemisphere).
     ///
     /// # Errors
@@ -26,19 +30,18 @@ impl AmbientProbe {
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        stage: &DrawStage,
+        light: &State,
         points: &[(Vec3, Vec3)],
     ) -> Result<Self> {
         use Binding::{Comparison, DepthArray, Sampler, Storage, Texture3d, Uniform};
         let entries = [Uniform, DepthArray, Comparison, Storage, Storage, Texture3d, Sampler];
-        let resources = stage.light_resources().into_iter().chain(stage.ambient_resources());
-        let frame = entries.into_iter().zip(resources);
+        let frame = entries.into_iter().zip(light.resources());
         let words: Vec<_> =
             points.iter().flat_map(|(at, middle)| [at.extend(0.0), middle.extend(0.0)]).collect();
         Ok(Self(Asked::new((device, queue), "light::ambient::ask", (&words, points.len()), frame)?))
     }
 
-    /// Asks, after [`DrawStage::shadow`] has been recorded.
+    /// Asks, after [`Recorder::light`](crate::frame::Recorder::light) has been recorded.
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
         self.0.record(encoder);
     }

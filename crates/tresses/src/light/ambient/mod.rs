@@ -5,7 +5,7 @@
 //! body, shadow maps ► glow ──┴► cells ─► settle ─► cells ─► sweep ─► fields, 24 ─► gather ─► five layers
 //! ```
 //!
-//! A cube of cells around [`Scene::focus`](crate::draw::Scene::focus), [`DrawOptions::ambient_cells`] per
+//! A cube of cells around [`Picture::focus`](crate::view::Picture::focus), [`ViewOptions::ambient_cells`] per
 //! edge, rebuilt each frame. `lay` adds the area of the hair, width times length, in fixed point; `glow`
 //! does the same with sample points over the body's surface ([`Surface`]), and adds the radiance that
 //! leaves them, from the lights that reach them through the shadow maps and from the sky. `settle` turns
@@ -35,24 +35,18 @@
 //! more light along than across them.
 
 mod ask;
-mod surface;
 
 pub use ask::{AmbientProbe, Around};
-pub use surface::Surface;
 
+use super::{FRAME, Seen};
 use crate::{
+    body::{self, Body},
     constants::{AMBIENT_STRANDS, STRAND_WORKGROUP},
-    draw::{Body, HairSet},
-    gpu::{
-        Binding, Kernel, Timings,
-        bindings::{group, layout, linear},
-        grid::grid_texture,
-    },
-    strands::StrandBuffers,
+    gpu::{Binding, Kernel, Timings, bindings::linear, grid::grid_texture},
 };
 
 #[cfg(doc)]
-use crate::draw::DrawOptions;
+use crate::{body::Surface, view::ViewOptions};
 
 /// Directions, words of a cell and layers, as in the shaders.
 const DIRECTIONS: u32 = 24;
@@ -61,51 +55,71 @@ const LAYERS: u32 = 5;
 /// Distance between the numbers of two slices: the largest offset alignment WebGPU asks for.
 const STEP: u64 = 256;
 
-/// The cells, what comes of them, and the kernels.
+/// The kernels.
+#[derive(Debug)]
+pub(super) struct Pipelines {
+    pub(super) lay: Kernel,
+    skin: Kernel,
+    glow: Kernel,
+    settle: Kernel,
+    /// Of the sky's light, then of the body's.
+    sweeps: [Kernel; 2],
+    gathers: [Kernel; 2],
+}
+
+impl Pipelines {
+    pub(super) fn new(device: &wgpu::Device) -> Self {
+        use Binding::{Storage, StorageMut, Uniform, UniformDynamic, Write3d};
+        let surface = body::surface_layout(device);
+        let kernel = |module, entries: &[Binding]| Kernel::new(device, module, entries);
+        Self {
+            lay: kernel("light::ambient::lay", &[Uniform, Uniform, Storage, Storage, StorageMut]),
+            skin: Kernel::beside(device, "light::ambient::skin", &[Uniform, StorageMut], &[&surface]),
+            // The first is nobody's: what asks for light binds the camera there.
+            glow: Kernel::beside(
+                device,
+                "light::ambient::glow",
+                &[&FRAME[..], &[StorageMut]].concat(),
+                &[&surface],
+            ),
+            settle: kernel("light::ambient::settle", &[Uniform, Storage, StorageMut]),
+            sweeps: ["light::ambient::sweep", "light::ambient::shine"]
+                .map(|module| kernel(module, &[Uniform, UniformDynamic, Storage, StorageMut])),
+            gathers: ["light::ambient::gather", "light::ambient::collect"]
+                .map(|module| kernel(module, &[Uniform, Storage, StorageMut, Write3d])),
+        }
+    }
+
+    pub(super) fn kernels(&self) -> impl Iterator<Item = &Kernel> {
+        let Self { lay, skin, glow, settle, sweeps, gathers } = self;
+        [lay, skin, glow, settle].into_iter().chain(sweeps).chain(gathers)
+    }
+}
+
+/// The cells of a view, and what comes of them.
 #[derive(Debug)]
 pub struct Ambient {
     cells: u32,
     sums: wgpu::Buffer,
     result: wgpu::TextureView,
     sampler: wgpu::Sampler,
-    body_layout: wgpu::BindGroupLayout,
-    lay: Kernel,
-    skin: Run,
-    glow: Run,
-    settle: Run,
+    skin: wgpu::BindGroup,
+    glow: wgpu::BindGroup,
+    settle: wgpu::BindGroup,
     /// The sky's light, then the body's.
-    sweeps: [Run; 2],
-    gathers: [Run; 2],
-}
-
-/// A kernel and what it binds.
-#[derive(Debug)]
-struct Run {
-    kernel: Kernel,
-    group: wgpu::BindGroup,
-}
-
-impl Run {
-    fn new(device: &wgpu::Device, kernel: Kernel, resources: &[wgpu::BindingResource<'_>]) -> Self {
-        Self { group: kernel.bind(device, resources), kernel }
-    }
-
-    fn record(&self, pass: &mut wgpu::ComputePass<'_>, threads: u32) {
-        self.kernel.record(pass, &self.group, &[], threads.div_ceil(STRAND_WORKGROUP));
-    }
+    sweeps: [wgpu::BindGroup; 2],
+    gathers: [wgpu::BindGroup; 2],
 }
 
 impl Ambient {
     /// Cells to an edge: as many as `wanted`, from 4 to 64.
-    pub(crate) fn new(
+    pub(super) fn new(
         device: &wgpu::Device,
+        pipelines: &Pipelines,
         wanted: u32,
         lights: &wgpu::Buffer,
         shadow: [wgpu::BindingResource<'_>; 4],
     ) -> Self {
-        use Binding::{
-            Comparison, DepthArray, Sampler, Storage, StorageMut, Texture3d, Uniform, UniformDynamic, Write3d,
-        };
         let cells = wanted.clamp(4, 64);
         let count = u64::from(cells).pow(3);
         let storage = |label, size| {
@@ -124,38 +138,34 @@ impl Ambient {
         let format = wgpu::TextureFormat::Rgba16Float;
         let (_, result) = grid_texture(device, "ambient", format, [cells, cells, LAYERS * cells]);
         let sampler = linear(device);
-        let body_layout =
-            layout(device, "surface", wgpu::ShaderStages::COMPUTE, &[Uniform, Storage, Storage]);
         let all = wgpu::Buffer::as_entire_binding;
         let view = || wgpu::BindingResource::TextureView(&result);
-        let lay =
-            Kernel::new(device, "light::ambient::lay", &[Uniform, Uniform, Storage, Storage, StorageMut]);
-        let skin = Kernel::beside(device, "light::ambient::skin", &[Uniform, StorageMut], &[&body_layout]);
-        let skin = Run::new(device, skin, &[all(lights), all(&sums)]);
-        // The first is nobody's: what asks for light binds the view there.
-        let entries =
-            [Uniform, Uniform, DepthArray, Comparison, Storage, Storage, Texture3d, Sampler, StorageMut];
-        let glow = Kernel::beside(device, "light::ambient::glow", &entries, &[&body_layout]);
         let [maps, comparison, hair, blocks] = shadow;
         let linear = wgpu::BindingResource::Sampler(&sampler);
         let frame = [all(lights), all(lights), maps, comparison, hair, blocks, view(), linear, all(&sums)];
-        let glow = Run::new(device, glow, &frame);
-        let settle = Kernel::new(device, "light::ambient::settle", &[Uniform, Storage, StorageMut]);
-        let settle = Run::new(device, settle, &[all(lights), all(&sums), all(&settled)]);
-        let sweeps = ["light::ambient::sweep", "light::ambient::shine"].map(|module| {
-            let kernel = Kernel::new(device, module, &[Uniform, UniformDynamic, Storage, StorageMut]);
-            let slice = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+        let slice = || {
+            wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                 buffer: &slices,
                 offset: 0,
                 size: wgpu::BufferSize::new(16),
-            });
-            Run::new(device, kernel, &[all(lights), slice, all(&settled), all(&fields)])
-        });
-        let gathers = ["light::ambient::gather", "light::ambient::collect"].map(|module| {
-            let kernel = Kernel::new(device, module, &[Uniform, Storage, StorageMut, Write3d]);
-            Run::new(device, kernel, &[all(lights), all(&fields), all(&weights), view()])
-        });
-        Self { cells, sums, sampler, body_layout, lay, skin, glow, settle, sweeps, gathers, result }
+            })
+        };
+        let Pipelines { skin, glow, settle, sweeps, gathers, .. } = pipelines;
+        Self {
+            skin: skin.bind(device, &[all(lights), all(&sums)]),
+            glow: glow.bind(device, &frame),
+            settle: settle.bind(device, &[all(lights), all(&sums), all(&settled)]),
+            sweeps: sweeps
+                .each_ref()
+                .map(|sweep| sweep.bind(device, &[all(lights), slice(), all(&settled), all(&fields)])),
+            gathers: gathers
+                .each_ref()
+                .map(|gather| gather.bind(device, &[all(lights), all(&fields), all(&weights), view()])),
+            cells,
+            sampler: sampler.clone(),
+            sums: sums.clone(),
+            result: result.clone(),
+        }
     }
 
     /// Cells to an edge.
@@ -163,8 +173,13 @@ impl Ambient {
         self.cells
     }
 
+    /// The sums over the area of hair and bodies in each cell.
+    pub(super) fn sums(&self) -> &wgpu::Buffer {
+        &self.sums
+    }
+
     /// What shaders need to ask for it: the layers and their sampler.
-    pub(crate) fn resources(&self) -> [wgpu::BindingResource<'_>; 2] {
+    pub(super) fn resources(&self) -> [wgpu::BindingResource<'_>; 2] {
         [wgpu::BindingResource::TextureView(&self.result), wgpu::BindingResource::Sampler(&self.sampler)]
     }
 
@@ -174,30 +189,14 @@ impl Ambient {
         cell * u64::from(self.cells).pow(3) + STEP * u64::from(self.cells)
     }
 
-    /// The group of a groom.
-    pub(crate) fn bind_hair(
-        &self,
-        device: &wgpu::Device,
-        lights: &wgpu::Buffer,
-        uniform: &wgpu::Buffer,
-        strands: &StrandBuffers,
-    ) -> wgpu::BindGroup {
-        let buffers = [lights, uniform, &strands.vertices, &strands.strands, &self.sums];
-        self.lay.bind(device, &buffers.map(wgpu::Buffer::as_entire_binding))
-    }
-
-    /// The group of a body.
-    pub(crate) fn bind_body(&self, device: &wgpu::Device, buffers: [&wgpu::Buffer; 3]) -> wgpu::BindGroup {
-        group(device, "surface", &self.body_layout, &buffers.map(wgpu::Buffer::as_entire_binding))
-    }
-
     /// Records all of it; after the shadow maps.
-    pub(crate) fn record(
+    pub(super) fn record(
         &self,
+        pipelines: &Pipelines,
         encoder: &mut wgpu::CommandEncoder,
         timings: Option<&mut Timings>,
-        hair: Option<&HairSet>,
-        body: Option<&Body>,
+        hair: &[Seen<'_>],
+        bodies: &[&Body],
     ) {
         encoder.clear_buffer(&self.sums, 0, None);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
@@ -205,25 +204,26 @@ impl Ambient {
             timestamp_writes: timings.and_then(|timings| timings.compute("ambient")),
         });
         let pass = &mut pass;
-        if let Some(hair) = hair {
+        for Seen { hair, shaded } in hair {
             let every = (hair.drawn.count / AMBIENT_STRANDS).max(1);
             let strands = u64::from(hair.drawn.count.div_ceil(every));
             let threads = strands * u64::from(hair.drawn.vertex_count.saturating_sub(1));
             let workgroups = threads.div_ceil(u64::from(STRAND_WORKGROUP)) as u32;
-            self.lay.record(pass, &hair.ambient_group, &[], workgroups);
+            pipelines.lay.record(pass, &shaded.lay, &[], workgroups);
         }
         let cells = self.cells.pow(3);
         let slice = [self.cells.pow(2).div_ceil(STRAND_WORKGROUP), DIRECTIONS, 1];
-        for (i, (sweep, gather)) in self.sweeps.iter().zip(&self.gathers).enumerate() {
-            if let Some(body) = body {
+        for i in 0..2 {
+            let (kernel, group) = [(&pipelines.skin, &self.skin), (&pipelines.glow, &self.glow)][i];
+            for body in bodies {
                 pass.set_bind_group(1, &body.surface_group, &[]);
-                [&self.skin, &self.glow][i].record(pass, body.surface.points);
+                kernel.record(pass, group, &[], body.surface.points.div_ceil(STRAND_WORKGROUP));
             }
-            self.settle.record(pass, cells);
-            for i in 0..u64::from(self.cells) {
-                sweep.kernel.record_grid(pass, &sweep.group, &[(STEP * i) as u32], slice);
+            pipelines.settle.record(pass, &self.settle, &[], cells.div_ceil(STRAND_WORKGROUP));
+            for slot in 0..u64::from(self.cells) {
+                pipelines.sweeps[i].record_grid(pass, &self.sweeps[i], &[(STEP * slot) as u32], slice);
             }
-            gather.record(pass, cells);
+            pipelines.gathers[i].record(pass, &self.gathers[i], &[], cells.div_ceil(STRAND_WORKGROUP));
         }
     }
 }

@@ -42,7 +42,7 @@ impl FiberTables {
     }
 
     /// Empty tables.
-    pub(crate) fn new(device: &wgpu::Device, layout: &wgpu::BindGroupLayout) -> Self {
+    pub(crate) fn new(device: &wgpu::Device) -> Self {
         let texture = |label, width, height, layers| {
             device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
@@ -66,7 +66,7 @@ impl FiberTables {
         let group = group(
             device,
             "fiber",
-            layout,
+            &Self::layout(device),
             &[
                 wgpu::BindingResource::TextureView(&view(&around)),
                 wgpu::BindingResource::TextureView(&view(&mean)),

@@ -3,15 +3,19 @@
 mod device;
 mod fixtures;
 
-pub use device::{Lease, drawing, gpu, renderer, simulate, stage};
+pub use device::{gpu, pipelines, simulate};
 pub use fixtures::{SINTEL, asset, character, scalp, sintel};
 
 use tresses::{
-    draw::{Background, Body, DrawStage, HairSet, Scene, Targets, View},
+    Camera, Pipelines, View,
+    body::Body,
+    frame::{Recorder, Sight},
     glam::{Mat4, Vec3},
     gpu::Gpu,
     groom::{Groom, SdfGrid, Strands, TriMesh},
-    light::{Directional, HairMaterial, Lights, MAX_LIGHTS, ShadingModel, ShadowMethod, Shadows},
+    light::{Directional, HairSet, Lights, MAX_LIGHTS, ShadowMethod, Shadows},
+    present::Background,
+    view::Picture,
 };
 
 /// Strands on a sphere of 9 cm around the origin that stand off, bend and hang `length` metres.
@@ -59,41 +63,38 @@ pub fn cube(half: f32) -> TriMesh {
     }
 }
 
-/// A scene of no light and no shadow: coverage knows nothing of them.
-pub fn dark() -> Scene {
-    Scene {
+/// A picture without light and shadow: coverage knows nothing of them.
+pub fn dark() -> Picture {
+    Picture {
         lights: Lights { directional: [Directional::OFF; MAX_LIGHTS], ..Lights::default() },
         shadows: Shadows { method: ShadowMethod::Off, ambient: false, ..Shadows::default() },
         background: Background::transparent(),
-        hair: HairMaterial { model: ShadingModel::KajiyaKay, ..HairMaterial::default() },
         ..Default::default()
     }
 }
 
-/// The picture of `scene`: RGBA, rows from the top.
+/// What `view` sees of `picture`: RGBA, rows from the top.
 pub fn picture(
     gpu: &Gpu,
-    stage: &DrawStage,
-    scene: &Scene,
-    hair: &HairSet,
-    body: Option<&Body>,
-    targets: &Targets,
+    (pipelines, view): (&Pipelines, &View),
+    picture: &Picture,
+    hair: &[&HairSet],
+    bodies: &[&Body],
 ) -> Vec<u8> {
-    let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    stage.prepare(&gpu.queue, scene, targets, Some(hair), body);
-    stage.shadow(&mut encoder, None, scene, Some(hair), body);
-    stage.shade(&mut encoder, None, hair);
-    stage.draw(&mut encoder, None, scene, targets, Some(hair), body);
-    stage.present(&gpu.device, &mut encoder, None, targets, targets.picture());
-    gpu.queue.submit([encoder.finish()]);
-    pollster::block_on(targets.read(&gpu.device, &gpu.queue)).expect("a picture")
+    let Gpu { device, queue, .. } = gpu;
+    let mut encoder = device.create_command_encoder(&Default::default());
+    Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
+        .draw_strands(hair, bodies, Sight::new(view, picture))
+        .expect("it fits");
+    queue.submit([encoder.finish()]);
+    pollster::block_on(view.targets().read(device, queue)).expect("a picture")
 }
 
-/// An orthographic view, depth reversed, of `size`² pixels, in which a metre is a pixel: the origin is
+/// An orthographic camera, depth reversed, of `size`² pixels, in which a metre is a pixel: the origin is
 /// the lower left corner.
-pub fn metre_is_pixel(size: u32) -> View {
+pub fn metre_is_pixel(size: u32) -> Camera {
     let half = size as f32 * 0.5;
-    View {
+    Camera {
         view: Mat4::from_translation(Vec3::new(-half, -half, -1e4)),
         projection: Mat4::from_cols_array_2d(&[
             [1.0 / half, 0.0, 0.0, 0.0],

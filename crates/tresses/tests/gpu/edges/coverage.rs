@@ -8,10 +8,13 @@ use super::{
 };
 use crate::common;
 use tresses::{
-    draw::{Background, Coverage, Scene, View},
+    Camera,
+    draw::Coverage,
     glam::Vec3,
     gpu::Gpu,
-    light::Sphere,
+    light::{ShadingModel, Sphere},
+    present::Background,
+    view::Picture,
 };
 
 const SIZE: [u32; 2] = [384, 320];
@@ -20,10 +23,10 @@ const SIZE: [u32; 2] = [384, 320];
 const DISTANCES: [f32; 3] = [0.5, 1.0, 2.0];
 
 /// The groom as a lit scene from `distance`, before nothing.
-pub fn scene(distance: f32, size: [u32; 2]) -> Scene {
+pub fn scene(distance: f32, size: [u32; 2]) -> Picture {
     let eye = Vec3::new(0.38, 0.24, 0.89).normalize() * distance;
-    Scene {
-        view: View::look_at(eye, Vec3::new(0.0, -0.01, 0.0), 0.48, size),
+    Picture {
+        camera: Camera::look_at(eye, Vec3::new(0.0, -0.01, 0.0), 0.48, size),
         focus: Sphere { center: Vec3::ZERO, radius: 0.15 },
         background: Background::transparent(),
         ..Default::default()
@@ -33,10 +36,11 @@ pub fn scene(distance: f32, size: [u32; 2]) -> Scene {
 /// How far from the exact area each distance is, as a factor less 1.
 fn errors(gpu: &Gpu, mode: Mode, groom: &Groom, exact: &[f64]) -> Vec<f64> {
     let studio = Studio::new(gpu, mode, SIZE);
-    let (hair, _strands) = studio.hair(groom);
+    let (mut hair, _strands) = studio.hair(groom);
+    hair.material.model = ShadingModel::KajiyaKay;
     let drawn = DISTANCES.map(|distance| {
-        let Scene { view, focus, .. } = scene(distance, SIZE);
-        total(&studio.picture(&Scene { view, focus, ..common::dark() }, &hair))
+        let Picture { camera, focus, .. } = scene(distance, SIZE);
+        total(&studio.picture(&Picture { camera, focus, ..common::dark() }, &hair))
     });
     drawn.iter().zip(exact).map(|(drawn, exact)| drawn / exact - 1.0).collect()
 }
@@ -77,7 +81,7 @@ fn total_coverage_is_exact_in_any_mode() {
 /// Holds `modes` against the exact area; strands that are too wide are drawn in the modes `perturbed`.
 fn judge(gpu: &Gpu, modes: &[Mode], perturbed: &[Mode]) {
     let groom = Groom::on_a_ball(6000, 2.5e-4);
-    let exact = DISTANCES.map(|distance| oracle::covered(&groom, &scene(distance, SIZE).view));
+    let exact = DISTANCES.map(|distance| oracle::covered(&groom, &scene(distance, SIZE).camera));
     println!("exact: {exact:.1?} pixels");
     for &mode in modes {
         let errors = errors(gpu, mode, &groom, &exact);

@@ -9,10 +9,7 @@ use super::{
     picture::{Studio, write},
 };
 use crate::common;
-use tresses::{
-    draw::{Background, Coverage, Scene},
-    gpu::Gpu,
-};
+use tresses::{draw::Coverage, gpu::Gpu, present::Background, view::Picture};
 
 const SIZE: [u32; 2] = [192, 160];
 const FRAMES: u32 = 4;
@@ -31,7 +28,7 @@ fn frames(gpu: &Gpu, mode: Mode, groom: &Groom, distances: &[f32]) -> Vec<Frames
     let studio = Studio::new(gpu, mode, SIZE);
     let (hair, strands) = studio.hair(groom);
     let turned = |distance: &f32| {
-        let scene = Scene { background: Background::default(), ..scene(*distance, SIZE) };
+        let scene = Picture { background: Background::default(), ..scene(*distance, SIZE) };
         (0..FRAMES)
             .map(|frame| {
                 write(gpu, &groom.turned(STEP * frame as f32), &strands);

@@ -3,7 +3,7 @@
 
 use super::groom::Groom;
 use tresses::{
-    draw::View,
+    Camera,
     glam::{DMat4, DVec2, DVec3, Vec3},
 };
 
@@ -11,7 +11,7 @@ use tresses::{
 const GRID: usize = 16;
 
 /// The area that `groom` covers as `view` sees it, pixels.
-pub fn covered(groom: &Groom, view: &View) -> f64 {
+pub fn covered(groom: &Groom, view: &Camera) -> f64 {
     let [width, height] = view.size.map(|v| v as usize * GRID);
     let mut hit = vec![false; width * height];
     let matrix = view.projection.as_dmat4() * view.view.as_dmat4();
@@ -75,7 +75,7 @@ fn a_strand_has_its_area() {
         root_radius: 0.004,
         tip_radius: 0.004,
     };
-    let view = View::look_at(Vec3::Z, Vec3::ZERO, 0.4, [120, 100]);
+    let view = Camera::look_at(Vec3::Z, Vec3::ZERO, 0.4, [120, 100]);
     let pixel = f64::from(view.pixel());
     let exact = 0.008 * f64::from(groom.points[0].distance(groom.points[1])) / (pixel * pixel);
     let found = covered(&groom, &view);

@@ -3,11 +3,13 @@
 use super::{groom::Groom, mode, picture::Studio};
 use crate::common;
 use tresses::{
-    draw::{Background, Coverage, Scene},
+    draw::Coverage,
     glam::{DVec2, DVec3, Vec3},
     gpu::readback::blocking as readback,
-    light::{HairMaterial, ShadingModel, ShadingRate, Sphere},
+    light::{HairMaterial, HairSet, ShadingModel, ShadingRate, Sphere},
     math::hash::pcg,
+    present::Background,
+    view::Picture,
 };
 
 const SIZE: u32 = 128;
@@ -31,33 +33,44 @@ fn straws() -> Groom {
     Groom { vertices: 2, points, root_radius: RADIUS, tip_radius: RADIUS }
 }
 
-fn scene() -> Scene {
+fn scene() -> Picture {
     let half = SIZE as f32 * 0.5;
-    let mut view = common::metre_is_pixel(SIZE);
+    let mut camera = common::metre_is_pixel(SIZE);
     // Depth from 0 to 1 over the straws and as much behind them: millimetres are told apart.
-    view.projection.z_axis.z = 1.0 / 256.0;
-    view.projection.w_axis.z = 0.25 + 1e4 / 256.0;
-    let mut scene = Scene {
-        view,
+    camera.projection.z_axis.z = 1.0 / 256.0;
+    camera.projection.w_axis.z = 0.25 + 1e4 / 256.0;
+    let mut scene = Picture {
+        camera,
         focus: Sphere { center: Vec3::splat(half), radius: SIZE as f32 },
         background: Background::flat(Vec3::splat(BACKGROUND as f32)),
         shading: ShadingRate::PerVertex,
-        // Plain colours, which differ.
-        hair: HairMaterial {
-            model: ShadingModel::KajiyaKay,
-            lightness_spread: 0.9,
-            opacity: 0.0,
-            primary: 0.0,
-            secondary: 0.0,
-            transmission: 0.0,
-            ..HairMaterial::blond()
-        },
         ..Default::default()
     };
     // Below the shoulder tone mapping does nothing.
     scene.tone.exposure = 1.0;
     scene.tone.shoulder = 0.98;
     scene
+}
+
+/// Plain colours, which differ.
+fn plain() -> HairMaterial {
+    HairMaterial {
+        model: ShadingModel::KajiyaKay,
+        lightness_spread: 0.9,
+        opacity: 0.0,
+        primary: 0.0,
+        secondary: 0.0,
+        transmission: 0.0,
+        ..HairMaterial::blond()
+    }
+}
+
+/// `groom` in those colours, peeled.
+fn peeled<'a>(gpu: &'a tresses::gpu::Gpu, groom: &Groom, layers: u32) -> (Studio<'a>, HairSet) {
+    let studio = Studio::new(gpu, mode("", 1, Coverage::DepthPeeling { layers }, 1), [SIZE; 2]);
+    let (mut hair, _strands) = studio.hair(groom);
+    hair.material = plain();
+    (studio, hair)
 }
 
 /// Area of the square around `pixel` inside the rectangle around a strand, by cutting it at each side.
@@ -132,8 +145,7 @@ fn error(picture: &[[u8; 4]], exact: &[DVec3]) -> f64 {
 }
 
 fn drawn(gpu: &tresses::gpu::Gpu, groom: &Groom, layers: u32) -> Vec<[u8; 4]> {
-    let studio = Studio::new(gpu, mode("", 1, Coverage::DepthPeeling { layers }, 1), [SIZE; 2]);
-    let (hair, _strands) = studio.hair(groom);
+    let (studio, hair) = peeled(gpu, groom, layers);
     studio.picture(&scene(), &hair)
 }
 
@@ -165,16 +177,16 @@ fn more_layers_come_nearer_to_sorted_strands() {
     let mut errors = Vec::new();
     let mut exact = Vec::new();
     for layers in [1, 2, 4, 8, 16] {
-        let studio = Studio::new(gpu, mode("", 1, Coverage::DepthPeeling { layers }, 1), [SIZE; 2]);
-        let (hair, _strands) = studio.hair(&groom);
+        let (studio, hair) = peeled(gpu, &groom, layers);
         let picture = studio.picture(&scene, &hair);
         if exact.is_empty() {
             // What each end of each strand looks like is not what is tested here.
-            let shaded: Vec<half::f16> = readback::buffer::<u16>(&gpu.device, &gpu.queue, hair.shaded())
-                .expect("values")
-                .into_iter()
-                .map(half::f16::from_bits)
-                .collect();
+            let shaded: Vec<half::f16> =
+                readback::buffer::<u16>(&gpu.device, &gpu.queue, &studio.shaded(&hair))
+                    .expect("values")
+                    .into_iter()
+                    .map(half::f16::from_bits)
+                    .collect();
             let colors: Vec<_> =
                 shaded.chunks(4).map(|v| DVec3::new(v[0].to_f64(), v[1].to_f64(), v[2].to_f64())).collect();
             let brightest = colors.iter().map(|c| c.max_element()).fold(0.0, f64::max);
@@ -193,7 +205,6 @@ fn more_layers_come_nearer_to_sorted_strands() {
     // The comparison sees strands in another order.
     let mut turned = groom.clone();
     turned.points.iter_mut().for_each(|p| p.z = SIZE as f32 - p.z);
-    let studio = Studio::new(gpu, mode("", 1, Coverage::DepthPeeling { layers: 16 }, 1), [SIZE; 2]);
-    let (hair, _strands) = studio.hair(&turned);
+    let (studio, hair) = peeled(gpu, &turned, 16);
     assert!(error(&studio.picture(&scene, &hair), &exact) > 3.0);
 }

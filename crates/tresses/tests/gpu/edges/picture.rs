@@ -1,50 +1,57 @@
 //! Strands to pictures.
 
 use super::Mode;
-use crate::common::{self, Lease};
+use crate::common;
 use tresses::{
-    draw::{DrawOptions, DrawStage, HairSet, Scene, Targets},
+    Pipelines, View,
     gpu::Gpu,
+    light::HairSet,
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
+    view::{Picture, ViewOptions},
 };
 
 use super::groom::Groom;
 
-/// A stage of one mode, and targets of one size.
+/// A view of one mode.
 pub struct Studio<'a> {
     gpu: &'a Gpu,
-    stage: Lease<DrawStage>,
-    targets: Targets,
+    pipelines: &'static Pipelines,
+    view: View,
 }
 
 impl<'a> Studio<'a> {
     pub fn new(gpu: &'a Gpu, mode: Mode, size: [u32; 2]) -> Self {
-        let options = DrawOptions {
+        let options = ViewOptions {
             samples: mode.samples,
             coverage: mode.coverage,
             shadow_resolution: 256,
             ..Default::default()
         };
-        let stage = common::stage(gpu, &options);
-        let targets = stage.targets(&gpu.device, size[0], size[1], mode.ssaa).expect("fits");
-        Self { gpu, stage, targets }
+        let pipelines = common::pipelines().expect("there is a GPU");
+        let view = View::new(&gpu.device, pipelines, &options, size, mode.ssaa).expect("fits");
+        Self { gpu, pipelines, view }
     }
 
     /// Pictures of another size from here on.
     pub fn resize(&mut self, size: [u32; 2]) {
-        let ssaa = self.targets.ssaa;
-        self.targets = self.stage.targets(&self.gpu.device, size[0], size[1], ssaa).expect("fits");
+        let ssaa = self.view.targets().ssaa;
+        self.view.resize(&self.gpu.device, size, ssaa).expect("fits");
+    }
+
+    /// What the strands of `hair` were shaded with in the last picture.
+    pub fn shaded(&self, hair: &HairSet) -> tresses::wgpu::Buffer {
+        self.view.shaded(hair).expect("drawn")
     }
 
     /// Brings `groom` to the GPU.
     pub fn hair(&self, groom: &Groom) -> (HairSet, StrandBuffers) {
         let strands = upload(self.gpu, groom);
-        (HairSet::new(&self.gpu.device, &self.stage, &strands).expect("fits"), strands)
+        (HairSet::new(&self.gpu.device, &strands).expect("fits"), strands)
     }
 
     /// RGBA of `hair` alone, rows from the top.
-    pub fn picture(&self, scene: &Scene, hair: &HairSet) -> Vec<[u8; 4]> {
-        let bytes = common::picture(self.gpu, &self.stage, scene, hair, None, &self.targets);
+    pub fn picture(&self, scene: &Picture, hair: &HairSet) -> Vec<[u8; 4]> {
+        let bytes = common::picture(self.gpu, (self.pipelines, &self.view), scene, &[hair], &[]);
         bytes.as_chunks().0.to_vec()
     }
 }

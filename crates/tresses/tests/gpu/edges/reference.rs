@@ -8,12 +8,7 @@ use super::{
 };
 use crate::common;
 use std::{fs::File, io::BufReader, path::Path};
-use tresses::{
-    draw::{Coverage, Scene, View},
-    glam::Vec3,
-    groom::import,
-    light::Sphere,
-};
+use tresses::{Camera, draw::Coverage, glam::Vec3, groom::import, light::Sphere, view::Picture};
 
 /// Sizes of the picture, that of the reference being 960×600: the same camera from 1.5, 3 and 6
 /// times as far. Strands are 0.4, 0.2 and 0.1 pixels wide at the root.
@@ -87,8 +82,8 @@ fn judge(sizes: &[[u32; 2]], asked: impl Fn(Mode) -> bool) {
         let errors = sizes.iter().map(|&size| {
             studio.resize(size);
             let target = Vec3::new(0.0, 1.545, 0.0);
-            let scene = Scene {
-                view: View::look_at(eye, target, 30f32.to_radians(), size),
+            let scene = Picture {
+                camera: Camera::look_at(eye, target, 30f32.to_radians(), size),
                 focus: Sphere { center: target, radius: 0.2 },
                 ..common::dark()
             };

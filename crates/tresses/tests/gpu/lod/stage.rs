@@ -1,19 +1,21 @@
 //! Hair at a level of detail in a picture.
 
-use crate::common::{self, Lease};
+use crate::common;
 use tresses::{
-    Hair, HairOptions, HairRenderer, Pose,
+    Camera, Hair, HairOptions, Pipelines, Pose, View,
+    camera::ToneMap,
     collide::ColliderPoses,
-    draw::{Background, Coverage, DrawOptions, Scene, View},
-    frame::{Frame, Recorder},
+    draw::Coverage,
+    frame::{Frame, Recorder, Sight},
     glam::Vec3,
     gpu::{Gpu, readback::blocking as readback},
     groom::{Groom, SdfGrid},
     light::{Lights, Sphere, material::linear},
     lod::Detail,
-    present::ToneMap,
+    present::Background,
     simulate::SimulationParams,
     strands::StrandVertex,
+    view::{Picture, ViewOptions},
 };
 
 /// Radians per pixel of a portrait lens (30 degrees) 720 pixels high.
@@ -24,7 +26,7 @@ const EXPOSURE: f32 = 1.0;
 
 pub struct Stage {
     pub gpu: &'static Gpu,
-    pub renderer: Lease<HairRenderer>,
+    pub pipelines: &'static Pipelines,
 }
 
 impl Stage {
@@ -33,9 +35,7 @@ impl Stage {
         STAGE
             .get_or_init(|| {
                 let gpu = common::gpu()?;
-                // As the command draws.
-                let options = DrawOptions { samples: 1, coverage: Coverage::PEELING, ..Default::default() };
-                Some(Stage { renderer: common::drawing(gpu, &options), gpu })
+                Some(Stage { pipelines: common::pipelines().expect("there is a GPU"), gpu })
             })
             .as_ref()
     }
@@ -48,7 +48,7 @@ impl Stage {
     pub fn hair(&self, groom: &Groom, field: Option<&SdfGrid>) -> Hair {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         let mut hair =
-            Hair::new(device, queue, &self.renderer, groom, &HairOptions::default(), field).unwrap();
+            Hair::new(device, queue, self.pipelines, groom, &HairOptions::default(), field).unwrap();
         self.advance(&mut hair, Pose::IDENTITY, 0.0);
         hair
     }
@@ -58,8 +58,8 @@ impl Stage {
         let mut encoder = device.create_command_encoder(&Default::default());
         let (colliders, simulation) = (&ColliderPoses::default(), &SimulationParams::default());
         let frame = Frame { dt, head, colliders, simulation };
-        let renderer = &self.renderer;
-        let mut recorder = Recorder { renderer, device, queue, encoder: &mut encoder, timings: None };
+        let pipelines = self.pipelines;
+        let mut recorder = Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None };
         recorder.advance(hair, &frame).unwrap();
         queue.submit([encoder.finish()]);
     }
@@ -78,17 +78,16 @@ impl Stage {
         size: u32,
         ssaa: u32,
     ) -> Vec<[f32; 4]> {
-        // What the stage writes for a picture holds until it is submitted.
-        static ONE: std::sync::Mutex<()> = std::sync::Mutex::new(());
-        let _one = ONE.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         let (middle, radius) = hair.lod.sphere;
         hair.set_detail(device, queue, detail);
         self.advance(hair, Pose::IDENTITY, 0.0);
-        let targets = self.renderer.draw.targets(device, size, size, ssaa).unwrap();
+        // As the command draws.
+        let options = ViewOptions { samples: 1, coverage: Coverage::PEELING, ..Default::default() };
+        let view = View::new(device, self.pipelines, &options, [size; 2], ssaa).unwrap();
         let eye = middle + shot.direction.normalize() * shot.distance;
-        let scene = Scene {
-            view: View::look_at(eye, middle, shot.fov(radius), [size; 2]),
+        let scene = Picture {
+            camera: Camera::look_at(eye, middle, shot.fov(radius), [size; 2]),
             lights: shot.lights,
             focus: Sphere { center: middle, radius: 1.05 * radius },
             background: Background::transparent(),
@@ -97,17 +96,13 @@ impl Stage {
             ..Default::default()
         };
         let mut encoder = device.create_command_encoder(&Default::default());
-        let renderer = &self.renderer;
-        Recorder { renderer, device, queue, encoder: &mut encoder, timings: None }.draw(
-            hair,
-            None,
-            &scene,
-            &targets,
-            targets.picture(),
-        );
+        let pipelines = self.pipelines;
+        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
+            .draw(&[&*hair], &[], Sight::new(&view, &scene))
+            .unwrap();
         queue.submit([encoder.finish()]);
         let linear = |byte: u8| linear(f32::from(byte) / 255.0);
-        let bytes = pollster::block_on(targets.read(device, queue)).unwrap();
+        let bytes = pollster::block_on(view.targets().read(device, queue)).unwrap();
         let pixel = |p: &[u8; 4]| [linear(p[0]), linear(p[1]), linear(p[2]), f32::from(p[3]) / 255.0];
         bytes.as_chunks::<4>().0.iter().map(pixel).collect()
     }

@@ -3,16 +3,19 @@
 mod oracle;
 mod tangle;
 
-use crate::common::{self, Lease};
+use crate::common;
 
 use oracle::{Oracle, Truth};
 use tangle::Tangle;
 use tresses::{
-    draw::{Body, DrawOptions, DrawStage, HairSet, Scene, Targets, View},
+    Camera, Pipelines, View,
+    body::Body,
+    frame::{Recorder, Sight},
     glam::{Quat, Vec3},
     gpu::Gpu,
-    light::{Directional, Lights, Shadow, ShadowMethod, ShadowProbe, Shadows},
+    light::{Directional, HairSet, Lights, Shadow, ShadowMethod, ShadowProbe, Shadows},
     math::hash::pcg,
+    view::{Picture, ViewOptions},
 };
 
 const METHODS: [ShadowMethod; 3] =
@@ -35,38 +38,37 @@ fn lights(directions: &[Vec3]) -> [Directional; 4] {
 /// A tangle on the GPU, and points that are asked about.
 struct Bench<'a> {
     gpu: &'a Gpu,
-    stage: Lease<DrawStage>,
+    pipelines: &'static Pipelines,
+    view: View,
     hair: HairSet,
     body: Option<Body>,
-    targets: Targets,
     probe: ShadowProbe,
-    scene: Scene,
+    scene: Picture,
 }
 
 impl<'a> Bench<'a> {
     fn new(gpu: &'a Gpu, tangle: &Tangle, points: &[(Vec3, u32)]) -> Self {
-        let stage = common::stage(gpu, &DrawOptions { samples: 1, ..Default::default() });
-        let hair = HairSet::new(&gpu.device, &stage, &tangle.upload(gpu)).expect("fits");
-        let probe = probe(gpu, &stage, points, None);
-        let targets = Targets::new(&gpu.device, 64, 64, 1, 1).expect("fits");
-        let scene = Scene { focus: tangle.focus(), ..Default::default() };
-        Self { gpu, stage, hair, body: None, targets, probe, scene }
+        let pipelines = common::pipelines().expect("there is a GPU");
+        let options = ViewOptions { samples: 1, ..Default::default() };
+        let view = View::new(&gpu.device, pipelines, &options, [64, 64], 1).expect("fits");
+        let hair = HairSet::new(&gpu.device, &tangle.upload(gpu)).expect("fits");
+        let probe = probe(gpu, &view, points, None);
+        let scene = Picture { focus: tangle.focus(), ..Default::default() };
+        Self { gpu, pipelines, view, hair, body: None, probe, scene }
     }
 
     /// Records a frame and what the probe answers; the picture and the answers.
     fn frame(&mut self) -> (Vec<u8>, Vec<[Shadow; 4]>) {
-        let Self { gpu: Gpu { device, queue, .. }, stage, hair, body, targets, probe, scene } = self;
-        let (hair, body) = (Some(&*hair), body.as_ref());
+        let Self { gpu: Gpu { device, queue, .. }, pipelines, view, hair, body, probe, scene } = self;
+        let bodies: Vec<_> = body.iter().collect();
         let mut encoder = device.create_command_encoder(&Default::default());
-        stage.prepare(queue, scene, targets, hair, body);
-        stage.shadow(&mut encoder, None, scene, hair, body);
+        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
+            .draw_strands(&[hair], &bodies, Sight::new(view, scene))
+            .expect("it fits");
         probe.record(&mut encoder);
-        stage.shade(&mut encoder, None, hair.expect("there"));
-        stage.draw(&mut encoder, None, scene, targets, hair, body);
-        stage.present(device, &mut encoder, None, targets, targets.picture());
         queue.submit([encoder.finish()]);
         let answers = pollster::block_on(probe.read(device, queue)).expect("answers");
-        (pollster::block_on(targets.read(device, queue)).expect("a picture"), answers)
+        (pollster::block_on(view.targets().read(device, queue)).expect("a picture"), answers)
     }
 
     /// The fibres before each point in light from `direction`.
@@ -78,9 +80,9 @@ impl<'a> Bench<'a> {
 }
 
 /// Asks about `points`, which are seen from the direction `eye`.
-fn probe(gpu: &Gpu, stage: &DrawStage, points: &[(Vec3, u32)], eye: Option<Vec3>) -> ShadowProbe {
+fn probe(gpu: &Gpu, view: &View, points: &[(Vec3, u32)], eye: Option<Vec3>) -> ShadowProbe {
     let places: Vec<_> = points.iter().map(|(at, _)| *at).collect();
-    ShadowProbe::new(&gpu.device, &gpu.queue, stage, &places, eye).expect("fits")
+    ShadowProbe::new(&gpu.device, &gpu.queue, &view.light, &places, eye).expect("fits")
 }
 
 /// Points spread over all strands and all along them, and the strands they are on.
@@ -188,7 +190,7 @@ fn seen_points_against_rays(gpu: &Gpu, styles: &[(&str, u32)], count: u32, angle
             let mean = |shares: &mut dyn Iterator<Item = f32>| shares.sum::<f32>() / seen.len() as f32;
             let truth = mean(&mut seen.iter().map(|point| open(&to_light, *point)));
             let [found, any] = [Some(eye), None].map(|eye| {
-                bench.probe = probe(gpu, &bench.stage, &seen, eye);
+                bench.probe = probe(gpu, &bench.view, &seen, eye);
                 let fibers = bench.fibers(key(), ShadowMethod::DeepOpacity);
                 mean(&mut fibers.iter().map(|n| (-n).exp()))
             });
@@ -294,16 +296,16 @@ fn still_hair_is_still_from_any_camera() {
     for method in METHODS {
         bench.scene.shadows.method = method;
         let middle = bench.scene.focus.center;
-        let look = |x: f32| View::look_at(middle + Vec3::new(x, 0.1, 0.6), middle, 0.5, [64, 64]);
-        bench.scene.view = look(0.0);
+        let look = |x: f32| Camera::look_at(middle + Vec3::new(x, 0.1, 0.6), middle, 0.5, [64, 64]);
+        bench.scene.camera = look(0.0);
         bench.scene.lights = Lights::default();
         let first = bench.frame();
         assert!(bench.frame() == first, "{method:?}: the same bits twice");
-        bench.scene.view = look(0.3);
+        bench.scene.camera = look(0.3);
         let (picture, shadows) = bench.frame();
         assert!(shadows == first.1, "{method:?}: a shadow knows nothing of cameras");
         assert!(picture != first.0, "but the picture does");
-        bench.scene.view = look(0.0);
+        bench.scene.camera = look(0.0);
         bench.scene.lights = Lights::around(0.01);
         let (picture, shadows) = bench.frame();
         assert!(picture != first.0 && shadows != first.1, "{method:?}: a light has moved");
@@ -346,7 +348,7 @@ fn a_body_shadows_what_is_behind_it() {
     let points =
         [at(0.0, 0.06), at(0.0, -0.06), at(0.0, 0.0), at(0.05, -0.06), at(0.039, -0.06), at(0.041, -0.06)];
     let mut bench = Bench::new(gpu, &tangle, &points);
-    bench.body = Some(Body::new(&gpu.device, &bench.stage, &mesh));
+    bench.body = Some(Body::new(&gpu.device, &mesh));
     bench.scene.lights.directional = lights(&[Vec3::Z]);
     let solid: Vec<_> = bench.frame().1.iter().map(|lights| lights[0].solid).collect();
     assert_eq!(solid[..4], [1.0, 0.0, 0.0, 1.0]);

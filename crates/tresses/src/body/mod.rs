@@ -1,11 +1,21 @@
-//! The head and what belongs to it, shaded plainly.
+//! The head and what belongs to it, shaded plainly: a mesh on the GPU that light falls on and that throws some back.
+
+mod surface;
+
+pub use surface::Surface;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 use wgpu::util::DeviceExt;
 
-use super::DrawStage;
-use crate::{Pose, groom::TriMesh, light::ambient::Surface};
+use crate::{
+    Pose,
+    gpu::{
+        Binding,
+        bindings::{self, group},
+    },
+    groom::TriMesh,
+};
 
 /// The look of the body: matt with a soft gloss.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,10 +40,14 @@ impl Default for BodyMaterial {
 /// A mesh on the GPU.
 #[derive(Debug)]
 pub struct Body {
+    /// How it looks.
+    pub material: BodyMaterial,
+    /// Where it is.
+    pub pose: Pose,
     vertices: wgpu::Buffer,
     triangles: wgpu::Buffer,
     index_count: u32,
-    pub(crate) uniform: wgpu::Buffer,
+    uniform: wgpu::Buffer,
     group: wgpu::BindGroup,
     pub(crate) surface: Surface,
     pub(crate) surface_group: wgpu::BindGroup,
@@ -75,8 +89,14 @@ impl Body {
         attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Unorm8x4],
     };
 
-    /// Uploads `mesh`, to be drawn by `stage`.
-    pub fn new(device: &wgpu::Device, stage: &DrawStage, mesh: &TriMesh) -> Self {
+    /// Uploads `mesh`, at the origin.
+    pub fn new(device: &wgpu::Device, mesh: &TriMesh) -> Self {
+        Self::for_cells(device, mesh, u32::MAX)
+    }
+
+    /// [`new`](Self::new) for views whose grids of light have at most `cells` along each edge
+    /// ([`ViewOptions::ambient_cells`](crate::view::ViewOptions::ambient_cells)): coarse ones ask fewer points of it.
+    pub fn for_cells(device: &wgpu::Device, mesh: &TriMesh, cells: u32) -> Self {
         let vertices = vertices(mesh);
         let buffer = |label, contents: &[u8], usage| {
             // An empty buffer cannot be bound.
@@ -87,15 +107,18 @@ impl Body {
                 usage,
             })
         };
-        let uniform = crate::gpu::bindings::uniform(device, "body", size_of::<BodyUniform>());
+        let uniform = bindings::uniform(device, "body", size_of::<BodyUniform>());
         let vertices = buffer(
             "body vertices",
             bytemuck::cast_slice(&vertices),
             wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
         );
-        let surface = Surface::new(device, mesh, stage.ambient_cells());
+        let surface = Surface::new(device, mesh, cells);
+        let buffers = [&uniform, &vertices, &surface.buffer].map(wgpu::Buffer::as_entire_binding);
         Self {
-            surface_group: stage.bind_surface(device, [&uniform, &vertices, &surface.buffer]),
+            material: BodyMaterial::default(),
+            pose: Pose::IDENTITY,
+            surface_group: group(device, "surface", &surface_layout(device), &buffers),
             surface,
             vertices,
             triangles: buffer(
@@ -104,9 +127,15 @@ impl Body {
                 wgpu::BufferUsages::INDEX,
             ),
             index_count: 3 * mesh.triangles.len() as u32,
-            group: stage.bind_body(device, &uniform),
+            group: group(device, "body", &layout(device), &[uniform.as_entire_binding()]),
             uniform,
         }
+    }
+
+    /// Writes where it is and how it looks, for the frame that is recorded.
+    pub(crate) fn prepare(&self, queue: &wgpu::Queue) {
+        let uniform = self.material.uniform(&self.pose, self.surface.outward);
+        queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
     }
 
     /// Gives the vertices from `first` on the places, normals and colours of `part`'s, for the frames that are
@@ -132,6 +161,17 @@ impl Body {
     }
 }
 
+/// The layout of a body's group, `@group(1)` wherever one is drawn.
+pub(crate) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    bindings::layout(device, "body", wgpu::ShaderStages::VERTEX_FRAGMENT, &[Binding::Uniform])
+}
+
+/// The layout of the group of its surface, `@group(1)` of the kernels that ask its points.
+pub(crate) fn surface_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    let entries = [Binding::Uniform, Binding::Storage, Binding::Storage];
+    bindings::layout(device, "surface", wgpu::ShaderStages::COMPUTE, &entries)
+}
+
 /// As the shaders read them.
 fn vertices(mesh: &TriMesh) -> Vec<BodyVertex> {
     let vertex = |(i, position): (usize, &Vec3)| BodyVertex {
@@ -143,7 +183,7 @@ fn vertices(mesh: &TriMesh) -> Vec<BodyVertex> {
 }
 
 impl BodyMaterial {
-    pub(crate) fn uniform(&self, pose: &Pose, outward: f32) -> BodyUniform {
+    fn uniform(&self, pose: &Pose, outward: f32) -> BodyUniform {
         BodyUniform {
             pose: pose.matrix(),
             color: self.color,

@@ -1,13 +1,30 @@
-//! The camera.
+//! The camera, and what it makes of light.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
-use crate::{present::ToneMap, simulate::Ray};
+use crate::simulate::Ray;
+
+/// From linear radiance to the picture's 0..1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToneMap {
+    /// Factor before everything else.
+    pub exposure: f32,
+    /// Below this the picture is linear; above it is compressed so that it never reaches 1.
+    pub shoulder: f32,
+    /// How fast colours brighter than the shoulder fade to white.
+    pub desaturation: f32,
+}
+
+impl Default for ToneMap {
+    fn default() -> Self {
+        Self { exposure: 1.0, shoulder: 0.7, desaturation: 0.15 }
+    }
+}
 
 /// A camera and the size of its picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
+pub struct Camera {
     /// World to view space: right-handed, looking along -Z, metres.
     pub view: Mat4,
     /// View to clip space. Depth runs from 1 (near) down to 0 (far), so that the precision of
@@ -17,14 +34,14 @@ pub struct View {
     pub size: [u32; 2],
 }
 
-impl Default for View {
+impl Default for Camera {
     /// A portrait of a head whose eyes are 1.55 m above the ground.
     fn default() -> Self {
         Self::look_at(Vec3::new(0.3, 1.6, 0.72), Vec3::new(0.0, 1.52, 0.0), 26f32.to_radians(), [960, 600])
     }
 }
 
-impl View {
+impl Camera {
     /// A perspective camera at `eye` that looks at `target` (metres) with the vertical field of
     /// view `fov_y` (radians), upright. The near plane is at 1 cm, the far plane at infinity.
     pub fn look_at(eye: Vec3, target: Vec3, fov_y: f32, size: [u32; 2]) -> Self {
@@ -70,8 +87,8 @@ impl View {
         2.0 / (self.projection.y_axis.y.abs() * self.size[1].max(1) as f32)
     }
 
-    pub(crate) fn uniform(&self, samples: u32, ssaa: u32, tone: &ToneMap) -> ViewUniform {
-        ViewUniform {
+    pub(crate) fn uniform(&self, samples: u32, ssaa: u32, tone: &ToneMap) -> CameraUniform {
+        CameraUniform {
             view_projection: self.projection * self.view,
             eye: self.eye(),
             pixel: self.pixel() / ssaa as f32,
@@ -93,15 +110,15 @@ impl View {
     }
 }
 
-/// What the shaders know of a [`View`].
+/// What the shaders know of a [`Camera`].
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct ViewUniform {
+pub struct CameraUniform {
     /// World to clip space.
     pub view_projection: Mat4,
     /// Where the camera is, metres.
     pub eye: Vec3,
-    /// See [`View::pixel`]; of the supersampled target.
+    /// See [`Camera::pixel`]; of the supersampled target.
     pub pixel: f32,
     /// Width and height of the picture, pixels.
     pub size: Vec2,
@@ -127,16 +144,16 @@ mod tests {
 
     #[test]
     fn a_pixel_is_a_pixel() {
-        let view = View::look_at(Vec3::new(0.0, 0.0, 2.0), Vec3::ZERO, 0.5, [300, 200]);
-        let clip = |p: Vec3| view.projection * view.view * p.extend(1.0);
-        let pixel = view.pixel() * clip(Vec3::ZERO).w;
+        let camera = Camera::look_at(Vec3::new(0.0, 0.0, 2.0), Vec3::ZERO, 0.5, [300, 200]);
+        let clip = |p: Vec3| camera.projection * camera.view * p.extend(1.0);
+        let pixel = camera.pixel() * clip(Vec3::ZERO).w;
         let height = |p: Vec3| clip(p).y / clip(p).w * 0.5 * 200.0;
         assert!((height(Vec3::Y * pixel) - 1.0).abs() < 1e-4);
-        assert!((view.eye() - Vec3::Z * 2.0).length() < 1e-5);
+        assert!((camera.eye() - Vec3::Z * 2.0).length() < 1e-5);
         let depth = |p: Vec3| clip(p).z / clip(p).w;
         let point = Vec3::new(0.31, -0.12, 0.2);
         let at = clip(point).truncate() / clip(point).w;
-        let ray = view.ray((0.5 + 0.5 * at.x) * 300.0, (0.5 - 0.5 * at.y) * 200.0);
+        let ray = camera.ray((0.5 + 0.5 * at.x) * 300.0, (0.5 - 0.5 * at.y) * 200.0);
         assert!((point - ray.origin).reject_from_normalized(ray.direction).length() < 1e-4);
         assert!(ray.direction.dot(Vec3::NEG_Z) > 0.9);
         assert!((depth(Vec3::Z * 1.99) - 1.0).abs() < 1e-4 && depth(Vec3::Z * -1e6) < 1e-6);

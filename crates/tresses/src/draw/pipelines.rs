@@ -1,0 +1,66 @@
+//! The pipelines of the stage, each made when it is first needed.
+
+use super::{
+    Coverage,
+    strips::{self, Strips},
+    targets::HDR_FORMAT,
+};
+use crate::{
+    Result,
+    body::{self, Body},
+    gpu::{
+        kernel::Job,
+        pipeline::{Made, Recipe},
+    },
+    light::{self, ShadingRate},
+};
+
+/// The pipelines of the stage.
+#[derive(Debug)]
+pub struct Pipelines {
+    device: wgpu::Device,
+    frame: wgpu::BindGroupLayout,
+    body: Made<u32, wgpu::RenderPipeline>,
+    pub(crate) strips: strips::Pipelines,
+}
+
+impl Pipelines {
+    /// None of them made yet, for what `light` lights.
+    pub fn new(device: &wgpu::Device, light: &light::Pipelines) -> Self {
+        Self {
+            device: device.clone(),
+            frame: light.frame.clone(),
+            body: Made::default(),
+            strips: strips::Pipelines::new(device, light),
+        }
+    }
+
+    /// Draws bodies into targets of so many samples per pixel.
+    pub(super) fn body(&self, samples: u32) -> Result<wgpu::RenderPipeline> {
+        self.body.get(samples, || {
+            Recipe {
+                vertex: ("draw::body", "body_vertex"),
+                fragment: Some(("draw::body", "body_fragment")),
+                layouts: &[&self.frame, &body::layout(&self.device)],
+                buffers: &[Some(Body::LAYOUT)],
+                targets: &[Some(HDR_FORMAT.into())],
+                depth: Some((true, wgpu::CompareFunction::Greater)),
+                samples,
+                ..Recipe::PLAIN
+            }
+            .build(&self.device)
+        })
+    }
+
+    /// What draws hair with `coverage` into targets of so many samples per pixel.
+    pub(super) fn strips(&self, coverage: Coverage, samples: u32, rate: ShadingRate) -> Result<Strips> {
+        self.strips.get(coverage, samples, rate)
+    }
+
+    /// What makes all that such a picture needs.
+    pub(crate) fn jobs(&self, coverage: Coverage, samples: u32, rate: ShadingRate) -> Vec<Job<'_>> {
+        let mut jobs: Vec<Job<'_>> = vec![Box::new(move || self.body(samples).map(|_| ()))];
+        jobs.extend(self.strips.jobs(coverage, samples, rate));
+        jobs
+    }
+}

@@ -1,0 +1,83 @@
+//! The passes that put bodies and hair into the targets of a view.
+
+use super::{Coverage, Pipelines, Targets, strips};
+use crate::{
+    Result,
+    body::Body,
+    gpu::Timings,
+    light::{Seen, ShadingRate},
+};
+
+/// What the passes of a picture are recorded with.
+pub(crate) struct Canvas<'a> {
+    pub device: &'a wgpu::Device,
+    pub queue: &'a wgpu::Queue,
+    pub encoder: &'a mut wgpu::CommandEncoder,
+    pub timings: Option<&'a mut Timings>,
+    pub targets: &'a Targets,
+    /// The view's `@group(0)`.
+    pub frame: &'a wgpu::BindGroup,
+    pub coverage: Coverage,
+    pub rate: ShadingRate,
+}
+
+impl Canvas<'_> {
+    /// The part of the frame called `name` ends here ([`Timings::lap`]).
+    pub fn lap(&mut self, name: &'static str) {
+        if let Some(timings) = &mut self.timings {
+            timings.lap(self.device, self.queue, self.encoder, name);
+        }
+    }
+}
+
+impl Pipelines {
+    /// Whether bodies are to be drawn before the hair.
+    pub(crate) fn body_first(&self, coverage: Coverage) -> bool {
+        strips::body_first(coverage)
+    }
+
+    /// Records hair; clears the targets unless bodies [come first](Self::body_first) or something is to stay.
+    pub(crate) fn record_hair(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>], clear: bool) -> Result<()> {
+        let strips = self.strips(canvas.coverage, canvas.targets.samples, canvas.rate)?;
+        strips::record(&strips, canvas, hair, clear)
+    }
+
+    /// Records bodies; clears the targets when they [come first](Self::body_first).
+    pub(crate) fn record_bodies(&self, canvas: &mut Canvas<'_>, bodies: &[&Body]) -> Result<()> {
+        let first = self.body_first(canvas.coverage);
+        if bodies.is_empty() && !first {
+            return Ok(());
+        }
+        let pipeline = if bodies.is_empty() { None } else { Some(self.body(canvas.targets.samples)?) };
+        let mut pass = pass(canvas, "body", first);
+        if let Some(pipeline) = &pipeline {
+            pass.set_pipeline(pipeline);
+            bodies.iter().for_each(|body| body.record(&mut pass));
+        }
+        Ok(())
+    }
+}
+
+/// A pass into the HDR target with the view's group bound.
+pub(crate) fn pass<'e>(canvas: &'e mut Canvas<'_>, name: &'static str, clear: bool) -> wgpu::RenderPass<'e> {
+    let color = if clear { wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT) } else { wgpu::LoadOp::Load };
+    let depth = if clear { wgpu::LoadOp::Clear(0.0) } else { wgpu::LoadOp::Load };
+    let mut pass = canvas.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(name),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: &canvas.targets.hdr,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load: color, store: wgpu::StoreOp::Store },
+        })],
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: &canvas.targets.depth,
+            depth_ops: Some(wgpu::Operations { load: depth, store: wgpu::StoreOp::Store }),
+            stencil_ops: None,
+        }),
+        timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.render(name)),
+        ..Default::default()
+    });
+    pass.set_bind_group(0, canvas.frame, &[]);
+    pass
+}

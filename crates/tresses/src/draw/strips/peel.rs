@@ -1,0 +1,248 @@
+//! Depth peeling: strands blended from front to back, one layer per pass.
+
+use super::{Canvas, Pipelines, layers, named};
+use crate::{
+    Result,
+    draw::targets::{HDR_FORMAT, TextureKind},
+    gpu::{
+        Binding,
+        bindings::{group, layout},
+        pipeline::{DEPTH_FORMAT, Recipe, blended},
+    },
+    light::{Seen, ShadingRate},
+};
+
+/// What the hair behind the last layer lets through.
+const PASSES_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
+
+/// The pipelines of one rate of shading; `under`, a picture over a picture, belongs to all.
+#[derive(Clone, Debug)]
+pub(crate) struct Peel {
+    layer: wgpu::RenderPipeline,
+    under: wgpu::RenderPipeline,
+    thickness: wgpu::RenderPipeline,
+    rest: wgpu::RenderPipeline,
+}
+
+/// Its pipelines.
+pub(super) const PARTS: [&str; 4] = ["layer", "under", "thickness", "rest"];
+
+/// What the passes bind as their last group: the layer before, a layer, and that with the thickness behind it.
+fn layouts(device: &wgpu::Device) -> [wgpu::BindGroupLayout; 3] {
+    use Binding::{Depth, Texture2d};
+    let fragment = wgpu::ShaderStages::FRAGMENT;
+    [
+        layout(device, "peel", fragment, &[Depth]),
+        layout(device, "under", fragment, &[Texture2d]),
+        layout(device, "rest", fragment, &[Depth, Texture2d, Texture2d]),
+    ]
+}
+
+/// One of [`PARTS`].
+pub(super) fn part(
+    pipelines: &Pipelines,
+    name: &'static str,
+    rate: ShadingRate,
+) -> Result<wgpu::RenderPipeline> {
+    use wgpu::{BlendFactor as Factor, CompareFunction::Greater};
+    let device = &pipelines.device;
+    let [before, layer, behind] = layouts(device);
+    let sums = || blended(HDR_FORMAT, Factor::One, Factor::One);
+    let (last, write, targets) = match name {
+        "under" => {
+            let targets = &[blended(HDR_FORMAT, Factor::OneMinusDstAlpha, Factor::One)];
+            return pipelines.parts.get((name, ShadingRate::default()), || {
+                Recipe {
+                    vertex: ("draw::under", "under_vertex"),
+                    fragment: Some(("draw::under", "under_fragment")),
+                    layouts: &[&layer],
+                    targets,
+                    ..Recipe::PLAIN
+                }
+                .build(device)
+            });
+        }
+        "layer" => (before, true, vec![Some(HDR_FORMAT.into())]),
+        "thickness" => (before, false, vec![sums(), sums()]),
+        _ => {
+            let passes = blended(PASSES_FORMAT, Factor::Zero, Factor::OneMinusSrc);
+            (behind, false, vec![sums(), passes])
+        }
+    };
+    let [frame, hair, fiber] = &pipelines.groups;
+    let vertex = format!("alpha_{}", named(rate));
+    pipelines.parts.get((name, rate), || {
+        Recipe {
+            vertex: ("draw::alpha", &vertex),
+            fragment: Some(("draw::alpha", &format!("{vertex}_{name}"))),
+            layouts: &[frame, hair, fiber, &last],
+            targets: &targets,
+            depth: Some((write, Greater)),
+            ..Recipe::PLAIN
+        }
+        .build(device)
+    })
+}
+
+impl Peel {
+    pub(super) fn new(pipelines: &Pipelines, rate: ShadingRate) -> Result<Self> {
+        let part = |name| part(pipelines, name, rate);
+        Ok(Self {
+            layer: part("layer")?,
+            under: part("under")?,
+            thickness: part("thickness")?,
+            rest: part("rest")?,
+        })
+    }
+
+    /// Records the hair before the body that is in the targets.
+    pub(super) fn record(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>]) -> Result<()> {
+        let (targets, frame) = (canvas.targets, canvas.frame);
+        let layers = layers(targets)?;
+        let clear = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
+        let white = wgpu::LoadOp::Clear(wgpu::Color::WHITE);
+        if hair.is_empty() {
+            canvas.begin("hair", &[(&layers.front, clear), (&layers.rest, clear)], None);
+            canvas.begin("hair", &[(&layers.rest_passes, white)], None);
+            return Ok(());
+        }
+        // Before the first layer lies nothing.
+        let nearest = wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Store };
+        let depth = Some((&layers.depth_views[1], Some(nearest)));
+        canvas.begin("hair", &[(&layers.front, clear)], depth);
+        for i in 0..canvas.coverage.layers() as usize {
+            let now = &layers.depths[i % 2];
+            // The body hides what is behind it; hair that it hides must not take up a layer.
+            canvas.encoder.copy_texture_to_texture(
+                targets.depth_texture.as_image_copy(),
+                now.as_image_copy(),
+                now.size(),
+            );
+            let kept = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
+            let depth = Some((&layers.depth_views[i % 2], Some(kept)));
+            let mut pass = canvas.begin("hair", &[(&layers.layer, clear)], depth);
+            pass.set_pipeline(&self.layer);
+            pass.set_bind_group(0, frame, &[]);
+            pass.set_bind_group(3, &layers.behind[(i + 1) % 2], &[]);
+            hair.iter().for_each(|seen| seen.record_strips(&mut pass));
+            drop(pass);
+            let mut pass = canvas.begin("hair", &[(&layers.front, wgpu::LoadOp::Load)], None);
+            pass.set_pipeline(&self.under);
+            pass.set_bind_group(0, &layers.under, &[]);
+            pass.draw(0..3, 0..1);
+        }
+        canvas.lap("hair");
+        // Which of the two depths is that of the last layer.
+        let last = (canvas.coverage.layers() as usize + 1) % 2;
+        // How thick the hair behind that layer is.
+        let colors = layers.thickness.each_ref().map(|texture| (texture, clear));
+        let mut pass = canvas.begin("thickness", &colors, Some((&targets.depth, None)));
+        pass.set_pipeline(&self.thickness);
+        pass.set_bind_group(0, frame, &[]);
+        pass.set_bind_group(3, &layers.behind[last], &[]);
+        hair.iter().for_each(|seen| seen.record_strips(&mut pass));
+        drop(pass);
+        canvas.lap("thickness");
+        let colors = [(&layers.rest, clear), (&layers.rest_passes, white)];
+        let mut pass = canvas.begin("hair", &colors, Some((&targets.depth, None)));
+        pass.set_pipeline(&self.rest);
+        pass.set_bind_group(0, frame, &[]);
+        pass.set_bind_group(3, &layers.rest_behind[last], &[]);
+        hair.iter().for_each(|seen| seen.record_strips(&mut pass));
+        Ok(())
+    }
+}
+
+type Cleared<'a> = (&'a wgpu::TextureView, wgpu::LoadOp<wgpu::Color>);
+
+impl Canvas<'_> {
+    /// A pass of hair into `colors`, timed under a name; without operations, depth is read only.
+    fn begin(
+        &mut self,
+        name: &'static str,
+        colors: &[Cleared<'_>],
+        depth: Option<(&wgpu::TextureView, Option<wgpu::Operations<f32>>)>,
+    ) -> wgpu::RenderPass<'_> {
+        let attachments: Vec<_> = colors
+            .iter()
+            .map(|(view, load)| {
+                Some(wgpu::RenderPassColorAttachment {
+                    view,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations { load: *load, store: wgpu::StoreOp::Store },
+                })
+            })
+            .collect();
+        self.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(name),
+            color_attachments: &attachments,
+            depth_stencil_attachment: depth.map(|(view, depth_ops)| wgpu::RenderPassDepthStencilAttachment {
+                view,
+                depth_ops,
+                stencil_ops: None,
+            }),
+            timestamp_writes: self.timings.as_deref_mut().and_then(|timings| timings.render(name)),
+            ..Default::default()
+        })
+    }
+}
+
+/// The textures of one picture size.
+#[derive(Debug)]
+pub(crate) struct Layers {
+    /// Depth of this layer and of the one before it, in turn.
+    depths: [wgpu::Texture; 2],
+    depth_views: [wgpu::TextureView; 2],
+    layer: wgpu::TextureView,
+    front: wgpu::TextureView,
+    /// How thick the hair behind the last layer is, at four knots each.
+    thickness: [wgpu::TextureView; 2],
+    rest: wgpu::TextureView,
+    rest_passes: wgpu::TextureView,
+    /// Bound to peel what is behind each of `depths`.
+    behind: [wgpu::BindGroup; 2],
+    /// The same, to blend it.
+    rest_behind: [wgpu::BindGroup; 2],
+    under: wgpu::BindGroup,
+}
+
+impl Layers {
+    /// Bytes per pixel of the linear target.
+    pub const BYTES: u64 = 2 * 4 + 5 * 8 + 2;
+
+    /// Textures that `texture` makes.
+    pub fn new(device: &wgpu::Device, texture: impl Fn(TextureKind) -> wgpu::Texture) -> Self {
+        let [before, layer_layout, behind_layout] = layouts(device);
+        use wgpu::{BindingResource::TextureView, TextureUsages as Usages};
+        let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
+        let color = |label, format| view(&texture((label, format, Usages::TEXTURE_BINDING)));
+        let depth = |label| texture((label, DEPTH_FORMAT, Usages::TEXTURE_BINDING | Usages::COPY_DST));
+        let depths = [depth("layer depth, even"), depth("layer depth, odd")];
+        let depth_views = [view(&depths[0]), view(&depths[1])];
+        let layer = color("layer", HDR_FORMAT);
+        let behind = [0, 1].map(|i| group(device, "peel", &before, &[TextureView(&depth_views[i])]));
+        let thickness = [color("thickness, near", HDR_FORMAT), color("thickness, far", HDR_FORMAT)];
+        let rest_behind = [0, 1].map(|i| {
+            let views = [&depth_views[i], &thickness[0], &thickness[1]].map(TextureView);
+            group(device, "rest", &behind_layout, &views)
+        });
+        Self {
+            front: color("layers", HDR_FORMAT),
+            rest: color("hair behind the layers", HDR_FORMAT),
+            rest_passes: color("light past that hair", PASSES_FORMAT),
+            behind,
+            under: group(device, "under", &layer_layout, &[TextureView(&layer)]),
+            layer,
+            thickness,
+            rest_behind,
+            depths,
+            depth_views,
+        }
+    }
+
+    /// What `present` puts together.
+    pub fn presented(&self) -> [&wgpu::TextureView; 3] {
+        [&self.front, &self.rest, &self.rest_passes]
+    }
+}

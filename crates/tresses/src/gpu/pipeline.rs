@@ -1,0 +1,249 @@
+//! Every pipeline of the library is built here: in an error scope, so that what a driver refuses is an
+//! [`Error`], and when it is first needed, once for each key.
+//!
+//! No [`wgpu::PipelineCache`]: wgpu 30 makes one only by an `unsafe` call, since it believes the bytes that it is
+//! given, and this library forbids unsafe code. Drivers keep what they have compiled on their own.
+
+use crate::{Error, Result, shaders};
+use std::{
+    collections::HashMap,
+    hash::Hash,
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+};
+
+/// Format of all depth targets; depth is reversed, 1 being near, but in shadow maps.
+pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+/// Module path of a shader, and an entry point in it.
+pub(crate) type Entry<'a> = (&'static str, &'a str);
+
+/// What a render pipeline is made of.
+#[derive(Clone, Copy)]
+pub(crate) struct Recipe<'a> {
+    pub vertex: Entry<'a>,
+    /// None for depth alone.
+    pub fragment: Option<Entry<'a>>,
+    pub layouts: &'a [&'a wgpu::BindGroupLayout],
+    pub buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
+    pub targets: &'a [Option<wgpu::ColorTargetState>],
+    pub topology: wgpu::PrimitiveTopology,
+    /// Whether depth is written and what it must be to what is there. None without a depth target.
+    pub depth: Option<(bool, wgpu::CompareFunction)>,
+    pub samples: u32,
+    pub alpha_to_coverage: bool,
+}
+
+impl Recipe<'_> {
+    /// Triangles without vertex buffers, depth or several samples.
+    pub const PLAIN: Self = Self {
+        vertex: ("", ""),
+        fragment: None,
+        layouts: &[],
+        buffers: &[],
+        targets: &[],
+        topology: wgpu::PrimitiveTopology::TriangleList,
+        depth: None,
+        samples: 1,
+        alpha_to_coverage: false,
+    };
+
+    /// The pipeline.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] with what wgpu said.
+    pub fn build(&self, device: &wgpu::Device) -> Result<wgpu::RenderPipeline> {
+        let label = self.fragment.map_or(self.vertex.0, |fragment| fragment.0);
+        scoped(device, label, || {
+            let shader = module(device, self.vertex.0);
+            let other = self.fragment.filter(|(name, _)| *name != self.vertex.0);
+            let other = other.map(|(name, _)| module(device, name));
+            device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(label),
+                layout: Some(&pipeline_layout(device, label, self.layouts)),
+                vertex: wgpu::VertexState {
+                    module: &shader,
+                    entry_point: Some(self.vertex.1),
+                    compilation_options: Default::default(),
+                    buffers: self.buffers,
+                },
+                // Meshes in the wild are open and turned either way; strips face the camera.
+                primitive: wgpu::PrimitiveState { topology: self.topology, ..Default::default() },
+                depth_stencil: self.depth.map(|(write, compare)| wgpu::DepthStencilState {
+                    format: DEPTH_FORMAT,
+                    depth_write_enabled: Some(write),
+                    depth_compare: Some(compare),
+                    stencil: Default::default(),
+                    bias: Default::default(),
+                }),
+                multisample: wgpu::MultisampleState {
+                    count: self.samples,
+                    alpha_to_coverage_enabled: self.alpha_to_coverage,
+                    ..Default::default()
+                },
+                fragment: self.fragment.map(|(_, entry)| wgpu::FragmentState {
+                    module: other.as_ref().unwrap_or(&shader),
+                    entry_point: Some(entry),
+                    compilation_options: Default::default(),
+                    targets: self.targets,
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+        })
+    }
+}
+
+/// The pipeline of a kernel: the entry point of the name `entry` in the WGSL `source`.
+///
+/// # Errors
+/// As [`Recipe::build`].
+pub(crate) fn compute(
+    device: &wgpu::Device,
+    label: &'static str,
+    (source, entry): (&str, &str),
+    layouts: &[&wgpu::BindGroupLayout],
+    options: wgpu::PipelineCompilationOptions<'_>,
+) -> Result<wgpu::ComputePipeline> {
+    scoped(device, label, || {
+        let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(label),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
+        });
+        device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(label),
+            layout: Some(&pipeline_layout(device, label, layouts)),
+            module: &shader,
+            entry_point: Some(entry),
+            compilation_options: options,
+            cache: None,
+        })
+    })
+}
+
+fn module(device: &wgpu::Device, name: &'static str) -> wgpu::ShaderModule {
+    device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(name),
+        source: wgpu::ShaderSource::Wgsl(shaders::source(name).into()),
+    })
+}
+
+fn pipeline_layout(
+    device: &wgpu::Device,
+    label: &str,
+    groups: &[&wgpu::BindGroupLayout],
+) -> wgpu::PipelineLayout {
+    device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(label),
+        bind_group_layouts: &groups.iter().map(|group| Some(*group)).collect::<Vec<_>>(),
+        immediate_size: 0,
+    })
+}
+
+/// Error scopes of every kind; of the thread that opens them, where there are threads.
+pub(crate) struct Scopes([wgpu::ErrorScopeGuard; 3]);
+
+impl Scopes {
+    pub fn open(device: &wgpu::Device) -> Self {
+        use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
+        Self([OutOfMemory, Internal, Validation].map(|filter| device.push_error_scope(filter)))
+    }
+
+    /// What went wrong in them.
+    pub async fn close(self, stage: &'static str) -> Result<()> {
+        let Self([memory, internal, validation]) = self;
+        // The last one opened comes first; popping is done before anything is waited for.
+        let (validation, internal, memory) = (validation.pop(), internal.pop(), memory.pop());
+        let found = [validation.await, internal.await, memory.await];
+        match found.into_iter().flatten().next() {
+            Some(error) => Err(Error::Gpu { stage, problem: error.to_string() }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// What `make` makes, unless wgpu objects. In a browser, where the answer comes later, whoever wants to know asks
+/// [`Pipelines::prepare`](crate::Pipelines::prepare).
+pub(crate) fn scoped<T>(device: &wgpu::Device, stage: &'static str, make: impl FnOnce() -> T) -> Result<T> {
+    #[cfg(not(target_arch = "wasm32"))]
+    {
+        let scopes = Scopes::open(device);
+        let made = make();
+        pollster::block_on(scopes.close(stage))?;
+        Ok(made)
+    }
+    #[cfg(target_arch = "wasm32")]
+    {
+        let _ = (device, stage);
+        Ok(make())
+    }
+}
+
+/// Things that are made when they are first asked for, one for each key. Threads that ask for different ones do not
+/// wait for each other.
+#[derive(Debug)]
+pub(crate) struct Made<K, V>(Mutex<HashMap<K, Slot<V>>>);
+
+type Slot<V> = Arc<Mutex<Option<V>>>;
+
+impl<K, V> Default for Made<K, V> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<K: Eq + Hash, V: Clone> Made<K, V> {
+    /// The one of `key`.
+    ///
+    /// # Errors
+    /// What `make` says; it is asked again the next time.
+    pub fn get(&self, key: K, make: impl FnOnce() -> Result<V>) -> Result<V> {
+        let slot = lock(&self.0).entry(key).or_default().clone();
+        let mut slot = lock(&slot);
+        Ok(match &*slot {
+            Some(there) => there.clone(),
+            None => slot.insert(make()?).clone(),
+        })
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    // What a panic leaves behind is whole: a thing is there or it is not.
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A target that is blended with `src` and `dst` factors, colour and alpha alike.
+pub(crate) fn blended(
+    format: wgpu::TextureFormat,
+    src_factor: wgpu::BlendFactor,
+    dst_factor: wgpu::BlendFactor,
+) -> Option<wgpu::ColorTargetState> {
+    let component = wgpu::BlendComponent { src_factor, dst_factor, operation: wgpu::BlendOperation::Add };
+    Some(wgpu::ColorTargetState {
+        format,
+        blend: Some(wgpu::BlendState { color: component, alpha: component }),
+        write_mask: wgpu::ColorWrites::ALL,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_wgpu_refuses_is_an_error_and_nothing_worse() {
+        let (device, _) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
+        let made = Made::<u8, wgpu::ComputePipeline>::default();
+        let entries = [crate::gpu::Binding::Uniform];
+        let layout = crate::gpu::bindings::layout(&device, "test", wgpu::ShaderStages::COMPUTE, &entries);
+        let wgsl = "@group(0) @binding(0) var<uniform> x: u32;
+            @compute @workgroup_size(1) fn run() { _ = x; }";
+        let build = |entry, layouts: &[&wgpu::BindGroupLayout]| {
+            compute(&device, "test", (wgsl, entry), layouts, Default::default())
+        };
+        let error = made.get(1, || build("missing", &[&layout])).unwrap_err().to_string();
+        assert!(error.contains("test"), "{error}");
+        assert!(made.get(1, || build("run", &[])).is_err());
+        let first = made.get(1, || build("run", &[&layout])).unwrap();
+        assert_eq!(made.get(1, || unreachable!()).unwrap(), first);
+    }
+}

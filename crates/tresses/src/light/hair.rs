@@ -1,0 +1,171 @@
+//! Strands that are lit and drawn: what all views share of a groom, and what each view has of it.
+
+use super::{
+    Pipelines, State,
+    fiber::FiberTables,
+    material::{HairMaterial, HairUniform, ShadingModel, ShadingRate},
+};
+use crate::{
+    Error, Result,
+    gpu::bindings,
+    strands::{Drawn, StrandBuffers, buffers::storage, indices::Chunks},
+};
+use glam::Vec3;
+use std::collections::BTreeMap;
+
+/// A groom as light and draw need it, whoever looks at it: its strands, their look, its index lists.
+#[derive(Debug)]
+pub struct HairSet {
+    /// What the hair looks like.
+    pub material: HairMaterial,
+    /// The area of all strands, width times length, m²: what a groom weighs in values that the grooms of a picture
+    /// share (see [`State::prepare`]).
+    pub area: f32,
+    /// What of the strands is drawn.
+    pub drawn: Drawn,
+    pub(crate) strands: StrandBuffers,
+    /// By their number of vertices, made when a level of detail first asks for it.
+    strips: BTreeMap<u32, Chunks>,
+    /// Stride and number of the segments in the shadow maps.
+    pub(crate) splat: [u32; 2],
+    pub(crate) fiber: FiberTables,
+}
+
+/// What is supposed of a strand whose size nobody has said: 80 µm by 20 cm.
+const STRAND_AREA: f32 = 8e-5 * 0.2;
+
+impl HairSet {
+    /// Prepares `strands` to be lit and drawn.
+    ///
+    /// # Errors
+    /// [`Error::Limit`].
+    pub fn new(device: &wgpu::Device, strands: &StrandBuffers) -> Result<Self> {
+        let vertices = u64::from(strands.count) * u64::from(strands.vertex_count);
+        if vertices * 2 > i32::MAX as u64 {
+            return Err(Error::Limit {
+                what: "strand vertices",
+                need: vertices * 32,
+                have: i32::MAX as u64 * 16,
+            });
+        }
+        let mut set = Self {
+            material: HairMaterial::default(),
+            area: strands.count as f32 * STRAND_AREA,
+            drawn: strands.drawn,
+            strands: strands.clone(),
+            strips: BTreeMap::new(),
+            splat: [1; 2],
+            fiber: FiberTables::new(device),
+        };
+        set.show(device, &strands.drawn);
+        Ok(set)
+    }
+
+    /// From here on only what `drawn` says of the strands it was made for is shaded, splatted and drawn.
+    pub(crate) fn show(&mut self, device: &wgpu::Device, drawn: &Drawn) {
+        self.drawn = *drawn;
+        // The maps' texels are coarse: about eight segments per strand are enough.
+        let last = drawn.vertex_count.saturating_sub(1).max(1);
+        let stride = (last / 8).max(1);
+        self.splat = [stride, last.div_ceil(stride)];
+        let count = self.strands.count;
+        self.strips
+            .entry(drawn.vertex_count)
+            .or_insert_with(|| Chunks::of(device, count, drawn.vertex_count));
+    }
+
+    /// Fills the tables of its fibres, and says which share of the light that meets one it passes on, and which
+    /// share of that meets other hair.
+    pub(super) fn passes(&self, queue: &wgpu::Queue) -> (Vec3, f32) {
+        if self.material.model == ShadingModel::Fiber {
+            let fiber = &self.material.fiber;
+            self.fiber.fill(queue, &fiber.shape, fiber.density_back);
+            let absorption = 0.5 * (fiber.root_absorption + fiber.tip_absorption);
+            (self.fiber.passes(absorption), fiber.density_forward.clamp(0.0, 1.0))
+        } else {
+            (Vec3::splat(1.0 - self.material.opacity.clamp(0.0, 1.0)), 1.0)
+        }
+    }
+
+    /// Bytes of GPU memory, without the strands' own buffers.
+    pub fn bytes(&self) -> u64 {
+        self.fiber.bytes() + self.strips.values().map(Chunks::bytes).sum::<u64>()
+    }
+
+    /// Triangles of the strips.
+    pub fn triangles(&self) -> u64 {
+        u64::from(self.drawn.count) * 2 * u64::from(self.drawn.vertex_count.saturating_sub(1))
+    }
+}
+
+/// A groom as one view sees it: its shaded colours, which depend on eye and lights.
+#[derive(Debug)]
+pub struct Shaded {
+    pub(crate) uniform: wgpu::Buffer,
+    pub(crate) colors: wgpu::Buffer,
+    pub(crate) group: wgpu::BindGroup,
+    pub(super) shade: wgpu::BindGroup,
+    pub(super) splat: wgpu::BindGroup,
+    pub(super) lay: wgpu::BindGroup,
+}
+
+impl Shaded {
+    /// Of `hair` in the light of `state`, seen by `camera`.
+    ///
+    /// # Errors
+    /// [`Error::Limit`].
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        pipelines: &Pipelines,
+        state: &State,
+        camera: &wgpu::Buffer,
+        hair: &HairSet,
+    ) -> Result<Self> {
+        let StrandBuffers { count, vertex_count, vertices, strands, widening, .. } = &hair.strands;
+        let colors =
+            storage::<[u32; 2]>(device, "shaded strands", u64::from(*count) * u64::from(*vertex_count))?;
+        let uniform = bindings::uniform(device, "hair", size_of::<HairUniform>());
+        let own = [&uniform, vertices, strands, &colors].map(wgpu::Buffer::as_entire_binding);
+        let maps = state.maps.hair_buffers();
+        let splat = [&state.lights, &uniform, vertices, strands, maps[0], maps[1], widening];
+        let lay = [&state.lights, &uniform, vertices, strands, state.ambient.sums()];
+        let frame = state.frame_resources(camera);
+        Ok(Self {
+            group: bindings::group(device, "hair", &pipelines.hair, &own),
+            shade: pipelines.shade.bind(device, &frame.into_iter().chain(own.clone()).collect::<Vec<_>>()),
+            splat: pipelines.splat.bind(device, &splat.map(wgpu::Buffer::as_entire_binding)),
+            lay: pipelines.ambient.lay.bind(device, &lay.map(wgpu::Buffer::as_entire_binding)),
+            uniform,
+            colors,
+        })
+    }
+
+    /// Writes what the shaders know of `hair`, for the frame that is recorded.
+    pub(crate) fn prepare(&self, queue: &wgpu::Queue, hair: &HairSet, rate: ShadingRate) {
+        let uniform = hair.material.uniform(rate, &hair.drawn, hair.strands.vertex_count, hair.splat);
+        queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+    }
+
+    /// Bytes of GPU memory.
+    pub fn bytes(&self) -> u64 {
+        self.uniform.size() + self.colors.size()
+    }
+}
+
+/// A groom as light, draw and the views inside read it: in the eyes of one view.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seen<'a> {
+    pub hair: &'a HairSet,
+    pub shaded: &'a Shaded,
+}
+
+impl Seen<'_> {
+    /// Records its strips; the pipeline is set, and the frame's group is bound.
+    pub fn record_strips(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_bind_group(1, &self.shaded.group, &[]);
+        pass.set_bind_group(2, &self.hair.fiber.group, &[]);
+        if let Some(strips) = self.hair.strips.get(&self.hair.drawn.vertex_count) {
+            strips.record(pass, self.hair.drawn.count);
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! The kernels and the pipeline of the stage, and the layouts of what it offers to those that draw.
+
+use super::{ambient, fiber::FiberTables};
+use crate::{
+    Result,
+    body::{self, Body},
+    gpu::{
+        Binding, Kernel,
+        bindings::{group, layout},
+        kernel::{self, Job},
+        pipeline::{Made, Recipe},
+    },
+};
+
+/// What everything that is drawn in light binds as `@group(0)`: camera, lights, the body's maps and how they are
+/// compared, the hair's maps, their blocks, light from all sides and how it is read.
+pub(super) const FRAME: [Binding; 8] = [
+    Binding::Uniform,
+    Binding::Uniform,
+    Binding::DepthArray,
+    Binding::Comparison,
+    Binding::Storage,
+    Binding::Storage,
+    Binding::Texture3d,
+    Binding::Sampler,
+];
+
+/// A groom's share of `@group(1)`: its uniform, vertices, strands and shaded colours.
+const HAIR: [Binding; 4] = [Binding::Uniform, Binding::Storage, Binding::Storage, Binding::Storage];
+
+/// What `light::shade` and its sibling `light::terms` bind.
+pub(super) fn shade_bindings() -> Vec<Binding> {
+    let last = HAIR.len() - 1;
+    [&FRAME[..], &HAIR[..last], &[Binding::StorageMut]].concat()
+}
+
+/// The pipelines of the stage.
+#[derive(Debug)]
+pub struct Pipelines {
+    device: wgpu::Device,
+    /// Of a view's `@group(0)`.
+    pub(crate) frame: wgpu::BindGroupLayout,
+    /// Of a groom's `@group(1)`.
+    pub(crate) hair: wgpu::BindGroupLayout,
+    /// Of the tables of its fibres, `@group(2)`.
+    pub(crate) fiber: wgpu::BindGroupLayout,
+    pub(super) layer: wgpu::BindGroupLayout,
+    shadow_body: Made<(), wgpu::RenderPipeline>,
+    /// The hair nearest the light.
+    pub(super) splat: Kernel,
+    /// The same in blocks of texels.
+    pub(super) summary: Kernel,
+    /// Deep opacity maps: where the hair's front is, hair into the layers, sums over the layers.
+    pub(super) deep: [Kernel; 3],
+    pub(super) ambient: ambient::Pipelines,
+    pub(super) shade: Kernel,
+    /// Nothing: the fibres' tables are `@group(2)`, as in the pipelines that draw.
+    pub(super) gap: wgpu::BindGroup,
+}
+
+impl Pipelines {
+    /// None of them compiled yet.
+    pub fn new(device: &wgpu::Device) -> Self {
+        use Binding::{Storage, StorageMut, Uniform, UniformDynamic};
+        use wgpu::ShaderStages as Stages;
+        let both = Stages::VERTEX_FRAGMENT;
+        let fiber = FiberTables::layout(device);
+        let nothing = layout(device, "nothing", Stages::COMPUTE, &[]);
+        // One group for all kernels of the maps: those that need less of it leave the rest alone.
+        let maps = |module| {
+            let entries = [Uniform, Uniform, Storage, Storage, StorageMut, StorageMut, Storage];
+            Kernel::new(device, module, &entries)
+        };
+        Self {
+            device: device.clone(),
+            frame: layout(device, "frame", both, &FRAME),
+            hair: layout(device, "hair", both, &HAIR),
+            layer: layout(device, "shadow layer", Stages::VERTEX, &[UniformDynamic]),
+            shadow_body: Made::default(),
+            splat: maps("light::splat"),
+            summary: maps("light::blocks"),
+            deep: ["light::front", "light::cover", "light::stack"].map(maps),
+            ambient: ambient::Pipelines::new(device),
+            gap: group(device, "nothing", &nothing, &[]),
+            shade: Kernel::beside(device, "light::shade", &shade_bindings(), &[&nothing, &fiber]),
+            fiber,
+        }
+    }
+
+    /// Draws a body into a shadow map.
+    pub(super) fn shadow_body(&self) -> Result<wgpu::RenderPipeline> {
+        self.shadow_body.get((), || {
+            Recipe {
+                vertex: ("light::shadow_body", "shadow_body"),
+                layouts: &[&self.layer, &body::layout(&self.device)],
+                buffers: &[Some(Body::LAYOUT)],
+                depth: Some((true, wgpu::CompareFunction::Less)),
+                ..Recipe::PLAIN
+            }
+            .build(&self.device)
+        })
+    }
+
+    /// What compiles all that a picture with shadows by default needs.
+    pub(crate) fn jobs(&self) -> Vec<Job<'_>> {
+        let [front, cover, stack] = &self.deep;
+        let mut kernels = vec![&self.splat, front, cover, stack, &self.shade];
+        kernels.extend(self.ambient.kernels());
+        let mut jobs = kernel::jobs(kernels);
+        jobs.push(Box::new(|| self.shadow_body().map(|_| ())));
+        jobs
+    }
+}

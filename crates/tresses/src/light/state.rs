@@ -1,0 +1,164 @@
+//! The light of one view: its shadow maps, its light from all sides, and the uniform that both are made by.
+
+use super::{
+    Ambient, Lights, Pipelines, Seen, ShadowMaps, ShadowMethod, Shadows, Sphere, lights::LightsUniform,
+};
+use crate::{
+    Result,
+    body::Body,
+    constants::STRAND_WORKGROUP,
+    gpu::{
+        Timings,
+        bindings::{group, uniform},
+    },
+};
+
+/// The light of a view on the GPU.
+#[derive(Debug)]
+pub struct State {
+    pub(super) maps: ShadowMaps,
+    pub(super) ambient: Ambient,
+    pub(super) lights: wgpu::Buffer,
+    /// `@group(0)` of everything that is drawn in this light.
+    pub(crate) frame: wgpu::BindGroup,
+}
+
+/// What of it a frame records.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lit {
+    pub method: ShadowMethod,
+    /// How many shadow maps.
+    pub maps: usize,
+    /// Texels of a map along the edge of a texel of the hair's.
+    pub across: u32,
+    /// Whether light from all sides is followed.
+    pub ambient: bool,
+}
+
+impl State {
+    /// Maps of `resolution`² texels, and as many cells along each edge of the grid, for what `camera` (a uniform
+    /// buffer) sees.
+    pub fn new(
+        device: &wgpu::Device,
+        pipelines: &Pipelines,
+        [resolution, cells]: [u32; 2],
+        camera: &wgpu::Buffer,
+    ) -> Self {
+        let lights = uniform(device, "lights", size_of::<LightsUniform>());
+        let maps = ShadowMaps::new(device, pipelines, resolution);
+        let ambient = Ambient::new(device, &pipelines.ambient, cells, &lights, maps.resources());
+        let frame = frame_resources(camera, &lights, &maps, &ambient);
+        Self { frame: group(device, "frame", &pipelines.frame, &frame), maps, ambient, lights }
+    }
+
+    /// Writes the uniforms of a frame. Two of them, the share of light that a fibre passes on and the share of that
+    /// which meets other hair, belong to a material: of several grooms they are the means, weighed by the area of
+    /// their strands ([`HairSet::area`](super::HairSet::area)). They colour what hair lets through to bodies, and
+    /// what it takes of a body's light in the grid; on hair itself each groom's own material tells.
+    pub(crate) fn prepare(
+        &self,
+        queue: &wgpu::Queue,
+        (lights, shadows, focus): (&Lights, &Shadows, &Sphere),
+        hair: &[Seen<'_>],
+    ) -> Lit {
+        let resolution = self.maps.resolution;
+        let mut uniform = lights.uniform(shadows, focus, resolution);
+        if shadows.follows_ambient() {
+            uniform.ambient = self.ambient.cells();
+        }
+        let whole: f32 = hair.iter().map(|seen| seen.hair.area).sum();
+        for seen in hair {
+            let (passes, forward) = seen.hair.passes(queue);
+            let share = if whole > 0.0 { seen.hair.area / whole } else { 1.0 / hair.len() as f32 };
+            uniform.passes += share * passes;
+            uniform.forward += share * forward;
+        }
+        queue.write_buffer(&self.lights, 0, bytemuck::bytes_of(&uniform));
+        self.maps.prepare(queue, &uniform);
+        Lit {
+            method: shadows.method,
+            maps: shadows.maps(lights.active().count()),
+            across: shadows.hair_texels(2.0 * focus.radius.max(1e-6) / resolution as f32),
+            ambient: shadows.follows_ambient(),
+        }
+    }
+
+    /// Records the shadow maps: of the lights that are on, and of the sky where its openness is guessed.
+    pub(crate) fn record_shadows(
+        &self,
+        pipelines: &Pipelines,
+        encoder: &mut wgpu::CommandEncoder,
+        timings: Option<&mut Timings>,
+        lit: &Lit,
+        hair: &[Seen<'_>],
+        bodies: &[&Body],
+    ) -> Result<()> {
+        self.maps.record(pipelines, encoder, timings, lit, hair, bodies)
+    }
+
+    /// Records light from all sides, where it is followed; after the shadow maps.
+    pub(crate) fn record_ambient(
+        &self,
+        pipelines: &Pipelines,
+        encoder: &mut wgpu::CommandEncoder,
+        timings: Option<&mut Timings>,
+        hair: &[Seen<'_>],
+        bodies: &[&Body],
+    ) {
+        self.ambient.record(&pipelines.ambient, encoder, timings, hair, bodies);
+    }
+
+    /// Records the shading of the strand vertices of `hair`.
+    pub(crate) fn shade(
+        &self,
+        pipelines: &Pipelines,
+        encoder: &mut wgpu::CommandEncoder,
+        timings: Option<&mut Timings>,
+        hair: &[Seen<'_>],
+    ) {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("shade"),
+            timestamp_writes: timings.and_then(|timings| timings.compute("shade")),
+        });
+        pass.set_bind_group(1, &pipelines.gap, &[]);
+        for Seen { hair, shaded } in hair {
+            let workgroups = (hair.drawn.count * hair.drawn.vertex_count).div_ceil(STRAND_WORKGROUP);
+            pass.set_bind_group(2, &hair.fiber.group, &[]);
+            pipelines.shade.record(&mut pass, &shaded.shade, &[], workgroups);
+        }
+    }
+
+    /// What it offers to those that ask for light: lights, the body's maps, how they are compared, the hair's maps,
+    /// their blocks, light from all sides, how it is read.
+    pub(super) fn resources(&self) -> [wgpu::BindingResource<'_>; 7] {
+        let [maps, comparison, hair, blocks] = self.maps.resources();
+        let [grid, linear] = self.ambient.resources();
+        [self.lights.as_entire_binding(), maps, comparison, hair, blocks, grid, linear]
+    }
+
+    /// The same behind a camera.
+    pub(super) fn frame_resources<'a>(&'a self, camera: &'a wgpu::Buffer) -> [wgpu::BindingResource<'a>; 8] {
+        frame_resources(camera, &self.lights, &self.maps, &self.ambient)
+    }
+
+    /// Bytes of GPU memory of the shadow maps.
+    pub fn shadow_bytes(&self) -> u64 {
+        self.maps.bytes()
+    }
+
+    /// Bytes of GPU memory of light from all sides.
+    pub fn ambient_bytes(&self) -> u64 {
+        self.ambient.bytes()
+    }
+}
+
+fn frame_resources<'a>(
+    camera: &'a wgpu::Buffer,
+    lights: &'a wgpu::Buffer,
+    maps: &'a ShadowMaps,
+    ambient: &'a Ambient,
+) -> [wgpu::BindingResource<'a>; 8] {
+    let [body, comparison, hair, blocks] = maps.resources();
+    let [grid, linear] = ambient.resources();
+    [camera.as_entire_binding(), lights.as_entire_binding(), body, comparison, hair, blocks, grid, linear]
+}

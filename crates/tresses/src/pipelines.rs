@@ -1,0 +1,138 @@
+//! Every pipeline of a device, each compiled when it is first needed or when it is asked for in advance.
+
+use crate::{
+    Progress, Result,
+    avoid::Avoid,
+    draw,
+    gpu::{
+        kernel::{self, Job},
+        pipeline::Scopes,
+    },
+    interpolate::Interpolate,
+    light::{self, ShadingRate},
+    lod::Widths,
+    present,
+    simulate::Simulate,
+    stage::Stage,
+    tessellate::Tessellate,
+    view::ViewOptions,
+    volume::VolumeStage,
+    wind::Fluid,
+};
+
+/// Every pipeline; one of it per device. To make it costs next to nothing: a pipeline is compiled when a frame first
+/// records it, or by [`prepare`](Self::prepare).
+#[derive(Debug)]
+pub struct Pipelines {
+    device: wgpu::Device,
+    /// Guides fill a grid.
+    pub volume: VolumeStage,
+    /// Air moves.
+    pub wind: Fluid,
+    /// Guides move.
+    pub simulate: Simulate,
+    /// Guides become curves.
+    pub tessellate: Tessellate,
+    /// Guides become strands.
+    pub interpolate: Interpolate,
+    /// Strands leave obstacles.
+    pub avoid: Avoid,
+    /// Widths of strands at a level of detail.
+    pub widths: Widths,
+    /// How much light arrives, and what comes back.
+    pub light: light::Pipelines,
+    /// Bodies and hair into the HDR target.
+    pub draw: draw::Pipelines,
+    /// The finished picture.
+    pub present: present::Pipelines,
+}
+
+/// What can be compiled in advance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Wanted {
+    /// A stage that moves hair.
+    Motion(Stage),
+    /// All that a view with these options draws with, hair shaded so.
+    Picture(ViewOptions, ShadingRate),
+}
+
+impl Pipelines {
+    /// For `device`, none compiled yet.
+    pub fn new(device: &wgpu::Device) -> Self {
+        let light = light::Pipelines::new(device);
+        Self {
+            device: device.clone(),
+            volume: VolumeStage::new(device),
+            wind: Fluid::new(device),
+            simulate: Simulate::new(device),
+            tessellate: Tessellate::new(device),
+            interpolate: Interpolate::new(device),
+            avoid: Avoid::new(device),
+            widths: Widths::new(device),
+            draw: draw::Pipelines::new(device, &light),
+            light,
+            present: present::Pipelines::new(device),
+        }
+    }
+
+    /// Compiles what is wanted and is not there yet, several at once where the platform has threads, telling
+    /// `progress`. In a browser this is how to learn of errors; what a frame compiles there on its own is
+    /// recorded unseen.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] with what wgpu said of the first that failed.
+    pub async fn prepare(&self, wanted: &[Wanted], progress: &impl Progress) -> Result<()> {
+        const TASK: &str = "compiling shaders";
+        let mut jobs: Vec<Job<'_>> = wanted.iter().flat_map(|wanted| self.jobs(wanted)).collect();
+        let count = jobs.len().max(1);
+        let threads = match cfg!(target_arch = "wasm32") {
+            true => 1,
+            false => std::thread::available_parallelism().map_or(1, |count| count.get()),
+        };
+        let mut done = 0;
+        while !jobs.is_empty() {
+            progress.step(TASK, done as f32 / count as f32).await;
+            let batch: Vec<_> = jobs.drain(..threads.min(jobs.len())).collect();
+            done += batch.len();
+            // Scopes belong to threads: jobs open their own, but for those of a browser, where answers come later.
+            let scopes = cfg!(target_arch = "wasm32").then(|| Scopes::open(&self.device));
+            match batch.as_slice() {
+                [one] => one()?,
+                many => std::thread::scope(|scope| {
+                    let running: Vec<_> = many.iter().map(|job| scope.spawn(job)).collect();
+                    running.into_iter().try_for_each(|job| {
+                        job.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+                    })
+                })?,
+            }
+            if let Some(scopes) = scopes {
+                scopes.close(TASK).await?;
+            }
+        }
+        progress.step(TASK, 1.0).await;
+        Ok(())
+    }
+
+    fn jobs(&self, wanted: &Wanted) -> Vec<Job<'_>> {
+        match wanted {
+            Wanted::Motion(stage) => match stage {
+                Stage::Volume => kernel::jobs(self.volume.kernels()),
+                Stage::Wind => kernel::jobs(self.wind.kernels()),
+                Stage::Simulate => kernel::jobs(self.simulate.kernels()),
+                Stage::Tessellate => kernel::jobs(self.tessellate.kernels()),
+                Stage::Interpolate => {
+                    kernel::jobs(self.interpolate.kernels().into_iter().chain(self.widths.kernels()))
+                }
+                Stage::Avoid => kernel::jobs(self.avoid.kernels()),
+                Stage::Light | Stage::Draw | Stage::Present => Vec::new(),
+            },
+            Wanted::Picture(options, rate) => {
+                let ViewOptions { samples, coverage, output, .. } = *options;
+                let mut jobs = self.light.jobs();
+                jobs.extend(self.draw.jobs(coverage, samples, *rate));
+                jobs.push(Box::new(move || self.present.get(coverage, samples, output).map(|_| ())));
+                jobs
+            }
+        }
+    }
+}

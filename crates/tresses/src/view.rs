@@ -1,0 +1,227 @@
+//! A view: one camera's eye on hair and bodies. What it has on the GPU ([`View`]), how that is made
+//! ([`ViewOptions`]), and what a frame shows in it ([`Picture`]).
+
+use crate::{
+    Pipelines, Result,
+    camera::{Camera, CameraUniform, ToneMap},
+    draw::{Coverage, Targets, targets::PICTURE_FORMAT},
+    gpu::bindings,
+    light::{self, HairSet, Lights, Lit, Seen, Shaded, ShadingRate, Shadows, Sphere},
+    present::{self, Background},
+};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// What a frame shows in a view; plain values.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Picture {
+    /// Who looks.
+    pub camera: Camera,
+    /// The lights.
+    pub lights: Lights,
+    /// How shadows are made.
+    pub shadows: Shadows,
+    /// What the shadow maps cover.
+    pub focus: Sphere,
+    /// Where hair is shaded.
+    pub shading: ShadingRate,
+    /// What is behind everything.
+    pub background: Background,
+    /// From linear radiance to the picture.
+    pub tone: ToneMap,
+}
+
+/// How a [`View`] is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct ViewOptions {
+    /// Samples per pixel: 1, 4, 8 or 16, as the adapter offers and [`Coverage::check`] allows.
+    pub samples: u32,
+    /// How strands cover pixels.
+    pub coverage: Coverage,
+    /// Texels along each edge of a shadow map, brought into 4 to 2048; of a deep opacity map a third,
+    /// or fewer where shadows are to be soft. Five maps take 43 bytes per texel ([`View::shadow_bytes`]).
+    pub shadow_resolution: u32,
+    /// Cells along each edge of the grid of light from all sides, brought into 4 to 64
+    /// ([`crate::light::ambient`]); each takes 300 bytes.
+    pub ambient_cells: u32,
+    /// Format of what `present` writes to.
+    pub output: wgpu::TextureFormat,
+}
+
+impl Default for ViewOptions {
+    fn default() -> Self {
+        Self {
+            samples: 4,
+            coverage: Coverage::default(),
+            shadow_resolution: 1024,
+            ambient_cells: 24,
+            output: PICTURE_FORMAT,
+        }
+    }
+}
+
+/// What one view has on the GPU: its camera, its light, its targets, and the colours of each groom that it sees.
+/// Record it once per submission.
+#[derive(Debug)]
+pub struct View {
+    options: ViewOptions,
+    camera: wgpu::Buffer,
+    /// Its light.
+    pub light: light::State,
+    targets: Targets,
+    present: present::State,
+    /// By the strands that they are of.
+    shaded: Mutex<Vec<(wgpu::Buffer, Arc<Shaded>)>>,
+}
+
+impl View {
+    /// A view with a picture of `size` (width and height, pixels), supersampled by `ssaa` (1, 2 or 4) along each
+    /// axis.
+    ///
+    /// # Errors
+    /// As [`Targets::new`].
+    pub fn new(
+        device: &wgpu::Device,
+        pipelines: &Pipelines,
+        options: &ViewOptions,
+        size: [u32; 2],
+        ssaa: u32,
+    ) -> Result<Self> {
+        let targets = Targets::new(device, size, (options.samples, options.coverage), ssaa)?;
+        let camera = bindings::uniform(device, "camera", size_of::<CameraUniform>());
+        Ok(Self {
+            light: light(device, pipelines, options, &camera),
+            present: present::State::new(device, &targets, options.coverage, options.output),
+            options: *options,
+            shaded: Mutex::default(),
+            camera,
+            targets,
+        })
+    }
+
+    /// How it was made.
+    pub fn options(&self) -> &ViewOptions {
+        &self.options
+    }
+
+    /// Becomes as if made with `options`; what they do not concern stays as it is, pipelines in any case.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); then nothing has changed.
+    pub fn set_options(
+        &mut self,
+        device: &wgpu::Device,
+        pipelines: &Pipelines,
+        options: &ViewOptions,
+    ) -> Result<()> {
+        let lit = |options: &ViewOptions| (options.shadow_resolution, options.ambient_cells);
+        let light =
+            (lit(options) != lit(&self.options)).then(|| light(device, pipelines, options, &self.camera));
+        let before = std::mem::replace(&mut self.options, *options);
+        let Targets { size, ssaa, .. } = self.targets;
+        let drawn = |options: &ViewOptions| (options.samples, options.coverage, options.output);
+        if drawn(options) != drawn(&before)
+            && let Err(error) = self.resize(device, size, ssaa)
+        {
+            self.options = before;
+            return Err(error);
+        }
+        if let Some(light) = light {
+            self.light = light;
+            self.lock().clear();
+        }
+        Ok(())
+    }
+
+    /// Pictures of another size, or of as many more pixels along each axis, from here on; the light stays.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); then nothing has changed.
+    pub fn resize(&mut self, device: &wgpu::Device, size: [u32; 2], ssaa: u32) -> Result<()> {
+        let ViewOptions { samples, coverage, output, .. } = self.options;
+        self.targets = Targets::new(device, size, (samples, coverage), ssaa)?;
+        self.present = present::State::new(device, &self.targets, coverage, output);
+        Ok(())
+    }
+
+    /// What it draws into.
+    pub fn targets(&self) -> &Targets {
+        &self.targets
+    }
+
+    /// The shaded colours of `hair` in the last picture: what `light::shade` wrote, four half floats per strand
+    /// vertex, radiance and the radius in millimetres, or, when pixels are shaded, eight bytes of what arrives of
+    /// the light.
+    pub fn shaded(&self, hair: &HairSet) -> Option<wgpu::Buffer> {
+        let shaded = self.lock();
+        shaded.iter().find(|(of, _)| *of == hair.strands.vertices).map(|(_, shaded)| shaded.colors.clone())
+    }
+
+    /// Bytes of GPU memory of the shadow maps.
+    pub fn shadow_bytes(&self) -> u64 {
+        self.light.shadow_bytes()
+    }
+
+    /// Bytes of GPU memory of light from all sides.
+    pub fn ambient_bytes(&self) -> u64 {
+        self.light.ambient_bytes()
+    }
+
+    /// Bytes of GPU memory of the shaded colours of all grooms.
+    pub fn shaded_bytes(&self) -> u64 {
+        self.lock().iter().map(|(_, shaded)| shaded.bytes()).sum()
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Vec<(wgpu::Buffer, Arc<Shaded>)>> {
+        // What a panic leaves behind is whole.
+        self.shaded.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Its share of `hair`, made for those that it has not seen, and let go of those that are not among them.
+    pub(crate) fn shares(
+        &self,
+        device: &wgpu::Device,
+        pipelines: &Pipelines,
+        hair: &[&HairSet],
+    ) -> Result<Vec<Arc<Shaded>>> {
+        let mut known = self.lock();
+        known.retain(|(of, _)| hair.iter().any(|set| set.strands.vertices == *of));
+        hair.iter()
+            .map(|set| {
+                let of = &set.strands.vertices;
+                if let Some((_, shaded)) = known.iter().find(|(other, _)| other == of) {
+                    return Ok(shaded.clone());
+                }
+                let shaded = Shaded::new(device, &pipelines.light, &self.light, &self.camera, set)?;
+                let shaded = Arc::new(shaded);
+                known.push((of.clone(), shaded.clone()));
+                Ok(shaded)
+            })
+            .collect()
+    }
+
+    /// Writes the values of a frame.
+    pub(crate) fn prepare(&self, queue: &wgpu::Queue, picture: &Picture, hair: &[Seen<'_>]) -> Lit {
+        let camera = picture.camera.uniform(self.targets.samples, self.targets.ssaa, &picture.tone);
+        queue.write_buffer(&self.camera, 0, bytemuck::bytes_of(&camera));
+        self.present.prepare(queue, &picture.background, &picture.tone, &self.targets);
+        for seen in hair {
+            seen.shaded.prepare(queue, seen.hair, picture.shading);
+        }
+        self.light.prepare(queue, (&picture.lights, &picture.shadows, &picture.focus), hair)
+    }
+
+    /// What finishes its pictures.
+    pub(crate) fn present(&self) -> &present::State {
+        &self.present
+    }
+}
+
+fn light(
+    device: &wgpu::Device,
+    pipelines: &Pipelines,
+    options: &ViewOptions,
+    camera: &wgpu::Buffer,
+) -> light::State {
+    let sizes = [options.shadow_resolution, options.ambient_cells];
+    light::State::new(device, &pipelines.light, sizes, camera)
+}
