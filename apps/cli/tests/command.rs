@@ -183,7 +183,7 @@ fn the_path_decides_what_is_written() {
 #[test]
 fn debug_views_show_what_the_simulation_holds() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let small = ["render", "--style", "short", "--size", "160x100", "--samples", "1", "--strands", "500"];
+    let small = ["render", "--style", "short", "--size", "96x60", "--samples", "1", "--strands", "300"];
     let moved = ["--motion", "shake", "--frames", "3", "--wind", "5"];
     let picture = |name: &str, more: &[&str]| {
         let out = format!("{name}.png");
@@ -195,11 +195,13 @@ fn debug_views_show_what_the_simulation_holds() {
     };
     let Some(plain) = picture("plain", &[]) else { return };
     let mut seen = vec![plain];
-    for name in ["density", "push", "wind", "colliders", "guides", "locks", "sdf", "inner", "overdraw"] {
+    // Of the simulation's grid, of the air, and of the head; that every view is a picture of its own is shown of the
+    // library.
+    for name in ["density", "wind", "sdf"] {
         seen.push(picture(name, &["--debug", name]).expect("there was a GPU just now"));
     }
     let again = picture("again", &["--debug", "wind"]).expect("there was a GPU just now");
-    assert_eq!(again, seen[3], "the same picture twice");
+    assert_eq!(again, seen[2], "the same picture twice");
     for i in 1..seen.len() {
         assert!(!seen[..i].contains(&seen[i]), "picture {i} differs from all before");
     }

@@ -104,7 +104,7 @@ fn quickest(scene: &mut Scene, mut record: impl FnMut(&mut Scene, &mut wgpu::Com
 
 /// `cargo test -p tresses --lib volume -- --ignored --nocapture cost`
 #[test]
-#[ignore = "a measurement"]
+#[ignore = "proof"]
 fn cost_of_a_thousand_guides() {
     let n = LONG;
     for resolution in [32, 64] {

@@ -111,7 +111,7 @@ fn painted_levels_act_where_they_are_painted() {
 
 /// What the order of strands costs `interpolate`: figures for the docs.
 #[test]
-#[ignore = "figures"]
+#[ignore = "proof"]
 fn orders() {
     use tresses::{
         interpolate::{self, Interpolation},
