@@ -14,6 +14,8 @@ CARGO ?= cargo
 TRESSES_ASSETS ?= $(abspath $(wildcard ../shared/assets))
 ifneq ($(TRESSES_ASSETS),)
 export TRESSES_ASSETS
+# Where they are, a test that cannot find one fails.
+export TRESSES_REQUIRE_ASSETS ?= 1
 endif
 
 # Without a session, Mesa's device-selection layer prints a complaint for every program; it has nothing to select.
@@ -21,7 +23,7 @@ ifeq ($(XDG_RUNTIME_DIR),)
 export NODEVICE_SELECT ?= 1
 endif
 
-.PHONY: help setup setup-tests demo test bench web web-serve clean
+.PHONY: help setup setup-tests demo test proof bench web web-serve clean
 
 help: ## Show this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 14
@@ -48,6 +50,10 @@ test: setup-tests ## Format, lints, docs, WebAssembly check, then every test
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --quiet
 	$(CARGO) check --package tresses --lib --example minimal --target wasm32-unknown-unknown --quiet
 	TRESSES_REQUIRE_GPU=1 $(CARGO) test --workspace
+
+proof: setup-tests ## The slow evidence behind the tables of docs/, which it prints
+	TRESSES_REQUIRE_GPU=1 $(CARGO) test --workspace --lib --bins --tests -- --ignored --show-output
+	TRESSES_REQUIRE_GPU=1 $(CARGO) test --package tresses --test gpu physics:: -- --show-output
 
 web: setup ## Build the web page into dist/, for any static file server
 	$(CARGO) run --quiet --bin tresses-web -- build

@@ -13,6 +13,7 @@ use crate::{
 };
 use anyhow::{Context, Result};
 use std::{path::PathBuf, time::Instant};
+use tresses::groom::styles::Style;
 use tresses::lod::{LodMode, LodOptions};
 use tresses_scene::{Camera, Motion, Shot, camera::View};
 
@@ -61,6 +62,10 @@ pub fn run(args: &Args) -> Result<()> {
     settings_args::apply(&args.companions, &args.rows, &mut preset)?;
     args.preset.finish(&mut preset)?;
     let motion = Motion::named("turn").context("the built-in motions hold a turn")?;
+    if let Some(style) = &preset.source.style {
+        // What can be refused is refused before anything is said or made.
+        style.parse::<Style>()?;
+    }
 
     eprintln!("Making a character with moving hair.");
     let mut scene = Scene::open(&preset, PICTURE)?;

@@ -10,10 +10,10 @@ use tresses_scene::{
 /// The options of `tresses knobs`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Only parameters whose name or hint has this in it, such as wind or simulation.drag
+    /// Only parameters whose path, name or hint contains this, such as wind or simulation.drag
     #[arg(value_name = "WORD")]
     pub word: Option<String>,
-    /// As a page of documentation
+    /// Print docs/knobs.md
     #[arg(long, conflicts_with = "word")]
     pub markdown: bool,
 }

@@ -2,11 +2,16 @@
 
 use anyhow::{Result, ensure};
 use std::str::FromStr;
-use tresses::{Progress, gpu::Gpu, groom::styles::Style, simulate::Simulate};
+use tresses::{Progress, gpu::Gpu, groom::styles::Style, simulate};
 use tresses_scene::{Base, Character, Companions, Files, Preset, Shelf, settings::HairColor};
 
 /// Reads or grows the character of `preset`; what is grown is draped on `gpu`.
-pub fn load(preset: &Preset, gpu: &Gpu, simulate: &Simulate, progress: &impl Progress) -> Result<Character> {
+pub fn load(
+    preset: &Preset,
+    gpu: &Gpu,
+    simulate: &simulate::Pipelines,
+    progress: &impl Progress,
+) -> Result<Character> {
     // What can be refused is refused before anything is made.
     let source = &preset.source;
     ensure!(

@@ -44,19 +44,19 @@ enum Command {
     Render(Box<render::Args>),
     /// Show the built-in character with moving hair: out/demo.png and out/demo.webp
     Demo(Box<demo::Args>),
-    /// Open the window: move hair with the mouse, see inside, change everything
+    /// Open the studio: a window to move hair in with the mouse, to inspect it and to change every parameter
     Studio(Box<studio::Args>),
     /// Report what is in a groom and what is wrong with it
     Info(info::Args),
     /// Write a groom in another format
     Convert(convert::Args),
-    /// Print what options come to, as a preset
+    /// Print the result of all options as a preset
     Preset(Box<preset::Args>),
     /// List every parameter with its range and what it does
     Knobs(knobs::Args),
-    /// Measure every stage on this machine's GPU
+    /// Measure the time of each stage on the GPU of this machine
     Bench(bench::Args),
-    /// Hold our pictures against path-traced ones of the same hair, camera and lights
+    /// Compare pictures with path-traced ones of the same hair, camera and lights
     Compare(compare::Args),
 }
 

@@ -7,7 +7,7 @@ use tresses_scene::preset::Extent;
 /// The options of `tresses preset`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Everything, with what it does and what is allowed, not only what differs from the defaults
+    /// Write all parameters, with hints and ranges, not only those that differ from the defaults
     #[arg(long)]
     pub all: bool,
     #[command(flatten)]

@@ -111,6 +111,7 @@ mod tests {
         (&["--flyaways", "0.5"], &["style.flyaways"]),
         (&["--width", "90um"], &["style.width"]),
         (&["--width-variation", "0.1"], &["style.width_variation"]),
+        (&["--length", "0.5"], &["style.length"]),
         (&["--tip-width", "0.5"], &["style.tip_width"]),
         (&["--lightness-spread", "0.5"], &["shading.lightness_spread"]),
         (&["--warmth-spread", "0.5"], &["shading.warmth_spread"]),

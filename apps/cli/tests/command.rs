@@ -183,7 +183,7 @@ fn the_path_decides_what_is_written() {
 #[test]
 fn debug_views_show_what_the_simulation_holds() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let small = ["render", "--style", "short", "--size", "160x100", "--samples", "1", "--strands", "500"];
+    let small = ["render", "--style", "short", "--size", "96x60", "--samples", "1", "--strands", "300"];
     let moved = ["--motion", "shake", "--frames", "3", "--wind", "5"];
     let picture = |name: &str, more: &[&str]| {
         let out = format!("{name}.png");
@@ -195,11 +195,13 @@ fn debug_views_show_what_the_simulation_holds() {
     };
     let Some(plain) = picture("plain", &[]) else { return };
     let mut seen = vec![plain];
-    for name in ["density", "push", "wind", "colliders", "guides", "locks", "sdf", "inner", "overdraw"] {
+    // Of the simulation's grid, of the air, and of the head; that every view is a picture of its own is shown of the
+    // library.
+    for name in ["density", "wind", "sdf"] {
         seen.push(picture(name, &["--debug", name]).expect("there was a GPU just now"));
     }
     let again = picture("again", &["--debug", "wind"]).expect("there was a GPU just now");
-    assert_eq!(again, seen[3], "the same picture twice");
+    assert_eq!(again, seen[2], "the same picture twice");
     for i in 1..seen.len() {
         assert!(!seen[..i].contains(&seen[i]), "picture {i} differs from all before");
     }
@@ -207,32 +209,57 @@ fn debug_views_show_what_the_simulation_holds() {
 
 #[test]
 #[cfg(unix)]
-fn ctrl_c_leaves_no_broken_file() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
+fn ctrl_c_ends_the_command_at_any_moment_and_leaves_no_broken_file() {
+    use std::time::{Duration, Instant};
+    // A machine that does other things besides is slow to begin: the command itself takes some hundredths of a second.
+    const MOST: Duration = Duration::from_secs(3);
     let small = ["render", "--style", "short", "--size", "64x40", "--samples", "1", "--strands", "500"];
-    let long = ["--motion", "turn", "--frames", "100000", "--out", "out/loop.webp"];
-    let mut child = Command::new(env!("CARGO_BIN_EXE_tresses"))
-        .args(small.iter().chain(&long))
-        .current_dir(folder.path())
-        .envs(QUIET)
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .expect("the binary runs");
-    // The folder is made when drawing begins.
-    let out = folder.path().join("out");
-    while !out.exists() {
+    let long = ["--motion", "turn", "--frames", "100000", "--out"];
+    // While it prepares, and while it draws: an animation, which is written last, and frames, each written when it is drawn.
+    for (moment, drawing, out) in [
+        (Duration::from_millis(600), false, "out/loop.webp"),
+        (Duration::from_millis(1500), false, "out/loop.webp"),
+        (Duration::from_millis(200), true, "out/loop.webp"),
+        (Duration::from_millis(1100), true, "out"),
+    ] {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let mut child = Command::new(env!("CARGO_BIN_EXE_tresses"))
+            .args(small.iter().chain(&long).chain(&[out]))
+            .current_dir(folder.path())
+            .envs(QUIET)
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .expect("the binary runs");
+        // The folder is made when drawing begins.
+        let written = folder.path().join("out");
+        while drawing && !written.exists() {
+            if child.try_wait().expect("the child can be asked").is_some() {
+                let output = child.wait_with_output().expect("the child has ended");
+                assert!(!has_gpu(&output), "it ended before it drew: {}", stderr(&output));
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        std::thread::sleep(moment);
         if child.try_wait().expect("the child can be asked").is_some() {
             let output = child.wait_with_output().expect("the child has ended");
-            assert!(!has_gpu(&output), "it ended before it drew: {}", stderr(&output));
+            assert!(!has_gpu(&output), "it ended by itself: {}", stderr(&output));
             return;
         }
-        std::thread::sleep(std::time::Duration::from_millis(20));
+        let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+        assert!(killed.expect("kill is there").success());
+        let asked = Instant::now();
+        let output = child.wait_with_output().expect("the child ends");
+        assert!(asked.elapsed() < MOST, "{moment:?}, {out}: {:?}", asked.elapsed());
+        assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
+        assert_eq!(stderr(&output).trim(), "tresses: interrupted");
+        let files =
+            std::fs::read_dir(written).map(|all| all.flatten().collect::<Vec<_>>()).unwrap_or_default();
+        for file in files {
+            let name = file.file_name().to_string_lossy().into_owned();
+            assert!(name.starts_with("frame_") && name.ends_with(".png"), "{name}");
+            let bytes = std::fs::read(file.path()).expect("the frame can be read");
+            assert!(bytes.ends_with(b"IEND\xaeB`\x82"), "{name} is not whole");
+        }
     }
-    std::thread::sleep(std::time::Duration::from_millis(200));
-    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-    assert!(killed.expect("kill is there").success());
-    let output = child.wait_with_output().expect("the child ends");
-    assert_eq!(output.status.code(), Some(130));
-    assert_eq!(stderr(&output).trim(), "tresses: interrupted");
-    assert_eq!(std::fs::read_dir(out).expect("the folder is there").count(), 0);
 }

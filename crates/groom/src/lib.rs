@@ -22,6 +22,7 @@ pub mod lint;
 pub mod mannequin;
 pub mod mesh;
 pub mod orient;
+pub mod range;
 pub mod restyle;
 pub mod sdf;
 pub mod strands;

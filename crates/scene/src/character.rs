@@ -19,7 +19,7 @@ use tresses::{
         styles::{self, GridScalp, Style, StyledGuides},
     },
     lod::LodLevel,
-    simulate::Simulate,
+    simulate,
 };
 
 /// How far the joint that a head nods and turns about lies below and behind the crown, metres.
@@ -140,7 +140,7 @@ impl Base {
     pub async fn built_in(
         style: &Style,
         gpu: &Gpu,
-        simulate: &Simulate,
+        simulate: &simulate::Pipelines,
         progress: &impl Progress,
     ) -> Result<Self> {
         let head = mannequin::mesh_with(mannequin::RESOLUTION, progress).await;
@@ -342,6 +342,40 @@ fn neck(strands: &Strands, head: Option<&TriMesh>) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_in_doubt_names_its_file() {
+        use std::fmt::Write;
+        // A head of no usual unit with hair on it.
+        let at = |j: u32, i: u32| {
+            let (t, p) = (j as f32 / 12.0, std::f32::consts::TAU * i as f32 / 16.0);
+            let t = std::f32::consts::PI * t;
+            Vec3::new(t.sin() * p.cos(), t.cos(), 1.2 * t.sin() * p.sin())
+        };
+        let (mut groom, mut head) = (String::new(), String::new());
+        for (n, (j, i)) in (0..13).flat_map(|j| (0..16).map(move |i| (j, i))).enumerate() {
+            let p = 1.7 * at(j, i);
+            writeln!(head, "v {} {} {}", p.x, p.y, p.z).unwrap();
+            if (1..6).contains(&j) {
+                for k in 0..4 {
+                    let p = (1.7 + 0.1 * k as f32) * at(j, i);
+                    writeln!(groom, "v {} {} {}", p.x, p.y, p.z).unwrap();
+                }
+                groom += "l -4 -3 -2 -1\n";
+            }
+            if j < 12 {
+                let (a, b) = (n + 1, n + 1 - i as usize + (i as usize + 1) % 16);
+                writeln!(head, "f {a} {b} {} {}", b + 16, a + 16).unwrap();
+            }
+        }
+        let file = |name: &str, text: String| (PathBuf::from(name), Cow::Owned(text.into_bytes()));
+        let files = [file("odd.obj", groom), file("head.obj", head)];
+        let (files, options) = (Files::Given(&files), ImportOptions::default());
+        let base = pollster::block_on(Base::imported(&files, &options, &())).unwrap();
+        for name in ["groom odd.obj: the size is a guess", "head head.obj: the size is a guess"] {
+            assert!(base.notes.iter().any(|note| note.starts_with(name)), "{name}: {:?}", base.notes);
+        }
+    }
 
     #[test]
     fn thinning_keeps_strands_whole() {

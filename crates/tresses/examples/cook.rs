@@ -11,7 +11,7 @@ use tresses::{
         mannequin,
         styles::{self, GridScalp, Style},
     },
-    simulate::Simulate,
+    simulate,
 };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         return Ok(());
     }
     let Gpu { device, queue, .. } = pollster::block_on(Gpu::open())?;
-    let simulate = Simulate::new(&device);
+    let simulate = simulate::Pipelines::new(&device);
     let scalp = GridScalp::mannequin(mannequin::FIELD_RESOLUTION);
     let mut all = Vec::new();
     for name in Style::NAMES {

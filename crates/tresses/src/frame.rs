@@ -134,7 +134,7 @@ impl Recorder<'_> {
             if hair.uses_wind() {
                 self.stage(Stage::Wind, |pass| hair.record_wind(pass, &pipelines.wind, step));
             }
-            self.stage(Stage::Simulate, |pass| hair.record_simulate(pass, device, &pipelines.simulate, step));
+            self.stage(Stage::Simulate, |pass| hair.record_simulate(pass, &pipelines.simulate, step));
         }
         kernel::refused()
     }

@@ -5,20 +5,19 @@
 use crate::{
     Camera, Error, Pipelines, Pose, Progress, Result,
     avoid::{self, AvoidOptions, Avoidance},
+    clock::Clock,
     collide::{Collider, ColliderDescriptor, ColliderSet},
-    gpu::bindings,
     groom::{BoundStrands, Groom, SdfGrid},
-    interpolate::InterpolateParams,
+    interpolate::Interpolation,
     light::HairSet,
     lod::{self, Detail, Lod, LodLevel},
     math::hash::pcg,
     progress::at_once,
     simulate::{
-        Clock, Forces, Grab, GuideTraits, Ray, RestOptions, RestShape, Simulation, SimulationParams, Target,
-        rest,
+        Forces, Grab, GuideTraits, Ray, RestOptions, RestShape, Simulation, SimulationParams, Target, rest,
     },
     strands::{GuideBuffers, Strand, StrandBuffers},
-    tessellate::{TessellateParams, rest_samples},
+    tessellate::{Tessellation, rest_samples},
     volume::{Volume, VolumeOptions},
     wind::Air,
 };
@@ -89,10 +88,8 @@ pub struct Hair {
     pub(crate) head: Pose,
     /// Whether the last frame put the hair somewhere else.
     moved_away: bool,
-    tessellate_params: wgpu::Buffer,
-    tessellate_group: wgpu::BindGroup,
-    interpolate_params: wgpu::Buffer,
-    interpolate_group: wgpu::BindGroup,
+    tessellation: Tessellation,
+    interpolation: Interpolation,
 }
 
 impl Hair {
@@ -190,9 +187,6 @@ impl Hair {
         let colliders = ColliderSet::new(device, queue, colliders)?;
         let simulation = Simulation::new(device, &pipelines.simulate, &guides);
         let volume = Volume::new(device, &pipelines.volume, &guides, &rest, &options.volume)?;
-        let uniform = |label, size| bindings::uniform(device, label, size);
-        let tessellate_params = uniform("tessellate", size_of::<TessellateParams>());
-        let interpolate_params = uniform("interpolate", size_of::<InterpolateParams>());
         let lod = Lod::new(device, queue, &pipelines.widths, &arranged, &infos, &strands, progress).await?;
         let mut set = HairSet::new(device, &strands)?;
         set.area = lod.area();
@@ -200,8 +194,8 @@ impl Hair {
             set,
             lod,
             head: Pose::IDENTITY,
-            tessellate_group: pipelines.tessellate.bind(device, &tessellate_params, &guides),
-            interpolate_group: pipelines.interpolate.bind(device, &interpolate_params, &guides, &strands),
+            tessellation: Tessellation::new(device, &pipelines.tessellate, &guides),
+            interpolation: Interpolation::new(device, &pipelines.interpolate, &guides, &strands),
             forces: Forces::new(device, &pipelines.simulate, &guides, &volume, None),
             air: None,
             windy: false,
@@ -225,8 +219,6 @@ impl Hair {
             strands,
             colliders,
             simulation,
-            tessellate_params,
-            interpolate_params,
         })
     }
 

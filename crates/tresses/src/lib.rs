@@ -80,6 +80,7 @@ pub mod collide;
 pub mod drape;
 
 pub mod camera;
+pub mod clock;
 pub mod frame;
 pub mod hair;
 pub mod pipelines;
@@ -95,7 +96,7 @@ pub mod shaders;
 pub use camera::Camera;
 pub use error::{Error, Result};
 pub use glam;
-pub use groom::{Progress, progress};
+pub use groom::{Progress, progress, range};
 pub use hair::{Hair, HairOptions};
 pub use math::pose::Pose;
 pub use pipelines::{Pipelines, Wanted};

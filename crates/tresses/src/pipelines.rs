@@ -1,23 +1,19 @@
 //! Every pipeline of a device, each compiled when it is first needed or when it is asked for in advance.
 
 use crate::{
-    Progress, Result,
-    avoid::Avoid,
-    draw,
+    Progress, Result, avoid, draw,
     gpu::{
         kernel::{self, Job},
         pipeline::Scopes,
     },
-    interpolate::Interpolate,
+    interpolate,
     light::{self, ShadingRate},
     lod::Widths,
-    present,
-    simulate::Simulate,
+    present, simulate,
     stage::Stage,
-    tessellate::Tessellate,
+    tessellate,
     view::ViewOptions,
-    volume::VolumeStage,
-    wind::Fluid,
+    volume, wind,
 };
 
 /// Every pipeline; one of it per device. To make it costs next to nothing: a pipeline is compiled when a frame first
@@ -26,17 +22,17 @@ use crate::{
 pub struct Pipelines {
     device: wgpu::Device,
     /// Guides fill a grid.
-    pub volume: VolumeStage,
+    pub volume: volume::Pipelines,
     /// Air moves.
-    pub wind: Fluid,
+    pub wind: wind::Pipelines,
     /// Guides move.
-    pub simulate: Simulate,
+    pub simulate: simulate::Pipelines,
     /// Guides become curves.
-    pub tessellate: Tessellate,
+    pub tessellate: tessellate::Pipelines,
     /// Guides become strands.
-    pub interpolate: Interpolate,
+    pub interpolate: interpolate::Pipelines,
     /// Strands leave obstacles.
-    pub avoid: Avoid,
+    pub avoid: avoid::Pipelines,
     /// Widths of strands at a level of detail.
     pub widths: Widths,
     /// How much light arrives, and what comes back.
@@ -62,12 +58,12 @@ impl Pipelines {
         let light = light::Pipelines::new(device);
         Self {
             device: device.clone(),
-            volume: VolumeStage::new(device),
-            wind: Fluid::new(device),
-            simulate: Simulate::new(device),
-            tessellate: Tessellate::new(device),
-            interpolate: Interpolate::new(device),
-            avoid: Avoid::new(device),
+            volume: volume::Pipelines::new(device),
+            wind: wind::Pipelines::new(device),
+            simulate: simulate::Pipelines::new(device),
+            tessellate: tessellate::Pipelines::new(device),
+            interpolate: interpolate::Pipelines::new(device),
+            avoid: avoid::Pipelines::new(device),
             widths: Widths::new(device),
             draw: draw::Pipelines::new(device, &light),
             light,

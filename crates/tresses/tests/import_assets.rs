@@ -13,6 +13,10 @@ use tresses::{
 fn assets() -> Option<PathBuf> {
     let folder = std::env::var_os("TRESSES_ASSETS").map(PathBuf::from).filter(|f| f.is_dir());
     if folder.is_none() {
+        assert!(
+            std::env::var_os("TRESSES_REQUIRE_ASSETS").is_none_or(|v| v != "1"),
+            "TRESSES_ASSETS names no folder"
+        );
         println!("skipped: TRESSES_ASSETS names no folder");
     }
     folder

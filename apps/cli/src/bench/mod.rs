@@ -29,19 +29,19 @@ pub struct Args {
     /// Measure only the hair and the settings of a preset, at 1280x720
     #[arg(long, value_name = "FILE", conflicts_with_all = ["grooms", "costs", "appearance", "lod"])]
     pub preset: Option<PathBuf>,
-    /// Measured frames per scene [default: 30, with --quick 8; of the ways to draw 3 on a software adapter]
+    /// Measured frames per scene [default: 30, or 8 with --quick; for --appearance on a software adapter 3]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: Option<u32>,
-    /// Fewer frames and a shorter line of strand counts
+    /// Measure fewer frames and fewer strand counts
     #[arg(long)]
     pub quick: bool,
-    /// Measure only the scenes that others have measured, and a line of strand counts
+    /// Measure only the published scenes, and the time over the number of strands
     #[arg(long, conflicts_with_all = ["costs", "appearance", "lod", "preset"])]
     pub scenes: bool,
-    /// Measure only the parts of the simulation, against each other
+    /// Measure only the parts of the simulation, compared with each other
     #[arg(long)]
     pub costs: bool,
-    /// Measure only the ways to light, shade and draw hair, against each other
+    /// Measure only the ways to light, shade and draw hair, compared with each other
     #[arg(long, conflicts_with = "costs")]
     pub appearance: bool,
     /// Measure only what a frame costs at a distance, in full detail and at its level of detail

@@ -33,7 +33,7 @@ pub struct Args {
     /// The folder of the grooms it calls assets [default: $TRESSES_ASSETS]
     #[arg(long, value_name = "FOLDER")]
     pub assets: Option<PathBuf>,
-    /// Only this picture; may be given again [default: all that show all of the light]
+    /// Only this picture; may be repeated [default: all that show all of the light]
     #[arg(long, value_name = "NAME")]
     pub only: Vec<String>,
     /// Samples per pixel: 1, 4, 8 or 16 [default: 8, or as many as the adapter offers]

@@ -149,6 +149,7 @@ fn widget(knob: &Knob, value: Value, auto: bool, ui: &mut Ui) -> Option<Value> {
     // The unit stands after the number; a mark tells what is chosen by itself.
     let mark = |unit: &str| match (unit, auto) {
         ("", false) => String::new(),
+        ("", true) => " auto".into(),
         ("°" | "%", false) => unit.to_owned(),
         (unit, false) => format!(" {unit}"),
         (unit, true) => format!(" {unit} auto"),
@@ -278,7 +279,7 @@ mod tests {
         let seen: Vec<_> = SECTIONS.iter().filter(|section| OPEN.contains(&section.key)).collect();
         let first = seen.iter().flat_map(|section| section.knobs).filter(|knob| !knob.advanced);
         let first: Vec<_> = first.map(|knob| knob.path).collect();
-        for path in ["style.strands", "style.width", "style.curl", "shading.color"] {
+        for path in ["style.strands", "style.length", "style.width", "style.curl", "shading.color"] {
             assert!(first.contains(&path), "{path}");
         }
         assert!(first.iter().all(|path| !path.ends_with("seed")), "{first:?}");

@@ -4,10 +4,7 @@ use super::{Curls, Paint, ScalpMap};
 use crate::MAX_STRAND_VERTICES;
 use crate::bound::covering_radius;
 use crate::styles::{Curly, Style};
-use crate::{Error, Result};
-
-/// More strands than any adapter holds today, and few enough to be grown in memory.
-const MOST_STRANDS: u32 = 4_000_000;
+use crate::{Error, Result, range, range::Range};
 
 /// Which kinds of strands are grown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,6 +34,24 @@ pub struct Clumps {
 }
 
 impl Clumps {
+    /// The range of [`spacing`](Self::spacing).
+    pub const SPACING: Range = range!("clump spacing", 0.0 to 1.0, "m"; usually 0.001 to 0.1);
+    /// The range of [`strength`](Self::strength).
+    pub const STRENGTH: Range = range!("clump strength", 0.0 to 1.0);
+    /// The range of [`start`](Self::start).
+    pub const START: Range = range!("clump start", -10.0 to 1.0; usually -1.0 to 0.8);
+    /// The range of [`lock`](Self::lock).
+    pub const LOCK: Range = range!("lock strength", 0.0 to 1.0);
+
+    fn check(&self) -> Result<()> {
+        const SPREAD: Range = range!("clump tip spread", 0.0 to 1.0);
+        SPREAD.check(self.tip_spread)?;
+        Self::SPACING.check(self.spacing)?;
+        Self::STRENGTH.check(self.strength)?;
+        Self::START.check(self.start)?;
+        Self::LOCK.check(self.lock)
+    }
+
     /// Clumps that curl as `curls` do. Round curls show when a lock of a centimetre or so, no thicker than
     /// the curl is wide, winds as one from near its root; waves run through and change little.
     pub fn curled(self, curls: &Curls) -> Self {
@@ -67,6 +82,29 @@ pub struct Unrest {
     pub flyaway: f32,
     /// Greatest shortening of strands against their guides, as a fraction.
     pub shorter: f32,
+}
+
+impl Unrest {
+    /// The range of [`frizz`](Self::frizz).
+    pub const FRIZZ: Range = range!("frizz", 0.0 to 1.0, "m"; usually 0.0 to 0.02);
+    /// The range of [`strays`](Self::strays).
+    pub const STRAYS: Range = range!("share of strays", 0.0 to 1.0);
+    /// The range of [`stray`](Self::stray).
+    pub const STRAY: Range = range!("stray", 0.0 to 1.0, "m"; usually 0.0 to 0.2);
+    /// The range of [`flyaways`](Self::flyaways).
+    pub const FLYAWAYS: Range = range!("share of flyaways", 0.0 to 1.0);
+    /// The range of [`flyaway`](Self::flyaway).
+    pub const FLYAWAY: Range = range!("flyaway", 0.0 to 1.0, "m"; usually 0.0 to 0.2);
+
+    fn check(&self) -> Result<()> {
+        const SHORTER: Range = range!("shortening", 0.0 to 1.0);
+        SHORTER.check(self.shorter)?;
+        Self::FRIZZ.check(self.frizz)?;
+        Self::STRAYS.check(self.strays)?;
+        Self::STRAY.check(self.stray)?;
+        Self::FLYAWAYS.check(self.flyaways)?;
+        Self::FLYAWAY.check(self.flyaway)
+    }
 }
 
 /// How strands grow from guides. Counts come from maps, as in a groom made by hand, or as one
@@ -123,6 +161,16 @@ impl Default for Growth {
 }
 
 impl Growth {
+    /// The range of [`diameter`](Self::diameter).
+    pub const DIAMETER: Range = range!("diameter", 0.0 to 1.0, "m"; usually 1e-5 to 0.005);
+    /// The range of [`width_variation`](Self::width_variation).
+    pub const WIDTH_VARIATION: Range = range!("width variation", 0.0 to 1.0; usually 0.0 to 0.5);
+    /// The range of [`tip_width`](Self::tip_width).
+    pub const TIP_WIDTH: Range = range!("tip width", 0.0 to 1.0);
+    /// The most [`strand_count`](Self::strand_count): more than any adapter holds today, and few enough to be
+    /// grown in memory.
+    pub const MOST_STRANDS: u32 = 4_000_000;
+
     /// The growth that suits `style`.
     pub fn for_style(style: &Style) -> Self {
         let base = Self {
@@ -206,39 +254,25 @@ impl Growth {
     /// # Errors
     /// [`Error::Parameter`] for a value out of range.
     pub fn check(&self) -> Result<()> {
-        let fraction = |name, v: f32| match (0.0..=1.0).contains(&v) {
-            true => Ok(()),
-            false => Err(Error::Parameter { name, value: v.to_string(), range: "from 0 to 1" }),
-        };
-        let length = |name, v: f32| match v.is_finite() && (0.0..=1.0).contains(&v) {
-            true => Ok(()),
-            false => Err(Error::Parameter { name, value: v.to_string(), range: "from 0 to 1 metre" }),
-        };
         if !(2..=64).contains(&self.vertices) {
             let value = self.vertices.to_string();
             return Err(Error::Parameter { name: "vertices of each strand", value, range: "from 2 to 64" });
         }
-        if let Some(count) = self.strand_count.filter(|count| *count > MOST_STRANDS) {
+        if let Some(count) = self.strand_count.filter(|count| *count > Self::MOST_STRANDS) {
             let value = count.to_string();
             return Err(Error::Parameter { name: "number of strands", value, range: "at most 4,000,000" });
         }
-        fraction("clump share", self.clump_share)?;
-        fraction("taper start", self.taper_start)?;
-        fraction("tip width", self.tip_width)?;
-        fraction("width variation", self.width_variation)?;
-        fraction("clump strength", self.clumps.strength)?;
-
-        fraction("lock strength", self.clumps.lock)?;
-        fraction("clump tip spread", self.clumps.tip_spread)?;
-        fraction("share of strays", self.unrest.strays)?;
-        fraction("share of flyaways", self.unrest.flyaways)?;
-        fraction("shortening", self.unrest.shorter)?;
+        const SHARE: Range = range!("clump share", 0.0 to 1.0);
+        const TAPER: Range = range!("taper start", 0.0 to 1.0);
+        const CLEARANCE: Range = range!("clearance", 0.0 to 1.0, "m");
+        SHARE.check(self.clump_share)?;
+        TAPER.check(self.taper_start)?;
+        CLEARANCE.check(self.clearance)?;
+        Self::TIP_WIDTH.check(self.tip_width)?;
+        Self::WIDTH_VARIATION.check(self.width_variation)?;
+        Self::DIAMETER.check(self.diameter.unwrap_or(0.0))?;
         self.curls.check()?;
-        length("clump spacing", self.clumps.spacing)?;
-        length("frizz", self.unrest.frizz)?;
-        length("stray", self.unrest.stray)?;
-        length("flyaway", self.unrest.flyaway)?;
-        length("clearance", self.clearance)?;
-        length("diameter", self.diameter.unwrap_or(0.0))
+        self.clumps.check()?;
+        self.unrest.check()
     }
 }

@@ -7,7 +7,7 @@ use super::{
     value::*,
 };
 use crate::settings::HairColor;
-use tresses::light::{ShadingModel, ShadingRate};
+use tresses::light::{ShadingModel, ShadingRate, fiber::FiberShape};
 
 pub(super) const SECTION: Section = Section {
     key: "shading",
@@ -36,19 +36,19 @@ const KNOBS: &[Knob] = rows! { "shading";
     "lightness_spread" "Lightness spread" [look.material.lightness_spread] number(PERCENT, 0.0, 100.0),
         auto, flag(flag("lightness-spread", "SHARE")),
         "How much the lightness (melanin) of strands varies; more for streaks, less for dyed hair.";
-    "roughness_along" "Roughness along" [look.material.fiber.shape.longitudinal] number(PLAIN, 0.1, 1.0),
+    "roughness_along" "Roughness along" [look.material.fiber.shape.longitudinal] within(PLAIN, FiberShape::ROUGHNESS),
         flag(flag("roughness", "R[,R]").first(ALONG).then(AROUND)
             .about("Roughness of the fibres: along them, and around them")),
         "Length of the highlights: 0.1 wet silk, 0.3 healthy hair, 1 wool (fiber).";
-    "roughness_around" "Roughness around" [look.material.fiber.shape.azimuthal] number(PLAIN, 0.1, 1.0),
+    "roughness_around" "Roughness around" [look.material.fiber.shape.azimuthal] within(PLAIN, FiberShape::ROUGHNESS),
         "Roughness around the fibre: higher is softer and more opaque (fiber).";
     "model" "Model" [look.material.model] choice::<ShadingModel>(), flag(flag("shading", "MODEL")),
         "Light in fibres and among them, or two highlights set by eye, which is cheaper.";
     "rate" "Shade per" [look.rate] choice::<ShadingRate>(), advanced, flag(flag("shade-per", "WHERE")),
         "Strand vertex, or pixel for finer noise at a higher cost.";
-    "tilt" "Cuticle tilt" [look.material.fiber.shape.tilt] number(DEGREES, -10.0, 10.0), advanced,
+    "tilt" "Cuticle tilt" [look.material.fiber.shape.tilt] within(DEGREES, FiberShape::TILT), advanced,
         "Angle of the scales: separates the white highlight from the coloured one; 2 to 3° for hair (fiber).";
-    "refraction" "Refraction" [look.material.fiber.shape.eta] number(PLAIN, 1.05, 2.5), advanced,
+    "refraction" "Refraction" [look.material.fiber.shape.eta] within(PLAIN, FiberShape::ETA), advanced,
         "Index of refraction: 1.55 for hair, lower for wet hair, higher for more gloss (fiber).";
     "density_forward" "Forward density" [look.material.fiber.density_forward] number(PLAIN, 0.0, 1.0), advanced,
         "Share of the light scattered forward that meets other hair; lower is darker inside (fiber).";

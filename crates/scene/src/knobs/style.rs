@@ -7,6 +7,7 @@ use super::{
     value::*,
 };
 use crate::settings::Curl;
+use tresses::groom::grow::{Clumps, Curls, Growth, Unrest};
 
 pub(super) const SECTION: Section = Section {
     key: "style",
@@ -16,31 +17,34 @@ pub(super) const SECTION: Section = Section {
 };
 
 const KNOBS: &[Knob] = rows! { "style";
-    "strands" "Strands" [style.growth.strand_count] integer(PLAIN, 1, 4_000_000, 1),
-        auto, regrow, flag(flag("strands", "N").common()),
-        "Number of strands drawn, at most; built-in styles grow exactly as many.";
-    "width" "Strand width" [style.growth.diameter] number(MICROMETRES, 10.0, 5000.0).log(),
-        auto, regrow, flag(flag("width", "LENGTH").common()),
-        "Typical diameter of a drawn strand. Real hair has 50 to 120 µm; fewer strands need more to cover.";
+    "length" "Length" [style.length] number(PERCENT, 5.0, 100.0),
+        regrow, flag(flag("length", "SHARE").common()),
+        "Strands are cut to this share of their length.";
     "curl" "Curls" [style.curl] choice::<Curl>(),
         auto, regrow, flag(flag("curl", "NAME|KEY=VALUE,..").common().first(CURL).keys(CURL_KEYS)
             .about("Curls by name, and what differs from them, as in waves,radius=8mm")),
         "Type of curl, from straight to tight coils; the parameters below vary it.";
-    "curl_radius" "Curl radius" [style.growth.curls.radius] number(MILLIMETRES, 0.0, 100.0).log(), auto, regrow,
+    "curl_radius" "Curl radius" [style.growth.curls.radius] within(MILLIMETRES, Curls::RADIUS).log(), auto, regrow,
         "Distance of the curl from the path of the strand; larger for voluminous hair, 0 for straight hair.";
-    "curl_wavelength" "Curl wavelength" [style.growth.curls.wavelength] number(MILLIMETRES, 2.0, 1000.0).log(),
+    "curl_wavelength" "Curl wavelength" [style.growth.curls.wavelength] within(MILLIMETRES, Curls::WAVELENGTH).log(),
         auto, regrow,
         "Length along the strand of one turn; shorter is tighter and takes more vertices.";
-    "clump" "Clumping" [style.growth.clumps.strength] number(PERCENT, 0.0, 100.0),
+    "strands" "Strands" [style.growth.strand_count] integer(PLAIN, 1, Growth::MOST_STRANDS, 1),
+        auto, regrow, flag(flag("strands", "N").common()),
+        "Number of strands drawn, at most; built-in styles grow exactly as many.";
+    "width" "Strand width" [style.growth.diameter] within(MICROMETRES, Growth::DIAMETER).log(),
+        auto, regrow, flag(flag("width", "LENGTH").common()),
+        "Typical diameter of a drawn strand. Real hair has 50 to 120 µm; fewer strands need more to cover.";
+    "clump" "Clumping" [style.growth.clumps.strength] within(PERCENT, Clumps::STRENGTH),
         auto, regrow, flag(flag("clump", "STRENGTH|KEY=VALUE,..").keys(CLUMP_KEYS)),
         "How far strands converge towards their tips; high for wet or greasy hair.";
-    "frizz" "Frizz" [style.growth.unrest.frizz] number(MILLIMETRES, 0.0, 20.0).log(),
+    "frizz" "Frizz" [style.growth.unrest.frizz] within(MILLIMETRES, Unrest::FRIZZ).log(),
         auto, regrow, flag(flag("frizz", "LENGTH")),
         "Amplitude of the fine waves of each single strand; roughens the surface.";
-    "flyaways" "Flyaways" [style.growth.unrest.flyaways] number(PERCENT, 0.0, 100.0),
+    "flyaways" "Flyaways" [style.growth.unrest.flyaways] within(PERCENT, Unrest::FLYAWAYS),
         auto, regrow, flag(flag("flyaways", "SHARE[,LENGTH]").then(FLYAWAYS)),
         "Share of strands, thin ones, that stand off far and form the halo against the light.";
-    "tip_width" "Tip width" [style.growth.tip_width] number(PERCENT, 0.0, 100.0),
+    "tip_width" "Tip width" [style.growth.tip_width] within(PERCENT, Growth::TIP_WIDTH),
         auto, regrow, flag(flag("tip-width", "SHARE")),
         "Width at the tip relative to the root; small for soft ends, 100 % for a blunt cut.";
     "guides" "Guides" [style.guides] integer(PLAIN, 1, 1_000_000, 1),
@@ -49,44 +53,44 @@ const KNOBS: &[Knob] = rows! { "style";
         "Number of strands simulated, which the others follow; more where hair moves too much as one.";
     "all_guides" "Simulate every strand" [style.all_guides] Kind::Toggle, advanced, regrow,
         "No strand follows others; for few strands, or for comparison.";
-    "curl_flatness" "Curl flatness" [style.growth.curls.flatness] number(PERCENT, 0.0, 100.0),
+    "curl_flatness" "Curl flatness" [style.growth.curls.flatness] within(PERCENT, Curls::FLATNESS),
         auto, advanced, regrow,
         "From a round spiral (0) to a wave in one plane (100 %).";
-    "curl_start" "Curl start" [style.growth.curls.start] number(PERCENT, 0.0, 100.0), auto, advanced, regrow,
+    "curl_start" "Curl start" [style.growth.curls.start] within(PERCENT, Curls::START), auto, advanced, regrow,
         "Where along the strand curls begin; later for hair that was curled at its ends.";
-    "curl_tip" "Curl radius at the tip" [style.growth.curls.tip] number(TIMES, 0.0, 3.0), auto, advanced, regrow,
+    "curl_tip" "Curl radius at the tip" [style.growth.curls.tip] within(TIMES, Curls::TIP), auto, advanced, regrow,
         "Radius at the tip relative to the root; above 1 for ends that open.";
-    "curl_irregularity" "Curl irregularity" [style.growth.curls.irregularity] number(PERCENT, 0.0, 100.0),
+    "curl_irregularity" "Curl irregularity" [style.growth.curls.irregularity] within(PERCENT, Curls::IRREGULARITY),
         auto, advanced, regrow,
         "How much curls differ from lock to lock and drift along the strand; less looks ironed.";
-    "curl_coherence" "Curl coherence" [style.growth.curls.coherence] number(PERCENT, 0.0, 100.0),
+    "curl_coherence" "Curl coherence" [style.growth.curls.coherence] within(PERCENT, Curls::COHERENCE),
         auto, advanced, regrow,
         "How closely the strands of a lock turn together; less is frizzier.";
-    "curl_neighbours" "Curl of neighbours" [style.growth.curls.neighbours] number(PERCENT, 0.0, 100.0),
+    "curl_neighbours" "Curl of neighbours" [style.growth.curls.neighbours] within(PERCENT, Curls::NEIGHBOURS),
         auto, advanced, regrow,
         "How closely a lock turns with adjacent locks; high for waves that run through the hair.";
-    "curl_shrink" "Curl shrinkage" [style.growth.curls.shrink] number(PERCENT, 0.0, 100.0),
+    "curl_shrink" "Curl shrinkage" [style.growth.curls.shrink] within(PERCENT, Curls::SHRINK),
         auto, advanced, regrow,
         "At 100 % strands keep their length and the style gets shorter; at 0 the style keeps its outline.";
     "curl_stretch" "Stretch the drawn curl" [style.curl_stretch] Kind::Toggle, advanced, regrow,
         "Lay a drawn curl once along the whole strand instead of repeating it.";
-    "clump_spacing" "Clump spacing" [style.growth.clumps.spacing] number(MILLIMETRES, 1.0, 100.0).log(),
+    "clump_spacing" "Clump spacing" [style.growth.clumps.spacing] within(MILLIMETRES, Clumps::SPACING).log(),
         auto, advanced, regrow,
         "Distance between clumps on the scalp, which is their thickness.";
-    "clump_start" "Clump start" [style.growth.clumps.start] number(PERCENT, -100.0, 80.0), auto, advanced, regrow,
+    "clump_start" "Clump start" [style.growth.clumps.start] within(PERCENT, Clumps::START), auto, advanced, regrow,
         "Where along the strand clumping begins; below 0 strands leave the scalp together.";
-    "clump_lock" "Locks" [style.growth.clumps.lock] number(PERCENT, 0.0, 100.0), auto, advanced, regrow,
+    "clump_lock" "Locks" [style.growth.clumps.lock] within(PERCENT, Clumps::LOCK), auto, advanced, regrow,
         "How far clumps gather around their guides into locks; built-in styles only.";
-    "strays" "Strays" [style.growth.unrest.strays] number(PERCENT, 0.0, 100.0),
+    "strays" "Strays" [style.growth.unrest.strays] within(PERCENT, Unrest::STRAYS),
         auto, advanced, regrow, flag(flag("strays", "SHARE[,LENGTH]").then(STRAYS)),
         "Share of strands that stand off a little towards the tip; breaks up hair that is too tidy.";
-    "stray_reach" "Stray distance" [style.growth.unrest.stray] number(MILLIMETRES, 0.0, 200.0).log(),
+    "stray_reach" "Stray distance" [style.growth.unrest.stray] within(MILLIMETRES, Unrest::STRAY).log(),
         auto, advanced, regrow,
         "How far strays stand off.";
-    "flyaway_reach" "Flyaway distance" [style.growth.unrest.flyaway] number(MILLIMETRES, 0.0, 200.0).log(),
+    "flyaway_reach" "Flyaway distance" [style.growth.unrest.flyaway] within(MILLIMETRES, Unrest::FLYAWAY).log(),
         auto, advanced, regrow,
         "How far flyaways stand off.";
-    "width_variation" "Width variation" [style.growth.width_variation] number(PERCENT, 0.0, 50.0),
+    "width_variation" "Width variation" [style.growth.width_variation] within(PERCENT, Growth::WIDTH_VARIATION),
         auto, advanced, regrow, flag(flag("width-variation", "SHARE")),
         "How much widths differ from strand to strand: standard deviation over mean.";
     "seed" "Seed" [style.growth.seed] integer(PLAIN, 0, 9999, 1), auto, advanced, regrow,

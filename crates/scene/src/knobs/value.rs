@@ -8,6 +8,7 @@ use tresses::{
     glam::Vec3,
     light::{ShadingModel, ShadingRate, ShadowMethod, material},
     lod::LodMode,
+    range::Range,
     volume::HairHairMode,
 };
 
@@ -51,6 +52,11 @@ pub struct Unit {
 impl Unit {
     const fn new(symbol: &'static str, si: f64) -> Self {
         Self { symbol, si }
+    }
+
+    /// So many SI units in this one, without the noise of the division.
+    const fn of(self, si: f64) -> f64 {
+        (si / self.si * 1e6).round() / 1e6
     }
 }
 
@@ -138,6 +144,12 @@ impl Kind {
 /// Numbers from `least` to `most`, both in `unit`.
 pub(super) const fn number(unit: Unit, least: f64, most: f64) -> Kind {
     Kind::Number { unit, least, most, scale: Scale::Linear }
+}
+
+/// What is usual of a range of the library, in `unit`.
+pub(super) const fn within(unit: Unit, range: Range) -> Kind {
+    let [least, most] = range.usual;
+    number(unit, unit.of(least), unit.of(most))
 }
 
 pub(super) const fn integer(unit: Unit, least: u32, most: u32, step: u32) -> Kind {

@@ -6,6 +6,7 @@ use super::{
     rows,
     value::*,
 };
+use tresses::wind::{MAX_CELLS, Wind};
 
 pub(super) const SECTION: Section = Section {
     key: "wind",
@@ -15,21 +16,21 @@ pub(super) const SECTION: Section = Section {
 };
 
 const KNOBS: &[Knob] = rows! { "wind";
-    "speed" "Speed" [wind.speed] number(METRES_PER_SECOND, 0.0, 100.0).log(),
+    "speed" "Speed" [wind.speed] within(METRES_PER_SECOND, Wind::SPEED).log(),
         flag(flag("wind", "SPEED[,DEGREES]").common().then(WIND)),
         "Mean speed: 2 m/s stirs leaves, 8 a flag, 20 is a storm. 0 costs nothing.";
     "direction" "Direction" [wind.direction] number(DEGREES, -360.0, 360.0),
         "Where the wind comes from: the front (0), the left of the head (90), the back (180).";
-    "turbulence" "Gusts" [simulation.wind.turbulence] number(PERCENT, 0.0, 100.0),
+    "turbulence" "Gusts" [simulation.wind.turbulence] within(PERCENT, Wind::TURBULENCE),
         flag(flag("gusts", "INTENSITY")),
         "Standard deviation over mean speed: 10 % over water, 20 over land, 40 between houses.";
-    "gust_length" "Gust length" [simulation.wind.gust_length] number(METRES, 0.05, 100.0).log(),
+    "gust_length" "Gust length" [simulation.wind.gust_length] within(METRES, Wind::GUST_LENGTH).log(),
         "Size of the gusts; one passes in about this length over the speed.";
     "seed" "Seed" [simulation.wind.seed] integer(PLAIN, 0, 9999, 1), advanced, flag(flag("wind-seed", "N")),
         "Another number gives other gusts.";
-    "cells" "Grid cells" [simulation.wind.cells] integer(PLAIN, 0, 96, 8), advanced,
+    "cells" "Grid cells" [simulation.wind.cells] integer(PLAIN, 0, MAX_CELLS, 8), advanced,
         "Cells of the grid of air along each axis; more follow the head closer. 0: the same wind everywhere.";
-    "room" "Grid size" [simulation.wind.room] number(TIMES, 1.2, 20.0).log(), advanced,
+    "room" "Grid size" [simulation.wind.room] within(TIMES, Wind::ROOM).log(), advanced,
         "Edge of the grid of air over the size of the hair.";
 };
 

@@ -266,7 +266,7 @@ impl Settings {
             growth: style.map(|style| self.growth(style, maps)).transpose()?,
             strands: self.strands(),
             guides: self.guides(),
-            paint: maps.paint.clone(),
+            paint: self.paint(maps),
             restyle: if style.is_none() { self.restyle(maps)? } else { None },
             stiffness: maps.stiffness.clone(),
             levels: maps.levels.clone(),

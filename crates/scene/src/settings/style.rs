@@ -51,7 +51,7 @@ pub struct Maps {
 }
 
 /// Strands. Most parameters are automatic: their fields count where [`Settings::gives`] them.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct StyleSettings {
     /// Growth as it is given.
     pub(crate) growth: Growth,
@@ -63,6 +63,21 @@ pub struct StyleSettings {
     pub(crate) curl: Curl,
     /// Whether a drawn curl is stretched over the whole strand instead of repeated.
     pub curl_stretch: bool,
+    /// The share of their length that strands are cut to.
+    pub length: f32,
+}
+
+impl Default for StyleSettings {
+    fn default() -> Self {
+        Self {
+            growth: Growth::default(),
+            guides: Style::default().recipe().guides,
+            all_guides: false,
+            curl: Curl::default(),
+            curl_stretch: false,
+            length: 1.0,
+        }
+    }
 }
 
 /// The parameters of curls that vary [`Curl`].
@@ -104,7 +119,7 @@ impl Settings {
             let curls = self.curls(growth.curls.clone(), maps)?;
             growth = growth.with_curls(curls);
         }
-        Ok(Growth { paint: maps.paint.clone(), ..self.over(growth) })
+        Ok(Growth { paint: self.paint(maps), ..self.over(growth) })
     }
 
     /// What changes on a groom from files after it is bound; `None` for nothing.
@@ -139,6 +154,16 @@ impl Settings {
             seed: growth.seed,
         };
         Ok(restyle.any().then_some(restyle))
+    }
+
+    /// The painted maps, strands being cut to the length that is given.
+    pub(super) fn paint(&self, maps: &Maps) -> Paint {
+        let mut paint = maps.paint.clone();
+        if self.style.length < 1.0 {
+            let length = paint.length.take().unwrap_or_else(|| ScalpMap::from_fn(1, |_| 1.0));
+            paint.length = Some(length.map(|length| length * self.style.length));
+        }
+        paint
     }
 
     /// `growth` with everything that is given.
@@ -209,5 +234,28 @@ impl Settings {
         into.style.growth = growth;
         let known = knobs::section("style").map(|knob| knob.path).filter(|path| !unknown.contains(path));
         into.take_as_given(known);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tresses::glam::Vec2;
+
+    #[test]
+    fn strands_are_cut_on_top_of_a_map() {
+        let uncut = Settings::default().growth(&Style::default(), &Maps::default()).unwrap();
+        assert!(uncut.paint.length.is_none());
+        let mut settings = Settings::default();
+        settings.set("style.length", 0.4).unwrap();
+        let length = |map: Option<ScalpMap>| {
+            let paint = Paint { length: map, ..Paint::default() };
+            let maps = Maps { paint, ..Maps::default() };
+            let cut = settings.growth(&Style::default(), &maps).unwrap().paint;
+            assert_eq!(cut, settings.styling(None, &maps).unwrap().paint, "files are cut likewise");
+            cut.length.unwrap().sample(Vec2::splat(0.5))
+        };
+        assert!((length(None) - 0.4).abs() < 1e-6);
+        assert!((length(Some(ScalpMap::from_fn(4, |_| 0.5))) - 0.2).abs() < 1e-6);
     }
 }

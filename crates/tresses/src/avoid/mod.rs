@@ -67,11 +67,11 @@
 //! **Untried.** A tightness that depends on the guide's distance from the obstacle; skipping vertices of
 //! the search that the distance at their neighbour already clears.
 
-mod kernels;
 mod options;
+mod pipelines;
 
-pub use kernels::{Avoid, AvoidGroups};
 pub use options::{AvoidMode, AvoidOptions};
+pub use pipelines::{AvoidGroups, Pipelines};
 
 use crate::{
     Result,
@@ -156,7 +156,7 @@ impl Avoidance {
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        stage: &Avoid,
+        pipelines: &Pipelines,
         options: AvoidOptions,
         clearance: f32,
         guides: &GuideBuffers,
@@ -167,7 +167,7 @@ impl Avoidance {
         let states = storage::<StrandState>(device, "avoidance", strands.count.into())?;
         let none = StrandState { hit: NO_HIT, amount: 0.0, at: 0.0, hit_before: 0 };
         queue.write_buffer(&states, 0, bytemuck::cast_slice(&vec![none; strands.count as usize]));
-        let groups = stage.bind(device, &params, &states, guides, strands);
+        let groups = pipelines.bind(device, &params, &states, guides, strands);
         Ok(Self { options, clearance, params, states, groups })
     }
 
@@ -205,25 +205,25 @@ impl Avoidance {
     /// Records the stage.
     pub(crate) fn record(
         &self,
+        pipelines: &Pipelines,
         pass: &mut wgpu::ComputePass<'_>,
-        stage: &Avoid,
         colliders: &ColliderSet,
         strands: &StrandBuffers,
     ) {
         if !colliders.is_empty() {
-            stage.record(pass, &self.groups, colliders, strands, self.options.mode);
+            pipelines.record(pass, &self.groups, colliders, strands, self.options.mode);
         }
     }
 
     /// Records only the search: [`StrandState::hit`] is then the first hit of each strand.
     pub fn record_search(
         &self,
+        pipelines: &Pipelines,
         pass: &mut wgpu::ComputePass<'_>,
-        stage: &Avoid,
         colliders: &ColliderSet,
         strands: &StrandBuffers,
     ) {
-        stage.record_first_hit(pass, &self.groups, colliders, strands);
+        pipelines.record_first_hit(pass, &self.groups, colliders, strands);
     }
 
     /// [`StrandState`], one per strand.

@@ -1,6 +1,6 @@
 //! User parameters.
 
-use crate::{Error, Result};
+use crate::{Result, groom::range, range::Range};
 
 /// What is done about drawn strands that enter an obstacle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -51,18 +51,29 @@ impl Default for AvoidOptions {
 }
 
 impl AvoidOptions {
+    /// The range of [`tolerance`](Self::tolerance).
+    pub const TOLERANCE: Range = range!("tolerance of avoidance", 0.0 to 0.1, "m"; usually 0.0 to 0.01);
+    /// The range of [`zone`](Self::zone).
+    pub const ZONE: Range = range!("zone of avoidance", 0.0 to 10.0, "m"; usually 0.0 to 0.5);
+    /// The range of [`tightness`](Self::tightness).
+    pub const TIGHTNESS: Range = range!("tightness of avoidance", 0.0 to 1.0);
+    /// The range of [`fade_in`](Self::fade_in) and [`fade_out`](Self::fade_out).
+    pub const FADE: Range = range!("fading time of avoidance", 0.0 to 100.0, "s"; usually 0.0 to 5.0);
+    /// The range of [`speed`](Self::speed).
+    pub const SPEED: Range =
+        Range::new("speed of avoidance", 0.0, f64::INFINITY, "0 m/s or more").usually(0.0, 10.0);
+
     /// Whether every value is in its range.
     ///
     /// # Errors
-    /// [`Error::Parameter`].
+    /// [`Error::Parameter`](crate::Error::Parameter).
     pub fn check(&self) -> Result<()> {
-        let within = |name, value, most, range| Error::unless_within(name, value, 0.0, most, range);
-        within("tolerance of avoidance", self.tolerance, 0.1, "0 to 0.1 m")?;
-        within("zone of avoidance", self.zone, 10.0, "0 to 10 m")?;
-        within("tightness of avoidance", self.tightness, 1.0, "0 to 1")?;
-        within("fade_in of avoidance", self.fade_in, 100.0, "0 to 100 s")?;
-        within("fade_out of avoidance", self.fade_out, 100.0, "0 to 100 s")?;
-        within("speed of avoidance", self.speed, f32::INFINITY, "0 or more")
+        Self::TOLERANCE.check(self.tolerance)?;
+        Self::ZONE.check(self.zone)?;
+        Self::TIGHTNESS.check(self.tightness)?;
+        Self::FADE.check(self.fade_in)?;
+        Self::FADE.check(self.fade_out)?;
+        Ok(Self::SPEED.check(self.speed)?)
     }
 
     /// Amounts per frame of `dt` seconds: how much a change-over rises and falls (the mean of two

@@ -14,7 +14,7 @@
 //! writes one [`Place`] per moment and collider, so that no kernel interpolates poses per vertex. The
 //! velocity of a point of an obstacle is its rigid motion, rotation included, in the substep that ends at
 //! the moment. Between frames a collider moves from its pose at the end of the last step towards its
-//! current pose, just as the head does ([`crate::simulate::clock`]).
+//! current pose, just as the head does ([`crate::clock`]).
 //!
 //! **Now.** What is drawn is interpolated between the last two states *in the head's frame* and carried to
 //! the head's current pose: hair is drawn as it was up to one step ago relative to the head. The moment

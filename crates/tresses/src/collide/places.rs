@@ -3,8 +3,8 @@
 use super::{Anchor, ColliderPoses};
 use crate::{
     Error, Pose, Result,
+    clock::{Mode, Step},
     math::rotation::nlerp,
-    simulate::{Mode, Step},
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
@@ -191,7 +191,7 @@ impl Track {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulate::Clock;
+    use crate::clock::Clock;
 
     /// Drives a track with a clock at `fps`; calls `see` after each frame.
     fn drive(fps: f32, seconds: f32, mut see: impl FnMut(&Track, &[Step], f32, Pose)) {

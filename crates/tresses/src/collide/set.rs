@@ -9,9 +9,9 @@ use super::{
 };
 use crate::{
     Error, Pose, Result,
+    clock::{MAX_STEPS, MAX_SUBSTEPS},
     constants::MAX_COLLIDERS,
     gpu::{Binding, bindings},
-    simulate::{MAX_STEPS, params::MAX_SUBSTEPS},
     strands::buffers::storage,
 };
 use bytemuck::Zeroable;

@@ -10,7 +10,7 @@ use crate::{
         mannequin,
         styles::{self, GUIDE_VERTICES, GridScalp, Hold, Recipe, Style, StyledGuides, bound},
     },
-    simulate::{Along, GuideTraits, Simulate, SimulationParams},
+    simulate::{self, Along, GuideTraits, SimulationParams},
 };
 use glam::Vec3;
 
@@ -40,7 +40,7 @@ pub struct Character {
 pub async fn character(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
-    simulate: &Simulate,
+    simulate: &simulate::Pipelines,
     style: &Style,
     strands: Option<u32>,
 ) -> Result<Character> {
@@ -60,7 +60,7 @@ pub async fn character(
 pub async fn character_with(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
-    simulate: &Simulate,
+    simulate: &simulate::Pipelines,
     style: &Style,
     growth: &Growth,
     progress: &impl Progress,
@@ -85,7 +85,7 @@ pub async fn character_with(
 pub async fn settled(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
-    simulate: &Simulate,
+    simulate: &simulate::Pipelines,
     style: &Style,
     progress: &impl Progress,
 ) -> Result<(StyledGuides, GridScalp)> {
@@ -106,7 +106,7 @@ pub async fn settled(
 pub async fn fallen(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
-    simulate: &Simulate,
+    simulate: &simulate::Pipelines,
     recipe: &Recipe,
     scalp: &GridScalp,
     progress: &impl Progress,
@@ -125,7 +125,7 @@ pub async fn fallen(
 pub async fn settle(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
-    simulate: &Simulate,
+    simulate: &simulate::Pipelines,
     styled: &mut StyledGuides,
     field: &SdfGrid,
 ) -> Result<()> {

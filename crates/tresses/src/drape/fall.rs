@@ -1,14 +1,14 @@
 //! Settling: simulation steps with the head at rest.
 
 use crate::simulate::{
-    MAX_STEPS, RestOptions, RestShape, Simulate, Simulation, SimulationParams, Step,
-    params::Mode,
+    self, RestOptions, RestShape, Simulation, SimulationParams,
     rest::{self, GuideTraits},
 };
 use crate::{
     Pose, Result,
+    clock::{MAX_STEPS, Mode, Step},
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
-    gpu::readback,
+    gpu::{kernel, readback},
     groom::SdfGrid,
     strands::GuideBuffers,
 };
@@ -40,7 +40,7 @@ impl Default for DrapeOptions {
 pub async fn drape(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
-    simulate: &Simulate,
+    simulate: &simulate::Pipelines,
     positions: &[Vec3],
     n: u32,
     traits: &[GuideTraits],
@@ -76,8 +76,9 @@ pub async fn drape(
             let (substeps, length) = (params.substeps, params.step);
             let moments = Moments { steps: &steps, substeps, step: length, head: still, alpha: 1.0 };
             colliders.advance(queue, &ColliderPoses::default(), &moments)?;
-            simulation.record(simulate, device, queue, &mut pass, &params, &steps, &colliders)?;
+            simulation.run(simulate, queue, &mut pass, &params, &steps, &colliders)?;
         }
+        kernel::refused()?;
         queue.submit([encoder.finish()]);
         left -= now;
     }

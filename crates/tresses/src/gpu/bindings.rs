@@ -3,7 +3,7 @@
 //! **A trap.** Mesa's lavapipe (seen in 22.3.6: `lvp_inline_uniforms.c`) puts the values of uniforms that decide loops and
 //! branches into a copy of the shader, anew for every bind, and keeps all copies for as long as the pipeline lives: 1 to
 //! 4 MB and some milliseconds per draw, without end. It drops the idea only for shaders that hardly change by it. A shader
-//! that falls to it binds those values as [`Binding::Storage`], which the driver leaves alone; `tests/memory.rs` tells.
+//! that falls to it binds those values as [`Binding::Storage`], which the driver leaves alone; `apps/cli/tests/memory.rs` tells.
 
 use wgpu::{BindingType, BufferBindingType, SamplerBindingType, TextureSampleType, TextureViewDimension};
 

@@ -74,7 +74,9 @@ impl Kernel {
 
     fn pipeline(&self) -> Result<&wgpu::ComputePipeline> {
         let made = self.pipeline.get_or_init(|| {
-            let entry = self.module.rsplit("::").next().unwrap_or(self.module);
+            // The last part of a variant is a number: `simulate::step::32`.
+            let parts = self.module.rsplit("::");
+            let entry = parts.into_iter().find(|part| part.parse::<u32>().is_err()).unwrap_or(self.module);
             let layouts: Vec<_> = std::iter::once(&self.layout).chain(&self.shared).collect();
             let options = wgpu::PipelineCompilationOptions {
                 // Every kernel writes its workgroup memory before it reads it.

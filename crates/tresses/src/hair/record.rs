@@ -3,16 +3,16 @@
 
 use super::Hair;
 use crate::{
-    Pipelines, Pose, Result,
-    avoid::Avoid,
+    Pipelines, Pose, Result, avoid,
+    clock::{Mode, Step, Steps},
     collide::{ColliderPoses, Moments},
     frame::Frame,
-    interpolate::{Interpolate, InterpolateParams},
+    interpolate,
     lod::Widths,
-    simulate::{Forces, Mode, Simulate, SimulationParams, Step},
-    tessellate::{Tessellate, TessellateParams},
-    volume::{HairHairMode, VolumeStage},
-    wind::{Air, Fluid, HairGrid, Wind},
+    simulate::{self, Forces, SimulationParams},
+    tessellate::{self, TessellateParams},
+    volume::{self, HairHairMode},
+    wind::{self, Air, HairGrid, Wind},
 };
 
 impl Hair {
@@ -35,11 +35,12 @@ impl Hair {
         let steps = self.tick(queue, frame.dt, physics, &frame.head, frame.colliders)?;
         self.forced = self.windy || physics.hair_hair.mode != HairHairMode::Off;
         if self.forced {
-            self.volume.prepare(queue, physics, &steps, &self.colliders);
+            let due = Steps { steps: &steps, length: physics.step, substeps: physics.substeps };
+            self.volume.prepare(queue, &physics.hair_hair, &due, &self.colliders);
             if let Some(air) = self.air.as_mut().filter(|_| self.windy) {
                 let grid = &self.volume.grid;
                 let hair = HairGrid { bias: grid.bias, scale: grid.scale };
-                air.prepare(queue, physics, &steps, Some(hair));
+                air.prepare(queue, &physics.wind, physics.diameter, &due, Some(hair));
             }
             let air = self.air.as_ref().filter(|_| self.windy);
             self.forces.prepare(queue, physics, air, steps.len());
@@ -79,9 +80,9 @@ impl Hair {
     }
 
     /// Step `i` of the air.
-    pub(crate) fn record_wind(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Fluid, i: u32) {
+    pub(crate) fn record_wind(&self, pass: &mut wgpu::ComputePass<'_>, stage: &wind::Pipelines, i: u32) {
         if let Some(air) = &self.air {
-            stage.record(pass, air, &self.colliders, i);
+            air.record(stage, pass, &self.colliders, i);
         }
     }
 
@@ -129,9 +130,8 @@ impl Hair {
         self.head = *head;
         let (previous, current, blend) = self.states;
         let params = TessellateParams::new(&self.guides, &previous, &current, head, blend);
-        queue.write_buffer(&self.tessellate_params, 0, bytemuck::bytes_of(&params));
-        let params = InterpolateParams::new(&self.guides, &self.strands);
-        queue.write_buffer(&self.interpolate_params, 0, bytemuck::bytes_of(&params));
+        self.tessellation.prepare(queue, &params);
+        self.interpolation.prepare(queue, &self.guides, &self.strands);
         let counts = (&self.guides, &self.strands);
         let fresh = self.lod.begin();
         self.avoidance.prepare(queue, counts, dt, self.moved_away, fresh);
@@ -141,37 +141,41 @@ impl Hair {
     pub(crate) fn record_simulate(
         &self,
         pass: &mut wgpu::ComputePass<'_>,
-        device: &wgpu::Device,
-        stage: &Simulate,
+        stage: &simulate::Pipelines,
         i: u32,
     ) {
         if self.forced {
             self.forces.record(stage, pass, i);
         }
         self.grab.record(stage, pass, &self.colliders, i);
-        self.simulation.record_step(stage, device, pass, &self.colliders, i);
+        self.simulation.record(stage, pass, &self.colliders, i);
     }
 
     /// Step `i` of the grid of the hair.
-    pub(crate) fn record_volume(&mut self, pass: &mut wgpu::ComputePass<'_>, stage: &VolumeStage, i: u32) {
+    pub(crate) fn record_volume(
+        &mut self,
+        pass: &mut wgpu::ComputePass<'_>,
+        stage: &volume::Pipelines,
+        i: u32,
+    ) {
         self.volume.record(stage, pass, &self.colliders, i);
     }
 
-    pub(crate) fn record_tessellate(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Tessellate) {
-        stage.record(pass, &self.tessellate_group, &self.guides);
+    pub(crate) fn record_tessellate(&self, pass: &mut wgpu::ComputePass<'_>, stage: &tessellate::Pipelines) {
+        self.tessellation.record(stage, pass, &self.guides);
     }
 
     pub(crate) fn record_interpolate(
         &self,
         pass: &mut wgpu::ComputePass<'_>,
-        stage: &Interpolate,
+        stage: &interpolate::Pipelines,
         widths: &Widths,
     ) {
         self.lod.record(pass, widths);
-        stage.record(pass, &self.interpolate_group, &self.strands);
+        self.interpolation.record(stage, pass, &self.strands);
     }
 
-    pub(crate) fn record_avoid(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Avoid) {
-        self.avoidance.record(pass, stage, &self.colliders, &self.strands);
+    pub(crate) fn record_avoid(&self, pass: &mut wgpu::ComputePass<'_>, stage: &avoid::Pipelines) {
+        self.avoidance.record(stage, pass, &self.colliders, &self.strands);
     }
 }

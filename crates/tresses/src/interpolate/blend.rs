@@ -2,7 +2,7 @@
 
 use crate::{
     constants::STRAND_WORKGROUP,
-    gpu::{Binding, Kernel},
+    gpu::{Binding, Kernel, bindings},
     strands::{GuideBuffers, StrandBuffers},
 };
 use bytemuck::{Pod, Zeroable};
@@ -45,11 +45,11 @@ impl InterpolateParams {
 
 /// The pipeline of the stage.
 #[derive(Debug)]
-pub struct Interpolate {
+pub struct Pipelines {
     kernel: Kernel,
 }
 
-impl Interpolate {
+impl Pipelines {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
         let entries = [
@@ -67,30 +67,38 @@ impl Interpolate {
     pub(crate) fn kernels(&self) -> Vec<&Kernel> {
         vec![&self.kernel]
     }
+}
 
-    /// Binds the stage to one groom and a uniform buffer of [`InterpolateParams`].
-    pub fn bind(
-        &self,
+/// One groom's share of the stage.
+#[derive(Debug)]
+pub struct Interpolation {
+    params: wgpu::Buffer,
+    group: wgpu::BindGroup,
+}
+
+impl Interpolation {
+    /// The `strands` between `guides`.
+    pub fn new(
         device: &wgpu::Device,
-        params: &wgpu::Buffer,
+        pipelines: &Pipelines,
         guides: &GuideBuffers,
         strands: &StrandBuffers,
-    ) -> wgpu::BindGroup {
-        self.kernel.bind(
-            device,
-            &[
-                params.as_entire_binding(),
-                guides.samples.as_entire_binding(),
-                guides.sample_rest.as_entire_binding(),
-                strands.bindings.as_entire_binding(),
-                strands.rest.as_entire_binding(),
-                strands.vertices.as_entire_binding(),
-            ],
-        )
+    ) -> Self {
+        let params = bindings::uniform(device, "interpolate", size_of::<InterpolateParams>());
+        let StrandBuffers { bindings: bound, rest, vertices, .. } = strands;
+        let buffers = [&params, &guides.samples, &guides.sample_rest, bound, rest, vertices];
+        let group = pipelines.kernel.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()));
+        Self { params, group }
     }
 
-    /// Records the dispatch: one thread per strand.
-    pub fn record(&self, pass: &mut wgpu::ComputePass<'_>, group: &wgpu::BindGroup, strands: &StrandBuffers) {
-        self.kernel.record(pass, group, &[], strands.drawn.count.div_ceil(STRAND_WORKGROUP));
+    /// Writes the uniform of a frame: what is drawn of `strands`.
+    pub fn prepare(&self, queue: &wgpu::Queue, guides: &GuideBuffers, strands: &StrandBuffers) {
+        let params = InterpolateParams::new(guides, strands);
+        queue.write_buffer(&self.params, 0, bytemuck::bytes_of(&params));
+    }
+
+    /// Records the stage: one thread per strand.
+    pub fn record(&self, pipelines: &Pipelines, pass: &mut wgpu::ComputePass<'_>, strands: &StrandBuffers) {
+        pipelines.kernel.record(pass, &self.group, &[], strands.drawn.count.div_ceil(STRAND_WORKGROUP));
     }
 }

@@ -23,4 +23,4 @@
 
 mod blend;
 
-pub use blend::{Interpolate, InterpolateParams};
+pub use blend::{InterpolateParams, Interpolation, Pipelines};

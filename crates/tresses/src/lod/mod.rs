@@ -62,8 +62,9 @@ pub use order::{BUCKET_RATIO, arrange, buckets};
 pub use widths::{StrandLod, WidthParams, Widths};
 
 use crate::{
-    Camera, Error, Pose, Progress, Result,
-    groom::BoundStrands,
+    Camera, Pose, Progress, Result,
+    groom::{BoundStrands, range},
+    range::Range,
     strands::{Drawn, Strand, StrandBuffers},
 };
 use glam::Vec3;
@@ -113,20 +114,32 @@ impl Default for LodOptions {
 }
 
 impl LodOptions {
+    /// The range of the share of [`LodMode::Fixed`].
+    pub const FRACTION: Range = range!("share of the strands", 0.0001 to 1.0);
+    /// The range of [`bias`](Self::bias).
+    pub const BIAS: Range = range!("bias of the level of detail", -8.0 to 8.0);
+    /// The range of [`strand_width`](Self::strand_width).
+    pub const STRAND_WIDTH: Range = range!("least strand width", 0.001 to 10.0, "pixels");
+    /// The range of [`curve_error`](Self::curve_error).
+    pub const CURVE_ERROR: Range = range!("curve error", 0.0 to 100.0, "pixels");
+    /// The range of [`slowest`](Self::slowest).
+    pub const SLOWEST: Range = range!("slowest step", 1.0 to 4.0);
+    /// The range of [`slow_pixel`](Self::slow_pixel).
+    pub const SLOW_PIXEL: Range = range!("pixel of slower steps", 1e-6 to 10.0, "m"; usually 1e-6 to 1.0);
+
     /// Checks that every value is in its range.
     ///
     /// # Errors
-    /// [`Error::Parameter`] names the first that is not.
+    /// [`Error::Parameter`](crate::Error::Parameter) names the first that is not.
     pub fn check(&self) -> Result<()> {
-        let test = Error::unless_within;
         if let LodMode::Fixed(fraction) = self.mode {
-            test("level of detail", fraction, 1e-4, 1.0, "a share of the strands from 0.0001 to 1")?;
+            Self::FRACTION.check(fraction)?;
         }
-        test("bias of the level of detail", self.bias, -8.0, 8.0, "from -8 to 8")?;
-        test("least strand width", self.strand_width, 1e-3, 10.0, "from 0.001 to 10 pixels")?;
-        test("curve error", self.curve_error, 0.0, 100.0, "from 0 to 100 pixels")?;
-        test("slowest step", self.slowest, 1.0, 4.0, "from 1 to 4")?;
-        test("pixel of slower steps", self.slow_pixel, 1e-6, 10.0, "from 1e-6 to 10 m")
+        Self::BIAS.check(self.bias)?;
+        Self::STRAND_WIDTH.check(self.strand_width)?;
+        Self::CURVE_ERROR.check(self.curve_error)?;
+        Self::SLOWEST.check(self.slowest)?;
+        Ok(Self::SLOW_PIXEL.check(self.slow_pixel)?)
     }
 }
 
@@ -199,7 +212,7 @@ impl Lod {
     /// For `strands`, which [`arrange`] has put in order and of which `infos` are those on the GPU.
     ///
     /// # Errors
-    /// [`Error::Limit`].
+    /// [`crate::Error::Limit`].
     pub(crate) async fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,

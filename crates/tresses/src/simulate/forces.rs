@@ -1,12 +1,13 @@
 //! The kernel that gathers the forces of the grids on the guides.
 
-use super::{MAX_STEPS, SimulationParams, drag};
+use super::SimulationParams;
 use crate::{
+    clock::MAX_STEPS,
     constants::VOLUME_WORKGROUP,
     gpu::{Binding, Kernel, bindings},
     strands::GuideBuffers,
     volume::Volume,
-    wind::Air,
+    wind::{Air, drag},
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -69,7 +70,7 @@ impl Forces {
     /// The forces of `volume` and, where there is one, of the air on `guides`.
     pub fn new(
         device: &wgpu::Device,
-        simulate: &super::Simulate,
+        simulate: &super::Pipelines,
         guides: &GuideBuffers,
         volume: &Volume,
         air: Option<&Air>,
@@ -131,7 +132,7 @@ impl Forces {
     }
 
     /// Records the dispatch for step `i` of those that [`Volume::prepare`] wrote.
-    pub fn record(&self, simulate: &super::Simulate, pass: &mut wgpu::ComputePass<'_>, i: u32) {
+    pub fn record(&self, simulate: &super::Pipelines, pass: &mut wgpu::ComputePass<'_>, i: u32) {
         let workgroups = self.threads.div_ceil(VOLUME_WORKGROUP);
         simulate.forces.kernel.record(pass, &self.group, &[Volume::offset(i), i * AIR_STRIDE], workgroups);
     }

@@ -1,20 +1,20 @@
 //! The kernel against its twin.
 
 use super::{
-    GuideTraits, RestOptions, RestShape, Simulate, Simulation, SimulationParams, Step,
-    params::Mode,
+    GuideTraits, Pipelines, RestOptions, RestShape, Simulation, SimulationParams,
     reference::{Obstacles, Strand},
     rest,
 };
 use crate::{
     Pose,
+    clock::{Mode, Step},
     collide::{
         Anchor, Collider, ColliderDescriptor, ColliderPoses, ColliderSet, FieldId, FieldSource, FieldVolume,
         Moments, Shape,
     },
     gpu::{Gpu, Timings, for_tests as gpu, readback::blocking as readback},
     groom::SdfGrid,
-    strands::{Force, GuideBuffers, GuideForce},
+    strands::{Force, GuideBuffers, GuideForce, RestGuides},
     wind::Wind,
 };
 use glam::{Quat, Vec3};
@@ -106,20 +106,20 @@ fn dice() -> SdfGrid {
 
 struct Scene {
     guides: GuideBuffers,
-    simulate: Simulate,
+    simulate: Pipelines,
     simulation: Simulation,
     colliders: ColliderSet,
 }
 
 impl Scene {
-    fn new(gpu: &Gpu, rest: &rest::RestGuides, head: Option<&SdfGrid>) -> Self {
+    fn new(gpu: &Gpu, rest: &RestGuides, head: Option<&SdfGrid>) -> Self {
         Self::among(gpu, rest, &ColliderDescriptor { head, ..Default::default() })
     }
 
-    fn among(gpu: &Gpu, rest: &rest::RestGuides, what: &ColliderDescriptor<'_>) -> Self {
+    fn among(gpu: &Gpu, rest: &RestGuides, what: &ColliderDescriptor<'_>) -> Self {
         let guides = GuideBuffers::new(&gpu.device, rest.info.len() as u32, rest.vertex_count, 2).unwrap();
         rest.upload(&gpu.queue, &guides).unwrap();
-        let simulate = Simulate::new(&gpu.device);
+        let simulate = Pipelines::new(&gpu.device);
         let colliders = ColliderSet::new(&gpu.device, &gpu.queue, what).unwrap();
         let simulation = Simulation::new(&gpu.device, &simulate, &guides);
         Self { guides, simulate, simulation, colliders }
@@ -147,7 +147,7 @@ impl Scene {
             });
             let count = self.simulation.prepare(&gpu.queue, params, steps, forced).unwrap();
             for i in 0..count {
-                self.simulation.record_step(&self.simulate, &gpu.device, &mut pass, &self.colliders, i);
+                self.simulation.record(&self.simulate, &mut pass, &self.colliders, i);
             }
         }
         if let Some(t) = timings {
@@ -288,7 +288,7 @@ fn draped_hair_lies_on_the_sphere() {
     let n = 16;
     let (positions, traits) = groom(24, n);
     let grid = sphere();
-    let simulate = Simulate::new(&gpu.device);
+    let simulate = Pipelines::new(&gpu.device);
     let start = std::time::Instant::now();
     let options = crate::drape::DrapeOptions { clearance: 0.002, ..Default::default() };
     let settled = pollster::block_on(crate::drape::drape(

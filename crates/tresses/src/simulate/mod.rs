@@ -45,8 +45,6 @@
 //! Twist has no stiffness parameter: it is rigid. Positions are single precision in world axes: hair
 //! hundreds of metres from the origin would jitter.
 
-pub mod clock;
-pub mod drag;
 mod forces;
 pub mod grab;
 pub mod params;
@@ -61,75 +59,59 @@ mod physics;
 mod reference;
 
 use crate::{
-    Pose, Result,
+    Result,
+    clock::{MAX_STEPS, Step},
     collide::{self, ColliderSet},
-    constants::GUIDE_CAPACITIES,
-    gpu::bindings::{group, layout},
+    constants::{GUIDE_CAPACITIES, GUIDE_WORKGROUP},
+    gpu::Kernel,
     strands::GuideBuffers,
 };
 use params::StepUniforms;
-use std::sync::OnceLock;
 
-pub use clock::{Clock, Ticks};
 pub use forces::{AirUniforms, Forces};
 pub use grab::{Grab, Ray, Target};
-pub use params::{Along, Mode, SimulationParams};
-pub use rest::{GuideTraits, RestGuides, RestOptions, RestShape};
+pub use params::{Along, SimulationParams};
+pub use rest::{GuideTraits, RestOptions, RestShape};
 
-/// The most fixed steps of one frame.
-pub const MAX_STEPS: u32 = 8;
 /// Bytes from one step's uniforms to the next's: a multiple of every adapter's alignment.
 const STRIDE: u64 = 512;
 
-/// The pipelines: one per size class of guides, each made when it is first needed.
+/// The pipelines of the stage.
 #[derive(Debug)]
-pub struct Simulate {
-    layout: wgpu::BindGroupLayout,
-    colliders: wgpu::BindGroupLayout,
-    pipelines: [OnceLock<wgpu::ComputePipeline>; GUIDE_CAPACITIES.len()],
+pub struct Pipelines {
+    /// One per size class of guides.
+    steps: [Kernel; GUIDE_CAPACITIES.len()],
     pub(crate) forces: forces::ForcesKernel,
-    /// Made at the first grab.
-    pub(crate) grab: OnceLock<grab::GrabKernels>,
+    pub(crate) grab: grab::GrabKernels,
 }
 
-impl Simulate {
-    /// Makes what all grooms share.
+impl Pipelines {
+    /// None compiled yet.
     pub fn new(device: &wgpu::Device) -> Self {
+        let colliders = collide::layout(device);
         Self {
-            layout: layout(device, "simulate::step", wgpu::ShaderStages::COMPUTE, &step::BINDINGS),
-            colliders: collide::layout(device),
-            pipelines: Default::default(),
+            steps: step::MODULES.map(|name| Kernel::beside(device, name, &step::BINDINGS, &[&colliders])),
             forces: forces::ForcesKernel::new(device),
-            grab: OnceLock::new(),
+            grab: grab::GrabKernels::new(device),
         }
     }
 
-    /// All kernels but those of single sizes of guides.
-    pub(crate) fn kernels(&self) -> Vec<&crate::gpu::Kernel> {
-        vec![&self.forces.kernel]
+    /// The step for guides of `vertex_count` vertices.
+    fn step(&self, vertex_count: u32) -> &Kernel {
+        &self.steps[step::capacity(vertex_count)]
     }
 
-    /// The pipeline for guides of `vertex_count` vertices.
-    pub fn pipeline(&self, device: &wgpu::Device, vertex_count: u32) -> &wgpu::ComputePipeline {
-        let class = step::capacity(vertex_count);
-        self.pipelines[class].get_or_init(|| {
-            let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some("simulate::step"),
-                source: wgpu::ShaderSource::Wgsl(step::source(GUIDE_CAPACITIES[class]).into()),
-            });
-            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some("simulate::step"),
-                layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                    label: Some("simulate::step"),
-                    bind_group_layouts: &[Some(&self.layout), Some(&self.colliders)],
-                    immediate_size: 0,
-                })),
-                module: &shader,
-                entry_point: Some("step"),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                cache: None,
-            })
-        })
+    /// Compiles the step for guides of `vertex_count` vertices, unless it is.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] with what wgpu said.
+    pub fn compile(&self, vertex_count: u32) -> Result<()> {
+        self.step(vertex_count).compile()
+    }
+
+    /// All kernels but those of a grab and of single sizes of guides.
+    pub(crate) fn kernels(&self) -> Vec<&Kernel> {
+        vec![&self.forces.kernel]
     }
 }
 
@@ -142,24 +124,9 @@ pub struct Simulation {
     vertex_count: u32,
 }
 
-/// One fixed step of a frame: where the head is when it begins and when it ends.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Step {
-    /// What it does.
-    pub mode: Mode,
-    /// Pose of the head at the begin.
-    pub begin: Pose,
-    /// Pose of the head at the end.
-    pub end: Pose,
-    /// Where in the frame's motion it begins, 0..=1.
-    pub from: f32,
-    /// Where in the frame's motion it ends, 0..=1.
-    pub to: f32,
-}
-
 impl Simulation {
     /// The simulation of `guides`.
-    pub fn new(device: &wgpu::Device, simulate: &Simulate, guides: &GuideBuffers) -> Self {
+    pub fn new(device: &wgpu::Device, simulate: &Pipelines, guides: &GuideBuffers) -> Self {
         let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("simulation steps"),
             size: STRIDE * u64::from(MAX_STEPS),
@@ -171,10 +138,8 @@ impl Simulation {
             offset: 0,
             size: wgpu::BufferSize::new(size_of::<StepUniforms>() as u64),
         });
-        let group = group(
+        let group = simulate.step(guides.vertex_count).bind(
             device,
-            "simulate::step",
-            &simulate.layout,
             &[
                 step,
                 guides.info.as_entire_binding(),
@@ -200,10 +165,9 @@ impl Simulation {
     /// # Errors
     /// What [`SimulationParams::check`] says.
     #[allow(clippy::too_many_arguments)]
-    pub fn record(
+    pub fn run(
         &mut self,
-        simulate: &Simulate,
-        device: &wgpu::Device,
+        simulate: &Pipelines,
         queue: &wgpu::Queue,
         pass: &mut wgpu::ComputePass<'_>,
         params: &SimulationParams,
@@ -212,7 +176,7 @@ impl Simulation {
     ) -> Result<()> {
         let count = self.prepare(queue, params, steps, false)?;
         for i in 0..count {
-            self.record_step(simulate, device, pass, colliders, i);
+            self.record(simulate, pass, colliders, i);
         }
         Ok(())
     }
@@ -222,7 +186,7 @@ impl Simulation {
     /// them: [`Forces::record`] belongs before each.
     ///
     /// # Errors
-    /// As [`record`](Self::record).
+    /// As [`run`](Self::run).
     pub fn prepare(
         &mut self,
         queue: &wgpu::Queue,
@@ -246,19 +210,16 @@ impl Simulation {
     }
 
     /// Records step `i` of those that [`prepare`](Self::prepare) wrote.
-    pub fn record_step(
+    pub fn record(
         &self,
-        simulate: &Simulate,
-        device: &wgpu::Device,
+        simulate: &Pipelines,
         pass: &mut wgpu::ComputePass<'_>,
         colliders: &ColliderSet,
         i: u32,
     ) {
-        pass.set_pipeline(simulate.pipeline(device, self.vertex_count));
         pass.set_bind_group(1, colliders.group(), &[]);
-        let groups = self.guide_count.div_ceil(crate::constants::GUIDE_WORKGROUP);
-        pass.set_bind_group(0, &self.group, &[i * STRIDE as u32]);
-        pass.dispatch_workgroups(groups.min(65_535), groups.div_ceil(65_535), 1);
+        let groups = self.guide_count.div_ceil(GUIDE_WORKGROUP);
+        simulate.step(self.vertex_count).record(pass, &self.group, &[i * STRIDE as u32], groups);
     }
 
     /// The uniforms of the frame's `i`th step.

@@ -1,6 +1,13 @@
 //! User parameters, in SI units, and the uniforms of one fixed step.
 
-use crate::{Error, Pose, Result, volume::HairHair, wind::Wind};
+use crate::{
+    Error, Pose, Result,
+    clock::{MAX_SUBSTEPS, Mode},
+    groom::range,
+    range::Range,
+    volume::HairHair,
+    wind::Wind,
+};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -17,6 +24,9 @@ pub struct Along {
 }
 
 impl Along {
+    /// The range of [`falloff`](Self::falloff).
+    pub const FALLOFF: Range = range!("falloff", 0.0 to 1000.0, "m"; usually 0.0 to 1.0);
+
     /// The value at arc length `s` (metres).
     pub fn at(&self, s: f32) -> f32 {
         self.root + (self.tip - self.root) * (s / self.falloff.max(1e-6)).clamp(0.0, 1.0)
@@ -89,42 +99,48 @@ pub(crate) const MAX_CURL: f32 = 20.0;
 /// of the bend, in place of the stiffness of that twist. It is no force: it vanishes at rest.
 #[cfg_attr(not(test), allow(dead_code))] // Only the twin reads it; the kernel has its own.
 pub(crate) const BRAKE: f32 = 4.0;
-/// The most substeps of one step.
-pub const MAX_SUBSTEPS: u32 = 32;
-
 impl SimulationParams {
+    /// The range of [`line_density`](Self::line_density).
+    pub const LINE_DENSITY: Range = range!("line density", 1e-9 to 1.0, "kg/m"; usually 5e-7 to 1e-4);
+    /// The range of both ends of [`bending`](Self::bending).
+    pub const BENDING: Range = range!("bending stiffness", 0.0 to 1.0, "N·m²"; usually 0.0 to 1e-6);
+    /// The range of both ends of [`goal`](Self::goal).
+    pub const GOAL: Range = range!("goal stiffness", 0.0 to 1e7, "1/s²"; usually 0.0 to 1e4);
+    /// The range of [`bending_damping`](Self::bending_damping).
+    pub const BENDING_DAMPING: Range = range!("bending damping", 0.0 to 10.0, "s"; usually 0.0 to 0.1);
+    /// The range of [`drag`](Self::drag).
+    pub const DRAG: Range = range!("drag", 0.0 to 1e4, "1/s"; usually 0.0 to 100.0);
+    /// The range of [`diameter`](Self::diameter).
+    pub const DIAMETER: Range = range!("hair diameter", 1e-6 to 0.01, "m"; usually 1e-5 to 1e-3);
+    /// The range of [`friction`](Self::friction).
+    pub const FRICTION: Range = range!("friction", 0.0 to 100.0; usually 0.0 to 10.0);
+    /// The range of [`stretch`](Self::stretch).
+    pub const STRETCH: Range = range!("stretch", 1e-5 to 0.1);
+    /// The range of [`step`](Self::step).
+    pub const STEP: Range = range!("step", 0.0001 to 0.1, "s"; usually 0.001 to 0.05);
+
     /// Checks that every value is finite and in its range.
     ///
     /// # Errors
     /// [`Error::Parameter`] names the first that is not.
     pub fn check(&self) -> Result<()> {
-        let test = Error::unless_within;
         let acceleration = self.gravity.abs().max_element() + self.gravity.length();
-        test("gravity", acceleration, 0.0, 1e4, "finite and below 5,000 m/s²")?;
+        Error::unless_within("gravity", acceleration, 0.0, 1e4, "finite and below 5,000 m/s²")?;
         self.wind.check()?;
-        test("hair diameter", self.diameter, 1e-6, 1e-2, "from 1e-6 to 0.01 m")?;
-        test("line density", self.line_density, 1e-9, 1.0, "from 1e-9 to 1 kg/m")?;
-        for (name, along, most) in
-            [("bending stiffness", self.bending, 1.0), ("goal stiffness", self.goal, 1e7)]
-        {
-            for value in [along.root, along.tip] {
-                test(
-                    name,
-                    value,
-                    0.0,
-                    most,
-                    "not negative, and at most 1 N·m² (bending) or 1e7 1/s² (goal)",
-                )?;
-            }
-            test(name, along.falloff, 0.0, 1e3, "a falloff from 0 to 1,000 m")?;
+        Self::DIAMETER.check(self.diameter)?;
+        Self::LINE_DENSITY.check(self.line_density)?;
+        for (along, range) in [(self.bending, Self::BENDING), (self.goal, Self::GOAL)] {
+            range.check(along.root)?;
+            range.check(along.tip)?;
+            Along::FALLOFF.check(along.falloff)?;
         }
-        test("bending damping", self.bending_damping, 0.0, 10.0, "from 0 to 10 s")?;
-        test("drag", self.drag, 0.0, 1e4, "from 0 to 1e4 1/s")?;
-        test("friction", self.friction, 0.0, 100.0, "from 0 to 100")?;
-        test("stretch", self.stretch, 1e-5, 0.1, "from 1e-5 to 0.1")?;
+        Self::BENDING_DAMPING.check(self.bending_damping)?;
+        Self::DRAG.check(self.drag)?;
+        Self::FRICTION.check(self.friction)?;
+        Self::STRETCH.check(self.stretch)?;
         self.hair_hair.check()?;
-        test("step", self.step, 1e-4, 0.1, "from 0.0001 to 0.1 s")?;
-        test("substeps", self.substeps as f32, 1.0, MAX_SUBSTEPS as f32, "from 1 to 32")
+        Self::STEP.check(self.step)?;
+        Error::unless_within("substeps", self.substeps as f32, 1.0, MAX_SUBSTEPS as f32, "from 1 to 32")
     }
 
     /// Bending rate (1/s², per unit of vertex weight) at vertex `j` of a guide with stiffness factor
@@ -154,19 +170,6 @@ pub(crate) fn bending_rate(bare: f32, j: usize, before: Vec3, next: Vec3, h: f32
 
 fn stretch_rate(gravity: Vec3, stretch: f32, length: f32, edge: f32) -> f32 {
     gravity.length().max(1.0) * length / (stretch * edge * edge)
-}
-
-/// What a step does.
-#[repr(u32)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Mode {
-    /// Simulates.
-    #[default]
-    Step = 0,
-    /// Carries every strand rigidly with the head, velocities too.
-    Carry = 1,
-    /// Puts every strand into its rest pose, without velocity relative to the world.
-    Reset = 2,
 }
 
 /// Uniforms of one fixed step.

@@ -2,12 +2,13 @@
 //! `tests/gpu/physics`.
 
 use super::{
-    params::{Along, Mode, SimulationParams, StepUniforms},
+    params::{Along, SimulationParams, StepUniforms},
     reference::{Obstacles, Strand},
     rest::{RestShape, shape},
 };
 use crate::{
     Pose,
+    clock::Mode,
     collide::{Collider, Shape},
     strands::{Guide, GuideRest},
     wind::Wind,

@@ -1,6 +1,7 @@
 //! The scalar twin of `step.wesl`: the same operations in the same order, on one strand.
 
-use super::params::{BRAKE, Mode, StepUniforms, bending_rate};
+use super::params::{BRAKE, StepUniforms, bending_rate};
+use crate::clock::Mode;
 use crate::strands::{Guide, GuideForce, GuideRest, GuideShape, guide::TIP_PINNED};
 use crate::{
     Pose,

@@ -21,7 +21,7 @@ use super::params::SimulationParams;
 use crate::{
     Error, Result,
     groom::SdfGrid,
-    strands::{Guide, GuideBuffers, GuideRest, GuideShape, guide::TIP_PINNED},
+    strands::{Guide, GuideRest, GuideShape, RestGuides, guide::TIP_PINNED},
 };
 use glam::Vec3;
 
@@ -76,46 +76,6 @@ pub struct RestOptions {
 impl Default for RestOptions {
     fn default() -> Self {
         Self { shape: RestShape::SagFree, clearance: 1e-3 }
-    }
-}
-
-/// Guides at rest, ready for [`GuideBuffers`]; vertex-major where per vertex.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct RestGuides {
-    /// Vertices per guide.
-    pub vertex_count: u32,
-    /// One per guide.
-    pub info: Vec<Guide>,
-    /// `vertex * info.len() + guide`.
-    pub rest: Vec<GuideRest>,
-    /// The same index.
-    pub shape: Vec<GuideShape>,
-}
-
-impl RestGuides {
-    /// Writes the buffers: rest, shape, info, and the rest pose as the present state.
-    ///
-    /// # Errors
-    /// [`Error::Groom`] when `buffers` were made for other counts.
-    pub fn upload(&self, queue: &wgpu::Queue, buffers: &GuideBuffers) -> Result<()> {
-        let counts = (buffers.count as usize, buffers.vertex_count);
-        if counts != (self.info.len(), self.vertex_count) {
-            return Err(Error::unusable(format!(
-                "buffers for {} guides with {} vertices cannot take {} guides with {}",
-                counts.0,
-                counts.1,
-                self.info.len(),
-                self.vertex_count
-            )));
-        }
-        let positions: Vec<[f32; 4]> = self.rest.iter().map(|r| r.position.extend(0.0).into()).collect();
-        queue.write_buffer(&buffers.info, 0, bytemuck::cast_slice(&self.info));
-        queue.write_buffer(&buffers.rest, 0, bytemuck::cast_slice(&self.rest));
-        queue.write_buffer(&buffers.shape, 0, bytemuck::cast_slice(&self.shape));
-        queue.write_buffer(&buffers.previous, 0, bytemuck::cast_slice(&positions));
-        queue.write_buffer(&buffers.current, 0, bytemuck::cast_slice(&positions));
-        queue.write_buffer(&buffers.velocity, 0, bytemuck::cast_slice(&vec![[0f32; 4]; positions.len()]));
-        Ok(())
     }
 }
 

@@ -1,6 +1,6 @@
 //! The kernel of one fixed step.
 
-use crate::{constants::GUIDE_CAPACITIES, gpu::Binding, shaders};
+use crate::{constants::GUIDE_CAPACITIES, gpu::Binding};
 
 /// Bindings of the kernel, in order.
 pub(crate) const BINDINGS: [Binding; 8] = [
@@ -19,10 +19,15 @@ pub(crate) fn capacity(vertex_count: u32) -> usize {
     GUIDE_CAPACITIES.iter().position(|c| *c >= vertex_count).unwrap_or(GUIDE_CAPACITIES.len() - 1)
 }
 
-/// The shader with room for `capacity` vertices, one of [`GUIDE_CAPACITIES`].
-pub(crate) fn source(capacity: u32) -> &'static str {
-    shaders::source(&format!("simulate::step::{capacity}"))
-}
+/// The shaders, each with room for so many vertices as [`GUIDE_CAPACITIES`] has at its place.
+pub(crate) const MODULES: [&str; GUIDE_CAPACITIES.len()] = [
+    "simulate::step::8",
+    "simulate::step::16",
+    "simulate::step::24",
+    "simulate::step::32",
+    "simulate::step::48",
+    "simulate::step::64",
+];
 
 #[cfg(test)]
 mod tests {
@@ -30,7 +35,8 @@ mod tests {
 
     #[test]
     fn every_capacity_has_a_shader_of_its_own() {
-        let sources = GUIDE_CAPACITIES.map(source);
+        assert_eq!(GUIDE_CAPACITIES.map(|capacity| format!("simulate::step::{capacity}")), MODULES);
+        let sources = MODULES.map(crate::shaders::source);
         assert!((1..sources.len()).all(|i| !sources[..i].contains(&sources[i])));
         assert_eq!([2, 8, 9, 64].map(capacity), [0, 0, 1, 5]);
     }

@@ -19,6 +19,7 @@ pub mod buffers;
 pub mod force;
 pub mod guide;
 pub(crate) mod indices;
+pub mod rest;
 pub mod vertex;
 
 pub use crate::groom::bound::{
@@ -28,6 +29,7 @@ pub use crate::groom::bound::{
 pub use buffers::{Drawn, GuideBuffers, StrandBuffers};
 pub use force::{Force, GuideForce};
 pub use guide::{Guide, GuideRest, GuideSample, GuideShape};
+pub use rest::RestGuides;
 pub use vertex::StrandVertex;
 
 // What the CPU side allows is what the shaders have room for.

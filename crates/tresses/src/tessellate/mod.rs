@@ -23,4 +23,4 @@
 
 mod spline;
 
-pub use spline::{Tessellate, TessellateParams, rest_samples};
+pub use spline::{Pipelines, TessellateParams, Tessellation, rest_samples};

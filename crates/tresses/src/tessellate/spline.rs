@@ -3,7 +3,7 @@
 use crate::{
     Pose,
     constants::GUIDE_WORKGROUP,
-    gpu::{Binding, Kernel},
+    gpu::{Binding, Kernel, bindings},
     strands::GuideBuffers,
 };
 use bytemuck::{Pod, Zeroable};
@@ -59,11 +59,11 @@ impl TessellateParams {
 
 /// The pipeline of the stage.
 #[derive(Debug)]
-pub struct Tessellate {
+pub struct Pipelines {
     kernel: Kernel,
 }
 
-impl Tessellate {
+impl Pipelines {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
         let entries =
@@ -75,29 +75,32 @@ impl Tessellate {
     pub(crate) fn kernels(&self) -> Vec<&Kernel> {
         vec![&self.kernel]
     }
+}
 
-    /// Binds the stage to the guides of one groom and a uniform buffer of [`TessellateParams`].
-    pub fn bind(
-        &self,
-        device: &wgpu::Device,
-        params: &wgpu::Buffer,
-        guides: &GuideBuffers,
-    ) -> wgpu::BindGroup {
-        self.kernel.bind(
-            device,
-            &[
-                params.as_entire_binding(),
-                guides.previous.as_entire_binding(),
-                guides.current.as_entire_binding(),
-                guides.rest.as_entire_binding(),
-                guides.samples.as_entire_binding(),
-            ],
-        )
+/// One groom's share of the stage.
+#[derive(Debug)]
+pub struct Tessellation {
+    params: wgpu::Buffer,
+    group: wgpu::BindGroup,
+}
+
+impl Tessellation {
+    /// The curves of `guides`.
+    pub fn new(device: &wgpu::Device, pipelines: &Pipelines, guides: &GuideBuffers) -> Self {
+        let params = bindings::uniform(device, "tessellate", size_of::<TessellateParams>());
+        let buffers = [&params, &guides.previous, &guides.current, &guides.rest, &guides.samples];
+        let group = pipelines.kernel.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()));
+        Self { params, group }
     }
 
-    /// Records the dispatch: one thread per guide.
-    pub fn record(&self, pass: &mut wgpu::ComputePass<'_>, group: &wgpu::BindGroup, guides: &GuideBuffers) {
-        self.kernel.record(pass, group, &[], guides.count.div_ceil(GUIDE_WORKGROUP));
+    /// Writes the uniform of a frame.
+    pub fn prepare(&self, queue: &wgpu::Queue, params: &TessellateParams) {
+        queue.write_buffer(&self.params, 0, bytemuck::bytes_of(params));
+    }
+
+    /// Records the stage: one thread per guide.
+    pub fn record(&self, pipelines: &Pipelines, pass: &mut wgpu::ComputePass<'_>, guides: &GuideBuffers) {
+        pipelines.kernel.record(pass, &self.group, &[], guides.count.div_ceil(GUIDE_WORKGROUP));
     }
 }
 

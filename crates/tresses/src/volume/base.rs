@@ -6,8 +6,7 @@ use super::{
 };
 use crate::{
     Pose,
-    simulate::RestGuides,
-    strands::{Guide, GuideBuffers},
+    strands::{Guide, GuideBuffers, RestGuides},
 };
 use glam::Vec3;
 

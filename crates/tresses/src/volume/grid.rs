@@ -1,6 +1,6 @@
 //! The position of the grid, and the density of a groom.
 
-use crate::simulate::RestGuides;
+use crate::strands::RestGuides;
 use glam::{IVec3, Vec3};
 
 /// The grid is this much larger than the rest hair, so that swinging hair stays in it.

@@ -58,7 +58,7 @@
 mod base;
 mod grid;
 pub mod params;
-mod stage;
+mod pipelines;
 mod state;
 
 #[cfg(test)]
@@ -68,5 +68,5 @@ mod reference;
 
 pub use grid::Grid;
 pub use params::{HairHair, HairHairMode};
-pub use stage::VolumeStage;
+pub use pipelines::Pipelines;
 pub use state::{Volume, VolumeOptions};

@@ -1,6 +1,6 @@
 //! User parameters, in SI units, and the uniforms of one step.
 
-use crate::{Error, Result, constants::MAX_TAPS};
+use crate::{Result, constants::MAX_TAPS, groom::range, range::Range};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -67,18 +67,30 @@ impl HairHair {
         fixed: 0.0,
     };
 
+    /// The range of [`speed`](Self::speed).
+    pub const SPEED: Range = range!("hair-hair speed", 0.0 to 10.0, "m/s");
+    /// The range of [`tolerance`](Self::tolerance).
+    pub const TOLERANCE: Range = range!("hair-hair tolerance", 0.0 to 100.0; usually 0.0 to 10.0);
+    /// The range of [`blur`](Self::blur).
+    pub const BLUR: Range = range!("hair-hair blur", 0.0 to 1.0, "m"; usually 0.0 to 0.1);
+    /// The range of [`friction`](Self::friction).
+    pub const FRICTION: Range = range!("hair-hair friction", 0.0 to 1e4, "1/s"; usually 0.0 to 200.0);
+    /// The range of [`limit`](Self::limit).
+    pub const LIMIT: Range = range!("hair-hair limit", 0.0 to 1e4, "m/s²"; usually 0.0 to 1000.0);
+    /// The range of [`fixed`](Self::fixed).
+    pub const FIXED: Range = range!("hair-hair fixed push", 0.0 to 1e4, "m/s²"; usually 0.0 to 1000.0);
+
     /// Checks that every value is finite and in its range.
     ///
     /// # Errors
-    /// [`Error::Parameter`] names the first that is not.
+    /// [`Error::Parameter`](crate::Error::Parameter) names the first that is not.
     pub fn check(&self) -> Result<()> {
-        let test = |name, value, most, range| Error::unless_within(name, value, 0.0, most, range);
-        test("hair-hair speed", self.speed, 10.0, "from 0 to 10 m/s")?;
-        test("hair-hair tolerance", self.tolerance, 100.0, "from 0 to 100")?;
-        test("hair-hair blur", self.blur, 1.0, "from 0 to 1 m")?;
-        test("hair-hair friction", self.friction, 1e4, "from 0 to 1e4 1/s")?;
-        test("hair-hair limit", self.limit, 1e4, "from 0 to 1e4 m/s²")?;
-        test("hair-hair fixed push", self.fixed, 1e4, "from 0 to 1e4 m/s²")
+        Self::SPEED.check(self.speed)?;
+        Self::TOLERANCE.check(self.tolerance)?;
+        Self::BLUR.check(self.blur)?;
+        Self::FRICTION.check(self.friction)?;
+        Self::LIMIT.check(self.limit)?;
+        Ok(Self::FIXED.check(self.fixed)?)
     }
 }
 

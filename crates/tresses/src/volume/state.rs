@@ -1,16 +1,16 @@
 //! The grid of one groom: its buffers, and the passes recorded for it in a step.
 
 use super::{
-    Grid, HairHair, HairHairMode, VolumeStage,
+    Grid, HairHair, HairHairMode, Pipelines,
     params::{Blur, VolumeUniforms},
 };
 use crate::{
     Error, Pose, Result,
+    clock::{MAX_STEPS, Mode, Steps},
     collide::ColliderSet,
     constants::VOLUME_WORKGROUP,
     gpu::{bindings, grid::grid_texture},
-    simulate::{MAX_STEPS, RestGuides, SimulationParams, Step, params::Mode},
-    strands::{GuideBuffers, buffers::storage},
+    strands::{GuideBuffers, RestGuides, buffers::storage},
 };
 use glam::Vec3;
 
@@ -88,7 +88,7 @@ impl Volume {
     /// cannot hold the grid.
     pub fn new(
         device: &wgpu::Device,
-        stage: &VolumeStage,
+        pipelines: &Pipelines,
         guides: &GuideBuffers,
         rest: &RestGuides,
         options: &VolumeOptions,
@@ -120,8 +120,8 @@ impl Volume {
         let step = || slot(&uniforms);
         let view = wgpu::BindingResource::TextureView;
         let groups = Groups {
-            obstacles: stage.obstacles.bind(device, &[step(), obstacles.as_entire_binding()]),
-            splat: stage.splat.bind(
+            obstacles: pipelines.obstacles.bind(device, &[step(), obstacles.as_entire_binding()]),
+            splat: pipelines.splat.bind(
                 device,
                 &[
                     step(),
@@ -133,16 +133,16 @@ impl Volume {
                     cells.as_entire_binding(),
                 ],
             ),
-            sum: stage.sum.bind(
+            sum: pipelines.sum.bind(
                 device,
                 &[step(), cells.as_entire_binding(), obstacles.as_entire_binding(), view(&first)],
             ),
-            blur: [(&stage.blur[0], &first, &second), (&stage.blur[1], &second, &first)].map(
+            blur: [(&pipelines.blur[0], &first, &second), (&pipelines.blur[1], &second, &first)].map(
                 |(kernel, from, to)| {
                     kernel.bind(device, &[step(), blur.as_entire_binding(), view(from), view(to)])
                 },
             ),
-            density: stage.density.bind(
+            density: pipelines.density.bind(
                 device,
                 &[
                     step(),
@@ -153,8 +153,8 @@ impl Volume {
                     view(&hair),
                 ],
             ),
-            push: stage.push.bind(device, &[step(), view(&dense), view(&push)]),
-            settle: stage.settle.bind(
+            push: pipelines.push.bind(device, &[step(), view(&dense), view(&push)]),
+            settle: pipelines.settle.bind(
                 device,
                 &[
                     step(),
@@ -200,24 +200,23 @@ impl Volume {
         self.base.reference
     }
 
-    /// Writes the uniforms of a frame's `steps`, at most [`MAX_STEPS`]. `colliders` have been advanced to
+    /// Writes the uniforms of the steps of `frame`, at most [`MAX_STEPS`]. `colliders` have been advanced to
     /// the frame.
     pub fn prepare(
         &mut self,
         queue: &wgpu::Queue,
-        params: &SimulationParams,
-        steps: &[Step],
+        params: &HairHair,
+        frame: &Steps<'_>,
         colliders: &ColliderSet,
     ) {
-        let h = params.step;
-        let steps = &steps[steps.len().saturating_sub(MAX_STEPS as usize)..];
+        let (h, steps) = (frame.length, frame.last());
         self.modes = steps.iter().map(|step| step.mode).collect();
         self.obstacles_moved = (0..steps.len())
-            .map(|i| self.obstacles_move(&steps[i].begin, colliders, i * params.substeps as usize))
+            .map(|i| self.obstacles_move(&steps[i].begin, colliders, i * frame.substeps as usize))
             .collect();
-        let base = self.with(&params.hair_hair, h);
+        let base = self.with(params, h);
         // The rest density holds for one blur.
-        let variance = self.variance(&params.hair_hair);
+        let variance = self.variance(params);
         self.rest_blur.1 = variance.to_bits();
         if self.written_blur != Some(self.rest_blur.1) {
             queue.write_buffer(&self.blur, 0, bytemuck::bytes_of(&Blur::new(variance)));
@@ -230,7 +229,7 @@ impl Volume {
         };
         for (i, step) in steps.iter().enumerate() {
             let drift = (step.end.translation - step.begin.translation) / h.max(1e-6);
-            let moment = i as u32 * params.substeps;
+            let moment = i as u32 * frame.substeps;
             put(i, &VolumeUniforms { moment, ..base.placed(&step.begin, drift) });
         }
         put(RESTING as usize, &VolumeUniforms { resting: 1, ..base.placed(&Pose::IDENTITY, Vec3::ZERO) });
@@ -240,7 +239,7 @@ impl Volume {
     /// Records step `i` of those that [`prepare`](Self::prepare) wrote.
     pub fn record(
         &mut self,
-        stage: &VolumeStage,
+        pipelines: &Pipelines,
         pass: &mut wgpu::ComputePass<'_>,
         colliders: &ColliderSet,
         i: u32,
@@ -249,18 +248,18 @@ impl Volume {
         if self.obstacles_moved[i as usize] {
             pass.set_bind_group(1, colliders.group(), &[]);
             let cells = self.grid.resolution.pow(3).div_ceil(VOLUME_WORKGROUP);
-            stage.obstacles.record(pass, &self.groups.obstacles, &[Self::offset(i)], cells);
+            pipelines.obstacles.record(pass, &self.groups.obstacles, &[Self::offset(i)], cells);
         }
         if mode == Mode::Reset || (mode == Mode::Step && self.rest_blur.0 != Some(self.rest_blur.1)) {
-            self.grids(stage, pass, RESTING);
+            self.grids(pipelines, pass, RESTING);
             let vertices = self.base.guide_count * self.base.vertex_count;
             let workgroups = vertices.div_ceil(VOLUME_WORKGROUP);
-            stage.settle.record(pass, &self.groups.settle, &[Self::offset(RESTING)], workgroups);
+            pipelines.settle.record(pass, &self.groups.settle, &[Self::offset(RESTING)], workgroups);
             self.rest_blur.0 = Some(self.rest_blur.1);
         }
         if mode == Mode::Step {
-            self.grids(stage, pass, i);
-            stage.push.record_grid(pass, &self.groups.push, &[Self::offset(i)], self.tiles([1, 1, 1]));
+            self.grids(pipelines, pass, i);
+            pipelines.push.record_grid(pass, &self.groups.push, &[Self::offset(i)], self.tiles([1, 1, 1]));
         }
     }
 
@@ -286,15 +285,15 @@ impl Volume {
     }
 
     /// Hair into the grid.
-    pub(super) fn grids(&self, stage: &VolumeStage, pass: &mut wgpu::ComputePass<'_>, slot: u32) {
+    pub(super) fn grids(&self, pipelines: &Pipelines, pass: &mut wgpu::ComputePass<'_>, slot: u32) {
         let offset = [Self::offset(slot)];
         let splatted = (self.base.splat_count * self.base.samples).div_ceil(VOLUME_WORKGROUP);
-        stage.splat.record(pass, &self.groups.splat, &offset, splatted);
-        stage.sum.record_grid(pass, &self.groups.sum, &offset, self.tiles([1, 1, 1]));
+        pipelines.splat.record(pass, &self.groups.splat, &offset, splatted);
+        pipelines.sum.record_grid(pass, &self.groups.sum, &offset, self.tiles([1, 1, 1]));
         for (axis, four) in [[4, 1, 1], [1, 4, 1]].into_iter().enumerate() {
-            stage.blur[axis].record_grid(pass, &self.groups.blur[axis], &offset, self.tiles(four));
+            pipelines.blur[axis].record_grid(pass, &self.groups.blur[axis], &offset, self.tiles(four));
         }
-        stage.density.record_grid(pass, &self.groups.density, &offset, self.tiles([1, 1, 4]));
+        pipelines.density.record_grid(pass, &self.groups.density, &offset, self.tiles([1, 1, 4]));
     }
 
     /// Workgroups for threads of so many cells each along each axis.

@@ -1,20 +1,22 @@
 //! The air around one groom: its grid, and how the grid follows the head.
 
 use super::{
+    drag,
     gusts::Gusts,
     params::{Half, Wind, WindUniforms},
-    stage::Fluid,
+    pipelines::Pipelines,
 };
 use crate::{
     Error, Pose, Result,
+    clock::{MAX_STEPS, Mode, Step, Steps},
+    collide::ColliderSet,
     gpu::{bindings::uniform, grid::grid_texture},
-    simulate::{MAX_STEPS, Mode, SimulationParams, Step, drag},
 };
 use bytemuck::Zeroable;
 use glam::{DVec3, I64Vec3, IVec3, Vec3};
 
 /// Bytes from one step's uniforms to the next's: a multiple of every adapter's alignment.
-pub(super) const STRIDE: u64 = 1280;
+const STRIDE: u64 = 1280;
 /// Hairs in a cell lie in all directions: the mean of the cubed sine of their angle to the air.
 const ACROSS: f32 = 3.0 * std::f32::consts::PI / 16.0;
 
@@ -94,7 +96,7 @@ impl Air {
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        fluid: &Fluid,
+        pipelines: &Pipelines,
         cells: u32,
         (center, size): (Vec3, f32),
         hair: &wgpu::TextureView,
@@ -142,14 +144,14 @@ impl Air {
             })
         };
         let t = wgpu::BindingResource::TextureView;
-        let sampler = || wgpu::BindingResource::Sampler(&fluid.sampler);
+        let sampler = || wgpu::BindingResource::Sampler(&pipelines.sampler);
         let relax = |sweep: Sweep, color: usize| {
             let odd = sweep.odd();
             let half = half_of(sweep.half(color));
             // The first half reads the other one as the last sweep left it, the second as the first
             // half's threads see it: just made.
             let other = if color == 0 { &pressures[odd][1] } else { &pressures[1 - odd][0] };
-            fluid.relax.bind(
+            pipelines.relax.bind(
                 device,
                 &[
                     step(),
@@ -166,7 +168,7 @@ impl Air {
         };
         let project = |color: usize| {
             let half = half_of(Half { color: color as u32, ..Zeroable::zeroed() });
-            fluid.project.bind(
+            pipelines.project.bind(
                 device,
                 &[
                     step(),
@@ -185,9 +187,11 @@ impl Air {
             )
         };
         let groups = Groups {
-            obstacles: fluid.obstacles.bind(device, &[step(), t(hair), sampler(), t(&solid), t(&hairs)]),
-            predict: fluid.predict.bind(device, &[step(), t(&now), t(&center_view), sampler(), t(&carried)]),
-            correct: fluid.correct.bind(
+            obstacles: pipelines.obstacles.bind(device, &[step(), t(hair), sampler(), t(&solid), t(&hairs)]),
+            predict: pipelines
+                .predict
+                .bind(device, &[step(), t(&now), t(&center_view), sampler(), t(&carried)]),
+            correct: pipelines.correct.bind(
                 device,
                 &[
                     step(),
@@ -201,7 +205,7 @@ impl Air {
                     t(&give_view),
                 ],
             ),
-            gather: fluid.gather.bind(
+            gather: pipelines.gather.bind(
                 device,
                 &[step(), t(&before), t(&give_view), t(&gives[0]), t(&gives[1]), t(&gives[2]), t(&source)],
             ),
@@ -240,30 +244,35 @@ impl Air {
         self.started = false;
     }
 
-    /// Writes the uniforms of a frame's `steps`. `hair` is the hair's grid, without which no hair is in the way.
+    /// Writes the uniforms of the steps of `frame`, at most [`MAX_STEPS`], in `wind`. `diameter` is that of a hair,
+    /// metres, and `hair` the hair's grid, without which no hair is in the way.
     pub fn prepare(
         &mut self,
         queue: &wgpu::Queue,
-        physics: &SimulationParams,
-        steps: &[Step],
+        wind: &Wind,
+        diameter: f32,
+        frame: &Steps<'_>,
         hair: Option<HairGrid>,
     ) {
-        let wind = &physics.wind;
         let shape = |w: &Wind| (w.turbulence == 0.0, w.gust_length, w.seed);
         if self.wind.as_ref().map(shape) != Some(shape(wind)) {
             self.gusts = Gusts::new(wind, self.cell);
         }
         self.wind = Some(*wind);
         self.runs.clear();
-        let steps = &steps[steps.len().saturating_sub(MAX_STEPS as usize)..];
+        let steps = frame.last();
         let mut bytes = Vec::with_capacity(steps.len() * STRIDE as usize);
         for (i, step) in steps.iter().enumerate() {
             let first = (bytes.len() / STRIDE as usize) as u32;
-            let parts = self.parts(physics);
-            let mut uniforms = self.step(physics, step, i, hair);
+            let parts = self.parts(wind, frame.length);
+            let mut uniforms = self.step(wind, step, hair);
+            uniforms.moment = (i as u32 + 1) * frame.substeps;
+            uniforms.reynolds = diameter / drag::AIR_VISCOSITY;
             self.runs.push(Run { first, parts, fresh: uniforms.reset == 1, place: self.at() });
             for _ in 0..parts {
-                self.blow(physics, &mut uniforms, parts);
+                let length = frame.length / parts as f32;
+                uniforms.drag = length * 0.5 * diameter * ACROSS * 1e3;
+                self.blow(wind, &mut uniforms, length);
                 bytes.extend_from_slice(bytemuck::bytes_of(&uniforms));
                 bytes.resize(bytes.len().next_multiple_of(STRIDE as usize), 0);
                 (uniforms.reset, uniforms.shift) = (0, IVec3::ZERO);
@@ -282,14 +291,42 @@ impl Air {
         self.at()
     }
 
-    /// What step `index` does.
-    pub(super) fn run(&self, index: u32) -> Run {
-        self.runs[index as usize]
+    /// Records step `index` of those that [`prepare`](Self::prepare) wrote, among `colliders`, which have been
+    /// [advanced](ColliderSet::advance) by the same steps.
+    pub fn record(
+        &self,
+        pipelines: &Pipelines,
+        pass: &mut wgpu::ComputePass<'_>,
+        colliders: &ColliderSet,
+        index: u32,
+    ) {
+        let (run, groups, n) = (self.runs[index as usize], &self.groups, self.cells);
+        let cells = [n / 8, n / 4, n / 2];
+        let half = [n.div_ceil(32), n / 8, n / 2];
+        pass.set_bind_group(1, colliders.group(), &[]);
+        for part in 0..run.parts {
+            let step = (run.first + part) * STRIDE as u32;
+            if part == 0 {
+                pipelines.obstacles.record_grid(pass, &groups.obstacles, &[step], cells);
+            }
+            pipelines.predict.record_grid(pass, &groups.predict, &[step], cells);
+            pipelines.correct.record_grid(pass, &groups.correct, &[step], cells);
+            pipelines.gather.record_grid(pass, &groups.gather, &[step], [n.div_ceil(32), n / 4, n / 2]);
+            let fresh = run.fresh && part == 0;
+            for sweep in self.sweeps(fresh) {
+                for color in &groups.relax[sweep as usize] {
+                    pipelines.relax.record_grid(pass, color, &[step], half);
+                }
+            }
+            for color in &groups.project {
+                pipelines.project.record_grid(pass, color, &[step], half);
+            }
+        }
     }
 
     /// The sweeps of the pressure, an even number: what a sweep writes the next one reads. Information
     /// must come across the grid.
-    pub(super) fn sweeps(&self, fresh: bool) -> impl Iterator<Item = Sweep> + use<> {
+    fn sweeps(&self, fresh: bool) -> impl Iterator<Item = Sweep> + use<> {
         let sweeps = 2 * (self.cells as usize * SWEEPS).div_ceil(64).max(2);
         let sweeps = if fresh { 4 * sweeps } else { sweeps };
         (0..sweeps).map(move |i| match i {
@@ -307,23 +344,19 @@ impl Air {
     }
 
     /// In how many parts a step is computed: air that goes farther than a head at once would leap over it.
-    fn parts(&self, physics: &SimulationParams) -> u32 {
-        let wind = &physics.wind;
-        let way = wind.velocity.length() * (1.0 + wind.turbulence) * physics.step;
+    fn parts(&self, wind: &Wind, step: f32) -> u32 {
+        let way = wind.velocity.length() * (1.0 + wind.turbulence) * step;
         let cells = way / self.cell;
         let parts = (way / MAX_WAY).min(cells / COARSE_REACH).max(cells / MAX_REACH);
         (parts.ceil() as u32).clamp(1, MAX_SPLIT)
     }
 
-    /// The wind blows on for a part of a step.
-    fn blow(&mut self, physics: &SimulationParams, u: &mut WindUniforms, parts: u32) {
-        let wind = &physics.wind;
-        let dt = physics.step / parts as f32;
+    /// The wind blows on for `dt` seconds.
+    fn blow(&mut self, wind: &Wind, u: &mut WindUniforms, dt: f32) {
         if u.reset == 0 {
             self.way += wind.velocity.as_dvec3() * f64::from(dt);
         }
         u.reach = dt / self.cell;
-        u.drag = dt * 0.5 * physics.diameter * ACROSS * 1e3;
         let at = self.corner.as_dvec3() * f64::from(self.cell);
         let deviation = f64::from(wind.turbulence * wind.velocity.length());
         let gusts = self.gusts.at(at, self.way, deviation, self.cell);
@@ -332,14 +365,7 @@ impl Air {
     }
 
     /// The uniforms of one step; the grid moves to where the head is at its end.
-    fn step(
-        &mut self,
-        physics: &SimulationParams,
-        step: &Step,
-        index: usize,
-        hair: Option<HairGrid>,
-    ) -> WindUniforms {
-        let wind = &physics.wind;
+    fn step(&mut self, wind: &Wind, step: &Step, hair: Option<HairGrid>) -> WindUniforms {
         let cell = f64::from(self.cell);
         // By whole cells, so that nothing is interpolated because the head moves.
         let middle = step.end.point(self.center).as_dvec3() / cell - 0.5 * f64::from(self.cells);
@@ -364,12 +390,10 @@ impl Air {
             head_at: local(&step.begin),
             cell: self.cell,
             corner: at.as_vec3(),
-            moment: (index as u32 + 1) * physics.substeps,
             reset: u32::from(reset),
             inflow: inflow(wind.velocity),
             hair_bias: hair.map_or(Vec3::splat(-1.0), |hair| hair.bias),
             hair_scale: hair.map_or(0.0, |hair| hair.scale),
-            reynolds: physics.diameter / drag::AIR_VISCOSITY,
             one: 1,
             plain: u32::from(self.plain),
             ..Zeroable::zeroed()

@@ -32,7 +32,7 @@
 //!   first sweeps spread the smooth part of the error over the grid but leave it rough, the last ones
 //!   smooth it. This leaves 0.3 to 0.6 % of relative divergence (`tests/gpu/wind.rs`), six sweeps up to 0.9 %;
 //!   twelve at a constant 1.5 left up to 0.8 % although the air moved less far per step.
-//! - **Effect on hair.** `simulate::forces` adds the drag of single hairs ([`crate::simulate::drag`]) in
+//! - **Effect on hair.** `simulate::forces` adds the drag of single hairs ([`drag`]) in
 //!   the air of the cells that have hair: hair receives what the air has lost. The outer hair thus shields
 //!   the inner, and the head its lee, through the fluid alone.
 //!
@@ -69,10 +69,11 @@
 //! its hairs; vorticity confinement; velocities relative to the mean wind, for precision; heat.
 
 pub mod air;
+pub mod drag;
 pub mod gusts;
 pub mod params;
-mod stage;
+mod pipelines;
 
 pub use air::{Air, AirPlace, HairGrid};
-pub use params::Wind;
-pub use stage::Fluid;
+pub use params::{MAX_CELLS, Wind};
+pub use pipelines::Pipelines;

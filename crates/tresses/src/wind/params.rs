@@ -1,7 +1,7 @@
 //! User parameters, in SI units, and the uniforms of one step.
 
 use super::gusts::GustMode;
-use crate::{Error, Result};
+use crate::{Error, Result, groom::range, range::Range};
 use bytemuck::{Pod, Zeroable};
 use glam::{IVec3, Vec3};
 
@@ -53,17 +53,24 @@ impl Wind {
         self.cells > 0 && self.velocity != Vec3::ZERO
     }
 
+    /// The range of the speed of [`velocity`](Self::velocity).
+    pub const SPEED: Range = range!("speed of the wind", 0.0 to 500.0, "m/s"; usually 0.0 to 100.0);
+    /// The range of [`turbulence`](Self::turbulence).
+    pub const TURBULENCE: Range = range!("turbulence", 0.0 to 1.0);
+    /// The range of [`gust_length`](Self::gust_length).
+    pub const GUST_LENGTH: Range = range!("gust length", 0.01 to 1000.0, "m"; usually 0.05 to 100.0);
+    /// The range of [`room`](Self::room).
+    pub const ROOM: Range = range!("room around the hair", 1.2 to 20.0);
+
     /// Checks that every value is finite and in its range.
     ///
     /// # Errors
     /// [`Error::Parameter`] names the first that is not.
     pub fn check(&self) -> Result<()> {
-        let test = Error::unless_within;
-        let speed = self.velocity.abs().max_element() + self.velocity.length();
-        test("wind", speed, 0.0, 1e3, "finite and below 500 m/s")?;
-        test("turbulence", self.turbulence, 0.0, 1.0, "from 0 to 1")?;
-        test("gust length", self.gust_length, 0.01, 1e3, "from 0.01 to 1,000 m")?;
-        test("room around the hair", self.room, 1.2, 20.0, "from 1.2 to 20")?;
+        Self::SPEED.check(self.velocity.length())?;
+        Self::TURBULENCE.check(self.turbulence)?;
+        Self::GUST_LENGTH.check(self.gust_length)?;
+        Self::ROOM.check(self.room)?;
         if self.cells != 0
             && (!(MIN_CELLS..=MAX_CELLS).contains(&self.cells) || !self.cells.is_multiple_of(8))
         {

@@ -142,17 +142,18 @@ fn run<'a>(gpu: &'a Gpu, pipelines: &'a Pipelines, character: &Character, collid
     Run { gpu, pipelines, hair, params: options.simulation }
 }
 
-fn shaken(gpu: &Gpu, pipelines: &Pipelines, name: &str, character: &Character) -> Seen {
+/// A shake of `seconds`.
+fn shaken(gpu: &Gpu, pipelines: &Pipelines, name: &str, character: &Character, seconds: f32) -> Seen {
     let Character { field, neck, .. } = character;
     let head = |t| shake(t, *neck);
     let seen = run(gpu, pipelines, character, &[]).watch(
-        10.0,
+        seconds,
         &head,
         &|_| ColliderPoses::default(),
         &|x, t| field.sample(head(t).inverse().point(x)),
         &|_, _, _| false,
     );
-    println!("{name}, 10 s of shake: {seen:?}");
+    println!("{name}, {seconds} s of shake: {seen:?}");
     // What rests inside is exempt, and must be the exception.
     assert!(seen.rest_inside < seen.vertices / 20);
     seen
@@ -162,20 +163,32 @@ fn shaken(gpu: &Gpu, pipelines: &Pipelines, name: &str, character: &Character) -
 fn no_vertex_stays_in_the_head_during_a_shake() {
     let Some(gpu) = common::gpu() else { return };
     let Some(pipelines) = common::pipelines() else { return };
-    let mut all = true;
-    for name in Style::NAMES {
-        let character = built_in(name);
-        all &= shaken(gpu, pipelines, name, &character).holds();
-    }
-    assert!(all);
+    let character = built_in("long");
+    assert!(shaken(gpu, pipelines, "long", &character, 1.5).holds());
+    // Held against a head twice a strand's clearance larger, it does not.
+    let SdfGrid { distances, .. } = &character.field;
+    let distances = distances.iter().map(|d| d - 3e-3).collect();
+    let field = SdfGrid { distances, ..character.field.clone() };
+    let mut run = run(gpu, pipelines, &character, &[]);
+    let head = |t| shake(t, character.neck);
+    let inside = |x: Vec3, t: f32| field.sample(head(t).inverse().point(x));
+    assert!(!run.watch(0.3, &head, &|_| ColliderPoses::default(), &inside, &|_, _, _| false).holds());
 }
 
+/// The table of docs/physics.md.
 #[test]
-fn no_vertex_stays_in_sintels_head_during_a_shake() {
+#[ignore = "proof"]
+fn no_vertex_of_any_groom_stays_in_the_head_during_a_shake() {
     let Some(gpu) = common::gpu() else { return };
-    let Some(character) = sintel() else { return };
     let Some(pipelines) = common::pipelines() else { return };
-    assert!(shaken(gpu, pipelines, "Sintel", &character).holds());
+    let mut all = true;
+    for name in Style::NAMES {
+        all &= shaken(gpu, pipelines, name, &built_in(name), 10.0).holds();
+    }
+    if let Some(character) = sintel() {
+        all &= shaken(gpu, pipelines, "Sintel", &character, 10.0).holds();
+    }
+    assert!(all);
 }
 
 /// A hand's radius, metres.
@@ -208,11 +221,19 @@ fn sweep(gpu: &Gpu, pipelines: &Pipelines, character: &Character, speed: f32) ->
 fn a_hand_pushes_hair_aside() {
     let Some(gpu) = common::gpu() else { return };
     let Some(pipelines) = common::pipelines() else { return };
+    let seen = sweep(gpu, pipelines, &built_in("long"), 3.0);
+    assert!(seen.holds(), "{seen:?}");
+}
+
+/// The table of docs/physics.md. Above 3 m/s it is only told.
+#[test]
+#[ignore = "proof"]
+fn a_hand_of_any_speed_pushes_hair_aside() {
+    let Some(gpu) = common::gpu() else { return };
+    let Some(pipelines) = common::pipelines() else { return };
     let character = built_in("long");
-    let seen: Vec<_> = [0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 10.0]
-        .map(|speed| (speed, sweep(gpu, pipelines, &character, speed)))
-        .into_iter()
-        .collect();
+    let seen =
+        [0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 10.0].map(|speed| (speed, sweep(gpu, pipelines, &character, speed)));
     for (speed, seen) in &seen {
         assert!(*speed > 3.0 || seen.holds(), "{speed} m/s: {seen:?}");
     }

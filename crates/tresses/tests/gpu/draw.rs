@@ -8,7 +8,6 @@ use tresses::{
     glam::Vec3,
     gpu::{Gpu, readback::blocking as readback},
     light::{HairMaterial, HairSet, ShadingModel, ShadingRate, ShadowMethod, Sphere},
-    present::Background,
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
     view::{Picture, ViewOptions},
 };
@@ -76,8 +75,7 @@ fn coverage(gpu: &Gpu, width: f32, samples: u32, ssaa: u32) -> (f64, f64) {
     let scene = Picture {
         camera: metre_is_pixel(SIZE),
         focus: Sphere { center: Vec3::new(half, half, 0.0), radius: SIZE as f32 },
-        background: Background::transparent(),
-        ..Default::default()
+        ..common::dark()
     };
     let picture = render(gpu, &view, &scene, &hair);
     let drawn: f64 = picture.chunks(4).map(|pixel| f64::from(pixel[3]) / 255.0).sum();

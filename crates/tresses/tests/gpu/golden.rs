@@ -107,11 +107,6 @@ pub fn difference(a: &[u8], b: &[u8]) -> (f64, u8) {
 fn agree(a: &[u8], b: &[u8]) -> bool {
     let (mean, high) = difference(a, b);
     println!("mean difference {mean:.2}, 99th percentile {high}");
-    alike(mean, high)
-}
-
-/// Whether two pictures so far apart look the same.
-pub fn alike(mean: f64, high: u8) -> bool {
     mean < 0.25 && high < 5
 }
 

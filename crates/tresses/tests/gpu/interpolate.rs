@@ -7,9 +7,9 @@ use tresses::{
     glam::{Quat, Vec3},
     gpu::{Gpu, readback::blocking as readback},
     groom::{BindOptions, Groom, GuideCount, bind},
-    interpolate::{Interpolate, InterpolateParams},
+    interpolate::{self, Interpolation},
     strands::{GuideBuffers, StrandBuffers, StrandVertex, vertex::unpack_tangent},
-    tessellate::{Tessellate, TessellateParams, rest_samples},
+    tessellate::{self, TessellateParams, Tessellation, rest_samples},
     wgpu,
 };
 
@@ -46,27 +46,16 @@ fn draw(
     write(&strands.bindings, bytemuck::cast_slice(&groom.strands.bindings));
     write(&strands.rest, bytemuck::cast_slice(&groom.strands.rest));
 
-    let uniform = |bytes: &[u8]| {
-        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: bytes.len() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        write(&buffer, bytes);
-        buffer
-    };
-    let params = TessellateParams::new(&guides, &now, &now, &now, blend);
-    let tessellate_params = uniform(bytemuck::bytes_of(&params));
-    let interpolate_params = uniform(bytemuck::bytes_of(&InterpolateParams::new(&guides, &strands)));
-    let (tessellate, interpolate) = (Tessellate::new(device), Interpolate::new(device));
-    let tessellate_group = tessellate.bind(device, &tessellate_params, &guides);
-    let interpolate_group = interpolate.bind(device, &interpolate_params, &guides, &strands);
+    let (tessellate, interpolate) = (tessellate::Pipelines::new(device), interpolate::Pipelines::new(device));
+    let tessellation = Tessellation::new(device, &tessellate, &guides);
+    let interpolation = Interpolation::new(device, &interpolate, &guides, &strands);
+    tessellation.prepare(queue, &TessellateParams::new(&guides, &now, &now, &now, blend));
+    interpolation.prepare(queue, &guides, &strands);
     let mut encoder = device.create_command_encoder(&Default::default());
     {
         let mut pass = encoder.begin_compute_pass(&Default::default());
-        tessellate.record(&mut pass, &tessellate_group, &guides);
-        interpolate.record(&mut pass, &interpolate_group, &strands);
+        tessellation.record(&tessellate, &mut pass, &guides);
+        interpolation.record(&interpolate, &mut pass, &strands);
     }
     queue.submit([encoder.finish()]);
     readback::buffer(device, queue, &strands.vertices).unwrap()

@@ -83,8 +83,8 @@ pub fn drawn(
 pub fn search(gpu: &Gpu, pipelines: &Pipelines, hair: &Hair) -> Vec<StrandState> {
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     hair.avoidance.record_search(
-        &mut encoder.begin_compute_pass(&Default::default()),
         &pipelines.avoid,
+        &mut encoder.begin_compute_pass(&Default::default()),
         &hair.colliders,
         &hair.strands,
     );

@@ -7,9 +7,9 @@ use tresses::glam;
 #[test]
 fn simulate() {
     let (device, _) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
-    let simulate = tresses::simulate::Simulate::new(&device);
+    let simulate = tresses::simulate::Pipelines::new(&device);
     for vertex_count in [2, 8, 16, 24, 32, 48, 64] {
-        simulate.pipeline(&device, vertex_count);
+        simulate.compile(vertex_count).unwrap();
     }
     let guides = tresses::strands::GuideBuffers::new(&device, 4, 16, 2).unwrap();
     tresses::simulate::Simulation::new(&device, &simulate, &guides);

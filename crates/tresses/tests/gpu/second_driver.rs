@@ -16,7 +16,7 @@ use tresses::{
     glam::Vec3,
     gpu::Gpu,
     groom::bind,
-    light::{HairMaterial, ShadingModel},
+    light::{FiberMaterial, HairMaterial, ShadingModel},
 };
 
 /// Where the run on the other driver leaves what it has made.
@@ -30,8 +30,7 @@ struct Made {
 }
 
 fn make(gpu: &Gpu) -> Made {
-    let hair = HairMaterial { model: ShadingModel::Fiber, ..HairMaterial::brown() };
-    let picture = golden::picture(gpu, hair);
+    let picture = golden::picture(gpu, brown());
     let pipelines = common::pipelines().expect("there is a GPU");
     let groom = bind(&common::hanging(200, 16, 0.16), &Default::default()).unwrap();
     let character = Character { groom, field: common::ball(0.09, 48), neck: Vec3::new(0.0, 0.0, -0.02) };
@@ -46,6 +45,17 @@ fn make(gpu: &Gpu) -> Made {
         }
     }
     Made { picture, motion }
+}
+
+fn brown() -> HairMaterial {
+    HairMaterial { model: ShadingModel::Fiber, ..HairMaterial::brown() }
+}
+
+/// Brown hair with a third more pigment.
+fn darker() -> FiberMaterial {
+    let fiber = brown().fiber;
+    let [root_absorption, tip_absorption] = [fiber.root_absorption, fiber.tip_absorption].map(|a| a * 1.33);
+    FiberMaterial { root_absorption, tip_absorption, ..fiber }
 }
 
 /// What a run writes and the other reads: the adapter's name, then the picture, then the vertices.
@@ -123,13 +133,18 @@ fn swiftshader_draws_and_moves_the_same() {
 
     let (mean, high) = golden::difference(&made.picture, &other.picture);
     let moved = apart(&made.motion, &other.motion);
-    println!("{adapter} and {}: pictures {mean:.3} / 255, vertices {:.4} mm", gpu.info.name, 1e3 * moved);
-    // As far as the golden picture may be off, and a hair's own width.
-    assert!(golden::alike(mean, high) && moved < 1e-4, "{mean} {high} {moved}");
+    println!(
+        "{adapter} and {}: pictures {mean:.3} / 255, 99 of 100 within {high}, vertices {:.4} mm",
+        gpu.info.name,
+        1e3 * moved
+    );
+    // Drivers may place samples and round as they like: less than a step in the mean, and of motion a hair's width.
+    let alike = |mean: f64| mean < 0.75;
+    assert!(alike(mean) && moved < 1e-4, "{mean} {moved}");
     // What another picture or another moment is would be seen.
-    let plain =
-        golden::picture(gpu, HairMaterial { model: ShadingModel::KajiyaKay, ..HairMaterial::brown() });
-    let (mean, high) = golden::difference(&plain, &other.picture);
-    assert!(!golden::alike(mean, high), "{mean} {high}");
+    let darker = HairMaterial { fiber: darker(), ..brown() };
+    let (mean, high) = golden::difference(&golden::picture(gpu, darker), &other.picture);
+    println!("a picture of hair with a third more pigment: {mean:.3} / 255, 99 of 100 within {high}");
+    assert!(!alike(mean), "{mean}");
     assert!(apart(&made.motion[1..], &other.motion[..other.motion.len() - 1]) > 1e-3);
 }

@@ -25,7 +25,7 @@ mod twist;
 pub use curve::CurlCurve;
 pub(crate) use twist::{Strand, Twist};
 
-use crate::{Error, Result};
+use crate::{Error, Result, range, range::Range};
 
 /// Curls in all strands of a groom.
 #[derive(Clone, Debug, PartialEq)]
@@ -144,19 +144,37 @@ impl Curls {
     /// The fewest vertices that make a turn.
     pub const LEAST: f32 = 3.0;
 
+    /// The range of [`radius`](Self::radius).
+    pub const RADIUS: Range = range!("radius of curls", 0.0 to 0.2, "metres"; usually 0.0 to 0.1);
+    /// The range of [`wavelength`](Self::wavelength).
+    pub const WAVELENGTH: Range = range!("wavelength of curls", 0.001 to 1.0, "metres"; usually 0.002 to 1.0);
+    /// The range of [`flatness`](Self::flatness).
+    pub const FLATNESS: Range = range!("flatness of curls", 0.0 to 1.0);
+    /// The range of [`start`](Self::start).
+    pub const START: Range = range!("start of curls", 0.0 to 1.0);
+    /// The range of [`tip`](Self::tip).
+    pub const TIP: Range = range!("width of curls at the tip", 0.0 to 3.0);
+    /// The range of [`irregularity`](Self::irregularity).
+    pub const IRREGULARITY: Range = range!("irregularity of curls", 0.0 to 1.0);
+    /// The range of [`coherence`](Self::coherence).
+    pub const COHERENCE: Range = range!("coherence of curls", 0.0 to 1.0);
+    /// The range of [`neighbours`](Self::neighbours).
+    pub const NEIGHBOURS: Range = range!("likeness of neighbouring curls", 0.0 to 1.0);
+    /// The range of [`shrink`](Self::shrink).
+    pub const SHRINK: Range = range!("shrinking by curls", 0.0 to 1.0);
+
     /// # Errors
-    /// [`Error::Parameter`] for a value out of range.
+    /// [`Error::Parameter`](crate::Error::Parameter) for a value out of range.
     pub fn check(&self) -> Result<()> {
-        let within = Error::unless_within;
-        within("radius of curls", self.radius, 0.0, 0.2, "from 0 to 0.2 metres")?;
-        within("wavelength of curls", self.wavelength, 1e-3, 1.0, "from 0.001 to 1 metre")?;
-        within("flatness of curls", self.flatness, 0.0, 1.0, "from 0 to 1")?;
-        within("start of curls", self.start, 0.0, 1.0, "from 0 to 1")?;
-        within("width of curls at the tip", self.tip, 0.0, 3.0, "from 0 to 3")?;
-        within("irregularity of curls", self.irregularity, 0.0, 1.0, "from 0 to 1")?;
-        within("coherence of curls", self.coherence, 0.0, 1.0, "from 0 to 1")?;
-        within("likeness of neighbouring curls", self.neighbours, 0.0, 1.0, "from 0 to 1")?;
-        within("shrinking by curls", self.shrink, 0.0, 1.0, "from 0 to 1")
+        Self::RADIUS.check(self.radius)?;
+        Self::WAVELENGTH.check(self.wavelength)?;
+        Self::FLATNESS.check(self.flatness)?;
+        Self::START.check(self.start)?;
+        Self::TIP.check(self.tip)?;
+        Self::IRREGULARITY.check(self.irregularity)?;
+        Self::COHERENCE.check(self.coherence)?;
+        Self::NEIGHBOURS.check(self.neighbours)?;
+        Self::SHRINK.check(self.shrink)
     }
 
     /// # Errors

@@ -162,6 +162,8 @@ fn what_cannot_be_a_field_is_an_error() {
 
 fn load(name: &str, scale: f32) -> Option<TriMesh> {
     let Some(assets) = std::env::var_os("TRESSES_ASSETS").map(PathBuf::from) else {
+        let required = std::env::var_os("TRESSES_REQUIRE_ASSETS").is_some_and(|v| v == "1");
+        assert!(!required, "TRESSES_ASSETS is not set");
         println!("skipped: TRESSES_ASSETS is not set");
         return None;
     };

@@ -101,6 +101,8 @@ fn heads_are_those_of_the_other_builder() {
     let (_, _, d) = both(gpu, "mannequin", &mannequin, 64);
     assert!(d.p99 < 0.1 && d.signs < 1e-4, "{d:?}");
     let Some(assets) = std::env::var_os("TRESSES_ASSETS").map(PathBuf::from).filter(|f| f.is_dir()) else {
+        let required = std::env::var_os("TRESSES_REQUIRE_ASSETS").is_some_and(|v| v == "1");
+        assert!(!required, "TRESSES_ASSETS names no folder");
         println!("skipped: TRESSES_ASSETS names no folder");
         return;
     };

@@ -5,6 +5,7 @@
 //! offset across the fibre and the refraction are those of the eye's ray. Angles: θ is the inclination
 //! towards the tip, φ the azimuth of the light about the fibre, measured from the eye's.
 
+use crate::{groom::range, range::Range};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
@@ -32,15 +33,23 @@ impl Default for FiberShape {
 }
 
 impl FiberShape {
+    /// The range of both roughnesses.
+    pub const ROUGHNESS: Range = range!("roughness", 0.1 to 1.0);
+    /// The range of [`tilt`](Self::tilt); usual is up to 10 degrees.
+    pub const TILT: Range =
+        range!("tilt of the scales", -0.2 to 0.2, "radians"; usually -0.174_532_925_2 to 0.174_532_925_2);
+    /// The range of [`eta`](Self::eta).
+    pub const ETA: Range = range!("index of refraction", 1.05 to 2.5);
+
     /// Within what the tables can resolve.
     pub fn clamped(&self) -> Self {
         let finite = |v: f32, or: f32| if v.is_finite() { v } else { or };
         let default = Self::default();
         Self {
-            longitudinal: finite(self.longitudinal, default.longitudinal).clamp(0.1, 1.0),
-            azimuthal: finite(self.azimuthal, default.azimuthal).clamp(0.1, 1.0),
-            tilt: finite(self.tilt, default.tilt).clamp(-0.2, 0.2),
-            eta: finite(self.eta, default.eta).clamp(1.05, 2.5),
+            longitudinal: Self::ROUGHNESS.clamp(finite(self.longitudinal, default.longitudinal)),
+            azimuthal: Self::ROUGHNESS.clamp(finite(self.azimuthal, default.azimuthal)),
+            tilt: Self::TILT.clamp(finite(self.tilt, default.tilt)),
+            eta: Self::ETA.clamp(finite(self.eta, default.eta)),
         }
     }
 

@@ -7,7 +7,7 @@ use crate::{
     strands::{GuideBuffers, StrandBuffers},
 };
 
-/// The pipelines, made at the first grab.
+/// The pipelines.
 #[derive(Debug)]
 pub(crate) struct GrabKernels {
     pick: Kernel,

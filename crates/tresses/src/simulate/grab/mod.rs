@@ -28,7 +28,7 @@
 //! the plane through the hit point, perpendicular to the ray of the grab.
 //!
 //! **Fixed steps.** The target moves from its position at the end of the last step towards its current
-//! position, in fractions of the frame, as the head does ([`super::clock`]): the same motion at any frame
+//! position, in fractions of the frame, as the head does ([`crate::clock`]): the same motion at any frame
 //! rate. The hair is released when the head jumps or the hair is reset to rest.
 //!
 //! **Cost.** Buffers and pipelines are created at the first grab; without a grab, nothing is dispatched.
@@ -48,9 +48,10 @@ mod kernels;
 
 pub(crate) use kernels::GrabKernels;
 
-use super::{MAX_STEPS, Mode, Simulate, SimulationParams, Step};
+use super::{Pipelines, SimulationParams};
 use crate::{
     Error, Result,
+    clock::{MAX_STEPS, MAX_SUBSTEPS, Mode, Step},
     collide::ColliderSet,
     constants::{STRAND_WORKGROUP, VOLUME_WORKGROUP},
     strands::{GuideBuffers, StrandBuffers, buffers::storage},
@@ -244,7 +245,7 @@ impl Grab {
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        simulate: &Simulate,
+        simulate: &Pipelines,
         physics: &SimulationParams,
         steps: &[Step],
         (guides, strands): (&GuideBuffers, &StrandBuffers),
@@ -268,7 +269,7 @@ impl Grab {
             Target::Ray(ray) => (ray.origin, ray.direction),
             Target::Point(point) => (point, Vec3::ZERO),
         };
-        let substeps = physics.substeps.clamp(1, super::params::MAX_SUBSTEPS);
+        let substeps = physics.substeps.clamp(1, MAX_SUBSTEPS);
         let mut bytes = vec![0u8; STRIDE as usize * steps.len()];
         for (i, (step, slot)) in steps.iter().zip(bytes.chunks_mut(STRIDE as usize)).enumerate() {
             let uniform = GrabUniform {
@@ -302,12 +303,12 @@ impl Grab {
     /// Records step `i` of those that [`prepare`](Self::prepare) wrote: after other forces, before the step.
     pub(crate) fn record(
         &self,
-        simulate: &Simulate,
+        simulate: &Pipelines,
         pass: &mut wgpu::ComputePass<'_>,
         colliders: &ColliderSet,
         i: u32,
     ) {
-        let (Some(buffers), Some(kernels)) = (&self.buffers, simulate.grab.get()) else { return };
+        let (Some(buffers), kernels) = (&self.buffers, &simulate.grab) else { return };
         if self.is_active() {
             let [strands, guides] = self.threads;
             let workgroups = [strands.div_ceil(STRAND_WORKGROUP), guides.div_ceil(VOLUME_WORKGROUP)];
@@ -320,11 +321,11 @@ impl Grab {
 impl Buffers {
     fn new(
         device: &wgpu::Device,
-        simulate: &Simulate,
+        simulate: &Pipelines,
         guides: &GuideBuffers,
         strands: &StrandBuffers,
     ) -> Result<Self> {
-        let kernels = simulate.grab.get_or_init(|| GrabKernels::new(device));
+        let kernels = &simulate.grab;
         let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("grab"),
             size: u64::from(STRIDE * MAX_STEPS),

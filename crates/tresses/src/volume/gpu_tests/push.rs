@@ -3,8 +3,8 @@
 use super::scene::{N, Scene, cube, somewhere, still};
 use crate::{
     Pose,
+    clock::{Mode, Step},
     collide::{Collider, ColliderDescriptor, Shape},
-    simulate::{Step, params::Mode},
     volume::{HairHair, HairHairMode, VolumeOptions},
 };
 use glam::Vec3;

@@ -104,7 +104,7 @@ fn quickest(scene: &mut Scene, mut record: impl FnMut(&mut Scene, &mut wgpu::Com
 
 /// `cargo test -p tresses --lib volume -- --ignored --nocapture cost`
 #[test]
-#[ignore = "a measurement"]
+#[ignore = "proof"]
 fn cost_of_a_thousand_guides() {
     let n = LONG;
     for resolution in [32, 64] {
@@ -120,10 +120,8 @@ fn cost_of_a_thousand_guides() {
         let params = SimulationParams::default();
         let mut solve = Simulation::new(&scene.gpu.device, &scene.simulate, &scene.guides);
         solve.prepare(&scene.gpu.queue, &params, &[step], false).unwrap();
-        let device = scene.gpu.device.clone();
         let nothing = quickest(&mut scene, |_, _| ());
-        let solve =
-            quickest(&mut scene, |s, pass| solve.record_step(&s.simulate, &device, pass, &s.colliders, 0));
+        let solve = quickest(&mut scene, |s, pass| solve.record(&s.simulate, pass, &s.colliders, 0));
         let splat = quickest(&mut scene, |s, pass| {
             let workgroups = (s.volume.base.splat_count * s.volume.base.samples).div_ceil(64);
             s.stage.splat.record(pass, &s.volume.groups.splat, &[0], workgroups);

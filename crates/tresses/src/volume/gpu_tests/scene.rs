@@ -2,13 +2,12 @@
 
 use crate::{
     Pose,
+    clock::{Mode, Step, Steps},
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     gpu::{Gpu, for_tests as gpu, readback::blocking as readback},
-    simulate::{
-        Forces, GuideTraits, RestGuides, RestOptions, Simulate, SimulationParams, Step, params::Mode, rest,
-    },
-    strands::{Force, GuideBuffers, GuideForce},
-    volume::{HairHair, Volume, VolumeOptions, VolumeStage},
+    simulate::{self, Forces, GuideTraits, RestOptions, SimulationParams, rest},
+    strands::{Force, GuideBuffers, GuideForce, RestGuides},
+    volume::{HairHair, Pipelines, Volume, VolumeOptions},
 };
 use glam::{Quat, Vec3};
 use half::f16;
@@ -34,8 +33,8 @@ pub(super) fn cube(across: usize) -> (Vec<Vec3>, Vec<GuideTraits>) {
 
 pub(super) struct Scene {
     pub(super) gpu: &'static Gpu,
-    pub(super) stage: VolumeStage,
-    pub(super) simulate: Simulate,
+    pub(super) stage: Pipelines,
+    pub(super) simulate: simulate::Pipelines,
     pub(super) guides: GuideBuffers,
     pub(super) rest: RestGuides,
     pub(super) volume: Volume,
@@ -66,8 +65,8 @@ impl Scene {
             rest::guides(&positions, n as u32, &traits, &params, &RestOptions::default(), None).unwrap();
         let guides = GuideBuffers::new(&gpu.device, rest.info.len() as u32, n as u32, 2).unwrap();
         rest.upload(&gpu.queue, &guides).unwrap();
-        let stage = VolumeStage::new(&gpu.device);
-        let simulate = Simulate::new(&gpu.device);
+        let stage = Pipelines::new(&gpu.device);
+        let simulate = simulate::Pipelines::new(&gpu.device);
         let volume = Volume::new(&gpu.device, &stage, &guides, &rest, options).unwrap();
         let forces = Forces::new(&gpu.device, &simulate, &guides, &volume, None);
         let colliders = ColliderSet::new(&gpu.device, &gpu.queue, colliders).unwrap();
@@ -95,13 +94,13 @@ impl Scene {
     }
 
     pub(super) fn prepare(&mut self, params: &HairHair, step: &Step) {
-        let params = SimulationParams { hair_hair: *params, step: H, ..Default::default() };
         let steps = [*step];
-        let moments =
-            Moments { steps: &steps, substeps: params.substeps, step: H, head: step.end, alpha: 1.0 };
+        let substeps = SimulationParams::default().substeps;
+        let moments = Moments { steps: &steps, substeps, step: H, head: step.end, alpha: 1.0 };
         let poses = ColliderPoses { head: None, colliders: self.places.clone() };
         self.colliders.advance(&self.gpu.queue, &poses, &moments).unwrap();
-        self.volume.prepare(&self.gpu.queue, &params, &steps, &self.colliders);
+        let frame = Steps { steps: &steps, length: H, substeps };
+        self.volume.prepare(&self.gpu.queue, params, &frame, &self.colliders);
     }
 
     /// The integers after `splat` alone; zeroed again.

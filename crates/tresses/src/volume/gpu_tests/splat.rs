@@ -3,11 +3,12 @@
 use super::scene::{H, N, Scene, cube, somewhere, still, swirl};
 use crate::{
     Pose,
+    clock::{Mode, Step},
     gpu::for_tests as gpu,
-    simulate::{RestGuides, Step, params::Mode},
     strands::GuideBuffers,
+    strands::RestGuides,
     volume::{
-        HairHair, Volume, VolumeOptions, VolumeStage,
+        HairHair, Pipelines, Volume, VolumeOptions,
         params::VolumeUniforms,
         reference::{CHANNELS, MAX_SPEED, Splatted, splat},
     },
@@ -134,7 +135,7 @@ fn hair_outside_of_the_grid_and_what_is_no_number_harm_nothing() {
 #[test]
 fn resolutions_out_of_range_are_refused() {
     let Some(gpu) = gpu() else { return };
-    let stage = VolumeStage::new(&gpu.device);
+    let stage = Pipelines::new(&gpu.device);
     let guides = GuideBuffers::new(&gpu.device, 1, 2, 2).unwrap();
     for resolution in [0, 7, 97, u32::MAX] {
         let options = VolumeOptions { resolution, ..Default::default() };

@@ -1,7 +1,7 @@
 //! One device for all tests, and its pipelines, which are compiled once: a software driver takes seconds for all.
 
 use std::sync::OnceLock;
-use tresses::{Pipelines, gpu::Gpu, simulate::Simulate};
+use tresses::{Pipelines, gpu::Gpu, simulate};
 
 /// The adapter of all tests; without one, skips (`None`) or, when `TRESSES_REQUIRE_GPU=1`, panics.
 pub fn gpu() -> Option<&'static Gpu> {
@@ -24,6 +24,6 @@ pub fn pipelines() -> Option<&'static Pipelines> {
 }
 
 /// The step of the guides alone.
-pub fn simulate() -> Option<&'static Simulate> {
+pub fn simulate() -> Option<&'static simulate::Pipelines> {
     pipelines().map(|pipelines| &pipelines.simulate)
 }

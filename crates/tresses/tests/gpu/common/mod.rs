@@ -13,7 +13,8 @@ use tresses::{
     glam::{Mat4, Vec3},
     gpu::Gpu,
     groom::{Groom, SdfGrid, Strands, TriMesh},
-    light::HairSet,
+    light::{Directional, HairSet, Lights, MAX_LIGHTS, ShadowMethod, Shadows},
+    present::Background,
     view::Picture,
 };
 
@@ -58,6 +59,16 @@ pub fn cube(half: f32) -> TriMesh {
         normals: positions.iter().map(|p| p.normalize()).collect(),
         positions,
         triangles,
+        ..Default::default()
+    }
+}
+
+/// A picture without light and shadow: coverage knows nothing of them.
+pub fn dark() -> Picture {
+    Picture {
+        lights: Lights { directional: [Directional::OFF; MAX_LIGHTS], ..Lights::default() },
+        shadows: Shadows { method: ShadowMethod::Off, ambient: false, ..Shadows::default() },
+        background: Background::transparent(),
         ..Default::default()
     }
 }

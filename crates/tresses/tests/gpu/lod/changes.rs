@@ -1,9 +1,11 @@
 //! Levels change without a jump.
 
 use super::stage::{Shot, Stage};
+use crate::common;
 use tresses::{
     Hair, Pose,
     glam::{Quat, Vec3},
+    groom::{Groom, SdfGrid, bind},
     lod::Detail,
     strands::StrandVertex,
 };
@@ -28,8 +30,34 @@ fn jump(steps: &[f32]) -> f32 {
     sorted[sorted.len() - 1] / sorted[sorted.len() / 2].max(1e-9)
 }
 
+/// What comes when strands come an octave at a time, which the comparer must see.
+fn octaves(hair: &Hair, details: &[Detail]) -> Vec<Detail> {
+    let start = hair.lod.diameter / hair.lod.options.strand_width;
+    let octave = |d: &Detail| hair.lod.detail(start * (d.pixel / start).log2().floor().exp2(), 100.0);
+    details.iter().map(octave).collect()
+}
+
 #[test]
 fn nothing_pops() {
+    let Some(stage) = Stage::open() else { return };
+    let (groom, _) = Stage::style("long", 2000);
+    let mut hair = stage.hair(&groom, None);
+    let start = hair.lod.diameter / hair.lod.options.strand_width;
+    // By 3 % from frame to frame, across an octave.
+    let details: Vec<_> = (0..16).map(|i| hair.lod.detail(1.6 * start * 1.03f32.powi(i), 100.0)).collect();
+    let all = steps(stage, &mut hair, &details);
+    let octaves = octaves(&hair, &details);
+    let mut coming = steps(stage, &mut hair, &octaves);
+    coming.retain(|step| *step > 0.0);
+    coming.extend(&all);
+    println!("largest step over median {:.2}, with octaves of strands {:.2}", jump(&all), jump(&coming));
+    assert!(jump(&all) < 3.5 && jump(&coming) > 5.0, "{all:?} {coming:?}");
+}
+
+/// The figures of docs/appearance/lod.md.
+#[test]
+#[ignore = "proof"]
+fn nothing_pops_over_many_levels() {
     let Some(stage) = Stage::open() else { return };
     let (groom, _) = Stage::style("long", 5000);
     let mut hair = stage.hair(&groom, None);
@@ -54,8 +82,7 @@ fn nothing_pops() {
     println!("four times the step, {ratio:.2} times the difference");
     assert!(ratio > 2.0, "{ratio}");
     // The comparer sees strands that come an octave at a time.
-    let octave = |d: &Detail| hair.lod.detail(start * (d.pixel / start).log2().floor().exp2(), 100.0);
-    let octaves: Vec<_> = details.iter().map(octave).collect();
+    let octaves = octaves(&hair, &details);
     let mut coming = steps(stage, &mut hair, &octaves);
     coming.retain(|step| *step > 0.0);
     coming.extend(moving);
@@ -66,15 +93,28 @@ fn nothing_pops() {
 #[test]
 fn slower_steps_are_the_same_motion() {
     let Some(stage) = Stage::open() else { return };
+    let groom = bind(&common::hanging(120, 16, 0.25), &Default::default()).unwrap();
+    slower_steps(stage, &groom, &common::ball(0.09, 48), 30.0);
+}
+
+/// The figures of docs/appearance/lod.md.
+#[test]
+#[ignore = "proof"]
+fn slower_steps_are_the_same_motion_of_a_style() {
+    let Some(stage) = Stage::open() else { return };
     let (groom, field) = Stage::style("long", 600);
+    slower_steps(stage, &groom, &field, 60.0);
+}
+
+fn slower_steps(stage: &Stage, groom: &Groom, field: &SdfGrid, degrees: f32) {
     let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
-    // A turn by 60 degrees and back in a second, and a second to come to rest.
+    // A turn and back in a second, and a second to come to rest.
     let pose = |t: f32| {
         let s = (std::f32::consts::PI * t.min(1.0)).sin();
-        Pose::about(Vec3::new(0.0, 1.5, 0.0), Quat::from_rotation_y(s * s * 60f32.to_radians()))
+        Pose::about(Vec3::new(0.0, 1.5, 0.0), Quat::from_rotation_y(s * s * degrees.to_radians()))
     };
     let run = |slow: &dyn Fn(f32) -> f32| {
-        let mut hair = stage.hair(&groom, Some(&field));
+        let mut hair = stage.hair(groom, Some(field));
         let full = *hair.lod.current();
         (1..=120)
             .map(|i| {

@@ -111,15 +111,15 @@ fn painted_levels_act_where_they_are_painted() {
 
 /// What the order of strands costs `interpolate`: figures for the docs.
 #[test]
-#[ignore = "figures"]
+#[ignore = "proof"]
 fn orders() {
     use tresses::{
-        interpolate::{Interpolate, InterpolateParams},
+        interpolate::{self, Interpolation},
         strands::{GuideBuffers, StrandBuffers},
     };
     let Some(stage) = Stage::open() else { return };
     let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
-    let interpolate = Interpolate::new(device);
+    let interpolate = interpolate::Pipelines::new(device);
     for (name, count) in [("long", 30_000), ("short", 60_000)] {
         let (groom, _) = Stage::style(name, count);
         let n = groom.strands.vertex_count;
@@ -131,20 +131,15 @@ fn orders() {
             let buffers = StrandBuffers::new(device, strands.len() as u32, n).unwrap();
             queue.write_buffer(&buffers.bindings, 0, bytemuck::cast_slice(&strands.bindings));
             queue.write_buffer(&buffers.rest, 0, bytemuck::cast_slice(&strands.rest));
-            let params = device.create_buffer(&wgpu::BufferDescriptor {
-                label: None,
-                size: size_of::<InterpolateParams>() as u64,
-                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            });
-            queue.write_buffer(&params, 0, bytemuck::bytes_of(&InterpolateParams::new(&guides, &buffers)));
-            (interpolate.bind(device, &params, &guides, &buffers), buffers)
+            let between = Interpolation::new(device, &interpolate, &guides, &buffers);
+            between.prepare(queue, &guides, &buffers);
+            (between, buffers)
         });
         let mut times = [Vec::new(), Vec::new()];
         for _ in 0..25 {
-            for ((group, buffers), times) in runs.iter().zip(&mut times) {
+            for ((between, buffers), times) in runs.iter().zip(&mut times) {
                 let mut encoder = device.create_command_encoder(&Default::default());
-                interpolate.record(&mut encoder.begin_compute_pass(&Default::default()), group, buffers);
+                between.record(&interpolate, &mut encoder.begin_compute_pass(&Default::default()), buffers);
                 let start = std::time::Instant::now();
                 queue.submit([encoder.finish()]);
                 device.poll(wgpu::PollType::wait_indefinitely()).unwrap();

@@ -4,21 +4,19 @@ use crate::common;
 use std::sync::OnceLock;
 use tresses::{
     Pose,
+    clock::{Clock, MAX_STEPS, Mode, Step},
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     glam::Vec3,
     gpu::{Gpu, readback::blocking as readback},
     groom::SdfGrid,
-    simulate::{
-        Along, Clock, GuideTraits, MAX_STEPS, Mode, RestGuides, RestOptions, RestShape, Simulate, Simulation,
-        SimulationParams, Step, rest,
-    },
-    strands::GuideBuffers,
+    simulate::{self, Along, GuideTraits, RestOptions, RestShape, Simulation, SimulationParams, rest},
+    strands::{GuideBuffers, RestGuides},
 };
 
 /// An adapter and the pipelines, which all cases share.
 pub struct Lab {
     pub gpu: &'static Gpu,
-    pub simulate: &'static Simulate,
+    pub simulate: &'static simulate::Pipelines,
 }
 
 /// The laboratory, or `None` where the machine has no adapter and need not have one.
@@ -96,9 +94,7 @@ impl Experiment {
                 let moments = Moments { steps, substeps, step: self.params.step, head, alpha: 1.0 };
                 self.colliders.advance(queue, &ColliderPoses::default(), &moments).unwrap();
                 let (simulate, params) = (self.lab.simulate, &self.params);
-                self.simulation
-                    .record(simulate, device, queue, &mut pass, params, steps, &self.colliders)
-                    .unwrap();
+                self.simulation.run(simulate, queue, &mut pass, params, steps, &self.colliders).unwrap();
             }
             queue.submit([encoder.finish()]);
         }

@@ -276,7 +276,7 @@ fn turning_light(gpu: &Gpu, strands: u32, count: u32, rays: u32, methods: &[Shad
 #[test]
 fn a_turning_light_does_not_make_shadows_crawl() {
     let Some(gpu) = common::gpu() else { return };
-    turning_light(gpu, 2000, 150, 128, &[ShadowMethod::DeepOpacity]);
+    turning_light(gpu, 4000, 100, 512, &[ShadowMethod::DeepOpacity]);
 }
 
 /// Rays by 64 times a filter of eight taps. The figures of docs/appearance/shadows.md.

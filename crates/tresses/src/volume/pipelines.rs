@@ -7,7 +7,7 @@ use crate::{
 
 /// The pipelines of the stage.
 #[derive(Debug)]
-pub struct VolumeStage {
+pub struct Pipelines {
     pub(super) obstacles: Kernel,
     pub(super) splat: Kernel,
     pub(super) sum: Kernel,
@@ -17,7 +17,7 @@ pub struct VolumeStage {
     pub(super) settle: Kernel,
 }
 
-impl VolumeStage {
+impl Pipelines {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
         use Binding::{

@@ -1,14 +1,13 @@
-//! The pipelines of the fluid and the order in which one step runs them.
+//! The kernels.
 
-use super::air::{Air, STRIDE};
 use crate::{
-    collide::{self, ColliderSet},
+    collide,
     gpu::{Binding, Kernel, bindings},
 };
 
 /// The pipelines; made once per device.
 #[derive(Debug)]
-pub struct Fluid {
+pub struct Pipelines {
     pub(super) obstacles: Kernel,
     pub(super) predict: Kernel,
     pub(super) correct: Kernel,
@@ -18,7 +17,7 @@ pub struct Fluid {
     pub(super) sampler: wgpu::Sampler,
 }
 
-impl Fluid {
+impl Pipelines {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
         use Binding::{
@@ -56,32 +55,5 @@ impl Fluid {
     pub(crate) fn kernels(&self) -> Vec<&Kernel> {
         let Self { obstacles, predict, correct, gather, relax, project, .. } = self;
         vec![obstacles, predict, correct, gather, relax, project]
-    }
-
-    /// Records step `index` of those that [`Air::prepare`] wrote, among `colliders`, which have been
-    /// [advanced](ColliderSet::advance) by the same steps.
-    pub fn record(&self, pass: &mut wgpu::ComputePass<'_>, air: &Air, colliders: &ColliderSet, index: u32) {
-        let (run, groups, n) = (air.run(index), &air.groups, air.cells);
-        let cells = [n / 8, n / 4, n / 2];
-        let half = [n.div_ceil(32), n / 8, n / 2];
-        pass.set_bind_group(1, colliders.group(), &[]);
-        for part in 0..run.parts {
-            let step = (run.first + part) * STRIDE as u32;
-            if part == 0 {
-                self.obstacles.record_grid(pass, &groups.obstacles, &[step], cells);
-            }
-            self.predict.record_grid(pass, &groups.predict, &[step], cells);
-            self.correct.record_grid(pass, &groups.correct, &[step], cells);
-            self.gather.record_grid(pass, &groups.gather, &[step], [n.div_ceil(32), n / 4, n / 2]);
-            let fresh = run.fresh && part == 0;
-            for sweep in air.sweeps(fresh) {
-                for color in &groups.relax[sweep as usize] {
-                    self.relax.record_grid(pass, color, &[step], half);
-                }
-            }
-            for color in &groups.project {
-                self.project.record_grid(pass, color, &[step], half);
-            }
-        }
     }
 }

@@ -5,8 +5,58 @@
 //! motion within the frame is divided among the steps, so that the hair sees the same motion at any frame
 //! rate.
 
-use super::{MAX_STEPS, Step, params::Mode};
 use crate::Pose;
+
+/// The most fixed steps of one frame.
+pub const MAX_STEPS: u32 = 8;
+/// The most substeps of one step.
+pub const MAX_SUBSTEPS: u32 = 32;
+
+/// What a step does.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mode {
+    /// Simulates.
+    #[default]
+    Step = 0,
+    /// Carries every strand rigidly with the head, velocities too.
+    Carry = 1,
+    /// Puts every strand into its rest pose, without velocity relative to the world.
+    Reset = 2,
+}
+
+/// One fixed step of a frame: where the head is when it begins and when it ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// What it does.
+    pub mode: Mode,
+    /// Pose of the head at the begin.
+    pub begin: Pose,
+    /// Pose of the head at the end.
+    pub end: Pose,
+    /// Where in the frame's motion it begins, 0..=1.
+    pub from: f32,
+    /// Where in the frame's motion it ends, 0..=1.
+    pub to: f32,
+}
+
+/// The fixed steps of a frame with their lengths.
+#[derive(Clone, Copy, Debug)]
+pub struct Steps<'a> {
+    /// The steps, in order.
+    pub steps: &'a [Step],
+    /// Length of each, s.
+    pub length: f32,
+    /// Implicit solves of each.
+    pub substeps: u32,
+}
+
+impl<'a> Steps<'a> {
+    /// The last [`MAX_STEPS`] of them.
+    pub(crate) fn last(&self) -> &'a [Step] {
+        &self.steps[self.steps.len().saturating_sub(MAX_STEPS as usize)..]
+    }
+}
 
 /// Turns frames into fixed steps.
 #[derive(Clone, Debug)]

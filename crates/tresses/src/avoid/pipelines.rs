@@ -10,7 +10,7 @@ use crate::{
 
 /// The pipelines of the stage.
 #[derive(Debug)]
-pub struct Avoid {
+pub struct Pipelines {
     first_hit: Kernel,
     push_out: Kernel,
     change_over: Kernel,
@@ -24,7 +24,7 @@ pub struct AvoidGroups {
     change_over: wgpu::BindGroup,
 }
 
-impl Avoid {
+impl Pipelines {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
         let colliders = collide::layout(device);

@@ -1,0 +1,154 @@
+//! Memory stands still: a character moves for hundreds of frames, its picture changes size, its level of detail changes,
+//! views are shown, and the process holds as much as before.
+//!
+//! Each measurement is a process of its own, this executable started once more: what other tests hold is not counted.
+
+#![cfg(target_os = "linux")]
+
+use std::{process::Command, str::FromStr, sync::Arc};
+use tresses::{
+    Pipelines,
+    draw::{
+        Coverage,
+        debug::{DebugView, Shown},
+    },
+    gpu::Gpu,
+    groom::styles::Style,
+    lod::{LodMode, LodOptions},
+};
+use tresses_scene::{
+    Base, Camera, Colliders, Companions, Motion, Quality, Settings, Shelf, Stage, camera::View,
+    preset::Source,
+};
+
+/// Frames after which nothing new is made: pipelines, buffers of all sizes, the driver's variants of shaders.
+const WARM: u32 = 100;
+/// How much a process may have grown since then, bytes.
+const MOST: i64 = 20_000_000;
+
+/// What the process holds in memory, bytes.
+fn resident() -> i64 {
+    let pages = std::fs::read_to_string("/proc/self/statm").expect("Linux tells");
+    let pages: i64 = pages.split(' ').nth(1).and_then(|n| n.parse().ok()).expect("the second number");
+    pages * 4096
+}
+
+/// What a child reads: frames, how strands cover pixels, and bytes that each frame leaks.
+const WORK: [&str; 3] = ["TRESSES_MEMORY_FRAMES", "TRESSES_MEMORY_SAMPLES", "TRESSES_MEMORY_LEAK"];
+
+/// By how much a process grows that draws `frames`, with masks of so many `samples` (0 peels), and leaks `leak` bytes in
+/// each. Nothing where there is no GPU.
+fn growth(frames: u32, samples: u32, leak: u32) -> Option<i64> {
+    let mut child = Command::new(std::env::current_exe().expect("this runs"));
+    child.args(["--exact", "work", "--ignored", "--nocapture"]);
+    for (name, value) in WORK.iter().zip([frames, samples, leak]) {
+        child.env(name, value.to_string());
+    }
+    let output = child.output().expect("a process starts");
+    let (told, errors) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{told}{errors}");
+    if told.contains("no GPU adapter") {
+        assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none(), "{told}");
+        println!("skipped: {told}");
+        return None;
+    }
+    let grown = told.lines().find_map(|line| line.split("grown by ").nth(1)?.parse().ok());
+    let grown: i64 = grown.expect("the child tells");
+    println!("{frames} frames, {samples} samples: {:.1} MB", grown as f64 * 1e-6);
+    Some(grown)
+}
+
+/// The views that come by, hair as it looks most of the time.
+const VIEWS: [Option<DebugView>; 8] = [
+    None,
+    Some(DebugView::Locks),
+    None,
+    Some(DebugView::Density),
+    None,
+    Some(DebugView::Guides),
+    None,
+    Some(DebugView::Overdraw),
+];
+const SIZES: [[u32; 2]; 3] = [[64, 40], [48, 48], [80, 32]];
+/// So long each view, size and level of detail lasts, frames: all have come by after 56.
+const LASTS: u32 = 7;
+
+#[test]
+#[ignore = "the work of the others, in a process of its own"]
+fn work() {
+    let variable = |name| std::env::var(name).ok().and_then(|value| value.parse::<u32>().ok());
+    let [Some(frames), Some(samples), Some(leak)] = WORK.map(variable) else { return };
+    let gpu = match pollster::block_on(Gpu::open()) {
+        Ok(gpu) => gpu,
+        Err(error) => return println!("no GPU adapter: {error}"),
+    };
+    let mut quality = Quality::new(SIZES[0]);
+    (quality.shadow_resolution, quality.ambient_cells) = (64, 8);
+    if samples > 0 {
+        (quality.coverage, quality.samples) = (Coverage::SampleMask, samples);
+    }
+    let pipelines = Arc::new(Pipelines::new(&gpu.device));
+    let mut settings = Settings::default();
+    settings.set("wind.speed", 3.0f32).expect("there is wind");
+    settings.set("style.strands", 200u32).expect("there are strands");
+    let style = Style::from_str("short").expect("a built-in style");
+    let source = Source::default();
+    let maps = Companions::of(&source, Shelf::default()).maps().expect("none");
+    let styling = settings.styling(Some(&style), &maps).expect("a styling");
+    let base = pollster::block_on(Base::built_in(&style, &gpu, &pipelines.simulate, &())).expect("a base");
+    let character = pollster::block_on(base.dress(&styling, &())).expect("a character");
+    let physics = settings.physics();
+    let stage = Stage::new(gpu, pipelines, character, Colliders::default(), &physics, &quality, &());
+    let mut stage = pollster::block_on(stage).expect("a stage");
+    stage.apply(&settings).expect("settings are in their ranges");
+    let motion = Motion::named("turn").expect("a built-in motion");
+    let pivot = stage.pivot();
+    stage.reset(&motion.pose(0.0, pivot)).expect("the hair comes to rest");
+    let (mut leaked, mut before) = (Vec::new(), 0);
+    for frame in 0..frames {
+        let turn = (frame / LASTS) as usize;
+        if frame % LASTS == 0 {
+            stage.resize(SIZES[turn % SIZES.len()]).expect("small targets");
+            let mode = [LodMode::Off, LodMode::Fixed(0.5), LodMode::Auto][turn % 3];
+            stage.set_lod(LodOptions { mode, ..LodOptions::default() }).expect("a level of detail");
+            stage.show(VIEWS[turn % VIEWS.len()].map(Shown::new)).expect("a view");
+        }
+        let camera = Camera::portrait(View::Front, stage.subject(), 1.6, 1.0);
+        stage.watch(&camera);
+        let pose = motion.pose(f64::from(frame) / 24.0, pivot);
+        stage.advance(&pose, 1.0 / 24.0).expect("a step");
+        let mut encoder = stage.gpu.device.create_command_encoder(&Default::default());
+        stage.record_draw(&mut encoder, None, &camera).expect("a picture");
+        stage.gpu.queue.submit([encoder.finish()]);
+        pollster::block_on(stage.targets().read(&stage.gpu.device, &stage.gpu.queue)).expect("pixels");
+        leaked.push(vec![1u8; leak as usize]);
+        if frame + 1 == WARM.min(frames / 2) {
+            before = resident();
+        }
+    }
+    println!("grown by {}", resident() - before);
+}
+
+#[test]
+fn after_a_hundred_frames_memory_stands_still() {
+    for samples in [0, 4] {
+        let Some(grown) = growth(300, samples, 0) else { return };
+        assert!(grown <= MOST, "{samples} samples: {grown} bytes");
+    }
+}
+
+#[test]
+fn a_leak_is_seen() {
+    // As much as `present` alone once leaked.
+    let Some(grown) = growth(80, 0, 1_100_000) else { return };
+    assert!(grown > MOST, "{grown} bytes");
+}
+
+#[test]
+#[ignore = "proof"]
+fn two_thousand_frames_take_no_more_than_a_hundred() {
+    for samples in [0, 1, 4] {
+        let Some(grown) = growth(2000, samples, 0) else { return };
+        assert!(grown <= MOST, "{samples} samples: {grown} bytes");
+    }
+}
