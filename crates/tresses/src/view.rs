@@ -204,8 +204,10 @@ impl View {
         let camera = picture.camera.uniform(self.targets.samples, self.targets.ssaa, &picture.tone);
         queue.write_buffer(&self.camera, 0, bytemuck::bytes_of(&camera));
         self.present.prepare(queue, &picture.background, &picture.tone, &self.targets);
+        let mut first = 0;
         for seen in hair {
-            seen.shaded.prepare(queue, seen.hair, picture.shading);
+            seen.shaded.prepare(queue, seen.hair, picture.shading, first);
+            first += seen.hair.strands.count;
         }
         self.light.prepare(queue, (&picture.lights, &picture.shadows, &picture.focus), hair)
     }

@@ -433,7 +433,7 @@ fn hair() {
         stride,
         deeper,
         area,
-        _pad_b,
+        first,
         _pad_c,
         _pad_d,
     });

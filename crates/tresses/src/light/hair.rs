@@ -140,9 +140,10 @@ impl Shaded {
         })
     }
 
-    /// Writes what the shaders know of `hair`, for the frame that is recorded.
-    pub(crate) fn prepare(&self, queue: &wgpu::Queue, hair: &HairSet, rate: ShadingRate) {
-        let uniform = hair.material.uniform(rate, &hair.drawn, hair.strands.vertex_count, hair.splat);
+    /// Writes what the shaders know of `hair`, for the frame that is recorded; the grooms before it have `first`
+    /// strands.
+    pub(crate) fn prepare(&self, queue: &wgpu::Queue, hair: &HairSet, rate: ShadingRate, first: u32) {
+        let uniform = hair.material.uniform(rate, &hair.drawn, hair.strands.vertex_count, hair.splat, first);
         queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
     }
 

@@ -241,6 +241,7 @@ impl HairMaterial {
         drawn: &Drawn,
         rest_count: u32,
         splat: [u32; 2],
+        first: u32,
     ) -> HairUniform {
         let fiber = &self.fiber;
         let shape = fiber.shape.clamped();
@@ -288,7 +289,7 @@ impl HairMaterial {
             stride: drawn.stride,
             deeper: drawn.deeper.into(),
             area: drawn.area,
-            _pad_b: 0,
+            first,
             _pad_c: 0,
             _pad_d: 0,
         }
@@ -361,7 +362,8 @@ pub struct HairUniform {
     pub deeper: Vec2,
     /// See [`crate::strands::Drawn::area`].
     pub area: f32,
-    pub _pad_b: u32,
+    /// How many strands the grooms before it have in the picture: strands round their coverage by their number.
+    pub first: u32,
     pub _pad_c: u32,
     pub _pad_d: u32,
 }
