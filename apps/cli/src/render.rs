@@ -11,7 +11,7 @@ use crate::{
 use anyhow::{Result, ensure};
 use std::path::PathBuf;
 use tresses::{
-    draw::debug::DebugView,
+    views::DebugView,
     volume::{HairHair, HairHairMode},
 };
 use tresses_scene::{Camera, Motion, Shot, camera::View};

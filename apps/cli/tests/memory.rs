@@ -8,13 +8,11 @@
 use std::{process::Command, str::FromStr, sync::Arc};
 use tresses::{
     Pipelines,
-    draw::{
-        Coverage,
-        debug::{DebugView, Shown},
-    },
+    draw::Coverage,
     gpu::Gpu,
     groom::styles::Style,
     lod::{LodMode, LodOptions},
+    views::{DebugView, Shown},
 };
 use tresses_scene::{
     Base, Camera, Colliders, Companions, Motion, Quality, Settings, Shelf, Stage, camera::View,

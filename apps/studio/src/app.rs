@@ -23,7 +23,7 @@ use crate::{
 use anyhow::{Context, Result};
 use eframe::{egui, egui_wgpu::RenderState};
 use std::{sync::Arc, time::Duration};
-use tresses::{Pipelines, draw::debug, glam::Vec3, gpu::Gpu, groom::styles::Style};
+use tresses::{Pipelines, glam::Vec3, gpu::Gpu, groom::styles::Style, views};
 use tresses_scene::{Base, History, Surroundings, camera::View};
 use web_time::Instant;
 
@@ -74,7 +74,7 @@ pub struct Studio {
     /// How finely the last picture was drawn.
     pub(crate) drawn: Level,
     /// What is looked at instead of hair as it looks.
-    pub(crate) view: Option<debug::Shown>,
+    pub(crate) view: Option<views::Shown>,
     /// The colours painted on the scalp that are to be seen when they arrive.
     pub(crate) painted: Option<String>,
     /// One sentence about what went wrong last.

@@ -14,11 +14,7 @@ use tresses::{
     Hair, HairOptions, Pipelines, Pose, Progress, View,
     body::Body,
     collide::{ColliderDescriptor, FieldBuilder},
-    draw::{
-        Coverage, Targets,
-        debug::{DebugViews, Shown},
-        targets::PICTURE_FORMAT,
-    },
+    draw::{Coverage, Targets, targets::PICTURE_FORMAT},
     frame::{Frame, Recorder, Shows, Sight},
     glam::Vec3,
     gpu::{Gpu, Timings},
@@ -27,6 +23,7 @@ use tresses::{
     lod::{Detail, LodMode, LodOptions},
     simulate::SimulationParams,
     view::{Picture, ViewOptions},
+    views::{DebugViews, Shown},
 };
 
 /// The size of a picture and how finely it is sampled.

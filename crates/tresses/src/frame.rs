@@ -14,16 +14,13 @@ use crate::{
     Hair, Pipelines, Pose, Result,
     body::Body,
     collide::ColliderPoses,
-    draw::{
-        Embed, Surroundings,
-        debug::{DebugViews, Shown},
-        record::Canvas,
-    },
+    draw::{Embed, Surroundings, record::Canvas},
     gpu::{Timings, kernel},
     light::{HairSet, Seen},
     simulate::SimulationParams,
     stage::Stage,
     view::{Picture, View},
+    views::{DebugViews, Shown},
 };
 
 /// What the motion of a groom depends on besides the hair itself.
@@ -65,7 +62,7 @@ pub enum Shows<'a> {
     /// Hair over a scene that is drawn already, hidden by what is in front of it ([`crate::draw::embed`]). Bodies are
     /// not drawn, but their shadows fall on hair; background and tone play no part.
     Over(&'a Embed, Surroundings<'a>),
-    /// What is asked for instead of hair as it looks ([`crate::draw::debug`]). Nothing is read back.
+    /// What is asked for instead of hair as it looks ([`crate::views`]). Nothing is read back.
     Inside(&'a mut DebugViews, &'a Shown),
 }
 

@@ -86,6 +86,7 @@ pub mod hair;
 pub mod pipelines;
 pub mod stage;
 pub mod view;
+pub mod views;
 
 pub mod constants;
 pub mod error;

@@ -482,36 +482,33 @@ fn embed() {
 
 #[test]
 fn debug_views() {
-    use tresses::draw::debug::{
+    use tresses::views::{
         ArrowsUniform, GridUniform, GuidesUniform, LinePoint, LinesUniform, PaintUniform, SliceUniform,
         StrandsUniform, StreamsUniform,
     };
     let paint = rust_layout!(PaintUniform { inverse, low, high, opacity, encode });
-    assert_eq!(wgsl_layout("draw::debug::paint::PaintUniform"), paint);
+    assert_eq!(wgsl_layout("views::paint::PaintUniform"), paint);
     let grid = rust_layout!(GridUniform { rotation, translation, quantity, scale, turns, bias, _pad });
-    assert_eq!(wgsl_layout("draw::debug::grid::GridUniform"), grid);
+    assert_eq!(wgsl_layout("views::grid::GridUniform"), grid);
     assert_eq!(
-        wgsl_layout("draw::debug::slices::SliceUniform"),
+        wgsl_layout("views::slices::SliceUniform"),
         rust_layout!(SliceUniform { at, panels, panel, contours, _pad_a, _pad_b, _pad_c })
     );
     assert_eq!(
-        wgsl_layout("draw::debug::line::LinePoint"),
+        wgsl_layout("views::line::LinePoint"),
         rust_layout!(LinePoint { position, value, width, alpha, tint, _pad })
     );
-    assert_eq!(
-        wgsl_layout("draw::debug::lines::LinesUniform"),
-        rust_layout!(LinesUniform { points, rim, _pad })
-    );
+    assert_eq!(wgsl_layout("views::lines::LinesUniform"), rust_layout!(LinesUniform { points, rim, _pad }));
     let arrows = rust_layout!(ArrowsUniform { first, seconds, step, longest, count, least });
-    assert_eq!(wgsl_layout("draw::debug::arrows::ArrowsUniform"), arrows);
+    assert_eq!(wgsl_layout("views::arrows::ArrowsUniform"), arrows);
     assert_eq!(
-        wgsl_layout("draw::debug::streams::StreamsUniform"),
+        wgsl_layout("views::streams::StreamsUniform"),
         rust_layout!(StreamsUniform { seeds, points, step, least })
     );
     let guides = rust_layout!(GuidesUniform { count, vertex_count, sample_count, quantity });
-    assert_eq!(wgsl_layout("draw::debug::guides::GuidesUniform"), guides);
+    assert_eq!(wgsl_layout("views::guides::GuidesUniform"), guides);
     let strands = rust_layout!(StrandsUniform { eye, quantity, high, _pad_a, _pad_b, _pad_c });
-    assert_eq!(wgsl_layout("draw::debug::strands::StrandsUniform"), strands);
+    assert_eq!(wgsl_layout("views::strands::StrandsUniform"), strands);
 }
 
 #[test]

@@ -13,7 +13,6 @@ use tresses::{
     body::{Body, BodyMaterial},
     camera::ToneMap,
     collide::ColliderPoses,
-    draw::debug::{DebugView, DebugViews, Shown},
     frame::{Frame, Recorder, Shows, Sight},
     glam::{Affine3A, Mat4, Vec3},
     gpu::{Gpu, readback::blocking as readback},
@@ -26,6 +25,7 @@ use tresses::{
     present::Background,
     simulate::SimulationParams,
     view::{Picture as Shot, ViewOptions},
+    views::{DebugView, DebugViews, Shown},
 };
 use tresses_scene::{Settings, camera, knobs};
 

@@ -10,7 +10,7 @@ use embedded_graphics::{
     text::{Alignment, Text},
 };
 use std::convert::Infallible;
-use tresses::draw::debug::ramp;
+use tresses::views::ramp;
 
 /// What the colours mean.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,8 +7,8 @@ use anyhow::{Result, ensure};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use legend::Legend;
 use tresses::{
-    draw::debug::{DebugView, Peak, Shown, panels},
     simulate::SimulationParams,
+    views::{DebugView, Peak, Shown, panels},
     volume::HairHairMode,
 };
 use tresses_scene::Stage;

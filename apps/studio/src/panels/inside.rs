@@ -2,7 +2,7 @@
 
 use crate::{app::Studio, theme};
 use eframe::egui::{self, RichText, ScrollArea, Slider, Ui};
-use tresses::draw::debug::{DebugView, Shown};
+use tresses::views::{DebugView, Shown};
 
 /// The views by what they show; every view of the library is in one of them or under "More".
 const GROUPS: [(&str, &[DebugView]); 4] = [

@@ -2,7 +2,7 @@
 
 use crate::{app::Studio, theme};
 use eframe::egui::{Align2, Color32, Mesh, Pos2, Rect, RichText, Sense, TextStyle, Ui, pos2, vec2};
-use tresses::draw::debug::ramp;
+use tresses::views::ramp;
 
 /// How wide it is where there is room, points.
 const WIDTH: f32 = 280.0;

@@ -38,7 +38,6 @@
 //! which `light::shade`'s output is ready; peeling several layers per pass.
 
 pub mod coverage;
-pub mod debug;
 pub mod embed;
 mod pipelines;
 pub(crate) mod record;

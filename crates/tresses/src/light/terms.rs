@@ -28,7 +28,7 @@ pub enum Term {
     Sky = 4,
     /// From the lights.
     Direct = 5,
-    /// The share of the direct light that arrives, 0 to 1, as a colour of [`crate::draw::debug::ramp`];
+    /// The share of the direct light that arrives, 0 to 1, as a colour of [`crate::views::ramp`];
     /// without lights the zenith's.
     Shadow = 6,
 }

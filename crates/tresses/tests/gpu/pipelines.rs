@@ -24,11 +24,11 @@ fn a_frame_is_recorded_on_baseline_webgpu() {
         collide::{
             Anchor, Collider, ColliderDescriptor, ColliderPoses, FieldBuilder, FieldId, FieldSource, Shape,
         },
-        draw::debug::{DebugView, DebugViews, Shown},
         frame::{Frame, Recorder, Shows, Sight},
         groom::{BindOptions, TriMesh, bind},
         simulate::SimulationParams,
         view::Picture,
+        views::{DebugView, DebugViews, Shown},
     };
     let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
     assert_eq!(device.limits().max_storage_buffers_per_shader_stage, 8);

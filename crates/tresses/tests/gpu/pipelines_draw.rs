@@ -114,12 +114,12 @@ fn hair_in_a_scene_is_valid() {
 /// Every debug view, recorded over a picture of `format`; what wgpu objects to.
 fn debug_views(format: wgpu::TextureFormat, output: wgpu::TextureFormat) -> Option<wgpu::Error> {
     use tresses::{
-        draw::debug::{
+        glam::{Vec3, Vec4},
+        strands::GuideBuffers,
+        views::{
             Arrows, DebugStage, Grid, GuideQuantity, Layer, Paint, Peak, Quantity, Slices, Streams,
             outline::Pen,
         },
-        glam::{Vec3, Vec4},
-        strands::GuideBuffers,
     };
     let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
     let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);

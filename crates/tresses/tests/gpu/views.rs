@@ -7,7 +7,6 @@ use tresses::{
     Camera, Hair, HairOptions, Pipelines, Pose, View,
     body::Body,
     collide::ColliderPoses,
-    draw::debug::{DebugView, DebugViews, Shown},
     frame::{Frame, Recorder, Shows, Sight},
     glam::Vec3,
     gpu::{Gpu, readback},
@@ -15,6 +14,7 @@ use tresses::{
     light::{Lights, ShadingModel, Sphere, Term},
     simulate::SimulationParams,
     view::{Picture, ViewOptions},
+    views::{DebugView, DebugViews, Shown},
     wind::Wind,
 };
 

@@ -42,7 +42,7 @@ impl GuidesKernel {
     pub(super) fn new(device: &wgpu::Device) -> Self {
         use Binding::{Storage, StorageMut, Uniform};
         let entries = [Uniform, Storage, Storage, Storage, Storage, StorageMut];
-        Self(Kernel::new(device, "draw::debug::guides", &entries), Scratch::default())
+        Self(Kernel::new(device, "views::guides", &entries), Scratch::default())
     }
 
     /// A point per guide sample.

@@ -69,7 +69,7 @@ impl ArrowsKernel {
     pub(super) fn new(device: &wgpu::Device) -> Self {
         use Binding::{Sampler, StorageMut, Texture3d, Uniform};
         let entries = [Uniform, Uniform, Texture3d, Sampler, StorageMut];
-        Self(Kernel::new(device, "draw::debug::arrows", &entries), Scratch::default())
+        Self(Kernel::new(device, "views::arrows", &entries), Scratch::default())
     }
 
     /// Four points per arrow.

@@ -73,7 +73,7 @@ impl SlicesPipeline {
         let layout = layout(device, "slices", wgpu::ShaderStages::VERTEX_FRAGMENT, &entries);
         let pipeline = |hidden| {
             let topology = wgpu::PrimitiveTopology::TriangleStrip;
-            overlay(device, "draw::debug::slices", &[&layout, view], format, topology, hidden)
+            overlay(device, "views::slices", &[&layout, view], format, topology, hidden)
         };
         Ok(Self { scene: pipeline(true)?, panels: pipeline(false)?, layout })
     }

@@ -41,7 +41,7 @@ impl Overdraw {
             let light::Pipelines { frame, hair, fiber, .. } = &light::Pipelines::new(device);
             Recipe {
                 vertex,
-                fragment: Some(("draw::debug::overdraw", "overdraw_count")),
+                fragment: Some(("views::overdraw", "overdraw_count")),
                 layouts: &[frame, hair, fiber],
                 targets: &[blended(COUNTS, wgpu::BlendFactor::One, wgpu::BlendFactor::One)],
                 depth: Some((false, wgpu::CompareFunction::Greater)),
@@ -62,7 +62,7 @@ impl Overdraw {
         let count = self.count(canvas.device, coverage)?;
         let show = self.made.get("show", || {
             let topology = wgpu::PrimitiveTopology::TriangleList;
-            overlay(canvas.device, "draw::debug::overdraw", &[&self.layout], self.format, topology, false)
+            overlay(canvas.device, "views::overdraw", &[&self.layout], self.format, topology, false)
         })?;
         // As large as the picture.
         let size = canvas.depth.texture().size();

@@ -22,7 +22,7 @@ impl Volume {
             [Binding::Uniform, Binding::Uniform, Binding::Texture3d, Binding::Sampler, Binding::Depth];
         let layout = layout(device, "volume", wgpu::ShaderStages::FRAGMENT, &entries);
         let topology = wgpu::PrimitiveTopology::TriangleList;
-        let pipeline = overlay(device, "draw::debug::volume", &[&layout], format, topology, false)?;
+        let pipeline = overlay(device, "views::volume", &[&layout], format, topology, false)?;
         Ok(Self { pipeline, layout })
     }
 

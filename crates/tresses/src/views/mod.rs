@@ -385,7 +385,7 @@ fn body_pipeline(device: &wgpu::Device, view: &wgpu::BindGroupLayout) -> Result<
 }
 
 /// A pipeline over the picture: premultiplied colours, entry points `{name}_vertex` and
-/// `{name}_fragment` of `draw::debug::{name}`.
+/// `{name}_fragment` of `views::{name}`.
 fn overlay(
     device: &wgpu::Device,
     module: &'static str,

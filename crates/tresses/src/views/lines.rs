@@ -62,7 +62,7 @@ impl Lines {
         let entries = [Binding::Uniform, Binding::Uniform, Binding::Storage];
         let layout = layout(device, "lines", wgpu::ShaderStages::VERTEX_FRAGMENT, &entries);
         let topology = wgpu::PrimitiveTopology::TriangleList;
-        let pipeline = overlay(device, "draw::debug::lines", &[&layout, view], format, topology, true)?;
+        let pipeline = overlay(device, "views::lines", &[&layout, view], format, topology, true)?;
         Ok(Self { pipeline, layout })
     }
 

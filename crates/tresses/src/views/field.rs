@@ -33,7 +33,7 @@ impl FieldKernel {
         let obstacles = collide::layout(device);
         let entries = [Binding::Uniform, Binding::Write3d];
         Self {
-            kernel: Kernel::beside(device, "draw::debug::field", &entries, &[&obstacles]),
+            kernel: Kernel::beside(device, "views::field", &entries, &[&obstacles]),
             texture: texture.create_view(&Default::default()),
         }
     }

@@ -64,7 +64,7 @@ impl StreamsKernel {
     pub(super) fn new(device: &wgpu::Device) -> Self {
         use Binding::{Sampler, Storage, StorageMut, Texture3d, Uniform};
         let entries = [Uniform, Uniform, Texture3d, Sampler, Storage, StorageMut];
-        Self(Kernel::new(device, "draw::debug::streams", &entries), Scratch::default())
+        Self(Kernel::new(device, "views::streams", &entries), Scratch::default())
     }
 
     /// `streams.points` points per seed; nothing without seeds.

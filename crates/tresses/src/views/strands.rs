@@ -52,7 +52,7 @@ impl StrandsKernel {
     pub(super) fn new(device: &wgpu::Device) -> Self {
         use Binding::{Storage, StorageMut, Uniform};
         let entries = [Storage, Uniform, Storage, Storage, Storage, Storage, Storage, StorageMut];
-        Self(Kernel::new(device, "draw::debug::strands", &entries))
+        Self(Kernel::new(device, "views::strands", &entries))
     }
 
     /// Colours instead of radiance, for every vertex that is drawn.

@@ -14,11 +14,7 @@ pub struct Peak(Kernel);
 impl Peak {
     /// Builds it.
     pub fn new(device: &wgpu::Device) -> Self {
-        Self(Kernel::new(
-            device,
-            "draw::debug::peak",
-            &[Binding::Uniform, Binding::Texture3d, Binding::StorageMut],
-        ))
+        Self(Kernel::new(device, "views::peak", &[Binding::Uniform, Binding::Texture3d, Binding::StorageMut]))
     }
 
     /// The largest value in `grid` as it is now, at least 0. Waits: not for the frame.
