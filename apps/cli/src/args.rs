@@ -1,4 +1,4 @@
-//! What the options of several subcommands mean, and the sentences for values that make no sense.
+//! Options shared by several subcommands, and the messages for invalid values.
 
 use crate::orient_args::OrientArgs;
 use std::{path::PathBuf, str::FromStr};

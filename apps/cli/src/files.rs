@@ -60,7 +60,7 @@ impl Drop for Temporary {
 pub fn probe(folder: &Path) -> Result<()> {
     Temporary::new(folder)
         .map(drop)
-        .with_context(|| format!("{}: no file can be made there", folder.display()))
+        .with_context(|| format!("{}: no file can be created there", folder.display()))
 }
 
 /// Writes `bytes` to `path`, replacing what is there.

@@ -1,4 +1,4 @@
-//! Flags stay: scripts, documentation and habits hold them.
+//! Flags are stable: scripts and documentation depend on them.
 
 use super::Cli;
 use clap::CommandFactory;

@@ -1,4 +1,4 @@
-//! `tresses info`: what a groom is, and what is odd about it.
+//! `tresses info`: the contents of a groom, and its problems.
 
 use std::path::{Path, PathBuf};
 
@@ -100,7 +100,7 @@ fn as_text(report: &ImportReport) -> String {
     orientation(&mut out, "groom", &report.placement);
     let findings = &report.lint.findings;
     out += &match findings.len() {
-        0 => "\nNothing odd was found.\n".to_string(),
+        0 => "\nNo problems were found.\n".to_string(),
         1 => "\n1 finding\n".to_string(),
         n => format!("\n{n} findings\n"),
     };

@@ -1,4 +1,4 @@
-//! The options that say what is known of a file's unit and axes; other commands flatten them in.
+//! Options for a file's unit and axes, flattened into several commands.
 
 use tresses::groom::{
     import::ImportOptions,

@@ -1,4 +1,4 @@
-//! `tresses preset`: what options come to, as a file.
+//! `tresses preset`: writes the given options as a preset.
 
 use crate::{say, settings_args::SettingsArgs};
 use anyhow::Result;

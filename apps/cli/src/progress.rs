@@ -1,4 +1,4 @@
-//! Progress on the terminal; silent where the output is not one.
+//! Progress on the terminal; silent where the output is not a terminal.
 
 use indicatif::{ProgressBar, ProgressStyle, WeakProgressBar};
 use std::{

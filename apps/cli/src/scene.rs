@@ -1,4 +1,4 @@
-//! A character that is photographed.
+//! A character and the pictures taken of it.
 
 use crate::{
     args::Size,
@@ -57,7 +57,7 @@ impl Scene {
         let mut quality = settings.quality([size.width, size.height], most)?;
         ensure!(
             quality.samples <= most || fewer,
-            "there are to be {} samples per pixel, but {} offers at most {most}",
+            "{} samples per pixel were requested, but {} offers at most {most}",
             quality.samples,
             gpu.info.name
         );
@@ -97,7 +97,7 @@ impl Scene {
         self.debug.as_mut().map_or(Ok(()), |debug| debug.settle(&mut self.stage))
     }
 
-    /// The picture as it is now. Blocks.
+    /// The current picture. Blocks.
     pub fn picture(&mut self, camera: &Camera) -> Result<Picture> {
         let stage = &mut self.stage;
         stage.place_colliders();

@@ -1,4 +1,4 @@
-//! All options that say what hair is like, and what they make of a preset.
+//! All options for hair, and their effect on a preset.
 
 use crate::{
     args::SourceArgs,

@@ -1,4 +1,4 @@
-//! The command as a user meets it: one sentence and exit code 1 for what makes no sense, nothing written.
+//! The command from outside: one sentence and exit code 1 for invalid use, nothing written.
 
 use std::{
     path::Path,
@@ -51,7 +51,7 @@ fn absurd_options_are_refused() {
     refuses(&["render", "--debug", "guides", "--debug-max", "0"], "above 0");
     refuses(&["render", "--debug-max", "2"], "--debug");
     refuses(&["render", "--debug", "push", "--hair-hair", "off"], "--hair-hair is off");
-    refuses(&["render", "--debug", "wind"], "it is calm");
+    refuses(&["render", "--debug", "wind"], "there is no wind");
     refuses(&["render", "--curl", "spirals"], "waves, ringlets, coils");
     refuses(&["render", "--curl", "radius=800"], "from 0 to 100 mm");
     refuses(&["render", "--curl", "turns=9"], "wavelength");

@@ -1,4 +1,4 @@
-//! The studio itself: what it holds, and one frame of the window.
+//! The studio: its state, and one frame of the window.
 
 use crate::{
     ball::Ball,
@@ -79,7 +79,7 @@ pub struct Studio {
     pub(crate) painted: Option<String>,
     /// One sentence about what went wrong last.
     pub(crate) error: Option<String>,
-    /// Why the device is gone, told by the driver.
+    /// Why the device is gone, as reported by the driver.
     pub(crate) lost: loss::Lost,
     /// Something has changed that the picture does not show yet.
     pub(crate) dirty: bool,

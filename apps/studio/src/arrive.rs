@@ -1,4 +1,4 @@
-//! What comes from outside the window's frames: files, and long work that is done.
+//! Events from outside the window's frames: files, and long operations that have finished.
 
 use crate::{
     app::{Shown, Studio},

@@ -1,5 +1,5 @@
-//! A ball that is dropped on the head and rolls off through the hair. It has no partner: the hair gives way
-//! to it, the head throws it back, and where it goes hair does not matter.
+//! A ball that is dropped on the head and rolls off through the hair. The coupling is one-way: hair
+//! yields to it, the head bounces it, and hair does not affect its path.
 
 use tresses::{Pose, glam::Vec3, groom::SdfGrid};
 use tresses_scene::Bounds;

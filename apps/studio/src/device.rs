@@ -4,7 +4,7 @@ use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
 use std::sync::Arc;
 use tresses::gpu::{Gpu, Tier};
 
-/// What egui is told to make its device with.
+/// How egui creates its device.
 pub fn configuration() -> WgpuConfiguration {
     let mut setup = WgpuSetupCreateNew::without_display_handle();
     // OpenGL lacks what the compute stages need.

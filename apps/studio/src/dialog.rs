@@ -1,4 +1,4 @@
-//! Files by dialog: the desktop's own, asked beside the window, which goes on.
+//! File dialogs of the desktop, which do not block the window.
 
 use crate::{files::Files, sort, task};
 use eframe::egui::{self, DroppedFileHandle};
@@ -229,7 +229,7 @@ fn has_dialogs() -> bool {
 }
 
 /// What is missing when no dialog opens.
-const MISSING: &str = "this desktop opens no dialogs for files (on Linux install a desktop portal or zenity)";
+const MISSING: &str = "no file dialogs are available (on Linux install a desktop portal or zenity)";
 
 /// Writes `bytes` where the person wants them; names without an ending get that of `name`.
 #[cfg(not(target_arch = "wasm32"))]

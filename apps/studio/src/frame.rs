@@ -120,7 +120,7 @@ impl Studio {
         false
     }
 
-    /// Whether a picture that stands still is made finer: not under somebody's finger.
+    /// Whether a still picture is refined: not while a pointer is down.
     pub(crate) fn may_refine(&self, context: &egui::Context) -> bool {
         self.job.is_none() && self.pace.can_refine() && !context.input(|input| input.pointer.any_down())
     }
@@ -146,7 +146,7 @@ impl Studio {
         self.show.as_ref().map_or(Vec3::ZERO, |show| show.stage.pivot())
     }
 
-    /// Whether somebody has his hands on head or hair, or had until just now.
+    /// Whether the user is dragging head or hair, or was until just now.
     pub(crate) fn is_live(&self) -> bool {
         self.awake > 0.0 || !self.hand.is_still()
     }

@@ -1,4 +1,4 @@
-//! Which hair is shown, with what beside it, and the ways from one to another.
+//! The hair that is shown, with its files, and the transitions between hairs.
 
 use crate::{
     app::{Shown, Studio},

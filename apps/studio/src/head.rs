@@ -1,4 +1,4 @@
-//! The head in a person's hand: it follows the pointer on a spring and swings back when let go.
+//! Dragging the head: it follows the pointer on a spring and swings back when released.
 
 use tresses::{
     Pose,

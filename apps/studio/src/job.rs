@@ -1,4 +1,4 @@
-//! Long work, beside the window: pipelines, then a character on the GPU.
+//! Long operations in the background: pipelines, then a character on the GPU.
 
 use crate::{files::Files, hair::Hair, task, turn};
 use anyhow::Result;
@@ -196,7 +196,7 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready
     let Order { hair, base, surroundings, pipelines, settings, keep } = order;
     let Hair { source, companions } = &hair;
     // What can be refused is refused before anything is made.
-    progress.step("reading maps and surroundings", 0.0).await;
+    progress.step("reading maps and environments", 0.0).await;
     let (maps, colliders) = (companions.maps()?, companions.colliders()?);
     let surroundings = match surroundings {
         Some(surroundings) => Some(surroundings),

@@ -1,16 +1,16 @@
 //! The studio: one interactive viewer of hair, in a window and in the browser.
 //!
 //! ```text
-//! app ──► viewport, panels      what a person does, frame by frame
+//! app ──► viewport, panels      user input, frame by frame
 //!  │
-//!  ├─ job ──► task              long work: pipelines, grooms; a thread here, an async task in the browser
+//!  ├─ job ──► task              long operations: pipelines, grooms; a thread natively, an async task in the browser
 //!  └─ stage                     the only file that talks to the renderer: a frame into a texture
 //! ```
 //!
 //! egui owns window, device and queue ([`device`] says what it asks the adapter for); [`stage`] draws
 //! into a texture of the viewport's size, on the same queue and before egui's own pass. At most one frame of
-//! hair is under way at any time: while it is, the window shows the one before and answers. What a frame
-//! takes steers the resolution ([`pace`]). Nothing is drawn unless hair moves or something changed.
+//! hair is in flight at any time: meanwhile the window shows the previous one and stays responsive. Frame time
+//! controls the resolution ([`pace`]). Nothing is drawn unless hair moves or something changed.
 
 pub mod app;
 pub mod arrive;

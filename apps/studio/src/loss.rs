@@ -13,7 +13,7 @@ pub struct Loss {
     is_gone: bool,
 }
 
-/// What the driver has told so far.
+/// What the driver has reported so far.
 pub type Lost = Arc<Mutex<Option<Loss>>>;
 
 impl Studio {

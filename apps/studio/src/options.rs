@@ -1,4 +1,4 @@
-//! What the studio is started with.
+//! The studio's start options.
 
 use anyhow::{Context, Result, anyhow};
 use std::path::PathBuf;

@@ -1,4 +1,4 @@
-//! The camera that a person holds: it turns about a point, pans and zooms, and glides to named views.
+//! The user's camera: it orbits a point, pans and zooms, and moves smoothly to named views.
 
 use tresses::glam::{Vec2, Vec3};
 use tresses_scene::camera::{Bounds, Camera, VERTICAL_FOV, View};

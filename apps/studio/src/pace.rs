@@ -1,6 +1,5 @@
-//! Keeps frames short: resolution and detail fall until a frame fits, and rise again when there is room.
-//! When nothing moves any more, there is time: level by level the picture becomes what it would be
-//! without any of that.
+//! Keeps frames short: resolution and detail fall until a frame fits, and rise again when there is time.
+//! When nothing moves, the picture is refined level by level to full quality.
 
 use anyhow::Result;
 use tresses::lod::LodOptions;

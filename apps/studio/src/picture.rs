@@ -6,7 +6,7 @@ use eframe::egui;
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 
 impl Studio {
-    /// Saves the picture, if somebody wants it: as large and as fine as the window could show it.
+    /// Saves the picture on request, at the window's full size and quality.
     pub(crate) fn save_picture(&mut self, context: &egui::Context) {
         if !self.wants_picture || self.recording.is_some() {
             return;
@@ -35,7 +35,7 @@ impl Studio {
         });
     }
 
-    /// Draws the hair as it is, whatever that takes.
+    /// Draws the hair in its current state, however long it takes.
     fn draw_in_full(&mut self, context: &egui::Context) -> Result<()> {
         let level = self.pace.finest();
         self.dress(level);

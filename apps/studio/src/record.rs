@@ -1,5 +1,5 @@
-//! A loop as a file: the motion is run from its begin in exact steps, one frame of hair at a time, however
-//! long each takes. The window goes on and shows what is recorded.
+//! A loop as a file: the motion runs from its start with a fixed time step, one frame of hair at a time,
+//! however long each takes. The window stays responsive and shows the recording.
 
 #[cfg(not(target_arch = "wasm32"))]
 use crate::task;
@@ -76,7 +76,7 @@ impl Recording {
     /// What it does now.
     pub fn step(&self) -> String {
         if self.next < self.lead {
-            return "letting the hair find into the motion".into();
+            return "letting the hair settle into the motion".into();
         }
         format!("recording frame {} of {}", self.written + 1, self.frames)
     }
@@ -113,7 +113,7 @@ impl Studio {
     pub(crate) fn stop_recording(&mut self) {
         if let Some(recording) = self.recording.take() {
             self.play = recording.before;
-            (self.dirty, self.said) = (true, Some("The recording was stopped; nothing is written".into()));
+            (self.dirty, self.said) = (true, Some("The recording was stopped; nothing was written".into()));
         }
     }
 

@@ -1,4 +1,4 @@
-//! What is done with files that were chosen or dropped, by their names and what is in them.
+//! Dispatch of files that were chosen or dropped, by name and content.
 
 use crate::{
     dialog::{Answer, Read},

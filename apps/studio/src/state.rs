@@ -1,4 +1,4 @@
-//! What the studio tells of itself, for tests that drive it from outside.
+//! The studio's state, reported for tests that drive it from outside.
 
 use crate::{app::Studio, job::Job, stage::Show};
 use eframe::egui;

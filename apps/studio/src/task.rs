@@ -1,4 +1,4 @@
-//! Work beside the window: a thread here, an async task in the browser.
+//! Background work: a thread natively, an async task in the browser.
 
 /// Starts the work that `make` makes and returns.
 #[cfg(not(target_arch = "wasm32"))]

@@ -1,4 +1,4 @@
-//! How the studio looks: quiet and dark, so that the hair is the brightest thing.
+//! The studio's theme: quiet and dark, so that the hair is the brightest thing.
 
 use eframe::egui::{self, Color32, CornerRadius, FontFamily, FontId, Stroke, TextStyle, Visuals, vec2};
 

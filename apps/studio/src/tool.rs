@@ -1,4 +1,4 @@
-//! What a drag in the picture does.
+//! The tools: what a drag in the picture does.
 
 use eframe::egui::Key;
 
@@ -24,15 +24,15 @@ impl Tool {
             "Drag the head to move and shake it, with Shift to turn it. Beside the head the camera turns.",
         ),
         (Self::Lock, "Lock", Key::L, "Drag hair to pull a lock. Beside the hair nothing happens."),
-        (Self::Camera, "Camera", Key::C, "Drag to look around. The right button does so with any tool."),
+        (Self::Camera, "Camera", Key::C, "Drag to orbit. The right button does so with any tool."),
     ];
 
     /// What the pointer can do, a line.
     pub fn hint(self) -> &'static str {
         match self {
-            Self::Hand => "Drag the head to shake it · drag beside it to look around · wheel to come nearer",
-            Self::Lock => "Drag hair to pull a lock · right button to look around · wheel to come nearer",
-            Self::Camera => "Drag to look around · middle button or Shift to pan · wheel to come nearer",
+            Self::Hand => "Drag the head to shake it · drag beside it to orbit · wheel to zoom",
+            Self::Lock => "Drag hair to pull a lock · right button to orbit · wheel to zoom",
+            Self::Camera => "Drag to orbit · middle button or Shift to pan · wheel to zoom",
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Parameters are turned: what a change means for what is shown.
+//! Changes of parameters, and their effect on what is shown.
 
 use crate::{app::Studio, files::Files, hair::Hair, job::Source, pace::Level};
 use eframe::egui;

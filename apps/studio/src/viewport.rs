@@ -1,4 +1,4 @@
-//! The picture in the middle, and what the pointer does in it.
+//! The viewport: the picture, and the pointer in it.
 
 use crate::{app::Studio, head, panels, theme, tool::Tool};
 use eframe::egui::{
@@ -181,7 +181,7 @@ fn hover(studio: &mut Studio, ui: &Ui, response: &Response) {
     ui.ctx().set_cursor_icon(icon);
 }
 
-/// A dark plate behind what lies on the picture.
+/// A dark backdrop for controls on the picture.
 pub fn plate() -> egui::Frame {
     egui::Frame::new()
         .fill(Color32::from_rgba_unmultiplied(0x16, 0x17, 0x19, 205))

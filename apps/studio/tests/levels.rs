@@ -1,4 +1,4 @@
-//! What is drawn less finely covers as much as what is drawn in full: a small picture is coarser hair, not less.
+//! Lower quality levels cover as much as full quality: a small picture has coarser hair, not less.
 
 use std::{path::Path, sync::Arc};
 use tresses::{

@@ -1,5 +1,5 @@
-//! The window on a display that nobody sees, with the software driver: it opens, draws hair, answers, follows its
-//! size and closes.
+//! The window on a virtual display, with the software driver: it opens, draws hair, responds, resizes and
+//! closes.
 #![cfg(target_os = "linux")]
 
 mod desk;

@@ -1,5 +1,5 @@
-//! The studio in a real browser: its page opens, shows hair that moves, answers to mouse and keys, takes
-//! files, and neither the browser nor WebGPU complains.
+//! The studio in a real browser: its page opens, shows moving hair, responds to mouse and keys, accepts
+//! files, and neither the browser nor WebGPU reports an error.
 
 mod browser;
 

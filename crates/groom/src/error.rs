@@ -48,7 +48,7 @@ pub enum Error {
         /// One clause.
         problem: String,
     },
-    /// A groom or a mesh cannot be used as it is.
+    /// A groom or a mesh cannot be used.
     #[error("{0}")]
     Unusable(String),
     /// A parameter is outside its range.

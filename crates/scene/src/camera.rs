@@ -1,4 +1,4 @@
-//! Portrait cameras: where to stand so that the head and its hair fill the picture.
+//! Portrait cameras: positions from which the head and its hair fill the picture.
 
 use tresses::glam::Vec3;
 

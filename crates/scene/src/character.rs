@@ -1,4 +1,4 @@
-//! A groom on a head, from files or built in: first the [`Base`], which is slow to make, then the
+//! A groom on a head, from files or built in: first the [`Base`], which is slow to build, then the
 //! [`Character`] whose strands are grown or restyled on it.
 
 use anyhow::{Context, Result};
@@ -126,7 +126,7 @@ pub struct Base {
 #[derive(Debug)]
 #[allow(clippy::large_enum_variant)] // There is one.
 enum Hair {
-    /// Guides that have fallen into place.
+    /// Draped guides.
     BuiltIn { style: Style, styled: StyledGuides, scalp: GridScalp },
     /// The strands of files.
     Imported { strands: Strands, field: Option<SdfGrid> },

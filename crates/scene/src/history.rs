@@ -1,4 +1,4 @@
-//! What was turned, to be undone.
+//! Undo of parameter changes.
 
 use crate::{knobs, settings::Settings};
 

@@ -1,5 +1,5 @@
-//! What the command and the studio share: a character from files or built in, its settings, how its head
-//! moves and who looks at it, and all of it on the GPU. The library `tresses` knows nothing of it.
+//! Shared by the command and the studio: a character from files or built in, its settings, the motion of its
+//! head, its cameras, and all of it on the GPU. The library `tresses` does not depend on it.
 
 pub mod camera;
 pub mod character;

@@ -1,4 +1,4 @@
-//! How long a stage's frames take, stage by stage. Waits for them: not for a browser.
+//! Measures frames, stage by stage. Blocks, so it is not for a browser.
 
 use crate::{camera::Camera, stage::Stage};
 use anyhow::Result;

@@ -1,4 +1,4 @@
-//! A character on the GPU, ready to be moved and drawn: the only file here that talks to the frame.
+//! A character on the GPU, ready to be animated and drawn: the only file here that calls the frame.
 
 use crate::{
     camera::{self, Bounds, Camera},
@@ -39,7 +39,7 @@ pub struct Quality {
     pub ssaa: u32,
     /// Texels along each edge of a shadow map.
     pub shadow_resolution: u32,
-    /// Cells along each edge of the grid of light from all sides.
+    /// Cells along each edge of the grid of ambient light.
     pub ambient_cells: u32,
 }
 

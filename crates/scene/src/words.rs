@@ -1,4 +1,4 @@
-//! Numbers for people.
+//! Numbers formatted for reading.
 
 /// A whole number with a comma between its thousands.
 pub fn grouped(number: u64) -> String {

@@ -1,5 +1,5 @@
-//! Writes what comes cooked with `tresses-groom`: the mannequin, meshed and measured, and the guides of the
-//! built-in styles, draped. Run it when the sculpture, a recipe or the draping has changed.
+//! Writes the files stored in `tresses-groom`: the mannequin, meshed and measured, and the draped guides of the
+//! built-in styles. Run it when the sculpture, a recipe or the draping has changed.
 //!
 //! `cargo run -p tresses --example cook`, and once more: guides are traced on the bust that was built in.
 

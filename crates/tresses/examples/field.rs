@@ -1,4 +1,4 @@
-//! How long the distance field of a mesh takes on the GPU and on the CPU, and how far they differ.
+//! Build time of a mesh's distance field on the GPU and on the CPU, and their difference.
 //!
 //! `cargo run --release --example field -- head.obj`
 

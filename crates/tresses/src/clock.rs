@@ -30,7 +30,7 @@ pub enum Mode {
 pub struct Step {
     /// What it does.
     pub mode: Mode,
-    /// Pose of the head at the begin.
+    /// Pose of the head at the start.
     pub begin: Pose,
     /// Pose of the head at the end.
     pub end: Pose,

@@ -51,5 +51,5 @@ pub const MAX_LIGHTS: u32 = 4;
 pub const SHADOW_BLOCK: u32 = 4;
 /// Layers of a deep opacity map.
 pub const DEEP_LAYERS: u32 = 8;
-/// About how many strands stand for all in the grid of light from all sides.
+/// About how many strands represent all of them in the grid of ambient light.
 pub const AMBIENT_STRANDS: u32 = 4096;

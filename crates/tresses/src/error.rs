@@ -1,4 +1,4 @@
-//! What can go wrong, each in one sentence that names the place and, where there is one, the remedy.
+//! Errors, each one sentence that names the place and, where there is one, the remedy.
 
 use crate::groom;
 pub use groom::error::At;
@@ -50,7 +50,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// A groom or a mesh cannot be used as it is.
+    /// A groom or a mesh cannot be used.
     pub(crate) fn unusable(problem: impl Into<String>) -> Self {
         Self::Groom(groom::Error::Unusable(problem.into()))
     }

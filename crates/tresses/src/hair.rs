@@ -242,7 +242,7 @@ impl Hair {
     }
 
     /// Grabs the lock that `ray` (world space, from the eye through the cursor: [`Camera::ray`]) meets
-    /// first: all of the hair that hangs on guide vertices within `radius` metres of there, or on the nearest. It
+    /// first: all of the hair that follows guide vertices within `radius` metres of there, or the nearest one. It
     /// holds it until [`release`](Self::release), until the head jumps or until the hair is
     /// [reset](Self::reset); a ray that meets no hair, or the head before it, holds nothing. See
     /// [`crate::simulate::grab`].
@@ -337,7 +337,7 @@ fn count(n: usize) -> Result<u32> {
     u32::try_from(n).map_err(|_| Error::unusable(format!("{n} strands are more than 32 bits can count")))
 }
 
-/// The strands with the upper half of their seeds shared by all that hang on the same first guide.
+/// The strands, with the upper half of their seeds shared by all that follow the same first guide.
 fn with_locks(strands: &BoundStrands) -> Vec<Strand> {
     let strands = strands.strands.iter().zip(&strands.bindings);
     strands

@@ -40,7 +40,7 @@ pub struct ViewOptions {
     /// Texels along each edge of a shadow map, brought into 4 to 2048; of a deep opacity map a third,
     /// or fewer where shadows are to be soft. Five maps take 43 bytes per texel ([`View::shadow_bytes`]).
     pub shadow_resolution: u32,
-    /// Cells along each edge of the grid of light from all sides, brought into 4 to 64
+    /// Cells along each edge of the grid of ambient light, brought into 4 to 64
     /// ([`crate::light::ambient`]); each takes 300 bytes.
     pub ambient_cells: u32,
     /// Format of what `present` writes to.
@@ -161,7 +161,7 @@ impl View {
         self.light.shadow_bytes()
     }
 
-    /// Bytes of GPU memory of light from all sides.
+    /// Bytes of GPU memory of ambient light.
     pub fn ambient_bytes(&self) -> u64 {
         self.light.ambient_bytes()
     }

@@ -1,5 +1,5 @@
-//! What the ways to light, shade and draw hair cost, held against each other: one character, one
-//! camera, one motion.
+//! The cost of the methods of lighting, shading and drawing hair, compared: one character, one camera, one
+//! motion.
 
 use super::{
     report::Run,

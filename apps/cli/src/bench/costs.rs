@@ -1,5 +1,5 @@
-//! What the parts of the simulation cost, held against each other in one run: 1,000 guides of 32
-//! vertices, chosen among the strands of the built-in long style, in motion.
+//! The cost of the parts of the simulation, compared in one run: 1,000 guides of 32 vertices, chosen among the
+//! strands of the built-in long style, in motion.
 
 use super::{statistics::Summary, workload};
 use crate::load;
@@ -254,7 +254,7 @@ pub fn measure(frames: u32, bar: &ProgressBar) -> Result<Costs> {
     costs.part("wind, 32³", windy.sum(&["wind"]));
     let air = costs.part("density and wind, 32³", windy.sum(&["volume", "wind"]));
     costs.limit("density and wind at 32³ / the guides' own solve", air, solve, 1.0);
-    costs.part("solve with what density and wind do to it", windy.sum(&simulate));
+    costs.part("solve with the forces of density and wind", windy.sum(&simulate));
     let interpolate = costs.part("interpolation", alone.sum(&["interpolate"]));
     let avoid = costs.part("avoidance", alone.sum(&["avoid"]));
     costs.limit("avoidance / interpolation", avoid, interpolate, 1.0);

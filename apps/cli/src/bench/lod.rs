@@ -1,5 +1,5 @@
-//! What a frame costs at a distance, in full detail and at the level of detail that goes with it, with the
-//! pixels that the hair covers.
+//! The cost of a frame at a distance, at full detail and at the matching level of detail, with the pixels that
+//! the hair covers.
 
 use super::{
     report::{ms, table},

@@ -1,8 +1,7 @@
-//! `tresses bench`: milliseconds per stage from GPU timestamps, on the scenes that others have measured.
+//! `tresses bench`: milliseconds per stage from GPU timestamps, on scenes with published figures.
 //!
-//! Every frame is submitted and waited for alone, so that a stage's time is its own. Medians are
-//! given because a software driver shares its cores with everything else; the 95th percentile says
-//! how far to trust them.
+//! Every frame is submitted and waited for alone, so that a stage's time is its own. Medians are reported
+//! because a software driver shares its cores with everything else; the 95th percentile shows their spread.
 
 mod appearance;
 mod costs;

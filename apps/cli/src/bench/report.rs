@@ -1,4 +1,4 @@
-//! What was measured, as tables for people and as JSON for machines.
+//! The results, as tables and as JSON.
 
 use super::{
     appearance::Look,
@@ -130,10 +130,10 @@ impl Adapter {
         let kind = if self.software { ", on the CPU" } else { "" };
         let timed = match self {
             Self { software: true, .. } => {
-                "Each stage submitted alone and timed by the clock: this driver's timestamps do not compare."
+                "Each stage submitted alone and timed by wall clock: this driver's timestamps are not comparable."
             }
             Self { timestamps: false, .. } => "This adapter cannot time its passes: whole frames only.",
-            _ => "Stages by GPU timestamps, whole frames by the clock.",
+            _ => "Stages by GPU timestamps, whole frames by wall clock.",
         };
         format!(
             "{} ({}, {}{kind})\n{timed}\nMilliseconds: medians and 95th percentiles.\n",

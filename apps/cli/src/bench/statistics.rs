@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// What is told of many measurements of one thing.
+/// Statistics of repeated measurements.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
     /// Milliseconds.

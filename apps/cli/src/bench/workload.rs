@@ -1,4 +1,4 @@
-//! What is measured: the seed's two scenes, a peer's, and a line of strand counts.
+//! What is measured: the two scenes of the 2008 talk, a peer's, and a line of strand counts.
 
 use super::{
     Args,
@@ -80,12 +80,12 @@ pub fn style(strands: Option<u32>, edges: Edges) -> Preset {
     preset
 }
 
-/// The seed's two scenes.
+/// The two scenes of the 2008 talk.
 pub fn seed() -> Vec<Workload> {
     let runs = vec![("at rest", "still"), ("in motion", "turn")];
     vec![
         Workload {
-            name: "The seed's first scene".into(),
+            name: "The 2008 talk, first scene".into(),
             others: "GeForce 8800 GTX, 2008, 8×MSAA: 15.6 ms at rest, 24.4 ms in motion",
             preset: style(None, masks("8", 1)),
             triangles: Some(990_000),
@@ -93,7 +93,7 @@ pub fn seed() -> Vec<Workload> {
             runs: runs.clone(),
         },
         Workload {
-            name: "The seed's second scene".into(),
+            name: "The 2008 talk, second scene".into(),
             others: "GeForce 8800 GTX, 2008, 8×MSAA: 41.7 ms at rest, 57.1 ms in motion",
             preset: style(None, masks("8", 2)),
             triangles: Some(2_100_000),

@@ -1,4 +1,4 @@
-//! How far two pictures are apart.
+//! Differences between two pictures.
 
 use crate::picture::Picture;
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8};

@@ -1,9 +1,9 @@
 //! `tresses compare`: our pictures beside path-traced ones of the same hair, camera and lights, with
-//! the difference that people would see (FLIP) and the light on the hair.
+//! the perceived difference (FLIP) and the luminance of the hair.
 //!
-//! Strands and head come from the files the reference names, as they are: nothing is oriented,
-//! simulated or fitted. What differs is rendering alone. Where the reference has light that is scattered once, with
-//! shadows and without, the shares that arrive are compared too ([`share`]).
+//! Strands and head are read unchanged from the files that the reference names: nothing is oriented, simulated
+//! or fitted, so only rendering differs. Where the reference has singly scattered light, with shadows and
+//! without, the fractions that arrive are compared too ([`share`]).
 
 mod metrics;
 mod scenes;

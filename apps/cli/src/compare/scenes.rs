@@ -1,4 +1,4 @@
-//! The description of the reference pictures, and where what it names lies.
+//! The description of the reference pictures, and the locations of the files that it names.
 
 use super::metrics::Linear;
 use crate::picture::{self, Picture};

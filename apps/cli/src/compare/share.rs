@@ -1,5 +1,5 @@
-//! How much of a light arrives on hair, as the eye sees it: the light that is scattered once, with shadows,
-//! over the same without.
+//! The fraction of a light that arrives on visible hair: singly scattered light with shadows, over the same
+//! without.
 
 use super::metrics::{Linear, hair};
 use crate::picture::Picture;

@@ -1,4 +1,4 @@
-//! What the colours mean: a bar with numbers, drawn into the picture.
+//! The legend: a colour bar with numbers, drawn into the picture.
 
 use crate::picture::Picture;
 use embedded_graphics::{

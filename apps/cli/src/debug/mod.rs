@@ -1,4 +1,4 @@
-//! `--debug`: what the library can show instead of hair as it looks, with a legend.
+//! `--debug`: the library's debug views, with a legend.
 
 mod legend;
 
@@ -43,7 +43,7 @@ impl DebugArgs {
         );
         ensure!(
             self.debug != Some(DebugView::Wind) || physics.wind.blows(),
-            "--debug has nothing to show: it is calm; give --wind a speed"
+            "--debug has nothing to show: there is no wind; give --wind a speed"
         );
         Ok(())
     }

@@ -1,7 +1,7 @@
-//! Where pictures go: one file, a folder of numbered frames, or an animation file. The path decides.
+//! Output of pictures: one file, a folder of numbered frames, or an animation file, chosen by the path.
 //!
-//! Nothing half-written is ever seen under its final name: every file is written next to its place
-//! under a temporary name and moved there when it is complete.
+//! No partial file ever has its final name: every file is written under a temporary name next to it and renamed
+//! when it is complete.
 
 use crate::files;
 use anyhow::{Context, Result, bail, ensure};
@@ -126,7 +126,7 @@ impl Output {
         };
         if !folder.as_os_str().is_empty() {
             std::fs::create_dir_all(folder)
-                .with_context(|| format!("{}: the folder cannot be made", folder.display()))?;
+                .with_context(|| format!("{}: the folder cannot be created", folder.display()))?;
         }
         files::probe(folder)?;
         let sink = match kind {

@@ -1,4 +1,4 @@
-//! A picture was dropped: the small window that asks which map it is.
+//! The small window that asks which map a dropped picture is.
 
 use crate::{app::Studio, panels::files::last, theme};
 use eframe::egui::{self, Align2, Key, RichText, Ui, vec2};

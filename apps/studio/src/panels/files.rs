@@ -1,5 +1,5 @@
-//! What stands beside the hair: maps on the scalp, obstacles, surroundings. Each has its row, with the file
-//! and a cross that takes it away.
+//! Files beside the groom: maps on the scalp, obstacles, environments. Each has a row with the file and a cross
+//! that removes it.
 
 use crate::{
     app::Studio,
@@ -23,10 +23,10 @@ const TITLES: f32 = 112.0;
 
 /// The groups: a title, a line about it, and what is in it.
 const GROUPS: [(&str, &str, &[Kind]); 4] = [
-    ("Light", "A picture all around that lights the hair (.hdr, .exr)", &[Kind::Surroundings]),
+    ("Light", "An equirectangular picture that lights the hair (.hdr, .exr)", &[Kind::Surroundings]),
     (
         "Maps on the scalp",
-        "Pictures (.png) that are seen from above: their top is the front, their right the head's left",
+        "Pictures (.png) of the scalp from above: the top is the front, the right is the head's left",
         &[Kind::Map, Kind::Colors],
     ),
     ("Strands", "Drawn curls and painted levels of detail", &[Kind::Curve, Kind::Levels]),
@@ -61,7 +61,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
             }
             ui.add_space(8.0);
         }
-        let help = "They can be dropped on the window too, as can presets that name them.";
+        let help = "They can also be dropped on the window, as can presets that name them.";
         ui.label(RichText::new(help).small().color(theme::QUIET));
     });
     match wish {
@@ -93,7 +93,7 @@ fn row(companion: &Companion, name: Option<&str>, ui: &mut Ui) -> Option<Wish> {
                 let (response, _) = egui::containers::menu::MenuButton::from_button(button)
                     .ui(ui, |ui| wish = menu(name, ui));
                 response.on_hover_text(help);
-            } else if ui.add(button).on_hover_text(format!("{help}\nPress to choose a file")).clicked() {
+            } else if ui.add(button).on_hover_text(format!("{help}\nClick to choose a file")).clicked() {
                 wish = Some(Wish::Choose);
             }
         });

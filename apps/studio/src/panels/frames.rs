@@ -1,4 +1,4 @@
-//! A small rolling plot of what frames took.
+//! A small rolling plot of frame times.
 
 use crate::theme;
 use eframe::egui::{self, Align2, Color32, Rect, Sense, Stroke, TextStyle, Ui, pos2, vec2};

@@ -1,4 +1,4 @@
-//! What is known of the groom: how it was read, what was found, and how to read it otherwise.
+//! The groom: how it was read, the lint's findings, and how to read it differently.
 
 use crate::{app::Studio, job::Source, theme};
 use eframe::egui::{self, ComboBox, Grid, RichText, ScrollArea, Ui};
@@ -41,9 +41,9 @@ fn facts(studio: &Studio, ui: &mut Ui) {
             (
                 "Vertices per strand",
                 facts.vertices_per_strand.to_string(),
-                "Points along each of them as it is drawn; files may have fewer",
+                "Vertices of each drawn strand; files may have fewer",
             ),
-            ("Triangles", grouped(facts.triangles), "What the picture is made of now"),
+            ("Triangles", grouped(facts.triangles), "Triangles in the current picture"),
             ("Guides", grouped(facts.guides.into()), "Strands that are simulated; the others follow them"),
             (
                 "GPU memory",
@@ -63,7 +63,7 @@ fn findings(report: &ImportReport, ui: &mut Ui) {
         ui.label(format!("{}, {} strands", file.format, grouped(file.strands as u64)));
     }
     if report.lint.findings.is_empty() {
-        ui.label(RichText::new("Nothing odd was found in it.").color(theme::QUIET));
+        ui.label(RichText::new("No problems were found.").color(theme::QUIET));
     }
     for finding in &report.lint.findings {
         let color = match finding.severity {
@@ -134,5 +134,5 @@ fn pick<T: Copy + PartialEq>(
             }
         })
         .response
-        .on_hover_text("Read the file again with another one");
+        .on_hover_text("Reload the file with another choice");
 }

@@ -1,4 +1,4 @@
-//! Looking inside: the library's debug views.
+//! The library's debug views.
 
 use crate::{app::Studio, theme};
 use eframe::egui::{self, RichText, ScrollArea, Slider, Ui};

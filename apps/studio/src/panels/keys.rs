@@ -7,12 +7,12 @@ use tresses_scene::camera::View;
 /// The views and their keys.
 pub const VIEWS: [(View, &str, Key, &str); 4] = [
     (View::Front, "Front", Key::Num1, "From before the face"),
-    (View::ThreeQuarter, "3/4", Key::Num2, "Half from the side; a double click in the picture does the same"),
+    (View::ThreeQuarter, "3/4", Key::Num2, "Three-quarter view; a double click in the picture does the same"),
     (View::Side, "Side", Key::Num3, "From the head's left"),
     (View::Back, "Back", Key::Num4, "From behind"),
 ];
 
-/// Answers what was typed, unless somebody writes.
+/// Handles keys, unless a text field has the focus.
 pub fn answer(studio: &mut Studio, context: &egui::Context) {
     if context.egui_wants_keyboard_input() {
         return;

@@ -189,7 +189,7 @@ fn widget(knob: &Knob, value: Value, auto: bool, ui: &mut Ui) -> Option<Value> {
         // What is chosen by itself and unknown: a file has its own.
         (kind, _) => ui
             .button("auto")
-            .on_hover_text("As the file or the style has it; press to choose")
+            .on_hover_text("The value of the file or the style; click to choose another")
             .clicked()
             .then(|| match kind {
                 Kind::Number { least, most, .. } => {

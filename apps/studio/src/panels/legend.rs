@@ -1,4 +1,4 @@
-//! What the colours of a view stand for, at the bottom of the picture.
+//! The legend of a view, at the bottom of the picture.
 
 use crate::{app::Studio, theme};
 use eframe::egui::{Align2, Color32, Mesh, Pos2, Rect, RichText, Sense, TextStyle, Ui, pos2, vec2};

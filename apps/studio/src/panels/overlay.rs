@@ -1,4 +1,4 @@
-//! What lies on the picture: the palette, the views, what is being done, what went wrong.
+//! Controls over the picture: the palette, the views, progress, errors.
 
 use crate::{
     app::Studio,
@@ -163,7 +163,7 @@ fn recording(studio: &mut Studio, ui: &mut Ui) {
     ui.horizontal(|ui| {
         ui.add(ProgressBar::new(fraction).desired_width(90.0).desired_height(6.0).fill(theme::ACCENT));
         ui.label(step);
-        if ui.small_button("Stop").on_hover_text("Throws away what is recorded").clicked() {
+        if ui.small_button("Stop").on_hover_text("Discards the recording").clicked() {
             studio.stop_recording();
         }
     });

@@ -1,4 +1,4 @@
-//! The small window in which a loop is ordered.
+//! The small window that starts the recording of a loop.
 
 use crate::{
     app::Studio,
@@ -30,7 +30,7 @@ fn inside(studio: &mut Studio, ui: &mut Ui) {
         ui.label(quiet("Length"));
         ui.horizontal(|ui| {
             let mut whole = seconds.is_none();
-            let help = "As long as the motion takes: the file can be played over and over";
+            let help = "One period of the motion, so that the file loops";
             if ui.checkbox(&mut whole, format!("One period ({period:.1} s)")).on_hover_text(help).changed() {
                 *seconds = (!whole).then_some(period);
             }

@@ -1,4 +1,4 @@
-//! The panel at the side: a page at a time.
+//! The side panel, one page at a time.
 
 use crate::{
     app::Studio,
@@ -25,10 +25,10 @@ pub enum Page {
 
 impl Page {
     const ALL: [(Self, &str, &str); 5] = [
-        (Self::Knobs, "Parameters", "Everything that can be turned"),
-        (Self::Groom, "Groom", "What it has, what is odd about it, its unit and axes"),
-        (Self::Files, "Files", "Maps on the scalp, obstacles, surroundings"),
-        (Self::Inside, "Inside", "See guides, grids, single terms of the light"),
+        (Self::Knobs, "Parameters", "All parameters"),
+        (Self::Groom, "Groom", "Contents, problems found, unit and axes"),
+        (Self::Files, "Files", "Maps on the scalp, obstacles, environments"),
+        (Self::Inside, "Inside", "Debug views: guides, grids, single terms of the light"),
         (Self::Time, "Time", "Where the time of a frame goes"),
     ];
 }

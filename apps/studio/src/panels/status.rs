@@ -1,4 +1,4 @@
-//! The line at the bottom: what the pointer can do, and what is drawn how fast.
+//! The status line: hints for the pointer, the size of the picture and its frame time.
 
 use crate::{app::Studio, pace::Level, theme};
 use eframe::egui::{self, Align, Label, Layout, Panel, RichText, Ui};
@@ -26,7 +26,7 @@ fn right(studio: &mut Studio, ui: &mut Ui) {
         .on_hover_text(format!("{}\n{}", studio.gpu.info.name, studio.gpu.info.driver_info));
     let Some(show) = &studio.show else { return };
     if let Some(ms) = studio.panels.frames.median() {
-        ui.label(quiet(format!("{ms:.0} ms"))).on_hover_text("The median of the last frames of hair");
+        ui.label(quiet(format!("{ms:.0} ms"))).on_hover_text("Median time of the last frames");
     }
     let [width, height] = show.stage.targets().size;
     // Of the picture that is seen, which is not always that of the next.
@@ -46,12 +46,12 @@ fn right(studio: &mut Studio, ui: &mut Ui) {
         less.extend(level.slow.then_some("steps of the hair per second"));
         less.extend(level.few_lights.then_some("the light from behind"));
         format!(
-            "Less is drawn ({}) so that a frame takes less than {:.0} ms. When nothing moves, the picture becomes finer. Under Time this can be turned off.",
+            "Less is drawn ({}) so that a frame takes less than {:.0} ms. When nothing moves, the picture becomes finer. This can be turned off under Time.",
             less.join(", "),
             studio.pace.budget()
         )
     } else {
-        "What is drawn, at which size".into()
+        "Drawn strands and picture size".into()
     };
     ui.label(text).on_hover_text(help);
 }

@@ -17,7 +17,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
     );
     studio.panels.frames.plot(ui, budget).on_hover_text(help);
     let mut automatic = studio.pace.automatic;
-    let help = "Lowers resolution and detail until a frame fits, and raises them when there is room or nothing moves";
+    let help = "Lowers resolution and detail until a frame fits, and raises them when there is time or nothing moves";
     if ui.checkbox(&mut automatic, "Keep frames short").on_hover_text(help).changed() {
         (studio.pace.automatic, studio.dirty) = (automatic, true);
     }
@@ -30,9 +30,9 @@ fn stages(studio: &Studio, ui: &mut Ui) {
     let Some(show) = &studio.show else { return };
     if !show.times_stages() {
         let why = if studio.gpu.tier.software {
-            "A software driver does not tell what its stages take; `tresses bench` measures them one by one."
+            "A software driver does not report the time of single stages; `tresses bench` measures them one by one."
         } else {
-            "This adapter has no timestamps: what its stages take is not known."
+            "This adapter has no timestamps: the time of single stages is unknown."
         };
         ui.label(RichText::new(why).color(theme::QUIET));
         return;

@@ -1,4 +1,4 @@
-//! The bar at the top: what is shown, and what is done with it.
+//! The top bar: what is shown, and actions on it.
 
 use crate::{app::Studio, job::Source, theme};
 use eframe::egui::{self, Align, ComboBox, Layout, Panel, RichText, Ui};
@@ -36,14 +36,14 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
 fn files(studio: &mut Studio, ui: &mut Ui) {
     let [grooms, meshes] = [formats::GROOMS, formats::MESHES].map(|all| formats::listed(all, "or"));
     let help = format!(
-        "A groom ({grooms}), a head for it ({meshes}), or both. Files can also be dropped on the window, as can maps (.png), surroundings (.hdr, .exr) and obstacles (.json)."
+        "A groom ({grooms}), a head for it ({meshes}), or both. Files can also be dropped on the window, as can maps (.png), environments (.hdr, .exr) and obstacles (.json)."
     );
     if ui.button("Open…").on_hover_text(help).clicked() {
         studio.dialogs.open(ui.ctx());
     }
     ui.separator();
     presets(studio, ui);
-    if ui.button("Save picture…").on_hover_text("The picture as it is, as PNG").clicked() {
+    if ui.button("Save picture…").on_hover_text("The current picture, as PNG").clicked() {
         studio.wants_picture = true;
     }
     let help = "The motion as an animated picture";
@@ -100,11 +100,11 @@ fn history(studio: &mut Studio, ui: &mut Ui) {
 }
 
 fn presets(studio: &mut Studio, ui: &mut Ui) {
-    let help = "All parameters from a file, which `tresses render --preset` takes too";
+    let help = "Loads all parameters from a file, as `tresses render --preset` does";
     if ui.button("Open preset…").on_hover_text(help).clicked() {
         studio.dialogs.preset(ui.ctx());
     }
-    let help = "All parameters, the hair and the files beside it, into a readable file";
+    let help = "Saves all parameters, the hair and its files into a text file";
     if ui.button("Save preset…").on_hover_text(help).clicked() {
         let (settings, source) = (studio.settings.now().clone(), studio.wanted().named());
         let preset = Preset { settings, source, ..Default::default() };

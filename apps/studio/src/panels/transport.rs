@@ -23,13 +23,13 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
                 play.playing = !play.playing;
             }
             if icons::button(ui, Icon::Step)
-                .on_hover_text("One step of 1/60 s, then stand still\nKey . (period)")
+                .on_hover_text("One step of 1/60 s, then pause\nKey . (period)")
                 .clicked()
             {
                 play.step();
             }
             if icons::button(ui, Icon::Rewind)
-                .on_hover_text("The hair at rest, the motion at its begin\nKey R")
+                .on_hover_text("Hair at rest, motion at its start\nKey R")
                 .clicked()
             {
                 play.reset();
@@ -39,9 +39,9 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
             for name in NAMES {
                 let help = match name {
                     "still" => "The head holds still",
-                    "nod" => "The head nods, over and over",
-                    "turn" => "The head turns to both sides, over and over",
-                    _ => "The head shakes, over and over",
+                    "nod" => "The head nods repeatedly",
+                    "turn" => "The head turns to both sides repeatedly",
+                    _ => "The head shakes repeatedly",
                 };
                 if ui.selectable_label(play.name == name, name).on_hover_text(help).clicked() {
                     play.choose(name);
@@ -62,7 +62,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
                 ),
             };
             let slider =
-                slider.on_hover_text("Seconds of hair per second of the clock. A double click gives 1.");
+                slider.on_hover_text("Simulated seconds per real second. A double click resets it to 1.");
             if slider.double_clicked() {
                 play.speed = 1.0;
             }

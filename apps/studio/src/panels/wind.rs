@@ -24,7 +24,7 @@ pub fn show(ui: &mut Ui, wind: Wind, azimuth: f32) -> Option<Wind> {
     let handle = center + place(wind, azimuth);
     paint(ui.painter(), center, handle, wind, azimuth, &response);
     let turned = pull(&response, center, azimuth);
-    let text = "Drag the handle to where the wind comes from; the farther from the head, the stronger. A double click makes it calm.";
+    let text = "Drag the handle to where the wind comes from; the farther from the head, the stronger. A double click stops the wind.";
     let response = response.on_hover_cursor(CursorIcon::PointingHand);
     // Not below, where the transport is.
     let mut tooltip = Tooltip::for_enabled(&response);

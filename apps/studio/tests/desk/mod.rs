@@ -1,4 +1,4 @@
-//! A display that nobody sees, with the studio on it, and a hand that points and types.
+//! A virtual display with the studio on it, and simulated pointer and keys.
 
 use std::{
     io::{BufRead, BufReader},

@@ -19,7 +19,7 @@ pub struct StrandBinding {
     pub guides: [u32; 3],
     /// Weight of the second guide; the first has what is left.
     pub weight_b: f32,
-    /// For each guide: the parameter at which the strand's tip hangs on it. A strand vertex at
+    /// For each guide: the parameter that the strand's tip follows. A strand vertex at
     /// the fraction `s` of its own strand reads guide `k` at `min(s * scale[k], 1)`.
     pub scale: [f32; 3],
     /// Weight of the third guide.

@@ -77,7 +77,7 @@ impl BoundStrands {
     }
 }
 
-/// A groom ready for the GPU: guides to simulate and the strands that hang on them.
+/// A groom ready for the GPU: guides to simulate and the strands that follow them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Groom {
     /// What is simulated.

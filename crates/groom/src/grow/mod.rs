@@ -45,7 +45,7 @@ use glam::{Vec2, Vec3};
 /// One grown strand, apart from its vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GrownStrand {
-    /// The guides it hangs on, the heaviest first. A clump strand names its one guide three times.
+    /// The guides it follows, the heaviest first. A clump strand names its one guide three times.
     pub guides: [u32; 3],
     /// Their weights, the largest first; the sum is 1.
     pub weights: [f32; 3],

@@ -21,8 +21,8 @@ fn recipes() -> impl Iterator<Item = Recipe> {
     Style::NAMES.iter().filter_map(|name| name.parse::<Style>().ok()).map(|style| style.recipe())
 }
 
-/// The guides of `recipe` that have fallen into place on the mannequin, whose scalp is `mannequin`; `None`
-/// for a recipe that is not one of [`Style::NAMES`] as it is by default.
+/// The draped guides of `recipe` on the mannequin, whose scalp is `mannequin`; `None`
+/// for a recipe that is not the default of one of [`Style::NAMES`].
 pub fn settled(recipe: &Recipe, mannequin: &dyn Scalp) -> Option<StyledGuides> {
     static GUIDES: OnceLock<Vec<Strands>> = OnceLock::new();
     let at = recipes().position(|stored| stored == *recipe)?;

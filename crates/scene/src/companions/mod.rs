@@ -1,5 +1,5 @@
-//! What stands beside groom and head: maps on the scalp, a drawn curl, painted levels of detail, obstacles
-//! and surroundings. A [`Source`] names them; here they are read, from the disk or,
+//! Files beside groom and head: maps on the scalp, a drawn curl, painted levels of detail, obstacles and
+//! environments. A [`Source`] names them; here they are read, from the disk or,
 //! in a browser, from a [`Shelf`] of bytes.
 
 mod levels;

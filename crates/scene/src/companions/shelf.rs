@@ -1,4 +1,4 @@
-//! Files by their names: bytes that are there already, as in a browser, and the disk where there is one.
+//! Files by name: bytes already in memory, as in a browser, and the disk where there is one.
 
 use anyhow::{Context, Result, ensure};
 use std::{

@@ -1,4 +1,4 @@
-//! Values as people write them.
+//! Parsing and printing of values.
 
 use super::{Choice, Kind, Knob, Refusal, Unit, Value};
 

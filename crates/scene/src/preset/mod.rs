@@ -1,4 +1,4 @@
-//! Presets: settings as one readable file.
+//! Presets: settings as one text file.
 //!
 //! ```toml
 //! version = 1
@@ -13,10 +13,10 @@
 //! [wind]
 //! speed = 14 # m/s
 //! ```
-//! Tables and keys are those of the [`knobs`](crate::knobs), numbers are in the knobs' units; what is not
-//! there is as by default. `[source]` says which hair it is for, and may be left out. What a reader does not
-//! understand is refused as a whole, in one sentence with line, key and what is allowed, so that nothing is
-//! ever applied by half.
+//! Tables and keys are those of the [`knobs`](crate::knobs), numbers are in the knobs' units; missing keys have
+//! their defaults. `[source]` says which hair it is for, and may be left out. A file with anything
+//! unknown is rejected as a whole, in one sentence with line, key and allowed values, so that nothing is applied
+//! partially.
 
 mod read;
 mod source;

@@ -1,4 +1,4 @@
-//! A whole built-in character: the mannequin with a hairstyle that has fallen into place.
+//! A complete built-in character: the mannequin with a draped hairstyle.
 
 use super::{DrapeOptions, drape};
 use crate::{
@@ -76,8 +76,8 @@ pub async fn character_with(
     })
 }
 
-/// The guides of `style` that have fallen into place on the mannequin, and its scalp: what strands are then
-/// grown from and on, with [`grow::grow_with`] and [`bound`]. Those of a style as it is by default are stored
+/// The draped guides of `style` on the mannequin, and its scalp: what strands are then grown from and on, with
+/// [`grow::grow_with`] and [`bound`]. Those of a default style are stored
 /// ([`styles::settled`]) and need no GPU.
 ///
 /// # Errors
@@ -98,8 +98,8 @@ pub async fn settled(
     Ok((styled, scalp))
 }
 
-/// The guides of `recipe` on `scalp`, traced and fallen into place: what [`settled`] gives for a style that is
-/// not stored.
+/// The guides of `recipe` on `scalp`, traced and draped: the result of [`settled`] for a style that is not
+/// stored.
 ///
 /// # Errors
 /// [`Error::Gpu`](crate::Error::Gpu) when the device is lost.

@@ -1,4 +1,4 @@
-//! How strands thinner than a pixel cover it.
+//! Coverage of pixels by strands thinner than a pixel.
 
 use crate::{Error, Result};
 

@@ -1,4 +1,4 @@
-//! Opening a device without a window, and what an adapter offers beyond baseline WebGPU.
+//! Opening a device without a window, and an adapter's capabilities beyond baseline WebGPU.
 
 use crate::{Error, Result};
 

@@ -1,9 +1,9 @@
-//! Copies from the GPU back to the CPU, for pictures, measurements and tests; never waited for in a
+//! Copies from the GPU back to the CPU, for pictures, measurements and tests; never awaited in a
 //! frame.
 //!
 //! [`buffer`] and [`texture`] wait: in a browser by giving the event loop its turn, elsewhere by polling
-//! the device, so that they are mostly ready when they are first polled. Where another thread polls the
-//! same device, it may be that one which brings the answer, a little later. [`blocking`] needs no executor. [`Pending`] does not wait: a program that polls its device anyway, as each
+//! the device, so that they are mostly ready when first polled. Where another thread polls the same device, the
+//! result may arrive on that thread, a little later. [`blocking`] needs no executor. [`Pending`] does not wait: a program that polls its device anyway, as each
 //! `submit` does, asks now and then whether the copy has arrived.
 
 use crate::{Error, Result};
@@ -79,8 +79,8 @@ struct Mapping {
 }
 
 impl Pending {
-    /// Begins to copy `buffer` from byte 0, which must have `COPY_SRC`, as it is after all that has been
-    /// submitted.
+    /// Begins to copy `buffer` from byte 0, which must have `COPY_SRC`, after all work submitted so
+    /// far.
     pub fn buffer(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buffer) -> Self {
         Self::new(device, queue, buffer.size(), None, |encoder, target| {
             encoder.copy_buffer_to_buffer(buffer, 0, target, 0, buffer.size());

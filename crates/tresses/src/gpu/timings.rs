@@ -1,4 +1,4 @@
-//! GPU time per stage: from timestamps at the begin and end of each pass, or by the clock.
+//! GPU time per stage: from timestamps at the beginning and end of each pass, or by wall clock.
 
 use super::readback::Pending;
 use crate::{Error, Result};

@@ -1,4 +1,4 @@
-//! What a frame does with a groom: [`begin`](Hair::begin) and [`prepare`](Hair::prepare) write what its
+//! A frame's work on one groom: [`begin`](Hair::begin) and [`prepare`](Hair::prepare) write what its
 //! stages read, the rest records them, in the order of [`crate::frame`].
 
 use super::Hair;

@@ -1,4 +1,4 @@
-//! A kernel that is asked about points, and what it answers.
+//! A kernel evaluated at points, and its results.
 
 use crate::{
     Result,
@@ -9,7 +9,7 @@ use crate::{
 use bytemuck::Pod;
 use glam::Vec4;
 
-/// Points on the GPU, the kernel that is asked about them, and room for an answer `A` to each.
+/// Points on the GPU, the kernel evaluated at them, and room for a result `A` of each.
 #[derive(Debug)]
 pub(super) struct Asked<A> {
     kernel: Kernel,

@@ -1,5 +1,5 @@
-//! Light from everywhere, as a picture of the surroundings tells it: what is smooth as spherical
-//! harmonics, what is small and bright as lights from afar, which cast shadows.
+//! Image-based light from a picture of the environment: the smooth part as spherical harmonics, small bright
+//! regions as directional lights, which cast shadows.
 
 use super::{Directional, lights::MAX_LIGHTS};
 use glam::Vec3;
@@ -27,13 +27,13 @@ fn basis(d: Vec3) -> [f32; 9] {
     ]
 }
 
-/// How far around the brightest pixel a light from afar is collected: its cosine, of 8 degrees.
+/// The cosine of the angle around the brightest pixel within which a directional light is collected: 8 degrees.
 const CONE: f32 = 0.990_268;
 
 /// And how far what is around it: 16 degrees.
 const RING: f32 = 0.961_262;
 
-/// A light from afar is one that gives at least this share of all light.
+/// A directional light has at least this share of all light.
 const STRONG: f32 = 0.08;
 
 impl Environment {
@@ -55,10 +55,10 @@ impl Environment {
 
     /// Reads an equirectangular picture of `width` × `height` pixels of linear radiance, from the top
     /// left, row by row: up is at the top, its middle lies towards +Z, its right edge and its left edge
-    /// towards -Z, and what lies at +X is left of the middle (as one sees it who looks along +Z).
-    /// `turn` turns the surroundings about the vertical, radians, from +Z towards +X.
+    /// towards -Z, and +X is left of the middle (seen looking along +Z).
+    /// `turn` rotates the environment about the vertical, radians, from +Z towards +X.
     ///
-    /// At most [`MAX_LIGHTS`] small bright parts become lights from afar; nothing is lost or doubled.
+    /// At most [`MAX_LIGHTS`] small bright regions become directional lights; no energy is lost or counted twice.
     /// Pixels that are not finite count as black. `None` when the sizes do not fit or are 0.
     pub fn from_equirectangular(
         width: usize,
@@ -101,7 +101,7 @@ impl Environment {
             let around = (0..left.len()).filter(|i| (RING..=CONE).contains(&towards(*i)));
             let mut ring: Vec<f32> = around.map(|i| left[i].element_sum()).collect();
             ring.sort_by(f32::total_cmp);
-            // Too coarse a picture tells no light from its surroundings.
+            // In too coarse a picture no light stands out from its neighbourhood.
             let Some(common) = ring.get(ring.len() / 2).copied() else { break };
             let (mut sum, mut to) = (Vec3::ZERO, Vec3::ZERO);
             let mut rest = left.clone();

@@ -19,7 +19,7 @@ pub struct HairSet {
     /// What the hair looks like.
     pub material: HairMaterial,
     /// The area of all strands, width times length, m²: what a groom weighs in values that the grooms of a picture
-    /// share (see [`State::prepare`]).
+    /// share: those of the lights' uniform, which bodies and the grid of ambient light read.
     pub area: f32,
     /// What of the strands is drawn.
     pub drawn: Drawn,

@@ -1,4 +1,4 @@
-//! The lights: up to four from afar and a sky, in linear units.
+//! The lights: up to four directional lights and a sky, in linear units.
 
 use super::{
     environment::Environment,
@@ -38,7 +38,7 @@ pub const MAX_LIGHTS: usize = crate::constants::MAX_LIGHTS as usize;
 /// All light in a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lights {
-    /// Lights from afar, each with a shadow. One without irradiance is off and costs nothing.
+    /// Directional lights, each with a shadow. One without irradiance is off and costs nothing.
     pub directional: [Directional; MAX_LIGHTS],
     /// The rest.
     pub sky: Sky,

@@ -334,7 +334,7 @@ pub struct HairUniform {
     pub vertex_count: u32,
     /// Whether `light::shade` writes radiance (1) or the light that arrives (0).
     pub per_vertex: u32,
-    /// Every how manyth vertex the shadow maps get.
+    /// Vertex stride of the strands in the shadow maps.
     pub splat_stride: u32,
     /// Segments per strand in the shadow maps.
     pub splat_segments: u32,

@@ -1,4 +1,4 @@
-//! Asks the shadow maps about any points: what tests and tools measure shadows with.
+//! Evaluates the shadow maps at arbitrary points: used for measurements by tests and tools.
 
 use super::{MAX_LIGHTS, State, asked::Asked};
 use crate::{Result, gpu::Binding};
@@ -19,7 +19,7 @@ pub struct ShadowProbe(Asked<[[f32; 2]; MAX_LIGHTS]>);
 
 impl ShadowProbe {
     /// Takes `points` (metres, at most four million) to the GPU, to be asked about in the maps of a view's `light`: as
-    /// points that are seen from afar in the direction `eye` (unit), or, without, as any points of the hair.
+    /// points visible from a distant eye in the direction `eye` (unit), or, without it, as arbitrary points of the hair.
     ///
     /// # Errors
     /// [`crate::Error::Limit`] when the adapter cannot hold them.

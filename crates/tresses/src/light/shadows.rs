@@ -62,7 +62,7 @@ impl Default for Shadows {
 }
 
 impl Shadows {
-    /// Whether light from all sides is followed: where nothing casts shadows all of the sky arrives.
+    /// Whether ambient light is computed: where nothing casts shadows all of the sky arrives.
     pub(crate) fn follows_ambient(&self) -> bool {
         self.ambient && self.method != ShadowMethod::Off
     }

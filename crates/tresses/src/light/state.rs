@@ -146,7 +146,7 @@ impl State {
         self.maps.bytes()
     }
 
-    /// Bytes of GPU memory of light from all sides.
+    /// Bytes of GPU memory of ambient light.
     pub fn ambient_bytes(&self) -> u64 {
         self.ambient.bytes()
     }

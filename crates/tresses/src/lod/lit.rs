@@ -72,8 +72,8 @@ impl Lit {
     /// Through narrower strands the eye sees deeper: further from a light beside it, nearer to one behind. Between
     /// the two a factor's logarithm is straight over the cosine of the angle between light and eye: as steep as
     /// comes nearest (in squares) to the factors of all eyes and lights, and as high as gives all of them together
-    /// as much light. Each counts as the light that it adds to a picture; a fibre throws back as much as the eye
-    /// sees of its lit half.
+    /// as much light. Each counts as the light that it adds to a picture; a fibre reflects in proportion to the part of
+    /// its lit half that the eye sees.
     pub(super) fn matching(&self, other: &Self) -> [f32; 2] {
         let pairs: Vec<_> = (0..EYES.len() * LIGHTS.len())
             .map(|pair| {

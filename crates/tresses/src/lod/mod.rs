@@ -169,8 +169,8 @@ pub struct Detail {
     pub levels: [f32; MAX_LEVELS],
 }
 
-/// The most strands of the first bucket: fewer than it has are never drawn. With a few hundred, how light
-/// they happen to be would show.
+/// The most strands of the first bucket: fewer than it has are never drawn. With a few hundred, the
+/// chance brightness of single strands would show.
 const LEAST: u32 = 1000;
 
 /// Fewer segments are never drawn: with one or two, light along a strand would be that at its ends.

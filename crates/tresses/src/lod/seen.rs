@@ -111,7 +111,7 @@ impl Pictures {
         Self { pieces, radius, vertices, passes: Vec::new(), drawn: Vec::new() }
     }
 
-    /// The finest cells that are told apart, metres.
+    /// The finest cells that are resolved, metres.
     pub(super) fn finest(&self) -> f32 {
         2.1 * self.radius / FINE
     }
@@ -124,7 +124,7 @@ impl Pictures {
     }
 
     /// The mean area that the strips cover in pictures with cells of `cell` metres, m², each strip
-    /// `widening` times as wide as it is. `see` is told of each vertex how much of it is seen; that
+    /// `widening` times as wide as it is. `see` receives the visible fraction of each vertex, which
     /// holds once the pieces are sorted.
     pub(super) fn covered(&mut self, widening: f32, cell: f32, mut see: impl FnMut(usize, u32, f32)) -> f32 {
         let phases: &[[f32; 2]] = if cell > COARSE * self.finest() {
@@ -154,7 +154,7 @@ impl Pictures {
         sum * cell * cell / (self.pieces.len() * phases.len()) as f32
     }
 
-    /// How much is seen of each vertex, of what lies between two the more of the nearer one.
+    /// The visible fraction of each vertex; a point between two counts more towards the nearer one.
     pub(super) fn seen(&mut self, widening: f32, cell: f32) -> Vec<Seen> {
         self.sort();
         let mut weights = vec![Seen::default(); self.vertices];

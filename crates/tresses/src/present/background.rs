@@ -1,4 +1,4 @@
-//! What is behind everything: a soft gradient, a flat colour, or nothing.
+//! The background: a soft gradient, a flat colour, or nothing.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;

@@ -176,11 +176,11 @@ fn stretch_rate(gravity: Vec3, stretch: f32, length: f32, edge: f32) -> f32 {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct StepUniforms {
-    /// Rotation of the head at the begin of the step, quaternion.
+    /// Rotation of the head at the start of the step, quaternion.
     pub head_begin: [f32; 4],
     /// Rotation of the head at the end of the step.
     pub head_end: [f32; 4],
-    /// Translation of the head at the begin, metres.
+    /// Translation of the head at the start, metres.
     pub head_begin_at: Vec3,
     /// Length of a substep, s.
     pub h: f32,

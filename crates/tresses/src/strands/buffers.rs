@@ -50,8 +50,8 @@ pub struct StrandBuffers {
     pub rest: wgpu::Buffer,
     /// [`StrandVertex`], indexed `strand * drawn.vertex_count + vertex`.
     pub vertices: wgpu::Buffer,
-    /// By how much each strand is wider than it would be at full detail, as a fraction: 0 for not at all,
-    /// -1 for one that is not there.
+    /// By how much each strand is wider than at full detail, as a fraction: 0 for unchanged, -1 for one that is
+    /// not drawn.
     pub widening: wgpu::Buffer,
     /// What of it is drawn: less than all where level of detail says so.
     pub drawn: Drawn,

@@ -18,7 +18,7 @@ pub struct Arrows {
     pub step: Vec3,
     /// Points along each axis.
     pub count: UVec3,
-    /// An arrow is as long as the way in this time, seconds (of accelerations: s²).
+    /// An arrow is as long as the distance travelled in this time, seconds (of accelerations: s²).
     pub seconds: f32,
     /// But no longer than this, metres.
     pub longest: f32,

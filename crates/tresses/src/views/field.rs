@@ -1,4 +1,4 @@
-//! Host side of `field.wesl`: how far obstacles are, as a grid that slices can show.
+//! Host side of `field.wesl`: the distance to obstacles, as a grid that slices can show.
 
 use super::{Canvas, Grid};
 use crate::{

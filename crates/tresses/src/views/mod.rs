@@ -16,8 +16,8 @@
 //! - **Volume**: a ray per pixel through the grid's box, emission and absorption in proportion to
 //!   the value, from the near side to the body.
 //! - **Slices**: the grid's three mid planes (or others), in the scene or as panels beside it.
-//! - **Arrows**: the vectors at the points of a lattice; their lengths are ways in a given time.
-//! - **Streams**: lines along the field as it is at this moment, from given seeds.
+//! - **Arrows**: the vectors at the points of a lattice; their lengths are distances travelled in a given time.
+//! - **Streams**: lines along the field at this moment, from given seeds.
 //! - **Guides**: the tessellated guides, coloured by a quantity of the simulation.
 //! - **Lines**: anything else, for example the outlines of boxes and colliders, and the contours of
 //!   distance fields (`outline.rs`).
@@ -29,8 +29,8 @@
 //! Hidden by: the body alone, which is drawn once more into a depth texture of the picture's size.
 //! Hair hides nothing; leave it out of the picture when it is in the way.
 //!
-//! This is for looking, not for shipping: buffers, groups and the depth texture are made anew for
-//! every picture. Not taken: drawing into the HDR target, which tone maps the colours and ties the
+//! This is for debugging, not for production: buffers, groups and the depth texture are created again for
+//! every picture. Rejected: drawing into the HDR target, which tone maps the colours and ties the
 //! layers to its samples. Untried: level sets, lighting the volume by its gradient.
 
 mod arrows;
@@ -43,6 +43,7 @@ mod overdraw;
 mod paint;
 mod peak;
 mod ramp;
+mod record;
 mod scratch;
 mod slices;
 mod strands;
@@ -50,7 +51,6 @@ mod streams;
 #[cfg(test)]
 mod tests;
 mod view;
-mod views;
 mod volume;
 
 pub use arrows::{Arrows, ArrowsUniform};
@@ -60,11 +60,11 @@ pub use lines::{LinePoint, LinesUniform};
 pub use paint::{Paint, PaintUniform};
 pub use peak::Peak;
 pub use ramp::ramp;
+pub use record::{DebugViews, Shown, panels};
 pub use slices::{SliceUniform, Slices};
 pub use strands::{StrandQuantity, StrandsUniform};
 pub use streams::{Streams, StreamsUniform};
 pub use view::{DebugView, Scale};
-pub use views::{DebugViews, Shown, panels};
 
 use crate::{
     Camera, Result,

@@ -1,4 +1,4 @@
-//! Host side of `overdraw.wesl`: strips are drawn into a target that counts them, whose sums become
+//! Host side of `overdraw.wesl`: strips are drawn into a target that counts them, and the counts become
 //! colours.
 
 use super::{Canvas, Paint, overlay};

@@ -1,4 +1,4 @@
-//! How numbers become paint on the finished picture.
+//! Compositing of values as colours over the finished picture.
 
 use crate::Camera;
 use bytemuck::{Pod, Zeroable};

@@ -55,16 +55,14 @@ impl StrandsKernel {
         Self(Kernel::new(device, "views::strands", &entries))
     }
 
-    /// Colours instead of radiance, for every vertex that is drawn.
+    /// Colours instead of radiance, for every vertex that is drawn: a quantity as `eye` sees it, `high` the brightest.
     pub(super) fn record(
         &self,
         device: &wgpu::Device,
         encoder: &mut wgpu::CommandEncoder,
         hair: &Hair,
         seen: &Seen<'_>,
-        eye: Vec3,
-        quantity: StrandQuantity,
-        high: f32,
+        (eye, quantity, high): (Vec3, StrandQuantity, f32),
     ) {
         let uniform = StrandsUniform {
             eye,

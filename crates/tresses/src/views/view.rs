@@ -1,4 +1,4 @@
-//! What can be looked at: one list for every program that offers views.
+//! The debug views: one list for every program that offers them.
 
 use super::{Grid, StrandQuantity};
 use crate::{Hair, light::Term, simulate::SimulationParams, volume::HairHairMode};
@@ -57,7 +57,7 @@ pub struct Scale {
     pub title: &'static str,
     /// The number drawn darkest.
     pub low: f32,
-    /// The number drawn brightest, unless somebody chooses another.
+    /// The value drawn brightest by default.
     pub high: f32,
 }
 
@@ -90,12 +90,14 @@ impl DebugView {
     /// The word for command lines and files, its label in a menu, and a hint of one line.
     fn words(self) -> [&'static str; 3] {
         match self {
-            Self::Guides => ["guides", "Guides", "The simulated strands alone, a colour each"],
+            Self::Guides => ["guides", "Guides", "The simulated strands alone, each in its own colour"],
             Self::Speed => ["speed", "Speed of the guides", "The simulated strands, coloured by their speed"],
             Self::Strain => {
-                ["strain", "Strain of the guides", "How much longer or shorter than at rest guides are"]
+                ["strain", "Strain of the guides", "How far the edges of guides are from their rest length"]
             }
-            Self::Locks => ["locks", "Locks", "Each strand in the colour of the guide that it follows most"],
+            Self::Locks => {
+                ["locks", "Locks", "Each strand in the colour of the guide with the largest weight"]
+            }
             Self::Strands => ["strands", "Strand ids", "Each strand in a colour of its own"],
             Self::Tangents => {
                 ["tangents", "Tangents", "Directions: red to the character's left, green up, blue forward"]
@@ -105,11 +107,13 @@ impl DebugView {
                 "First hit",
                 "Strands changed by an obstacle, by how far from the root; others grey",
             ],
-            Self::Detail => {
-                ["lod", "Level of detail", "How much wider strands are for those left out; segments as bands"]
-            }
+            Self::Detail => [
+                "lod",
+                "Level of detail",
+                "How much wider strands are, for those left out; segments as bands",
+            ],
             Self::Overdraw => {
-                ["overdraw", "Overdraw", "How many strips are drawn over each pixel, whatever is nearest"]
+                ["overdraw", "Overdraw", "How many strips are drawn over each pixel, without depth test"]
             }
             Self::Density => {
                 ["density", "Density", "How dense the hair is: a volume, and slices through its middle"]
@@ -127,24 +131,24 @@ impl DebugView {
             Self::Reflection => [
                 "reflection",
                 "Reflection (R)",
-                "Light mirrored by the scales; Kajiya and Kay: first highlight",
+                "Light reflected at the surface; Kajiya–Kay: first highlight",
             ],
             Self::Transmission => {
-                ["transmission", "Transmission (TT)", "Light straight through fibres, seen against it"]
+                ["transmission", "Transmission (TT)", "Light transmitted straight through fibres"]
             }
             Self::Inner => [
                 "inner",
                 "Inner reflection (TRT)",
-                "Light reflected inside; Kajiya and Kay: second highlight",
+                "Light reflected internally; Kajiya–Kay: second highlight",
             ],
             Self::Multiple => [
                 "multiple",
                 "Multiple scattering",
-                "Light by way of other fibres; Kajiya and Kay: matt light",
+                "Light scattered by other fibres; Kajiya–Kay: diffuse light",
             ],
-            Self::Sky => ["sky", "Light of the sky", "The surroundings alone"],
-            Self::Direct => ["direct", "Light of the lights", "The directional lights alone"],
-            Self::Shadow => ["shadow", "Shadow", "The share of the direct light that arrives"],
+            Self::Sky => ["sky", "Sky light", "The environment alone"],
+            Self::Direct => ["direct", "Direct light", "The directional lights alone"],
+            Self::Shadow => ["shadow", "Shadow", "The fraction of the direct light that arrives"],
         }
     }
 
@@ -190,9 +194,9 @@ impl DebugView {
     pub fn missing(self, physics: &SimulationParams) -> Option<&'static str> {
         match self {
             Self::Density | Self::Push if physics.hair_hair.mode == HairHairMode::Off => {
-                Some("hair does not meet hair: there is no grid")
+                Some("hair–hair interaction is off: there is no grid")
             }
-            Self::Wind if !physics.wind.blows() => Some("it is calm"),
+            Self::Wind if !physics.wind.blows() => Some("there is no wind"),
             _ => None,
         }
     }
@@ -205,7 +209,7 @@ impl DebugView {
 
     /// The grid whose values it shows, where it shows one and there is one: what [`super::Peak`] measures.
     pub fn grid(self, hair: &Hair) -> Option<Grid<'_>> {
-        super::views::grid(self, hair).filter(|_| self != Self::Distance)
+        super::record::grid(self, hair).filter(|_| self != Self::Distance)
     }
 
     /// The quantity that drawn strands have the colour of.

@@ -98,9 +98,9 @@ impl HairHair {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct VolumeUniforms {
-    /// Rotation of the head at the begin of the step, quaternion.
+    /// Rotation of the head at the start of the step, quaternion.
     pub head: [f32; 4],
-    /// Translation of the head at the begin of the step, metres.
+    /// Translation of the head at the start of the step, metres.
     pub head_at: Vec3,
     /// Cells along an axis.
     pub resolution: u32,

@@ -99,9 +99,9 @@ pub struct WindUniforms {
     pub shift: IVec3,
     /// Length of the step over the edge of a cell, s/m: cells passed in the step per m/s.
     pub reach: f32,
-    /// Rotation of the head at the begin of the step, quaternion: the hair's grid turns with it.
+    /// Rotation of the head at the start of the step, quaternion: the hair's grid turns with it.
     pub head: [f32; 4],
-    /// The head's origin at the begin of the step, metres.
+    /// The head's origin at the start of the step, metres.
     pub head_at: Vec3,
     /// Edge of a cell, metres.
     pub cell: f32,

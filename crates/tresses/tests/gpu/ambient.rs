@@ -1,4 +1,4 @@
-//! Light from all sides against closed forms.
+//! Ambient light against closed forms.
 
 use crate::common;
 

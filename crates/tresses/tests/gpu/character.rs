@@ -1,4 +1,4 @@
-//! The built-in characters: hair that has fallen into place on the mannequin.
+//! The built-in characters: hair draped on the mannequin.
 
 use crate::common;
 

@@ -1,4 +1,4 @@
-//! Hair in somebody else's scene: what is in front of it hides it, what is not covered keeps its bits, and
+//! Hair in a host application's scene: what is in front of it hides it, what is not covered keeps its bits, and
 //! the scene's way of writing depth does not matter.
 
 use crate::common;

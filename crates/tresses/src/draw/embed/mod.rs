@@ -1,5 +1,5 @@
-//! Hair in somebody else's scene: over a linear colour target that is already drawn, hidden by what its
-//! depth says.
+//! Hair in a host application's scene: composited over a linear colour target that is already drawn, occluded
+//! by its depth.
 //!
 //! ```text
 //! scene's depth ─► depth, in the library's own terms ─► strips ─► HDR ─► composite ─► scene's colour
@@ -8,10 +8,10 @@
 //! The scene keeps its format, its number of samples (one) and its way of writing depth: depths are
 //! carried over from its projection to that of the [`Camera`](crate::Camera), pixel by pixel, before the hair
 //! is drawn with as many samples as its view has. What these cover is blended over the scene, so that
-//! thin hair stays thin. The scene's depth is left as it is: what is transparent and drawn later, in
-//! front of hair or behind it, blends as if no hair were there.
+//! thin hair stays thin. The scene's depth is not written: transparent surfaces drawn later, in
+//! front of hair or behind it, blend as if there were no hair.
 //!
-//! Not taken: drawing strips into the scene's own target, which would need its pipelines built for its
+//! Rejected: drawing strips into the scene's own target, which would need its pipelines built for its
 //! format and samples and a coverage of one sample per pixel to be smoothed afterwards.
 
 use super::{

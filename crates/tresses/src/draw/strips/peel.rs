@@ -12,7 +12,7 @@ use crate::{
     light::{Seen, ShadingRate},
 };
 
-/// What the hair behind the last layer lets through.
+/// The transmittance of the hair behind the last layer.
 const PASSES_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
 
 /// The pipelines of one rate of shading; `under`, a picture over a picture, belongs to all.

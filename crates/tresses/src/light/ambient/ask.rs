@@ -17,7 +17,7 @@ pub struct Around {
     pub glow: Vec3,
 }
 
-/// A set of points at which light from all sides is asked for.
+/// A set of points at which ambient light is evaluated.
 #[derive(Debug)]
 pub struct AmbientProbe(Asked<[Vec4; 2]>);
 

@@ -19,7 +19,7 @@ pub struct FiberShape {
     pub longitudinal: f32,
     /// Roughness around the fibre, 0.1 to 1.
     pub azimuthal: f32,
-    /// Tilt of the scales, radians: the mirrored light is turned by twice as much towards the tip.
+    /// Tilt of the scales, radians: reflected light is rotated by twice as much towards the tip.
     pub tilt: f32,
     /// Index of refraction over that of the air.
     pub eta: f32,
@@ -78,7 +78,7 @@ impl FiberShape {
         (h / bent).clamp(-1.0, 1.0)
     }
 
-    /// Radii that light travels inside the fibre from wall to wall.
+    /// Path length of light inside the fibre from wall to wall, in radii.
     pub fn path(&self, h: f64, cos_theta: f64) -> f64 {
         let sin_gamma = self.refracted(h, cos_theta);
         let eta = f64::from(self.eta);
@@ -86,7 +86,7 @@ impl FiberShape {
         2.0 * (1.0 - sin_gamma * sin_gamma).max(0.0).sqrt() / (1.0 - sin_theta_squared).sqrt()
     }
 
-    /// Share of unpolarised light that the surface mirrors.
+    /// Fraction of unpolarised light that the surface reflects.
     pub fn fresnel(&self, cosine: f64) -> f64 {
         let eta = f64::from(self.eta);
         let inside = (1.0 - (1.0 - cosine * cosine) / (eta * eta)).max(0.0).sqrt();

@@ -19,7 +19,7 @@ pub struct Mean {
     pub forward_variance: f32,
     /// Variance along the fibre of what is scattered back.
     pub backward_variance: f32,
-    /// Share that much hair around a fibre throws back, by one or three backward scatterings among
+    /// Fraction that the mass of hair around a fibre scatters back, by one or three backward scatterings among
     /// any number of forward ones (Zinke, equations 13 to 15).
     pub local: f32,
     /// Variance along the fibre of that light (equation 17).

@@ -26,7 +26,7 @@ pub struct Subject {
     pub neck: Vec3,
 }
 
-/// A built-in style that has fallen into place.
+/// A draped built-in style.
 pub fn style(lab: &Lab, name: &str) -> Subject {
     let (device, queue) = (&lab.gpu.device, &lab.gpu.queue);
     let style = name.parse::<Style>().unwrap();

@@ -89,7 +89,7 @@ fn energies(lab: &'static Lab, fault: bool) -> Vec<Row> {
         for (k, name) in names.iter().enumerate() {
             println!("{name}: energy from {} to {}", start[k], last[k]);
             let case = format!("energy, {name} let go undamped, largest rise in a step");
-            // The curl's torque is a force of the begin of the step, see `simulate`.
+            // The curl's torque is a force at the start of the step, see `simulate`.
             let most = if *name == "hair, curl" { 2.0 } else { 0.5 };
             rows.push(at_most(case, "% of what is lost", most, rise[k] / (start[k] - last[k]) * 100.0));
         }

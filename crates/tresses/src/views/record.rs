@@ -38,7 +38,7 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// A view as it is when nothing is said.
+    /// A view with default settings.
     pub fn new(view: DebugView) -> Self {
         Self { view, high: None, wind: Vec3::ZERO }
     }
@@ -55,7 +55,7 @@ impl Shown {
     pub(crate) fn picture(&self, picture: &Picture) -> Picture {
         let mut picture = Picture { shading: ShadingRate::PerVertex, ..*picture };
         if self.view.strands().is_some() || self.view == DebugView::Shadow {
-            // A colour that stands for something arrives as it is.
+            // A colour that encodes a value is not tone mapped.
             picture.tone = ToneMap { exposure: 1.0, shoulder: 0.99, desaturation: 0.0 };
         }
         picture
@@ -67,8 +67,8 @@ impl Shown {
     }
 }
 
-/// The pipelines of all views, and what is kept from picture to picture. Made when somebody first looks,
-/// it costs nothing else.
+/// The pipelines of all views, and what is kept from picture to picture. Created when first used, so
+/// it costs nothing otherwise.
 #[derive(Debug)]
 pub struct DebugViews {
     stage: DebugStage,
@@ -117,7 +117,7 @@ impl DebugViews {
             (Some(quantity), _) => {
                 for (hair, seen) in hair.iter().zip(seen) {
                     let eye = picture.camera.eye();
-                    self.strands.record(device, encoder, hair, seen, eye, quantity, shown.high());
+                    self.strands.record(device, encoder, hair, seen, (eye, quantity, shown.high()));
                 }
                 true
             }
