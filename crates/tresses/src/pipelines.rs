@@ -92,15 +92,7 @@ impl Pipelines {
             done += batch.len();
             // Scopes belong to threads: jobs open their own, but for those of a browser, where answers come later.
             let scopes = cfg!(target_arch = "wasm32").then(|| Scopes::open(&self.device));
-            match batch.as_slice() {
-                [one] => one()?,
-                many => std::thread::scope(|scope| {
-                    let running: Vec<_> = many.iter().map(|job| scope.spawn(job)).collect();
-                    running.into_iter().try_for_each(|job| {
-                        job.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-                    })
-                })?,
-            }
+            run(&batch)?;
             if let Some(scopes) = scopes {
                 scopes.close(TASK).await?;
             }
@@ -131,4 +123,18 @@ impl Pipelines {
             }
         }
     }
+}
+
+/// Runs all of `jobs`, at once where there are threads.
+fn run(jobs: &[Job<'_>]) -> Result<()> {
+    #[cfg(target_arch = "wasm32")]
+    return jobs.iter().try_for_each(|job| job());
+    #[cfg(not(target_arch = "wasm32"))]
+    std::thread::scope(|scope| {
+        let running: Vec<_> = jobs.iter().map(|job| scope.spawn(job)).collect();
+        running.into_iter().try_for_each(|job| {
+            // A panic of a job is one of whoever asked for it.
+            job.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        })
+    })
 }

@@ -33,7 +33,11 @@ pub(crate) fn refused() -> Result<()> {
 }
 
 /// Something that can be compiled beside others.
+#[cfg(not(target_arch = "wasm32"))]
 pub(crate) type Job<'a> = Box<dyn Fn() -> Result<()> + Send + Sync + 'a>;
+/// Something that is compiled in its turn: what a browser gives out belongs to one thread.
+#[cfg(target_arch = "wasm32")]
+pub(crate) type Job<'a> = Box<dyn Fn() -> Result<()> + 'a>;
 
 /// What compiles `kernels`.
 pub(crate) fn jobs<'a>(kernels: impl IntoIterator<Item = &'a Kernel>) -> Vec<Job<'a>> {
