@@ -9,6 +9,8 @@ use super::{
     lit::{Lit, fibers},
     seen::{Pictures, Strip},
 };
+#[cfg(not(target_arch = "wasm32"))]
+use crate::progress::at_once;
 use crate::{Progress, groom::BoundStrands, strands::Strand};
 use glam::Vec3;
 
@@ -68,12 +70,9 @@ impl CoverTable {
         if base == 0 || sphere.1 <= 0.0 || strands.vertex_count < 2 {
             return table;
         }
-        let strips = |count: usize, segments: Option<f32>| -> Vec<Strip> {
-            (0..count).map(|i| Strip::new(strands, infos, i, segments)).collect()
-        };
         // Where the base is not all strands it stands for them, a little wider.
         let share = base as f32 / infos.len() as f32;
-        let all = strips(base, None);
+        let all: Vec<_> = (0..base).map(|i| Strip::new(strands, infos, i, None)).collect();
         progress.step(TASK, 0.0).await;
         let mut pictures = Pictures::new(&all, sphere);
         let fine = pictures.finest();
@@ -83,42 +82,15 @@ impl CoverTable {
         progress.step(TASK, 0.3).await;
         let lit = Lit::new(&seen, &fibers(&all, sphere, share.recip()), share.recip());
         drop((pictures, all, seen));
-        for (i, level) in levels.iter().enumerate() {
-            // Each level has half the strands of the one before.
-            let done = 1.0 - 0.6 * 0.5f32.powi(i as i32);
-            let count = (level.drawn * infos.len() as f32).ceil() as usize;
-            // Nor is anything known of hair a few pixels large.
-            if count >= base || level.pixel > 0.5 * sphere.1 {
-                continue;
-            }
-            progress.step(TASK, done).await;
-            let strips = strips(count.max(1), Some(level.segments));
-            let mut pictures = Pictures::new(&strips, sphere);
-            let fibers = fibers(&strips, sphere, level.widening);
-            progress.step(TASK, done).await;
-            for (points, cell) in table.points.iter_mut().zip([fine, level.pixel.max(fine)]) {
-                // The secant method: coverage grows smoothly, and ever slower, with the width.
-                let (mut a, mut b) = (1.0, 0.85);
-                let mut cover = |factor: f32| pictures.covered(level.widening * factor, cell, |_, _, _| ());
-                let (mut at_a, mut at_b) = (cover(a), cover(b));
-                for _ in 0..3 {
-                    let slope = (at_a - at_b) / (a - b);
-                    if !slope.is_finite() || slope < 1e-9 {
-                        break;
-                    }
-                    let next = (b + (full - at_b) / slope).clamp(NARROWEST, WIDEST);
-                    (a, at_a, b) = (b, at_b, next);
-                    if (a - b).abs() < 2e-3 {
-                        break;
-                    }
-                    progress.step(TASK, done).await;
-                    at_b = cover(b);
-                }
-                let seen = pictures.seen(level.widening * b, cell);
-                // Shadow maps hold the area of full detail.
-                let [before, behind] = lit.matching(&Lit::new(&seen, &fibers, level.widening));
-                points.push((level.fraction, [b, before, behind]));
-            }
+        let whole = Whole { strands, infos, sphere, fine, full, lit };
+        // Where the base is no more than a level there is nothing to hold it to, nor for hair a few pixels large.
+        let count = |level: &CoverLevel| (level.drawn * infos.len() as f32).ceil() as usize;
+        let levels: Vec<_> =
+            levels.iter().filter(|level| count(level) < base && level.pixel <= 0.5 * sphere.1).collect();
+        progress.step(TASK, 0.4).await;
+        for [fine, coarse] in whole.levels(&levels, progress, TASK).await {
+            table.points[0].push(fine);
+            table.points[1].push(coarse);
         }
         table
     }
@@ -134,6 +106,86 @@ impl CoverTable {
         let [fine, coarse] = &self.points;
         let (own, beside, there) = (at(fine, fraction), at(coarse, automatic), at(fine, automatic));
         [0, 1, 2].map(|i| own[i] * (beside[i] / there[i]))
+    }
+}
+
+/// Full detail, to which levels are held.
+struct Whole<'a> {
+    strands: &'a BoundStrands,
+    infos: &'a [Strand],
+    sphere: (Vec3, f32),
+    /// The finest cells, metres.
+    fine: f32,
+    /// The area that it covers, m².
+    full: f32,
+    lit: Lit,
+}
+
+impl Whole<'_> {
+    /// The points of `levels`: at once on two threads where there are threads, since each level has half the strands
+    /// of the one before, so that the first takes as long as all others.
+    async fn levels(
+        &self,
+        levels: &[&CoverLevel],
+        progress: &impl Progress,
+        task: &'static str,
+    ) -> Vec<[(f32, Factors); 2]> {
+        #[cfg(not(target_arch = "wasm32"))]
+        {
+            let _ = (progress, task);
+            let measured = |level: &&CoverLevel| at_once(self.level(level, async || ()));
+            let Some((first, others)) = levels.split_first() else { return Vec::new() };
+            std::thread::scope(|scope| {
+                let others = scope.spawn(|| others.iter().map(measured).collect::<Vec<_>>());
+                let mut points = vec![measured(first)];
+                points.extend(others.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+                points
+            })
+        }
+        #[cfg(target_arch = "wasm32")]
+        {
+            let mut points = Vec::new();
+            for (i, level) in levels.iter().enumerate() {
+                let done = 1.0 - 0.6 * 0.5f32.powi(i as i32);
+                points.push(self.level(level, async || progress.step(task, done).await).await);
+            }
+            points
+        }
+    }
+
+    /// The points of one level, in a picture as fine as can be and with its own pixel; `pause` lets others work.
+    async fn level(&self, level: &CoverLevel, pause: impl AsyncFn()) -> [(f32, Factors); 2] {
+        let count = (level.drawn * self.infos.len() as f32).ceil() as usize;
+        let strips: Vec<_> = (0..count.max(1))
+            .map(|i| Strip::new(self.strands, self.infos, i, Some(level.segments)))
+            .collect();
+        let mut pictures = Pictures::new(&strips, self.sphere);
+        let fibers = fibers(&strips, self.sphere, level.widening);
+        let mut points = [(level.fraction, [1.0; 3]); 2];
+        for (point, cell) in points.iter_mut().zip([self.fine, level.pixel.max(self.fine)]) {
+            // The secant method: coverage grows smoothly, and ever slower, with the width.
+            let (mut a, mut b) = (1.0, 0.85);
+            let mut cover = |factor: f32| pictures.covered(level.widening * factor, cell, |_, _, _| ());
+            let (mut at_a, mut at_b) = (cover(a), cover(b));
+            for _ in 0..3 {
+                let slope = (at_a - at_b) / (a - b);
+                if !slope.is_finite() || slope < 1e-9 {
+                    break;
+                }
+                let next = (b + (self.full - at_b) / slope).clamp(NARROWEST, WIDEST);
+                (a, at_a, b) = (b, at_b, next);
+                if (a - b).abs() < 2e-3 {
+                    break;
+                }
+                pause().await;
+                at_b = cover(b);
+            }
+            let seen = pictures.seen(level.widening * b, cell);
+            // Shadow maps hold the area of full detail.
+            let [before, behind] = self.lit.matching(&Lit::new(&seen, &fibers, level.widening));
+            point.1 = [b, before, behind];
+        }
+        points
     }
 }
 
