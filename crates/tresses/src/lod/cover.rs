@@ -76,7 +76,7 @@ impl CoverTable {
         progress.step(TASK, 0.0).await;
         let mut pictures = Pictures::new(&all, sphere);
         let fine = pictures.finest();
-        let full = pictures.covered(share.recip(), fine, |_, _, _| ());
+        let full = pictures.area(share.recip(), fine);
         progress.step(TASK, 0.1).await;
         let seen = pictures.seen(share.recip(), fine);
         progress.step(TASK, 0.3).await;
@@ -165,7 +165,7 @@ impl Whole<'_> {
         for (point, cell) in points.iter_mut().zip([self.fine, level.pixel.max(self.fine)]) {
             // The secant method: coverage grows smoothly, and ever slower, with the width.
             let (mut a, mut b) = (1.0, 0.85);
-            let mut cover = |factor: f32| pictures.covered(level.widening * factor, cell, |_, _, _| ());
+            let mut cover = |factor: f32| pictures.area(level.widening * factor, cell);
             let (mut at_a, mut at_b) = (cover(a), cover(b));
             for _ in 0..3 {
                 let slope = (at_a - at_b) / (a - b);

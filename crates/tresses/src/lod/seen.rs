@@ -123,8 +123,13 @@ impl Pictures {
         }
     }
 
-    /// The mean area that the strips cover in pictures with cells of `cell` metres, m², each strip
-    /// `widening` times as wide as it is. `see` receives the visible fraction of each vertex, which
+    /// The mean area that the strips cover in pictures with cells of `cell` metres, m², each strip `widening` times as
+    /// wide as it is. Not generic, so that it is compiled, and optimised, with this library.
+    pub(super) fn area(&mut self, widening: f32, cell: f32) -> f32 {
+        self.covered(widening, cell, |_, _, _| ())
+    }
+
+    /// [`area`](Self::area); `see` receives the visible fraction of each vertex, which
     /// holds once the pieces are sorted.
     pub(super) fn covered(&mut self, widening: f32, cell: f32, mut see: impl FnMut(usize, u32, f32)) -> f32 {
         let phases: &[[f32; 2]] = if cell > COARSE * self.finest() {
