@@ -3,19 +3,18 @@
 use crate::{
     args::{Size, SourceArgs},
     flags::{All, CompanionFlags, RowFlags},
+    photographer::Photographer,
     picture::Output,
     preset_args::PresetArgs,
     progress::Preparing,
     render::{Times, animate},
-    say,
-    scene::Scene,
-    settings_args,
+    say, settings_args,
 };
 use anyhow::{Context, Result};
 use std::{path::PathBuf, time::Instant};
 use tresses::groom::styles::Style;
 use tresses::lod::{LodMode, LodOptions};
-use tresses_scene::{Camera, Motion, Shot, camera::View};
+use tresses_scene::{Motion, Shot, Viewpoint, camera::Angle};
 
 /// The size of the picture.
 const PICTURE: Size = Size { width: 1920, height: 1200 };
@@ -68,10 +67,10 @@ pub fn run(args: &Args) -> Result<()> {
     }
 
     eprintln!("Making a character with moving hair.");
-    let mut scene = Scene::open(&preset, PICTURE)?;
+    let mut scene = Photographer::open(&preset, PICTURE)?;
     eprintln!("Drawing a picture on {}.", scene.adapter_name());
     let drawing = Preparing::new("drawing the picture");
-    let camera = Camera::portrait(View::ThreeQuarter, scene.subject(), PICTURE.aspect(), 1.0);
+    let camera = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), PICTURE.aspect(), 1.0);
     let mut output = Output::create(&args.out.join("demo.png"), (PICTURE.width, PICTURE.height), 1, 1.0)?;
     let pivot = scene.pivot();
     scene.reset(&motion.pose(0.0, pivot))?;
@@ -86,7 +85,7 @@ pub fn run(args: &Args) -> Result<()> {
     let path = args.out.join("demo.webp");
     let mut output = Output::create(&path, (size.width, size.height), frames, LOOP_FPS)?;
     let times = Times { frames, fps: LOOP_FPS, lead: -motion.duration() };
-    let camera = Camera::portrait(View::ThreeQuarter, scene.subject(), size.aspect(), 0.95);
+    let camera = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), size.aspect(), 0.95);
     eprintln!("Drawing a loop of {frames} frames, {}x{}; about {seconds:.0} s.", size.width, size.height);
     animate(&mut scene, &Shot::still(camera), &motion, times, &mut output)?;
     say!("{picture}");
@@ -96,14 +95,14 @@ pub fn run(args: &Args) -> Result<()> {
 
 /// Brings `scene` to the finest of [`LOOPS`] whose loop is drawn within [`LOOP_SECONDS`], or the coarsest: its size,
 /// and how long it will take, seconds.
-fn fit(scene: &mut Scene, motion: &Motion, frames: f64) -> Result<(Size, f64)> {
+fn fit(scene: &mut Photographer, motion: &Motion, frames: f64) -> Result<(Size, f64)> {
     let pivot = scene.pivot();
     let mut fitting = (LOOPS[0].0, 0.0);
     for (i, (size, share)) in LOOPS.into_iter().enumerate() {
         let mode = if share < 1.0 { LodMode::Fixed(share) } else { LodMode::Off };
         scene.set_lod(LodOptions { mode, ..Default::default() })?;
         scene.resize([size.width, size.height])?;
-        let camera = Camera::portrait(View::ThreeQuarter, scene.subject(), size.aspect(), 0.95);
+        let camera = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), size.aspect(), 0.95);
         let mut seconds = 0.0;
         // The second tells: the first still makes what is new at this size.
         for frame in 0..2 {

@@ -76,5 +76,6 @@ pub fn leave(code: i32) -> ! {
         // One that is gone already is no harm, and nobody is left to hear of another.
         let _ = std::fs::remove_file(path);
     }
-    std::process::exit(code)
+    // Not through the handlers of a driver, whose threads are still at work: a software driver crashes in them.
+    signal_hook::low_level::exit(code)
 }

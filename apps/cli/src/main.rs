@@ -15,12 +15,12 @@ mod interrupt;
 mod knobs;
 mod load;
 mod orient_args;
+mod photographer;
 mod picture;
 mod preset;
 mod preset_args;
 mod progress;
 mod render;
-mod scene;
 mod settings_args;
 mod studio;
 

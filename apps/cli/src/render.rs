@@ -3,9 +3,9 @@
 use crate::{
     args::{self, Size},
     debug,
+    photographer::Photographer,
     picture::{Kind, Output},
     progress, say,
-    scene::Scene,
     settings_args::SettingsArgs,
 };
 use anyhow::{Result, ensure};
@@ -14,7 +14,7 @@ use tresses::{
     views::DebugView,
     volume::{HairHair, HairHairMode},
 };
-use tresses_scene::{Camera, Motion, Shot, camera::View};
+use tresses_scene::{Motion, Shot, Viewpoint, camera::Angle};
 
 /// The longest animation, frames.
 const MAX_FRAMES: u32 = 100_000;
@@ -40,7 +40,7 @@ pub struct Args {
     pub size: Size,
     /// Where the camera stands
     #[arg(long, value_name = "NAME", value_enum, default_value_t, help_heading = "Picture")]
-    pub camera: View,
+    pub camera: Angle,
     /// Distance of the camera: close, normal, far, or a magnification
     #[arg(long, value_name = "FACTOR", default_value = "normal", value_parser = args::zoom, help_heading = "Picture")]
     pub zoom: f32,
@@ -81,9 +81,9 @@ pub fn run(args: &Args) -> Result<()> {
         *hair_hair = HairHair { speed: 0.0, friction: 0.0, ..HairHair::default() };
     }
     args.debug.check(&preset.settings.physics())?;
-    let mut scene = Scene::open(&preset, args.size)?;
+    let mut scene = Photographer::open(&preset, args.size)?;
     scene.show(&args.debug)?;
-    let camera = Camera::portrait(args.camera, scene.subject(), args.size.aspect(), args.zoom);
+    let camera = Viewpoint::portrait(args.camera, scene.subject(), args.size.aspect(), args.zoom);
     let camera = args.distance.map_or(camera, |distance| camera.moved(distance));
     let shot = args.distance_to.map_or(Shot::still(camera), |distance| Shot::moving(camera, distance));
     let written = record(&mut scene, &shot, &motion, frames, args)?;
@@ -91,7 +91,13 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-fn record(scene: &mut Scene, shot: &Shot, motion: &Motion, frames: u32, args: &Args) -> Result<String> {
+fn record(
+    scene: &mut Photographer,
+    shot: &Shot,
+    motion: &Motion,
+    frames: u32,
+    args: &Args,
+) -> Result<String> {
     let size = (args.size.width, args.size.height);
     let mut output = Output::create(&args.out, size, frames, args.fps)?;
     // A whole run of a repeating motion is a loop: the hair must start as it ends.
@@ -117,7 +123,7 @@ pub struct Times {
 
 /// Moves the head, and hands every frame to `output`.
 pub fn animate(
-    scene: &mut Scene,
+    scene: &mut Photographer,
     shot: &Shot,
     motion: &Motion,
     times: Times,
@@ -138,12 +144,12 @@ pub fn animate(
 
 /// Moves the head from the begin of the motion on, and does something with every frame.
 fn play(
-    scene: &mut Scene,
+    scene: &mut Photographer,
     shot: &Shot,
     motion: &Motion,
     times: Times,
     work: &'static str,
-    mut each: impl FnMut(&mut Scene, u32, &Camera) -> Result<()>,
+    mut each: impl FnMut(&mut Photographer, u32, &Viewpoint) -> Result<()>,
 ) -> Result<()> {
     let pivot = scene.pivot();
     let step = 1.0 / times.fps;

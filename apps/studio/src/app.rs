@@ -24,7 +24,7 @@ use anyhow::{Context, Result};
 use eframe::{egui, egui_wgpu::RenderState};
 use std::{sync::Arc, time::Duration};
 use tresses::{Pipelines, glam::Vec3, gpu::Gpu, groom::styles::Style, views};
-use tresses_scene::{Base, History, Surroundings, camera::View};
+use tresses_scene::{Base, History, Surroundings, camera::Angle};
 use web_time::Instant;
 
 /// What is shown and what is known of it.
@@ -141,7 +141,7 @@ impl Studio {
             wish: Wish::default(),
             show: None,
             shown: None,
-            orbit: Orbit::new(View::default(), (Vec3::new(-0.1, 1.4, -0.1), Vec3::new(0.1, 1.7, 0.1))),
+            orbit: Orbit::new(Angle::default(), (Vec3::new(-0.1, 1.4, -0.1), Vec3::new(0.1, 1.7, 0.1))),
             play: Play::default(),
             hand: head::Hand::default(),
             ball: None,

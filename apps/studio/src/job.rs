@@ -11,7 +11,7 @@ use tresses::{
     view::ViewOptions,
     volume::HairHairMode,
 };
-use tresses_scene::{Base, Quality, Settings, Stage, Surroundings};
+use tresses_scene::{Base, Quality, Scene, Settings, Surroundings};
 
 /// Size of the very first picture, which nobody sees, pixels.
 const FIRST: [u32; 2] = [487, 305];
@@ -63,7 +63,7 @@ pub struct Order {
 /// A character that is ready to be shown.
 pub struct Ready {
     /// On the GPU.
-    pub stage: Stage,
+    pub stage: Scene,
     /// What it was made from.
     pub hair: Hair,
     /// What can be styled anew.
@@ -227,7 +227,7 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready
         ..Quality::new(FIRST)
     };
     let physics = settings.physics();
-    let stage = Stage::new(gpu, pipelines, character, colliders, &physics, &quality, progress).await;
+    let stage = Scene::new(gpu, pipelines, character, colliders, &physics, &quality, progress).await;
     let mut stage = stage?;
     settings.apply(&mut stage.look, &mut stage.hair.set.material);
     stage.set_surroundings(surroundings.clone());
@@ -257,9 +257,9 @@ fn wanted(settings: &Settings, options: ViewOptions) -> Vec<Wanted> {
 }
 
 /// Drivers finish compiling when something is drawn: better here than in the window.
-fn first_picture(stage: &mut Stage) -> Result<()> {
+fn first_picture(stage: &mut Scene) -> Result<()> {
     let mut encoder = stage.gpu.device.create_command_encoder(&Default::default());
-    let camera = tresses_scene::Camera::portrait(Default::default(), stage.subject(), 1.0, 1.0);
+    let camera = tresses_scene::Viewpoint::portrait(Default::default(), stage.subject(), 1.0, 1.0);
     stage.hair.reset();
     for seconds in [0.0, 1.0 / 60.0] {
         stage.record_advance(&mut encoder, None, &Pose::IDENTITY, seconds)?;

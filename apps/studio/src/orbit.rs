@@ -1,7 +1,7 @@
 //! The user's camera: it orbits a point, pans and zooms, and moves smoothly to named views.
 
 use tresses::glam::{Vec2, Vec3};
-use tresses_scene::camera::{Bounds, Camera, VERTICAL_FOV, View};
+use tresses_scene::camera::{Angle, Bounds, VERTICAL_FOV, Viewpoint};
 
 /// Nearest and farthest that a camera may come to what it looks at, metres.
 const DISTANCE: (f32, f32) = (0.05, 10.0);
@@ -14,7 +14,7 @@ const GLIDE: f32 = 1e-6;
 
 /// Where the camera is, as a person thinks of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Place {
+struct Spot {
     target: Vec3,
     /// From before the face towards the head's left, radians.
     yaw: f32,
@@ -24,8 +24,8 @@ struct Place {
     distance: f32,
 }
 
-impl Place {
-    fn of(camera: &Camera) -> Self {
+impl Spot {
+    fn of(camera: &Viewpoint) -> Self {
         let back = camera.eye - camera.target;
         let distance = back.length().max(DISTANCE.0);
         let pitch = (back.y / distance).clamp(-1.0, 1.0).asin();
@@ -41,18 +41,18 @@ impl Place {
 /// A camera on its way.
 #[derive(Clone, Debug)]
 pub struct Orbit {
-    now: Place,
-    goal: Place,
+    now: Spot,
+    goal: Spot,
     /// The view that the picture keeps when its shape changes, until a person moves the camera.
-    framed: Option<View>,
+    framed: Option<Angle>,
     subject: Bounds,
     aspect: f32,
 }
 
 impl Orbit {
     /// A portrait of `subject` from `view`.
-    pub fn new(view: View, subject: Bounds) -> Self {
-        let place = Place::of(&Camera::portrait(view, subject, 1.3, 1.0));
+    pub fn new(view: Angle, subject: Bounds) -> Self {
+        let place = Spot::of(&Viewpoint::portrait(view, subject, 1.3, 1.0));
         Self { now: place, goal: place, framed: Some(view), subject, aspect: 1.3 }
     }
 
@@ -60,10 +60,10 @@ impl Orbit {
     pub fn show(&mut self, subject: Bounds) {
         self.subject = subject;
         let view = self.framed.unwrap_or_default();
-        let portrait = Place::of(&Camera::portrait(view, subject, self.aspect, 1.0));
+        let portrait = Spot::of(&Viewpoint::portrait(view, subject, self.aspect, 1.0));
         self.goal = match self.framed {
             Some(_) => portrait,
-            None => Place { target: portrait.target, distance: portrait.distance, ..self.goal },
+            None => Spot { target: portrait.target, distance: portrait.distance, ..self.goal },
         };
         self.now = self.goal;
     }
@@ -76,7 +76,7 @@ impl Orbit {
         self.aspect = aspect;
         if let Some(view) = self.framed {
             let gliding = self.is_gliding();
-            self.goal = Place::of(&Camera::portrait(view, self.subject, aspect, 1.0));
+            self.goal = Spot::of(&Viewpoint::portrait(view, self.subject, aspect, 1.0));
             if !gliding {
                 self.now = self.goal;
             }
@@ -84,8 +84,8 @@ impl Orbit {
     }
 
     /// Glides to a portrait from `view`.
-    pub fn frame(&mut self, view: View) {
-        self.goal = Place::of(&Camera::portrait(view, self.subject, self.aspect, 1.0));
+    pub fn frame(&mut self, view: Angle) {
+        self.goal = Spot::of(&Viewpoint::portrait(view, self.subject, self.aspect, 1.0));
         // The short way round.
         let turns = ((self.now.yaw - self.goal.yaw) / std::f32::consts::TAU).round();
         self.goal.yaw += turns * std::f32::consts::TAU;
@@ -93,7 +93,7 @@ impl Orbit {
     }
 
     /// The view it was framed from, if it has not been moved since.
-    pub fn framed(&self) -> Option<View> {
+    pub fn framed(&self) -> Option<Angle> {
         self.framed
     }
 
@@ -139,7 +139,7 @@ impl Orbit {
         let share = 1.0 - GLIDE.powf(seconds.clamp(0.0, 0.1));
         let mix = |a: f32, b: f32| a + (b - a) * share;
         let (now, goal) = (self.now, self.goal);
-        self.now = Place {
+        self.now = Spot {
             target: now.target.lerp(goal.target, share),
             yaw: mix(now.yaw, goal.yaw),
             pitch: mix(now.pitch, goal.pitch),
@@ -153,8 +153,8 @@ impl Orbit {
     }
 
     /// The camera now.
-    pub fn camera(&self) -> Camera {
-        Camera { eye: self.now.target + self.now.back() * self.now.distance, target: self.now.target }
+    pub fn camera(&self) -> Viewpoint {
+        Viewpoint { eye: self.now.target + self.now.back() * self.now.distance, target: self.now.target }
     }
 
     /// Right and up in the picture.
@@ -185,20 +185,20 @@ mod tests {
 
     #[test]
     fn it_glides_to_a_view_and_stops() {
-        let mut orbit = Orbit::new(View::Front, SUBJECT);
-        orbit.frame(View::Side);
+        let mut orbit = Orbit::new(Angle::Front, SUBJECT);
+        orbit.frame(Angle::Side);
         assert!(orbit.is_gliding());
         for _ in 0..200 {
             orbit.advance(1.0 / 60.0);
         }
         assert!(!orbit.is_gliding());
-        let portrait = Camera::portrait(View::Side, SUBJECT, 1.3, 1.0);
+        let portrait = Viewpoint::portrait(Angle::Side, SUBJECT, 1.3, 1.0);
         assert!(orbit.camera().eye.distance(portrait.eye) < 1e-4);
     }
 
     #[test]
     fn turning_keeps_the_distance_and_never_tips_over() {
-        let mut orbit = Orbit::new(View::Front, SUBJECT);
+        let mut orbit = Orbit::new(Angle::Front, SUBJECT);
         let before = orbit.camera().distance();
         orbit.turn(Vec2::new(300.0, 9000.0));
         assert!((orbit.camera().distance() - before).abs() < 1e-4);
@@ -208,7 +208,7 @@ mod tests {
 
     #[test]
     fn the_middle_ray_meets_the_target() {
-        let mut orbit = Orbit::new(View::ThreeQuarter, SUBJECT);
+        let mut orbit = Orbit::new(Angle::ThreeQuarter, SUBJECT);
         orbit.pan(Vec2::new(30.0, -20.0), 600.0);
         let (eye, direction) = orbit.ray(Vec2::ZERO);
         let camera = orbit.camera();
@@ -217,9 +217,9 @@ mod tests {
 
     #[test]
     fn the_far_way_is_not_taken() {
-        let mut orbit = Orbit::new(View::Back, SUBJECT);
+        let mut orbit = Orbit::new(Angle::Back, SUBJECT);
         orbit.turn(Vec2::new(-100.0, 0.0));
-        orbit.frame(View::Back);
+        orbit.frame(Angle::Back);
         assert!((orbit.now.yaw - orbit.goal.yaw).abs() < std::f32::consts::PI);
     }
 }

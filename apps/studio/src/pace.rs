@@ -3,7 +3,7 @@
 
 use anyhow::Result;
 use tresses::lod::LodOptions;
-use tresses_scene::{Settings, Stage};
+use tresses_scene::{Scene, Settings};
 
 /// How finely a frame is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,7 +52,7 @@ impl Level {
     ///
     /// # Errors
     /// When the level of detail is out of its range.
-    pub fn dress(&self, stage: &mut Stage, settings: &Settings) -> Result<()> {
+    pub fn dress(&self, stage: &mut Scene, settings: &Settings) -> Result<()> {
         stage.take(settings);
         if self.few_lights {
             stage.lighting.rim = 0.0;

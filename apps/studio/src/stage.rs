@@ -12,7 +12,7 @@ use tresses::{
     glam::Vec3,
     gpu::{Timings, readback::Pending, timings::Rows},
 };
-use tresses_scene::{Camera, Facts, Stage};
+use tresses_scene::{Facts, Scene, Viewpoint};
 use web_time::Instant;
 
 /// What a frame is made for.
@@ -23,7 +23,7 @@ pub struct Moment {
     /// Seconds of hair since the frame before.
     pub seconds: f32,
     /// Who looks.
-    pub camera: Camera,
+    pub camera: Viewpoint,
     /// Width and height, pixels.
     pub size: [u32; 2],
     /// Pixels that are drawn per pixel of it, along each axis.
@@ -40,7 +40,7 @@ type Landed = Arc<Mutex<Option<Instant>>>;
 /// A character, the texture it is drawn into, and at most one frame under way.
 pub struct Show {
     /// The character.
-    pub stage: Stage,
+    pub stage: Scene,
     texture: Option<TextureId>,
     flight: Option<(Instant, Landed)>,
     /// Frames drawn.
@@ -58,7 +58,7 @@ pub struct Show {
 
 impl Show {
     /// Shows `stage`.
-    pub fn new(stage: Stage) -> Self {
+    pub fn new(stage: Scene) -> Self {
         let gpu = &stage.gpu;
         let watcher = Watcher::new(&gpu.device);
         let timed = gpu.tier.timestamps && !gpu.tier.software;
@@ -88,7 +88,7 @@ impl Show {
     }
 
     /// Another character into the same texture.
-    pub fn replace(&mut self, stage: Stage) {
+    pub fn replace(&mut self, stage: Scene) {
         self.stage = stage;
     }
 

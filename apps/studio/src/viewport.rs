@@ -8,7 +8,7 @@ use tresses::{
     glam::{Vec2, Vec3},
     simulate::grab::{Ray, Target},
 };
-use tresses_scene::camera::View;
+use tresses_scene::camera::Angle;
 
 /// Zoom per point of a wheel.
 const WHEEL: f32 = 0.0025;
@@ -122,7 +122,7 @@ fn pointer(studio: &mut Studio, ui: &Ui, response: &Response) {
         studio.hand.release();
     }
     if response.double_clicked() {
-        studio.orbit.frame(View::default());
+        studio.orbit.frame(Angle::default());
         studio.dirty = true;
     }
     hover(studio, ui, response);

@@ -9,7 +9,9 @@ use tresses::{
     lod::Detail,
     present::Background,
 };
-use tresses_scene::{Base, Camera, Colliders, Quality, Settings, Stage, camera::View, settings::HairColor};
+use tresses_scene::{
+    Base, Colliders, Quality, Scene, Settings, Viewpoint, camera::Angle, settings::HairColor,
+};
 use tresses_studio::{
     pace::{LEVELS, Level},
     turn,
@@ -18,7 +20,7 @@ use tresses_studio::{
 /// Width and height of the picture in a window of the size that it opens in, points.
 const AREA: [f32; 2] = [884.0, 692.0];
 
-fn stage() -> Option<(Stage, Settings)> {
+fn stage() -> Option<(Scene, Settings)> {
     let Ok(gpu) = pollster::block_on(Gpu::open()) else {
         assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none(), "there is no adapter");
         return None;
@@ -41,14 +43,14 @@ fn stage() -> Option<(Stage, Settings)> {
         let physics = settings.physics();
         let (colliders, progress) = (Colliders::default(), &());
         let mut stage =
-            Stage::new(gpu, pipelines, character, colliders, &physics, &quality, progress).await.unwrap();
+            Scene::new(gpu, pipelines, character, colliders, &physics, &quality, progress).await.unwrap();
         stage.offer_coarse(mannequin::mesh_with(48, &()).await);
         stage
     });
     Some((stage, settings))
 }
 
-fn picture(stage: &mut Stage, settings: &Settings, level: &Level, view: View) -> Vec<u8> {
+fn picture(stage: &mut Scene, settings: &Settings, level: &Level, view: Angle) -> Vec<u8> {
     let size = AREA.map(|side| (side * level.scale).round() as u32);
     stage.resize(size).unwrap();
     level.dress(stage, settings).unwrap();
@@ -57,7 +59,7 @@ fn picture(stage: &mut Stage, settings: &Settings, level: &Level, view: View) ->
     (body.color, body.gloss) = (Vec3::ZERO, 0.0);
     stage.look.tone.exposure *= 16.0;
     stage.look.background = Background::transparent();
-    let camera = Camera::portrait(view, stage.subject(), AREA[0] / AREA[1], 1.0);
+    let camera = Viewpoint::portrait(view, stage.subject(), AREA[0] / AREA[1], 1.0);
     let mut encoder = stage.gpu.device.create_command_encoder(&Default::default());
     stage.watch(&camera);
     stage.rewind();
@@ -71,7 +73,7 @@ fn picture(stage: &mut Stage, settings: &Settings, level: &Level, view: View) ->
 const BLOCKS: usize = 24;
 
 /// The share of each block of the picture that is hair.
-fn hair(stage: &Stage, picture: &[u8]) -> Vec<f32> {
+fn hair(stage: &Scene, picture: &[u8]) -> Vec<f32> {
     let [width, height] = stage.targets().size.map(|side| side as usize);
     let mut blocks = vec![[0.0; 2]; BLOCKS * BLOCKS];
     for (i, [r, g, b, alpha]) in picture.as_chunks().0.iter().enumerate() {
@@ -100,16 +102,16 @@ fn fits([all, least]: [f32; 2]) -> bool {
 
 #[test]
 fn what_is_lowered_covers_as_much() {
-    cover_as_much(&[View::Back]);
+    cover_as_much(&[Angle::Back]);
 }
 
 #[test]
 #[ignore = "proof"]
 fn what_is_lowered_covers_as_much_from_the_side() {
-    cover_as_much(&[View::ThreeQuarter]);
+    cover_as_much(&[Angle::ThreeQuarter]);
 }
 
-fn cover_as_much(views: &[View]) {
+fn cover_as_much(views: &[Angle]) {
     let Some((mut stage, settings)) = stage() else { return };
     let whole = Level { scale: 0.5, ..Level::FULL };
     // The chords of so few segments sink into the skull.

@@ -14,7 +14,7 @@ const HEAD_HEIGHT: f32 = 0.27;
 /// From where the head is seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
-pub enum View {
+pub enum Angle {
     /// From before the face.
     Front,
     /// Half from the side of the head's left.
@@ -26,7 +26,7 @@ pub enum View {
     Back,
 }
 
-impl View {
+impl Angle {
     /// All of them, and what they are called.
     pub const ALL: [(Self, &'static str); 4] = [
         (Self::Front, "front"),
@@ -64,18 +64,18 @@ pub fn subject(hair: Bounds, head: Option<Bounds>) -> Bounds {
     (lo, hi)
 }
 
-/// A pinhole camera.
+/// Where a camera is and what it looks at.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Camera {
+pub struct Viewpoint {
     /// Where it is, metres.
     pub eye: Vec3,
     /// What it looks at, metres.
     pub target: Vec3,
 }
 
-impl Camera {
+impl Viewpoint {
     /// Frames `subject` from `view` in a picture `aspect` times as wide as high; `zoom` 2 shows half as much.
-    pub fn portrait(view: View, subject: Bounds, aspect: f32, zoom: f32) -> Self {
+    pub fn portrait(view: Angle, subject: Bounds, aspect: f32, zoom: f32) -> Self {
         let (azimuth, elevation) = view.angles();
         let (azimuth, elevation) = (azimuth.to_radians(), elevation.to_radians());
         let back =
@@ -114,24 +114,24 @@ impl Camera {
 /// A camera that may move away from what it looks at, or towards it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shot {
-    from: Camera,
+    from: Viewpoint,
     /// Metres.
     to: f32,
 }
 
 impl Shot {
     /// One that stays.
-    pub fn still(camera: Camera) -> Self {
+    pub fn still(camera: Viewpoint) -> Self {
         Self { to: camera.distance(), from: camera }
     }
 
     /// One that ends `to` metres away.
-    pub fn moving(camera: Camera, to: f32) -> Self {
+    pub fn moving(camera: Viewpoint, to: f32) -> Self {
         Self { from: camera, to }
     }
 
     /// At the time `t` of the shot, 0 to 1: in equal times the distance changes by equal factors.
-    pub fn at(&self, t: f32) -> Camera {
+    pub fn at(&self, t: f32) -> Viewpoint {
         let from = self.from.distance();
         if from == self.to { self.from } else { self.from.moved(from * (self.to / from).powf(t)) }
     }
@@ -144,7 +144,7 @@ mod tests {
 
     const HAIR: Bounds = (Vec3::new(-0.11, 1.40, -0.13), Vec3::new(0.10, 1.67, 0.13));
 
-    fn project(camera: &Camera, p: Vec3, aspect: f32) -> (f32, f32) {
+    fn project(camera: &Viewpoint, p: Vec3, aspect: f32) -> (f32, f32) {
         let size = [(1000.0 * aspect) as u32, 1000];
         let view = Projection::look_at(camera.eye, camera.target, VERTICAL_FOV, size);
         let clip = view.projection * view.view * p.extend(1.0);
@@ -154,9 +154,9 @@ mod tests {
 
     #[test]
     fn the_subject_is_inside_and_fills_the_picture() {
-        for view in [View::Front, View::ThreeQuarter, View::Side, View::Back] {
+        for view in [Angle::Front, Angle::ThreeQuarter, Angle::Side, Angle::Back] {
             for aspect in [0.5, 1.0, 1.6] {
-                let camera = Camera::portrait(view, HAIR, aspect, 1.0);
+                let camera = Viewpoint::portrait(view, HAIR, aspect, 1.0);
                 let mut reach: f32 = 0.0;
                 for i in 0..8 {
                     let pick = |bit: usize, lo: f32, hi: f32| if i >> bit & 1 == 0 { lo } else { hi };
@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn shots_move_by_equal_factors() {
-        let camera = Camera::portrait(View::Side, HAIR, 1.6, 1.0).moved(0.5);
+        let camera = Viewpoint::portrait(Angle::Side, HAIR, 1.6, 1.0).moved(0.5);
         assert!((camera.distance() - 0.5).abs() < 1e-6 && camera.eye.x > 0.3);
         let shot = Shot::moving(camera, 8.0);
         for (t, distance) in [(0.0, 0.5), (0.5, 2.0), (1.0, 8.0)] {
@@ -192,15 +192,15 @@ mod tests {
     #[test]
     fn views_stand_where_they_say() {
         let eye = |view| {
-            let camera = Camera::portrait(view, HAIR, 1.6, 1.0);
+            let camera = Viewpoint::portrait(view, HAIR, 1.6, 1.0);
             camera.eye - camera.target
         };
-        assert!(eye(View::Front).z > 0.3 && eye(View::Front).x.abs() < 1e-6);
-        assert!(eye(View::ThreeQuarter).x > 0.2 && eye(View::ThreeQuarter).z > 0.3);
-        assert!(eye(View::Side).x > 0.3 && eye(View::Back).z < -0.3);
+        assert!(eye(Angle::Front).z > 0.3 && eye(Angle::Front).x.abs() < 1e-6);
+        assert!(eye(Angle::ThreeQuarter).x > 0.2 && eye(Angle::ThreeQuarter).z > 0.3);
+        assert!(eye(Angle::Side).x > 0.3 && eye(Angle::Back).z < -0.3);
         assert!(
-            Camera::portrait(View::Front, HAIR, 1.6, 2.0).eye.z
-                < Camera::portrait(View::Front, HAIR, 1.6, 1.0).eye.z
+            Viewpoint::portrait(Angle::Front, HAIR, 1.6, 2.0).eye.z
+                < Viewpoint::portrait(Angle::Front, HAIR, 1.6, 1.0).eye.z
         );
     }
 

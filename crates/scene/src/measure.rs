@@ -1,18 +1,18 @@
 //! Measures frames, stage by stage. Blocks, so it is not for a browser.
 
-use crate::{camera::Camera, stage::Stage};
+use crate::{camera::Viewpoint, scene::Scene};
 use anyhow::Result;
 use std::time::Instant;
 use tresses::{Pose, gpu::Timings};
 
-impl Stage {
+impl Scene {
     /// A whole frame, waited for: its milliseconds from recording to completion, and those of its
     /// stages where the adapter can tell.
     pub fn measured_frame(
         &mut self,
         pose: &Pose,
         seconds: f32,
-        camera: &Camera,
+        camera: &Viewpoint,
     ) -> Result<(f64, Vec<(&'static str, f64)>)> {
         self.watch(camera);
         let start = Instant::now();

@@ -5,7 +5,7 @@ use super::{
     report::Run,
     workload::{self, Edges, masks},
 };
-use crate::{args::Size, scene::Scene};
+use crate::{args::Size, photographer::Photographer};
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use serde::Serialize;
@@ -28,7 +28,7 @@ pub struct Variant {
     /// Which of its ways.
     name: &'static str,
     edges: Edges,
-    set: fn(&mut Scene),
+    set: fn(&mut Photographer),
 }
 
 /// What one way costs.
@@ -113,7 +113,7 @@ pub fn variants() -> Vec<Variant> {
 /// Measures one of them.
 pub fn measure(variant: &Variant, software: bool, frames: u32, bar: &ProgressBar) -> Result<Look> {
     let (size, strands) = if software { SOFTWARE } else { FULL };
-    let mut scene = Scene::open(&workload::style(Some(strands), variant.edges), size)
+    let mut scene = Photographer::open(&workload::style(Some(strands), variant.edges), size)
         .with_context(|| format!("{}, {}", variant.topic, variant.name))?;
     (variant.set)(&mut scene);
     let run = workload::run(&mut scene, "in motion", "turn", size, frames, bar)?;

@@ -6,13 +6,13 @@ use super::{
     statistics::Summary,
     workload::{self, FPS, WARM_UP},
 };
-use crate::{args::Size, scene::Scene};
+use crate::{args::Size, photographer::Photographer};
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use serde::Serialize;
 use tresses::lod::{LodMode, LodOptions};
 use tresses_scene::words::grouped;
-use tresses_scene::{Camera, Motion, camera::View};
+use tresses_scene::{Motion, Viewpoint, camera::Angle};
 
 /// Pixels.
 const SIZE: Size = Size { width: 1280, height: 720 };
@@ -59,14 +59,16 @@ pub struct Times {
 
 /// Measures the long style in motion at all distances.
 pub fn measure(frames: u32, bar: &ProgressBar) -> Result<Vec<Point>> {
-    let mut scene =
-        Scene::with_samples_at_most(&workload::style(Some(STRANDS), workload::masks(SAMPLES, 1)), SIZE)
-            .context("levels of detail")?;
-    let near = Camera::portrait(View::ThreeQuarter, scene.subject(), SIZE.aspect(), 1.0);
+    let mut scene = Photographer::with_samples_at_most(
+        &workload::style(Some(STRANDS), workload::masks(SAMPLES, 1)),
+        SIZE,
+    )
+    .context("levels of detail")?;
+    let near = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), SIZE.aspect(), 1.0);
     DISTANCES.iter().map(|distance| point(&mut scene, &near.moved(*distance), frames, bar)).collect()
 }
 
-fn point(scene: &mut Scene, camera: &Camera, frames: u32, bar: &ProgressBar) -> Result<Point> {
+fn point(scene: &mut Photographer, camera: &Viewpoint, frames: u32, bar: &ProgressBar) -> Result<Point> {
     let motion = Motion::named("turn").context("a built-in motion")?;
     let pivot = scene.pivot();
     let way = |mode| LodOptions { mode, ..LodOptions::default() };

@@ -97,7 +97,7 @@ pub struct Run {
     /// How many were measured.
     pub frames: u32,
     /// In order; from GPU timestamps.
-    pub stages: Vec<Stage>,
+    pub stages: Vec<StageTime>,
     /// The sum of the stages in each frame.
     pub gpu: Summary,
     /// From recording to the GPU's last answer.
@@ -106,7 +106,7 @@ pub struct Run {
 
 /// One stage's time.
 #[derive(Debug, Serialize)]
-pub struct Stage {
+pub struct StageTime {
     /// The pass or passes of that name.
     pub name: String,
     #[serde(flatten)]
@@ -337,8 +337,8 @@ mod tests {
             state: state.into(),
             frames: 9,
             stages: vec![
-                Stage { name: "simulate".into(), time: time(0.25 * scale) },
-                Stage { name: "draw".into(), time: time(50.0 * scale) },
+                StageTime { name: "simulate".into(), time: time(0.25 * scale) },
+                StageTime { name: "draw".into(), time: time(50.0 * scale) },
             ],
             gpu: time(50.25 * scale),
             frame: time(60.0 * scale),

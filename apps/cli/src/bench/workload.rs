@@ -2,15 +2,17 @@
 
 use super::{
     Args,
-    report::{Group, Point, Run, Stage},
+    report::{Group, Point, Run, StageTime},
     statistics::Summary,
 };
-use crate::{args::Size, preset_args, scene::Scene};
+use crate::{args::Size, photographer::Photographer, preset_args};
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use std::{path::PathBuf, time::Instant};
 use tresses::lod::LodMode;
-use tresses_scene::{Camera, Motion, Preset, Settings, camera::View, character::strands_for, preset::Source};
+use tresses_scene::{
+    Motion, Preset, Settings, Viewpoint, camera::Angle, character::strands_for, preset::Source,
+};
 
 /// Frames before the first that counts: shaders are compiled, caches and clocks are warm.
 pub const WARM_UP: u32 = 2;
@@ -159,7 +161,7 @@ pub fn measure(workload: &Workload, frames: u32, bar: &ProgressBar) -> Result<Gr
         preset.settings.set("style.strands", strands_for(triangles))?;
     }
     let mut scene =
-        Scene::with_samples_at_most(&preset, workload.size).with_context(|| workload.name.clone())?;
+        Photographer::with_samples_at_most(&preset, workload.size).with_context(|| workload.name.clone())?;
     let runs = workload
         .runs
         .iter()
@@ -186,14 +188,14 @@ pub fn measure(workload: &Workload, frames: u32, bar: &ProgressBar) -> Result<Gr
 /// Measures the long style with `strands` strands.
 pub fn point(strands: u32, frames: u32, bar: &ProgressBar) -> Result<Point> {
     let size = Size { width: 1280, height: 720 };
-    let mut scene = Scene::with_samples_at_most(&style(Some(strands), masks("1", 1)), size)?;
+    let mut scene = Photographer::with_samples_at_most(&style(Some(strands), masks("1", 1)), size)?;
     let run = run(&mut scene, "in motion", "turn", size, frames, bar)?;
     Ok(Point { strands: scene.facts().strands, gpu: run.gpu, frame: run.frame })
 }
 
 /// Measures `scene` in a motion.
 pub fn run(
-    scene: &mut Scene,
+    scene: &mut Photographer,
     state: &str,
     motion: &str,
     size: Size,
@@ -201,7 +203,7 @@ pub fn run(
     bar: &ProgressBar,
 ) -> Result<Run> {
     let motion = Motion::named(motion).context("a built-in motion")?;
-    let camera = Camera::portrait(View::ThreeQuarter, scene.subject(), size.aspect(), 1.0);
+    let camera = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), size.aspect(), 1.0);
     let pivot = scene.pivot();
     scene.reset(&motion.pose(0.0, pivot))?;
     let mut stages: Vec<(&'static str, Vec<f64>)> = Vec::new();
@@ -232,7 +234,7 @@ pub fn run(
         frames: walls.len() as u32,
         stages: stages
             .into_iter()
-            .map(|(name, values)| Stage { name: name.into(), time: Summary::of(values) })
+            .map(|(name, values)| StageTime { name: name.into(), time: Summary::of(values) })
             .collect(),
         gpu: Summary::of(sums),
         frame: Summary::of(walls),

@@ -6,9 +6,9 @@
 //! without, the fractions that arrive are compared too ([`share`]).
 
 mod metrics;
+mod rig;
 mod scenes;
 mod share;
-mod stage;
 
 use crate::{
     args,
@@ -17,10 +17,10 @@ use crate::{
 };
 use anyhow::{Context, Result, ensure};
 use metrics::Difference;
-use scenes::{Folders, Pair, Scenes, View};
+use rig::Rig;
+use scenes::{Folders, Pair, Scenes, WantedView};
 use serde::Serialize;
 use share::Share;
-use stage::Stage;
 use std::{fmt::Write, path::PathBuf};
 use tresses_scene::knobs::Flag;
 
@@ -145,13 +145,13 @@ pub fn run(args: &Args) -> Result<()> {
 
 /// The stage with the groom of `view`: pictures of one groom follow each other.
 fn stage<'a>(
-    last: &'a mut Option<Stage>,
-    view: &View<'_>,
+    last: &'a mut Option<Rig>,
+    view: &WantedView<'_>,
     folders: &Folders<'_>,
     samples: Option<u32>,
-) -> Result<&'a mut Stage> {
+) -> Result<&'a mut Rig> {
     if last.as_ref().is_none_or(|stage| stage.groom() != view.groom_name) {
-        *last = Some(Stage::new(view, folders, samples)?);
+        *last = Some(Rig::new(view, folders, samples)?);
     }
     last.as_mut().context("the stage was made just now")
 }

@@ -28,7 +28,7 @@ pub struct Groom {
     /// Of every strand.
     pub radius: Radius,
     /// Where the picture is taken from.
-    pub camera: Camera,
+    pub camera: WantedCamera,
     /// By name.
     pub lights: BTreeMap<String, Light>,
     /// What is drawn with the hair.
@@ -46,7 +46,7 @@ pub struct Radius {
 
 /// A pinhole camera, upright.
 #[derive(Debug, Deserialize)]
-pub struct Camera {
+pub struct WantedCamera {
     /// Where it is.
     pub origin: [f32; 3],
     /// What it looks at.
@@ -99,7 +99,7 @@ fn yes() -> bool {
 }
 
 /// One picture that can be compared.
-pub struct View<'a> {
+pub struct WantedView<'a> {
     /// Of the picture.
     pub name: &'a str,
     /// Of the groom.
@@ -119,7 +119,7 @@ pub struct View<'a> {
 /// Two pictures of light that is scattered once, with shadows and without.
 pub struct Pair<'a> {
     /// The one with shadows.
-    pub view: View<'a>,
+    pub view: WantedView<'a>,
     /// The name of the other.
     pub unshadowed: &'a str,
 }
@@ -132,7 +132,7 @@ impl Scenes {
     }
 
     /// The named pictures, or all with light from everywhere; groom by groom.
-    pub fn views(&self, only: &[String]) -> Result<Vec<View<'_>>> {
+    pub fn views(&self, only: &[String]) -> Result<Vec<WantedView<'_>>> {
         if let Some(name) = only.iter().find(|name| !self.pictures.contains_key(*name)) {
             let names: Vec<_> = self.pictures.keys().map(String::as_str).collect();
             bail!("there is no picture {name}; choose {}", names.join(", "));
@@ -173,10 +173,10 @@ impl Scenes {
     }
 
     /// The view of a picture that shows shaded hair.
-    fn view<'a>(&'a self, name: &'a str, shot: &'a Shot) -> Result<Option<View<'a>>> {
+    fn view<'a>(&'a self, name: &'a str, shot: &'a Shot) -> Result<Option<WantedView<'a>>> {
         let (Some(groom_name), Some(material)) = (&shot.groom, &shot.material) else { return Ok(None) };
         let groom = self.grooms.get(groom_name).with_context(|| format!("{name}: no groom {groom_name}"))?;
-        Ok(Some(View {
+        Ok(Some(WantedView {
             name,
             groom_name,
             groom,
@@ -247,7 +247,7 @@ impl Folders<'_> {
     }
 
     /// Where the picture of `view`, of `size` pixels, shows hair.
-    pub fn mask(&self, view: &View<'_>, size: (u32, u32)) -> Result<Picture> {
+    pub fn mask(&self, view: &WantedView<'_>, size: (u32, u32)) -> Result<Picture> {
         let mask = self.picture(&format!("{}_hairmask", view.groom_name))?;
         ensure!(
             (mask.width, mask.height) == size,
@@ -276,7 +276,7 @@ mod tests {
             scale_note: scale_note.into(),
             strand_file: "asset a/b.tfx (all strands)".into(),
             radius: Radius { root: 1.0, tip: 1.0 },
-            camera: Camera {
+            camera: WantedCamera {
                 origin: [0.0; 3],
                 target: [0.0; 3],
                 vertical_fov_degrees: 30.0,

@@ -11,7 +11,7 @@ use tresses::{
     views::{DebugView, Peak, Shown, panels},
     volume::HairHairMode,
 };
-use tresses_scene::Stage;
+use tresses_scene::Scene;
 
 /// The options of debug views.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
@@ -66,35 +66,35 @@ pub struct Debug {
 
 impl Debug {
     /// Makes `stage` show what `args` ask for, if anything.
-    pub fn new(stage: &mut Stage, args: &DebugArgs) -> Result<Option<Self>> {
+    pub fn new(stage: &mut Scene, args: &DebugArgs) -> Result<Option<Self>> {
         let Some(view) = args.debug else { return Ok(None) };
         stage.show(Some(Shown { high: args.debug_max, ..Shown::new(view) }))?;
         Ok(Some(Self { peak: Peak::new(&stage.gpu.device), largest: 0.0, is_of_sequence: false }))
     }
 
     /// Whether the range of the colours is still to be found: of grids that nobody gave one for. Blocks.
-    fn unknown(&mut self, stage: &Stage) -> Result<Option<f32>> {
-        let Stage { gpu, hair, .. } = stage;
+    fn unknown(&mut self, stage: &Scene) -> Result<Option<f32>> {
+        let Scene { gpu, hair, .. } = stage;
         let Some(shown) = stage.shown().filter(|shown| shown.high.is_none()) else { return Ok(None) };
         let Some(grid) = shown.view.grid(hair) else { return Ok(None) };
         Ok(Some(pollster::block_on(self.peak.measure(&gpu.device, &gpu.queue, &grid))?))
     }
 
     /// Whether the range of the colours is to be found from all frames of a sequence.
-    pub fn seeks_range(&self, stage: &Stage) -> bool {
+    pub fn seeks_range(&self, stage: &Scene) -> bool {
         use DebugView::{Density, Push, Wind};
         let grids = |shown: &Shown| matches!(shown.view, Density | Push | Wind) && shown.high.is_none();
         stage.shown().as_ref().is_some_and(grids)
     }
 
     /// Takes note of a frame of the sequence. Blocks.
-    pub fn observe(&mut self, stage: &Stage) -> Result<()> {
+    pub fn observe(&mut self, stage: &Scene) -> Result<()> {
         self.largest = self.largest.max(self.unknown(stage)?.unwrap_or(0.0));
         Ok(())
     }
 
     /// The range of the colours is from here on that of all frames that were observed.
-    pub fn settle(&mut self, stage: &mut Stage) -> Result<()> {
+    pub fn settle(&mut self, stage: &mut Scene) -> Result<()> {
         if let Some(shown) = stage.shown().filter(|_| self.largest > 0.0) {
             stage.show(Some(Shown { high: Some(legend::rounded_up(self.largest)), ..shown }))?;
             self.is_of_sequence = true;
@@ -103,7 +103,7 @@ impl Debug {
     }
 
     /// Before a picture: the range of the colours, if it is not known yet and there is something to see. Blocks.
-    pub fn prepare(&mut self, stage: &mut Stage) -> Result<()> {
+    pub fn prepare(&mut self, stage: &mut Scene) -> Result<()> {
         let peak = self.unknown(stage)?.filter(|peak| *peak > 0.0);
         if let (Some(peak), Some(shown)) = (peak, stage.shown()) {
             stage.show(Some(Shown { high: Some(legend::rounded_up(peak)), ..shown }))?;

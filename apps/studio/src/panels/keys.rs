@@ -2,14 +2,19 @@
 
 use crate::{app::Studio, tool::Tool};
 use eframe::egui::{self, Key, KeyboardShortcut, Modifiers};
-use tresses_scene::camera::View;
+use tresses_scene::camera::Angle;
 
 /// The views and their keys.
-pub const VIEWS: [(View, &str, Key, &str); 4] = [
-    (View::Front, "Front", Key::Num1, "From before the face"),
-    (View::ThreeQuarter, "3/4", Key::Num2, "Three-quarter view; a double click in the picture does the same"),
-    (View::Side, "Side", Key::Num3, "From the head's left"),
-    (View::Back, "Back", Key::Num4, "From behind"),
+pub const VIEWS: [(Angle, &str, Key, &str); 4] = [
+    (Angle::Front, "Front", Key::Num1, "From before the face"),
+    (
+        Angle::ThreeQuarter,
+        "3/4",
+        Key::Num2,
+        "Three-quarter view; a double click in the picture does the same",
+    ),
+    (Angle::Side, "Side", Key::Num3, "From the head's left"),
+    (Angle::Back, "Back", Key::Num4, "From behind"),
 ];
 
 /// Handles keys, unless a text field has the focus.

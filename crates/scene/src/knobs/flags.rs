@@ -31,13 +31,13 @@ pub struct Flag {
     pub times: usize,
     /// What stands first; nothing for a value of its row.
     first: &'static [Part],
-    more: &'static [Place],
+    more: &'static [Slot],
     keys: &'static [Key],
 }
 
 /// A place in a list with commas.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
+pub struct Slot {
     part: Part,
     missing: Missing,
 }
@@ -91,8 +91,8 @@ pub(super) const fn word(word: &'static str, sets: &'static [Set]) -> Part {
     Part { path: "", word, sets, resets: &[] }
 }
 
-pub(super) const fn place(part: Part, missing: Missing) -> Place {
-    Place { part, missing }
+pub(super) const fn place(part: Part, missing: Missing) -> Slot {
+    Slot { part, missing }
 }
 
 pub(super) const fn key(key: &'static str, parts: &'static [Part]) -> Key {
@@ -159,7 +159,7 @@ impl Flag {
     }
 
     /// More, with commas between them.
-    pub(super) const fn then(mut self, places: &'static [Place]) -> Self {
+    pub(super) const fn then(mut self, places: &'static [Slot]) -> Self {
         self.more = places;
         self
     }

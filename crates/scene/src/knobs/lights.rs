@@ -2,7 +2,7 @@
 
 use super::{
     Kind, Knob, Section,
-    flags::{Missing, Part, Place, flag, place, value},
+    flags::{Missing, Part, Slot, flag, place, value},
     rows,
     value::*,
 };
@@ -59,7 +59,7 @@ const LAMP: &[Part] = &[value("lights.lamp1_azimuth").resets(&[
     "lights.lamp2_elevation",
 ])];
 
-const LAMP_MORE: &[Place] = &[
+const LAMP_MORE: &[Slot] = &[
     place(value("lights.lamp1_elevation"), Missing::Refused),
     place(value("lights.lamp1_strength"), Missing::Is("2")),
 ];

@@ -2,7 +2,7 @@
 
 use super::{
     Kind, Knob, Section, Value,
-    flags::{Missing, Part, Place, Set, flag, place, value},
+    flags::{Missing, Part, Set, Slot, flag, place, value},
     rows,
     value::*,
 };
@@ -101,6 +101,6 @@ const COLOR: &[Part] =
 const FIBER: Set = ("shading.model", Value::Choice("fiber"));
 const MELANIN: &[Part] =
     &[value("shading.eumelanin").sets(&[("shading.color", Value::Choice("melanin")), FIBER])];
-const PHEOMELANIN: &[Place] = &[place(value("shading.pheomelanin"), Missing::Is("0"))];
+const PHEOMELANIN: &[Slot] = &[place(value("shading.pheomelanin"), Missing::Is("0"))];
 const ALONG: &[Part] = &[value("shading.roughness_along").sets(&[FIBER])];
-const AROUND: &[Place] = &[place(value("shading.roughness_around"), Missing::Same)];
+const AROUND: &[Slot] = &[place(value("shading.roughness_around"), Missing::Same)];

@@ -2,7 +2,7 @@
 
 use super::{
     Kind, Knob, Section, Value,
-    flags::{Key, Missing, Part, Place, Set, flag, key, place, value, word},
+    flags::{Key, Missing, Part, Set, Slot, flag, key, place, value, word},
     rows,
     value::*,
 };
@@ -132,8 +132,8 @@ const CLUMP_KEYS: &[Key] = &[
     key("lock", &[value("style.clump_lock")]),
 ];
 
-const STRAYS: &[Place] = &[place(value("style.stray_reach"), Missing::Kept)];
-const FLYAWAYS: &[Place] = &[place(value("style.flyaway_reach"), Missing::Kept)];
+const STRAYS: &[Slot] = &[place(value("style.stray_reach"), Missing::Kept)];
+const FLYAWAYS: &[Slot] = &[place(value("style.flyaway_reach"), Missing::Kept)];
 
 const GUIDES: &[Part] = &[
     word("all", &[("style.all_guides", Value::Toggle(true))]),

@@ -2,7 +2,7 @@
 
 use super::{
     Knob, Section,
-    flags::{Missing, Place, flag, place, value},
+    flags::{Missing, Slot, flag, place, value},
     rows,
     value::*,
 };
@@ -34,4 +34,4 @@ const KNOBS: &[Knob] = rows! { "wind";
         "Edge of the grid of air over the size of the hair.";
 };
 
-const WIND: &[Place] = &[place(value("wind.direction"), Missing::Kept)];
+const WIND: &[Slot] = &[place(value("wind.direction"), Missing::Kept)];

@@ -104,14 +104,14 @@ fn dice() -> SdfGrid {
     })
 }
 
-struct Scene {
+struct Setup {
     guides: GuideBuffers,
     simulate: Pipelines,
     simulation: Simulation,
     colliders: ColliderSet,
 }
 
-impl Scene {
+impl Setup {
     fn new(gpu: &Gpu, rest: &RestGuides, head: Option<&SdfGrid>) -> Self {
         Self::among(gpu, rest, &ColliderDescriptor { head, ..Default::default() })
     }
@@ -203,7 +203,7 @@ fn compare(gpu: &Gpu, n: usize, frames: usize, disturb: f32, shifted: Option<usi
     let fields = [&sphere, &dice].map(FieldSource::Grid);
     let list = shapes();
     let what = ColliderDescriptor { head: Some(&grid), fields: &fields, colliders: &list };
-    let mut scene = Scene::among(gpu, &rest, &what);
+    let mut scene = Setup::among(gpu, &rest, &what);
     // The twin counts the head's field among the others.
     let volumes = [FieldVolume::new(&grid), FieldVolume::new(&dice)];
     let mut colliders = vec![Collider::new(Shape::Field(FieldId(0)))];
@@ -322,7 +322,7 @@ fn worst_strain(gpu: &Gpu, n: usize, frames: usize, motion: impl Fn(f32) -> Pose
     let grid = sphere();
     let rest =
         rest::guides(&positions, n as u32, &traits, &params, &RestOptions::default(), Some(&grid)).unwrap();
-    let mut scene = Scene::new(gpu, &rest, Some(&grid));
+    let mut scene = Setup::new(gpu, &rest, Some(&grid));
     let poses = ColliderPoses::default();
     let count = rest.info.len();
     let start = Step { begin: motion(0.0), end: motion(0.0), ..carry_to_start() };
@@ -376,7 +376,7 @@ fn hair_returns_to_its_shape() {
     let grid = sphere();
     let rest =
         rest::guides(&positions, n as u32, &traits, &params, &RestOptions::default(), Some(&grid)).unwrap();
-    let mut scene = Scene::new(gpu, &rest, Some(&grid));
+    let mut scene = Setup::new(gpu, &rest, Some(&grid));
     // Three seconds of shaking the head, then two of rest.
     let motion = |t: f32| Pose {
         rotation: Quat::from_rotation_y(0.6 * (std::f32::consts::TAU * t.min(3.0)).sin()),
@@ -384,7 +384,7 @@ fn hair_returns_to_its_shape() {
     };
     let start = Step { begin: motion(0.0), end: motion(0.0), ..carry_to_start() };
     scene.run(gpu, &params, &[start], &ColliderPoses::default(), None, false);
-    let mean = |scene: &Scene| {
+    let mean = |scene: &Setup| {
         let found = scene.positions(gpu);
         let count = rest.info.len();
         // Guide 1 has no stiffness, so no shape. This groom stands out from the head by up to 29 cm:
@@ -426,7 +426,7 @@ fn absurd_parameters_give_finite_positions() {
     let (positions, traits) = groom(24, 16);
     let grid = sphere();
     let rest = rest::guides(&positions, 16, &traits, &params, &RestOptions::default(), Some(&grid)).unwrap();
-    let mut scene = Scene::new(gpu, &rest, Some(&grid));
+    let mut scene = Setup::new(gpu, &rest, Some(&grid));
     for i in 0..40 {
         let step = at(i as f32 * 1.7, 0.9);
         scene.run(gpu, &params, &[step], &ColliderPoses::default(), None, false);

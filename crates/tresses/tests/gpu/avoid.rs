@@ -17,16 +17,16 @@ const HEAD: f32 = 0.09;
 const CLEARANCE: f32 = 1.5e-3;
 
 /// One device for all tests: a software driver takes long to build pipelines.
-struct Stage {
+struct Setup {
     gpu: &'static Gpu,
     pipelines: &'static Pipelines,
     character: Character,
 }
 
-impl Stage {
+impl Setup {
     fn open() -> Option<&'static Self> {
-        static STAGE: std::sync::OnceLock<Option<Stage>> = std::sync::OnceLock::new();
-        STAGE.get_or_init(Self::new).as_ref()
+        static SETUP: std::sync::OnceLock<Option<Setup>> = std::sync::OnceLock::new();
+        SETUP.get_or_init(Self::new).as_ref()
     }
 
     /// A sphere with so few guides that what lies between them enters it.
@@ -81,7 +81,7 @@ impl Stage {
 
 #[test]
 fn the_first_hit_is_that_of_a_search_one_by_one() {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let options = AvoidOptions { mode: AvoidMode::Off, ..Default::default() };
     let (mut hair, head) = stage.shaken(options);
     let vertices = stage.drawn(&mut hair, head, AvoidMode::Off);
@@ -106,7 +106,7 @@ fn the_first_hit_is_that_of_a_search_one_by_one() {
 
 #[test]
 fn strands_that_hit_nothing_keep_their_bits_and_all_keep_their_lengths() {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let (mut hair, head) = stage.shaken(AvoidOptions::default());
     let after = stage.drawn(&mut hair, head, AvoidMode::ChangeOver);
     let remembered = states(stage.gpu, &hair);
@@ -149,7 +149,7 @@ fn strands_that_hit_nothing_keep_their_bits_and_all_keep_their_lengths() {
 
 /// How far one frame moves a vertex at most relative to the head because of avoidance alone: the
 /// largest change from frame to frame of its way from where it would be without. Metres.
-fn largest_pop(stage: &Stage, options: AvoidOptions) -> f32 {
+fn largest_pop(stage: &Setup, options: AvoidOptions) -> f32 {
     let mut hair = stage.hair(options);
     let mut last: Option<Vec<Vec3>> = None;
     let mut largest = 0.0f32;
@@ -172,7 +172,7 @@ fn largest_pop(stage: &Stage, options: AvoidOptions) -> f32 {
 
 #[test]
 fn nothing_pops() {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let smooth = largest_pop(stage, AvoidOptions::default());
     let sudden = AvoidOptions { fade_in: 0.0, fade_out: 0.0, speed: f32::INFINITY, ..Default::default() };
     let sudden = largest_pop(stage, sudden);
@@ -184,7 +184,7 @@ fn nothing_pops() {
 
 #[test]
 fn jumps_and_resets_are_forgotten() {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let (mut hair, head) = stage.shaken(AvoidOptions::default());
     let midway =
         |hair: &Hair| states(stage.gpu, hair).iter().filter(|s| s.amount > 0.0 && s.amount < 1.0).count();

@@ -27,7 +27,7 @@ const DISTANCE: f32 = 0.8;
 const FOV: f32 = 0.5;
 
 /// A scene of one colour and one depth, and the hair that is drawn into it.
-struct Stage<'a> {
+struct Setup<'a> {
     gpu: &'a Gpu,
     pipelines: &'static Pipelines,
     embed: Embed,
@@ -36,7 +36,7 @@ struct Stage<'a> {
     scene: Picture,
 }
 
-impl<'a> Stage<'a> {
+impl<'a> Setup<'a> {
     fn new(gpu: &'a Gpu, options: &ViewOptions, ssaa: u32) -> Self {
         let Gpu { device, queue, .. } = gpu;
         let pipelines = common::pipelines().expect("there is a GPU");
@@ -143,7 +143,7 @@ fn hair_is_hidden_by_what_is_in_front_of_it() {
     let usual = perspective(FOV, SIZE[0] as f32 / SIZE[1] as f32, 0.05, 50.0);
     for (samples, ssaa) in [(4, 1), (1, 1), (1, 2)] {
         let options = ViewOptions { samples, shadow_resolution: 64, ..Default::default() };
-        let stage = Stage::new(gpu, &options, ssaa);
+        let stage = Setup::new(gpu, &options, ssaa);
         let [free, halved, hidden] = [20.0, DISTANCE, 0.3].map(|at| stage.wall(blue, usual, at));
         let [some, half, none] = [&free, &halved, &hidden].map(|picture| covered(picture, blue));
         println!(
@@ -179,7 +179,7 @@ fn hair_is_blended_over_the_scene() {
     let projection = perspective(FOV, SIZE[0] as f32 / SIZE[1] as f32, 0.05, 50.0);
     for coverage in [Coverage::SampleMask, Coverage::AlphaToCoverage] {
         let options = ViewOptions { samples: 4, coverage, shadow_resolution: 64, ..Default::default() };
-        let stage = Stage::new(gpu, &options, 1);
+        let stage = Setup::new(gpu, &options, 1);
         let [black, grey, white] =
             [0.0, 0.5, 1.0].map(|c| stage.wall(Vec4::new(c, c, c, 1.0), projection, 20.0));
         // What shows through is linear in the scene's colour ...

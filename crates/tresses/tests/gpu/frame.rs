@@ -16,18 +16,18 @@ use tresses::{
 
 const HEAD: f32 = 0.09;
 
-struct Stage {
+struct Setup {
     gpu: &'static Gpu,
     pipelines: &'static Pipelines,
     groom: Groom,
     field: SdfGrid,
 }
 
-impl Stage {
+impl Setup {
     /// One device for all tests: a software driver takes long to build pipelines.
     fn open() -> Option<&'static Self> {
-        static STAGE: std::sync::OnceLock<Option<Stage>> = std::sync::OnceLock::new();
-        STAGE.get_or_init(Self::new).as_ref()
+        static SETUP: std::sync::OnceLock<Option<Setup>> = std::sync::OnceLock::new();
+        SETUP.get_or_init(Self::new).as_ref()
     }
 
     fn new() -> Option<Self> {
@@ -95,7 +95,7 @@ fn largest_difference(a: &[StrandVertex], b: &[StrandVertex]) -> f32 {
 
 #[test]
 fn two_runs_agree_bit_by_bit() {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let (first, _) = stage.turned(0.5, 60.0);
     let (second, _) = stage.turned(0.5, 60.0);
     assert_eq!(bytemuck::cast_slice::<_, u8>(&first), bytemuck::cast_slice::<_, u8>(&second));
@@ -107,7 +107,7 @@ fn two_runs_agree_bit_by_bit() {
 
 #[test]
 fn the_motion_is_the_same_at_any_frame_rate() {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let (at_60, head) = stage.turned(0.5, 60.0);
     for fps in [30.0, 120.0, 144.0] {
         let (other, _) = stage.turned(0.5, fps);
@@ -120,7 +120,7 @@ fn the_motion_is_the_same_at_any_frame_rate() {
 
 #[test]
 fn moving_strands_keep_their_lengths_and_stay_out_of_the_head() {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let mut hair = stage.hair();
     for i in 0..90 {
         let angle = 0.8 * (std::f32::consts::TAU * i as f32 / 30.0).sin();
@@ -150,7 +150,7 @@ fn moving_strands_keep_their_lengths_and_stay_out_of_the_head() {
 
 #[test]
 fn a_teleport_and_a_long_pause_leave_the_style_in_place() {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let mut hair = stage.hair();
     stage.advance(&mut hair, Pose::IDENTITY, 0.0);
     let rest = stage.vertices(&hair);

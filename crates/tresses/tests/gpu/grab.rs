@@ -18,7 +18,7 @@ const HEAD: f32 = 0.09;
 const FRONT: Ray = Ray { origin: Vec3::new(0.02, -0.03, 1.0), direction: Vec3::NEG_Z };
 const RADIUS: f32 = 0.015;
 
-struct Stage {
+struct Setup {
     gpu: &'static Gpu,
     pipelines: &'static Pipelines,
     groom: Groom,
@@ -26,11 +26,11 @@ struct Stage {
     physics: SimulationParams,
 }
 
-impl Stage {
+impl Setup {
     /// One device for all tests: a software driver takes long to build pipelines.
     fn open() -> Option<&'static Self> {
-        static STAGE: std::sync::OnceLock<Option<Stage>> = std::sync::OnceLock::new();
-        STAGE.get_or_init(Self::new).as_ref()
+        static SETUP: std::sync::OnceLock<Option<Setup>> = std::sync::OnceLock::new();
+        SETUP.get_or_init(Self::new).as_ref()
     }
 
     fn new() -> Option<Self> {
@@ -153,7 +153,7 @@ fn apart(a: &[Vec3], b: &[Vec3]) -> f32 {
 
 #[test]
 fn what_is_held_follows_and_the_rest_stays() {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let (mut hair, before, state) = stage.grabbed(&FRONT);
     assert_eq!(state.held, 1);
     let aside = (state.hit - FRONT.origin).reject_from_normalized(FRONT.direction).length();
@@ -189,7 +189,7 @@ fn what_is_held_follows_and_the_rest_stays() {
 
 #[test]
 fn it_pulls_among_wind_and_other_hair() {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let mut hair = stage.hair();
     let before = stage.guides(&hair);
     let physics = SimulationParams {
@@ -223,7 +223,7 @@ fn it_pulls_among_wind_and_other_hair() {
 
 #[test]
 fn what_is_pulled_too_far_is_taut_and_falls_when_let_go() {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let (mut hair, _, state) = stage.grabbed(&FRONT);
     // Out of reach, and then through the head.
     for way in [Vec3::new(0.1, 0.1, 0.5), Vec3::new(0.0, 0.1, -0.4)] {
@@ -256,7 +256,7 @@ fn what_is_pulled_too_far_is_taut_and_falls_when_let_go() {
 
 #[test]
 fn a_ray_that_meets_nothing_changes_nothing() {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let mut control = stage.hair();
     stage.still(&mut control, 10);
     let control = stage.guides(&control);
@@ -282,7 +282,7 @@ fn a_ray_that_meets_nothing_changes_nothing() {
 
 #[test]
 fn the_same_bits_twice_and_the_same_motion_at_any_frame_rate() {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     // The hand moves at a constant speed; frames end with steps.
     let pulled = |fps: f32, speed: f32| {
         let mut hair = stage.hair();
@@ -306,7 +306,7 @@ fn the_same_bits_twice_and_the_same_motion_at_any_frame_rate() {
 
 #[test]
 fn jumps_and_resets_let_go() {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     for jumps in [true, false] {
         let (mut hair, _, state) = stage.grabbed(&FRONT);
         stage.drag(&mut hair, state.hit, Vec3::new(0.02, 0.0, 0.04));
@@ -324,7 +324,7 @@ fn jumps_and_resets_let_go() {
 
 #[test]
 fn a_ball_comes_pushes_hair_and_goes() {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let Gpu { device, queue, .. } = stage.gpu;
     let mut hair = stage.hair();
     let free = stage.guides(&hair);

@@ -19,7 +19,7 @@ use tresses::{
 };
 
 /// A head full of hair in the wind, and all that draws it.
-struct Stage {
+struct Setup {
     gpu: &'static Gpu,
     pipelines: &'static Pipelines,
     views: DebugViews,
@@ -29,7 +29,7 @@ struct Stage {
     scene: Picture,
 }
 
-impl Stage {
+impl Setup {
     fn new() -> Option<Self> {
         let gpu = common::gpu()?;
         let (device, queue) = (&gpu.device, &gpu.queue);
@@ -113,7 +113,7 @@ fn sum(lists: &[&[Vec3]]) -> Vec<Vec3> {
 
 #[test]
 fn terms_add_up() {
-    let Some(mut stage) = Stage::new() else { return };
+    let Some(mut stage) = Setup::new() else { return };
     for model in [ShadingModel::Fiber, ShadingModel::KajiyaKay] {
         stage.hair.set.material.model = model;
         let all = stage.picture(None).1;
@@ -137,7 +137,7 @@ fn terms_add_up() {
 
 #[test]
 fn every_view_is_a_picture_of_its_own_and_leaves_no_trace() {
-    let Some(mut stage) = Stage::new() else { return };
+    let Some(mut stage) = Setup::new() else { return };
     let plain = stage.picture(None).0;
     let mut seen = vec![("nothing", plain.clone())];
     for view in DebugView::ALL {
@@ -157,7 +157,7 @@ fn every_view_is_a_picture_of_its_own_and_leaves_no_trace() {
 
 #[test]
 fn what_is_lit_is_drawn_again_finer() {
-    let Some(mut stage) = Stage::new() else { return };
+    let Some(mut stage) = Setup::new() else { return };
     let coarse = stage.picture(None).0;
     let again = stage.finer(false);
     assert!(again != coarse, "more samples are seen");

@@ -42,13 +42,13 @@ fn shaken(t: f32, neck: Vec3) -> Pose {
     Pose::about(neck, Quat::from_rotation_y(30f32.to_radians() * yaw))
 }
 
-struct Stage {
+struct Setup {
     gpu: &'static Gpu,
     pipelines: &'static Pipelines,
     character: Arc<Character>,
 }
 
-impl Stage {
+impl Setup {
     fn new(style: &str, strands: u32) -> Option<Self> {
         let gpu = common::gpu()?;
         let pipelines = common::pipelines()?;
@@ -101,7 +101,7 @@ fn occupied(voxels: &HashMap<IVec3, f32>, mean: f32) -> f32 {
 
 /// The occupied volume relative to that at rest: mean over the last second of the shake and over the
 /// second that follows.
-fn volumes(stage: &Stage, hair_hair: HairHair) -> (f32, f32) {
+fn volumes(stage: &Setup, hair_hair: HairHair) -> (f32, f32) {
     let simulation = SimulationParams { hair_hair, ..Default::default() };
     let mut hair = stage.hair(&HairOptions::default());
     let pose = |t: f32| shaken(t, stage.character.neck);
@@ -129,7 +129,7 @@ fn volumes(stage: &Stage, hair_hair: HairHair) -> (f32, f32) {
 
 #[test]
 fn a_shaken_style_keeps_its_volume() {
-    let Some(stage) = Stage::new("long", 800) else { return };
+    let Some(stage) = Setup::new("long", 800) else { return };
     let [off, gradient] = [HairHair::OFF, HairHair::default()].map(|mode| volumes(&stage, mode).1);
     println!("volume after a shake, of that at rest: {off:.3} without forces, {gradient:.3} with");
     assert!((gradient - 1.0).abs() < 0.1 && (gradient - 1.0).abs() < 0.7 * (off - 1.0).abs());
@@ -138,7 +138,7 @@ fn a_shaken_style_keeps_its_volume() {
 #[test]
 #[ignore = "proof"]
 fn a_shaken_style_keeps_its_volume_as_the_docs_say() {
-    let Some(stage) = Stage::new("long", 3000) else { return };
+    let Some(stage) = Setup::new("long", 3000) else { return };
     let gradient = HairHair::default();
     let fixed = HairHair { mode: HairHairMode::Fixed, ..gradient };
     println!("Volume of the long style in 1 cm voxels, of that at rest:");
@@ -158,7 +158,7 @@ fn a_shaken_style_keeps_its_volume_as_the_docs_say() {
 
 /// Mean and largest speed of guide vertices, and the largest distance from rest, after two seconds at
 /// rest.
-fn unrest(stage: &Stage, hair_hair: HairHair) -> (f32, f32, f32) {
+fn unrest(stage: &Setup, hair_hair: HairHair) -> (f32, f32, f32) {
     let simulation = SimulationParams { hair_hair, ..Default::default() };
     let mut hair = stage.hair(&HairOptions::default());
     let read = |buffer: &tresses::wgpu::Buffer| -> Vec<Vec3> {
@@ -189,7 +189,7 @@ fn all_styles_at_rest_are_still_and_not_inflated() {
 fn at_rest(styles: &[&str]) {
     for style in styles {
         // Strands follow; guides are what is judged.
-        let Some(stage) = Stage::new(style, 200) else { return };
+        let Some(stage) = Setup::new(style, 200) else { return };
         let (off, on) = (unrest(&stage, HairHair::OFF), unrest(&stage, HairHair::default()));
         println!(
             "{style}: mean {:.2e} m/s, largest {:.2e} m/s, {:.2} mm from rest; off: {:.2e}, {:.2e}, {:.2}",

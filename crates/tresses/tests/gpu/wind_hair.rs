@@ -15,20 +15,20 @@ use tresses::{
     wind::{Wind, drag},
 };
 
-struct Stage {
+struct Setup {
     gpu: &'static Gpu,
     pipelines: &'static Pipelines,
 }
 
-impl Stage {
+impl Setup {
     /// One device for all tests: a software driver takes long to build pipelines.
     fn open() -> Option<&'static Self> {
-        static STAGE: std::sync::OnceLock<Option<Stage>> = std::sync::OnceLock::new();
+        static SETUP: std::sync::OnceLock<Option<Setup>> = std::sync::OnceLock::new();
         let new = || {
             let gpu = common::gpu()?;
             Some(Self { pipelines: common::pipelines()?, gpu })
         };
-        STAGE.get_or_init(new).as_ref()
+        SETUP.get_or_init(new).as_ref()
     }
 
     /// `cells` of the hair's own grid along an axis.
@@ -96,7 +96,7 @@ fn a_storm_of_a_minute_breaks_nothing() {
 }
 
 fn storm(seconds: u32) {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let options = BindOptions { guides: GuideCount::Count(24), ..Default::default() };
     let groom = bind(&common::hanging(200, 12, 0.2), &options).unwrap();
     let field = common::ball(0.09, 40);
@@ -130,7 +130,7 @@ fn storm(seconds: u32) {
 #[test]
 #[ignore = "proof"]
 fn a_whole_style_in_a_storm_of_a_minute() {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let Some(built) = common::character("long", 500) else { return };
     let mut hair = stage.hair(&built.groom, &built.field, 16);
     let physics = SimulationParams {
@@ -153,7 +153,7 @@ fn a_whole_style_in_a_storm_of_a_minute() {
 /// Straight strands of 10 cm along `ways` from roots 2 cm apart, in wind of `velocity` without gusts, obstacles or forces
 /// of other hair.
 fn in_plain_air(
-    stage: &Stage,
+    stage: &Setup,
     ways: &[Vec3],
     velocity: Vec3,
     physics: SimulationParams,
@@ -183,7 +183,7 @@ fn rates(physics: &SimulationParams, relative: Vec3, tangent: Vec3) -> Vec2 {
 
 #[test]
 fn the_drag_on_guides_is_that_of_the_formula() {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let ways = [Vec3::X, Vec3::Y, Vec3::NEG_Z, Vec3::new(1.0, -1.0, 0.0), Vec3::new(1.0, 2.0, -3.0)];
     let ways = ways.map(Vec3::normalize);
     // Reynolds numbers of 0.3 to 130.
@@ -232,7 +232,7 @@ fn a_floppy_hair_hangs_aslant_in_winds_of_any_speed() {
 }
 
 fn hangs_aslant(speeds: &[f32]) {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let floppy = SimulationParams {
         bending: Along { root: 0.0, tip: 0.0, falloff: 1.0 },
         goal: Along { root: 0.0, tip: 0.0, falloff: 1.0 },
@@ -269,7 +269,7 @@ fn hangs_aslant(speeds: &[f32]) {
 
 #[test]
 fn the_lee_side_of_the_long_style_moves_less() {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let Some(built) = common::character("long", 500) else { return };
     let mut hair = stage.hair(&built.groom, &built.field, 32);
     // From the head's left, +X.
@@ -310,7 +310,7 @@ fn the_lee_side_of_the_long_style_moves_less() {
 
 #[test]
 fn calm_makes_no_air_and_changes_nothing() {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let groom = bind(&common::hanging(60, 12, 0.12), &BindOptions::default()).unwrap();
     let field = common::ball(0.09, 40);
     let run = |wind: Wind| {

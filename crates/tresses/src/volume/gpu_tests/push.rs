@@ -1,6 +1,6 @@
 //! The effect of the grid on the hair.
 
-use super::scene::{N, Scene, cube, somewhere, still};
+use super::scene::{N, Setup, cube, somewhere, still};
 use crate::{
     Pose,
     clock::{Mode, Step},
@@ -11,7 +11,7 @@ use glam::Vec3;
 
 #[test]
 fn at_rest_nothing_pushes_wherever_the_head_is() {
-    let Some(mut scene) = Scene::new(cube(12), &Default::default()) else { return };
+    let Some(mut scene) = Setup::new(cube(12), &Default::default()) else { return };
     for pose in [Pose::IDENTITY, somewhere()] {
         scene.put(&scene.moved(|p| pose.point(p)), &scene.moved(|_| Vec3::ZERO));
         let forces = scene.forces(&HairHair::default(), &still(pose));
@@ -27,7 +27,7 @@ fn at_rest_nothing_pushes_wherever_the_head_is() {
 }
 
 /// The outward part of the push, mean over vertices 3 to 7 cm from the middle, and the part across.
-pub(super) fn outward(scene: &mut Scene, params: &HairHair, shrink: f32) -> (f32, f32) {
+pub(super) fn outward(scene: &mut Setup, params: &HairHair, shrink: f32) -> (f32, f32) {
     let current = scene.moved(|p| shrink * p);
     scene.put(&current, &scene.moved(|_| Vec3::ZERO));
     let forces = scene.forces(params, &still(Pose::IDENTITY));
@@ -47,7 +47,7 @@ pub(super) fn outward(scene: &mut Scene, params: &HairHair, shrink: f32) -> (f32
 
 #[test]
 fn hair_that_is_pressed_together_is_pushed_apart() {
-    let Some(mut scene) = Scene::new(cube(16), &Default::default()) else { return };
+    let Some(mut scene) = Setup::new(cube(16), &Default::default()) else { return };
     let gradient = HairHair { friction: 0.0, ..Default::default() };
     let (out, across) = outward(&mut scene, &gradient, 0.5);
     println!("half the size: {out} m/s² outwards, {across} across");
@@ -65,7 +65,7 @@ fn an_obstacle_that_comes_into_hair_presses_it_away() {
     let ball = [Collider::new(Shape::sphere(0.05))];
     let what = ColliderDescriptor { colliders: &ball, ..Default::default() };
     let (positions, traits) = cube(16);
-    let Some(mut scene) = Scene::with(positions, traits, N, &Default::default(), &what) else { return };
+    let Some(mut scene) = Setup::with(positions, traits, N, &Default::default(), &what) else { return };
     let pose = somewhere();
     let params = HairHair { friction: 0.0, ..Default::default() };
     let center = Vec3::new(0.04, 0.0, -0.03);
@@ -97,7 +97,7 @@ fn the_push_does_not_depend_on_the_resolution() {
     let params = HairHair { friction: 0.0, blur: 0.025, ..Default::default() };
     let pushes = [24, 32, 64].map(|resolution| {
         let options = VolumeOptions { resolution, ..Default::default() };
-        Scene::new(cube(24), &options).map(|mut scene| outward(&mut scene, &params, 0.6).0)
+        Setup::new(cube(24), &options).map(|mut scene| outward(&mut scene, &params, 0.6).0)
     });
     let [Some(a), Some(b), Some(c)] = pushes else { return };
     println!("{a}, {b}, {c} m/s² with 24, 32 and 64 cells");

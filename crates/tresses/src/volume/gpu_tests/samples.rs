@@ -2,7 +2,7 @@
 
 use super::{
     push::outward,
-    scene::{N, Scene, cube, still, swirl},
+    scene::{N, Setup, cube, still, swirl},
 };
 use crate::{
     Pose,
@@ -17,7 +17,7 @@ fn every_other_guide_stands_for_two() {
     let params = HairHair { friction: 0.0, ..Default::default() };
     let all = VolumeOptions { most_splatted: u32::MAX, ..Default::default() };
     let pushes = [all, few].map(|options| {
-        Scene::new(cube(24), &options).map(|mut scene| {
+        Setup::new(cube(24), &options).map(|mut scene| {
             assert_eq!(scene.volume.base.stride, if options == few { 3 } else { 1 });
             outward(&mut scene, &params, 0.5).0
         })
@@ -53,7 +53,7 @@ fn samples_of_two_vertices_are_as_good_as_all_of_them() {
     let grids = |most_splatted: u32, together: u32| {
         let options =
             VolumeOptions { most_splatted: most_splatted * LONG.div_ceil(2) as u32, ..Default::default() };
-        let mut scene = Scene::with(lock(), Vec::new(), LONG, &options, &Default::default())?;
+        let mut scene = Setup::with(lock(), Vec::new(), LONG, &options, &Default::default())?;
         let base = &mut scene.volume.base;
         assert_eq!(base.vertices_per_sample, 2);
         (base.vertices_per_sample, base.samples) = (together, (LONG as u32).div_ceil(together));
@@ -91,7 +91,7 @@ fn samples_of_two_vertices_are_as_good_as_all_of_them() {
 }
 
 /// Milliseconds of the quickest of 40 runs, each waited for.
-fn quickest(scene: &mut Scene, mut record: impl FnMut(&mut Scene, &mut wgpu::ComputePass<'_>)) -> f64 {
+fn quickest(scene: &mut Setup, mut record: impl FnMut(&mut Setup, &mut wgpu::ComputePass<'_>)) -> f64 {
     (0..40)
         .map(|_| {
             let start = std::time::Instant::now();
@@ -110,7 +110,7 @@ fn cost_of_a_thousand_guides() {
     for resolution in [32, 64] {
         let positions = lock();
         let options = VolumeOptions { resolution, ..Default::default() };
-        let Some(mut scene) = Scene::with(positions, Vec::new(), n, &options, &Default::default()) else {
+        let Some(mut scene) = Setup::with(positions, Vec::new(), n, &options, &Default::default()) else {
             return;
         };
         let step = still(Pose::IDENTITY);

@@ -31,7 +31,7 @@ pub(super) fn cube(across: usize) -> (Vec<Vec3>, Vec<GuideTraits>) {
     (positions, traits)
 }
 
-pub(super) struct Scene {
+pub(super) struct Setup {
     pub(super) gpu: &'static Gpu,
     pub(super) stage: Pipelines,
     pub(super) simulate: simulate::Pipelines,
@@ -44,7 +44,7 @@ pub(super) struct Scene {
     pub(super) places: Vec<Pose>,
 }
 
-impl Scene {
+impl Setup {
     pub(super) fn new(
         (positions, traits): (Vec<Vec3>, Vec<GuideTraits>),
         options: &VolumeOptions,

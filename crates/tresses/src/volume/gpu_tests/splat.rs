@@ -1,6 +1,6 @@
 //! The hair in the grid.
 
-use super::scene::{H, N, Scene, cube, somewhere, still, swirl};
+use super::scene::{H, N, Setup, cube, somewhere, still, swirl};
 use crate::{
     Pose,
     clock::{Mode, Step},
@@ -17,7 +17,7 @@ use glam::Vec3;
 
 #[test]
 fn the_splat_conserves_hair_and_momentum_and_is_its_twin() {
-    let Some(mut scene) = Scene::new(cube(12), &Default::default()) else { return };
+    let Some(mut scene) = Setup::new(cube(12), &Default::default()) else { return };
     let pose = somewhere();
     let current = scene.moved(|p| pose.point(0.9 * p + Vec3::new(0.01, 0.0, 0.02)));
     let velocity = scene.moved(swirl);
@@ -66,11 +66,11 @@ fn the_splat_conserves_hair_and_momentum_and_is_its_twin() {
 #[test]
 fn the_order_of_guides_does_not_change_a_bit() {
     let (positions, traits) = cube(12);
-    let Some(mut scene) = Scene::new((positions.clone(), traits.clone()), &Default::default()) else {
+    let Some(mut scene) = Setup::new((positions.clone(), traits.clone()), &Default::default()) else {
         return;
     };
     let backwards = positions.chunks(N).rev().flatten().copied().collect();
-    let mut other = Scene::new((backwards, traits.into_iter().rev().collect()), &Default::default()).unwrap();
+    let mut other = Setup::new((backwards, traits.into_iter().rev().collect()), &Default::default()).unwrap();
     for scene in [&mut scene, &mut other] {
         scene.put(&scene.moved(|p| 0.8 * p), &scene.moved(swirl));
     }
@@ -84,7 +84,7 @@ fn the_order_of_guides_does_not_change_a_bit() {
 
 #[test]
 fn the_velocity_of_a_cell_is_that_of_its_hair() {
-    let Some(mut scene) = Scene::new(cube(16), &Default::default()) else { return };
+    let Some(mut scene) = Setup::new(cube(16), &Default::default()) else { return };
     // A head that moves as fast as a car does not reach the limit of what is splatted.
     let way = Vec3::new(50.0, 0.0, 1.0);
     let (begin, end) = (Pose::IDENTITY, Pose { translation: way * H, ..Pose::IDENTITY });
@@ -115,7 +115,7 @@ fn the_velocity_of_a_cell_is_that_of_its_hair() {
 
 #[test]
 fn hair_outside_of_the_grid_and_what_is_no_number_harm_nothing() {
-    let Some(mut scene) = Scene::new(cube(12), &Default::default()) else { return };
+    let Some(mut scene) = Setup::new(cube(12), &Default::default()) else { return };
     let mut current = scene.moved(|p| 0.6 * p);
     let velocity = scene.moved(|_| Vec3::ZERO);
     let step = still(Pose::IDENTITY);

@@ -1,6 +1,6 @@
 //! Levels change without a jump.
 
-use super::stage::{Shot, Stage};
+use super::stage::{Setup, Shot};
 use crate::common;
 use tresses::{
     Hair, Pose,
@@ -11,7 +11,7 @@ use tresses::{
 };
 
 /// Mean differences of coverage and colour from each picture to the next.
-fn steps(stage: &Stage, hair: &mut Hair, details: &[Detail]) -> Vec<f32> {
+fn steps(stage: &Setup, hair: &mut Hair, details: &[Detail]) -> Vec<f32> {
     let shot = Shot::new(6.0, Vec3::new(0.4, 0.1, 1.0));
     let size = shot.size(hair.lod.sphere.1);
     let pictures: Vec<_> =
@@ -39,8 +39,8 @@ fn octaves(hair: &Hair, details: &[Detail]) -> Vec<Detail> {
 
 #[test]
 fn nothing_pops() {
-    let Some(stage) = Stage::open() else { return };
-    let (groom, _) = Stage::style("long", 2000);
+    let Some(stage) = Setup::open() else { return };
+    let (groom, _) = Setup::style("long", 2000);
     let mut hair = stage.hair(&groom, None);
     let start = hair.lod.diameter / hair.lod.options.strand_width;
     // By 3 % from frame to frame, across an octave.
@@ -58,8 +58,8 @@ fn nothing_pops() {
 #[test]
 #[ignore = "proof"]
 fn nothing_pops_over_many_levels() {
-    let Some(stage) = Stage::open() else { return };
-    let (groom, _) = Stage::style("long", 5000);
+    let Some(stage) = Setup::open() else { return };
+    let (groom, _) = Setup::style("long", 5000);
     let mut hair = stage.hair(&groom, None);
     // The camera stays; only what it is believed to be away grows, by 3 % from frame to frame, through
     // nine buckets and several numbers of segments.
@@ -92,7 +92,7 @@ fn nothing_pops_over_many_levels() {
 
 #[test]
 fn slower_steps_are_the_same_motion() {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let groom = bind(&common::hanging(120, 16, 0.25), &Default::default()).unwrap();
     slower_steps(stage, &groom, &common::ball(0.09, 48), 30.0);
 }
@@ -101,12 +101,12 @@ fn slower_steps_are_the_same_motion() {
 #[test]
 #[ignore = "proof"]
 fn slower_steps_are_the_same_motion_of_a_style() {
-    let Some(stage) = Stage::open() else { return };
-    let (groom, field) = Stage::style("long", 600);
+    let Some(stage) = Setup::open() else { return };
+    let (groom, field) = Setup::style("long", 600);
     slower_steps(stage, &groom, &field, 60.0);
 }
 
-fn slower_steps(stage: &Stage, groom: &Groom, field: &SdfGrid, degrees: f32) {
+fn slower_steps(stage: &Setup, groom: &Groom, field: &SdfGrid, degrees: f32) {
     let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
     // A turn and back in a second, and a second to come to rest.
     let pose = |t: f32| {

@@ -1,6 +1,6 @@
 //! Coverage and luminance are those of full detail.
 
-use super::stage::{Shot, Stage};
+use super::stage::{Setup, Shot};
 use crate::common;
 use tresses::{
     Hair,
@@ -25,7 +25,7 @@ fn directions(pixels: u32) -> usize {
 /// How much more coverage and luminance (of what is covered) the hair has from `distance` metres than in full
 /// detail in a finer picture, over so many directions; `change` perturbs the level of detail.
 fn errors(
-    stage: &Stage,
+    stage: &Setup,
     hair: &mut Hair,
     distance: f32,
     directions: usize,
@@ -60,7 +60,7 @@ const MOST: f32 = 0.03;
 const CURLS: f32 = 0.04;
 
 /// Prints the errors at each of `distances` and holds them against `most`.
-fn check(stage: &Stage, name: &str, hair: &mut Hair, distances: &[f32], most: f32) {
+fn check(stage: &Setup, name: &str, hair: &mut Hair, distances: &[f32], most: f32) {
     for &distance in distances {
         let shot = Shot::new(distance, Vec3::Z);
         let error = errors(stage, hair, distance, directions(shot.size(hair.lod.sphere.1)), |_| {});
@@ -85,8 +85,8 @@ const ALL: &[f32] = &[1.0, 2.0, 4.0, 8.0, 16.0, 40.0];
 
 #[test]
 fn coverage_and_luminance_stay_at_a_distance() {
-    let Some(stage) = Stage::open() else { return };
-    let (groom, _) = Stage::style("long", 3000);
+    let Some(stage) = Setup::open() else { return };
+    let (groom, _) = Setup::style("long", 3000);
     let mut hair = stage.hair(&groom, None);
     check(stage, "long", &mut hair, &[16.0], MOST);
     // The comparer sees strands that are not widened.
@@ -98,8 +98,8 @@ fn coverage_and_luminance_stay_at_a_distance() {
 #[test]
 #[ignore = "proof"]
 fn coverage_and_luminance_stay_at_any_distance() {
-    let Some(stage) = Stage::open() else { return };
-    let (groom, _) = Stage::style("long", 5000);
+    let Some(stage) = Setup::open() else { return };
+    let (groom, _) = Setup::style("long", 5000);
     let mut hair = stage.hair(&groom, None);
     check(stage, "long", &mut hair, ALL, MOST);
     // The comparer sees strands that are not widened, and light that meets less of them.
@@ -112,17 +112,17 @@ fn coverage_and_luminance_stay_at_any_distance() {
 #[test]
 #[ignore = "proof"]
 fn other_styles_keep_coverage_and_luminance() {
-    let Some(stage) = Stage::open() else { return };
-    let (groom, _) = Stage::style("short", 5000);
+    let Some(stage) = Setup::open() else { return };
+    let (groom, _) = Setup::style("short", 5000);
     check(stage, "short", &mut stage.hair(&groom, None), ALL, MOST);
-    let (groom, _) = Stage::style("curly", 5000);
+    let (groom, _) = Setup::style("curly", 5000);
     check(stage, "curly", &mut stage.hair(&groom, None), ALL, CURLS);
 }
 
 #[test]
 #[ignore = "proof"]
 fn real_grooms_keep_coverage_and_luminance() {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let tressfx =
         ["free", "front", "pulled", "tail"].map(|part| format!("tressfx2_head/hair_{part}_16_guide.tfx"));
     let sintel = [common::SINTEL.to_owned()];

@@ -24,18 +24,18 @@ const PIXEL_ANGLE: f32 = 0.000_744_3;
 /// Nothing is too bright for a picture, and what is dark is many steps of one.
 const EXPOSURE: f32 = 1.0;
 
-pub struct Stage {
+pub struct Setup {
     pub gpu: &'static Gpu,
     pub pipelines: &'static Pipelines,
 }
 
-impl Stage {
+impl Setup {
     pub fn open() -> Option<&'static Self> {
-        static STAGE: std::sync::OnceLock<Option<Stage>> = std::sync::OnceLock::new();
-        STAGE
+        static SETUP: std::sync::OnceLock<Option<Setup>> = std::sync::OnceLock::new();
+        SETUP
             .get_or_init(|| {
                 let gpu = common::gpu()?;
-                Some(Stage { pipelines: common::pipelines().expect("there is a GPU"), gpu })
+                Some(Setup { pipelines: common::pipelines().expect("there is a GPU"), gpu })
             })
             .as_ref()
     }

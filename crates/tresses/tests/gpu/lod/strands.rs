@@ -1,6 +1,6 @@
 //! What a level of detail makes of strands.
 
-use super::stage::Stage;
+use super::stage::Setup;
 use crate::common;
 use tresses::{
     Hair, Pose,
@@ -12,7 +12,7 @@ use tresses::{
 
 #[test]
 fn fewer_vertices_lie_on_the_same_strand() {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let mut groom = bind(&common::hanging(400, 16, 0.2), &Default::default()).unwrap();
     arrange(&mut groom.strands);
     let mut hair = stage.hair(&groom, None);
@@ -40,7 +40,7 @@ fn fewer_vertices_lie_on_the_same_strand() {
 
 #[test]
 fn strands_that_come_back_have_forgotten() {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let mut groom = bind(&common::hanging(600, 16, 0.16), &Default::default()).unwrap();
     arrange(&mut groom.strands);
     let field = common::ball(0.09, 64);
@@ -74,7 +74,7 @@ fn strands_that_come_back_have_forgotten() {
 
 #[test]
 fn painted_levels_act_where_they_are_painted() {
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let mut groom = bind(&common::hanging(400, 16, 0.2), &Default::default()).unwrap();
     arrange(&mut groom.strands);
     let mut hair = stage.hair(&groom, None);
@@ -117,11 +117,11 @@ fn orders() {
         interpolate::{self, Interpolation},
         strands::{GuideBuffers, StrandBuffers},
     };
-    let Some(stage) = Stage::open() else { return };
+    let Some(stage) = Setup::open() else { return };
     let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
     let interpolate = interpolate::Pipelines::new(device);
     for (name, count) in [("long", 30_000), ("short", 60_000)] {
-        let (groom, _) = Stage::style(name, count);
+        let (groom, _) = Setup::style(name, count);
         let n = groom.strands.vertex_count;
         let mut arranged = groom.strands.clone();
         arrange(&mut arranged);

@@ -1,7 +1,7 @@
 //! A character on the GPU, ready to be animated and drawn: the only file here that calls the frame.
 
 use crate::{
-    camera::{self, Bounds, Camera},
+    camera::{self, Bounds, Viewpoint},
     character::Character,
     coarse,
     colliders::Colliders,
@@ -89,7 +89,7 @@ fn turned(lights: &LightSettings) -> [f32; 2] {
 }
 
 /// A character on the GPU.
-pub struct Stage {
+pub struct Scene {
     /// Adapter, device, queue.
     pub gpu: Gpu,
     /// The pipelines.
@@ -131,10 +131,10 @@ pub struct Stage {
     subject: Bounds,
     neck: Vec3,
     /// Who looks, for whom the level of detail is chosen.
-    watcher: Option<Camera>,
+    watcher: Option<Viewpoint>,
 }
 
-impl Stage {
+impl Scene {
     /// Brings `character` to the GPU, at rest under `physics`, among `colliders`.
     ///
     /// # Errors
@@ -271,7 +271,7 @@ impl Stage {
     }
 
     /// Sorts the triangles of a coarse body when the camera has come around it.
-    fn face(&mut self, camera: &Camera) {
+    fn face(&mut self, camera: &Viewpoint) {
         if !self.is_coarse {
             return;
         }
@@ -329,7 +329,7 @@ impl Stage {
     }
 
     /// From here on `camera` looks: frames are made for it.
-    pub fn watch(&mut self, camera: &Camera) {
+    pub fn watch(&mut self, camera: &Viewpoint) {
         self.watcher = Some(*camera);
     }
 
@@ -438,13 +438,13 @@ impl Stage {
     }
 
     /// `camera` as the library has it.
-    fn eye(&self, camera: &Camera) -> tresses::Camera {
+    fn eye(&self, camera: &Viewpoint) -> tresses::Camera {
         let size = self.targets().size;
         tresses::Camera::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, size)
     }
 
     /// Camera and lights: these go with it, as a photographer's do, unless there are others.
-    fn look_from(&mut self, camera: &Camera) {
+    fn look_from(&mut self, camera: &Viewpoint) {
         self.look.camera = self.eye(camera);
         let back = camera.eye - camera.target;
         let surroundings = self.surroundings.as_ref().map(|(.., lights)| lights);
@@ -483,7 +483,7 @@ impl Stage {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         timings: Option<&mut Timings>,
-        camera: &Camera,
+        camera: &Viewpoint,
     ) -> Result<()> {
         self.look_from(camera);
         self.face(camera);

@@ -3,7 +3,7 @@
 use super::Look;
 use super::{
     metrics::Linear,
-    scenes::{Folders, Groom as Description, Radius, Scenes, View as Wanted},
+    scenes::{Folders, Groom as Description, Radius, Scenes, WantedView},
 };
 use crate::{flags::RowFlags, picture::Picture, settings_args::apply_rows};
 use anyhow::{Context, Error, Result, ensure};
@@ -37,7 +37,7 @@ const DIM: f32 = 1.0 / 64.0;
 const FINER: usize = 2;
 
 /// A groom of the reference, at rest.
-pub struct Stage {
+pub struct Rig {
     name: String,
     gpu: Gpu,
     pipelines: Pipelines,
@@ -50,9 +50,9 @@ pub struct Stage {
     focus: Sphere,
 }
 
-impl Stage {
+impl Rig {
     /// Brings the groom of `view` to the GPU.
-    pub fn new(view: &Wanted<'_>, folders: &Folders<'_>, samples: Option<u32>) -> Result<Self> {
+    pub fn new(view: &WantedView<'_>, folders: &Folders<'_>, samples: Option<u32>) -> Result<Self> {
         let gpu = pollster::block_on(Gpu::open())?;
         let most = gpu.tier.max_samples;
         let samples = samples.unwrap_or(most.min(8));
@@ -103,7 +103,7 @@ impl Stage {
     /// The picture as the reference's PNG files are made, and the radiance before black.
     pub fn draw(
         &mut self,
-        view: &Wanted<'_>,
+        view: &WantedView<'_>,
         scenes: &Scenes,
         look: &RowFlags<Look>,
     ) -> Result<(Picture, Linear)> {
@@ -121,7 +121,7 @@ impl Stage {
     /// The radiance of light that one fibre has scattered, with shadows and without.
     pub fn draw_once(
         &mut self,
-        view: &Wanted<'_>,
+        view: &WantedView<'_>,
         scenes: &Scenes,
         look: &RowFlags<Look>,
     ) -> Result<[Linear; 2]> {
@@ -148,7 +148,7 @@ impl Stage {
     }
 
     /// What `view` shows; its material is the hair's from here on.
-    fn scene(&mut self, view: &Wanted<'_>, scenes: &Scenes, look: &RowFlags<Look>) -> Result<Shot> {
+    fn scene(&mut self, view: &WantedView<'_>, scenes: &Scenes, look: &RowFlags<Look>) -> Result<Shot> {
         let mut settings = material(view.material)?;
         apply_rows(look, &mut settings)?;
         let camera = &view.groom.camera;

@@ -13,29 +13,29 @@ use std::{
     sync::Arc,
 };
 use tresses::{Pipelines, gpu::Gpu, present::Background};
-use tresses_scene::{Camera, Companions, Preset, Shelf, Stage};
+use tresses_scene::{Companions, Preset, Scene, Shelf, Viewpoint};
 
-/// A stage, and what is shown over its pictures.
-pub struct Scene {
-    stage: Stage,
+/// A scene, and what is shown over its pictures.
+pub struct Photographer {
+    scene: Scene,
     debug: Option<Debug>,
 }
 
-impl Deref for Scene {
-    type Target = Stage;
+impl Deref for Photographer {
+    type Target = Scene;
 
-    fn deref(&self) -> &Stage {
-        &self.stage
+    fn deref(&self) -> &Scene {
+        &self.scene
     }
 }
 
-impl DerefMut for Scene {
-    fn deref_mut(&mut self) -> &mut Stage {
-        &mut self.stage
+impl DerefMut for Photographer {
+    fn deref_mut(&mut self) -> &mut Scene {
+        &mut self.scene
     }
 }
 
-impl Scene {
+impl Photographer {
     /// Opens the GPU, reads or grows the character of `preset` and brings it there.
     pub fn open(preset: &Preset, size: Size) -> Result<Self> {
         Self::with_samples(preset, size, false)
@@ -69,59 +69,59 @@ impl Scene {
         }
         let colliders = companions.colliders()?;
         let physics = settings.physics();
-        let stage = Stage::new(gpu, pipelines, character, colliders, &physics, &quality, &preparing);
-        let mut stage = pollster::block_on(stage)?;
-        stage.apply(settings)?;
-        stage.set_surroundings(surroundings.map(Arc::new));
-        Ok(Self { stage, debug: None })
+        let scene = Scene::new(gpu, pipelines, character, colliders, &physics, &quality, &preparing);
+        let mut scene = pollster::block_on(scene)?;
+        scene.apply(settings)?;
+        scene.set_surroundings(surroundings.map(Arc::new));
+        Ok(Self { scene, debug: None })
     }
 
     /// From here on pictures show what `args` ask for.
     pub fn show(&mut self, args: &debug::DebugArgs) -> Result<()> {
-        self.debug = Debug::new(&mut self.stage, args)?;
+        self.debug = Debug::new(&mut self.scene, args)?;
         Ok(())
     }
 
     /// Whether a range of colours is to be found from all frames of a sequence before the first is drawn.
     pub fn seeks_range(&self) -> bool {
-        self.debug.as_ref().is_some_and(|debug| debug.seeks_range(&self.stage))
+        self.debug.as_ref().is_some_and(|debug| debug.seeks_range(&self.scene))
     }
 
     /// Takes note of what this frame adds to that range. Blocks.
     pub fn observe(&mut self) -> Result<()> {
-        self.debug.as_mut().map_or(Ok(()), |debug| debug.observe(&self.stage))
+        self.debug.as_mut().map_or(Ok(()), |debug| debug.observe(&self.scene))
     }
 
     /// Pictures have the range of all frames that were observed from here on.
     pub fn settle_range(&mut self) -> Result<()> {
-        self.debug.as_mut().map_or(Ok(()), |debug| debug.settle(&mut self.stage))
+        self.debug.as_mut().map_or(Ok(()), |debug| debug.settle(&mut self.scene))
     }
 
     /// The current picture. Blocks.
-    pub fn picture(&mut self, camera: &Camera) -> Result<Picture> {
-        let stage = &mut self.stage;
-        stage.place_colliders();
+    pub fn picture(&mut self, camera: &Viewpoint) -> Result<Picture> {
+        let scene = &mut self.scene;
+        scene.place_colliders();
         if let Some(debug) = &mut self.debug {
-            debug.prepare(stage)?;
+            debug.prepare(scene)?;
         }
-        let mut encoder = stage.gpu.device.create_command_encoder(&Default::default());
-        stage.record_draw(&mut encoder, None, camera)?;
-        stage.gpu.queue.submit([encoder.finish()]);
-        let rgba = pollster::block_on(stage.targets().read(&stage.gpu.device, &stage.gpu.queue))?;
-        let [width, height] = stage.targets().size;
+        let mut encoder = scene.gpu.device.create_command_encoder(&Default::default());
+        scene.record_draw(&mut encoder, None, camera)?;
+        scene.gpu.queue.submit([encoder.finish()]);
+        let rgba = pollster::block_on(scene.targets().read(&scene.gpu.device, &scene.gpu.queue))?;
+        let [width, height] = scene.targets().size;
         let mut picture = Picture { width, height, rgba };
-        if let (Some(debug), Some(shown)) = (&self.debug, self.stage.shown()) {
+        if let (Some(debug), Some(shown)) = (&self.debug, self.scene.shown()) {
             debug.label(&shown, &mut picture);
         }
         Ok(picture)
     }
 
     /// How many pixels of the picture the hair covers, whatever is before it. Blocks.
-    pub fn hair_pixels(&mut self, camera: &Camera) -> Result<f64> {
-        let body = self.stage.body.take();
-        let background = std::mem::replace(&mut self.stage.look.background, Background::transparent());
+    pub fn hair_pixels(&mut self, camera: &Viewpoint) -> Result<f64> {
+        let body = self.scene.body.take();
+        let background = std::mem::replace(&mut self.scene.look.background, Background::transparent());
         let picture = self.picture(camera);
-        (self.stage.body, self.stage.look.background) = (body, background);
+        (self.scene.body, self.scene.look.background) = (body, background);
         Ok(picture?.rgba.as_chunks::<4>().0.iter().map(|[.., alpha]| f64::from(*alpha) / 255.0).sum())
     }
 }
