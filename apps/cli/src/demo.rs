@@ -100,7 +100,8 @@ fn fit(scene: &mut Photographer, motion: &Motion, frames: f64) -> Result<(Size, 
     let mut fitting = (LOOPS[0].0, 0.0);
     for (i, (size, share)) in LOOPS.into_iter().enumerate() {
         let mode = if share < 1.0 { LodMode::Fixed(share) } else { LodMode::Off };
-        scene.set_lod(LodOptions { mode, ..Default::default() })?;
+        let options = LodOptions { mode, ..scene.hair.lod.options };
+        scene.set_lod(options)?;
         scene.resize([size.width, size.height])?;
         let camera = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), size.aspect(), 0.95);
         // The level of detail is that of who looks.

@@ -6,7 +6,7 @@ use super::{
     rows,
     value::*,
 };
-use crate::settings::Curl;
+use crate::settings::{CURLS, Curl};
 use tresses::groom::grow::{Clumps, Curls, Growth, Unrest};
 
 pub(super) const SECTION: Section = Section {
@@ -98,17 +98,7 @@ const KNOBS: &[Knob] = rows! { "style";
 };
 
 /// Another type of curl: what was varied of the one before does not suit it.
-const CURL: &[Part] = &[value("style.curl").resets(&[
-    "style.curl_radius",
-    "style.curl_wavelength",
-    "style.curl_flatness",
-    "style.curl_start",
-    "style.curl_tip",
-    "style.curl_irregularity",
-    "style.curl_coherence",
-    "style.curl_neighbours",
-    "style.curl_shrink",
-])];
+const CURL: &[Part] = &[value("style.curl").resets(&CURLS)];
 
 const STRETCHED: &[Set] = &[("style.curl_stretch", Value::Toggle(true))];
 const REPEATED: &[Set] = &[("style.curl_stretch", Value::Toggle(false))];

@@ -25,6 +25,7 @@ mod style;
 pub use edges::{EdgeSettings, Samples};
 pub use lights::{Lamp, LightSettings};
 pub use look::{HairColor, LookSettings};
+pub(crate) use style::CURLS;
 pub use style::{Curl, Maps, StyleSettings};
 
 use crate::{

@@ -81,7 +81,7 @@ impl Default for StyleSettings {
 }
 
 /// The parameters of curls that vary [`Curl`].
-const CURLS: [&str; 9] = [
+pub(crate) const CURLS: [&str; 9] = [
     "style.curl_radius",
     "style.curl_wavelength",
     "style.curl_flatness",
