@@ -17,12 +17,23 @@ pub const SHARED: &[(&str, u32)] = &[
     ("SHADOW_BLOCK", SHADOW_BLOCK),
     ("DEEP_LAYERS", DEEP_LAYERS),
     ("AMBIENT_STRANDS", AMBIENT_STRANDS),
+    ("TILE", TILE),
+    ("TILE_BINS", TILE_BINS),
+    ("TILE_BLOCK", TILE_BLOCK),
+    ("TILE_ROUNDS", TILE_ROUNDS),
+    ("TILE_SCAN", TILE_SCAN),
+    ("TILE_SLOTS", TILE_SLOTS),
+    ("TILE_STRATA", TILE_STRATA),
 ];
 
 /// Shaders that are linked once for each value of a constant: module, constant, values. Each has the value as
 /// a last part of its path.
 #[allow(dead_code)]
-pub const VARIANTS: &[(&str, &str, &[u32])] = &[("simulate::step", "GUIDE_CAPACITY", &GUIDE_CAPACITIES)];
+pub const VARIANTS: &[(&str, &str, &[u32])] = &[
+    ("simulate::step", "GUIDE_CAPACITY", &GUIDE_CAPACITIES),
+    ("draw::tiles::see", "SURFACES", &[1, 2]),
+    ("draw::tiles::blend", "SURFACES", &[1, 2]),
+];
 
 /// Threads of one workgroup of the passes that run once per guide.
 pub const GUIDE_WORKGROUP: u32 = 32;
@@ -53,3 +64,17 @@ pub const SHADOW_BLOCK: u32 = 4;
 pub const DEEP_LAYERS: u32 = 8;
 /// About how many strands represent all of them in the grid of ambient light.
 pub const AMBIENT_STRANDS: u32 = 4096;
+/// Edge of a tile of the compute rasteriser, pixels: a row of them is one thread's.
+pub const TILE: u32 = 8;
+/// Bins of depth in a tile; also the threads of the workgroup that puts them in order.
+pub const TILE_BINS: u32 = 64;
+/// Edge of a block of tiles that share the range of depth that bins divide, tiles.
+pub const TILE_BLOCK: u32 = 4;
+/// The most rounds that the lists of tiles are made in.
+pub const TILE_ROUNDS: u32 = 4;
+/// Threads of the one workgroup that adds up tiles.
+pub const TILE_SCAN: u32 = 256;
+/// Tiles of a workgroup.
+pub const TILE_SLOTS: u32 = 4;
+/// Tiles are dealt to workgroups from so many places at once.
+pub const TILE_STRATA: u32 = 16;

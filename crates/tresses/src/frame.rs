@@ -212,19 +212,7 @@ impl Recorder<'_> {
         let lit = view.prepare(self.queue, picture, &seen);
         if !matches!(shows, Shows::Again) {
             self.cast(view, &lit, visible, bodies)?;
-            let replaced = match &mut shows {
-                Shows::Inside(views, shown) => {
-                    views.shade(self.device, self.encoder, shown, picture, hair, &seen)
-                }
-                _ => false,
-            };
-            if !replaced {
-                let timings = self.timings.as_deref_mut();
-                view.light.shade(&self.pipelines.light, self.encoder, timings, &seen);
-                self.lap("shade");
-            }
         }
-
         let output = output.unwrap_or_else(|| view.targets().picture());
         let draw = &self.pipelines.draw;
         let canvas = &mut Canvas {
@@ -234,26 +222,45 @@ impl Recorder<'_> {
             timings: self.timings.as_deref_mut(),
             targets: view.targets(),
             frame: &view.light.frame,
+            camera: view.camera(),
             coverage: view.options().coverage,
             rate: picture.shading,
         };
-        if let Shows::Over(embed, into) = &shows {
-            embed.record_depth(canvas, picture.camera.projection, into);
-            draw.record_hair(canvas, visible, false)?;
-            canvas.lap("hair");
-            embed.record(canvas, into);
+        let over = match &shows {
+            Shows::Over(embed, into) => Some((*embed, *into)),
+            _ => None,
+        };
+        let body_first = draw.body_first(canvas.coverage);
+        if let Some((embed, into)) = over {
+            embed.record_depth(canvas, picture.camera.projection, &into);
+        } else if body_first {
+            draw.record_bodies(canvas, bodies)?;
+            canvas.lap("body");
+        }
+        draw.record_seen(canvas, visible, over.is_some())?;
+        let replaced = match &mut shows {
+            Shows::Inside(views, shown) => {
+                views.shade(self.device, canvas.encoder, shown, picture, hair, &seen)
+            }
+            // What was seen of the last picture is shaded; a finer one of tiles sees other vertices.
+            Shows::Again => !canvas.coverage.is_tiled(),
+            _ => false,
+        };
+        if !replaced {
+            let timings = canvas.timings.as_deref_mut();
+            view.light.shade(&self.pipelines.light, canvas.encoder, timings, &seen);
+            canvas.lap("shade");
+        }
+        draw.record_hair(canvas, visible, over.is_none())?;
+        canvas.lap("hair");
+        if let Some((embed, into)) = over {
+            embed.record(canvas, &into);
             canvas.lap("embed");
             return kernel::refused();
         }
-        let body_first = draw.body_first(canvas.coverage);
-        for bodies_now in [body_first, !body_first] {
-            if bodies_now {
-                draw.record_bodies(canvas, bodies)?;
-                canvas.lap("body");
-            } else {
-                draw.record_hair(canvas, visible, true)?;
-                canvas.lap("hair");
-            }
+        if !body_first {
+            draw.record_bodies(canvas, bodies)?;
+            canvas.lap("body");
         }
         let timings = self.timings.as_deref_mut();
         let present = &self.pipelines.present;

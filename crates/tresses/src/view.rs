@@ -212,6 +212,11 @@ impl View {
         self.light.prepare(queue, (&picture.lights, &picture.shadows, &picture.focus), hair)
     }
 
+    /// The uniform of its camera.
+    pub(crate) fn camera(&self) -> &wgpu::Buffer {
+        &self.camera
+    }
+
     /// What finishes its pictures.
     pub(crate) fn present(&self) -> &present::State {
         &self.present

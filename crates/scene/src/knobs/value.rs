@@ -350,6 +350,7 @@ named! {
     Coverage {
         "mask" SampleMask "each strand covers its share of the samples of a pixel; the fastest";
         "alpha" AlphaToCoverage "the adapter turns a strand's share of a pixel into samples";
+        "tiles" Tiles "all strands are blended in order, tile by tile, by compute shaders; as fine as it gets";
         "peel" DepthPeeling "depth peeling: strands are blended in sorted layers; the finest" => { .. } Coverage::PEELING;
     }
     LodMode {

@@ -55,6 +55,8 @@ impl Settings {
         let samples = match given {
             Some(samples) => samples as u32,
             None if coverage == peeled => 1,
+            // Of bodies alone.
+            None if coverage == Coverage::Tiles => most.min(Samples::Four as u32),
             None => most.min(Samples::Eight as u32),
         };
         let refuse =

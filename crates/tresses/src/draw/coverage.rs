@@ -28,6 +28,10 @@ pub enum Coverage {
         /// blended by its depth, at eight knots.
         layers: u32,
     },
+    /// The exact share of the pixel becomes alpha, and all strands are blended from front to back, by a rasteriser
+    /// of compute shaders ([`crate::draw::tiles`]). Only what is seen is shaded, at the vertices of the strands
+    /// ([`ShadingRate::PerVertex`](crate::light::ShadingRate)). Samples per pixel are those of bodies alone.
+    Tiles,
 }
 
 impl Coverage {

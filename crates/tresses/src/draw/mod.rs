@@ -41,6 +41,7 @@ pub mod embed;
 mod pipelines;
 pub(crate) mod record;
 pub(crate) mod strips;
+pub mod tiles;
 pub mod targets;
 
 pub use coverage::Coverage;

@@ -3,6 +3,7 @@
 use super::{
     Coverage,
     strips::{self, Strips},
+    tiles,
     targets::HDR_FORMAT,
 };
 use crate::{
@@ -22,6 +23,7 @@ pub struct Pipelines {
     frame: wgpu::BindGroupLayout,
     body: Made<u32, wgpu::RenderPipeline>,
     pub(crate) strips: strips::Pipelines,
+    pub(crate) tiles: tiles::Pipelines,
 }
 
 impl Pipelines {
@@ -32,6 +34,7 @@ impl Pipelines {
             frame: light.frame.clone(),
             body: Made::default(),
             strips: strips::Pipelines::new(device, light),
+            tiles: tiles::Pipelines::new(device),
         }
     }
 
@@ -60,7 +63,10 @@ impl Pipelines {
     /// What makes all that such a picture needs.
     pub(crate) fn jobs(&self, coverage: Coverage, samples: u32, rate: ShadingRate) -> Vec<Job<'_>> {
         let mut jobs: Vec<Job<'_>> = vec![Box::new(move || self.body(samples).map(|_| ()))];
-        jobs.extend(self.strips.jobs(coverage, samples, rate));
+        match coverage {
+            Coverage::Tiles => jobs.extend(self.tiles.jobs(samples)),
+            _ => jobs.extend(self.strips.jobs(coverage, samples, rate)),
+        }
         jobs
     }
 }

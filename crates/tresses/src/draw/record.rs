@@ -17,6 +17,8 @@ pub(crate) struct Canvas<'a> {
     pub targets: &'a Targets,
     /// The view's `@group(0)`.
     pub frame: &'a wgpu::BindGroup,
+    /// What it is of: the camera's uniform.
+    pub camera: &'a wgpu::Buffer,
     pub coverage: Coverage,
     pub rate: ShadingRate,
 }
@@ -33,11 +35,22 @@ impl Canvas<'_> {
 impl Pipelines {
     /// Whether bodies are to be drawn before the hair.
     pub(crate) fn body_first(&self, coverage: Coverage) -> bool {
-        strips::body_first(coverage)
+        coverage.is_tiled() || strips::body_first(coverage)
+    }
+
+    /// Records what is to be known of the hair before it is shaded: nothing but where it is drawn by tiles.
+    pub(crate) fn record_seen(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>], linear: bool) -> Result<()> {
+        if !canvas.coverage.is_tiled() {
+            return Ok(());
+        }
+        self.tiles.record_bins(canvas, hair, linear)
     }
 
     /// Records hair; clears the targets unless bodies [come first](Self::body_first) or something is to stay.
     pub(crate) fn record_hair(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>], clear: bool) -> Result<()> {
+        if canvas.coverage.is_tiled() {
+            return self.tiles.record_blend(canvas, hair);
+        }
         let strips = self.strips(canvas.coverage, canvas.targets.samples, canvas.rate)?;
         strips::record(&strips, canvas, hair, clear)
     }

@@ -1,6 +1,6 @@
 //! The textures that a picture is drawn into.
 
-use super::{Coverage, strips::Layers};
+use super::{Coverage, strips::Layers, tiles::Tiles};
 use crate::{Error, Result, gpu::readback};
 
 /// Label, format and usage of a texture of the linear target's size.
@@ -27,6 +27,8 @@ pub struct Targets {
     pub(crate) depth_texture: wgpu::Texture,
     /// Of a stage that peels.
     pub(crate) layers: Option<Layers>,
+    /// Of one that draws by tiles.
+    pub(crate) tiles: Option<Tiles>,
     picture: wgpu::Texture,
     pub(crate) picture_view: wgpu::TextureView,
     bytes: u64,
@@ -81,6 +83,7 @@ impl Targets {
             depth: view(&depth),
             depth_texture: depth,
             layers: None,
+            tiles: None,
             picture_view: view(&picture),
             picture,
             bytes: u64::from(wide) * u64::from(high) * u64::from(samples) * 12
@@ -88,14 +91,15 @@ impl Targets {
         };
         Ok(match coverage {
             Coverage::DepthPeeling { .. } => targets.with_layers(device),
+            Coverage::Tiles => targets.with_tiles(device)?,
             _ => targets,
         })
     }
 
-    /// Adds the textures of depth peeling.
-    fn with_layers(mut self, device: &wgpu::Device) -> Self {
+    /// What makes a texture of one sample per pixel of the linear target.
+    fn texture(&self, device: &wgpu::Device) -> impl Fn(TextureKind) -> wgpu::Texture {
         let size = self.depth_texture.size();
-        self.layers = Some(Layers::new(device, |(label, format, usage)| {
+        move |(label, format, usage)| {
             device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
                 size,
@@ -106,9 +110,22 @@ impl Targets {
                 usage: usage | wgpu::TextureUsages::RENDER_ATTACHMENT,
                 view_formats: &[],
             })
-        }));
+        }
+    }
+
+    /// Adds the textures of depth peeling.
+    fn with_layers(mut self, device: &wgpu::Device) -> Self {
+        let size = self.depth_texture.size();
+        self.layers = Some(Layers::new(device, self.texture(device)));
         self.bytes += u64::from(size.width) * u64::from(size.height) * Layers::BYTES;
         self
+    }
+
+    /// Adds what tiles need.
+    fn with_tiles(mut self, device: &wgpu::Device) -> Result<Self> {
+        let size = self.depth_texture.size();
+        self.tiles = Some(Tiles::new(device, [size.width, size.height], self.texture(device))?);
+        Ok(self)
     }
 
     /// The finished picture as a view to present into.
@@ -126,6 +143,6 @@ impl Targets {
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        self.bytes
+        self.bytes + self.tiles.as_ref().map_or(0, Tiles::bytes)
     }
 }

@@ -30,6 +30,10 @@ pub enum Binding {
     Texture3d,
     /// `texture_depth_2d`.
     Depth,
+    /// `texture_depth_multisampled_2d`.
+    DepthMultisampled,
+    /// `texture_storage_2d<rgba16float, write>`.
+    Write2d,
     /// `texture_storage_3d<rgba16float, write>`.
     Write3d,
     /// `texture_3d<f32>` of any format, read texel by texel.
@@ -71,6 +75,12 @@ impl Binding {
             }
             Self::Texture3d => texture(filterable, TextureViewDimension::D3, false),
             Self::Depth => texture(TextureSampleType::Depth, TextureViewDimension::D2, false),
+            Self::DepthMultisampled => texture(TextureSampleType::Depth, TextureViewDimension::D2, true),
+            Self::Write2d => BindingType::StorageTexture {
+                access: wgpu::StorageTextureAccess::WriteOnly,
+                format: wgpu::TextureFormat::Rgba16Float,
+                view_dimension: TextureViewDimension::D2,
+            },
             Self::Write3d => BindingType::StorageTexture {
                 access: wgpu::StorageTextureAccess::WriteOnly,
                 format: wgpu::TextureFormat::Rgba16Float,

@@ -124,13 +124,36 @@ impl Kernel {
         offsets: &[u32],
         [x, y, z]: [u32; 3],
     ) {
+        if self.set(pass, group, offsets) {
+            pass.dispatch_workgroups(x, y, z);
+        }
+    }
+
+    /// Records one dispatch of as many workgroups as stand in a buffer, from a byte of it on.
+    pub fn record_indirect(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        group: &wgpu::BindGroup,
+        offsets: &[u32],
+        (workgroups, from): (&wgpu::Buffer, u64),
+    ) {
+        if self.set(pass, group, offsets) {
+            pass.dispatch_workgroups_indirect(workgroups, from);
+        }
+    }
+
+    /// Sets pipeline and group, unless the kernel cannot be compiled.
+    fn set(&self, pass: &mut wgpu::ComputePass<'_>, group: &wgpu::BindGroup, offsets: &[u32]) -> bool {
         match self.pipeline() {
             Ok(pipeline) => {
                 pass.set_pipeline(pipeline);
                 pass.set_bind_group(0, group, offsets);
-                pass.dispatch_workgroups(x, y, z);
+                true
             }
-            Err(error) => REFUSED.with_borrow_mut(|refused| _ = refused.get_or_insert(error)),
+            Err(error) => {
+                REFUSED.with_borrow_mut(|refused| _ = refused.get_or_insert(error));
+                false
+            }
         }
     }
 }

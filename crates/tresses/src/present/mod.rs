@@ -62,10 +62,14 @@ pub struct Pipelines {
 
 /// The shader for targets of so many samples with hair in them by `coverage`, and what it binds.
 fn shader(coverage: Coverage, samples: u32) -> (&'static str, &'static [Binding]) {
-    use Binding::{Depth, Storage, Texture2d, TextureMultisampled};
+    use Binding::{Depth, DepthMultisampled, Storage, Texture2d, TextureMultisampled};
     match (coverage, samples) {
         (Coverage::DepthPeeling { .. }, _) => {
             ("present::layers", &[Storage, Texture2d, Texture2d, Texture2d, Texture2d, Depth])
+        }
+        (Coverage::Tiles, 1) => ("present::tiled_one", &[Storage, Texture2d, Texture2d]),
+        (Coverage::Tiles, _) => {
+            ("present::tiled", &[Storage, TextureMultisampled, DepthMultisampled, Texture2d, Storage])
         }
         (_, 1) => ("present::single", &[Storage, Texture2d]),
         _ => ("present::resolve", &[Storage, TextureMultisampled, Storage]),
@@ -119,7 +123,7 @@ impl State {
     ) -> Self {
         use wgpu::BindingResource::TextureView;
         let uniform = crate::gpu::bindings::uniform(device, "present", size_of::<PresentUniform>());
-        let footprint = (targets.samples > 1).then(|| {
+        let footprint = (targets.samples > 1 && !coverage.is_tiled()).then(|| {
             let footprint = match coverage {
                 Coverage::SampleMask => Footprint::disc(targets.samples),
                 _ => Footprint::square(targets.samples),
@@ -135,6 +139,15 @@ impl State {
         if let Some(layers) = &targets.layers {
             resources.extend(layers.presented().map(TextureView));
             resources.push(TextureView(&targets.depth));
+        }
+        if let Some(tiles) = &targets.tiles {
+            if targets.samples > 1 {
+                resources.push(TextureView(&targets.depth));
+            }
+            resources.push(TextureView(&tiles.hair));
+            if targets.samples > 1 {
+                resources.push(tiles.surfaces.as_entire_binding());
+            }
         }
         let (module, bindings) = shader(coverage, targets.samples);
         let layout = layout(device, module, wgpu::ShaderStages::FRAGMENT, bindings);

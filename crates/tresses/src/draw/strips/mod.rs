@@ -52,12 +52,17 @@ enum Kind {
     Peel,
 }
 
-impl From<Coverage> for Kind {
-    fn from(coverage: Coverage) -> Self {
+impl Kind {
+    fn of(coverage: Coverage) -> Result<Self> {
         match coverage {
-            Coverage::SampleMask => Self::Mask,
-            Coverage::AlphaToCoverage => Self::Alpha,
-            Coverage::DepthPeeling { .. } => Self::Peel,
+            Coverage::SampleMask => Ok(Self::Mask),
+            Coverage::AlphaToCoverage => Ok(Self::Alpha),
+            Coverage::DepthPeeling { .. } => Ok(Self::Peel),
+            Coverage::Tiles => Err(crate::Error::Parameter {
+                name: "the coverage of strips",
+                value: "tiles".into(),
+                range: "a mask, alpha to coverage or depth peeling",
+            }),
         }
     }
 }
@@ -78,10 +83,11 @@ impl Pipelines {
 
     /// Those for `coverage` and targets of so many samples per pixel.
     pub fn get(&self, coverage: Coverage, samples: u32, rate: ShadingRate) -> Result<Strips> {
-        self.strips.get((coverage.into(), samples, rate), || self.make(coverage, samples, rate))
+        let kind = Kind::of(coverage)?;
+        self.strips.get((kind, samples, rate), || self.make(kind, samples, rate))
     }
 
-    fn make(&self, coverage: Coverage, samples: u32, rate: ShadingRate) -> Result<Strips> {
+    fn make(&self, kind: Kind, samples: u32, rate: ShadingRate) -> Result<Strips> {
         use wgpu::{
             ColorWrites,
             CompareFunction::{Equal, Greater},
@@ -105,16 +111,16 @@ impl Pipelines {
             }
             .build(&self.device)
         };
-        Ok(match coverage {
-            Coverage::SampleMask => {
-                let kind = if samples == 1 { "single" } else { "multi" };
-                Strips::Once(strips("draw::hair", kind, ColorWrites::ALL, (true, Greater))?)
+        Ok(match kind {
+            Kind::Mask => {
+                let entry = if samples == 1 { "single" } else { "multi" };
+                Strips::Once(strips("draw::hair", entry, ColorWrites::ALL, (true, Greater))?)
             }
-            Coverage::AlphaToCoverage => Strips::DepthFirst {
+            Kind::Alpha => Strips::DepthFirst {
                 depth: strips("draw::alpha", "depth", ColorWrites::empty(), (true, Greater))?,
                 color: strips("draw::alpha", "color", ColorWrites::ALL, (false, Equal))?,
             },
-            Coverage::DepthPeeling { .. } => Strips::Peeled(Peel::new(self, rate)?),
+            Kind::Peel => Strips::Peeled(Peel::new(self, rate)?),
         })
     }
 

@@ -1,0 +1,173 @@
+//! Hair by a rasteriser of our own: sorted and blended tile by tile, in compute shaders.
+//!
+//! ```text
+//! depth of bodies ─► surface ─► depths per pixel, farthest per tile
+//! strand vertices ─► project ─► points ─► count ─► totals ─► scan ─► scatter ─► sort ─► lists of tiles
+//! lists ─► see ─► which vertices are seen ─► light::shade ─► tint ─► colours ─┐
+//! lists ──────────────────────────────────────────────────────────────────────┴─► blend ─► hair
+//! ```
+//!
+//! A segment is the piece of a strand between two of its vertices. It is written into the list of each tile of 8×8
+//! pixels that it reaches, unless bodies hide it there. Lists are made by counting, a prefix sum and a second pass
+//! that writes: no length is guessed. In its tile a segment goes into one of 64 bins by its depth, between the
+//! nearest and the farthest hair of 4×4 tiles; each bin is then put in order by one thread. An entry is one word:
+//! the place of its depth in the bin, then its number, so that no two are equal and two runs give the same bits.
+//!
+//! One thread follows the list of its tile for a row of eight pixels, front to back, until less than 2 % of the
+//! light gets through any of them. The share of a pixel that a segment covers is exact for a strand that is
+//! straight there (`coverage::half_plane`); where two segments meet, a pixel belongs to the one on whose side of
+//! their common line its centre lies, so that strands of any width have no seams and nothing is counted twice.
+//!
+//! `see` does this without colours, and marks what it meets: only those vertices are shaded. `blend` repeats it with
+//! colours. Of bodies with several samples per pixel, a pixel keeps two depths and their shares, and what gets
+//! through to either (`present::tiled`).
+//!
+//! **Room.** The list holds a *window* of one and a half entries per point and the longest tile. Where a picture needs
+//! more, as in a close-up, tiles are drawn in [rounds](crate::constants::TILE_ROUNDS), each recorded as passes whose
+//! workgroups the GPU counts: without need they have none.
+//!
+//! **Why so.** On a software driver loads and atomics are made lane by lane, so that a thread had better have many
+//! pixels per load: a row of eight costs an eighth of the loads of eight threads with a pixel each. Ordering by bins of
+//! a tile's own range of depth keeps bins at a handful of entries, where insertion is as fast as anything.
+//!
+//! Rejected: a bitonic sort in workgroup memory (45 barriers per tile, and a barrier costs a software driver as
+//! much as the work between two), lists of linked fragments (their order and so the picture changes from run to
+//! run), leaving out what lies behind a mean optical depth (wrong where a tile is not covered evenly).
+//! Untried: the farthest depth of the last frame as a bound, two segments as one entry, half floats.
+
+mod pipelines;
+pub mod state;
+
+pub(crate) use pipelines::Pipelines;
+pub(crate) use state::Tiles;
+
+use super::{Coverage, record::Canvas};
+use crate::{
+    Error, Result,
+    constants::{STRAND_WORKGROUP, TILE, TILE_ROUNDS},
+    gpu::Kernel,
+    light::Seen,
+};
+use state::Control;
+
+/// A field of [`Control`] that tells workgroups, at a round.
+fn workgroups(field: usize, round: u32) -> u64 {
+    field as u64 + 16 * u64::from(round)
+}
+
+/// The rounds, and where a kernel finds its own.
+fn rounds() -> impl Iterator<Item = (u32, [u32; 1])> {
+    (0..TILE_ROUNDS).map(|round| (round, [256 * round]))
+}
+
+fn tiles<'a>(canvas: &Canvas<'a>) -> Result<&'a Tiles> {
+    canvas.targets.tiles.as_ref().ok_or_else(|| Error::Parameter {
+        name: "targets",
+        value: "without tiles".into(),
+        range: "made for tiles",
+    })
+}
+
+fn threads(count: u32) -> u32 {
+    count.div_ceil(STRAND_WORKGROUP)
+}
+
+impl Pipelines {
+    /// Records which segments are in which tiles and which of them are seen; bodies are drawn. Colours stay linear
+    /// if `linear`.
+    pub fn record_bins(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>], linear: bool) -> Result<()> {
+        let tiles = tiles(canvas)?;
+        // Where no tile is busy nothing is written.
+        clear(canvas, &tiles.hair);
+        if hair.is_empty() {
+            return Ok(());
+        }
+        let bound = tiles.bind(self, canvas, hair, linear)?;
+        let Some(bound) = bound.as_ref() else { return Ok(()) };
+        for buffer in [&tiles.farthest, &tiles.bins, &tiles.ranges, &bound.seen, &bound.ends] {
+            canvas.encoder.clear_buffer(buffer, 0, None);
+        }
+        let many = usize::from(canvas.targets.samples > 1);
+        let segments = threads(bound.grid.points);
+        let mut pass = compute(canvas, "bins");
+        self.surface[many].record(&mut pass, &bound.surface, &[], threads(tiles.count() * TILE));
+        for groom in &bound.parts {
+            self.project.record(&mut pass, &groom.project, &[], threads(groom.points));
+        }
+        self.count.record(&mut pass, &bound.count, &[], segments);
+        self.totals.record(&mut pass, &bound.totals, &[], threads(tiles.count()));
+        self.scan.record(&mut pass, &bound.scan, &[], 1);
+        drop(pass);
+        canvas.lap("bins");
+        for (round, at) in rounds() {
+            let mut pass = compute(canvas, "bins");
+            let mut run = |kernel: &Kernel, group, field| {
+                let from = workgroups(field, round);
+                kernel.record_indirect(&mut pass, group, &at, (&tiles.control, from));
+            };
+            run(&self.scatter, &bound.scatter, std::mem::offset_of!(Control, segments));
+            run(&self.sort, &bound.sort, std::mem::offset_of!(Control, bins));
+            run(&self.see[many], &bound.see, std::mem::offset_of!(Control, rows));
+        }
+        canvas.lap("see");
+        Ok(())
+    }
+
+    /// Records the hair of the last `record_bins`; what is seen of it is shaded.
+    pub fn record_blend(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>]) -> Result<()> {
+        let tiles = tiles(canvas)?;
+        if hair.is_empty() {
+            return Ok(());
+        }
+        let bound = tiles.bound();
+        let Some(bound) = bound.as_ref() else { return Ok(()) };
+        let many = usize::from(canvas.targets.samples > 1);
+        let mut pass = compute(canvas, "hair");
+        for groom in &bound.parts {
+            self.tint.record(&mut pass, &groom.tint, &[], threads(groom.points));
+        }
+        for (round, at) in rounds() {
+            let mut run = |kernel: &Kernel, group, field| {
+                let from = workgroups(field, round);
+                kernel.record_indirect(&mut pass, group, &at, (&tiles.control, from));
+            };
+            run(&self.rewind, &bound.rewind, std::mem::offset_of!(Control, bins_again));
+            run(&self.scatter, &bound.scatter, std::mem::offset_of!(Control, segments_again));
+            run(&self.sort, &bound.sort, std::mem::offset_of!(Control, bins_again));
+            run(&self.blend[many], &bound.blend, std::mem::offset_of!(Control, rows));
+        }
+        Ok(())
+    }
+}
+
+/// A compute pass, timed under a name.
+fn compute<'e>(canvas: &'e mut Canvas<'_>, name: &'static str) -> wgpu::ComputePass<'e> {
+    canvas.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+        label: Some(name),
+        timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.compute(name)),
+    })
+}
+
+/// Clears a texture.
+fn clear(canvas: &mut Canvas<'_>, view: &wgpu::TextureView) {
+    canvas.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("no hair"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                store: wgpu::StoreOp::Store,
+            },
+        })],
+        ..Default::default()
+    });
+}
+
+impl Coverage {
+    /// Whether the rasteriser is this one.
+    pub(crate) fn is_tiled(self) -> bool {
+        self == Self::Tiles
+    }
+}

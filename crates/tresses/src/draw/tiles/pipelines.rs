@@ -1,0 +1,97 @@
+//! The kernels, each compiled when it is first recorded.
+
+use crate::gpu::{
+    Binding::{self, Depth, DepthMultisampled, Storage, StorageMut, Uniform, UniformDynamic, Write2d},
+    Kernel,
+    kernel::{self, Job},
+};
+
+/// The kernels in the order in which they run.
+#[derive(Debug)]
+pub(crate) struct Pipelines {
+    /// By whether targets have several samples per pixel.
+    pub surface: [Kernel; 2],
+    pub project: Kernel,
+    pub count: Kernel,
+    pub totals: Kernel,
+    pub scan: Kernel,
+    pub scatter: Kernel,
+    pub sort: Kernel,
+    pub rewind: Kernel,
+    /// By whether pixels have two surfaces.
+    pub see: [Kernel; 2],
+    pub tint: Kernel,
+    /// As `see`.
+    pub blend: [Kernel; 2],
+}
+
+impl Pipelines {
+    pub fn new(device: &wgpu::Device) -> Self {
+        let kernel = |module, bindings: &[Binding]| Kernel::new(device, module, bindings);
+        let fine = [Storage; 6];
+        let see = [&fine[..], &[Storage, StorageMut, UniformDynamic]].concat();
+        let blend = [&fine[..], &[StorageMut, Storage, UniformDynamic, Write2d]].concat();
+        Self {
+            surface: [
+                kernel("draw::tiles::surface_one", &[Storage, Depth, StorageMut, StorageMut]),
+                kernel(
+                    "draw::tiles::surface_many",
+                    &[Storage, DepthMultisampled, StorageMut, StorageMut, Uniform],
+                ),
+            ],
+            project: kernel(
+                "draw::tiles::project",
+                &[Uniform, Storage, Storage, Storage, Storage, StorageMut, StorageMut, StorageMut],
+            ),
+            count: kernel(
+                "draw::tiles::count",
+                &[Storage, Storage, Storage, Storage, Storage, StorageMut],
+            ),
+            totals: kernel("draw::tiles::totals", &[Storage, StorageMut, StorageMut]),
+            scan: kernel("draw::tiles::scan", &[Storage, StorageMut, StorageMut, StorageMut]),
+            scatter: kernel(
+                "draw::tiles::scatter",
+                &[
+                    Storage,
+                    Storage,
+                    Storage,
+                    Storage,
+                    Storage,
+                    Storage,
+                    StorageMut,
+                    StorageMut,
+                    UniformDynamic,
+                ],
+            ),
+            sort: kernel(
+                "draw::tiles::sort",
+                &[Storage, Storage, Storage, Storage, StorageMut, UniformDynamic],
+            ),
+            rewind: kernel("draw::tiles::rewind", &[Storage, Storage, StorageMut, UniformDynamic]),
+            see: ["draw::tiles::see::1", "draw::tiles::see::2"].map(|module| kernel(module, &see)),
+            tint: kernel(
+                "draw::tiles::tint",
+                &[Uniform, Storage, Storage, Storage, Storage, StorageMut],
+            ),
+            blend: ["draw::tiles::blend::1", "draw::tiles::blend::2"].map(|module| kernel(module, &blend)),
+        }
+    }
+
+    /// What compiles those for targets of so many samples per pixel.
+    pub fn jobs(&self, samples: u32) -> Vec<Job<'_>> {
+        let many = usize::from(samples > 1);
+        let Self { surface, project, count, totals, scan, scatter, sort, rewind: _, see, tint, blend } = self;
+        kernel::jobs([
+            &surface[many],
+            project,
+            count,
+            totals,
+            scan,
+            scatter,
+            sort,
+            &see[many],
+            tint,
+            &blend[many],
+        ])
+    }
+}

@@ -1,0 +1,341 @@
+//! The buffers of the stage: some of a picture's size, some of the hair's.
+
+use super::Pipelines;
+use crate::{
+    Result,
+    constants::{TILE, TILE_BINS, TILE_BLOCK, TILE_ROUNDS},
+    draw::record::Canvas,
+    draw::targets::{HDR_FORMAT, TextureKind},
+    gpu::bindings::uniform,
+    light::Seen,
+    strands::buffers::storage,
+};
+use bytemuck::{Pod, Zeroable};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use wgpu::util::DeviceExt;
+
+/// What all kernels know.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub struct Grid {
+    /// Width and height of the target, pixels.
+    pub size: [u32; 2],
+    /// Tiles along both axes.
+    pub tiles: [u32; 2],
+    /// Points of all grooms, gaps between them included.
+    pub points: u32,
+    /// Bits that number them; what an entry of a list has more of is the place of its depth in its bin.
+    pub id_bits: u32,
+    /// Entries of a round.
+    pub window: u32,
+    /// 1 when colours stay linear.
+    pub linear: u32,
+}
+
+/// A groom's share of the points.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub struct Part {
+    /// Its first.
+    pub first: u32,
+    /// Its strands.
+    pub count: u32,
+    /// Their vertices.
+    pub vertex_count: u32,
+    /// Unused.
+    pub _pad: u32,
+}
+
+/// What the passes of a frame tell each other: workgroups of passes that the CPU does not know.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub struct Control {
+    /// Of what has one thread per segment, in each round.
+    pub segments: [[u32; 4]; TILE_ROUNDS as usize],
+    /// Of what has one workgroup per busy tile.
+    pub bins: [[u32; 4]; TILE_ROUNDS as usize],
+    /// Of what has one thread per row of a busy tile.
+    pub rows: [[u32; 4]; TILE_ROUNDS as usize],
+    /// As `segments`, when lists are made again: only if there are several rounds.
+    pub segments_again: [[u32; 4]; TILE_ROUNDS as usize],
+    /// As `bins`, likewise.
+    pub bins_again: [[u32; 4]; TILE_ROUNDS as usize],
+    /// First busy tile of each round and the one after its last.
+    pub busy: [[u32; 4]; TILE_ROUNDS as usize],
+    /// Entries that all tiles need.
+    pub entries: u32,
+    /// Rounds that they need.
+    pub rounds: u32,
+    /// Unused.
+    pub _pad: [u32; 2],
+}
+
+/// Dynamic offsets of uniforms are multiples of this on any device.
+const STEP: u64 = 256;
+/// Grooms begin at multiples of so many points, so that their share of a buffer of words can be bound.
+const ALIGN: u32 = STEP as u32 / 4;
+
+/// What tiles add to the targets of a view.
+#[derive(Debug)]
+pub(crate) struct Tiles {
+    size: [u32; 2],
+    tiles: [u32; 2],
+    /// Hair, tone mapped, premultiplied; alpha is its opacity.
+    pub hair: wgpu::TextureView,
+    /// Of each pixel, tile by tile, the depths of its bodies, later what gets through to them.
+    pub surfaces: wgpu::Buffer,
+    pub(super) farthest: wgpu::Buffer,
+    pub(super) bins: wgpu::Buffer,
+    sums: wgpu::Buffer,
+    busy: wgpu::Buffer,
+    pub(super) ranges: wgpu::Buffer,
+    pub(super) control: wgpu::Buffer,
+    rounds: wgpu::Buffer,
+    grid: wgpu::Buffer,
+    bound: Mutex<Option<Bound>>,
+}
+
+/// What depends on the hair that is seen: buffers, and groups that bind them.
+#[derive(Debug)]
+pub(super) struct Bound {
+    /// By what it was made: vertices and colours of each groom.
+    of: Vec<[wgpu::Buffer; 2]>,
+    pub grid: Grid,
+    /// Where the points of each groom begin.
+    firsts: Vec<u32>,
+    pub parts: Vec<Groom>,
+    pub seen: wgpu::Buffer,
+    pub ends: wgpu::Buffer,
+    bytes: u64,
+    pub surface: wgpu::BindGroup,
+    pub count: wgpu::BindGroup,
+    pub totals: wgpu::BindGroup,
+    pub scan: wgpu::BindGroup,
+    pub scatter: wgpu::BindGroup,
+    pub sort: wgpu::BindGroup,
+    pub rewind: wgpu::BindGroup,
+    pub see: wgpu::BindGroup,
+    pub blend: wgpu::BindGroup,
+}
+
+/// A groom among others.
+#[derive(Debug)]
+pub(super) struct Groom {
+    part: wgpu::Buffer,
+    pub project: wgpu::BindGroup,
+    pub tint: wgpu::BindGroup,
+    /// Points that it has now.
+    pub points: u32,
+}
+
+impl Tiles {
+    /// For targets of `size` pixels, with textures that `texture` makes.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`].
+    pub fn new(
+        device: &wgpu::Device,
+        size: [u32; 2],
+        texture: impl Fn(TextureKind) -> wgpu::Texture,
+    ) -> Result<Self> {
+        let tiles = size.map(|side| side.div_ceil(TILE));
+        let count = u64::from(tiles[0]) * u64::from(tiles[1]);
+        let blocks = tiles.map(|side| u64::from(side.div_ceil(TILE_BLOCK)));
+        let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::STORAGE_BINDING;
+        let mut numbers = vec![0u32; (STEP * u64::from(TILE_ROUNDS)) as usize / 4];
+        for (round, number) in numbers.iter_mut().step_by(STEP as usize / 4).enumerate() {
+            *number = round as u32;
+        }
+        let rounds = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("rounds"),
+            contents: bytemuck::cast_slice(&numbers),
+            usage: wgpu::BufferUsages::UNIFORM,
+        });
+        Ok(Self {
+            size,
+            tiles,
+            hair: texture(("hair", HDR_FORMAT, usage)).create_view(&Default::default()),
+            surfaces: storage::<[u32; 2]>(device, "surfaces", count * u64::from(TILE * TILE))?,
+            farthest: storage::<u32>(device, "farthest bodies", count)?,
+            bins: storage::<u32>(device, "bins", count * u64::from(TILE_BINS))?,
+            sums: storage::<u32>(device, "sums of tiles", count)?,
+            busy: storage::<[u32; 4]>(device, "busy tiles", count)?,
+            ranges: storage::<[u32; 2]>(device, "ranges of depth", blocks[0] * blocks[1])?,
+            control: device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("control of tiles"),
+                size: size_of::<Control>() as u64,
+                usage: wgpu::BufferUsages::STORAGE
+                    | wgpu::BufferUsages::INDIRECT
+                    | wgpu::BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            }),
+            rounds,
+            grid: uniform(device, "grid of tiles", size_of::<Grid>()),
+            bound: Mutex::default(),
+        })
+    }
+
+    /// Tiles in all.
+    pub(super) fn count(&self) -> u32 {
+        self.tiles[0] * self.tiles[1]
+    }
+
+    /// Bytes of GPU memory.
+    pub fn bytes(&self) -> u64 {
+        let own = [&self.surfaces, &self.farthest, &self.bins, &self.sums, &self.busy, &self.ranges];
+        let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
+        own.iter().map(|buffer| buffer.size()).sum::<u64>()
+            + pixels * 8
+            + self.bound().as_ref().map_or(0, |bound| bound.bytes)
+    }
+
+    pub(super) fn bound(&self) -> MutexGuard<'_, Option<Bound>> {
+        // What a panic leaves behind is whole.
+        self.bound.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What this frame works on, its uniforms written; `hair` is not empty.
+    pub(super) fn bind(
+        &self,
+        kernels: &Pipelines,
+        canvas: &Canvas<'_>,
+        hair: &[Seen<'_>],
+        linear: bool,
+    ) -> Result<MutexGuard<'_, Option<Bound>>> {
+        let mut bound = self.bound();
+        let of: Vec<_> = hair
+            .iter()
+            .map(|seen| [seen.hair.strands.vertices.clone(), seen.shaded.colors.clone()])
+            .collect();
+        if bound.as_ref().is_none_or(|bound| bound.of != of) {
+            // The old one goes first: the two need not be there at once.
+            *bound = None;
+            *bound = Some(self.make(kernels, canvas, hair, of)?);
+        }
+        if let Some(bound) = bound.as_mut() {
+            bound.prepare(canvas.queue, &self.grid, hair, linear);
+        }
+        Ok(bound)
+    }
+
+    fn make(
+        &self,
+        kernels: &Pipelines,
+        canvas: &Canvas<'_>,
+        hair: &[Seen<'_>],
+        of: Vec<[wgpu::Buffer; 2]>,
+    ) -> Result<Bound> {
+        let device = canvas.device;
+        let mut firsts = Vec::new();
+        let mut all = 0u64;
+        for seen in hair {
+            firsts.push(all as u32);
+            let vertices = u64::from(seen.hair.strands.count) * u64::from(seen.hair.strands.vertex_count);
+            all += vertices.next_multiple_of(u64::from(ALIGN));
+        }
+        let points = storage::<[f32; 4]>(device, "points", all)?;
+        let ends = storage::<u32>(device, "ends", all)?;
+        let seen = storage::<u32>(device, "what is seen", all)?;
+        let colors = storage::<u32>(device, "colours of points", all)?;
+        // A window, and the longest tile: no segment is in a tile twice.
+        let window = (all * WINDOW.0 / WINDOW.1).max(1 << 16);
+        let list = storage::<u32>(device, "lists of tiles", window + all)?;
+        let bytes = [&points, &ends, &seen, &colors, &list].iter().map(|buffer| buffer.size()).sum();
+        let id_bits = 32 - (all as u32).leading_zeros();
+        let grid = Grid {
+            size: self.size,
+            tiles: self.tiles,
+            points: all as u32,
+            id_bits,
+            window: window as u32,
+            linear: 0,
+        };
+        let many = usize::from(canvas.targets.samples > 1);
+        let round = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+            buffer: &self.rounds,
+            offset: 0,
+            size: wgpu::BufferSize::new(16),
+        });
+        let depth = wgpu::BindingResource::TextureView(&canvas.targets.depth);
+        let [camera, g, control, busy] =
+            [canvas.camera, &self.grid, &self.control, &self.busy].map(wgpu::Buffer::as_entire_binding);
+        let [surfaces, farthest, bins, sums, ranges] =
+            [&self.surfaces, &self.farthest, &self.bins, &self.sums, &self.ranges]
+                .map(wgpu::Buffer::as_entire_binding);
+        let [p, e, s, c, l] =
+            [&points, &ends, &seen, &colors, &list].map(wgpu::Buffer::as_entire_binding);
+        let parts = hair
+            .iter()
+            .map(|own| {
+                let part = uniform(device, "part of the points", size_of::<Part>());
+                let of = part.as_entire_binding();
+                let [vertices, strands, shaded] =
+                    [&own.hair.strands.vertices, &own.hair.strands.strands, &own.shaded.colors]
+                        .map(wgpu::Buffer::as_entire_binding);
+                let project = [&camera, &g, &of, &vertices, &strands, &p, &e, &ranges].map(Clone::clone);
+                let tint = [&camera, &g, &of, &shaded, &s, &c].map(Clone::clone);
+                Groom {
+                    project: kernels.project.bind(device, &project),
+                    tint: kernels.tint.bind(device, &tint),
+                    points: 0,
+                    part,
+                }
+            })
+            .collect();
+        let mut surface = vec![&g, &depth, &surfaces, &farthest];
+        if many == 1 {
+            surface.push(&camera);
+        }
+        let bind = |kernel: &crate::gpu::Kernel, of: &[&wgpu::BindingResource<'_>]| {
+            kernel.bind(device, &of.iter().map(|&of| of.clone()).collect::<Vec<_>>())
+        };
+        let hair_texture = wgpu::BindingResource::TextureView(&self.hair);
+        let fine = [&g, &control, &busy, &l, &p, &e, &surfaces];
+        Ok(Bound {
+            surface: bind(&kernels.surface[many], &surface),
+            count: bind(&kernels.count, &[&g, &p, &e, &ranges, &farthest, &bins]),
+            totals: bind(&kernels.totals, &[&g, &bins, &sums]),
+            scan: bind(&kernels.scan, &[&g, &sums, &busy, &control]),
+            scatter: bind(
+                &kernels.scatter,
+                &[&g, &p, &e, &ranges, &sums, &farthest, &bins, &l, &round],
+            ),
+            sort: bind(&kernels.sort, &[&g, &control, &busy, &bins, &l, &round]),
+            rewind: bind(&kernels.rewind, &[&control, &busy, &bins, &round]),
+            see: bind(&kernels.see[many], &[&fine[..], &[&s, &round]].concat()),
+            blend: bind(&kernels.blend[many], &[&fine[..], &[&c, &round, &hair_texture]].concat()),
+            of,
+            grid,
+            firsts,
+            parts,
+            seen,
+            ends,
+            bytes,
+        })
+    }
+}
+
+/// Entries of a round, for each point of the hair.
+const WINDOW: (u64, u64) = (3, 2);
+
+impl Bound {
+    /// Writes the uniforms of a frame.
+    fn prepare(&mut self, queue: &wgpu::Queue, grid: &wgpu::Buffer, hair: &[Seen<'_>], linear: bool) {
+        let mut points = 0;
+        for ((seen, groom), first) in hair.iter().zip(&mut self.parts).zip(&self.firsts) {
+            let drawn = &seen.hair.drawn;
+            let part = Part { first: *first, count: drawn.count, vertex_count: drawn.vertex_count, _pad: 0 };
+            groom.points = part.count * part.vertex_count;
+            points = part.first + groom.points;
+            queue.write_buffer(&groom.part, 0, bytemuck::bytes_of(&part));
+        }
+        self.grid.points = points;
+        self.grid.linear = u32::from(linear);
+        queue.write_buffer(grid, 0, bytemuck::bytes_of(&self.grid));
+    }
+
+    /// Where a kernel that works on the strand vertices of a groom finds which are seen.
+    pub fn seen_of(&self, groom: usize) -> wgpu::BufferBinding<'_> {
+        wgpu::BufferBinding { buffer: &self.seen, offset: u64::from(self.firsts[groom]) * 4, size: None }
+    }
+}
