@@ -20,6 +20,7 @@ pub const SHARED: &[(&str, u32)] = &[
     ("TILE", TILE),
     ("TILE_BINS", TILE_BINS),
     ("TILE_BLOCK", TILE_BLOCK),
+    ("TILE_POINTS", TILE_POINTS),
     ("TILE_ROUNDS", TILE_ROUNDS),
     ("TILE_SCAN", TILE_SCAN),
     ("TILE_SLOTS", TILE_SLOTS),
@@ -70,6 +71,8 @@ pub const TILE: u32 = 8;
 pub const TILE_BINS: u32 = 64;
 /// Edge of a block of tiles that share the range of depth that bins divide, tiles.
 pub const TILE_BLOCK: u32 = 4;
+/// Points in a row of the textures that hold them.
+pub const TILE_POINTS: u32 = 4096;
 /// The most rounds that the lists of tiles are made in.
 pub const TILE_ROUNDS: u32 = 4;
 /// Threads of the one workgroup that adds up tiles.

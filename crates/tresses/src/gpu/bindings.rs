@@ -36,6 +36,10 @@ pub enum Binding {
     Write2d,
     /// `texture_storage_3d<rgba16float, write>`.
     Write3d,
+    /// `texture_2d<f32>` of any format, read texel by texel.
+    Texels2d,
+    /// `texture_2d<u32>`.
+    Words2d,
     /// `texture_3d<f32>` of any format, read texel by texel.
     Texels3d,
     /// `texture_storage_3d<rgba32float, write>`.
@@ -86,6 +90,10 @@ impl Binding {
                 format: wgpu::TextureFormat::Rgba16Float,
                 view_dimension: TextureViewDimension::D3,
             },
+            Self::Texels2d => {
+                texture(TextureSampleType::Float { filterable: false }, TextureViewDimension::D2, false)
+            }
+            Self::Words2d => texture(TextureSampleType::Uint, TextureViewDimension::D2, false),
             Self::Texels3d => {
                 texture(TextureSampleType::Float { filterable: false }, TextureViewDimension::D3, false)
             }

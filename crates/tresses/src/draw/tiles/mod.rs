@@ -37,6 +37,7 @@
 
 mod pipelines;
 pub mod state;
+mod texels;
 
 pub(crate) use pipelines::Pipelines;
 pub(crate) use state::Tiles;
@@ -84,7 +85,7 @@ impl Pipelines {
         }
         let bound = tiles.bind(self, canvas, hair, linear)?;
         let Some(bound) = bound.as_ref() else { return Ok(()) };
-        for buffer in [&tiles.farthest, &tiles.bins, &tiles.ranges, &bound.seen, &bound.ends] {
+        for buffer in [&tiles.farthest, &tiles.bins, &tiles.ranges, &bound.seen, &bound.ends.buffer] {
             canvas.encoder.clear_buffer(buffer, 0, None);
         }
         let many = usize::from(canvas.targets.samples > 1);
@@ -94,11 +95,22 @@ impl Pipelines {
         for groom in &bound.parts {
             self.project.record(&mut pass, &groom.project, &[], threads(groom.points));
         }
+        self.bound.record(&mut pass, &bound.bound, &[], threads(tiles.count()));
+        drop(pass);
+        bound.points.copy(canvas.encoder, bound.grid.points);
+        bound.ends.copy(canvas.encoder, bound.grid.points);
+        tiles.bounds.copy(canvas.encoder, tiles.count());
+        canvas.lap("project");
+        let mut pass = compute(canvas, "bins");
         self.count.record(&mut pass, &bound.count, &[], segments);
+        drop(pass);
+        canvas.lap("count");
+        let mut pass = compute(canvas, "bins");
         self.totals.record(&mut pass, &bound.totals, &[], threads(tiles.count()));
         self.scan.record(&mut pass, &bound.scan, &[], 1);
         drop(pass);
-        canvas.lap("bins");
+        tiles.bounds.copy(canvas.encoder, tiles.count());
+        canvas.lap("scan");
         for (round, at) in rounds() {
             let mut pass = compute(canvas, "bins");
             let mut run = |kernel: &Kernel, group, field| {
@@ -106,10 +118,26 @@ impl Pipelines {
                 kernel.record_indirect(&mut pass, group, &at, (&tiles.control, from));
             };
             run(&self.scatter, &bound.scatter, std::mem::offset_of!(Control, segments));
+            drop(pass);
+            canvas.lap("scatter");
+            let mut pass = compute(canvas, "bins");
+            let mut run = |kernel: &Kernel, group, field| {
+                let from = workgroups(field, round);
+                kernel.record_indirect(&mut pass, group, &at, (&tiles.control, from));
+            };
             run(&self.sort, &bound.sort, std::mem::offset_of!(Control, bins));
+            drop(pass);
+            bound.list.copy(canvas.encoder, u32::MAX);
+            canvas.lap("sort");
+            let mut pass = compute(canvas, "bins");
+            let mut run = |kernel: &Kernel, group, field| {
+                let from = workgroups(field, round);
+                kernel.record_indirect(&mut pass, group, &at, (&tiles.control, from));
+            };
             run(&self.see[many], &bound.see, std::mem::offset_of!(Control, rows));
+            drop(pass);
+            canvas.lap("see");
         }
-        canvas.lap("see");
         Ok(())
     }
 
@@ -126,7 +154,11 @@ impl Pipelines {
         for groom in &bound.parts {
             self.tint.record(&mut pass, &groom.tint, &[], threads(groom.points));
         }
+        drop(pass);
+        bound.colors.copy(canvas.encoder, bound.grid.points);
+        canvas.lap("tint");
         for (round, at) in rounds() {
+            let mut pass = compute(canvas, "hair");
             let mut run = |kernel: &Kernel, group, field| {
                 let from = workgroups(field, round);
                 kernel.record_indirect(&mut pass, group, &at, (&tiles.control, from));
@@ -134,6 +166,13 @@ impl Pipelines {
             run(&self.rewind, &bound.rewind, std::mem::offset_of!(Control, bins_again));
             run(&self.scatter, &bound.scatter, std::mem::offset_of!(Control, segments_again));
             run(&self.sort, &bound.sort, std::mem::offset_of!(Control, bins_again));
+            drop(pass);
+            bound.list.copy(canvas.encoder, u32::MAX);
+            let mut pass = compute(canvas, "hair");
+            let mut run = |kernel: &Kernel, group, field| {
+                let from = workgroups(field, round);
+                kernel.record_indirect(&mut pass, group, &at, (&tiles.control, from));
+            };
             run(&self.blend[many], &bound.blend, std::mem::offset_of!(Control, rows));
         }
         Ok(())

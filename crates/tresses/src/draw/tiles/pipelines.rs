@@ -1,7 +1,7 @@
 //! The kernels, each compiled when it is first recorded.
 
 use crate::gpu::{
-    Binding::{self, Depth, DepthMultisampled, Storage, StorageMut, Uniform, UniformDynamic, Write2d},
+    Binding::{self, Depth, DepthMultisampled, Storage, StorageMut, Texels2d, Uniform, UniformDynamic, Words2d, Write2d},
     Kernel,
     kernel::{self, Job},
 };
@@ -12,6 +12,7 @@ pub(crate) struct Pipelines {
     /// By whether targets have several samples per pixel.
     pub surface: [Kernel; 2],
     pub project: Kernel,
+    pub bound: Kernel,
     pub count: Kernel,
     pub totals: Kernel,
     pub scan: Kernel,
@@ -28,9 +29,9 @@ pub(crate) struct Pipelines {
 impl Pipelines {
     pub fn new(device: &wgpu::Device) -> Self {
         let kernel = |module, bindings: &[Binding]| Kernel::new(device, module, bindings);
-        let fine = [Storage; 6];
+        let fine = [Storage, Storage, Storage, Words2d, Texels2d, Words2d];
         let see = [&fine[..], &[Storage, StorageMut, UniformDynamic]].concat();
-        let blend = [&fine[..], &[StorageMut, Storage, UniformDynamic, Write2d]].concat();
+        let blend = [&fine[..], &[StorageMut, Words2d, UniformDynamic, Write2d]].concat();
         Self {
             surface: [
                 kernel("draw::tiles::surface_one", &[Storage, Depth, StorageMut, StorageMut]),
@@ -43,25 +44,16 @@ impl Pipelines {
                 "draw::tiles::project",
                 &[Uniform, Storage, Storage, Storage, Storage, StorageMut, StorageMut, StorageMut],
             ),
+            bound: kernel("draw::tiles::bound", &[Storage, Storage, Storage, StorageMut]),
             count: kernel(
                 "draw::tiles::count",
-                &[Storage, Storage, Storage, Storage, Storage, StorageMut],
+                &[Storage, Texels2d, Words2d, Words2d, StorageMut],
             ),
             totals: kernel("draw::tiles::totals", &[Storage, StorageMut, StorageMut]),
             scan: kernel("draw::tiles::scan", &[Storage, StorageMut, StorageMut, StorageMut]),
             scatter: kernel(
                 "draw::tiles::scatter",
-                &[
-                    Storage,
-                    Storage,
-                    Storage,
-                    Storage,
-                    Storage,
-                    Storage,
-                    StorageMut,
-                    StorageMut,
-                    UniformDynamic,
-                ],
+                &[Storage, Texels2d, Words2d, Words2d, StorageMut, StorageMut, UniformDynamic],
             ),
             sort: kernel(
                 "draw::tiles::sort",
@@ -80,10 +72,11 @@ impl Pipelines {
     /// What compiles those for targets of so many samples per pixel.
     pub fn jobs(&self, samples: u32) -> Vec<Job<'_>> {
         let many = usize::from(samples > 1);
-        let Self { surface, project, count, totals, scan, scatter, sort, rewind: _, see, tint, blend } = self;
+        let Self { surface, project, bound, count, totals, scan, scatter, sort, rewind: _, see, tint, blend } = self;
         kernel::jobs([
             &surface[many],
             project,
+            bound,
             count,
             totals,
             scan,

@@ -1,6 +1,6 @@
 //! The buffers of the stage: some of a picture's size, some of the hair's.
 
-use super::Pipelines;
+use super::{Pipelines, texels::Texels};
 use crate::{
     Result,
     constants::{TILE, TILE_BINS, TILE_BLOCK, TILE_ROUNDS},
@@ -86,7 +86,7 @@ pub(crate) struct Tiles {
     pub surfaces: wgpu::Buffer,
     pub(super) farthest: wgpu::Buffer,
     pub(super) bins: wgpu::Buffer,
-    sums: wgpu::Buffer,
+    pub(super) bounds: Texels,
     busy: wgpu::Buffer,
     pub(super) ranges: wgpu::Buffer,
     pub(super) control: wgpu::Buffer,
@@ -105,9 +105,13 @@ pub(super) struct Bound {
     firsts: Vec<u32>,
     pub parts: Vec<Groom>,
     pub seen: wgpu::Buffer,
-    pub ends: wgpu::Buffer,
+    pub points: Texels,
+    pub ends: Texels,
+    pub list: Texels,
+    pub colors: Texels,
     bytes: u64,
     pub surface: wgpu::BindGroup,
+    pub bound: wgpu::BindGroup,
     pub count: wgpu::BindGroup,
     pub totals: wgpu::BindGroup,
     pub scan: wgpu::BindGroup,
@@ -158,7 +162,7 @@ impl Tiles {
             surfaces: storage::<[u32; 2]>(device, "surfaces", count * u64::from(TILE * TILE))?,
             farthest: storage::<u32>(device, "farthest bodies", count)?,
             bins: storage::<u32>(device, "bins", count * u64::from(TILE_BINS))?,
-            sums: storage::<u32>(device, "sums of tiles", count)?,
+            bounds: Texels::new(device, "bounds of tiles", count, wgpu::TextureFormat::Rgba32Uint)?,
             busy: storage::<[u32; 4]>(device, "busy tiles", count)?,
             ranges: storage::<[u32; 2]>(device, "ranges of depth", blocks[0] * blocks[1])?,
             control: device.create_buffer(&wgpu::BufferDescriptor {
@@ -182,9 +186,10 @@ impl Tiles {
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        let own = [&self.surfaces, &self.farthest, &self.bins, &self.sums, &self.busy, &self.ranges];
+        let own = [&self.surfaces, &self.farthest, &self.bins, &self.busy, &self.ranges];
         let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
         own.iter().map(|buffer| buffer.size()).sum::<u64>()
+            + self.bounds.bytes()
             + pixels * 8
             + self.bound().as_ref().map_or(0, |bound| bound.bytes)
     }
@@ -232,15 +237,17 @@ impl Tiles {
             firsts.push(all as u32);
             let vertices = u64::from(seen.hair.strands.count) * u64::from(seen.hair.strands.vertex_count);
             all += vertices.next_multiple_of(u64::from(ALIGN));
+
         }
-        let points = storage::<[f32; 4]>(device, "points", all)?;
-        let ends = storage::<u32>(device, "ends", all)?;
+        use wgpu::TextureFormat::{R32Uint, Rgba32Float};
+        let points = Texels::new(device, "points", all, Rgba32Float)?;
+        let ends = Texels::new(device, "ends", all, R32Uint)?;
         let seen = storage::<u32>(device, "what is seen", all)?;
-        let colors = storage::<u32>(device, "colours of points", all)?;
+        let colors = Texels::new(device, "colours of points", all, R32Uint)?;
         // A window, and the longest tile: no segment is in a tile twice.
         let window = (all * WINDOW.0 / WINDOW.1).max(1 << 16);
-        let list = storage::<u32>(device, "lists of tiles", window + all)?;
-        let bytes = [&points, &ends, &seen, &colors, &list].iter().map(|buffer| buffer.size()).sum();
+        let list = Texels::new(device, "lists of tiles", window + all, R32Uint)?;
+        let bytes = [&points, &ends, &colors, &list].map(Texels::bytes).iter().sum::<u64>() + seen.size();
         let id_bits = 32 - (all as u32).leading_zeros();
         let grid = Grid {
             size: self.size,
@@ -259,11 +266,12 @@ impl Tiles {
         let depth = wgpu::BindingResource::TextureView(&canvas.targets.depth);
         let [camera, g, control, busy] =
             [canvas.camera, &self.grid, &self.control, &self.busy].map(wgpu::Buffer::as_entire_binding);
-        let [surfaces, farthest, bins, sums, ranges] =
-            [&self.surfaces, &self.farthest, &self.bins, &self.sums, &self.ranges]
+        let [surfaces, farthest, bins, ranges, s] =
+            [&self.surfaces, &self.farthest, &self.bins, &self.ranges, &seen]
                 .map(wgpu::Buffer::as_entire_binding);
-        let [p, e, s, c, l] =
-            [&points, &ends, &seen, &colors, &list].map(wgpu::Buffer::as_entire_binding);
+        let all = [&points, &ends, &colors, &list, &self.bounds];
+        let [p, e, c, l, b] = all.map(Texels::words);
+        let [points_read, ends_read, colors_read, list_read, bounds_read] = all.map(Texels::texels);
         let parts = hair
             .iter()
             .map(|own| {
@@ -290,26 +298,30 @@ impl Tiles {
             kernel.bind(device, &of.iter().map(|&of| of.clone()).collect::<Vec<_>>())
         };
         let hair_texture = wgpu::BindingResource::TextureView(&self.hair);
-        let fine = [&g, &control, &busy, &l, &p, &e, &surfaces];
+        let fine = [&g, &control, &busy, &list_read, &points_read, &ends_read, &surfaces];
         Ok(Bound {
             surface: bind(&kernels.surface[many], &surface),
-            count: bind(&kernels.count, &[&g, &p, &e, &ranges, &farthest, &bins]),
-            totals: bind(&kernels.totals, &[&g, &bins, &sums]),
-            scan: bind(&kernels.scan, &[&g, &sums, &busy, &control]),
+            bound: bind(&kernels.bound, &[&g, &farthest, &ranges, &b]),
+            count: bind(&kernels.count, &[&g, &points_read, &ends_read, &bounds_read, &bins]),
+            totals: bind(&kernels.totals, &[&g, &bins, &b]),
+            scan: bind(&kernels.scan, &[&g, &b, &busy, &control]),
             scatter: bind(
                 &kernels.scatter,
-                &[&g, &p, &e, &ranges, &sums, &farthest, &bins, &l, &round],
+                &[&g, &points_read, &ends_read, &bounds_read, &bins, &l, &round],
             ),
             sort: bind(&kernels.sort, &[&g, &control, &busy, &bins, &l, &round]),
             rewind: bind(&kernels.rewind, &[&control, &busy, &bins, &round]),
             see: bind(&kernels.see[many], &[&fine[..], &[&s, &round]].concat()),
-            blend: bind(&kernels.blend[many], &[&fine[..], &[&c, &round, &hair_texture]].concat()),
+            blend: bind(&kernels.blend[many], &[&fine[..], &[&colors_read, &round, &hair_texture]].concat()),
             of,
             grid,
             firsts,
             parts,
             seen,
+            points,
             ends,
+            list,
+            colors,
             bytes,
         })
     }

@@ -1,0 +1,78 @@
+//! A buffer that one kernel writes and others read much, as the texture that these read.
+
+use crate::{Result, constants::TILE_POINTS, strands::buffers::storage};
+
+/// Values in a buffer, and a texture that they are copied to, rows of [`TILE_POINTS`] of them: software drivers
+/// load texels many lanes at a time, but words of a buffer lane by lane.
+#[derive(Debug)]
+pub(super) struct Texels {
+    pub buffer: wgpu::Buffer,
+    texture: wgpu::Texture,
+    view: wgpu::TextureView,
+}
+
+impl Texels {
+    /// Room for `count` values of `format`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`].
+    pub fn new(
+        device: &wgpu::Device,
+        label: &'static str,
+        count: u64,
+        format: wgpu::TextureFormat,
+    ) -> Result<Self> {
+        let rows = count.div_ceil(u64::from(TILE_POINTS)).max(1);
+        let values = rows * u64::from(TILE_POINTS);
+        let most = device.limits().max_texture_dimension_2d.into();
+        if rows > most {
+            return Err(crate::Error::Limit { what: label, need: rows, have: most });
+        }
+        let buffer = match bytes(format) {
+            16 => storage::<[u32; 4]>(device, label, values)?,
+            _ => storage::<u32>(device, label, values)?,
+        };
+        let texture = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d { width: TILE_POINTS, height: rows as u32, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        Ok(Self { buffer, view: texture.create_view(&Default::default()), texture })
+    }
+
+    /// Records that the first `count` values are in the texture as they are in the buffer.
+    pub fn copy(&self, encoder: &mut wgpu::CommandEncoder, count: u32) {
+        let height = count.div_ceil(TILE_POINTS).min(self.texture.height());
+        let bytes_per_row = Some(TILE_POINTS * bytes(self.texture.format()));
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
+        encoder.copy_buffer_to_texture(
+            wgpu::TexelCopyBufferInfo { buffer: &self.buffer, layout },
+            self.texture.as_image_copy(),
+            wgpu::Extent3d { width: TILE_POINTS, height, depth_or_array_layers: 1 },
+        );
+    }
+
+    /// The values as a buffer.
+    pub fn words(&self) -> wgpu::BindingResource<'_> {
+        self.buffer.as_entire_binding()
+    }
+
+    /// The values as a texture.
+    pub fn texels(&self) -> wgpu::BindingResource<'_> {
+        wgpu::BindingResource::TextureView(&self.view)
+    }
+
+    /// Bytes of GPU memory, of both.
+    pub fn bytes(&self) -> u64 {
+        2 * self.buffer.size()
+    }
+}
+
+fn bytes(format: wgpu::TextureFormat) -> u32 {
+    format.block_copy_size(None).unwrap_or(4)
+}
