@@ -85,7 +85,7 @@ impl Pipelines {
         }
         let bound = tiles.bind(self, canvas, hair, linear)?;
         let Some(bound) = bound.as_ref() else { return Ok(()) };
-        for buffer in [&tiles.farthest, &tiles.bins, &tiles.ranges, &bound.seen, &bound.ends.buffer] {
+        for buffer in [&tiles.farthest, &tiles.bins, &tiles.ranges, &bound.seen, &bound.points.buffer] {
             canvas.encoder.clear_buffer(buffer, 0, None);
         }
         let many = usize::from(canvas.targets.samples > 1);
@@ -98,7 +98,6 @@ impl Pipelines {
         self.bound.record(&mut pass, &bound.bound, &[], threads(tiles.count()));
         drop(pass);
         bound.points.copy(canvas.encoder, bound.grid.points);
-        bound.ends.copy(canvas.encoder, bound.grid.points);
         tiles.bounds.copy(canvas.encoder, tiles.count());
         canvas.lap("project");
         let mut pass = compute(canvas, "bins");

@@ -29,7 +29,7 @@ pub(crate) struct Pipelines {
 impl Pipelines {
     pub fn new(device: &wgpu::Device) -> Self {
         let kernel = |module, bindings: &[Binding]| Kernel::new(device, module, bindings);
-        let fine = [Storage, Storage, Storage, Words2d, Texels2d, Words2d];
+        let fine = [Storage, Storage, Storage, Words2d, Texels2d];
         let see = [&fine[..], &[Storage, StorageMut, UniformDynamic]].concat();
         let blend = [&fine[..], &[StorageMut, Words2d, UniformDynamic, Write2d]].concat();
         Self {
@@ -42,18 +42,18 @@ impl Pipelines {
             ],
             project: kernel(
                 "draw::tiles::project",
-                &[Uniform, Storage, Storage, Storage, Storage, StorageMut, StorageMut, StorageMut],
+                &[Uniform, Storage, Storage, Storage, Storage, StorageMut, StorageMut],
             ),
             bound: kernel("draw::tiles::bound", &[Storage, Storage, Storage, StorageMut]),
             count: kernel(
                 "draw::tiles::count",
-                &[Storage, Texels2d, Words2d, Words2d, StorageMut],
+                &[Storage, Texels2d, Words2d, StorageMut],
             ),
             totals: kernel("draw::tiles::totals", &[Storage, StorageMut, StorageMut]),
             scan: kernel("draw::tiles::scan", &[Storage, StorageMut, StorageMut, StorageMut]),
             scatter: kernel(
                 "draw::tiles::scatter",
-                &[Storage, Texels2d, Words2d, Words2d, StorageMut, StorageMut, UniformDynamic],
+                &[Storage, Texels2d, Words2d, StorageMut, StorageMut, UniformDynamic],
             ),
             sort: kernel(
                 "draw::tiles::sort",

@@ -106,7 +106,6 @@ pub(super) struct Bound {
     pub parts: Vec<Groom>,
     pub seen: wgpu::Buffer,
     pub points: Texels,
-    pub ends: Texels,
     pub list: Texels,
     pub colors: Texels,
     bytes: u64,
@@ -241,13 +240,12 @@ impl Tiles {
         }
         use wgpu::TextureFormat::{R32Uint, Rgba32Float};
         let points = Texels::new(device, "points", all, Rgba32Float)?;
-        let ends = Texels::new(device, "ends", all, R32Uint)?;
         let seen = storage::<u32>(device, "what is seen", all)?;
         let colors = Texels::new(device, "colours of points", all, R32Uint)?;
         // A window, and the longest tile: no segment is in a tile twice.
         let window = (all * WINDOW.0 / WINDOW.1).max(1 << 16);
         let list = Texels::new(device, "lists of tiles", window + all, R32Uint)?;
-        let bytes = [&points, &ends, &colors, &list].map(Texels::bytes).iter().sum::<u64>() + seen.size();
+        let bytes = [&points, &colors, &list].map(Texels::bytes).iter().sum::<u64>() + seen.size();
         let id_bits = 32 - (all as u32).leading_zeros();
         let grid = Grid {
             size: self.size,
@@ -269,9 +267,9 @@ impl Tiles {
         let [surfaces, farthest, bins, ranges, s] =
             [&self.surfaces, &self.farthest, &self.bins, &self.ranges, &seen]
                 .map(wgpu::Buffer::as_entire_binding);
-        let all = [&points, &ends, &colors, &list, &self.bounds];
-        let [p, e, c, l, b] = all.map(Texels::words);
-        let [points_read, ends_read, colors_read, list_read, bounds_read] = all.map(Texels::texels);
+        let all = [&points, &colors, &list, &self.bounds];
+        let [p, c, l, b] = all.map(Texels::words);
+        let [points_read, colors_read, list_read, bounds_read] = all.map(Texels::texels);
         let parts = hair
             .iter()
             .map(|own| {
@@ -280,7 +278,7 @@ impl Tiles {
                 let [vertices, strands, shaded] =
                     [&own.hair.strands.vertices, &own.hair.strands.strands, &own.shaded.colors]
                         .map(wgpu::Buffer::as_entire_binding);
-                let project = [&camera, &g, &of, &vertices, &strands, &p, &e, &ranges].map(Clone::clone);
+                let project = [&camera, &g, &of, &vertices, &strands, &p, &ranges].map(Clone::clone);
                 let tint = [&camera, &g, &of, &shaded, &s, &c].map(Clone::clone);
                 Groom {
                     project: kernels.project.bind(device, &project),
@@ -298,16 +296,16 @@ impl Tiles {
             kernel.bind(device, &of.iter().map(|&of| of.clone()).collect::<Vec<_>>())
         };
         let hair_texture = wgpu::BindingResource::TextureView(&self.hair);
-        let fine = [&g, &control, &busy, &list_read, &points_read, &ends_read, &surfaces];
+        let fine = [&g, &control, &busy, &list_read, &points_read, &surfaces];
         Ok(Bound {
             surface: bind(&kernels.surface[many], &surface),
             bound: bind(&kernels.bound, &[&g, &farthest, &ranges, &b]),
-            count: bind(&kernels.count, &[&g, &points_read, &ends_read, &bounds_read, &bins]),
+            count: bind(&kernels.count, &[&g, &points_read, &bounds_read, &bins]),
             totals: bind(&kernels.totals, &[&g, &bins, &b]),
             scan: bind(&kernels.scan, &[&g, &b, &busy, &control]),
             scatter: bind(
                 &kernels.scatter,
-                &[&g, &points_read, &ends_read, &bounds_read, &bins, &l, &round],
+                &[&g, &points_read, &bounds_read, &bins, &l, &round],
             ),
             sort: bind(&kernels.sort, &[&g, &control, &busy, &bins, &l, &round]),
             rewind: bind(&kernels.rewind, &[&control, &busy, &bins, &round]),
@@ -319,7 +317,6 @@ impl Tiles {
             parts,
             seen,
             points,
-            ends,
             list,
             colors,
             bytes,
