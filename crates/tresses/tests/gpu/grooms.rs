@@ -22,12 +22,14 @@ use tresses::{
 };
 
 /// How strands cover pixels, with how many samples.
-const MODES: [(u32, Coverage); 5] = [
+const MODES: [(u32, Coverage); 7] = [
     (4, Coverage::SampleMask),
     (1, Coverage::SampleMask),
     (4, Coverage::AlphaToCoverage),
     (1, Coverage::PEELING),
     (1, Coverage::DepthPeeling { layers: 1 }),
+    (1, Coverage::Tiles),
+    (4, Coverage::Tiles),
 ];
 
 fn view(gpu: &Gpu, pipelines: &Pipelines, (samples, coverage): (u32, Coverage), size: [u32; 2]) -> View {
@@ -55,7 +57,7 @@ fn a_groom_in_two_parts_is_the_whole() {
         let (mean, high) = difference(&exact, &picture(&[&one, &other]));
         println!("{mode:?}: mean {mean:.4} of 255, 99th percentile {high}");
         assert!(mean < 0.01 && high == 0, "{mode:?}: {mean} {high}");
-        if matches!(mode.1, Coverage::DepthPeeling { .. }) {
+        if matches!(mode.1, Coverage::DepthPeeling { .. } | Coverage::Tiles) {
             // Their order means nothing. Masks round each strand by its number, which is another one then.
             let (mean, high) = difference(&exact, &picture(&[&other, &one]));
             assert!(mean < 0.01 && high == 0, "{mode:?}, the other way round: {mean} {high}");
@@ -110,7 +112,7 @@ fn two_views_in_one_submission_are_those_of_two() {
     let mut hair = hair(gpu, pipelines);
     submit(gpu, pipelines, |recorder| recorder.advance(&mut hair, &frame(Pose::IDENTITY, 0.0)));
     let pictures = [eye(0.2), eye(1.7)];
-    let modes = [(1, Coverage::PEELING), (4, Coverage::SampleMask)];
+    let modes = [(4, Coverage::Tiles), (4, Coverage::SampleMask)];
     let read = |view: &View| pollster::block_on(view.targets().read(&gpu.device, &gpu.queue)).unwrap();
     let views = || modes.map(|mode| view(gpu, pipelines, mode, [96, 80]));
     let apart = views();

@@ -40,6 +40,8 @@ fn a_frame_is_valid() {
         (4, Coverage::SampleMask),
         (4, Coverage::AlphaToCoverage),
         (1, Coverage::DepthPeeling { layers: 1 }),
+        (1, Coverage::Tiles),
+        (4, Coverage::Tiles),
         (1, Coverage::DepthPeeling { layers: Coverage::MAX_LAYERS }),
     ] {
         let error = frame(samples, coverage);

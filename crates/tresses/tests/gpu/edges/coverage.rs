@@ -1,7 +1,7 @@
 //! The total coverage of a groom, near and far.
 
 use super::{
-    MASK_1, MASK_2X, MASK_4_2X, Mode, PEEL_2X,
+    MASK_1, MASK_2X, MASK_4_2X, Mode, PEEL_2X, TILES_2X,
     groom::Groom,
     modes, oracle,
     picture::{Studio, total},
@@ -57,7 +57,7 @@ fn good(mode: Mode, errors: &[f64]) -> bool {
     let limits = match mode {
         // A strand is there or not: 6000 of them have a statistical error.
         MASK_1 | MASK_2X => [0.015, 0.02, 0.03],
-        MASK_4_2X | PEEL_2X => [0.01; 3],
+        MASK_4_2X | PEEL_2X | TILES_2X => [0.01; 3],
         _ => [0.01, 0.01, 0.025],
     };
     errors.iter().zip(limits).all(|(error, limit)| error.abs() < limit)
@@ -66,7 +66,7 @@ fn good(mode: Mode, errors: &[f64]) -> bool {
 #[test]
 fn total_coverage_is_exact() {
     let Some(gpu) = common::gpu() else { return };
-    judge(gpu, &[super::MASK_4, super::PEEL, super::ALPHA_4], &[super::PEEL]);
+    judge(gpu, &[super::MASK_4, super::PEEL, super::TILES, super::TILES_1, super::ALPHA_4], &[super::PEEL, super::TILES]);
 }
 
 /// The table of docs/appearance/edges.md.

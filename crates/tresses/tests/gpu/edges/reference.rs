@@ -58,7 +58,7 @@ fn reference(path: &Path) -> f64 {
 
 #[test]
 fn a_real_groom_covers_what_the_reference_does() {
-    judge(&SIZES[2..], |mode| [super::MASK_4_2X, super::ALPHA_4].contains(&mode));
+    judge(&SIZES[2..], |mode| [super::MASK_4_2X, super::TILES, super::ALPHA_4].contains(&mode));
 }
 
 /// The table of docs/appearance/edges.md.
