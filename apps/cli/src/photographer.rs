@@ -104,9 +104,14 @@ impl Photographer {
         if let Some(debug) = &mut self.debug {
             debug.prepare(scene)?;
         }
-        let mut encoder = scene.gpu.device.create_command_encoder(&Default::default());
-        scene.record_draw(&mut encoder, None, camera)?;
-        scene.gpu.queue.submit([encoder.finish()]);
+        loop {
+            let mut encoder = scene.gpu.device.create_command_encoder(&Default::default());
+            scene.record_draw(&mut encoder, None, camera)?;
+            scene.gpu.queue.submit([encoder.finish()]);
+            if scene.is_complete()? {
+                break;
+            }
+        }
         let rgba = pollster::block_on(scene.targets().read(&scene.gpu.device, &scene.gpu.queue))?;
         let [width, height] = scene.targets().size;
         let mut picture = Picture { width, height, rgba };

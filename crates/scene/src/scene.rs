@@ -490,6 +490,15 @@ impl Scene {
         self.record_picture(encoder, timings, false)
     }
 
+    /// Whether the picture that has been submitted holds all of the hair, or is to be drawn again
+    /// ([`View::is_complete`]). Blocks.
+    ///
+    /// # Errors
+    /// When the GPU is lost.
+    pub fn is_complete(&self) -> Result<bool> {
+        Ok(pollster::block_on(self.view.is_complete(&self.gpu.device, &self.gpu.queue))?)
+    }
+
     /// Records the picture of the last [`record_draw`](Self::record_draw) once more, after the targets have become
     /// others: hair, camera, and what is shown are the same, and it is hair as it looks.
     ///

@@ -143,6 +143,20 @@ impl View {
         Ok(())
     }
 
+    /// Whether the last picture, which has been submitted, holds all of the hair. Where hair is
+    /// [drawn by tiles](Coverage::Tiles), a close-up may need lists so much longer than those before it that some
+    /// tiles of the first picture stay without hair; then the lists have grown, and it is to be drawn again. True
+    /// of all other coverage. A view that is drawn frame by frame learns by itself, a few frames later.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the device is lost.
+    pub async fn is_complete(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<bool> {
+        match &self.targets.tiles {
+            Some(tiles) => tiles.is_complete(device, queue).await,
+            None => Ok(true),
+        }
+    }
+
     /// What it draws into.
     pub fn targets(&self) -> &Targets {
         &self.targets

@@ -41,8 +41,8 @@ pub mod embed;
 mod pipelines;
 pub(crate) mod record;
 pub(crate) mod strips;
-pub mod tiles;
 pub mod targets;
+pub mod tiles;
 
 pub use coverage::Coverage;
 pub use embed::{Embed, Surroundings};

@@ -3,8 +3,8 @@
 use super::{
     Coverage,
     strips::{self, Strips},
-    tiles,
     targets::HDR_FORMAT,
+    tiles,
 };
 use crate::{
     Result,

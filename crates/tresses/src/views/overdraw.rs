@@ -35,7 +35,9 @@ impl Overdraw {
     fn count(&self, device: &wgpu::Device, coverage: Coverage) -> Result<wgpu::RenderPipeline> {
         let vertex = match coverage {
             Coverage::SampleMask => ("draw::hair", "hair_shaded"),
-            Coverage::AlphaToCoverage | Coverage::DepthPeeling { .. } | Coverage::Tiles => ("draw::alpha", "alpha_shaded"),
+            Coverage::AlphaToCoverage | Coverage::DepthPeeling { .. } | Coverage::Tiles => {
+                ("draw::alpha", "alpha_shaded")
+            }
         };
         self.made.get(vertex.1, || {
             let light::Pipelines { frame, hair, fiber, .. } = &light::Pipelines::new(device);

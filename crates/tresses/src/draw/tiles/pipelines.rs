@@ -1,7 +1,10 @@
 //! The kernels, each compiled when it is first recorded.
 
 use crate::gpu::{
-    Binding::{self, Depth, DepthMultisampled, Storage, StorageMut, Texels2d, Uniform, UniformDynamic, Words2d, Write2d},
+    Binding::{
+        self, Depth, DepthMultisampled, Storage, StorageMut, Texels2d, Uniform, UniformDynamic, Words2d,
+        Write2d,
+    },
     Kernel,
     kernel::{self, Job},
 };
@@ -45,10 +48,7 @@ impl Pipelines {
                 &[Uniform, Storage, Storage, Storage, Storage, StorageMut, StorageMut],
             ),
             bound: kernel("draw::tiles::bound", &[Storage, Storage, Storage, StorageMut]),
-            count: kernel(
-                "draw::tiles::count",
-                &[Storage, Texels2d, Words2d, StorageMut],
-            ),
+            count: kernel("draw::tiles::count", &[Storage, Texels2d, Words2d, StorageMut]),
             totals: kernel("draw::tiles::totals", &[Storage, StorageMut, StorageMut]),
             scan: kernel("draw::tiles::scan", &[Storage, StorageMut, StorageMut, StorageMut]),
             scatter: kernel(
@@ -61,10 +61,7 @@ impl Pipelines {
             ),
             rewind: kernel("draw::tiles::rewind", &[Storage, Storage, StorageMut, UniformDynamic]),
             see: ["draw::tiles::see::1", "draw::tiles::see::2"].map(|module| kernel(module, &see)),
-            tint: kernel(
-                "draw::tiles::tint",
-                &[Uniform, Storage, Storage, Storage, Storage, StorageMut],
-            ),
+            tint: kernel("draw::tiles::tint", &[Uniform, Storage, Storage, Storage, Storage, StorageMut]),
             blend: ["draw::tiles::blend::1", "draw::tiles::blend::2"].map(|module| kernel(module, &blend)),
         }
     }
@@ -72,7 +69,8 @@ impl Pipelines {
     /// What compiles those for targets of so many samples per pixel.
     pub fn jobs(&self, samples: u32) -> Vec<Job<'_>> {
         let many = usize::from(samples > 1);
-        let Self { surface, project, bound, count, totals, scan, scatter, sort, rewind: _, see, tint, blend } = self;
+        let Self { surface, project, bound, count, totals, scan, scatter, sort, rewind: _, see, tint, blend } =
+            self;
         kernel::jobs([
             &surface[many],
             project,

@@ -6,7 +6,7 @@ use crate::{
     constants::{TILE, TILE_BINS, TILE_BLOCK, TILE_ROUNDS},
     draw::record::Canvas,
     draw::targets::{HDR_FORMAT, TextureKind},
-    gpu::bindings::uniform,
+    gpu::{bindings::uniform, readback::Pending},
     light::Seen,
     strands::buffers::storage,
 };
@@ -93,6 +93,29 @@ pub(crate) struct Tiles {
     rounds: wgpu::Buffer,
     grid: wgpu::Buffer,
     bound: Mutex<Option<Bound>>,
+    room: Mutex<Room>,
+}
+
+/// What is known of how long the lists are.
+#[derive(Debug, Default)]
+struct Room {
+    /// The least window that pictures so far would have needed.
+    window: u32,
+    /// How long they were in a picture before, on its way here.
+    asked: Option<Pending>,
+}
+
+impl Room {
+    /// Learns from what the GPU counted; whether all of it was drawn.
+    fn learn(&mut self, control: &[u8], window: u32) -> bool {
+        let at = std::mem::offset_of!(Control, entries);
+        let entries: u32 = bytemuck::pod_read_unaligned(&control[at..at + 4]);
+        if entries > window {
+            // A quarter more: the next picture of a motion needs a little more than this one.
+            self.window = self.window.max(entries.saturating_add(entries / 4));
+        }
+        u64::from(entries) <= u64::from(window) * u64::from(TILE_ROUNDS)
+    }
 }
 
 /// What depends on the hair that is seen: buffers, and groups that bind them.
@@ -175,6 +198,7 @@ impl Tiles {
             rounds,
             grid: uniform(device, "grid of tiles", size_of::<Grid>()),
             bound: Mutex::default(),
+            room: Mutex::default(),
         })
     }
 
@@ -207,19 +231,50 @@ impl Tiles {
         linear: bool,
     ) -> Result<MutexGuard<'_, Option<Bound>>> {
         let mut bound = self.bound();
+        let window = self.learn(canvas, bound.as_ref().map(|bound| bound.grid.window));
         let of: Vec<_> = hair
             .iter()
             .map(|seen| [seen.hair.strands.vertices.clone(), seen.shaded.colors.clone()])
             .collect();
-        if bound.as_ref().is_none_or(|bound| bound.of != of) {
+        if bound.as_ref().is_none_or(|bound| bound.of != of || bound.grid.window < window) {
             // The old one goes first: the two need not be there at once.
             *bound = None;
-            *bound = Some(self.make(kernels, canvas, hair, of)?);
+            *bound = Some(self.make(kernels, canvas, hair, of, window)?);
         }
         if let Some(bound) = bound.as_mut() {
             bound.prepare(canvas.queue, &self.grid, hair, linear);
         }
         Ok(bound)
+    }
+
+    /// The least window by what pictures before needed, as far as that is known: nothing is waited for.
+    fn learn(&self, canvas: &Canvas<'_>, window: Option<u32>) -> u32 {
+        let mut room = self.room.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(window) = window {
+            let asked =
+                room.asked.get_or_insert_with(|| Pending::buffer(canvas.device, canvas.queue, &self.control));
+            if let Some(control) = asked.take() {
+                room.asked = None;
+                // A lost device is found by whoever waits for it.
+                if let Ok(control) = control {
+                    room.learn(&control, window);
+                }
+            }
+        }
+        room.window
+    }
+
+    /// Whether the lists held all of the last picture; if not, those of the next will.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the device is lost.
+    pub async fn is_complete(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<bool> {
+        let Some(window) = self.bound().as_ref().map(|bound| bound.grid.window) else { return Ok(true) };
+        let control = Pending::buffer(device, queue, &self.control).wait(device).await?;
+        let mut room = self.room.lock().unwrap_or_else(PoisonError::into_inner);
+        // What was asked before is older than this.
+        room.asked = None;
+        Ok(room.learn(&control, window))
     }
 
     fn make(
@@ -228,6 +283,7 @@ impl Tiles {
         canvas: &Canvas<'_>,
         hair: &[Seen<'_>],
         of: Vec<[wgpu::Buffer; 2]>,
+        least: u32,
     ) -> Result<Bound> {
         let device = canvas.device;
         let mut firsts = Vec::new();
@@ -236,14 +292,13 @@ impl Tiles {
             firsts.push(all as u32);
             let vertices = u64::from(seen.hair.strands.count) * u64::from(seen.hair.strands.vertex_count);
             all += vertices.next_multiple_of(u64::from(ALIGN));
-
         }
         use wgpu::TextureFormat::{R32Uint, Rgba32Float};
         let points = Texels::new(device, "points", all, Rgba32Float)?;
         let seen = storage::<u32>(device, "what is seen", all)?;
         let colors = Texels::new(device, "colours of points", all, R32Uint)?;
         // A window, and the longest tile: no segment is in a tile twice.
-        let window = (all * WINDOW.0 / WINDOW.1).max(1 << 16);
+        let window = (all * WINDOW.0 / WINDOW.1).max(1 << 16).max(least.into());
         let list = Texels::new(device, "lists of tiles", window + all, R32Uint)?;
         let bytes = [&points, &colors, &list].map(Texels::bytes).iter().sum::<u64>() + seen.size();
         let id_bits = 32 - (all as u32).leading_zeros();
@@ -303,10 +358,7 @@ impl Tiles {
             count: bind(&kernels.count, &[&g, &points_read, &bounds_read, &bins]),
             totals: bind(&kernels.totals, &[&g, &bins, &b]),
             scan: bind(&kernels.scan, &[&g, &b, &busy, &control]),
-            scatter: bind(
-                &kernels.scatter,
-                &[&g, &points_read, &bounds_read, &bins, &l, &round],
-            ),
+            scatter: bind(&kernels.scatter, &[&g, &points_read, &bounds_read, &bins, &l, &round]),
             sort: bind(&kernels.sort, &[&g, &control, &busy, &bins, &l, &round]),
             rewind: bind(&kernels.rewind, &[&control, &busy, &bins, &round]),
             see: bind(&kernels.see[many], &[&fine[..], &[&s, &round]].concat()),

@@ -66,7 +66,11 @@ fn good(mode: Mode, errors: &[f64]) -> bool {
 #[test]
 fn total_coverage_is_exact() {
     let Some(gpu) = common::gpu() else { return };
-    judge(gpu, &[super::MASK_4, super::PEEL, super::TILES, super::TILES_1, super::ALPHA_4], &[super::PEEL, super::TILES]);
+    judge(
+        gpu,
+        &[super::MASK_4, super::PEEL, super::TILES, super::TILES_1, super::ALPHA_4],
+        &[super::PEEL, super::TILES],
+    );
 }
 
 /// The table of docs/appearance/edges.md.

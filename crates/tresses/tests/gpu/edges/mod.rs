@@ -8,6 +8,7 @@ mod oracle;
 mod peeling;
 mod picture;
 mod reference;
+mod tiles;
 
 use tresses::draw::Coverage;
 
@@ -39,8 +40,8 @@ const MASK_8: Mode = mode("masks, 8×MSAA", 8, Coverage::SampleMask, 1);
 const MASK_16: Mode = mode("masks, 16×MSAA", 16, Coverage::SampleMask, 1);
 const ALPHA_8: Mode = mode("alpha to coverage, 8×MSAA", 8, Coverage::AlphaToCoverage, 1);
 const MODES: [Mode; 14] = [
-    MASK_4, MASK_1, MASK_2X, MASK_4_2X, ALPHA_4, ALPHA_4_2X, PEEL, PEEL_2X, TILES, TILES_1, TILES_2X, MASK_8, MASK_16,
-    ALPHA_8,
+    MASK_4, MASK_1, MASK_2X, MASK_4_2X, ALPHA_4, ALPHA_4_2X, PEEL, PEEL_2X, TILES, TILES_1, TILES_2X, MASK_8,
+    MASK_16, ALPHA_8,
 ];
 
 /// Those modes that an adapter with at most `samples` per pixel can draw; says which it cannot.

@@ -4,6 +4,7 @@ use super::Mode;
 use crate::common;
 use tresses::{
     Pipelines, View,
+    body::Body,
     gpu::Gpu,
     light::HairSet,
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
@@ -51,7 +52,17 @@ impl<'a> Studio<'a> {
 
     /// RGBA of `hair` alone, rows from the top.
     pub fn picture(&self, scene: &Picture, hair: &HairSet) -> Vec<[u8; 4]> {
-        let bytes = common::picture(self.gpu, (self.pipelines, &self.view), scene, &[hair], &[]);
+        self.with(scene, hair, &[])
+    }
+
+    /// Whether the last picture is all that it should be.
+    pub fn is_complete(&self) -> bool {
+        pollster::block_on(self.view.is_complete(&self.gpu.device, &self.gpu.queue)).expect("a device")
+    }
+
+    /// RGBA of `hair` and `bodies`, rows from the top.
+    pub fn with(&self, scene: &Picture, hair: &HairSet, bodies: &[&Body]) -> Vec<[u8; 4]> {
+        let bytes = common::picture(self.gpu, (self.pipelines, &self.view), scene, &[hair], bodies);
         bytes.as_chunks().0.to_vec()
     }
 }

@@ -1,0 +1,198 @@
+//! What the compute rasteriser promises beyond other modes: exact area at any width, no seams, lists of any length,
+//! the near plane, and bodies' outlines.
+
+use super::{MASK_4_2X, PEEL, TILES, TILES_1, groom::Groom, mode, picture::Studio, picture::total};
+use crate::{common, golden::difference};
+use tresses::{
+    Camera,
+    body::Body,
+    draw::Coverage,
+    glam::{Quat, Vec2, Vec3},
+    light::Sphere,
+    present::Background,
+    view::Picture,
+};
+
+const SIZE: [u32; 2] = [256, 224];
+
+/// About a twentieth of a pixel: thirteen steps of eight bits, or all pixels along a row would be rounded alike.
+const WHOLE: f32 = 13.0 / 255.0;
+
+/// A camera whose pixels at the origin are a millimetre wide.
+fn scene() -> Picture {
+    let fov = 0.4f32;
+    let distance = 0.5e-3 * SIZE[1] as f32 / (0.5 * fov).tan();
+    let camera = Camera::look_at(Vec3::Z * distance, Vec3::ZERO, fov, SIZE);
+    Picture { camera, focus: Sphere { center: Vec3::ZERO, radius: 0.2 }, ..common::dark() }
+}
+
+/// Strands of `width` millimetres side by side at an angle, `apart` millimetres from each other.
+fn comb(width: f32, angle: f32, apart: f32) -> Groom {
+    let count = (120.0 / apart.max(width + 4.0)).floor().max(1.0) as usize;
+    let turn = Quat::from_rotation_z(angle);
+    let vertices = 7;
+    let points = (0..count).flat_map(|i| {
+        let y = (i as f32 - 0.5 * (count - 1) as f32) * apart.max(width + 4.0) + 0.137 * i as f32;
+        (0..vertices).map(move |k| turn * Vec3::new(-31.3 + 62.6 * k as f32 / 6.0, y, 0.0) * 1e-3)
+    });
+    Groom { vertices, points: points.collect(), root_radius: 5e-4 * width, tip_radius: 5e-4 * width }
+}
+
+/// How far from its area a comb of strands is drawn, as a factor less 1.
+fn error(studio: &Studio<'_>, drawn: &Groom, meant: &Groom) -> f64 {
+    let (hair, _strands) = studio.hair(drawn);
+    let area: f64 = meant
+        .points
+        .chunks(meant.vertices)
+        .map(|strand| {
+            f64::from(strand[0].distance(*strand.last().unwrap())) * f64::from(2.0 * meant.root_radius) * 1e6
+        })
+        .sum();
+    total(&studio.picture(&scene(), &hair)) / area - 1.0
+}
+
+#[test]
+fn strands_of_any_width_cover_their_area() {
+    let Some(gpu) = common::gpu() else { return };
+    let studio = Studio::new(gpu, TILES_1, SIZE);
+    for width in [WHOLE, 0.2, 0.7, 1.0, 3.0, 17.0, 80.0, 200.0] {
+        for angle in [0.0f32, 0.11, 0.6, 0.785, 1.4] {
+            // Those wider than long leave the picture when they stand.
+            if width > 60.0 && angle > 0.2 {
+                continue;
+            }
+            let groom = comb(width, angle, 5.3);
+            let found = error(&studio, &groom, &groom);
+            // Eight bits of a picture hold what a twentieth of a pixel covers to some thousandths.
+            let most = if width < 0.1 { 0.012 } else { 0.005 };
+            println!("{width} mm at {angle}: {:+.3} %", 100.0 * found);
+            assert!(found.abs() < most, "{width} mm at {angle}: {found}");
+        }
+    }
+    let groom = comb(1.0, 0.6, 5.3);
+    let wide =
+        Groom { root_radius: 1.01 * groom.root_radius, tip_radius: 1.01 * groom.tip_radius, ..groom.clone() };
+    assert!(error(&studio, &wide, &groom).abs() > 0.005, "the comparison sees a hundredth");
+}
+
+/// A strand that is wide and bends, of so many vertices; `gap` leaves a segment out.
+fn arc(vertices: usize, radius: f32) -> Groom {
+    let points = (0..vertices).map(|k| {
+        let angle = 2.6 * k as f32 / (vertices - 1) as f32;
+        Vec3::new(60.0 * angle.cos(), 60.0 * angle.sin() - 25.0, 0.0) * 1e-3
+    });
+    Groom { vertices, points: points.collect(), root_radius: radius, tip_radius: radius }
+}
+
+#[test]
+fn a_wide_strand_that_bends_has_no_seams() {
+    let Some(gpu) = common::gpu() else { return };
+    let studio = Studio::new(gpu, TILES_1, SIZE);
+    let inside = |groom: &Groom| {
+        let (hair, _strands) = studio.hair(groom);
+        let picture = studio.picture(&scene(), &hair);
+        // Along the middle of the strand, pixel by pixel.
+        let alphas = (3..257).map(|k| {
+            let angle = 2.6 * k as f32 / 260.0;
+            let at = Vec2::new(60.0 * angle.cos(), 25.0 - 60.0 * angle.sin())
+                + 0.5 * Vec2::new(SIZE[0] as f32, SIZE[1] as f32);
+            let off = |d: f32| at + d * Vec2::new(angle.cos(), -angle.sin());
+            [-8.0, 0.0, 8.0]
+                .map(|d| off(d))
+                .map(|p| picture[p.y as usize * SIZE[0] as usize + p.x as usize][3])
+                .into_iter()
+                .min()
+                .unwrap()
+        });
+        alphas.min().unwrap()
+    };
+    for vertices in [12, 24, 64] {
+        assert_eq!(inside(&arc(vertices, 0.012)), 255, "{vertices} vertices");
+    }
+    // The look along it sees a strand that is missing there.
+    assert!(inside(&arc(12, 0.006)) < 255);
+}
+
+/// Strands across the whole picture, each in a hundred tiles, which lie over each other in an order that is known.
+fn lattice(count: usize) -> Groom {
+    let vertices = 2;
+    let points = (0..count).flat_map(|i| {
+        let s = i as f32 / count as f32;
+        let turn = Quat::from_rotation_z(2.399_963 * i as f32);
+        [-1.0, 1.0].map(|x| turn * Vec3::new(0.12 * x, 0.08 * (s * 77.7).fract() - 0.04, 0.05 * s))
+    });
+    Groom { vertices, points: points.collect(), root_radius: 2e-4, tip_radius: 2e-4 }
+}
+
+#[test]
+fn lists_that_do_not_fit_are_drawn_in_rounds() {
+    let Some(gpu) = common::gpu() else { return };
+    let wait = |studio: &Studio<'_>| studio.is_complete();
+    let shown = |groom: &Groom, redrawn: bool| {
+        let studio = Studio::new(gpu, TILES_1, SIZE);
+        let (hair, _strands) = studio.hair(groom);
+        let picture = studio.picture(&scene(), &hair).as_flattened().to_vec();
+        let complete = wait(&studio);
+        let again = studio.picture(&scene(), &hair).as_flattened().to_vec();
+        assert!(!redrawn || wait(&studio), "lists have grown");
+        (picture, complete, again)
+    };
+    // 4,000 strands need about 160,000 entries, twice what there is room for; 30,000 more than four times as much.
+    let (rounds, complete, one) = shown(&lattice(4000), true);
+    assert!(complete);
+    assert_eq!(difference(&rounds, &one).0, 0.0, "in rounds or in one go, the picture is the same");
+    let (torn, complete, whole) = shown(&lattice(30_000), true);
+    assert!(!complete && difference(&torn, &whole).0 > 1.0, "what does not fit is seen to be missing");
+}
+
+#[test]
+fn strands_end_at_the_near_plane() {
+    let Some(gpu) = common::gpu() else { return };
+    // From inside the hair, strands on all sides: some begin behind the eye.
+    let view = Picture {
+        camera: Camera::look_at(Vec3::new(0.01, 0.05, 0.082), Vec3::new(0.1, 0.03, 0.0), 0.9, SIZE),
+        focus: Sphere { center: Vec3::ZERO, radius: 0.2 },
+        background: Background::transparent(),
+        ..common::dark()
+    };
+    let groom = Groom::on_a_ball(2000, 4e-4);
+    let shown = |m, groom: &Groom| {
+        let studio = Studio::new(gpu, m, SIZE);
+        let (hair, _strands) = studio.hair(groom);
+        studio.picture(&view, &hair)
+    };
+    // Hair without light is black: what it covers tells.
+    let difference = |a: &[[u8; 4]], b: &[[u8; 4]]| {
+        let sum: u32 = a.iter().zip(b).map(|(a, b)| u32::from(a[3].abs_diff(b[3]))).sum();
+        f64::from(sum) / a.len() as f64
+    };
+    let exact = shown(mode("16 layers", 1, Coverage::DepthPeeling { layers: 16 }, 1), &groom);
+    let mean = difference(&shown(TILES_1, &groom), &exact);
+    let less = Groom { points: groom.points[..16 * 1400].to_vec(), ..groom.clone() };
+    let other = difference(&shown(TILES_1, &less), &exact);
+    println!("{mean:.3} of 255, {other:.3} with some strands fewer");
+    assert!(mean < 1.0 && other > 3.0 * mean, "{mean} {other}");
+}
+
+/// Hair behind a body's edge, and before it, is as much there as samples tell.
+#[test]
+fn outlines_of_bodies_before_hair_are_smooth() {
+    let Some(gpu) = common::gpu() else { return };
+    let cube = Body::new(&gpu.device, &common::cube(0.07));
+    let groom = Groom::on_a_ball(3000, 3e-4);
+    let view = Picture { background: Background::default(), ..super::coverage::scene(0.6, SIZE) };
+    let view =
+        Picture { camera: Camera::look_at(Vec3::new(0.2, 0.12, 0.55), Vec3::Y * 0.05, 0.35, SIZE), ..view };
+    let shown = |m| {
+        let studio = Studio::new(gpu, m, SIZE);
+        let (hair, _strands) = studio.hair(&groom);
+        studio.with(&view, &hair, &[&cube]).as_flattened().to_vec()
+    };
+    let exact = shown(mode("64 samples", 4, Coverage::SampleMask, 4));
+    let [many, one, peeled, masks] =
+        [TILES, TILES_1, PEEL, MASK_4_2X].map(|m| difference(&shown(m), &exact).0);
+    println!(
+        "off by {many:.3} of 255 with four samples, {one:.3} with one; peeled {peeled:.3}, masks {masks:.3}"
+    );
+    assert!(many < 0.96 * one && many < 0.96 * peeled, "{many} {one} {peeled}");
+}
