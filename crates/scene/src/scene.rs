@@ -44,10 +44,10 @@ pub struct Quality {
 }
 
 impl Quality {
-    /// Peeled strands, one sample per pixel.
+    /// Strands by tiles, bodies with four samples per pixel.
     pub fn new(size: [u32; 2]) -> Self {
         let ViewOptions { shadow_resolution, ambient_cells, .. } = ViewOptions::default();
-        Self { size, samples: 1, coverage: Coverage::PEELING, ssaa: 1, shadow_resolution, ambient_cells }
+        Self { size, samples: 4, coverage: Coverage::Tiles, ssaa: 1, shadow_resolution, ambient_cells }
     }
 
     /// How a view of it is made.

@@ -103,6 +103,8 @@ pub fn variants() -> Vec<Variant> {
         samples("4×MSAA and 2×2 SSAA", "4", 2),
         coverage("masks, 4×MSAA", "4", 1, "mask", None),
         coverage("alpha to coverage, 4×MSAA", "4", 1, "alpha", None),
+        coverage("tiles", "4", 1, "tiles", None),
+        coverage("tiles, 1 sample", "1", 1, "tiles", None),
         coverage("1 peeled layer", "1", 1, "peel", Some(1)),
         coverage("4 peeled layers", "1", 1, "peel", Some(4)),
         coverage("8 peeled layers", "1", 1, "peel", Some(8)),

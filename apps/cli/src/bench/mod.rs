@@ -74,7 +74,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     if all || args.scenes {
         groups.extend(workload::seed());
-        groups.extend(workload::peer(args));
+        groups.extend(workload::peer(args).into_iter().flatten());
         counts.extend(workload::strand_counts(args.quick));
     }
     let frames = args.frames();

@@ -89,7 +89,7 @@ pub fn seed() -> Vec<Workload> {
         Workload {
             name: "The 2008 talk, first scene".into(),
             others: "GeForce 8800 GTX, 2008, 8×MSAA: 15.6 ms at rest, 24.4 ms in motion",
-            preset: style(None, masks("8", 1)),
+            preset: style(None, Edges::default()),
             triangles: Some(990_000),
             size: Size { width: 1920, height: 1200 },
             runs: runs.clone(),
@@ -97,7 +97,7 @@ pub fn seed() -> Vec<Workload> {
         Workload {
             name: "The 2008 talk, second scene".into(),
             others: "GeForce 8800 GTX, 2008, 8×MSAA: 41.7 ms at rest, 57.1 ms in motion",
-            preset: style(None, masks("8", 2)),
+            preset: style(None, Edges::default()),
             triangles: Some(2_100_000),
             size: Size { width: 1280, height: 1024 },
             runs,
@@ -105,8 +105,9 @@ pub fn seed() -> Vec<Workload> {
     ]
 }
 
-/// A groom with every strand simulated, at the size and samples of a WebGPU peer.
-pub fn peer(args: &Args) -> Option<Workload> {
+/// A groom with every strand simulated, at the size and samples of a WebGPU peer: as it draws strips, and as the
+/// command draws.
+pub fn peer(args: &Args) -> Option<[Workload; 2]> {
     let (grooms, heads) = if args.grooms.is_empty() {
         let folder = PathBuf::from(std::env::var_os("TRESSES_ASSETS")?).join("sintel");
         let groom = folder.join("SintelHairOriginal-sintel_hair.16points.tfx");
@@ -123,16 +124,22 @@ pub fn peer(args: &Args) -> Option<Workload> {
         ""
     };
     let source = Source { grooms, heads, ..Source::default() };
-    let mut preset = preset(source, masks("1", 1));
-    preset.settings.style.all_guides = true;
-    Some(Workload {
-        name: "Every strand of a groom simulated".into(),
-        others,
-        preset,
-        triangles: None,
-        size: Size { width: 1280, height: 720 },
-        runs: vec![("at rest", "still"), ("in motion", "turn")],
-    })
+    let drawn = |name: &str, edges| {
+        let mut preset = preset(source.clone(), edges);
+        preset.settings.style.all_guides = true;
+        Workload {
+            name: name.into(),
+            others,
+            preset,
+            triangles: None,
+            size: Size { width: 1280, height: 720 },
+            runs: vec![("at rest", "still"), ("in motion", "turn")],
+        }
+    };
+    Some([
+        drawn("Every strand of a groom simulated, masks", masks("1", 1)),
+        drawn("Every strand of a groom simulated, tiles", Edges::default()),
+    ])
 }
 
 /// The hair and the settings of the preset at `path`.
@@ -188,7 +195,7 @@ pub fn measure(workload: &Workload, frames: u32, bar: &ProgressBar) -> Result<Gr
 /// Measures the long style with `strands` strands.
 pub fn point(strands: u32, frames: u32, bar: &ProgressBar) -> Result<Point> {
     let size = Size { width: 1280, height: 720 };
-    let mut scene = Photographer::with_samples_at_most(&style(Some(strands), masks("1", 1)), size)?;
+    let mut scene = Photographer::with_samples_at_most(&style(Some(strands), Edges::default()), size)?;
     let run = run(&mut scene, "in motion", "turn", size, frames, bar)?;
     Ok(Point { strands: scene.facts().strands, gpu: run.gpu, frame: run.frame })
 }

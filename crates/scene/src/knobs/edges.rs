@@ -19,10 +19,10 @@ pub(super) const SECTION: Section = Section {
 const KNOBS: &[Knob] = rows! { "edges";
     "samples" "Samples per pixel" [edges.samples] choice::<Samples>(),
         auto, rebuild, flag(flag("samples", "N").first(SAMPLES)),
-        "More give smoother edges with mask and alpha; not every adapter has more than 4.";
+        "More give smoother edges of bodies, and of hair with mask and alpha; not every adapter has more than 4.";
     "coverage" "Coverage" [edges.coverage] choice::<Coverage>(),
         auto, rebuild, flag(flag("coverage", "MODE").common().first(COVERAGE)),
-        "How strands thinner than a pixel cover it: sorted layers, a sample mask, or alpha to coverage.";
+        "How strands thinner than a pixel cover it: all in order, layers of them, a sample mask, or alpha to coverage.";
     "layers" "Peeled layers" [edges.layers] integer(PLAIN, 1, Coverage::MAX_LAYERS, 1),
         rebuild, flag(flag("layers", "N")),
         "Layers of hair that are sorted, a pass each (peel only); more for light, thin hair.";

@@ -348,10 +348,10 @@ named! {
         "16" Sixteen "16×MSAA";
     }
     Coverage {
-        "mask" SampleMask "each strand covers its share of the samples of a pixel; the fastest";
+        "mask" SampleMask "each strand covers its share of the samples of a pixel";
         "alpha" AlphaToCoverage "the adapter turns a strand's share of a pixel into samples";
-        "tiles" Tiles "all strands are blended in order, tile by tile, by compute shaders; as fine as it gets";
-        "peel" DepthPeeling "depth peeling: strands are blended in sorted layers; the finest" => { .. } Coverage::PEELING;
+        "tiles" Tiles "compute shaders blend all strands in order, tile by tile; the finest";
+        "peel" DepthPeeling "depth peeling: strands are blended in layers, a pass each" => { .. } Coverage::PEELING;
     }
     LodMode {
         "auto" Auto "by the size of a pixel at the hair";

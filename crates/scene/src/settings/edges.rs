@@ -1,7 +1,7 @@
 //! How finely pictures are sampled, and how strands thinner than a pixel cover it.
 
 use super::Settings;
-use tresses::{Error, Result, draw::Coverage};
+use tresses::{Error, Result, draw::Coverage, light::ShadingRate};
 
 /// Samples per pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,10 +16,11 @@ pub enum Samples {
 /// Antialiasing. Samples and coverage count where [`Settings::gives`] them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeSettings {
-    /// Samples per pixel; if automatic 1 where strands are peeled, else 8 or as many as the adapter offers.
+    /// Samples per pixel; if automatic 1 where strands are peeled, 4 of bodies where they are drawn by tiles, else 8
+    /// or as many as the adapter offers.
     pub(crate) samples: Samples,
-    /// How strands cover pixels, whatever number of layers it says; if automatic, peeled with one sample, a
-    /// mask with more.
+    /// How strands cover pixels, whatever number of layers it says; if automatic, by tiles. Where hair is shaded for
+    /// each pixel, or a number of layers is given, it is peeled, or a mask with several samples.
     pub(crate) coverage: Coverage,
     /// Layers that are peeled; hair behind them is blended by its depth.
     pub layers: u32,
@@ -33,7 +34,7 @@ impl Default for EdgeSettings {
             Coverage::DepthPeeling { layers } => layers,
             _ => 4,
         };
-        Self { samples: Samples::One, coverage: Coverage::PEELING, layers, ssaa: 1 }
+        Self { samples: Samples::Four, coverage: Coverage::Tiles, layers, ssaa: 1 }
     }
 }
 
@@ -45,10 +46,12 @@ impl Settings {
     pub fn sampling(&self, most: u32) -> Result<(u32, Coverage)> {
         let given = self.gives("edges.samples").then_some(self.edges.samples);
         let peeled = Coverage::DepthPeeling { layers: self.edges.layers };
+        let per_pixel = self.shading() == ShadingRate::PerPixel;
         let coverage = match (self.gives("edges.coverage").then_some(self.edges.coverage), given) {
             (Some(Coverage::DepthPeeling { .. }), _) => peeled,
             (Some(coverage), _) => coverage,
-            // Sorted layers are quieter and nearer to the truth than any number of samples.
+            // All layers in order are quieter and nearer to the truth than some of them, or any number of samples.
+            (None, _) if !per_pixel && self.edges.layers == EdgeSettings::default().layers => Coverage::Tiles,
             (None, None | Some(Samples::One)) => peeled,
             (None, Some(_)) => Coverage::SampleMask,
         };
@@ -68,7 +71,13 @@ impl Settings {
             );
         }
         if coverage == Coverage::AlphaToCoverage && samples == 1 {
-            return refuse("alpha", "mask or peel with one sample per pixel: alpha needs several");
+            return refuse("alpha", "tiles, mask or peel with one sample per pixel: alpha needs several");
+        }
+        if coverage == Coverage::Tiles && per_pixel {
+            return refuse(
+                "tiles",
+                "mask, alpha or peel where hair is shaded for each pixel: tiles blend what is shaded at vertices",
+            );
         }
         coverage.check(samples)?;
         Ok((samples, coverage))
@@ -109,8 +118,11 @@ mod tests {
             settings.sampling(most).ok()
         };
         let two = Coverage::DepthPeeling { layers: 2 };
+        // A number of layers is one for peeling.
         assert_eq!(choose("auto", "auto", 4), Some((1, two)));
         assert_eq!(choose("4", "auto", 4), Some((4, Coverage::SampleMask)));
+        assert_eq!(choose("auto", "tiles", 16), Some((4, Coverage::Tiles)));
+        assert_eq!(choose("1", "tiles", 16), Some((1, Coverage::Tiles)));
         assert_eq!(choose("auto", "mask", 16), Some((8, Coverage::SampleMask)));
         assert_eq!(choose("auto", "mask", 4), Some((4, Coverage::SampleMask)));
         assert_eq!(choose("1", "auto", 8), Some((1, two)));
@@ -118,7 +130,14 @@ mod tests {
         assert_eq!(choose("1", "alpha", 8), None);
         assert_eq!(choose("4", "peel", 8), None);
         let mut settings = Settings::default();
-        assert_eq!(settings.sampling(8).unwrap(), (1, Coverage::PEELING));
+        assert_eq!(settings.sampling(8).unwrap(), (4, Coverage::Tiles));
+        settings.set("edges.samples", Value::Choice("8")).unwrap();
+        assert_eq!(settings.sampling(8).unwrap(), (8, Coverage::Tiles));
+        settings.look.rate = ShadingRate::PerPixel;
+        assert_eq!(settings.sampling(8).unwrap(), (8, Coverage::SampleMask));
+        settings.set("edges.coverage", Value::Choice("tiles")).unwrap();
+        assert!(settings.sampling(8).is_err());
+        let mut settings = Settings::default();
         settings.edges.layers = 17;
         assert!(settings.check_edges().is_err());
     }
