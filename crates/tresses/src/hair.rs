@@ -187,7 +187,7 @@ impl Hair {
         let colliders = ColliderSet::new(device, queue, colliders)?;
         let simulation = Simulation::new(device, &pipelines.simulate, &guides);
         let volume = Volume::new(device, &pipelines.volume, &guides, &rest, &options.volume)?;
-        let lod = Lod::new(device, queue, &pipelines.widths, &arranged, &infos, &strands, progress).await?;
+        let lod = Lod::new(device, queue, &pipelines.widths, arranged, &infos, &strands, progress).await?;
         let mut set = HairSet::new(device, &strands)?;
         set.area = lod.area();
         Ok(Self {
