@@ -229,10 +229,7 @@ fn collide() {
 #[test]
 fn tessellate() {
     use tresses::{strands::GuideSample, tessellate::TessellateParams};
-    assert_eq!(
-        wgsl_layout("strands::guide::GuideSample"),
-        rust_layout!(GuideSample { place, turn })
-    );
+    assert_eq!(wgsl_layout("strands::guide::GuideSample"), rust_layout!(GuideSample { place, turn }));
     assert_eq!(
         wgsl_layout("tessellate::spline::TessellateParams"),
         rust_layout!(TessellateParams {
@@ -568,5 +565,32 @@ fn wind() {
     assert_eq!(
         wgsl_layout("simulate::forces::AirUniforms"),
         rust_layout!(AirUniforms { corner, scale, drag, reynolds, weight, blows })
+    );
+}
+
+#[test]
+fn tiles() {
+    use tresses::draw::tiles::state::{Control, Grid, Part};
+    assert_eq!(
+        wgsl_layout("draw::tiles::grid::Grid"),
+        rust_layout!(Grid { size, tiles, points, id_bits, window, linear })
+    );
+    assert_eq!(
+        wgsl_layout("draw::tiles::project::Part"),
+        rust_layout!(Part { first, count, vertex_count, _pad })
+    );
+    assert_eq!(
+        wgsl_layout("draw::tiles::grid::Control"),
+        rust_layout!(Control {
+            segments,
+            bins,
+            rows,
+            segments_again,
+            bins_again,
+            busy,
+            entries,
+            rounds,
+            _pad
+        })
     );
 }

@@ -63,10 +63,7 @@ impl Pipelines {
         AvoidGroups {
             first_hit: bind(&self.first_hit, &[rest, vertices, states]),
             push_out: bind(&self.push_out, &[rest, vertices, states]),
-            change_over: bind(
-                &self.change_over,
-                &[&guides.samples, bindings, rest, vertices, states],
-            ),
+            change_over: bind(&self.change_over, &[&guides.samples, bindings, rest, vertices, states]),
         }
     }
 

@@ -52,13 +52,8 @@ pub struct Pipelines {
 impl Pipelines {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
-        let entries = [
-            Binding::Uniform,
-            Binding::Storage,
-            Binding::Storage,
-            Binding::Storage,
-            Binding::StorageMut,
-        ];
+        let entries =
+            [Binding::Uniform, Binding::Storage, Binding::Storage, Binding::Storage, Binding::StorageMut];
         Self { kernel: Kernel::new(device, "interpolate::blend", &entries) }
     }
 

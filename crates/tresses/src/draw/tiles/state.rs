@@ -394,9 +394,4 @@ impl Bound {
         self.grid.linear = u32::from(linear);
         queue.write_buffer(grid, 0, bytemuck::bytes_of(&self.grid));
     }
-
-    /// Where a kernel that works on the strand vertices of a groom finds which are seen.
-    pub fn seen_of(&self, groom: usize) -> wgpu::BufferBinding<'_> {
-        wgpu::BufferBinding { buffer: &self.seen, offset: u64::from(self.firsts[groom]) * 4, size: None }
-    }
 }

@@ -98,7 +98,7 @@ fn a_wide_strand_that_bends_has_no_seams() {
                 + 0.5 * Vec2::new(SIZE[0] as f32, SIZE[1] as f32);
             let off = |d: f32| at + d * Vec2::new(angle.cos(), -angle.sin());
             [-8.0, 0.0, 8.0]
-                .map(|d| off(d))
+                .map(off)
                 .map(|p| picture[p.y as usize * SIZE[0] as usize + p.x as usize][3])
                 .into_iter()
                 .min()
