@@ -223,6 +223,7 @@ impl Recorder<'_> {
             targets: view.targets(),
             frame: &view.light.frame,
             camera: view.camera(),
+            light: (&self.pipelines.light, &view.light),
             coverage: view.options().coverage,
             rate: picture.shading,
         };
@@ -246,11 +247,13 @@ impl Recorder<'_> {
             Shows::Again => !canvas.coverage.is_tiled(),
             _ => false,
         };
-        if !replaced {
+        // Views of the inside look at all of it.
+        let of_seen = !replaced && !matches!(shows, Shows::Inside(..)) && draw.shade_seen(canvas, visible)?;
+        if !replaced && !of_seen {
             let timings = canvas.timings.as_deref_mut();
-            view.light.shade(&self.pipelines.light, canvas.encoder, timings, &seen);
-            canvas.lap("shade");
+            view.light.shade(&self.pipelines.light, canvas.encoder, timings, &seen, picture.shading);
         }
+        canvas.lap("shade");
         draw.record_hair(canvas, visible, over.is_none())?;
         canvas.lap("hair");
         if let Some((embed, into)) = over {

@@ -5,7 +5,7 @@ use crate::{
     Result,
     body::Body,
     gpu::Timings,
-    light::{Seen, ShadingRate},
+    light::{self, Seen, ShadingRate},
 };
 
 /// What the passes of a picture are recorded with.
@@ -19,6 +19,8 @@ pub(crate) struct Canvas<'a> {
     pub frame: &'a wgpu::BindGroup,
     /// What it is of: the camera's uniform.
     pub camera: &'a wgpu::Buffer,
+    /// The light that it has.
+    pub light: (&'a light::Pipelines, &'a light::State),
     pub coverage: Coverage,
     pub rate: ShadingRate,
 }
@@ -44,6 +46,14 @@ impl Pipelines {
             return Ok(());
         }
         self.tiles.record_bins(canvas, hair, linear)
+    }
+
+    /// Records the shading of what is seen, if that is known; else all is to be shaded.
+    pub(crate) fn shade_seen(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>]) -> Result<bool> {
+        if canvas.coverage.is_tiled() {
+            self.tiles.record_shade(canvas, hair)?;
+        }
+        Ok(canvas.coverage.is_tiled())
     }
 
     /// Records hair; clears the targets unless bodies [come first](Self::body_first) or something is to stay.

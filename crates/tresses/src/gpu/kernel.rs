@@ -129,7 +129,7 @@ impl Kernel {
         }
     }
 
-    /// Records one dispatch of as many workgroups as stand in a buffer, from a byte of it on.
+    /// Records one dispatch of as many workgroups as stand in a buffer, from a byte of it on: x, y and z.
     pub fn record_indirect(
         &self,
         pass: &mut wgpu::ComputePass<'_>,

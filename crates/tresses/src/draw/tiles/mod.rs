@@ -50,15 +50,24 @@ use crate::{
     light::Seen,
 };
 use state::Control;
+use std::mem::offset_of;
 
-/// A field of [`Control`] that tells workgroups, at a round.
-fn workgroups(field: usize, round: u32) -> u64 {
-    field as u64 + 16 * u64::from(round)
+/// A round of tiles that fit into the list.
+struct Round<'a> {
+    control: &'a wgpu::Buffer,
+    number: u32,
 }
 
-/// The rounds, and where a kernel finds its own.
-fn rounds() -> impl Iterator<Item = (u32, [u32; 1])> {
-    (0..TILE_ROUNDS).map(|round| (round, [256 * round]))
+impl<'a> Round<'a> {
+    fn all(control: &'a wgpu::Buffer) -> impl Iterator<Item = Self> {
+        (0..TILE_ROUNDS).map(move |number| Self { control, number })
+    }
+
+    /// Records a kernel with the workgroups that a field of [`Control`] tells.
+    fn run(&self, pass: &mut wgpu::ComputePass<'_>, kernel: &Kernel, group: &wgpu::BindGroup, field: usize) {
+        let workgroups = (self.control, field as u64 + 16 * u64::from(self.number));
+        kernel.record_indirect(pass, group, &[state::STEP as u32 * self.number], workgroups);
+    }
 }
 
 fn tiles<'a>(canvas: &Canvas<'a>) -> Result<&'a Tiles> {
@@ -89,7 +98,6 @@ impl Pipelines {
             canvas.encoder.clear_buffer(buffer, 0, None);
         }
         let many = usize::from(canvas.targets.samples > 1);
-        let segments = threads(bound.grid.points);
         let mut pass = compute(canvas, "bins");
         self.surface[many].record(&mut pass, &bound.surface, &[], threads(tiles.count() * TILE));
         for groom in &bound.parts {
@@ -99,55 +107,44 @@ impl Pipelines {
         drop(pass);
         bound.points.copy(canvas.encoder, bound.grid.points);
         tiles.bounds.copy(canvas.encoder, tiles.count());
-        canvas.lap("project");
         let mut pass = compute(canvas, "bins");
-        self.count.record(&mut pass, &bound.count, &[], segments);
-        drop(pass);
-        canvas.lap("count");
-        let mut pass = compute(canvas, "bins");
+        self.count.record(&mut pass, &bound.count, &[], threads(bound.grid.points));
         self.totals.record(&mut pass, &bound.totals, &[], threads(tiles.count()));
         self.scan.record(&mut pass, &bound.scan, &[], 1);
         drop(pass);
         tiles.bounds.copy(canvas.encoder, tiles.count());
-        canvas.lap("scan");
-        for (round, at) in rounds() {
+        canvas.lap("bins");
+        for round in Round::all(&tiles.control) {
             let mut pass = compute(canvas, "bins");
-            let mut run = |kernel: &Kernel, group, field| {
-                let from = workgroups(field, round);
-                kernel.record_indirect(&mut pass, group, &at, (&tiles.control, from));
-            };
-            run(&self.scatter, &bound.scatter, std::mem::offset_of!(Control, segments));
-            drop(pass);
-            canvas.lap("scatter");
-            let mut pass = compute(canvas, "bins");
-            let mut run = |kernel: &Kernel, group, field| {
-                let from = workgroups(field, round);
-                kernel.record_indirect(&mut pass, group, &at, (&tiles.control, from));
-            };
-            run(&self.sort, &bound.sort, std::mem::offset_of!(Control, bins));
+            round.run(&mut pass, &self.scatter, &bound.scatter, offset_of!(Control, segments));
+            round.run(&mut pass, &self.sort, &bound.sort, offset_of!(Control, bins));
             drop(pass);
             bound.list.copy(canvas.encoder, u32::MAX);
-            canvas.lap("sort");
-            let mut pass = compute(canvas, "bins");
-            let mut run = |kernel: &Kernel, group, field| {
-                let from = workgroups(field, round);
-                kernel.record_indirect(&mut pass, group, &at, (&tiles.control, from));
-            };
-            run(&self.see[many], &bound.see, std::mem::offset_of!(Control, rows));
+            canvas.lap("bins");
+            let mut pass = compute(canvas, "see");
+            round.run(&mut pass, &self.see[many], &bound.see, offset_of!(Control, rows));
             drop(pass);
             canvas.lap("see");
         }
         Ok(())
     }
 
-    /// Records the hair of the last `record_bins`; what is seen of it is shaded.
+    /// Records the shading of what the last [`record_bins`](Self::record_bins) has seen.
+    pub fn record_shade(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>]) -> Result<()> {
+        let bound = tiles(canvas)?.bound();
+        let Some(bound) = bound.as_ref().filter(|_| !hair.is_empty()) else { return Ok(()) };
+        let chosen: Vec<_> =
+            hair.iter().zip(&bound.parts).map(|(seen, groom)| (seen.hair, &groom.chosen)).collect();
+        let (pipelines, light) = canvas.light;
+        light.shade_chosen(pipelines, canvas.encoder, canvas.timings.as_deref_mut(), &chosen);
+        Ok(())
+    }
+
+    /// Records the hair of the last [`record_bins`](Self::record_bins); what is seen of it is shaded.
     pub fn record_blend(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>]) -> Result<()> {
         let tiles = tiles(canvas)?;
-        if hair.is_empty() {
-            return Ok(());
-        }
         let bound = tiles.bound();
-        let Some(bound) = bound.as_ref() else { return Ok(()) };
+        let Some(bound) = bound.as_ref().filter(|_| !hair.is_empty()) else { return Ok(()) };
         let many = usize::from(canvas.targets.samples > 1);
         let mut pass = compute(canvas, "hair");
         for groom in &bound.parts {
@@ -155,24 +152,15 @@ impl Pipelines {
         }
         drop(pass);
         bound.colors.copy(canvas.encoder, bound.grid.points);
-        canvas.lap("tint");
-        for (round, at) in rounds() {
+        for round in Round::all(&tiles.control) {
             let mut pass = compute(canvas, "hair");
-            let mut run = |kernel: &Kernel, group, field| {
-                let from = workgroups(field, round);
-                kernel.record_indirect(&mut pass, group, &at, (&tiles.control, from));
-            };
-            run(&self.rewind, &bound.rewind, std::mem::offset_of!(Control, bins_again));
-            run(&self.scatter, &bound.scatter, std::mem::offset_of!(Control, segments_again));
-            run(&self.sort, &bound.sort, std::mem::offset_of!(Control, bins_again));
+            round.run(&mut pass, &self.rewind, &bound.rewind, offset_of!(Control, bins_again));
+            round.run(&mut pass, &self.scatter, &bound.scatter, offset_of!(Control, segments_again));
+            round.run(&mut pass, &self.sort, &bound.sort, offset_of!(Control, bins_again));
             drop(pass);
             bound.list.copy(canvas.encoder, u32::MAX);
             let mut pass = compute(canvas, "hair");
-            let mut run = |kernel: &Kernel, group, field| {
-                let from = workgroups(field, round);
-                kernel.record_indirect(&mut pass, group, &at, (&tiles.control, from));
-            };
-            run(&self.blend[many], &bound.blend, std::mem::offset_of!(Control, rows));
+            round.run(&mut pass, &self.blend[many], &bound.blend, offset_of!(Control, rows));
         }
         Ok(())
     }

@@ -7,7 +7,7 @@ use crate::{
     draw::record::Canvas,
     draw::targets::{HDR_FORMAT, TextureKind},
     gpu::{bindings::uniform, readback::Pending},
-    light::Seen,
+    light::{Chosen, Seen},
     strands::buffers::storage,
 };
 use bytemuck::{Pod, Zeroable};
@@ -71,7 +71,7 @@ pub struct Control {
 }
 
 /// Dynamic offsets of uniforms are multiples of this on any device.
-const STEP: u64 = 256;
+pub(super) const STEP: u64 = 256;
 /// Grooms begin at multiples of so many points, so that their share of a buffer of words can be bound.
 const ALIGN: u32 = STEP as u32 / 4;
 
@@ -149,6 +149,8 @@ pub(super) struct Bound {
 pub(super) struct Groom {
     part: wgpu::Buffer,
     pub project: wgpu::BindGroup,
+    /// What of it is seen.
+    pub chosen: Chosen,
     pub tint: wgpu::BindGroup,
     /// Points that it has now.
     pub points: u32,
@@ -327,7 +329,8 @@ impl Tiles {
         let [points_read, colors_read, list_read, bounds_read] = all.map(Texels::texels);
         let parts = hair
             .iter()
-            .map(|own| {
+            .zip(&firsts)
+            .map(|(own, first)| {
                 let part = uniform(device, "part of the points", size_of::<Part>());
                 let of = part.as_entire_binding();
                 let [vertices, strands, shaded] =
@@ -335,14 +338,26 @@ impl Tiles {
                         .map(wgpu::Buffer::as_entire_binding);
                 let project = [&camera, &g, &of, &vertices, &strands, &p, &ranges].map(Clone::clone);
                 let tint = [&camera, &g, &of, &shaded, &s, &c].map(Clone::clone);
-                Groom {
+                let offset = u64::from(*first) * 4;
+                let seen =
+                    wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: &seen, offset, size: None });
+                let (pipelines, light) = canvas.light;
+                Ok(Groom {
+                    chosen: Chosen::new(
+                        device,
+                        pipelines,
+                        (light, canvas.camera),
+                        own.hair,
+                        own.shaded,
+                        seen,
+                    )?,
                     project: kernels.project.bind(device, &project),
                     tint: kernels.tint.bind(device, &tint),
                     points: 0,
                     part,
-                }
+                })
             })
-            .collect();
+            .collect::<Result<_>>()?;
         let mut surface = vec![&g, &depth, &surfaces, &farthest];
         if many == 1 {
             surface.push(&camera);
