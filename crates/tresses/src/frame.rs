@@ -234,6 +234,9 @@ impl Recorder<'_> {
             timings: self.timings.as_deref_mut(),
             targets: view.targets(),
             frame: &view.light.frame,
+            light: view.frame_resources(),
+            camera: &picture.camera,
+            focus: &picture.focus,
             coverage: view.options().coverage,
             rate: picture.shading,
         };

@@ -212,6 +212,11 @@ impl View {
         self.light.prepare(queue, (&picture.lights, &picture.shadows, &picture.focus), hair)
     }
 
+    /// What its frames bind to draw in its light.
+    pub(crate) fn frame_resources(&self) -> [wgpu::BindingResource<'_>; 8] {
+        self.light.frame_resources(&self.camera)
+    }
+
     /// What finishes its pictures.
     pub(crate) fn present(&self) -> &present::State {
         &self.present

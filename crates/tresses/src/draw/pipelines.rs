@@ -1,7 +1,7 @@
 //! The pipelines of the stage, each made when it is first needed.
 
 use super::{
-    Coverage,
+    Coverage, soft,
     strips::{self, Strips},
     targets::HDR_FORMAT,
 };
@@ -21,6 +21,7 @@ pub struct Pipelines {
     device: wgpu::Device,
     frame: wgpu::BindGroupLayout,
     body: Made<u32, wgpu::RenderPipeline>,
+    pub(super) soft: soft::Pipelines,
     pub(crate) strips: strips::Pipelines,
 }
 
@@ -31,6 +32,7 @@ impl Pipelines {
             device: device.clone(),
             frame: light.frame.clone(),
             body: Made::default(),
+            soft: soft::Pipelines::new(device, light),
             strips: strips::Pipelines::new(device, light),
         }
     }
@@ -41,7 +43,7 @@ impl Pipelines {
             Recipe {
                 vertex: ("draw::body", "body_vertex"),
                 fragment: Some(("draw::body", "body_fragment")),
-                layouts: &[&self.frame, &body::layout(&self.device)],
+                layouts: &[&self.frame, &body::layout(&self.device), &soft::points_layout(&self.device)],
                 buffers: &[Some(Body::LAYOUT)],
                 targets: &[Some(HDR_FORMAT.into())],
                 depth: Some((true, wgpu::CompareFunction::Greater)),
@@ -60,6 +62,7 @@ impl Pipelines {
     /// What makes all that such a picture needs.
     pub(crate) fn jobs(&self, coverage: Coverage, samples: u32, rate: ShadingRate) -> Vec<Job<'_>> {
         let mut jobs: Vec<Job<'_>> = vec![Box::new(move || self.body(samples).map(|_| ()))];
+        jobs.extend(self.soft.jobs(&self.device));
         jobs.extend(self.strips.jobs(coverage, samples, rate));
         jobs
     }

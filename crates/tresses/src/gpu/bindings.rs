@@ -22,6 +22,8 @@ pub enum Binding {
     StorageMut,
     /// `texture_2d<f32>` of a filterable format.
     Texture2d,
+    /// `texture_2d<f32>` of any format, read texel by texel.
+    Texels2d,
     /// `texture_2d_array<f32>` of a filterable format.
     Texture2dArray,
     /// `texture_multisampled_2d<f32>`.
@@ -65,6 +67,9 @@ impl Binding {
             Self::StorageDynamic => buffer(BufferBindingType::Storage { read_only: true }, true),
             Self::StorageMut => buffer(BufferBindingType::Storage { read_only: false }, false),
             Self::Texture2d => texture(filterable, TextureViewDimension::D2, false),
+            Self::Texels2d => {
+                texture(TextureSampleType::Float { filterable: false }, TextureViewDimension::D2, false)
+            }
             Self::Texture2dArray => texture(filterable, TextureViewDimension::D2Array, false),
             Self::TextureMultisampled => {
                 texture(TextureSampleType::Float { filterable: false }, TextureViewDimension::D2, true)
