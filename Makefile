@@ -52,7 +52,7 @@ test: setup-tests ## Format, lints, docs, WebAssembly check, then every test
 	TRESSES_REQUIRE_GPU=1 $(CARGO) test --workspace
 
 proof: setup-tests ## The slow evidence behind the tables of docs/, which it prints
-	TRESSES_REQUIRE_GPU=1 $(CARGO) test --workspace --lib --bins --tests -- --ignored --show-output
+	TRESSES_REQUIRE_GPU=1 $(CARGO) test --workspace --lib --bins --tests --no-fail-fast -- --ignored --show-output
 	TRESSES_REQUIRE_GPU=1 $(CARGO) test --package tresses --test gpu physics:: -- --show-output
 
 web: setup ## Build the web page into dist/, for any static file server

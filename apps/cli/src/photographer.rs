@@ -12,7 +12,7 @@ use std::{
     ops::{Deref, DerefMut},
     sync::Arc,
 };
-use tresses::{Pipelines, gpu::Gpu, present::Background};
+use tresses::{Pipelines, Wanted, gpu::Gpu, present::Background};
 use tresses_scene::{Companions, Preset, Scene, Shelf, Viewpoint};
 
 /// A scene, and what is shown over its pictures.
@@ -38,15 +38,20 @@ impl DerefMut for Photographer {
 impl Photographer {
     /// Opens the GPU, reads or grows the character of `preset` and brings it there.
     pub fn open(preset: &Preset, size: Size) -> Result<Self> {
-        Self::with_samples(preset, size, false)
+        Self::with_samples(preset, size, false, true)
+    }
+
+    /// The same for pictures of hair at rest, which need fewer pipelines.
+    pub fn open_still(preset: &Preset, size: Size) -> Result<Self> {
+        Self::with_samples(preset, size, false, false)
     }
 
     /// The same with fewer samples per pixel where the adapter offers no more.
     pub fn with_samples_at_most(preset: &Preset, size: Size) -> Result<Self> {
-        Self::with_samples(preset, size, true)
+        Self::with_samples(preset, size, true, true)
     }
 
-    fn with_samples(preset: &Preset, size: Size, fewer: bool) -> Result<Self> {
+    fn with_samples(preset: &Preset, size: Size, fewer: bool, moves: bool) -> Result<Self> {
         let settings = &preset.settings;
         settings.check()?;
         let companions = Companions::of(&preset.source, Shelf::default());
@@ -63,14 +68,27 @@ impl Photographer {
         );
         quality.samples = quality.samples.min(most);
         let pipelines = Arc::new(Pipelines::new(&gpu.device));
-        let character = load::load(preset, &gpu, &pipelines.simulate, &preparing)?;
-        for note in &character.notes {
-            preparing.suspend(|| eprintln!("note: {note}"));
-        }
-        let colliders = companions.colliders()?;
-        let physics = settings.physics();
-        let scene = Scene::new(gpu, pipelines, character, colliders, &physics, &quality, &preparing);
-        let mut scene = pollster::block_on(scene)?;
+        let compile = |wanted: Vec<Wanted>| pollster::block_on(pipelines.prepare(&wanted, &()));
+        // Shaders are compiled while the character is made.
+        let mut scene = std::thread::scope(|scope| -> Result<Scene> {
+            let at_rest = settings.pipelines(quality.view_options());
+            let at_rest = scope.spawn(move || compile(at_rest));
+            let character = load::load(preset, &gpu, &pipelines.simulate, &preparing)?;
+            for note in &character.notes {
+                preparing.suspend(|| eprintln!("note: {note}"));
+            }
+            let colliders = companions.colliders()?;
+            let physics = settings.physics();
+            let in_motion = settings.pipelines_of_motion(character.groom.guides.vertex_count);
+            let in_motion = moves.then(|| scope.spawn(move || compile(in_motion)));
+            let made = pipelines.clone();
+            let scene = Scene::new(gpu, made, character, colliders, &physics, &quality, &preparing);
+            let scene = pollster::block_on(scene)?;
+            for compiling in [Some(at_rest), in_motion].into_iter().flatten() {
+                compiling.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+            }
+            Ok(scene)
+        })?;
         scene.apply(settings)?;
         scene.set_surroundings(surroundings.map(Arc::new));
         Ok(Self { scene, debug: None })

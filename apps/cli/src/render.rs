@@ -81,7 +81,8 @@ pub fn run(args: &Args) -> Result<()> {
         *hair_hair = HairHair { speed: 0.0, friction: 0.0, ..HairHair::default() };
     }
     args.debug.check(&preset.settings.physics())?;
-    let mut scene = Photographer::open(&preset, args.size)?;
+    let open = if frames > 1 { Photographer::open } else { Photographer::open_still };
+    let mut scene = open(&preset, args.size)?;
     scene.show(&args.debug)?;
     let camera = Viewpoint::portrait(args.camera, scene.subject(), args.size.aspect(), args.zoom);
     let camera = args.distance.map_or(camera, |distance| camera.moved(distance));

@@ -5,11 +5,9 @@ use anyhow::Result;
 use eframe::egui;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tresses::{
-    Pipelines, Pose, Progress, Wanted,
+    Pipelines, Pose, Progress,
     gpu::Gpu,
     groom::{import::ImportOptions, styles::Style},
-    view::ViewOptions,
-    volume::HairHairMode,
 };
 use tresses_scene::{Base, Quality, Scene, Settings, Surroundings};
 
@@ -202,8 +200,6 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready
     };
     let options = turn::draw_options(&settings, &gpu.tier)?;
     let pipelines = pipelines.unwrap_or_else(|| Arc::new(Pipelines::new(&gpu.device)));
-    // What is compiled already is there at once.
-    pipelines.prepare(&wanted(&settings, options), progress).await?;
     let base = match (base, source) {
         (Some(base), _) => base,
         (None, Source::Style(name)) => {
@@ -216,6 +212,10 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready
     let styling = settings.styling(base.style(), &maps)?;
     let mut character = base.dress(&styling, progress).await?;
     let notes = std::mem::take(&mut character.notes);
+    // What is compiled already is there at once.
+    let mut wanted = settings.pipelines(options);
+    wanted.extend(settings.pipelines_of_motion(character.groom.guides.vertex_count));
+    pipelines.prepare(&wanted, progress).await?;
     let quality = Quality {
         samples: options.samples,
         coverage: options.coverage,
@@ -232,22 +232,6 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready
     progress.step("drawing the first picture", 0.0).await;
     first_picture(&mut stage)?;
     Ok(Ready { stage, hair, base, surroundings, notes, keep })
-}
-
-/// The pipelines that a frame needs.
-fn wanted(settings: &Settings, options: ViewOptions) -> Vec<Wanted> {
-    use tresses::stage::Stage::{Avoid, Interpolate, Simulate, Tessellate, Volume, Wind};
-    let physics = settings.physics();
-    let mut stages = vec![Simulate, Tessellate, Interpolate, Avoid];
-    if physics.wind.blows() {
-        stages.push(Wind);
-    }
-    if physics.wind.blows() || physics.hair_hair.mode != HairHairMode::Off {
-        stages.push(Volume);
-    }
-    let mut wanted: Vec<_> = stages.into_iter().map(Wanted::Motion).collect();
-    wanted.push(Wanted::Picture(options, settings.shading()));
-    wanted
 }
 
 /// Drivers finish compiling when something is drawn: better here than in the window.

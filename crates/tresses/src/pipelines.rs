@@ -46,8 +46,10 @@ pub struct Pipelines {
 /// What can be compiled in advance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Wanted {
-    /// A stage that moves hair.
+    /// A stage that moves hair; of `simulate`, what does not depend on the size of guides.
     Motion(Stage),
+    /// The step of `simulate` for guides of so many vertices.
+    Step(u32),
     /// All that a view with these options draws with, hair shaded so.
     Picture(ViewOptions, ShadingRate),
 }
@@ -103,6 +105,7 @@ impl Pipelines {
 
     fn jobs(&self, wanted: &Wanted) -> Vec<Job<'_>> {
         match wanted {
+            Wanted::Step(vertex_count) => kernel::jobs([self.simulate.step(*vertex_count)]),
             Wanted::Motion(stage) => match stage {
                 Stage::Volume => kernel::jobs(self.volume.kernels()),
                 Stage::Wind => kernel::jobs(self.wind.kernels()),

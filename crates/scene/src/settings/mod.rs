@@ -34,14 +34,16 @@ use crate::{
 };
 use std::collections::BTreeSet;
 use tresses::{
-    Result,
+    Result, Wanted,
     avoid::AvoidOptions,
     glam::Vec3,
     groom::styles::Style,
     light::{HairMaterial, ShadingRate, Shadows},
     lod::{LodMode, LodOptions},
     simulate::SimulationParams,
+    stage::Stage,
     view::{Picture, ViewOptions},
+    volume::HairHairMode,
 };
 
 /// What a change of a parameter costs.
@@ -246,6 +248,24 @@ impl Settings {
         let (samples, coverage) = self.sampling(most)?;
         let shadow_resolution = self.shadow_resolution;
         Ok(ViewOptions { samples, coverage, shadow_resolution, ..Default::default() })
+    }
+
+    /// The pipelines of a picture of hair at rest, for a view with `options`.
+    pub fn pipelines(&self, options: ViewOptions) -> Vec<Wanted> {
+        let stages = [Stage::Tessellate, Stage::Interpolate, Stage::Avoid];
+        let picture = Wanted::Picture(options, self.shading());
+        stages.into_iter().map(Wanted::Motion).chain([picture]).collect()
+    }
+
+    /// Those that hair in motion needs besides, with guides of `guide_vertices` vertices.
+    pub fn pipelines_of_motion(&self, guide_vertices: u32) -> Vec<Wanted> {
+        let SimulationParams { wind, hair_hair, .. } = self.physics();
+        let wind = wind.blows();
+        let volume = wind || hair_hair.mode != HairHairMode::Off;
+        let mut wanted = vec![Wanted::Motion(Stage::Simulate), Wanted::Step(guide_vertices)];
+        wanted.extend(volume.then_some(Wanted::Motion(Stage::Volume)));
+        wanted.extend(wind.then_some(Wanted::Motion(Stage::Wind)));
+        wanted
     }
 
     /// How pictures of `size` (pixels) are sampled where the adapter offers `most` samples per pixel.

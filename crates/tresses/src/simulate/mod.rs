@@ -97,7 +97,7 @@ impl Pipelines {
     }
 
     /// The step for guides of `vertex_count` vertices.
-    fn step(&self, vertex_count: u32) -> &Kernel {
+    pub(crate) fn step(&self, vertex_count: u32) -> &Kernel {
         &self.steps[step::capacity(vertex_count)]
     }
 
