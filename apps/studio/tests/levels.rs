@@ -46,6 +46,7 @@ fn picture(stage: &mut Scene, settings: &Settings, level: &Level, view: Angle) -
     let size = AREA.map(|side| (side * level.scale).round() as u32);
     stage.resize(size).unwrap();
     level.dress(stage, settings).unwrap();
+    assert_eq!(stage.lighting, settings.lights, "each level has all lights");
     // Skin is black in any light, hair is not: what is which is seen of every pixel.
     let body = &mut stage.body.as_mut().unwrap().material;
     (body.color, body.gloss) = (Vec3::ZERO, 0.0);

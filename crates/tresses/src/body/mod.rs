@@ -153,7 +153,8 @@ impl Body {
     }
 
     /// Gives its vertices the places, normals and colours of `mesh`'s, for the frames that are submitted from here on;
-    /// its triangles are not read. What would lie beyond the last one is left out.
+    /// its triangles are not read. What would lie beyond the last one is left out. How far a level strays is that of the
+    /// mesh that the body was made of: one that changes its shape or leaves its place is made without levels.
     pub fn move_to(&self, queue: &wgpu::Queue, mesh: &TriMesh) {
         let vertices = vertices(mesh);
         let bytes: &[u8] = bytemuck::cast_slice(&vertices);

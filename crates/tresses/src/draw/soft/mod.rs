@@ -1,21 +1,24 @@
 //! Light that changes over millimetres, asked once for several pixels of a body.
 //!
 //! ```text
-//! bodies ─► surface (a pixel of several, position and normal) ─► ask (shadow maps, ambient light) ─► points ─► draw::body
+//! bodies ─► surface ─► positions, normals ─► list ─► ask (shadow maps, ambient light) ─► points ─► draw::body
 //! ```
 //!
 //! What arrives at a point of a body of each light and from all sides is read from maps that are smoothed over
-//! several millimetres on purpose: shares by filters of 29 taps, fibres by splines over nine texels of ten words, the sky
-//! from five textures. None of it changes from one pixel of a portrait to the next, and all of it together is twenty
-//! times the rest of the shading. So bodies are drawn twice. First small: their positions and normals, one pixel
-//! for [`Soft::across`]² of the picture's, [`SPACING`] apart on the body. A kernel asks for the light there, once for each that
-//! is seen, in full vectors, where rasterisers also shade what the next triangle hides and fill blocks that a
-//! triangle only touches. Then large: a pixel takes the mean of the four points around it of those
-//! that lie on its own tangent plane, and asks for itself where there are none, at the rims of thin parts. Normals, colours
-//! and highlights are the pixel's own.
+//! several millimetres on purpose: shares by filters of up to 29 taps, fibres by splines over nine texels of ten words,
+//! the sky from five textures. It hardly changes from one pixel of a portrait to the next, and it was nine tenths of a
+//! body's time. So bodies are drawn twice.
 //!
-//! Rejected: light at the body's vertices, which are 2 mm apart on one head and 20 on another, and far fewer once
-//! simplified.
+//! First small (`surface.wesl`): position and normal, one pixel for several of the target's, [`SPACING`] apart where
+//! the picture's focus is. `list` collects those that see a body, and those beside them; `ask`, one thread for each,
+//! asks for the light there. Drivers that run shaders on vectors take both ways of a branch and shade whole blocks that a
+//! triangle only touches: a list has neither.
+//!
+//! Then in the target's size: a pixel takes the mean of the four points around it, weighted by how near they lie to its
+//! tangent plane, so that light does not leak over edges. Normals, colours, highlights and outlines are the pixel's own.
+//!
+//! Rejected: light at the body's vertices, which are 2 mm apart on one head and 20 on another, and farther once
+//! simplified; asking in the fragment shader where no point lies in the plane, for which lavapipe asks for all.
 
 use crate::{
     Camera, Result,
@@ -33,7 +36,7 @@ use bytemuck::{Pod, Zeroable};
 
 /// Metres from one point to the next where the picture's focus is.
 const SPACING: f32 = 0.0012;
-/// Pixels of the picture along each edge of a point's square, at least and at most.
+/// Pixels of the target along each edge of a point's square, at least and at most.
 const ACROSS: [u32; 2] = [2, 8];
 /// Words of a point.
 const WORDS: u64 = 8;
