@@ -5,7 +5,7 @@ use crate::common;
 use tresses::{
     Hair, HairOptions, Pipelines, Pose,
     collide::{Collider, ColliderDescriptor, ColliderPoses, Shape, shape},
-    frame::{Frame, Recorder},
+    frame::Frame,
     glam::{Quat, Vec3},
     gpu::{Gpu, readback::blocking as readback},
     groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind, styles::Style},
@@ -74,7 +74,6 @@ impl Seen {
 
 struct Run<'a> {
     gpu: &'a Gpu,
-    pipelines: &'a Pipelines,
     hair: Hair,
     params: SimulationParams,
 }
@@ -104,18 +103,13 @@ impl Run<'_> {
         let mut before: Vec<[f32; 4]> = Vec::new();
         for frame in 0..=(seconds / self.params.step) as u32 {
             let t = frame as f32 * self.params.step;
-            let mut encoder = device.create_command_encoder(&Default::default());
             let input = Frame {
                 dt: if frame == 0 { 0.0 } else { self.params.step },
                 head: head(t),
                 colliders: &poses(t),
                 simulation: &self.params,
             };
-            let pipelines = self.pipelines;
-            Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
-                .simulate(&mut self.hair, &input)
-                .unwrap();
-            queue.submit([encoder.finish()]);
+            common::submit(|recorder| recorder.simulate(&mut self.hair, &input));
             let at: Vec<[f32; 4]> = readback::buffer(device, queue, &self.hair.guides.current).unwrap();
             for i in watched.clone() {
                 let x = Vec3::from_slice(&at[i]);
@@ -139,7 +133,7 @@ fn run<'a>(gpu: &'a Gpu, pipelines: &'a Pipelines, character: &Character, collid
     let options = HairOptions::default();
     let (device, queue) = (&gpu.device, &gpu.queue);
     let hair = Hair::with_colliders(device, queue, pipelines, &character.groom, &options, &what).unwrap();
-    Run { gpu, pipelines, hair, params: options.simulation }
+    Run { gpu, hair, params: options.simulation }
 }
 
 /// A shake of `seconds`.
@@ -264,12 +258,8 @@ fn moved_by_capsules(gpu: &Gpu, pipelines: &Pipelines, spared: Option<usize>) ->
     // Strands shall know nothing of each other.
     let physics = SimulationParams { hair_hair: HairHair::OFF, ..Default::default() };
     let mut read = |dt: f32| {
-        let mut encoder = device.create_command_encoder(&Default::default());
         let frame = Frame { dt, head: Pose::IDENTITY, colliders: &colliders, simulation: &physics };
-        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
-            .simulate(&mut hair, &frame)
-            .unwrap();
-        queue.submit([encoder.finish()]);
+        common::submit(|recorder| recorder.simulate(&mut hair, &frame));
         let now: Vec<[f32; 4]> = readback::buffer(device, queue, &hair.guides.current).unwrap();
         now.iter().map(|v| Vec3::from_slice(v)).collect::<Vec<_>>()
     };

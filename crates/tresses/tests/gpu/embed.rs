@@ -6,9 +6,8 @@ use crate::common;
 use half::f16;
 use tresses::{
     Camera, Hair, Pipelines, Pose, View,
-    collide::ColliderPoses,
     draw::{Coverage, Embed, Surroundings},
-    frame::{Frame, Recorder, Shows, Sight},
+    frame::{Recorder, Shows, Sight},
     glam::{
         Mat4, Vec3, Vec4,
         camera::rh::proj::directx::{orthographic, perspective},
@@ -16,7 +15,6 @@ use tresses::{
     gpu::{Gpu, readback},
     groom::bind,
     light::{Lights, Sphere},
-    simulate::SimulationParams,
     view::{Picture, ViewOptions},
     wgpu::{self, TextureFormat, TextureUsages},
 };
@@ -44,12 +42,7 @@ impl<'a> Setup<'a> {
         let field = common::ball(0.085, 32);
         let mut hair =
             Hair::new(device, queue, pipelines, &groom, &Default::default(), Some(&field)).unwrap();
-        let mut encoder = device.create_command_encoder(&Default::default());
-        let (colliders, simulation) = (&ColliderPoses::default(), &SimulationParams::default());
-        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
-            .advance(&mut hair, &Frame { dt: 0.0, head: Pose::IDENTITY, colliders, simulation })
-            .unwrap();
-        queue.submit([encoder.finish()]);
+        common::advance(&mut hair, &common::frame(Pose::IDENTITY, 0.0));
         let scene = Picture {
             camera: Camera::look_at(Vec3::Z * DISTANCE, Vec3::ZERO, FOV, SIZE),
             focus: Sphere { center: Vec3::ZERO, radius: 0.3 },

@@ -5,12 +5,9 @@ use crate::common;
 
 use tresses::{
     Hair, HairOptions, Pipelines, Pose,
-    collide::ColliderPoses,
-    frame::{Frame, Recorder},
     glam::{Quat, Vec3},
     gpu::{Gpu, readback::blocking as readback},
     groom::{BindOptions, Groom, SdfGrid, bind},
-    simulate::SimulationParams,
     strands::StrandVertex,
 };
 
@@ -45,19 +42,7 @@ impl Setup {
     }
 
     fn advance(&self, hair: &mut Hair, head: Pose, dt: f32) {
-        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
-        let mut encoder = device.create_command_encoder(&Default::default());
-        let input = Frame {
-            dt,
-            head,
-            colliders: &ColliderPoses::default(),
-            simulation: &SimulationParams::default(),
-        };
-        let pipelines = self.pipelines;
-        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
-            .advance(hair, &input)
-            .unwrap();
-        queue.submit([encoder.finish()]);
+        common::advance(hair, &common::frame(head, dt));
     }
 
     fn vertices(&self, hair: &Hair) -> Vec<StrandVertex> {

@@ -75,15 +75,8 @@ impl Setup {
         colliders: &[Pose],
         simulation: &SimulationParams,
     ) {
-        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
-        let mut encoder = device.create_command_encoder(&Default::default());
         let poses = ColliderPoses { head: None, colliders: colliders.to_vec() };
-        let frame = Frame { dt, head, colliders: &poses, simulation };
-        let pipelines = self.pipelines;
-        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
-            .advance(hair, &frame)
-            .unwrap();
-        queue.submit([encoder.finish()]);
+        common::advance(hair, &Frame { dt, head, colliders: &poses, simulation });
     }
 
     fn still(&self, hair: &mut Hair, frames: u32) {

@@ -1,22 +1,20 @@
 //! Several grooms and several views in one submission.
 
 use crate::{
-    common,
+    common::{self, frame, submit},
     golden::{self, SIZE, difference},
 };
 use tresses::{
     Camera, Hair, HairOptions, Pipelines, Pose, View,
     body::Body,
-    collide::ColliderPoses,
     draw::Coverage,
-    frame::{Frame, Recorder, Sight},
+    frame::Sight,
     glam::{Quat, Vec3},
     gpu::{Gpu, readback::blocking as readback},
     groom::{BindOptions, bind},
     light::{HairMaterial, HairSet, Lights, Sphere},
     math::hash::pcg,
     present::Background,
-    simulate::SimulationParams,
     strands::StrandVertex,
     view::{Picture, ViewOptions},
 };
@@ -90,35 +88,21 @@ fn eye(azimuth: f32) -> Picture {
     }
 }
 
-/// Records with `what` and submits.
-fn submit(gpu: &Gpu, pipelines: &Pipelines, what: impl FnOnce(&mut Recorder<'_>) -> tresses::Result<()>) {
-    let Gpu { device, queue, .. } = gpu;
-    let mut encoder = device.create_command_encoder(&Default::default());
-    what(&mut Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }).unwrap();
-    queue.submit([encoder.finish()]);
-}
-
-fn frame(head: Pose, dt: f32) -> Frame<'static> {
-    static COLLIDERS: ColliderPoses = ColliderPoses { head: None, colliders: Vec::new() };
-    static PHYSICS: std::sync::LazyLock<SimulationParams> = std::sync::LazyLock::new(Default::default);
-    Frame { dt, head, colliders: &COLLIDERS, simulation: &PHYSICS }
-}
-
 #[test]
 fn two_views_in_one_submission_are_those_of_two() {
     let (Some(gpu), Some(pipelines)) = (common::gpu(), common::pipelines()) else { return };
     let mut hair = hair(gpu, pipelines);
-    submit(gpu, pipelines, |recorder| recorder.advance(&mut hair, &frame(Pose::IDENTITY, 0.0)));
+    submit(|recorder| recorder.advance(&mut hair, &frame(Pose::IDENTITY, 0.0)));
     let pictures = [eye(0.2), eye(1.7)];
     let modes = [(1, Coverage::PEELING), (4, Coverage::SampleMask)];
     let read = |view: &View| pollster::block_on(view.targets().read(&gpu.device, &gpu.queue)).unwrap();
     let views = || modes.map(|mode| view(gpu, pipelines, mode, [96, 80]));
     let apart = views();
     for (view, picture) in apart.iter().zip(&pictures) {
-        submit(gpu, pipelines, |recorder| recorder.draw(&[&hair], &[], Sight::new(view, picture)));
+        submit(|recorder| recorder.draw(&[&hair], &[], Sight::new(view, picture)));
     }
     let together = views();
-    submit(gpu, pipelines, |recorder| {
+    submit(|recorder| {
         let sights = together.iter().zip(&pictures).map(|(view, picture)| Sight::new(view, picture));
         recorder.record(&mut [(&mut hair, frame(Pose::IDENTITY, 0.0))], &[], sights.collect())
     });
@@ -151,9 +135,9 @@ fn one_groom_at_two_places_has_two_poses() {
     for i in 0..12 {
         let dt = if i == 0 { 0.0 } else { 1.0 / 60.0 };
         for (hair, pose) in apart.iter_mut().zip(poses(i)) {
-            submit(gpu, pipelines, |recorder| recorder.advance(hair, &frame(pose, dt)));
+            submit(|recorder| recorder.advance(hair, &frame(pose, dt)));
         }
-        submit(gpu, pipelines, |recorder| {
+        submit(|recorder| {
             let [left, right] = &mut together;
             let [a, b] = poses(i).map(|pose| frame(pose, dt));
             recorder.record(&mut [(left, a), (right, b)], &[], vec![Sight::new(&both, &scene)])
@@ -172,7 +156,7 @@ fn one_groom_at_two_places_has_two_poses() {
     };
     assert!(half(false) > 1.2 * half(true), "blond hair is lighter: {} {}", half(true), half(false));
     let sight = || Sight::new(&both, &scene);
-    submit(gpu, pipelines, |recorder| recorder.draw(&[&together[0]], &[], sight()));
+    submit(|recorder| recorder.draw(&[&together[0]], &[], sight()));
     let one = pollster::block_on(both.targets().read(&gpu.device, &gpu.queue)).unwrap();
     assert!(difference(&seen, &one).0 > 1.0);
 }

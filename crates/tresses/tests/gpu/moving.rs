@@ -1,15 +1,14 @@
 //! Hair on a head that moves, and its vertices with and without avoidance.
 #![allow(dead_code)]
 
+use crate::common;
 use tresses::{
     Hair, HairOptions, Pipelines, Pose,
     avoid::{AvoidMode, AvoidOptions, StrandState},
-    collide::ColliderPoses,
     frame::{Frame, Recorder},
     glam::{Quat, Vec3},
     gpu::{Gpu, readback::blocking as readback},
     groom::{Groom, SdfGrid},
-    simulate::SimulationParams,
     strands::StrandVertex,
 };
 
@@ -105,8 +104,7 @@ fn record(
 ) {
     let (device, queue) = (&gpu.device, &gpu.queue);
     let mut encoder = device.create_command_encoder(&Default::default());
-    let frame =
-        Frame { dt, head, colliders: &ColliderPoses::default(), simulation: &SimulationParams::default() };
-    what(&mut Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }, &frame);
+    let mut recorder = Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None };
+    what(&mut recorder, &common::frame(head, dt));
     queue.submit([encoder.finish()]);
 }

@@ -4,10 +4,10 @@ use crate::common;
 
 use half::f16;
 use tresses::{
-    Camera, Hair, HairOptions, Pipelines, Pose, View,
+    Camera, Hair, HairOptions, Pose, View,
     body::Body,
     collide::ColliderPoses,
-    frame::{Frame, Recorder, Shows, Sight},
+    frame::{Frame, Shows, Sight},
     glam::Vec3,
     gpu::{Gpu, readback},
     groom::{BindOptions, bind},
@@ -21,7 +21,6 @@ use tresses::{
 /// A head full of hair in the wind, and all that draws it.
 struct Setup {
     gpu: &'static Gpu,
-    pipelines: &'static Pipelines,
     views: DebugViews,
     hair: Hair,
     body: Body,
@@ -42,13 +41,9 @@ impl Setup {
         views.set_head(Some(&field));
         let simulation = SimulationParams { wind: Wind::new(Vec3::X * 6.0), ..Default::default() };
         for _ in 0..6 {
-            let mut encoder = device.create_command_encoder(&Default::default());
             let colliders = &ColliderPoses::default();
             let frame = Frame { dt: 1.0 / 30.0, head: Pose::IDENTITY, colliders, simulation: &simulation };
-            Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
-                .advance(&mut hair, &frame)
-                .unwrap();
-            queue.submit([encoder.finish()]);
+            common::advance(&mut hair, &frame);
         }
         let camera = Camera::look_at(Vec3::new(0.1, 0.05, 0.8), Vec3::ZERO, 0.45, [120, 96]);
         let focus = Sphere { center: Vec3::ZERO, radius: 0.3 };
@@ -56,20 +51,16 @@ impl Setup {
         let body = Body::new(device, &common::cube(0.05));
         let options = ViewOptions { shadow_resolution: 128, ..Default::default() };
         let view = View::new(device, pipelines, &options, [120, 96], 1).unwrap();
-        Some(Self { pipelines, views, hair, body, view, scene, gpu })
+        Some(Self { views, hair, body, view, scene, gpu })
     }
 
     /// A picture of a view, or without one; of what it draws, the strands' colours.
     fn picture(&mut self, view: Option<DebugView>) -> (Vec<u8>, Vec<Vec3>) {
         let Gpu { device, queue, .. } = self.gpu;
-        let mut encoder = device.create_command_encoder(&Default::default());
-        let mut recorder =
-            Recorder { pipelines: self.pipelines, device, queue, encoder: &mut encoder, timings: None };
         let shown = view.map(|view| Shown { wind: Vec3::X * 6.0, ..Shown::new(view) });
         let shows = shown.as_ref().map_or(Shows::Hair, |shown| Shows::Inside(&mut self.views, shown));
         let sight = Sight { shows, ..Sight::new(&self.view, &self.scene) };
-        recorder.draw(&[&self.hair], &[&self.body], sight).unwrap();
-        queue.submit([encoder.finish()]);
+        common::submit(|recorder| recorder.draw(&[&self.hair], &[&self.body], sight));
         let shaded = self.view.shaded(&self.hair.set).unwrap();
         let shaded: Vec<[f16; 4]> = pollster::block_on(readback::buffer(device, queue, &shaded)).unwrap();
         let colors = shaded.iter().map(|v| Vec3::new(v[0].to_f32(), v[1].to_f32(), v[2].to_f32())).collect();
@@ -80,13 +71,9 @@ impl Setup {
     fn finer(&mut self, anew: bool) -> Vec<u8> {
         let Gpu { device, queue, .. } = self.gpu;
         self.view.resize(device, [120, 96], 2).unwrap();
-        let mut encoder = device.create_command_encoder(&Default::default());
-        let mut recorder =
-            Recorder { pipelines: self.pipelines, device, queue, encoder: &mut encoder, timings: None };
         let shows = if anew { Shows::Hair } else { Shows::Again };
         let sight = Sight { shows, ..Sight::new(&self.view, &self.scene) };
-        recorder.draw(&[&self.hair], &[&self.body], sight).unwrap();
-        queue.submit([encoder.finish()]);
+        common::submit(|recorder| recorder.draw(&[&self.hair], &[&self.body], sight));
         let picture = pollster::block_on(self.view.targets().read(device, queue)).unwrap();
         self.view.resize(device, [120, 96], 1).unwrap();
         picture

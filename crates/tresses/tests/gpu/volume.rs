@@ -9,7 +9,7 @@ use tresses::{
     Hair, HairOptions, Pipelines, Pose,
     collide::ColliderPoses,
     drape::Character,
-    frame::{Frame, Recorder},
+    frame::Frame,
     glam::{IVec3, Quat, Vec3},
     gpu::{Gpu, readback::blocking as readback},
     groom::styles::Style,
@@ -63,14 +63,7 @@ impl Setup {
     }
 
     fn advance(&self, hair: &mut Hair, simulation: &SimulationParams, head: Pose, dt: f32) {
-        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
-        let mut encoder = device.create_command_encoder(&Default::default());
-        let frame = Frame { dt, head, colliders: &ColliderPoses::default(), simulation };
-        let pipelines = self.pipelines;
-        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
-            .advance(hair, &frame)
-            .unwrap();
-        queue.submit([encoder.finish()]);
+        common::advance(hair, &Frame { dt, head, colliders: &ColliderPoses::default(), simulation });
     }
 
     /// Metres of drawn hair in every voxel, in the head's axes.

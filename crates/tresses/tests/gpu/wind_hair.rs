@@ -5,7 +5,7 @@ use crate::common;
 use tresses::{
     Hair, HairOptions, Pipelines, Pose,
     collide::ColliderPoses,
-    frame::{Frame, Recorder},
+    frame::Frame,
     glam::{Vec2, Vec3},
     gpu::{Gpu, readback::blocking as readback},
     groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind},
@@ -41,19 +41,13 @@ impl Setup {
 
     /// The guides alone, `seconds` on.
     fn simulate(&self, hair: &mut Hair, physics: &SimulationParams, seconds: f32) {
-        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         let colliders = ColliderPoses::default();
         let mut steps = (seconds * 60.0).round() as u32;
         loop {
             let part = steps.min(8);
             let dt = part as f32 / 60.0;
             let frame = Frame { dt, head: Pose::IDENTITY, colliders: &colliders, simulation: physics };
-            let mut encoder = device.create_command_encoder(&Default::default());
-            let pipelines = self.pipelines;
-            Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
-                .simulate(hair, &frame)
-                .unwrap();
-            queue.submit([encoder.finish()]);
+            common::submit(|recorder| recorder.simulate(hair, &frame));
             steps -= part;
             if steps == 0 {
                 return;

@@ -1,7 +1,13 @@
 //! One device for all tests, and its pipelines, which are compiled once: a software driver takes seconds for all.
 
-use std::sync::OnceLock;
-use tresses::{Pipelines, gpu::Gpu, simulate};
+use std::sync::{LazyLock, OnceLock};
+use tresses::{
+    Hair, Pipelines, Pose, Result,
+    collide::ColliderPoses,
+    frame::{Frame, Recorder},
+    gpu::Gpu,
+    simulate::{self, SimulationParams},
+};
 
 /// The adapter of all tests; without one, skips (`None`) or, when `TRESSES_REQUIRE_GPU=1`, panics.
 pub fn gpu() -> Option<&'static Gpu> {
@@ -26,4 +32,25 @@ pub fn pipelines() -> Option<&'static Pipelines> {
 /// The step of the guides alone.
 pub fn simulate() -> Option<&'static simulate::Pipelines> {
     pipelines().map(|pipelines| &pipelines.simulate)
+}
+
+/// Records with `what` on that adapter, and submits.
+pub fn submit(what: impl FnOnce(&mut Recorder<'_>) -> Result<()>) {
+    let Gpu { device, queue, .. } = gpu().expect("there is a GPU");
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let pipelines = pipelines().expect("there is a GPU");
+    what(&mut Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }).expect("it fits");
+    queue.submit([encoder.finish()]);
+}
+
+/// A frame of the usual physics, among no obstacles but the head.
+pub fn frame(head: Pose, dt: f32) -> Frame<'static> {
+    static COLLIDERS: ColliderPoses = ColliderPoses { head: None, colliders: Vec::new() };
+    static PHYSICS: LazyLock<SimulationParams> = LazyLock::new(Default::default);
+    Frame { dt, head, colliders: &COLLIDERS, simulation: &PHYSICS }
+}
+
+/// Moves a groom on by a frame.
+pub fn advance(hair: &mut Hair, frame: &Frame<'_>) {
+    submit(|recorder| recorder.advance(hair, frame));
 }

@@ -3,7 +3,7 @@
 mod device;
 mod fixtures;
 
-pub use device::{gpu, pipelines, simulate};
+pub use device::{advance, frame, gpu, pipelines, simulate, submit};
 pub use fixtures::{SINTEL, asset, character, scalp, sintel};
 
 use tresses::{

@@ -5,7 +5,7 @@ use crate::common;
 use tresses::{
     Hair,
     glam::Vec3,
-    groom::{bind, import},
+    groom::{bind, import, styles::Style},
     lod::{Detail, LodMode},
 };
 
@@ -17,9 +17,14 @@ pub fn measure(picture: &[[f32; 4]]) -> [f32; 2] {
 }
 
 /// Directions about the hair, all around: what is a few pixels large shines by chance, and a level of detail
-/// is right for all lights and eyes together. Fewer where pictures are large and next to nothing differs.
+/// is right for all lights and eyes together. Of hair of 20 pixels single directions differ by 10 %, so that six of
+/// them tell its mean to 4 % only. Fewer where pictures are large and next to nothing differs.
 fn directions(pixels: u32) -> usize {
-    if pixels < 300 { 6 } else { 2 }
+    match pixels {
+        ..30 => 24,
+        30..300 => 6,
+        _ => 2,
+    }
 }
 
 /// How much more coverage and luminance (of what is covered) the hair has from `distance` metres than in full
@@ -59,22 +64,36 @@ const MOST: f32 = 0.03;
 /// And curls of less than a pixel: docs/appearance/lod.md says what is not reached there.
 const CURLS: f32 = 0.04;
 
-/// Prints the errors at each of `distances` and holds them against `most`.
-fn check(stage: &Setup, name: &str, hair: &mut Hair, distances: &[f32], most: f32) {
+/// Prints the errors at each of `distances` and holds them against `most`. Of `hairs`, grooms of one kind, the first
+/// is looked at from anywhere; where they are a few pixels large it is their mean that counts.
+fn check(stage: &Setup, name: &str, hairs: &mut [Hair], distances: &[f32], most: f32) {
     for &distance in distances {
+        let is_far = distance > 30.0;
         let shot = Shot::new(distance, Vec3::Z);
-        let error = errors(stage, hair, distance, directions(shot.size(hair.lod.sphere.1)), |_| {});
-        let Detail { strands, width, deeper: [before, behind], segments, .. } = shot.detail(hair);
-        println!(
-            "{name}, {distance} m: {} px, {strands} strands, {width:.2} times as wide, fibres count {before:.2} and \
-             {behind:.2}, {segments:.2} segments: coverage {:+.2} %, luminance {:+.2} %",
-            shot.size(hair.lod.sphere.1),
-            100.0 * error[0],
-            100.0 * error[1]
-        );
-        // A few pixels lie as drivers round: `long` is at 2.99 % on one of them.
-        let most = if distance > 30.0 { most + 0.005 } else { MOST };
-        let worst = error.iter().fold(0f32, |worst, e| worst.max(e.abs()));
+        let seen = if is_far { hairs.len() } else { 1 };
+        let mut mean = [0.0; 2];
+        for hair in &mut hairs[..seen] {
+            let pixels = shot.size(hair.lod.sphere.1);
+            let error = errors(stage, hair, distance, directions(pixels), |_| {});
+            let Detail { strands, width, deeper: [before, behind], segments, .. } = shot.detail(hair);
+            println!(
+                "{name}, {distance} m: {pixels} px, {strands} strands, {width:.2} times as wide, fibres count \
+                 {before:.2} and {behind:.2}, {segments:.2} segments: coverage {:+.2} %, luminance {:+.2} %",
+                100.0 * error[0],
+                100.0 * error[1]
+            );
+            mean = [0, 1].map(|k| mean[k] + error[k] / seen as f32);
+        }
+        if seen > 1 {
+            println!(
+                "mean of {seen}: coverage {:+.2} %, luminance {:+.2} %",
+                100.0 * mean[0],
+                100.0 * mean[1]
+            );
+        }
+        // A few pixels lie as drivers round.
+        let most = if is_far { most + 0.005 } else { MOST };
+        let worst = mean.iter().fold(0f32, |worst, e| worst.max(e.abs()));
         assert!(worst < most, "{name}, {distance} m: {worst}");
     }
 }
@@ -87,10 +106,11 @@ const ALL: &[f32] = &[1.0, 2.0, 4.0, 8.0, 16.0, 40.0];
 fn coverage_and_luminance_stay_at_a_distance() {
     let Some(stage) = Setup::open() else { return };
     let (groom, _) = Setup::style("long", 3000);
-    let mut hair = stage.hair(&groom, None);
+    let mut hair = [stage.hair(&groom, None)];
     check(stage, "long", &mut hair, &[16.0], MOST);
+    let [hair] = &mut hair;
     // The comparer sees strands that are not widened.
-    let [thin, _] = errors(stage, &mut hair, 16.0, 2, |detail| detail.width = 1.0);
+    let [thin, _] = errors(stage, hair, 16.0, 2, |detail| detail.width = 1.0);
     assert!(thin < -MOST, "{thin}");
 }
 
@@ -99,13 +119,13 @@ fn coverage_and_luminance_stay_at_a_distance() {
 #[ignore = "proof"]
 fn coverage_and_luminance_stay_at_any_distance() {
     let Some(stage) = Setup::open() else { return };
-    let (groom, _) = Setup::style("long", 5000);
-    let mut hair = stage.hair(&groom, None);
-    check(stage, "long", &mut hair, ALL, MOST);
+    let mut hairs = [1, 2, 3, 4].map(|seed| stage.grown(&Style::default().with_seed(seed), 5000));
+    check(stage, "long", &mut hairs, ALL, MOST);
     // The comparer sees strands that are not widened, and light that meets less of them.
-    let [thin, _] = errors(stage, &mut hair, 8.0, 2, |detail| detail.width = 1.0);
+    let hair = &mut hairs[0];
+    let [thin, _] = errors(stage, hair, 8.0, 2, |detail| detail.width = 1.0);
     assert!(thin < -MOST, "{thin}");
-    let [_, lit] = errors(stage, &mut hair, 8.0, 2, |detail| detail.area *= 0.7);
+    let [_, lit] = errors(stage, hair, 8.0, 2, |detail| detail.area *= 0.7);
     assert!(lit > MOST, "{lit}");
 }
 
@@ -114,9 +134,9 @@ fn coverage_and_luminance_stay_at_any_distance() {
 fn other_styles_keep_coverage_and_luminance() {
     let Some(stage) = Setup::open() else { return };
     let (groom, _) = Setup::style("short", 5000);
-    check(stage, "short", &mut stage.hair(&groom, None), ALL, MOST);
+    check(stage, "short", &mut [stage.hair(&groom, None)], ALL, MOST);
     let (groom, _) = Setup::style("curly", 5000);
-    check(stage, "curly", &mut stage.hair(&groom, None), ALL, CURLS);
+    check(stage, "curly", &mut [stage.hair(&groom, None)], ALL, CURLS);
 }
 
 #[test]
@@ -130,6 +150,6 @@ fn real_grooms_keep_coverage_and_luminance() {
         let Some(files) = files.iter().map(common::asset).collect::<Option<Vec<_>>>() else { continue };
         let (strands, _) = import::read(&files, &Default::default()).unwrap();
         let groom = bind(&strands, &Default::default()).unwrap();
-        check(stage, name, &mut stage.hair(&groom, None), ALL, MOST);
+        check(stage, name, &mut [stage.hair(&groom, None)], ALL, MOST);
     }
 }

@@ -4,16 +4,15 @@ use crate::common;
 use tresses::{
     Camera, Hair, HairOptions, Pipelines, Pose, View,
     camera::ToneMap,
-    collide::ColliderPoses,
+    drape,
     draw::Coverage,
-    frame::{Frame, Recorder, Sight},
+    frame::Sight,
     glam::Vec3,
     gpu::{Gpu, readback::blocking as readback},
-    groom::{Groom, SdfGrid},
+    groom::{Groom, SdfGrid, styles::Style},
     light::{Lights, Sphere, material::linear},
     lod::Detail,
     present::Background,
-    simulate::SimulationParams,
     strands::StrandVertex,
     view::{Picture, ViewOptions},
 };
@@ -45,6 +44,18 @@ impl Setup {
         (built.groom.clone(), built.field.clone())
     }
 
+    /// A style that may not be a default one.
+    pub fn grown(&self, style: &Style, strands: u32) -> Hair {
+        let made = drape::character(
+            &self.gpu.device,
+            &self.gpu.queue,
+            &self.pipelines.simulate,
+            style,
+            Some(strands),
+        );
+        self.hair(&pollster::block_on(made).unwrap().groom, None)
+    }
+
     pub fn hair(&self, groom: &Groom, field: Option<&SdfGrid>) -> Hair {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         let mut hair =
@@ -54,14 +65,7 @@ impl Setup {
     }
 
     pub fn advance(&self, hair: &mut Hair, head: Pose, dt: f32) {
-        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
-        let mut encoder = device.create_command_encoder(&Default::default());
-        let (colliders, simulation) = (&ColliderPoses::default(), &SimulationParams::default());
-        let frame = Frame { dt, head, colliders, simulation };
-        let pipelines = self.pipelines;
-        let mut recorder = Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None };
-        recorder.advance(hair, &frame).unwrap();
-        queue.submit([encoder.finish()]);
+        common::advance(hair, &common::frame(head, dt));
     }
 
     pub fn vertices(&self, hair: &Hair) -> Vec<StrandVertex> {
@@ -95,12 +99,7 @@ impl Setup {
             tone: ToneMap { exposure: EXPOSURE, shoulder: 1.0, desaturation: 0.0 },
             ..Default::default()
         };
-        let mut encoder = device.create_command_encoder(&Default::default());
-        let pipelines = self.pipelines;
-        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
-            .draw(&[&*hair], &[], Sight::new(&view, &scene))
-            .unwrap();
-        queue.submit([encoder.finish()]);
+        common::submit(|recorder| recorder.draw(&[&*hair], &[], Sight::new(&view, &scene)));
         let linear = |byte: u8| linear(f32::from(byte) / 255.0);
         let bytes = pollster::block_on(view.targets().read(device, queue)).unwrap();
         let pixel = |p: &[u8; 4]| [linear(p[0]), linear(p[1]), linear(p[2]), f32::from(p[3]) / 255.0];
