@@ -52,8 +52,10 @@ test: setup-tests ## Format, lints, docs, WebAssembly check, then every test
 	TRESSES_REQUIRE_GPU=1 $(CARGO) test --workspace
 
 proof: setup-tests ## The slow evidence behind the tables of docs/, which it prints
-	TRESSES_REQUIRE_GPU=1 $(CARGO) test --workspace --lib --bins --tests --no-fail-fast -- --ignored --show-output
-	TRESSES_REQUIRE_GPU=1 $(CARGO) test --package tresses --test gpu physics:: -- --show-output
+	@failed=0; set -x; export TRESSES_REQUIRE_GPU=1; \
+	$(CARGO) test --workspace --lib --bins --tests --no-fail-fast -- --ignored --show-output || failed=1; \
+	$(CARGO) test --package tresses --test gpu physics:: -- --show-output || failed=1; \
+	exit $$failed
 
 web: setup ## Build the web page into dist/, for any static file server
 	$(CARGO) run --quiet --bin tresses-web -- build

@@ -5,7 +5,14 @@ mod browser;
 
 use browser::{Browser, Picture};
 use serde_json::Value;
-use std::{fmt::Write, ops::Range, path::Path, thread, time::Instant};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fmt::Write,
+    ops::Range,
+    path::Path,
+    thread,
+    time::Instant,
+};
 use tresses_web::{Page, Server, pack};
 
 /// Of the page, pixels; narrower ones fold the panel.
@@ -33,12 +40,23 @@ const GO: [f64; 2] = [278.0, 285.0];
 /// Strands of the file that is dropped.
 const DROPPED: usize = 400;
 
-#[test]
-fn the_studio_runs_in_a_browser() {
-    let Some(mut browser) = Browser::start(SIZE) else { return };
-    let folder = tempfile::tempdir().unwrap();
-    pack(Page::Studio, folder.path(), false).unwrap();
-    let server = Server::new(folder.path(), 0).unwrap();
+/// How much memory the browser may take while the page goes on as it did before, bytes.
+const MOST: i64 = 20_000_000;
+/// Sizes of the page that come by, pixels; the panel keeps its width and its place at the right.
+const SIZES: [[u32; 2]; 3] = [SIZE, [SIZE[0] + 60, SIZE[1]], [SIZE[0], SIZE[1] + 60]];
+/// The panel's page of views of the inside; on it hair as it looks, locks, density and overdraw.
+const INSIDE: [f64; 2] = [662.0, 57.0];
+const VIEWS: [[f64; 2]; 4] = [[495.0, 98.0], [470.0, 231.0], [475.0, 312.0], [585.0, 258.0]];
+/// By how much the wheel turns: as far away as two levels of detail.
+const WHEEL: f64 = 300.0;
+/// Rounds in which every size has been seen in every view.
+const ROUNDS: usize = 12;
+
+/// The studio's page, with hair on it, from a server that runs until it is told to stop.
+fn open(folder: &Path) -> Option<(Browser, Server, thread::JoinHandle<()>)> {
+    let mut browser = Browser::start(SIZE)?;
+    pack(Page::Studio, folder, false).unwrap();
+    let server = Server::new(folder, 0).unwrap();
     let serving = thread::spawn({
         let server = server.clone();
         move || server.run()
@@ -47,6 +65,78 @@ fn the_studio_runs_in_a_browser() {
     // WebAssembly is compiled, then the shaders.
     browser.until("typeof window.tresses_state", |kind| kind == "function");
     state(&mut browser, |state| state["strands"] == 1500 && state["frames"].as_u64() > Some(0));
+    Some((browser, server, serving))
+}
+
+#[test]
+fn memory_stands_still_in_a_browser() {
+    stands_still(3, 60);
+}
+
+#[test]
+#[ignore = "proof"]
+fn two_thousand_frames_in_a_browser_take_no_more_than_a_hundred() {
+    stands_still(9, 2000);
+}
+
+/// The motion goes on, `frames` in each round, until there were `all` frames: the page is resized, the camera comes
+/// and goes, and with it the level of detail, views are shown. After as many rounds as show everything once, memory
+/// stands still.
+fn stands_still(frames: u64, all: u64) {
+    let folder = tempfile::tempdir().unwrap();
+    let Some((mut browser, server, serving)) = open(folder.path()) else { return };
+    let browser = &mut browser;
+    let drawn = |browser: &mut Browser| state(browser, |_| true)["frames"].as_u64().unwrap();
+    let pass = |browser: &mut Browser, frames: u64| {
+        let begin = drawn(browser);
+        state(browser, |state| state["frames"].as_u64() >= Some(begin + frames));
+    };
+    browser.drag(INSIDE, INSIDE);
+    let begin = drawn(browser);
+    let (mut round, mut sizes, mut before) = (0, BTreeSet::new(), None);
+    while round < 2 * ROUNDS || round % ROUNDS > 0 || drawn(browser) < begin + all {
+        let size = SIZES[round % SIZES.len()];
+        browser.resize(size);
+        browser.wheel(MIDDLE, if round % 2 == 0 { WHEEL } else { -WHEEL });
+        pass(browser, 2);
+        let [x, y] = VIEWS[round % VIEWS.len()];
+        let place = [x + f64::from(size[0] - SIZE[0]), y];
+        browser.drag(place, place);
+        pass(browser, frames - 2);
+        sizes.insert(state(browser, |_| true)["size"].to_string());
+        round += 1;
+        if round == ROUNDS {
+            before = browser.resident();
+        }
+    }
+    let frames = drawn(browser) - begin;
+    let (Some(before), Some(after)) = (before, browser.resident()) else {
+        return println!("skipped: the system does not tell how much memory a browser holds");
+    };
+    // A browser starts processes for pages that are still to come, after a minute or two: they are not this page's.
+    let of_this = |held: &BTreeMap<i64, i64>| {
+        held.iter().filter(|(pid, _)| before.contains_key(pid)).map(|(_, held)| held).sum::<i64>()
+    };
+    let others = after.keys().filter(|pid| !before.contains_key(pid)).count();
+    let (is, was) = (of_this(&after), of_this(&before));
+    println!(
+        "{frames} frames, pictures of {sizes:?} pixels: {:.1} MB; {others} other processes",
+        (is - was) as f64 * 1e-6
+    );
+    assert!(sizes.len() >= SIZES.len(), "the picture has changed its size: {sizes:?}");
+    assert!(is - was <= MOST, "from {was} to {is} bytes");
+    // A leak of that size is seen.
+    browser.value(&format!("(window.kept = new Uint8Array({})).fill(1).length", 3 * MOST / 2));
+    let leaked = of_this(&browser.resident().expect("it told before")) - is;
+    assert!(leaked > MOST, "{leaked} bytes");
+    server.stop();
+    serving.join().unwrap();
+}
+
+#[test]
+fn the_studio_runs_in_a_browser() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some((mut browser, server, serving)) = open(folder.path()) else { return };
     let first = picture(&mut browser, "hair", |picture| hair(picture) > 0.05);
     first.keep("studio-1-hair.png");
     picture(&mut browser, "motion", |later| change(later, &first) > 0.03).keep("studio-2-motion.png");

@@ -16,7 +16,7 @@ use crate::{
     simulate::{
         Forces, Grab, GuideTraits, Ray, RestOptions, RestShape, Simulation, SimulationParams, Target, rest,
     },
-    strands::{GuideBuffers, Strand, StrandBuffers},
+    strands::{GuideBuffers, GuideSample, Strand, StrandBuffers},
     tessellate::{Tessellation, rest_samples},
     volume::{Volume, VolumeOptions},
     wind::Air,
@@ -168,11 +168,11 @@ impl Hair {
             head,
         )?;
         rest.upload(queue, &guides)?;
-        let sample_rest: Vec<[f32; 4]> = (0..groom.guides.len())
+        let samples: Vec<_> = (0..groom.guides.len())
             .flat_map(|i| rest_samples(groom.guides.guide(i), sample_count))
-            .map(|p| p.extend(0.0).to_array())
+            .map(GuideSample::at_rest)
             .collect();
-        queue.write_buffer(&guides.sample_rest, 0, bytemuck::cast_slice(&sample_rest));
+        queue.write_buffer(&guides.samples, 0, bytemuck::cast_slice(&samples));
         let infos = with_locks(&arranged);
         queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&infos));
         queue.write_buffer(&strands.bindings, 0, bytemuck::cast_slice(&arranged.bindings));
@@ -187,7 +187,7 @@ impl Hair {
         let colliders = ColliderSet::new(device, queue, colliders)?;
         let simulation = Simulation::new(device, &pipelines.simulate, &guides);
         let volume = Volume::new(device, &pipelines.volume, &guides, &rest, &options.volume)?;
-        let lod = Lod::new(device, queue, &pipelines.widths, &arranged, &infos, &strands, progress).await?;
+        let lod = Lod::new(device, queue, &pipelines.widths, arranged, &infos, &strands, progress).await?;
         let mut set = HairSet::new(device, &strands)?;
         set.area = lod.area();
         Ok(Self {

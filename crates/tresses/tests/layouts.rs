@@ -232,7 +232,7 @@ fn tessellate() {
     use tresses::{strands::GuideSample, tessellate::TessellateParams};
     assert_eq!(
         wgsl_layout("strands::guide::GuideSample"),
-        rust_layout!(GuideSample { position, _pad, rotation })
+        rust_layout!(GuideSample { place, turn })
     );
     assert_eq!(
         wgsl_layout("tessellate::spline::TessellateParams"),

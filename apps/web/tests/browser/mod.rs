@@ -3,6 +3,7 @@
 use base64::{Engine, prelude::BASE64_STANDARD};
 use serde_json::{Value, json};
 use std::{
+    collections::BTreeMap,
     net::TcpStream,
     ops::Range,
     path::{Path, PathBuf},
@@ -140,8 +141,7 @@ impl Browser {
         for domain in ["Page", "Runtime", "Log"] {
             browser.call(&format!("{domain}.enable"), json!({}));
         }
-        let metrics = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": false});
-        browser.call("Emulation.setDeviceMetricsOverride", metrics);
+        browser.resize([width, height]);
         Some(browser)
     }
 
@@ -260,6 +260,45 @@ impl Browser {
         for _ in 0..2 {
             self.value(frame);
         }
+    }
+
+    /// From here on the page has `size`, pixels.
+    pub fn resize(&mut self, [width, height]: [u32; 2]) {
+        let metrics = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": false});
+        self.call("Emulation.setDeviceMetricsOverride", metrics);
+    }
+
+    /// Turns the mouse's wheel by so many pixels.
+    pub fn wheel(&mut self, [x, y]: [f64; 2], by: f64) {
+        let event = json!({"type": "mouseWheel", "x": x, "y": y, "deltaX": 0.0, "deltaY": by});
+        self.call("Input.dispatchMouseEvent", event);
+    }
+
+    /// What each process of the browser, by its number, holds in memory besides its program, bytes, once the page's
+    /// garbage is collected: WebAssembly's memory and the adapter's are part of it. Where the system tells, which is
+    /// Linux.
+    pub fn resident(&mut self) -> Option<BTreeMap<i64, i64>> {
+        self.call("HeapProfiler.collectGarbage", json!({}));
+        let number = |text: &str, name: &str| -> Option<i64> {
+            text.lines().find_map(|line| line.strip_prefix(name)?.split_whitespace().next()?.parse().ok())
+        };
+        let entries = std::fs::read_dir("/proc").ok()?.flatten();
+        let texts = entries.filter_map(|entry| std::fs::read_to_string(entry.path().join("status")).ok());
+        let all: Vec<[i64; 3]> = texts
+            .filter_map(|text| {
+                let held = number(&text, "RssAnon:")? + number(&text, "RssShmem:")?;
+                Some([number(&text, "Pid:")?, number(&text, "PPid:")?, held * 1024])
+            })
+            .collect();
+        let mut family = vec![i64::from(self.child.id())];
+        let mut next = 0;
+        while let Some(parent) = family.get(next).copied() {
+            family.extend(all.iter().filter(|[_, of, _]| *of == parent).map(|[pid, ..]| *pid));
+            next += 1;
+        }
+        Some(
+            all.iter().filter(|[pid, ..]| family.contains(pid)).map(|[pid, _, held]| (*pid, *held)).collect(),
+        )
     }
 
     /// From here on the page's downloads go into `folder`.

@@ -47,9 +47,8 @@
 //! | Sintel, one guide in 64 | 0.11, 0.01, 0.01 | 0.28, 0.02, 0.01 |
 //!
 //! In a turn a third as fast, on a coarse groom, avoidance moves no vertex by more than 1.6 mm per frame
-//! relative to the head; without smoothing, by up to 15 mm (`tests/gpu/avoid.rs`). The stage costs about two
-//! thirds of [`crate::interpolate`] for the turning long style with 16,000 strands, half of that in the
-//! search.
+//! relative to the head; without smoothing, by up to 15 mm (`tests/gpu/avoid.rs`). The stage costs about as
+//! much as [`crate::interpolate`] for the turning long style with 20,000 strands on a CPU driver.
 //!
 //! **Why not only move the vertices out?** That also puts them outside ([`AvoidMode::PenetratingOnly`] does
 //! it), but edges stretch and the rest of the strand stays where it was: tips lie flat on the skin or dip

@@ -36,7 +36,7 @@ impl Pipelines {
         Self {
             first_hit: kernel("avoid::first_hit", &[read, read, write]),
             push_out: kernel("avoid::push_out", &[read, write, write]),
-            change_over: kernel("avoid::change_over", &[read, read, read, read, write, write]),
+            change_over: kernel("avoid::change_over", &[read, read, read, write, write]),
         }
     }
 
@@ -65,7 +65,7 @@ impl Pipelines {
             push_out: bind(&self.push_out, &[rest, vertices, states]),
             change_over: bind(
                 &self.change_over,
-                &[&guides.samples, &guides.sample_rest, bindings, rest, vertices, states],
+                &[&guides.samples, bindings, rest, vertices, states],
             ),
         }
     }

@@ -57,7 +57,6 @@ impl Pipelines {
             Binding::Storage,
             Binding::Storage,
             Binding::Storage,
-            Binding::Storage,
             Binding::StorageMut,
         ];
         Self { kernel: Kernel::new(device, "interpolate::blend", &entries) }
@@ -86,7 +85,7 @@ impl Interpolation {
     ) -> Self {
         let params = bindings::uniform(device, "interpolate", size_of::<InterpolateParams>());
         let StrandBuffers { bindings: bound, rest, vertices, .. } = strands;
-        let buffers = [&params, &guides.samples, &guides.sample_rest, bound, rest, vertices];
+        let buffers = [&params, &guides.samples, bound, rest, vertices];
         let group = pipelines.kernel.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()));
         Self { params, group }
     }

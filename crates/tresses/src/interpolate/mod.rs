@@ -10,7 +10,7 @@
 //! rest length: lengths are exact whatever the guides do.
 //!
 //! ```text
-//! samples, sample rest (guide-major) ─┐
+//! samples (GuideSample, guide-major) ─┐
 //! bindings (per strand)              ─┼─► blend ─► vertices (StrandVertex, strand-major)
 //! rest (PackedRest, per vertex)      ─┘
 //! ```

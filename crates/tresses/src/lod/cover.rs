@@ -1,7 +1,7 @@
 //! Coverage and brightness of wider strands. Few wide strands cover more than many thin ones of the same
 //! area, because they cover gaps and reach beyond outlines; a coarse pixel covers more as well, because
 //! strands within it are treated as overlapping at random. The eye then sees less or more deeply into the
-//! hair, where less light arrives. Factors that correct both are measured on the CPU at load
+//! hair, where less light arrives. Factors that correct both are measured on the CPU
 //! ([`seen`](super::seen)).
 
 use super::{

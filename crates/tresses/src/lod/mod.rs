@@ -18,12 +18,13 @@
 //!
 //! **Wider strands.** Drawn strands are widened by the area of all strands over the area of those drawn, so
 //! that the total area is the same at any level, times a little less than 1: wide strands cover gaps and
-//! reach beyond outlines, which [`CoverTable`] measures at load. The kernel `widths` writes the radius of
+//! reach beyond outlines, which [`CoverTable`] measures. The kernel `widths` writes the radius of
 //! every drawn strand; shading, strips and shadows read that radius. Shadow maps and the grid of ambient
 //! light hold the area of full detail. Between those narrower strands the eye sees deeper; so that visible
 //! hair is on average as bright as at full detail, the fibres in front of it are counted with a factor,
-//! also measured at load, that differs between lights beside the eye and lights behind the hair
-//! ([`CoverTable::factors`]).
+//! also measured, that differs between lights beside the eye and lights behind the hair
+//! ([`CoverTable::factors`]). Where there are threads both are measured while the caller goes on; the first frame with
+//! fewer strands waits for them, if it comes so soon.
 //!
 //! **Fewer segments.** At load [`CurveTable`] measures how far strands deviate when they are drawn with
 //! fewer segments, and how much shorter they get (which widens them in turn). A frame uses the number for
@@ -49,6 +50,7 @@
 
 mod cover;
 mod curve;
+mod later;
 mod lit;
 mod maps;
 mod order;
@@ -68,6 +70,9 @@ use crate::{
     strands::{Drawn, Strand, StrandBuffers},
 };
 use glam::Vec3;
+use later::Later;
+#[cfg(not(target_arch = "wasm32"))]
+use later::Wanted;
 use maps::Painted;
 use widths::WidthBuffers;
 
@@ -187,7 +192,7 @@ pub struct Lod {
     /// What fewer segments cost.
     pub curve: CurveTable,
     /// What wider strands cost.
-    pub cover: CoverTable,
+    cover: Later<CoverTable>,
     /// Around the hair at rest: middle (groom space) and radius, metres.
     pub sphere: (Vec3, f32),
     /// Mean diameter of the strands, metres.
@@ -217,7 +222,7 @@ impl Lod {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         stage: &Widths,
-        strands: &BoundStrands,
+        strands: BoundStrands,
         infos: &[Strand],
         buffers: &StrandBuffers,
         progress: &impl Progress,
@@ -241,8 +246,8 @@ impl Lod {
         }
         let mut lod = Self {
             options: LodOptions::default(),
-            curve: CurveTable::new(strands),
-            cover: CoverTable::none(),
+            curve: CurveTable::new(&strands),
+            cover: Later::known(CoverTable::none()),
             sphere: (0.5 * (lo + hi), 0.5 * lo.distance(hi)),
             diameter: (area / length.max(1e-12)).max(1e-9) as f32,
             painted: Painted::none(infos.len()),
@@ -269,7 +274,18 @@ impl Lod {
         };
         let first = span(&lod.ends, 0)[1];
         let levels = cover::levels(first, lod.limit(), &lod.curve, |f| lod.widening(f), |p| lod.segments(p));
-        lod.cover = CoverTable::new(strands, infos, lod.sphere, &levels, progress).await;
+        let (infos, sphere) = (infos.to_vec(), lod.sphere);
+        #[cfg(not(target_arch = "wasm32"))]
+        {
+            let _ = progress;
+            lod.cover = Later::start(async move |wanted: &Wanted| {
+                CoverTable::new(&strands, &infos, sphere, &levels, wanted).await
+            });
+        }
+        #[cfg(target_arch = "wasm32")]
+        {
+            lod.cover = Later::known(CoverTable::new(&strands, &infos, sphere, &levels, progress).await);
+        }
         lod.buffers.upload(queue, &lod.strands, &lod.ends, &lod.painted);
         lod.buffers.prepare(queue, &lod.detail);
         Ok(lod)
@@ -278,6 +294,11 @@ impl Lod {
     /// The area of all strands, width times length, m².
     pub(crate) fn area(&self) -> f32 {
         self.areas.last().map_or(0.0, |area| *area as f32)
+    }
+
+    /// What wider strands cost. Soon after the hair was made it may still be measured, and this waits.
+    pub fn cover(&self) -> &CoverTable {
+        self.cover.get()
     }
 
     /// The level of detail of the frame that is being recorded.
@@ -318,9 +339,13 @@ impl Lod {
             LodMode::Auto => (coarse / options.slow_pixel.max(1e-9)).clamp(1.0, options.slowest.max(1.0)),
             LodMode::Off | LodMode::Fixed(_) => 1.0,
         };
+        let automatic = (limit / pixel.max(1e-12)).min(1.0);
+        // In full detail nothing is asked that may not be known yet.
         let [cover, before, behind] = match options.mode {
-            LodMode::Off => [1.0; 3],
-            _ => self.cover.factors(fraction, (limit / pixel.max(1e-12)).min(1.0)),
+            LodMode::Auto | LodMode::Fixed(_) if fraction < 1.0 || automatic < 1.0 => {
+                self.cover().factors(fraction, automatic)
+            }
+            _ => [1.0; 3],
         };
         Detail {
             pixel,

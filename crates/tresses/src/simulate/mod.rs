@@ -7,9 +7,10 @@
 //!
 //! ```text
 //! info, rest, shape ─► ┌ root to tip: predict, carry the frames     ┐
-//! previous, current,   │ tip to root: twist passed up by the bends  │ × substeps ─► previous, current,
-//! velocity          ─► │ root to tip: assemble, eliminate           │              velocity
-//! colliders         ─► └ tip to root: substitute                    ┘
+//! previous, current,   │ collider by collider: contacts             │ × substeps ─► previous, current,
+//! velocity          ─► │ tip to root: twist passed up by the bends  │              velocity
+//! colliders         ─► │ root to tip: assemble, eliminate           │
+//!                      └ tip to root: substitute                    ┘
 //! ```
 //!
 //! **Bending.** The target of the edge after vertex `j` is `t = R c`, where `R` is the rotation from rest
@@ -34,12 +35,13 @@
 //! (16 vertices) to 0.1 mm (32) and 2 mm (64) in four steps of a turning head. Only a strand with a segment
 //! of zero length differs by millimetres: the direction of that segment is rounding error.
 //!
-//! **Speed.** On two cores of a CPU driver (Mesa's lavapipe) a step of 11,400 guides with 16 vertices takes
-//! 52 ms, with or without a distance field, and of 166 guides with 32 vertices 1.6 ms. Most of it is memory
-//! traffic of the private arrays. Unrolled by the driver it took 130 ms, hence
-//! [`params::StepUniforms::one`]. Contacts cache the collider that they read last: reading its place and
-//! shape again for every vertex took a fifth of the step. Loops of zero or one iteration, which let such a
-//! driver skip work that few vertices need, gained nothing here.
+//! **Speed.** On a CPU driver (Mesa's lavapipe, two cores) a step of 11,400 guides with 16 vertices takes 105 ms of
+//! processor time: a fifth of it contacts and another tenth their distance field, a third the traffic of private
+//! arrays, which such a driver reads and writes lane by lane, a tenth waiting for memory. Its loops run their body
+//! until no lane is left, so that one that tests first runs it once too often; with the contacts of a vertex in
+//! three nested loops, each of them such, a step took 160 ms. Contacts are therefore a pass of their own, collider by
+//! collider: the place and shape of one are read once per strand instead of once per vertex. Unrolled by the driver a
+//! step took no less time and seconds more to compile, hence [`params::StepUniforms::one`].
 //!
 //! **Known limits.** Elimination from tip to root would save a pass, but its rounding error is far larger.
 //! Twist has no stiffness parameter: it is rigid. Positions are single precision in world axes: hair

@@ -1,4 +1,5 @@
-//! The scalar twin of `step.wesl`: the same operations in the same order, on one strand.
+//! The scalar twin of `step.wesl`: the same operations on one strand, in the same order but for
+//! the contacts of a vertex, which the kernel adds up before the rest.
 
 use super::params::{BRAKE, StepUniforms, bending_rate};
 use crate::clock::Mode;

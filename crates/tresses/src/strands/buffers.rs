@@ -31,8 +31,6 @@ pub struct GuideBuffers {
     pub forces: wgpu::Buffer,
     /// [`GuideSample`], indexed `guide * sample_count + sample`.
     pub samples: wgpu::Buffer,
-    /// `vec4`: rest position of each sample, groom space (xyz), indexed as `samples`.
-    pub sample_rest: wgpu::Buffer,
 }
 
 /// The buffers of the drawn strands. A clone names the same buffers.
@@ -125,7 +123,6 @@ impl GuideBuffers {
             velocity: storage::<[f32; 4]>(device, "guide velocity", vertices)?,
             forces: storage::<GuideForce>(device, "guide forces", vertices)?,
             samples: storage::<GuideSample>(device, "guide samples", samples)?,
-            sample_rest: storage::<[f32; 4]>(device, "guide sample rest", samples)?,
         })
     }
 
@@ -140,7 +137,6 @@ impl GuideBuffers {
             &self.velocity,
             &self.forces,
             &self.samples,
-            &self.sample_rest,
         ]
         .iter()
         .map(|buffer| buffer.size())

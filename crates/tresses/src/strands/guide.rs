@@ -1,7 +1,7 @@
 //! Guides: the strands that are simulated.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Quat, Vec3};
+use glam::{Vec3, Vec4};
 
 /// Bit of [`Guide::flags`]: the last vertex follows the head, as the root does.
 pub const TIP_PINNED: u32 = 1;
@@ -42,16 +42,23 @@ pub struct GuideShape {
     pub length: f32,
 }
 
-/// A point of a tessellated guide: the B-spline evaluated at equal parameter steps.
+/// A point of a tessellated guide: the B-spline evaluated at equal parameter steps. Two words of 16 bytes, since
+/// drivers load such a word as fast as a number.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GuideSample {
-    /// World space, metres.
-    pub position: Vec3,
-    /// Unused; keeps the rotation aligned.
-    pub _pad: f32,
+    /// World space, metres (xyz), and where it rests in groom space: x.
+    pub place: Vec4,
     /// The rotation that carries the neighbourhood of this sample from groom space at rest to the
     /// world: the head's rotation at the root, then minimal rotations from edge to edge
-    /// (parallel transport).
-    pub rotation: Quat,
+    /// (parallel transport). A quaternion, four signed fractions of 16 bits; then the bits of y and z of where it
+    /// rests.
+    pub turn: [u32; 4],
+}
+
+impl GuideSample {
+    /// At rest at `rest` (groom space, metres), the head in its own frame.
+    pub fn at_rest(rest: Vec3) -> Self {
+        Self { place: rest.extend(rest.x), turn: [0, 0x7fff_0000, rest.y.to_bits(), rest.z.to_bits()] }
+    }
 }

@@ -402,7 +402,7 @@ fn guides_carry_their_quantities() {
         (0..n).map(|i| [at(i).0, -0.01 * at(i).1 * (1.0 + 0.1 * at(i).0), 0.0, 0.0]).collect();
     let shape = vec![GuideShape { length: 0.01, ..Default::default() }; n];
     let sampled: Vec<_> = (0..count * samples)
-        .map(|i| GuideSample { position: Vec3::splat(i as f32), ..bytemuck::Zeroable::zeroed() })
+        .map(|i| GuideSample::at_rest(Vec3::splat(i as f32)))
         .collect();
     gpu.queue.write_buffer(&guides.velocity, 0, bytemuck::cast_slice(&velocity));
     gpu.queue.write_buffer(&guides.current, 0, bytemuck::cast_slice(&current));

@@ -8,7 +8,7 @@ use tresses::{
     gpu::{Gpu, readback::blocking as readback},
     groom::{BindOptions, Groom, GuideCount, bind},
     interpolate::{self, Interpolation},
-    strands::{GuideBuffers, StrandBuffers, StrandVertex, vertex::unpack_tangent},
+    strands::{GuideBuffers, GuideSample, StrandBuffers, StrandVertex, vertex::unpack_tangent},
     tessellate::{self, TessellateParams, Tessellation, rest_samples},
     wgpu,
 };
@@ -38,11 +38,11 @@ fn draw(
     write(&guides.previous, bytemuck::cast_slice(&state(previous)));
     write(&guides.current, bytemuck::cast_slice(&state(current)));
     write(&guides.rest, bytemuck::cast_slice(&state(&groom.guides.positions)));
-    let sample_rest: Vec<_> = (0..groom.guides.len())
+    let resting: Vec<_> = (0..groom.guides.len())
         .flat_map(|g| rest_samples(groom.guides.guide(g), samples))
-        .map(|p| p.extend(0.0).to_array())
+        .map(GuideSample::at_rest)
         .collect();
-    write(&guides.sample_rest, bytemuck::cast_slice(&sample_rest));
+    write(&guides.samples, bytemuck::cast_slice(&resting));
     write(&strands.bindings, bytemuck::cast_slice(&groom.strands.bindings));
     write(&strands.rest, bytemuck::cast_slice(&groom.strands.rest));
 
