@@ -16,6 +16,8 @@ pub const SHARED: &[(&str, u32)] = &[
     ("MAX_LIGHTS", MAX_LIGHTS),
     ("SHADOW_BLOCK", SHADOW_BLOCK),
     ("DEEP_LAYERS", DEEP_LAYERS),
+    ("COVER_STRANDS", COVER_STRANDS),
+    ("COVER_STRIDE", COVER_STRIDE),
     ("AMBIENT_STRANDS", AMBIENT_STRANDS),
 ];
 
@@ -51,5 +53,9 @@ pub const MAX_LIGHTS: u32 = 4;
 pub const SHADOW_BLOCK: u32 = 4;
 /// Layers of a deep opacity map.
 pub const DEEP_LAYERS: u32 = 8;
+/// The most strands that are counted in deep opacity maps: of more, these represent all.
+pub const COVER_STRANDS: u32 = 8192;
+/// The most segments of a strand that lie in those maps as one.
+pub const COVER_STRIDE: u32 = 2;
 /// About how many strands represent all of them in the grid of ambient light.
 pub const AMBIENT_STRANDS: u32 = 4096;

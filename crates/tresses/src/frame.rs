@@ -220,7 +220,8 @@ impl Recorder<'_> {
             };
             if !replaced {
                 let timings = self.timings.as_deref_mut();
-                view.light.shade(&self.pipelines.light, self.encoder, timings, &seen);
+                let rate = picture.shading;
+                view.light.shade(&self.pipelines.light, self.encoder, timings, &seen, rate);
                 self.lap("shade");
             }
         }

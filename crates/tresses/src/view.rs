@@ -6,7 +6,7 @@ use crate::{
     camera::{Camera, CameraUniform, ToneMap},
     draw::{Coverage, Targets, targets::PICTURE_FORMAT},
     gpu::bindings,
-    light::{self, HairSet, Lights, Lit, Seen, Shaded, ShadingRate, Shadows, Sphere},
+    light::{self, Chosen, HairSet, Lights, Lit, Seen, Shaded, ShadingRate, Shadows, Sphere},
     present::{self, Background},
 };
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -156,6 +156,26 @@ impl View {
         shaded.iter().find(|(of, _)| *of == hair.strands.vertices).map(|(_, shaded)| shaded.colors.clone())
     }
 
+    /// What shades only those vertices of `hair` whose word in `seen` is not 0 ([`light::State::shade_chosen`]); for as
+    /// long as the view's options stay as they are.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`].
+    pub fn chosen(
+        &self,
+        device: &wgpu::Device,
+        pipelines: &Pipelines,
+        hair: &HairSet,
+        seen: &wgpu::Buffer,
+    ) -> Result<Chosen> {
+        let shaded = self.lock().iter().find(|(of, _)| *of == hair.strands.vertices).map(|(_, s)| s.clone());
+        let shaded = match shaded {
+            Some(shaded) => shaded,
+            None => self.shares(device, pipelines, &[hair])?.remove(0),
+        };
+        Chosen::new(device, &pipelines.light, (&self.light, &self.camera), hair, &shaded, seen)
+    }
+
     /// Bytes of GPU memory of the shadow maps.
     pub fn shadow_bytes(&self) -> u64 {
         self.light.shadow_bytes()
@@ -206,7 +226,7 @@ impl View {
         self.present.prepare(queue, &picture.background, &picture.tone, &self.targets);
         let mut first = 0;
         for seen in hair {
-            seen.shaded.prepare(queue, seen.hair, picture.shading, first);
+            seen.shaded.prepare(queue, seen.hair, first);
             first += seen.hair.strands.count;
         }
         self.light.prepare(queue, (&picture.lights, &picture.shadows, &picture.focus), hair)

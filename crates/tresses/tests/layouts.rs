@@ -416,7 +416,7 @@ fn hair() {
         file_colors,
         count,
         vertex_count,
-        per_vertex,
+        knot_stride,
         splat_stride,
         splat_segments,
         variances,
@@ -435,8 +435,8 @@ fn hair() {
         deeper,
         area,
         first,
-        _pad_c,
-        _pad_d,
+        spans,
+        _pad,
     });
     assert_eq!(wgsl_layout("light::material::HairUniform"), rust);
 }

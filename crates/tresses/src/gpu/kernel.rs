@@ -115,6 +115,24 @@ impl Kernel {
         self.record_grid(pass, group, offsets, [workgroups.min(WIDTH), workgroups.div_ceil(WIDTH), 1]);
     }
 
+    /// Records one dispatch of as many workgroups as `workgroups` has at an offset, x, y and z.
+    pub fn record_indirect(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        group: &wgpu::BindGroup,
+        workgroups: &wgpu::Buffer,
+        offset: u64,
+    ) {
+        match self.pipeline() {
+            Ok(pipeline) => {
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(0, group, &[]);
+                pass.dispatch_workgroups_indirect(workgroups, offset);
+            }
+            Err(error) => REFUSED.with_borrow_mut(|refused| _ = refused.get_or_insert(error)),
+        }
+    }
+
     /// Records one dispatch of a grid of workgroups. One that cannot be compiled records nothing; the frame
     /// tells ([`crate::frame::Recorder`]).
     pub fn record_grid(

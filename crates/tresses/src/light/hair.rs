@@ -3,7 +3,7 @@
 use super::{
     Pipelines, State,
     fiber::FiberTables,
-    material::{HairMaterial, HairUniform, ShadingModel, ShadingRate},
+    material::{HairMaterial, HairUniform, ShadingModel},
 };
 use crate::{
     Error, Result,
@@ -28,6 +28,8 @@ pub struct HairSet {
     strips: BTreeMap<u32, Chunks>,
     /// Stride and number of the segments in the shadow maps.
     pub(crate) splat: [u32; 2],
+    /// Vertices between the knots that shading has along a strand, and number of the spans between them.
+    pub(crate) spans: [u32; 2],
     pub(crate) fiber: FiberTables,
 }
 
@@ -55,6 +57,7 @@ impl HairSet {
             strands: strands.clone(),
             strips: BTreeMap::new(),
             splat: [1; 2],
+            spans: [1; 2],
             fiber: FiberTables::new(device),
         };
         set.show(device, &strands.drawn);
@@ -68,6 +71,7 @@ impl HairSet {
         let last = drawn.vertex_count.saturating_sub(1).max(1);
         let stride = (last / 8).max(1);
         self.splat = [stride, last.div_ceil(stride)];
+        self.spans = spans(drawn.vertex_count);
         let count = self.strands.count;
         self.strips
             .entry(drawn.vertex_count)
@@ -98,11 +102,20 @@ impl HairSet {
     }
 }
 
+/// How the knots are spread over a strand of so many vertices: from one to the next, and how many spans that makes.
+fn spans(vertex_count: u32) -> [u32; 2] {
+    // What arrives of the light changes over an eighth of a strand, or a few vertices of a fine one.
+    let last = vertex_count.saturating_sub(1).max(1);
+    let stride = last.div_ceil(8).min(4);
+    [stride, last.div_ceil(stride)]
+}
+
 /// A groom as one view sees it: its shaded colours, which depend on eye and lights.
 #[derive(Debug)]
 pub struct Shaded {
     pub(crate) uniform: wgpu::Buffer,
     pub(crate) colors: wgpu::Buffer,
+    pub(super) knots: wgpu::Buffer,
     pub(crate) group: wgpu::BindGroup,
     pub(super) shade: wgpu::BindGroup,
     pub(super) splat: wgpu::BindGroup,
@@ -124,33 +137,49 @@ impl Shaded {
         let StrandBuffers { count, vertex_count, vertices, strands, widening, .. } = &hair.strands;
         let colors =
             storage::<[u32; 2]>(device, "shaded strands", u64::from(*count) * u64::from(*vertex_count))?;
+        // At any level of detail.
+        let most = (1..=*vertex_count).map(|vertices| spans(vertices)[1] + 1).max().unwrap_or(2);
+        let knots = storage::<[u32; 4]>(device, "knots of strands", u64::from(*count) * u64::from(most))?;
         let uniform = bindings::uniform(device, "hair", size_of::<HairUniform>());
         let own = [&uniform, vertices, strands, &colors].map(wgpu::Buffer::as_entire_binding);
         let maps = state.maps.hair_buffers();
         let splat = [&state.lights, &uniform, vertices, strands, maps[0], maps[1], widening];
         let lay = [&state.lights, &uniform, vertices, strands, state.ambient.sums()];
-        let frame = state.frame_resources(camera);
+        let shade = shade_resources(state.frame_resources(camera), &own, &knots, &pipelines.all);
         Ok(Self {
             group: bindings::group(device, "hair", &pipelines.hair, &own),
-            shade: pipelines.shade.bind(device, &frame.into_iter().chain(own.clone()).collect::<Vec<_>>()),
+            shade: pipelines.shade.bind(device, &shade),
             splat: pipelines.splat.bind(device, &splat.map(wgpu::Buffer::as_entire_binding)),
             lay: pipelines.ambient.lay.bind(device, &lay.map(wgpu::Buffer::as_entire_binding)),
             uniform,
             colors,
+            knots,
         })
     }
 
     /// Writes what the shaders know of `hair`, for the frame that is recorded; the grooms before it have `first`
     /// strands.
-    pub(crate) fn prepare(&self, queue: &wgpu::Queue, hair: &HairSet, rate: ShadingRate, first: u32) {
-        let uniform = hair.material.uniform(rate, &hair.drawn, hair.strands.vertex_count, hair.splat, first);
+    pub(crate) fn prepare(&self, queue: &wgpu::Queue, hair: &HairSet, first: u32) {
+        let uniform =
+            hair.material.uniform(&hair.drawn, hair.strands.vertex_count, [hair.splat, hair.spans], first);
         queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
     }
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        self.uniform.size() + self.colors.size()
+        self.uniform.size() + self.colors.size() + self.knots.size()
     }
+}
+
+/// In the order of `shade_bindings`: of the frame, of the groom, its knots, and which of them are asked for.
+pub(super) fn shade_resources<'a>(
+    frame: [wgpu::BindingResource<'a>; 8],
+    own: &[wgpu::BindingResource<'a>],
+    knots: &'a wgpu::Buffer,
+    chosen: &'a wgpu::Buffer,
+) -> Vec<wgpu::BindingResource<'a>> {
+    let last = [knots, chosen].map(wgpu::Buffer::as_entire_binding);
+    frame.into_iter().chain(own.iter().cloned()).chain(last).collect()
 }
 
 /// A groom as light, draw and the views inside read it: in the eyes of one view.

@@ -237,10 +237,9 @@ impl HairMaterial {
 
     pub(crate) fn uniform(
         &self,
-        shading: ShadingRate,
         drawn: &Drawn,
         rest_count: u32,
-        splat: [u32; 2],
+        [splat, spans]: [[u32; 2]; 2],
         first: u32,
     ) -> HairUniform {
         let fiber = &self.fiber;
@@ -271,7 +270,7 @@ impl HairMaterial {
             file_colors: u32::from(self.file_colors),
             count: drawn.count,
             vertex_count: drawn.vertex_count,
-            per_vertex: u32::from(shading == ShadingRate::PerVertex),
+            knot_stride: spans[0],
             splat_stride: splat[0],
             splat_segments: splat[1],
             variances: four(shape.variances()),
@@ -290,8 +289,8 @@ impl HairMaterial {
             deeper: drawn.deeper.into(),
             area: drawn.area,
             first,
-            _pad_c: 0,
-            _pad_d: 0,
+            spans: spans[1],
+            _pad: 0,
         }
     }
 }
@@ -332,8 +331,8 @@ pub struct HairUniform {
     pub count: u32,
     /// Vertices of each.
     pub vertex_count: u32,
-    /// Whether `light::shade` writes radiance (1) or the light that arrives (0).
-    pub per_vertex: u32,
+    /// Vertices from one knot of a strand to the next (`light::knot`).
+    pub knot_stride: u32,
     /// Vertex stride of the strands in the shadow maps.
     pub splat_stride: u32,
     /// Segments per strand in the shadow maps.
@@ -364,6 +363,7 @@ pub struct HairUniform {
     pub area: f32,
     /// How many strands the grooms before it have in the picture: strands round their coverage by their number.
     pub first: u32,
-    pub _pad_c: u32,
-    pub _pad_d: u32,
+    /// Spans between the knots of a strand.
+    pub spans: u32,
+    pub _pad: u32,
 }

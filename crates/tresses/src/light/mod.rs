@@ -28,8 +28,15 @@
 //! The hair's texels are as large as the shadow is soft, and the filter reads every texel under it: that is
 //! why shadows do not crawl when a light turns (`tests/gpu/shadows`), and why the maps are small.
 //!
-//! **Shade** (`shade.wesl`): one thread per strand vertex looks up the shadows of all lights and, unless shading
-//! is per pixel, evaluates the whole radiance. Both are interpolated along the strand. Eight bytes per vertex.
+//! Of more than 8,192 strands every n-th lies in the layers, with the weight of all: the count is smooth anyway. Two
+//! segments lie there as one arc (as a chord they would lie half a millimetre deeper on a round head, and what is seen
+//! would be lit by a tenth more), two texels to a column, which takes half the atomic additions of four about each step.
+//!
+//! **Shade**: what arrives of the lights, ambient light and what other fibres scatter vary slowly along a strand and are
+//! evaluated at its *knots*, eight spans or every fourth vertex (`knots.wesl`, 16 bytes each); highlights and colours do
+//! not: `shade.wesl` adds them vertex by vertex. Eight bytes per vertex. With [`Chosen`] only what is seen is shaded:
+//! `choose.wesl` lists knots and spans, and both kernels run over the lists. Where shading is per pixel, `arrive.wesl` looks
+//! up the shadows of every vertex instead.
 //!
 //! **Shading** (`shading.wesl`): two models, chosen by [`ShadingModel`], from the same fibre, eye, light and
 //! fibre count, so that a kernel and a fragment shader share them. *Fiber* refracts, absorbs and
@@ -48,6 +55,7 @@
 
 pub mod ambient;
 mod asked;
+pub mod chosen;
 pub mod environment;
 pub mod fiber;
 pub mod hair;
@@ -61,6 +69,7 @@ pub mod state;
 pub mod terms;
 
 pub use ambient::Ambient;
+pub use chosen::Chosen;
 pub use environment::Environment;
 pub(crate) use hair::Seen;
 pub use hair::{HairSet, Shaded};

@@ -28,10 +28,11 @@ pub(crate) const FRAME: [Binding; 8] = [
 /// A groom's share of `@group(1)`: its uniform, vertices, strands and shaded colours.
 const HAIR: [Binding; 4] = [Binding::Uniform, Binding::Storage, Binding::Storage, Binding::Storage];
 
-/// What `light::shade` and its sibling `light::terms` bind.
+/// What the kernels that shade bind, as in `light::knot`.
 pub(super) fn shade_bindings() -> Vec<Binding> {
+    use Binding::{Storage, StorageMut};
     let last = HAIR.len() - 1;
-    [&FRAME[..], &HAIR[..last], &[Binding::StorageMut]].concat()
+    [&FRAME[..], &HAIR[..last], &[StorageMut, StorageMut, Storage]].concat()
 }
 
 /// The pipelines of the stage.
@@ -53,7 +54,14 @@ pub struct Pipelines {
     /// Deep opacity maps: where the hair's front is, hair into the layers, sums over the layers.
     pub(super) deep: [Kernel; 3],
     pub(super) ambient: ambient::Pipelines,
+    /// What varies slowly along strands, radiance by it, and for shading per pixel what arrives.
+    pub(super) knots: Kernel,
     pub(super) shade: Kernel,
+    pub(super) arrive: Kernel,
+    /// Which knots and spans are seen.
+    pub(super) choose: Kernel,
+    /// The list that asks for all of them.
+    pub(super) all: wgpu::Buffer,
     /// Nothing: the fibres' tables are `@group(2)`, as in the pipelines that draw.
     pub(super) gap: wgpu::BindGroup,
 }
@@ -71,6 +79,7 @@ impl Pipelines {
             let entries = [Uniform, Uniform, Storage, Storage, StorageMut, StorageMut, Storage];
             Kernel::new(device, module, &entries)
         };
+        let shading = |module| Kernel::beside(device, module, &shade_bindings(), &[&nothing, &fiber]);
         Self {
             device: device.clone(),
             frame: layout(device, "frame", both, &FRAME),
@@ -82,8 +91,21 @@ impl Pipelines {
             deep: ["light::front", "light::cover", "light::stack"].map(maps),
             ambient: ambient::Pipelines::new(device),
             gap: group(device, "nothing", &nothing, &[]),
-            shade: Kernel::beside(device, "light::shade", &shade_bindings(), &[&nothing, &fiber]),
-            fiber,
+            knots: shading("light::knots"),
+            shade: shading("light::shade"),
+            arrive: shading("light::arrive"),
+            choose: Kernel::new(
+                device,
+                "light::choose",
+                &[Uniform, Storage, StorageMut, StorageMut, StorageMut],
+            ),
+            all: device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("all strands"),
+                size: 4,
+                usage: wgpu::BufferUsages::STORAGE,
+                mapped_at_creation: false,
+            }),
+            fiber: fiber.clone(),
         }
     }
 
@@ -104,7 +126,7 @@ impl Pipelines {
     /// What compiles all that a picture with shadows by default needs.
     pub(crate) fn jobs(&self) -> Vec<Job<'_>> {
         let [front, cover, stack] = &self.deep;
-        let mut kernels = vec![&self.splat, front, cover, stack, &self.shade];
+        let mut kernels = vec![&self.splat, front, cover, stack, &self.knots, &self.shade];
         kernels.extend(self.ambient.kernels());
         let mut jobs = kernel::jobs(kernels);
         jobs.push(Box::new(|| self.shadow_body().map(|_| ())));

@@ -15,7 +15,7 @@ use super::{
 use crate::{
     Result,
     body::Body,
-    constants::{DEEP_LAYERS, SHADOW_BLOCK as BLOCK, STRAND_WORKGROUP},
+    constants::{COVER_STRANDS, COVER_STRIDE, DEEP_LAYERS, SHADOW_BLOCK as BLOCK, STRAND_WORKGROUP},
     gpu::{Kernel, Timings, bindings::group, pipeline::DEPTH_FORMAT},
     strands::Drawn,
 };
@@ -202,7 +202,10 @@ impl ShadowMaps {
                 run(front, first, texels);
                 for seen in hair {
                     let Drawn { count, vertex_count, .. } = seen.hair.drawn;
-                    run(cover, seen, u64::from(count) * u64::from(vertex_count.saturating_sub(1)));
+                    let strands = count.div_ceil(count.div_ceil(COVER_STRANDS).max(1));
+                    let stride = seen.hair.splat[0].min(COVER_STRIDE);
+                    let steps = vertex_count.saturating_sub(1).div_ceil(stride);
+                    run(cover, seen, u64::from(strands) * u64::from(steps));
                 }
                 run(stack, first, texels);
             }

@@ -1,14 +1,15 @@
 //! The light of one view: its shadow maps, its light from all sides, and the uniform that both are made by.
 
 use super::{
-    Ambient, Lights, Pipelines, Seen, ShadowMaps, ShadowMethod, Shadows, Sphere, lights::LightsUniform,
+    Ambient, Chosen, HairSet, Lights, Pipelines, Seen, ShadingRate, ShadowMaps, ShadowMethod, Shadows,
+    Sphere, lights::LightsUniform,
 };
 use crate::{
     Result,
     body::Body,
     constants::STRAND_WORKGROUP,
     gpu::{
-        Timings,
+        Kernel, Timings,
         bindings::{group, uniform},
     },
 };
@@ -112,13 +113,14 @@ impl State {
         self.ambient.record(&pipelines.ambient, encoder, timings, hair, bodies);
     }
 
-    /// Records the shading of the strand vertices of `hair`.
+    /// Records the shading of the strand vertices of `hair`, for pictures that shade it at `rate`.
     pub(crate) fn shade(
         &self,
         pipelines: &Pipelines,
         encoder: &mut wgpu::CommandEncoder,
         timings: Option<&mut Timings>,
         hair: &[Seen<'_>],
+        rate: ShadingRate,
     ) {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("shade"),
@@ -126,9 +128,36 @@ impl State {
         });
         pass.set_bind_group(1, &pipelines.gap, &[]);
         for Seen { hair, shaded } in hair {
-            let workgroups = (hair.drawn.count * hair.drawn.vertex_count).div_ceil(STRAND_WORKGROUP);
+            let [count, spans] = [hair.drawn.count, hair.spans[1]];
             pass.set_bind_group(2, &hair.fiber.group, &[]);
-            pipelines.shade.record(&mut pass, &shaded.shade, &[], workgroups);
+            let mut run = |kernel: &Kernel, each: u32| {
+                kernel.record(&mut pass, &shaded.shade, &[], (count * each).div_ceil(STRAND_WORKGROUP));
+            };
+            match rate {
+                ShadingRate::PerVertex => {
+                    run(&pipelines.knots, spans + 1);
+                    run(&pipelines.shade, spans);
+                }
+                ShadingRate::PerPixel => run(&pipelines.arrive, hair.drawn.vertex_count),
+            }
+        }
+    }
+
+    /// [`shade`](Self::shade) per vertex, of nothing but what is chosen.
+    pub fn shade_chosen(
+        &self,
+        pipelines: &Pipelines,
+        encoder: &mut wgpu::CommandEncoder,
+        timings: Option<&mut Timings>,
+        hair: &[(&HairSet, &Chosen)],
+    ) {
+        hair.iter().for_each(|(_, chosen)| chosen.clear(encoder));
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("shade"),
+            timestamp_writes: timings.and_then(|timings| timings.compute("shade")),
+        });
+        for (hair, chosen) in hair {
+            chosen.record(pipelines, &mut pass, hair);
         }
     }
 

@@ -7,6 +7,7 @@ mod ambient;
 mod avoid;
 mod avoid_grooms;
 mod character;
+mod chosen;
 mod collide;
 mod common;
 mod curls;

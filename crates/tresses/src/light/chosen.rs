@@ -1,0 +1,68 @@
+//! Which strand vertices of a groom are shaded: those that a picture shows.
+
+use super::{HairSet, Pipelines, Shaded, State, hair::shade_resources};
+use crate::{Result, constants::STRAND_WORKGROUP, gpu::Kernel, strands::buffers::storage};
+
+/// The knots and spans that what is seen of a groom needs, found on the GPU each frame: no thread is spent on others.
+#[derive(Debug)]
+pub struct Chosen {
+    /// Of the kernels over knots and over spans, each x, y, z and an unused word.
+    workgroups: wgpu::Buffer,
+    /// Knots, spans: how many, then which.
+    lists: [wgpu::Buffer; 2],
+    choose: wgpu::BindGroup,
+    groups: [wgpu::BindGroup; 2],
+}
+
+impl Chosen {
+    /// For `hair` as `shaded` in the light of `state`, seen by `camera`. `seen` has a word for each strand vertex, 0 where
+    /// the picture does not show it; both ends of a segment that is seen are to be marked.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`].
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        pipelines: &Pipelines,
+        (state, camera): (&State, &wgpu::Buffer),
+        hair: &HairSet,
+        shaded: &Shaded,
+        seen: &wgpu::Buffer,
+    ) -> Result<Self> {
+        // As many knots as there are room for.
+        let most = 1 + shaded.knots.size() / 16;
+        let lists =
+            [storage::<u32>(device, "chosen knots", most)?, storage::<u32>(device, "chosen spans", most)?];
+        let workgroups = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("chosen workgroups"),
+            size: 32,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let own = [&shaded.uniform, &hair.strands.vertices, &hair.strands.strands, &shaded.colors]
+            .map(wgpu::Buffer::as_entire_binding);
+        let groups = lists.each_ref().map(|list| {
+            let frame = state.frame_resources(camera);
+            pipelines.shade.bind(device, &shade_resources(frame, &own, &shaded.knots, list))
+        });
+        let choose = [&shaded.uniform, seen, &lists[0], &lists[1], &workgroups];
+        let choose = pipelines.choose.bind(device, &choose.map(wgpu::Buffer::as_entire_binding));
+        Ok(Self { workgroups, lists, choose, groups })
+    }
+
+    /// Empties the lists; before [`record`](Self::record), outside of passes.
+    pub(super) fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
+        encoder.clear_buffer(&self.workgroups, 0, None);
+        self.lists.iter().for_each(|list| encoder.clear_buffer(list, 0, Some(4)));
+    }
+
+    /// Chooses and shades.
+    pub(super) fn record(&self, pipelines: &Pipelines, pass: &mut wgpu::ComputePass<'_>, hair: &HairSet) {
+        pipelines.choose.record(pass, &self.choose, &[], hair.drawn.count.div_ceil(STRAND_WORKGROUP));
+        pass.set_bind_group(1, &pipelines.gap, &[]);
+        pass.set_bind_group(2, &hair.fiber.group, &[]);
+        let kernels: [&Kernel; 2] = [&pipelines.knots, &pipelines.shade];
+        for (i, (kernel, group)) in kernels.into_iter().zip(&self.groups).enumerate() {
+            kernel.record_indirect(pass, group, &self.workgroups, 16 * i as u64);
+        }
+    }
+}

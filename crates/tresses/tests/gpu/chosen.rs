@@ -1,0 +1,44 @@
+//! Shading only what is seen gives the bits of shading everything.
+
+use crate::{common, golden};
+use tresses::{View, body::Body, gpu::readback::blocking as readback, light::HairSet, view::ViewOptions};
+
+#[test]
+fn what_is_seen_is_shaded_as_if_all_were() {
+    let Some(gpu) = common::gpu() else { return };
+    let (device, queue) = (&gpu.device, &gpu.queue);
+    let pipelines = common::pipelines().expect("there is a GPU");
+    let options = ViewOptions { shadow_resolution: 256, ..Default::default() };
+    let view = View::new(device, pipelines, &options, golden::SIZE, 1).expect("fits");
+    let strands = golden::strands(gpu, 0..golden::COUNT);
+    let hair = HairSet::new(device, &strands).expect("fits");
+    let body = Body::new(device, &golden::ball());
+    common::picture(gpu, (pipelines, &view), &golden::scene(), &[&hair], &[&body]);
+    let colors = view.shaded(&hair).expect("it is drawn");
+    let all: Vec<[u32; 2]> = readback::buffer(device, queue, &colors).expect("read back");
+
+    // The tips of one strand in three, and one vertex somewhere.
+    let n = strands.vertex_count as usize;
+    let seen: Vec<u32> =
+        (0..all.len()).map(|i| u32::from(i / n % 3 == 0 && i % n >= n - 2 || i == n + 5)).collect();
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("seen"),
+        size: 4 * seen.len() as u64,
+        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&seen));
+    queue.write_buffer(&colors, 0, &vec![0; 8 * all.len()]);
+    let chosen = view.chosen(device, pipelines, &hair, &buffer).expect("fits");
+    // Twice: the lists start anew.
+    for _ in 0..2 {
+        let mut encoder = device.create_command_encoder(&Default::default());
+        view.light.shade_chosen(&pipelines.light, &mut encoder, None, &[(&hair, &chosen)]);
+        queue.submit([encoder.finish()]);
+    }
+    let some: Vec<[u32; 2]> = readback::buffer(device, queue, &colors).expect("read back");
+    assert!(seen.iter().zip(all.iter().zip(&some)).all(|(seen, (all, some))| *seen == 0 || all == some));
+    let shaded = some.iter().filter(|color| **color != [0; 2]).count();
+    assert!((golden::COUNT as usize / 3 * 2..golden::COUNT as usize / 3 * 5).contains(&shaded), "{shaded}");
+    assert!(some[2 * n..3 * n].iter().all(|color| *color == [0; 2]), "nobody sees the third strand");
+}
