@@ -142,31 +142,11 @@ impl Kernel {
         offsets: &[u32],
         [x, y, z]: [u32; 3],
     ) {
-        self.begin(pass, group, offsets, |pass| pass.dispatch_workgroups(x, y, z));
-    }
-
-    /// The same with the grid that `count` has, three words, when it comes to it.
-    pub fn record_indirect(
-        &self,
-        pass: &mut wgpu::ComputePass<'_>,
-        group: &wgpu::BindGroup,
-        count: &wgpu::Buffer,
-    ) {
-        self.begin(pass, group, &[], |pass| pass.dispatch_workgroups_indirect(count, 0));
-    }
-
-    fn begin<'p>(
-        &self,
-        pass: &mut wgpu::ComputePass<'p>,
-        group: &wgpu::BindGroup,
-        offsets: &[u32],
-        dispatch: impl FnOnce(&mut wgpu::ComputePass<'p>),
-    ) {
         match self.pipeline() {
             Ok(pipeline) => {
                 pass.set_pipeline(pipeline);
                 pass.set_bind_group(0, group, offsets);
-                dispatch(pass);
+                pass.dispatch_workgroups(x, y, z);
             }
             Err(error) => REFUSED.with_borrow_mut(|refused| _ = refused.get_or_insert(error)),
         }

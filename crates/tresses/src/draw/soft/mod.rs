@@ -246,7 +246,7 @@ impl Soft {
             timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.compute("body")),
         });
         pipelines.list.record(&mut pass, &listed, &[], (wide * high).div_ceil(STRAND_WORKGROUP));
-        pipelines.ask.record_indirect(&mut pass, &lit, &self.count);
+        pipelines.ask.record_indirect(&mut pass, &lit, &self.count, 0);
         Ok(())
     }
 }
