@@ -7,14 +7,12 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tresses::{
     Pipelines, Pose, Progress,
     gpu::Gpu,
-    groom::{import::ImportOptions, mannequin, styles::Style},
+    groom::{import::ImportOptions, styles::Style},
 };
 use tresses_scene::{Base, Quality, Scene, Settings, Surroundings};
 
 /// Size of the very first picture, which nobody sees, pixels.
 const FIRST: [u32; 2] = [487, 305];
-/// Cells along the mannequin's mesh while frames must be short on a software driver.
-const COARSE: u32 = 48;
 /// How long work goes on before the window gets its turn.
 const PATIENCE: std::time::Duration = std::time::Duration::from_millis(40);
 
@@ -231,10 +229,6 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready
     let mut stage = stage?;
     settings.apply(&mut stage.look, &mut stage.hair.set.material);
     stage.set_surroundings(surroundings.clone());
-    if stage.gpu.tier.software && matches!(source, Source::Style(_)) {
-        // Shadow maps draw it again and again, and here each of its corners takes its time.
-        stage.offer_coarse(mannequin::mesh_with(COARSE, progress).await);
-    }
     progress.step("drawing the first picture", 0.0).await;
     first_picture(&mut stage)?;
     Ok(Ready { stage, hair, base, surroundings, notes, keep })

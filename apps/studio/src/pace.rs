@@ -14,27 +14,22 @@ pub struct Level {
     pub bias: f32,
     /// The factor on how far strands may stray from their full shape: fewer segments.
     pub stray: f32,
-    /// Whether the body has few triangles.
-    pub coarse: bool,
     /// Whether the hair moves in steps of twice the length.
     pub slow: bool,
-    /// Whether the light from behind is out: each light has a shadow of its own to be drawn and read.
-    pub few_lights: bool,
     /// Pixels drawn per pixel shown, along each axis, if the settings do not ask for more.
     pub ssaa: u32,
 }
 
 impl Level {
     /// Everything.
-    pub const FULL: Self =
-        Self { scale: 1.0, bias: 0.0, stray: 1.0, coarse: false, slow: false, few_lights: false, ssaa: 1 };
+    pub const FULL: Self = Self { scale: 1.0, bias: 0.0, stray: 1.0, slow: false, ssaa: 1 };
 
     /// Everything, for a device that draws one sample per pixel because it is slow: what nobody waits for, or
     /// what is kept, has four. Layers would be better still, and take as long again.
     pub const STILL: Self = Self { ssaa: 2, ..Self::FULL };
 
-    const fn coarse(scale: f32, bias: f32, stray: f32) -> Self {
-        Self { scale, bias, stray, coarse: true, ..Self::FULL }
+    const fn lower(scale: f32, bias: f32, stray: f32) -> Self {
+        Self { scale, bias, stray, ..Self::FULL }
     }
 
     /// The level of detail that this makes of what a person has chosen.
@@ -54,14 +49,10 @@ impl Level {
     /// When the level of detail is out of its range.
     pub fn dress(&self, stage: &mut Scene, settings: &Settings) -> Result<()> {
         stage.take(settings);
-        if self.few_lights {
-            stage.lighting.rim = 0.0;
-        }
-        if self.coarse || stage.gpu.tier.software {
-            // Flat triangles shade themselves sooner, and so do the coarse maps of a software driver.
+        if stage.gpu.tier.software {
+            // Its coarse maps shade what casts the shadow sooner.
             stage.look.shadows.bias *= 2.0;
         }
-        stage.set_coarse(self.coarse);
         stage.set_lod(self.lod(settings.lod()))
     }
 
@@ -88,12 +79,12 @@ impl Level {
 pub const LEVELS: [Level; 8] = [
     Level::FULL,
     Level { scale: 0.85, ..Level::FULL },
-    Level::coarse(0.7, 0.3, 1.5),
-    Level::coarse(0.55, 0.7, 2.5),
-    Level { slow: true, ..Level::coarse(0.45, 1.2, 4.0) },
-    Level { slow: true, ..Level::coarse(0.36, 1.8, 6.0) },
-    Level { slow: true, ..Level::coarse(0.28, 2.5, 4.0) },
-    Level { slow: true, few_lights: true, ..Level::coarse(0.24, 2.8, 3.0) },
+    Level::lower(0.7, 0.3, 1.5),
+    Level::lower(0.55, 0.7, 2.5),
+    Level { slow: true, ..Level::lower(0.45, 1.2, 4.0) },
+    Level { slow: true, ..Level::lower(0.36, 1.8, 6.0) },
+    Level { slow: true, ..Level::lower(0.28, 2.5, 4.0) },
+    Level { slow: true, ..Level::lower(0.24, 2.8, 3.0) },
 ];
 /// Milliseconds that a frame may take on a software driver.
 const SOFTWARE: f32 = 80.0;

@@ -2,12 +2,7 @@
 
 use std::{path::Path, sync::Arc};
 use tresses::{
-    Pipelines, Pose,
-    glam::Vec3,
-    gpu::Gpu,
-    groom::{mannequin, styles::Style},
-    lod::Detail,
-    present::Background,
+    Pipelines, Pose, glam::Vec3, gpu::Gpu, groom::styles::Style, lod::Detail, present::Background,
 };
 use tresses_scene::{
     Base, Colliders, Quality, Scene, Settings, Viewpoint, camera::Angle, settings::HairColor,
@@ -42,10 +37,7 @@ fn stage() -> Option<(Scene, Settings)> {
         let character = base.dress(&styling, &()).await.unwrap();
         let physics = settings.physics();
         let (colliders, progress) = (Colliders::default(), &());
-        let mut stage =
-            Scene::new(gpu, pipelines, character, colliders, &physics, &quality, progress).await.unwrap();
-        stage.offer_coarse(mannequin::mesh_with(48, &()).await);
-        stage
+        Scene::new(gpu, pipelines, character, colliders, &physics, &quality, progress).await.unwrap()
     });
     Some((stage, settings))
 }
@@ -54,6 +46,7 @@ fn picture(stage: &mut Scene, settings: &Settings, level: &Level, view: Angle) -
     let size = AREA.map(|side| (side * level.scale).round() as u32);
     stage.resize(size).unwrap();
     level.dress(stage, settings).unwrap();
+    assert_eq!(stage.lighting, settings.lights, "each level has all lights");
     // Skin is black in any light, hair is not: what is which is seen of every pixel.
     let body = &mut stage.body.as_mut().unwrap().material;
     (body.color, body.gloss) = (Vec3::ZERO, 0.0);

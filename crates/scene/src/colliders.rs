@@ -173,14 +173,11 @@ impl Colliders {
         ColliderPoses { head: None, colliders: self.motions.iter().map(pose).chain(ball).collect() }
     }
 
-    /// `body` and the obstacles, whose poses relative to it are `poses`, as one mesh.
-    pub fn with_body(&self, body: Option<&TriMesh>, poses: &[Pose]) -> TriMesh {
-        let mut all = body.cloned().unwrap_or_default();
+    /// What they look like, where `poses` have them.
+    pub fn mesh(&self, poses: &[Pose]) -> TriMesh {
+        let mut all = TriMesh::default();
         // As bodies without colours are drawn.
         let skin = BodyMaterial::default().color;
-        if all.colors.is_empty() {
-            all.colors = vec![skin; all.positions.len()];
-        }
         for (look, pose) in self.looks.iter().zip(poses) {
             let first = all.positions.len() as u32;
             all.positions.extend(look.positions.iter().map(|p| pose.point(*p)));
@@ -258,9 +255,9 @@ mod tests {
         // Outwards.
         let look = &all.looks[1];
         assert!(look.positions.iter().zip(&look.normals).all(|(p, n)| p.dot(*n) > 0.0));
-        let together = all.with_body(Some(look), &all.poses(0.0).colliders);
+        let together = all.mesh(&all.poses(0.0).colliders);
         assert_eq!(together.positions.len(), together.normals.len());
-        assert_eq!(together.triangles.len(), 2 * look.triangles.len() + all.looks[0].triangles.len());
+        assert_eq!(together.triangles.len(), look.triangles.len() + all.looks[0].triangles.len());
     }
 
     #[test]

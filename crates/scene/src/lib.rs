@@ -3,7 +3,6 @@
 
 pub mod camera;
 pub mod character;
-pub mod coarse;
 pub mod colliders;
 pub mod companions;
 pub mod history;

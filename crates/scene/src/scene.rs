@@ -3,7 +3,6 @@
 use crate::{
     camera::{self, Bounds, Viewpoint},
     character::Character,
-    coarse,
     colliders::Colliders,
     companions::Surroundings,
     settings::{LightSettings, Settings},
@@ -18,7 +17,7 @@ use tresses::{
     frame::{Frame, Recorder, Shows, Sight},
     glam::Vec3,
     gpu::{Gpu, Timings},
-    groom::{SdfGrid, TriMesh},
+    groom::SdfGrid,
     light::{Lights, Sphere},
     lod::{Detail, LodMode, LodOptions},
     simulate::SimulationParams,
@@ -62,12 +61,6 @@ impl Quality {
     }
 }
 
-/// Triangles of a body that is drawn with few.
-const COARSE: usize = 12_000;
-
-/// The cosine of the angle by which a camera goes around a body before its triangles are sorted again.
-const TURNED: f32 = 0.9;
-
 /// Sizes of what is drawn.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Facts {
@@ -96,8 +89,10 @@ pub struct Scene {
     pub pipelines: Arc<Pipelines>,
     /// The hair.
     pub hair: Hair,
-    /// What is drawn with it.
+    /// The head, drawn with it.
     pub body: Option<Body>,
+    /// The colliders, drawn with it.
+    pub obstacles: Option<Body>,
     /// What is drawn into.
     pub view: View,
     /// What does not depend on the camera; this and the lights are set for each frame.
@@ -122,12 +117,6 @@ pub struct Scene {
     colliders: Colliders,
     /// Seconds since the hair was put to rest.
     time: f64,
-    head: Option<TriMesh>,
-    /// The head with few triangles.
-    coarse: Option<TriMesh>,
-    /// Whether that one is drawn, and where its triangles look, groom space.
-    is_coarse: bool,
-    facing: Vec3,
     subject: Bounds,
     neck: Vec3,
     /// Who looks, for whom the level of detail is chosen.
@@ -175,10 +164,13 @@ impl Scene {
         // Hair that swings must not leave the shadow maps.
         focus.radius *= 1.15;
         let look = Picture { focus, ..Default::default() };
+        let cells = view.options().ambient_cells;
+        let body = character.head.as_ref().map(|head| Body::with_levels(device, head, &head.levels(), cells));
         let mut stage = Self {
             pipelines,
             hair,
-            body: None,
+            body,
+            obstacles: None,
             view,
             pose: Pose::IDENTITY,
             #[cfg(not(target_arch = "wasm32"))]
@@ -191,17 +183,13 @@ impl Scene {
             physics: options.simulation,
             colliders,
             time: 0.0,
-            head: character.head,
-            coarse: None,
-            is_coarse: false,
-            facing: Vec3::ZERO,
             subject,
             neck: character.neck,
             field: character.field,
             watcher: None,
             gpu,
         };
-        stage.make_body();
+        stage.make_obstacles();
         Ok(stage)
     }
 
@@ -230,62 +218,12 @@ impl Scene {
         settings.apply(&mut self.look, &mut self.hair.set.material);
     }
 
-    /// The head with few triangles, for [`set_coarse`](Self::set_coarse). Without it one is made of the head's.
-    pub fn offer_coarse(&mut self, head: TriMesh) {
-        self.coarse = Some(head);
-    }
-
-    /// Whether the body is drawn with few triangles, the near ones first, from here on.
-    pub fn set_coarse(&mut self, is_coarse: bool) {
-        if is_coarse == self.is_coarse {
-            return;
-        }
-        self.is_coarse = is_coarse;
-        if is_coarse && self.coarse.is_none() {
-            self.coarse = self.head.as_ref().map(|head| coarse::with_triangles(head, COARSE));
-        }
-        self.make_body();
-    }
-
-    /// The head that is drawn.
-    fn drawn_head(&self) -> Option<&TriMesh> {
-        if self.is_coarse { self.coarse.as_ref() } else { self.head.as_ref() }
-    }
-
-    /// The body on the GPU, looking as it did, its colliders still where their own frames are.
-    fn make_body(&mut self) {
+    /// The colliders' body, for as many as there are now.
+    fn make_obstacles(&mut self) {
         let (device, cells) = (&self.gpu.device, self.view.options().ambient_cells);
-        let bare = self.colliders.list.is_empty();
-        let mut made = match self.drawn_head() {
-            None if bare => None,
-            Some(head) if bare => Some(Body::for_cells(device, head, cells)),
-            head => {
-                let poses = vec![Pose::IDENTITY; self.colliders.list.len()];
-                Some(Body::for_cells(device, &self.colliders.with_body(head, &poses), cells))
-            }
-        };
-        if let (Some(made), Some(before)) = (&mut made, &self.body) {
-            made.material = before.material;
-        }
-        self.body = made;
-    }
-
-    /// Sorts the triangles of a coarse body when the camera has come around it.
-    fn face(&mut self, camera: &Viewpoint) {
-        if !self.is_coarse {
-            return;
-        }
-        let towards = (camera.eye - camera.target).normalize_or(Vec3::Z);
-        let towards = self.pose.rotation.inverse() * towards;
-        if towards.dot(self.facing) > TURNED {
-            return;
-        }
-        self.facing = towards;
-        if let Some(head) = &mut self.coarse {
-            coarse::face(head, towards);
-            self.make_body();
-            self.place_colliders();
-        }
+        let poses = vec![Pose::IDENTITY; self.colliders.list.len()];
+        let seen = (!poses.is_empty()).then(|| self.colliders.mesh(&poses));
+        self.obstacles = seen.map(|mesh| Body::with_levels(device, &mesh, &[], cells));
     }
 
     /// What lights the scene; `None` for a photographer, as the settings have it.
@@ -414,7 +352,7 @@ impl Scene {
         }
         let Gpu { device, queue, .. } = &self.gpu;
         self.hair.set_colliders(device, queue, &self.colliders.list)?;
-        self.make_body();
+        self.make_obstacles();
         Ok(())
     }
 
@@ -430,10 +368,8 @@ impl Scene {
         }
         let to_head = self.pose.inverse();
         let poses: Vec<_> = own.iter().map(|pose| to_head.after(pose)).collect();
-        let moved = self.colliders.with_body(None, &poses);
-        let first = self.drawn_head().map_or(0, |head| head.positions.len());
-        if let Some(body) = &self.body {
-            body.move_part(&self.gpu.queue, first, &moved);
+        if let Some(obstacles) = &self.obstacles {
+            obstacles.move_to(&self.gpu.queue, &self.colliders.mesh(&poses));
         }
     }
 
@@ -486,7 +422,6 @@ impl Scene {
         camera: &Viewpoint,
     ) -> Result<()> {
         self.look_from(camera);
-        self.face(camera);
         self.record_picture(encoder, timings, false)
     }
 
@@ -518,11 +453,12 @@ impl Scene {
         timings: Option<&mut Timings>,
         again: bool,
     ) -> Result<()> {
-        let Self { gpu: Gpu { device, queue, .. }, pipelines, hair, body, view, look, .. } = self;
-        if let Some(body) = body {
+        let Self { gpu: Gpu { device, queue, .. }, pipelines, hair, body, obstacles, view, look, .. } = self;
+        let mut bodies = Vec::new();
+        for body in body.iter_mut().chain(obstacles) {
             body.pose = self.pose;
+            bodies.push(&*body);
         }
-        let bodies: Vec<_> = body.iter().collect();
         let shows = match (&mut self.shown, &mut self.views) {
             _ if again => Shows::Again,
             (Some(shown), Some(views)) => {

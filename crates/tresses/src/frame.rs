@@ -222,8 +222,10 @@ impl Recorder<'_> {
             timings: self.timings.as_deref_mut(),
             targets: view.targets(),
             frame: &view.light.frame,
-            camera: view.camera(),
+            eye: view.eye(),
             light: (&self.pipelines.light, &view.light),
+            camera: &picture.camera,
+            focus: &picture.focus,
             coverage: view.options().coverage,
             rate: picture.shading,
         };

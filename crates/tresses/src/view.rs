@@ -254,7 +254,7 @@ impl View {
     }
 
     /// The uniform of its camera.
-    pub(crate) fn camera(&self) -> &wgpu::Buffer {
+    pub(crate) fn eye(&self) -> &wgpu::Buffer {
         &self.camera
     }
 

@@ -5,6 +5,7 @@ use wgpu::naga;
 use tresses::{
     body::BodyUniform,
     camera::CameraUniform,
+    draw::soft::SoftUniform,
     light::{
         lights::{LightUniform, LightsUniform},
         material::HairUniform,
@@ -441,6 +442,12 @@ fn hair() {
 fn body() {
     let rust = rust_layout!(BodyUniform { pose, color, gloss, wrap, gloss_exponent, outward, _pad });
     assert_eq!(wgsl_layout("draw::body::BodyUniform"), rust);
+}
+
+#[test]
+fn soft() {
+    let rust = rust_layout!(SoftUniform { across, wide, high, _pad });
+    assert_eq!(wgsl_layout("draw::soft::point::SoftUniform"), rust);
 }
 
 #[test]

@@ -42,9 +42,7 @@ fn right(studio: &mut Studio, ui: &mut Ui) {
     let text = if coarse { quiet(text).color(theme::ACCENT) } else { quiet(text) };
     let help = if coarse {
         let mut less = vec!["resolution and strands"];
-        less.extend(level.coarse.then_some("triangles of the body"));
         less.extend(level.slow.then_some("steps of the hair per second"));
-        less.extend(level.few_lights.then_some("the light from behind"));
         format!(
             "Less is drawn ({}) so that a frame takes less than {:.0} ms. When nothing moves, the picture becomes finer. This can be turned off under Time.",
             less.join(", "),

@@ -5,6 +5,7 @@ mod edit;
 mod parts;
 pub mod sdf;
 pub mod shapes;
+mod simplify;
 mod triangle;
 
 use glam::Vec3;
@@ -12,6 +13,7 @@ use glam::Vec3;
 pub use bvh::{Bvh, Closest, TreeNode};
 pub use parts::Part;
 pub use sdf::SdfOptions;
+pub use simplify::Level;
 
 /// A triangle mesh, metres, in the same space as the groom.
 #[derive(Clone, Debug, Default, PartialEq)]

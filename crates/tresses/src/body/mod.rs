@@ -6,15 +6,17 @@ pub use surface::Surface;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
+use std::ops::Range;
 use wgpu::util::DeviceExt;
 
 use crate::{
-    Pose,
+    Camera, Pose,
     gpu::{
         Binding,
         bindings::{self, group},
     },
-    groom::TriMesh,
+    groom::{TriMesh, mesh::Level},
+    light::Sphere,
 };
 
 /// The look of the body: matt with a soft gloss.
@@ -46,7 +48,10 @@ pub struct Body {
     pub pose: Pose,
     vertices: wgpu::Buffer,
     triangles: wgpu::Buffer,
-    index_count: u32,
+    /// Where the triangles of each level are, the mesh's own first, and how far they stray, metres.
+    levels: Vec<(f32, Range<u32>)>,
+    /// Around the mesh as it was made.
+    sphere: Sphere,
     uniform: wgpu::Buffer,
     group: wgpu::BindGroup,
     pub(crate) surface: Surface,
@@ -89,14 +94,17 @@ impl Body {
         attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Unorm8x4],
     };
 
-    /// Uploads `mesh`, at the origin.
+    /// Uploads `mesh`, at the origin, and its [`levels`](TriMesh::levels): it is drawn with as few triangles as no pixel
+    /// shows. They take a quarter of a second for 100,000 triangles; who makes a body of the same mesh again keeps them
+    /// for [`with_levels`](Self::with_levels).
     pub fn new(device: &wgpu::Device, mesh: &TriMesh) -> Self {
-        Self::for_cells(device, mesh, u32::MAX)
+        Self::with_levels(device, mesh, &mesh.levels(), u32::MAX)
     }
 
-    /// [`new`](Self::new) for views whose grids of light have at most `cells` along each edge
-    /// ([`ViewOptions::ambient_cells`](crate::view::ViewOptions::ambient_cells)): coarse ones ask fewer points of it.
-    pub fn for_cells(device: &wgpu::Device, mesh: &TriMesh, cells: u32) -> Self {
+    /// [`new`](Self::new) with such levels as there are, ever coarser, for views whose grids of light have at most `cells`
+    /// along each edge ([`ViewOptions::ambient_cells`](crate::view::ViewOptions::ambient_cells)): coarse ones ask fewer
+    /// points of it.
+    pub fn with_levels(device: &wgpu::Device, mesh: &TriMesh, levels: &[Level], cells: u32) -> Self {
         let vertices = vertices(mesh);
         let buffer = |label, contents: &[u8], usage| {
             // An empty buffer cannot be bound.
@@ -114,6 +122,13 @@ impl Body {
             wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
         );
         let surface = Surface::new(device, mesh, cells);
+        let (mut triangles, mut ranges) = (Vec::new(), Vec::new());
+        let own = (0.0, &mesh.triangles);
+        for (stray, level) in std::iter::once(own).chain(levels.iter().map(|l| (l.stray, &l.triangles))) {
+            let first = triangles.len() as u32;
+            triangles.extend_from_slice(level.as_flattened());
+            ranges.push((stray, first..triangles.len() as u32));
+        }
         let buffers = [&uniform, &vertices, &surface.buffer].map(wgpu::Buffer::as_entire_binding);
         Self {
             material: BodyMaterial::default(),
@@ -121,12 +136,11 @@ impl Body {
             surface_group: group(device, "surface", &surface_layout(device), &buffers),
             surface,
             vertices,
-            triangles: buffer(
-                "body triangles",
-                bytemuck::cast_slice(&mesh.triangles),
-                wgpu::BufferUsages::INDEX,
-            ),
-            index_count: 3 * mesh.triangles.len() as u32,
+            triangles: buffer("body triangles", bytemuck::cast_slice(&triangles), wgpu::BufferUsages::INDEX),
+            levels: ranges,
+            sphere: mesh
+                .bounds()
+                .map_or(Sphere { center: Vec3::ZERO, radius: 0.0 }, |(lo, hi)| Sphere::around(lo, hi)),
             group: group(device, "body", &layout(device), &[uniform.as_entire_binding()]),
             uniform,
         }
@@ -138,21 +152,31 @@ impl Body {
         queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
     }
 
-    /// Gives the vertices from `first` on the places, normals and colours of `part`'s, for the frames that are
-    /// submitted from here on; its triangles are not read. What would lie beyond the last one is left out.
-    pub fn move_part(&self, queue: &wgpu::Queue, first: usize, part: &TriMesh) {
-        let offset = (first * size_of::<BodyVertex>()) as u64;
-        let vertices = vertices(part);
+    /// Gives its vertices the places, normals and colours of `mesh`'s, for the frames that are submitted from here on;
+    /// its triangles are not read. What would lie beyond the last one is left out. How far a level strays is that of the
+    /// mesh that the body was made of: one that changes its shape or leaves its place is made without levels.
+    pub fn move_to(&self, queue: &wgpu::Queue, mesh: &TriMesh) {
+        let vertices = vertices(mesh);
         let bytes: &[u8] = bytemuck::cast_slice(&vertices);
-        let room = self.vertices.size().saturating_sub(offset).min(bytes.len() as u64) as usize;
-        queue.write_buffer(&self.vertices, offset, &bytes[..room]);
+        let room = self.vertices.size().min(bytes.len() as u64) as usize;
+        queue.write_buffer(&self.vertices, 0, &bytes[..room]);
     }
 
-    pub(crate) fn record(&self, pass: &mut wgpu::RenderPass<'_>) {
+    /// The least clip coordinate `w` of its points for `camera`: for a perspective one, how far the nearest of them is,
+    /// metres.
+    pub(crate) fn nearest(&self, camera: &Camera) -> f32 {
+        let Sphere { center, radius } = self.sphere;
+        let w = (camera.projection * camera.view * self.pose.point(center).extend(1.0)).w;
+        (w - radius * camera.projection.row(3).truncate().length()).max(0.0)
+    }
+
+    /// Draws it with as few triangles as there are that stray by `stray` metres at most.
+    pub(crate) fn record(&self, pass: &mut wgpu::RenderPass<'_>, stray: f32) {
         pass.set_bind_group(1, &self.group, &[]);
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_index_buffer(self.triangles.slice(..), wgpu::IndexFormat::Uint32);
-        pass.draw_indexed(0..self.index_count, 0, 0..1);
+        let level = self.levels.iter().rev().find(|(strays, _)| *strays <= stray);
+        pass.draw_indexed(level.map_or(0..0, |(_, range)| range.clone()), 0, 0..1);
     }
 
     /// Bytes of GPU memory.

@@ -40,6 +40,7 @@ pub mod coverage;
 pub mod embed;
 mod pipelines;
 pub(crate) mod record;
+pub mod soft;
 pub(crate) mod strips;
 pub mod targets;
 pub mod tiles;

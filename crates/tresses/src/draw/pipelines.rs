@@ -1,7 +1,7 @@
 //! The pipelines of the stage, each made when it is first needed.
 
 use super::{
-    Coverage,
+    Coverage, soft,
     strips::{self, Strips},
     targets::HDR_FORMAT,
     tiles,
@@ -22,6 +22,7 @@ pub struct Pipelines {
     device: wgpu::Device,
     frame: wgpu::BindGroupLayout,
     body: Made<u32, wgpu::RenderPipeline>,
+    pub(super) soft: soft::Pipelines,
     pub(crate) strips: strips::Pipelines,
     pub(crate) tiles: tiles::Pipelines,
 }
@@ -33,6 +34,7 @@ impl Pipelines {
             device: device.clone(),
             frame: light.frame.clone(),
             body: Made::default(),
+            soft: soft::Pipelines::new(device, light),
             strips: strips::Pipelines::new(device, light),
             tiles: tiles::Pipelines::new(device),
         }
@@ -44,7 +46,7 @@ impl Pipelines {
             Recipe {
                 vertex: ("draw::body", "body_vertex"),
                 fragment: Some(("draw::body", "body_fragment")),
-                layouts: &[&self.frame, &body::layout(&self.device)],
+                layouts: &[&self.frame, &body::layout(&self.device), &soft::points_layout(&self.device)],
                 buffers: &[Some(Body::LAYOUT)],
                 targets: &[Some(HDR_FORMAT.into())],
                 depth: Some((true, wgpu::CompareFunction::Greater)),
@@ -67,6 +69,7 @@ impl Pipelines {
             Coverage::Tiles => jobs.extend(self.tiles.jobs(samples)),
             _ => jobs.extend(self.strips.jobs(coverage, samples, rate)),
         }
+        jobs.extend(self.soft.jobs(&self.device));
         jobs
     }
 }

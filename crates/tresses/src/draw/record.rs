@@ -2,10 +2,10 @@
 
 use super::{Coverage, Pipelines, Targets, strips};
 use crate::{
-    Result,
+    Camera, Result,
     body::Body,
     gpu::Timings,
-    light::{self, Seen, ShadingRate},
+    light::{self, Seen, ShadingRate, Sphere},
 };
 
 /// What the passes of a picture are recorded with.
@@ -17,15 +17,24 @@ pub(crate) struct Canvas<'a> {
     pub targets: &'a Targets,
     /// The view's `@group(0)`.
     pub frame: &'a wgpu::BindGroup,
-    /// What it is of: the camera's uniform.
-    pub camera: &'a wgpu::Buffer,
+    /// The camera's uniform that it has.
+    pub eye: &'a wgpu::Buffer,
     /// The light that it has.
     pub light: (&'a light::Pipelines, &'a light::State),
+    pub camera: &'a Camera,
+    /// Where pixels are small enough for what is smooth.
+    pub focus: &'a Sphere,
     pub coverage: Coverage,
     pub rate: ShadingRate,
 }
 
 impl Canvas<'_> {
+    /// How far the triangles of `body` may stray, metres: not so far that it is seen.
+    pub fn stray(&self, body: &Body) -> f32 {
+        const PIXELS: f32 = 0.25;
+        PIXELS * body.nearest(self.camera) * self.camera.pixel() / self.targets.ssaa as f32
+    }
+
     /// The part of the frame called `name` ends here ([`Timings::lap`]).
     pub fn lap(&mut self, name: &'static str) {
         if let Some(timings) = &mut self.timings {
@@ -71,12 +80,18 @@ impl Pipelines {
         if bodies.is_empty() && !first {
             return Ok(());
         }
-        let pipeline = if bodies.is_empty() { None } else { Some(self.body(canvas.targets.samples)?) };
-        let mut pass = pass(canvas, "body", first);
-        if let Some(pipeline) = &pipeline {
-            pass.set_pipeline(pipeline);
-            bodies.iter().for_each(|body| body.record(&mut pass));
+        if bodies.is_empty() {
+            pass(canvas, "body", first);
+            return Ok(());
         }
+        let pipeline = self.body(canvas.targets.samples)?;
+        let soft = canvas.targets.soft(canvas.device);
+        soft.record(&self.soft, canvas, bodies)?;
+        let strays: Vec<_> = bodies.iter().map(|body| canvas.stray(body)).collect();
+        let mut pass = pass(canvas, "body", first);
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(2, &soft.group, &[]);
+        bodies.iter().zip(strays).for_each(|(body, stray)| body.record(&mut pass, stray));
         Ok(())
     }
 }

@@ -1,7 +1,8 @@
 //! The textures that a picture is drawn into.
 
-use super::{Coverage, strips::Layers, tiles::Tiles};
+use super::{Coverage, soft::Soft, strips::Layers, tiles::Tiles};
 use crate::{Error, Result, gpu::readback};
+use std::sync::OnceLock;
 
 /// Label, format and usage of a texture of the linear target's size.
 pub(crate) type TextureKind = (&'static str, wgpu::TextureFormat, wgpu::TextureUsages);
@@ -29,6 +30,8 @@ pub struct Targets {
     pub(crate) layers: Option<Layers>,
     /// Of one that draws by tiles.
     pub(crate) tiles: Option<Tiles>,
+    /// Once a body has been drawn.
+    soft: OnceLock<Soft>,
     picture: wgpu::Texture,
     pub(crate) picture_view: wgpu::TextureView,
     bytes: u64,
@@ -84,6 +87,7 @@ impl Targets {
             depth_texture: depth,
             layers: None,
             tiles: None,
+            soft: OnceLock::new(),
             picture_view: view(&picture),
             picture,
             bytes: u64::from(wide) * u64::from(high) * u64::from(samples) * 12
@@ -128,6 +132,12 @@ impl Targets {
         Ok(self)
     }
 
+    /// What light is asked for at, where bodies are drawn.
+    pub(crate) fn soft(&self, device: &wgpu::Device) -> &Soft {
+        let size = self.depth_texture.size();
+        self.soft.get_or_init(|| Soft::new(device, [size.width, size.height]))
+    }
+
     /// The finished picture as a view to present into.
     pub fn picture(&self) -> &wgpu::TextureView {
         &self.picture_view
@@ -143,6 +153,9 @@ impl Targets {
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        self.bytes + self.tiles.as_ref().map_or(0, Tiles::bytes)
+        let size = self.depth_texture.size();
+        let soft = self.soft.get().map_or(0, |_| Soft::BYTES);
+        let tiles = self.tiles.as_ref().map_or(0, Tiles::bytes);
+        self.bytes + tiles + soft * u64::from(size.width) * u64::from(size.height)
     }
 }

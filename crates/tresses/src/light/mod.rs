@@ -75,7 +75,7 @@ pub(crate) use hair::Seen;
 pub use hair::{HairSet, Shaded};
 pub use lights::{Directional, Lights, MAX_LIGHTS, Sky, Sphere};
 pub use material::{FiberMaterial, HairMaterial, ShadingModel, ShadingRate};
-use pipelines::FRAME;
+pub(crate) use pipelines::FRAME;
 pub use pipelines::Pipelines;
 pub use probe::{Shadow, ShadowProbe};
 pub use shadow::ShadowMaps;

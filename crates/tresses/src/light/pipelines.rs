@@ -14,7 +14,7 @@ use crate::{
 
 /// What everything that is drawn in light binds as `@group(0)`: camera, lights, the body's maps and how they are
 /// compared, the hair's maps, their blocks, light from all sides and how it is read.
-pub(super) const FRAME: [Binding; 8] = [
+pub(crate) const FRAME: [Binding; 8] = [
     Binding::Uniform,
     Binding::Uniform,
     Binding::DepthArray,

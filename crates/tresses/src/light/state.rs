@@ -32,6 +32,8 @@ pub(crate) struct Lit {
     pub maps: usize,
     /// Texels of a map along the edge of a texel of the hair's.
     pub across: u32,
+    /// Edge of a texel, metres.
+    pub texel: f32,
     /// Whether light from all sides is followed.
     pub ambient: bool,
 }
@@ -76,10 +78,12 @@ impl State {
         }
         queue.write_buffer(&self.lights, 0, bytemuck::bytes_of(&uniform));
         self.maps.prepare(queue, &uniform);
+        let texel = 2.0 * focus.radius.max(1e-6) / resolution as f32;
         Lit {
             method: shadows.method,
             maps: shadows.maps(lights.active().count()),
-            across: shadows.hair_texels(2.0 * focus.radius.max(1e-6) / resolution as f32),
+            across: shadows.hair_texels(texel),
+            texel,
             ambient: shadows.follows_ambient(),
         }
     }
@@ -166,7 +170,7 @@ impl State {
     }
 
     /// The same behind a camera.
-    pub(super) fn frame_resources<'a>(&'a self, camera: &'a wgpu::Buffer) -> [wgpu::BindingResource<'a>; 8] {
+    pub(crate) fn frame_resources<'a>(&'a self, camera: &'a wgpu::Buffer) -> [wgpu::BindingResource<'a>; 8] {
         frame_resources(camera, &self.lights, &self.maps, &self.ambient)
     }
 

@@ -321,7 +321,7 @@ impl DebugStage {
         });
         pass.set_pipeline(&self.body);
         pass.set_bind_group(0, view, &[]);
-        bodies.iter().for_each(|body| body.record(&mut pass));
+        bodies.iter().for_each(|body| body.record(&mut pass, 0.0));
     }
 }
 

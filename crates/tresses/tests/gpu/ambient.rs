@@ -54,7 +54,7 @@ impl<'a> Bench<'a> {
 
     fn body(mut self, mesh: &TriMesh) -> Self {
         let cells = self.view.options().ambient_cells;
-        let mut body = Body::for_cells(&self.gpu.device, mesh, cells);
+        let mut body = Body::with_levels(&self.gpu.device, mesh, &[], cells);
         body.material.color = Vec3::splat(WHITE);
         body.material.wrap = 0.0;
         self.body = Some(body);

@@ -27,6 +27,7 @@ mod pipelines;
 mod pipelines_draw;
 mod second_driver;
 mod shadows;
+mod soft;
 mod views;
 mod volume;
 mod wind;

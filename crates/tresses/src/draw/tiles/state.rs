@@ -320,7 +320,7 @@ impl Tiles {
         });
         let depth = wgpu::BindingResource::TextureView(&canvas.targets.depth);
         let [camera, g, control, busy] =
-            [canvas.camera, &self.grid, &self.control, &self.busy].map(wgpu::Buffer::as_entire_binding);
+            [canvas.eye, &self.grid, &self.control, &self.busy].map(wgpu::Buffer::as_entire_binding);
         let [surfaces, farthest, bins, ranges, s] =
             [&self.surfaces, &self.farthest, &self.bins, &self.ranges, &seen]
                 .map(wgpu::Buffer::as_entire_binding);
@@ -343,14 +343,7 @@ impl Tiles {
                     wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: &seen, offset, size: None });
                 let (pipelines, light) = canvas.light;
                 Ok(Groom {
-                    chosen: Chosen::new(
-                        device,
-                        pipelines,
-                        (light, canvas.camera),
-                        own.hair,
-                        own.shaded,
-                        seen,
-                    )?,
+                    chosen: Chosen::new(device, pipelines, (light, canvas.eye), own.hair, own.shaded, seen)?,
                     project: kernels.project.bind(device, &project),
                     tint: kernels.tint.bind(device, &tint),
                     points: 0,

@@ -1,0 +1,253 @@
+//! Light that changes over millimetres, asked once for several pixels of a body.
+//!
+//! ```text
+//! bodies ─► surface ─► positions, normals ─► list ─► ask (shadow maps, ambient light) ─► points ─► draw::body
+//! ```
+//!
+//! What arrives at a point of a body of each light and from all sides is read from maps that are smoothed over
+//! several millimetres on purpose: shares by filters of up to 29 taps, fibres by splines over nine texels of ten words,
+//! the sky from five textures. It hardly changes from one pixel of a portrait to the next, and it was nine tenths of a
+//! body's time. So bodies are drawn twice.
+//!
+//! First small (`surface.wesl`): position and normal, one pixel for several of the target's, [`SPACING`] apart where
+//! the picture's focus is. `list` collects those that see a body, and those beside them; `ask`, one thread for each,
+//! asks for the light there. Drivers that run shaders on vectors take both ways of a branch and shade whole blocks that a
+//! triangle only touches: a list has neither.
+//!
+//! Then in the target's size: a pixel takes the mean of the four points around it, weighted by how near they lie to its
+//! tangent plane, so that light does not leak over edges. Normals, colours, highlights and outlines are the pixel's own.
+//!
+//! Rejected: light at the body's vertices, which are 2 mm apart on one head and 20 on another, and farther once
+//! simplified; asking in the fragment shader where no point lies in the plane, for which lavapipe asks for all.
+
+use crate::{
+    Camera, Result,
+    body::{self, Body},
+    constants::STRAND_WORKGROUP,
+    gpu::{
+        Binding, Kernel,
+        bindings::{self, group, layout},
+        kernel::{self, Job},
+        pipeline::{DEPTH_FORMAT, Made, Recipe},
+    },
+    light::{self, Sphere},
+};
+use bytemuck::{Pod, Zeroable};
+
+/// Metres from one point to the next where the picture's focus is.
+const SPACING: f32 = 0.0012;
+/// Pixels of the target along each edge of a point's square, at least and at most.
+const ACROSS: [u32; 2] = [2, 8];
+/// Words of a point.
+const WORDS: u64 = 8;
+
+const POSITION: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+const NORMAL: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+/// What the shaders know of the points.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct SoftUniform {
+    /// Pixels of the target along each edge of a point's square.
+    pub across: u32,
+    /// Points in a row.
+    pub wide: u32,
+    /// Rows.
+    pub high: u32,
+    /// Unused.
+    pub _pad: u32,
+}
+
+/// The pipelines.
+#[derive(Debug)]
+pub(super) struct Pipelines {
+    frame: wgpu::BindGroupLayout,
+    surface: Made<(), wgpu::RenderPipeline>,
+    list: Kernel,
+    ask: Kernel,
+}
+
+impl Pipelines {
+    pub(super) fn new(device: &wgpu::Device, light: &light::Pipelines) -> Self {
+        use Binding::{Storage, StorageMut, Texels2d};
+        let own = [Texels2d, Texels2d, Storage, StorageMut, Storage, Storage];
+        Self {
+            frame: light.frame.clone(),
+            surface: Made::default(),
+            list: Kernel::new(
+                device,
+                "draw::soft::list",
+                &[Texels2d, Storage, StorageMut, StorageMut, StorageMut],
+            ),
+            ask: Kernel::new(device, "draw::soft::ask", &[&light::FRAME[..], &own].concat()),
+        }
+    }
+
+    fn surface(&self, device: &wgpu::Device) -> Result<wgpu::RenderPipeline> {
+        self.surface.get((), || {
+            Recipe {
+                vertex: ("draw::soft::surface", "surface_vertex"),
+                fragment: Some(("draw::soft::surface", "surface_fragment")),
+                layouts: &[&self.frame, &body::layout(device)],
+                buffers: &[Some(Body::LAYOUT)],
+                targets: &[Some(POSITION.into()), Some(NORMAL.into())],
+                depth: Some((true, wgpu::CompareFunction::Greater)),
+                ..Recipe::PLAIN
+            }
+            .build(device)
+        })
+    }
+
+    /// What compiles them.
+    pub(super) fn jobs<'a>(&'a self, device: &'a wgpu::Device) -> Vec<Job<'a>> {
+        let mut jobs = kernel::jobs([&self.list, &self.ask]);
+        jobs.push(Box::new(move || self.surface(device).map(|_| ())));
+        jobs
+    }
+}
+
+/// The layout of the points' group, `@group(2)` where bodies are drawn.
+pub(super) fn points_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    layout(device, "soft", wgpu::ShaderStages::FRAGMENT, &[Binding::Storage, Binding::Storage])
+}
+
+/// The points of one picture size.
+#[derive(Debug)]
+pub(crate) struct Soft {
+    /// Of the target, pixels.
+    size: [u32; 2],
+    position: wgpu::TextureView,
+    normal: wgpu::TextureView,
+    depth: wgpu::TextureView,
+    uniform: wgpu::Buffer,
+    points: wgpu::Buffer,
+    /// Which points are asked where on the body.
+    asked: wgpu::Buffer,
+    /// How many workgroups that takes, and how many points they are.
+    count: wgpu::Buffer,
+    /// For those who draw bodies.
+    pub(super) group: wgpu::BindGroup,
+}
+
+impl Soft {
+    /// Bytes of GPU memory per pixel of the target, nearly.
+    pub const BYTES: u64 = (16 + 8 + 4 + 4 * WORDS + 8) / (ACROSS[0] * ACROSS[0]) as u64;
+
+    /// For a target of `size`, pixels.
+    pub(crate) fn new(device: &wgpu::Device, size: [u32; 2]) -> Self {
+        let [width, height] = size.map(|side| side.div_ceil(ACROSS[0]));
+        let texture = |label, format| {
+            let texture = device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            });
+            texture.create_view(&Default::default())
+        };
+        let buffer = |label, size, usage| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size,
+                usage: wgpu::BufferUsages::STORAGE | usage,
+                mapped_at_creation: false,
+            })
+        };
+        let most = u64::from(width) * u64::from(height);
+        let points = buffer("soft points", 4 * WORDS * most, wgpu::BufferUsages::empty());
+        let uniform = bindings::uniform(device, "soft", size_of::<SoftUniform>());
+        let buffers = [&uniform, &points].map(wgpu::Buffer::as_entire_binding);
+        Self {
+            size,
+            position: texture("soft positions", POSITION),
+            normal: texture("soft normals", NORMAL),
+            depth: texture("soft depth", DEPTH_FORMAT),
+            group: group(device, "soft", &points_layout(device), &buffers),
+            asked: buffer("asked points", 8 * most, wgpu::BufferUsages::empty()),
+            count: buffer(
+                "count of asked points",
+                16,
+                wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_DST,
+            ),
+            uniform,
+            points,
+        }
+    }
+
+    /// Pixels of a target `ssaa` times as fine as `camera`'s picture along each edge of a point's square.
+    fn across(camera: &Camera, ssaa: u32, focus: &Sphere) -> u32 {
+        let away = (camera.projection * camera.view * focus.center.extend(1.0)).w;
+        let pixel = camera.pixel() / ssaa as f32 * away.abs();
+        (SPACING / pixel.max(1e-9)).round().clamp(ACROSS[0] as f32, ACROSS[1] as f32) as u32
+    }
+
+    /// Records them for `bodies`.
+    pub(super) fn record(
+        &self,
+        pipelines: &Pipelines,
+        canvas: &mut super::record::Canvas<'_>,
+        bodies: &[&Body],
+    ) -> Result<()> {
+        let across = Self::across(canvas.camera, canvas.targets.ssaa, canvas.focus);
+        let [wide, high] = self.size.map(|side| side.div_ceil(across));
+        let uniform = SoftUniform { across, wide, high, _pad: 0 };
+        canvas.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+
+        let surface = pipelines.surface(canvas.device)?;
+        let strays: Vec<_> = bodies.iter().map(|body| canvas.stray(body)).collect();
+        let clear = |view| {
+            Some(wgpu::RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })
+        };
+        let mut pass = canvas.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("body"),
+            color_attachments: &[clear(&self.position), clear(&self.normal)],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &self.depth,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(0.0),
+                    store: wgpu::StoreOp::Discard,
+                }),
+                stencil_ops: None,
+            }),
+            timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.render("body")),
+            ..Default::default()
+        });
+        // The middle of a point's pixel is that of its square, also where the last squares reach beyond the picture.
+        let [width, height] = self.size.map(|side| side as f32 / across as f32);
+        pass.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
+        pass.set_pipeline(&surface);
+        pass.set_bind_group(0, canvas.frame, &[]);
+        bodies.iter().zip(strays).for_each(|(body, stray)| body.record(&mut pass, stray));
+        drop(pass);
+
+        canvas.queue.write_buffer(&self.count, 0, bytemuck::bytes_of(&[0_u32, 1, 1, 0]));
+        let all = wgpu::Buffer::as_entire_binding;
+        let [position, normal] = [&self.position, &self.normal].map(wgpu::BindingResource::TextureView);
+        let (soft, points, asked, count) =
+            (all(&self.uniform), all(&self.points), all(&self.asked), all(&self.count));
+        let listed = [position.clone(), soft.clone(), points.clone(), asked.clone(), count.clone()];
+        let listed = pipelines.list.bind(canvas.device, &listed);
+        let light = canvas.light.1.frame_resources(canvas.eye);
+        let lit = [&light[..], &[position, normal, soft, points, asked, count]].concat();
+        let lit = pipelines.ask.bind(canvas.device, &lit);
+        let mut pass = canvas.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("body"),
+            timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.compute("body")),
+        });
+        pipelines.list.record(&mut pass, &listed, &[], (wide * high).div_ceil(STRAND_WORKGROUP));
+        pipelines.ask.record_indirect(&mut pass, &lit, &[], (&self.count, 0));
+        Ok(())
+    }
+}

@@ -1,0 +1,57 @@
+//! Light on bodies is asked for few points, and looks as if it were asked for many.
+
+use crate::{
+    common,
+    golden::{self, SIZE, difference},
+};
+use tresses::{
+    Camera, View,
+    body::Body,
+    draw::Coverage,
+    glam::Vec3,
+    groom::TriMesh,
+    light::{Directional, HairSet, Lights, MAX_LIGHTS, Sphere},
+    view::{Picture, ViewOptions},
+};
+
+/// A floor under the golden picture's hair, which shades it: all that is seen.
+fn floor() -> TriMesh {
+    let corner = |x: f32, z: f32| Vec3::new(x, -0.16, z);
+    TriMesh {
+        positions: vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)],
+        normals: vec![Vec3::Y; 4],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Default::default()
+    }
+}
+
+/// Sixteen times as many pixels have as many more points, a quarter as far apart: their means are the same
+/// picture. The test fails where hair casts no shadow.
+#[test]
+fn few_points_tell_what_many_do() {
+    let (Some(gpu), Some(pipelines)) = (common::gpu(), common::pipelines()) else { return };
+    let hair = HairSet::new(&gpu.device, &golden::strands(gpu, 0..golden::COUNT)).expect("fits");
+    let body = Body::new(&gpu.device, &floor());
+    let mut lights = Lights::default();
+    lights.directional = [Directional::OFF; MAX_LIGHTS];
+    lights.directional[0] =
+        Directional { direction: Vec3::new(0.1, 1.0, 0.2).normalize(), irradiance: Vec3::splat(2.0) };
+    let picture = Picture {
+        camera: Camera::look_at(Vec3::new(0.0, -0.11, 0.4), Vec3::new(0.0, -0.16, 0.06), 0.2, SIZE),
+        focus: Sphere { center: Vec3::ZERO, radius: 0.25 },
+        lights,
+        ..golden::scene()
+    };
+    let options = ViewOptions { samples: 1, coverage: Coverage::SampleMask, ..Default::default() };
+    let draw = |ssaa: u32, hair: &[&HairSet]| {
+        let view = View::new(&gpu.device, pipelines, &options, SIZE, ssaa).expect("fits");
+        common::picture(gpu, (pipelines, &view), &picture, hair, &[&body])
+    };
+    let few = draw(1, &[&hair]);
+    let (mean, high) = difference(&few, &draw(4, &[&hair]));
+    println!("mean {mean:.3} of 255, 99th percentile {high}");
+    assert!(mean < 0.6 && high < 10, "{mean} {high}");
+    let (bare, _) = difference(&few, &draw(1, &[]));
+    println!("{bare:.3} without its shadow");
+    assert!(bare > 4.0, "hair shades it: {bare}");
+}
