@@ -19,8 +19,9 @@ fn what_is_seen_is_shaded_as_if_all_were() {
 
     // The tips of one strand in three, and one vertex somewhere.
     let n = strands.vertex_count as usize;
-    let seen: Vec<u32> =
-        (0..all.len()).map(|i| u32::from(i / n % 3 == 0 && i % n >= n - 2 || i == n + 5)).collect();
+    let seen: Vec<u32> = (0..all.len())
+        .map(|i| u32::from((i / n).is_multiple_of(3) && i % n >= n - 2 || i == n + 5))
+        .collect();
     let buffer = device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("seen"),
         size: 4 * seen.len() as u64,
