@@ -32,8 +32,7 @@ fn few_points_tell_what_many_do() {
     let (Some(gpu), Some(pipelines)) = (common::gpu(), common::pipelines()) else { return };
     let hair = HairSet::new(&gpu.device, &golden::strands(gpu, 0..golden::COUNT)).expect("fits");
     let body = Body::new(&gpu.device, &floor());
-    let mut lights = Lights::default();
-    lights.directional = [Directional::OFF; MAX_LIGHTS];
+    let mut lights = Lights { directional: [Directional::OFF; MAX_LIGHTS], ..Lights::default() };
     lights.directional[0] =
         Directional { direction: Vec3::new(0.1, 1.0, 0.2).normalize(), irradiance: Vec3::splat(2.0) };
     let picture = Picture {

@@ -100,13 +100,14 @@ impl Embed {
             return Err(Error::Parameter {
                 name: "the coverage of hair in a scene",
                 value: "depth peeling".into(),
-                range: "a mask of samples or alpha to coverage",
+                range: "tiles, a mask of samples or alpha to coverage",
             });
         }
         use wgpu::{BlendFactor::*, ShaderStages as Stages};
         let layout = |label, texture| layout(device, label, Stages::FRAGMENT, &[Binding::Uniform, texture]);
         let depth_layout = layout("embed depth", Binding::Depth);
-        let many = samples > 1;
+        // Tiles leave hair in a texture of its own, one sample per pixel.
+        let many = samples > 1 && !coverage.is_tiled();
         let hdr = if many { Binding::TextureMultisampled } else { Binding::Texture2d };
         let composite_layout = layout("embed", hdr);
         let module = "draw::embed::depth";
@@ -162,7 +163,8 @@ impl Embed {
 
     /// Records what the targets have of hair over the scene's colour.
     pub(crate) fn record(&self, canvas: &mut Canvas<'_>, into: &Surroundings<'_>) {
-        let group = self.bind(canvas.device, &self.composite_layout, &canvas.targets.hdr);
+        let hair = canvas.targets.tiles.as_ref().map_or(&canvas.targets.hdr, |tiles| &tiles.hair);
+        let group = self.bind(canvas.device, &self.composite_layout, hair);
         let mut pass = canvas.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("embed"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
