@@ -126,7 +126,7 @@ impl Photographer {
             let mut encoder = scene.gpu.device.create_command_encoder(&Default::default());
             scene.record_draw(&mut encoder, None, camera)?;
             scene.gpu.queue.submit([encoder.finish()]);
-            if scene.is_complete()? {
+            if pollster::block_on(scene.is_complete())? {
                 break;
             }
         }

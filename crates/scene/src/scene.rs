@@ -426,12 +426,12 @@ impl Scene {
     }
 
     /// Whether the picture that has been submitted holds all of the hair, or is to be drawn again
-    /// ([`View::is_complete`]). Blocks.
+    /// ([`View::is_complete`]).
     ///
     /// # Errors
     /// When the GPU is lost.
-    pub fn is_complete(&self) -> Result<bool> {
-        Ok(pollster::block_on(self.view.is_complete(&self.gpu.device, &self.gpu.queue))?)
+    pub async fn is_complete(&self) -> Result<bool> {
+        Ok(self.view.is_complete(&self.gpu.device, &self.gpu.queue).await?)
     }
 
     /// Records the picture of the last [`record_draw`](Self::record_draw) once more, after the targets have become

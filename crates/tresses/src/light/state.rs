@@ -143,7 +143,7 @@ impl State {
         }
     }
 
-    /// [`shade`](Self::shade) per vertex, of nothing but what is chosen.
+    /// Records the shading per vertex of nothing but what is chosen.
     pub fn shade_chosen(
         &self,
         pipelines: &Pipelines,

@@ -157,7 +157,9 @@ fn hair_is_hidden_by_what_is_in_front_of_it() {
         let short = perspective(FOV, aspect, 0.2, 4.0);
         for other in [reversed, short] {
             let picture = stage.wall(blue, other, DISTANCE);
-            let moved = picture.iter().zip(&halved).filter(|(a, b)| a != b).count();
+            // What of it can be seen: tiles blend slivers of strands that samples leave out.
+            let seen = |(a, b): &(&Vec4, &Vec4)| (**a - **b).abs().max_element() > 0.01;
+            let moved = picture.iter().zip(&halved).filter(seen).count();
             // A strand that touches the wall may fall on either side of it.
             assert!(moved <= some / 50, "{moved} of {some} pixels changed with the projection");
         }

@@ -9,7 +9,7 @@
 //! the sky from five textures. It hardly changes from one pixel of a portrait to the next, and it was nine tenths of a
 //! body's time. So bodies are drawn twice.
 //!
-//! First small (`surface.wesl`): position and normal, one pixel for several of the target's, [`SPACING`] apart where
+//! First small (`surface.wesl`): position and normal, one pixel for several of the target's, `SPACING` apart where
 //! the picture's focus is. `list` collects those that see a body, and those beside them; `ask`, one thread for each,
 //! asks for the light there. Drivers that run shaders on vectors take both ways of a branch and shade whole blocks that a
 //! triangle only touches: a list has neither.
