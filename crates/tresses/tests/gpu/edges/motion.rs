@@ -2,7 +2,7 @@
 //! slowly.
 
 use super::{
-    MASK_1, MASK_4, MASK_4_2X, MASK_8, MASK_16, Mode, PEEL, PEEL_2X,
+    MASK_1, MASK_4, MASK_4_2X, MASK_8, MASK_16, Mode, PEEL, PEEL_2X, TILES, TILES_1, TILES_2X,
     coverage::scene,
     groom::Groom,
     mode, modes,
@@ -62,7 +62,7 @@ fn difference(frames: &[Vec<[u8; 4]>], exact: &[Vec<[u8; 4]>]) -> f64 {
 #[test]
 fn nothing_shimmers_in_motion() {
     let Some(gpu) = common::gpu() else { return };
-    judge(gpu, &[MASK_4, MASK_1], &DISTANCES[1..]);
+    judge(gpu, &[MASK_4, MASK_1, TILES], &DISTANCES[1..]);
 }
 
 /// The table of docs/appearance/edges.md.
@@ -87,6 +87,9 @@ fn judge(gpu: &Gpu, modes: &[Mode], distances: &[f32]) {
         println!("{:36} {ratios:.2?} times, {off:.2?} / 255 off", mode.name);
         if [PEEL, PEEL_2X, MASK_4_2X, MASK_4, MASK_8, MASK_16].contains(&mode) {
             assert!(ratios.iter().all(|ratio| *ratio < 1.2), "{}: {ratios:?}", mode.name);
+        }
+        if [TILES, TILES_1, TILES_2X].contains(&mode) {
+            assert!(ratios.iter().all(|ratio| *ratio < 1.0), "{}: {ratios:?}", mode.name);
         }
         // Nor is it quiet because it is washed out: the pixel's own four samples are 5.6 and 2.1 off.
         if mode == MASK_4 {
