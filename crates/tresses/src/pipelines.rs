@@ -119,7 +119,7 @@ impl Pipelines {
             },
             Wanted::Picture(options, rate) => {
                 let ViewOptions { samples, coverage, output, .. } = *options;
-                let mut jobs = self.light.jobs();
+                let mut jobs = self.light.jobs(coverage.is_tiled());
                 jobs.extend(self.draw.jobs(coverage, samples, *rate));
                 jobs.push(Box::new(move || self.present.get(coverage, samples, output).map(|_| ())));
                 jobs

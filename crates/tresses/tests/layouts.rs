@@ -588,16 +588,6 @@ fn tiles() {
     );
     assert_eq!(
         wgsl_layout("draw::tiles::grid::Control"),
-        rust_layout!(Control {
-            segments,
-            bins,
-            rows,
-            segments_again,
-            bins_again,
-            busy,
-            entries,
-            rounds,
-            _pad
-        })
+        rust_layout!(Control { segments, bins, rows, segments_again, bins_again, busy, entries, _pad })
     );
 }

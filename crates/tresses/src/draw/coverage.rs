@@ -59,6 +59,11 @@ impl Coverage {
         Err(Error::Parameter { name, value: value.to_string(), range })
     }
 
+    /// Whether hair is drawn by [`Tiles`](Self::Tiles).
+    pub(crate) fn is_tiled(self) -> bool {
+        self == Self::Tiles
+    }
+
     /// The layers of [`DepthPeeling`](Self::DepthPeeling), else 0.
     pub(crate) fn layers(self) -> u32 {
         match self {

@@ -96,6 +96,19 @@ impl Pipelines {
     }
 }
 
+/// A texture that a pass begins with nothing in it.
+pub(crate) fn cleared(view: &wgpu::TextureView) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+    Some(wgpu::RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations {
+            load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+            store: wgpu::StoreOp::Store,
+        },
+    })
+}
+
 /// A pass into the HDR target with the view's group bound.
 pub(crate) fn pass<'e>(canvas: &'e mut Canvas<'_>, name: &'static str, clear: bool) -> wgpu::RenderPass<'e> {
     let color = if clear { wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT) } else { wgpu::LoadOp::Load };

@@ -123,10 +123,12 @@ impl Pipelines {
         })
     }
 
-    /// What compiles all that a picture with shadows by default needs.
-    pub(crate) fn jobs(&self) -> Vec<Job<'_>> {
+    /// What compiles all that a picture with shadows by default needs; of one that shades only what is seen if
+    /// `chosen`.
+    pub(crate) fn jobs(&self, chosen: bool) -> Vec<Job<'_>> {
         let [front, cover, stack] = &self.deep;
         let mut kernels = vec![&self.splat, front, cover, stack, &self.knots, &self.shade];
+        kernels.extend(chosen.then_some(&self.choose));
         kernels.extend(self.ambient.kernels());
         let mut jobs = kernel::jobs(kernels);
         jobs.push(Box::new(|| self.shadow_body().map(|_| ())));

@@ -20,6 +20,7 @@
 //! Rejected: light at the body's vertices, which are 2 mm apart on one head and 20 on another, and farther once
 //! simplified; asking in the fragment shader where no point lies in the plane, for which lavapipe asks for all.
 
+use super::record::{Canvas, cleared};
 use crate::{
     Camera, Result,
     body::{self, Body},
@@ -189,7 +190,7 @@ impl Soft {
     pub(super) fn record(
         &self,
         pipelines: &Pipelines,
-        canvas: &mut super::record::Canvas<'_>,
+        canvas: &mut Canvas<'_>,
         bodies: &[&Body],
     ) -> Result<()> {
         let across = Self::across(canvas.camera, canvas.targets.ssaa, canvas.focus);
@@ -199,20 +200,9 @@ impl Soft {
 
         let surface = pipelines.surface(canvas.device)?;
         let strays: Vec<_> = bodies.iter().map(|body| canvas.stray(body)).collect();
-        let clear = |view| {
-            Some(wgpu::RenderPassColorAttachment {
-                view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                    store: wgpu::StoreOp::Store,
-                },
-            })
-        };
         let mut pass = canvas.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("body"),
-            color_attachments: &[clear(&self.position), clear(&self.normal)],
+            color_attachments: &[cleared(&self.position), cleared(&self.normal)],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &self.depth,
                 depth_ops: Some(wgpu::Operations {

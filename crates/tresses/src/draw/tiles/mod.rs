@@ -42,7 +42,7 @@ mod texels;
 pub(crate) use pipelines::Pipelines;
 pub(crate) use state::Tiles;
 
-use super::{Coverage, record::Canvas};
+use super::record::{Canvas, cleared};
 use crate::{
     Error, Result,
     constants::{STRAND_WORKGROUP, TILE, TILE_ROUNDS},
@@ -88,7 +88,11 @@ impl Pipelines {
     pub fn record_bins(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>], linear: bool) -> Result<()> {
         let tiles = tiles(canvas)?;
         // Where no tile is busy nothing is written.
-        clear(canvas, &tiles.hair);
+        canvas.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("no hair"),
+            color_attachments: &[cleared(&tiles.hair)],
+            ..Default::default()
+        });
         if hair.is_empty() {
             return Ok(());
         }
@@ -172,28 +176,4 @@ fn compute<'e>(canvas: &'e mut Canvas<'_>, name: &'static str) -> wgpu::ComputeP
         label: Some(name),
         timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.compute(name)),
     })
-}
-
-/// Clears a texture.
-fn clear(canvas: &mut Canvas<'_>, view: &wgpu::TextureView) {
-    canvas.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some("no hair"),
-        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view,
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations {
-                load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                store: wgpu::StoreOp::Store,
-            },
-        })],
-        ..Default::default()
-    });
-}
-
-impl Coverage {
-    /// Whether the rasteriser is this one.
-    pub(crate) fn is_tiled(self) -> bool {
-        self == Self::Tiles
-    }
 }

@@ -33,7 +33,7 @@ impl Pipelines {
     pub fn new(device: &wgpu::Device) -> Self {
         let kernel = |module, bindings: &[Binding]| Kernel::new(device, module, bindings);
         let fine = [Storage, Storage, Storage, Words2d, Texels2d];
-        let see = [&fine[..], &[Storage, StorageMut, UniformDynamic]].concat();
+        let see = [&fine[..], &[StorageMut, StorageMut, UniformDynamic]].concat();
         let blend = [&fine[..], &[StorageMut, Words2d, UniformDynamic, Write2d]].concat();
         Self {
             surface: [
@@ -69,7 +69,7 @@ impl Pipelines {
     /// What compiles those for targets of so many samples per pixel.
     pub fn jobs(&self, samples: u32) -> Vec<Job<'_>> {
         let many = usize::from(samples > 1);
-        let Self { surface, project, bound, count, totals, scan, scatter, sort, rewind: _, see, tint, blend } =
+        let Self { surface, project, bound, count, totals, scan, scatter, sort, rewind, see, tint, blend } =
             self;
         kernel::jobs([
             &surface[many],
@@ -80,6 +80,7 @@ impl Pipelines {
             scan,
             scatter,
             sort,
+            rewind,
             &see[many],
             tint,
             &blend[many],

@@ -64,10 +64,8 @@ pub struct Control {
     pub busy: [[u32; 4]; TILE_ROUNDS as usize],
     /// Entries that all tiles need.
     pub entries: u32,
-    /// Rounds that they need.
-    pub rounds: u32,
     /// Unused.
-    pub _pad: [u32; 2],
+    pub _pad: [u32; 3],
 }
 
 /// Dynamic offsets of uniforms are multiples of this on any device.
