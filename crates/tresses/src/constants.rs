@@ -22,6 +22,7 @@ pub const SHARED: &[(&str, u32)] = &[
     ("TILE", TILE),
     ("TILE_BINS", TILE_BINS),
     ("TILE_BLOCK", TILE_BLOCK),
+    ("TILE_FEW", TILE_FEW),
     ("TILE_POINTS", TILE_POINTS),
     ("TILE_ROUNDS", TILE_ROUNDS),
     ("TILE_SCAN", TILE_SCAN),
@@ -77,6 +78,8 @@ pub const TILE: u32 = 8;
 pub const TILE_BINS: u32 = 64;
 /// Edge of a block of tiles that share the range of depth that bins divide, tiles.
 pub const TILE_BLOCK: u32 = 4;
+/// So many entries of a bin one thread puts in order; with more, a workgroup shares the work.
+pub const TILE_FEW: u32 = 512;
 /// Points in a row of the textures that hold them.
 pub const TILE_POINTS: u32 = 4096;
 /// The most rounds that the lists of tiles are made in.

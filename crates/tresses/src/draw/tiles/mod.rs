@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! depth of bodies ─► surface ─► depths per pixel, farthest per tile
-//! strand vertices ─► project ─► points ─► count ─► totals ─► scan ─► scatter ─► sort ─► lists of tiles
+//! strand vertices ─► project ─► points ─► count ─► totals ─► scan ─► scatter ─► sort, merge ─► lists of tiles
 //! lists ─► see ─► which vertices are seen ─► light::shade ─► tint ─► colours ─┐
 //! lists ──────────────────────────────────────────────────────────────────────┴─► blend ─► hair
 //! ```
@@ -10,8 +10,9 @@
 //! A segment is the piece of a strand between two of its vertices. It is written into the list of each tile of 8×8
 //! pixels that it reaches, unless bodies hide it there. Lists are made by counting, a prefix sum and a second pass
 //! that writes: no length is guessed. In its tile a segment goes into one of 64 bins by its depth, between the
-//! nearest and the farthest hair of 4×4 tiles; each bin is then put in order by one thread. An entry is one word:
-//! the place of its depth in the bin, then its number, so that no two are equal and two runs give the same bits.
+//! nearest and the farthest hair of 4×4 tiles; each bin is then put in order by one thread, or by a workgroup
+//! where it holds very many. An entry is one word: the place of its depth in the bin, then its number, so that no two
+//! are equal and two runs give the same bits.
 //!
 //! One thread follows the list of its tile for a row of eight pixels, front to back, until less than 2 % of the
 //! light gets through any of them. The share of a pixel that a segment covers is exact for a strand that is
@@ -30,9 +31,13 @@
 //! pixels per load: a row of eight costs an eighth of the loads of eight threads with a pixel each. Ordering by bins of
 //! a tile's own range of depth keeps bins at a handful of entries, where insertion is as fast as anything.
 //!
+//! Mesa's software driver ends the loops of a thread after 65,535 turns in all: what takes a square of a bin's
+//! entries stays undone there.
+//!
 //! Rejected: a bitonic sort in workgroup memory (45 barriers per tile, and a barrier costs a software driver as
-//! much as the work between two), lists of linked fragments (their order and so the picture changes from run to
-//! run), leaving out what lies behind a mean optical depth (wrong where a tile is not covered evenly).
+//! much as the work between two; sorting just the bins of over 32 entries so doubles the time of all lists), lists of
+//! linked fragments (their order and so the picture changes from run to run), leaving out what lies behind a mean
+//! optical depth (wrong where a tile is not covered evenly).
 //! Untried: the farthest depth of the last frame as a bound, two segments as one entry, half floats.
 
 mod pipelines;
@@ -121,7 +126,9 @@ impl Pipelines {
         for round in Round::all(&tiles.control) {
             let mut pass = compute(canvas, "bins");
             round.run(&mut pass, &self.scatter, &bound.scatter, offset_of!(Control, segments));
-            round.run(&mut pass, &self.sort, &bound.sort, offset_of!(Control, bins));
+            for kernel in [&self.sort, &self.merge] {
+                round.run(&mut pass, kernel, &bound.sort, offset_of!(Control, bins));
+            }
             drop(pass);
             bound.list.copy(canvas.encoder, u32::MAX);
             canvas.lap("bins");
@@ -160,7 +167,9 @@ impl Pipelines {
             let mut pass = compute(canvas, "hair");
             round.run(&mut pass, &self.rewind, &bound.rewind, offset_of!(Control, bins_again));
             round.run(&mut pass, &self.scatter, &bound.scatter, offset_of!(Control, segments_again));
-            round.run(&mut pass, &self.sort, &bound.sort, offset_of!(Control, bins_again));
+            for kernel in [&self.sort, &self.merge] {
+                round.run(&mut pass, kernel, &bound.sort, offset_of!(Control, bins_again));
+            }
             drop(pass);
             bound.list.copy(canvas.encoder, u32::MAX);
             let mut pass = compute(canvas, "hair");

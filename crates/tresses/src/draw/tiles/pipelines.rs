@@ -21,6 +21,8 @@ pub(crate) struct Pipelines {
     pub scan: Kernel,
     pub scatter: Kernel,
     pub sort: Kernel,
+    /// Bound as `sort`.
+    pub merge: Kernel,
     pub rewind: Kernel,
     /// By whether pixels have two surfaces.
     pub see: [Kernel; 2],
@@ -32,6 +34,7 @@ pub(crate) struct Pipelines {
 impl Pipelines {
     pub fn new(device: &wgpu::Device) -> Self {
         let kernel = |module, bindings: &[Binding]| Kernel::new(device, module, bindings);
+        let sort = [Storage, Storage, Storage, Storage, StorageMut, UniformDynamic];
         let fine = [Storage, Storage, Storage, Words2d, Texels2d];
         let see = [&fine[..], &[StorageMut, StorageMut, UniformDynamic]].concat();
         let blend = [&fine[..], &[StorageMut, Words2d, UniformDynamic, Write2d]].concat();
@@ -55,10 +58,8 @@ impl Pipelines {
                 "draw::tiles::scatter",
                 &[Storage, Texels2d, Words2d, StorageMut, StorageMut, UniformDynamic],
             ),
-            sort: kernel(
-                "draw::tiles::sort",
-                &[Storage, Storage, Storage, Storage, StorageMut, UniformDynamic],
-            ),
+            sort: kernel("draw::tiles::sort", &sort),
+            merge: kernel("draw::tiles::merge", &sort),
             rewind: kernel("draw::tiles::rewind", &[Storage, Storage, StorageMut, UniformDynamic]),
             see: ["draw::tiles::see::1", "draw::tiles::see::2"].map(|module| kernel(module, &see)),
             tint: kernel("draw::tiles::tint", &[Uniform, Storage, Storage, Storage, Storage, StorageMut]),
@@ -69,8 +70,21 @@ impl Pipelines {
     /// What compiles those for targets of so many samples per pixel.
     pub fn jobs(&self, samples: u32) -> Vec<Job<'_>> {
         let many = usize::from(samples > 1);
-        let Self { surface, project, bound, count, totals, scan, scatter, sort, rewind, see, tint, blend } =
-            self;
+        let Self {
+            surface,
+            project,
+            bound,
+            count,
+            totals,
+            scan,
+            scatter,
+            sort,
+            merge,
+            rewind,
+            see,
+            tint,
+            blend,
+        } = self;
         kernel::jobs([
             &surface[many],
             project,
@@ -80,6 +94,7 @@ impl Pipelines {
             scan,
             scatter,
             sort,
+            merge,
             rewind,
             &see[many],
             tint,

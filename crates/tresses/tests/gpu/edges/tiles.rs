@@ -8,8 +8,10 @@ use tresses::{
     body::Body,
     draw::Coverage,
     glam::{Quat, Vec2, Vec3},
-    light::Sphere,
+    gpu::Gpu,
+    light::{Directional, Sphere},
     present::Background,
+    strands::Strand,
     view::Picture,
 };
 
@@ -172,6 +174,40 @@ fn strands_end_at_the_near_plane() {
     let other = difference(&shown(TILES_1, &less), &exact);
     println!("{mean:.3} of 255, {other:.3} with some strands fewer");
     assert!(mean < 1.0 && other > 3.0 * mean, "{mean} {other}");
+}
+
+/// Strands at one place of the picture in one bin of depth, the nearest last: of `count`, the nearest half is red, the
+/// others green. `shown` tells which of them there are by the share that is nearer.
+fn crowd(gpu: &Gpu, count: usize, shown: impl Fn(f32) -> bool, turned: bool) -> Vec<u8> {
+    let depths = (0..count).rev().map(|i| (i ^ 5) as f32 / count as f32).filter(|s| shown(*s));
+    let depths: Vec<f32> = depths.collect();
+    // A strand far behind takes the last bin, so that the others share the first.
+    let at = |s: f32| [-20.0, if turned { s - 1.0 } else { -s } * 0.4];
+    let points = depths.iter().map(|s| at(*s)).chain([[-10.0, -40.0]]);
+    let points = points.flat_map(|[x, z]| [-1.0, 1.0].map(|y| Vec3::new(x + 0.1 * y, 30.0 * y, z) * 1e-3));
+    let groom = Groom { vertices: 2, points: points.collect(), root_radius: 2e-3, tip_radius: 2e-3 };
+    let studio = Studio::new(gpu, TILES_1, SIZE);
+    let (hair, buffers) = studio.hair(&groom);
+    let colors = depths.iter().map(|s| if *s < 0.5 { 0xff } else { 0xff00 }).chain([0xff]);
+    let infos: Vec<_> =
+        colors.map(|color| Strand { radius: 2e-3, seed: 1, root_color: color, tip_color: color }).collect();
+    gpu.queue.write_buffer(&buffers.strands, 0, bytemuck::cast_slice(&infos));
+    let mut view = scene();
+    view.lights.directional[0] = Directional { direction: Vec3::Z, irradiance: Vec3::splat(9.0) };
+    studio.picture(&view, &hair).as_flattened().to_vec()
+}
+
+#[test]
+fn crowded_bins_are_in_order() {
+    let Some(gpu) = common::gpu() else { return };
+    // Put in order by one thread, in long steps first, and by a workgroup. The nearest half hides the other.
+    for count in [30, 400, 1000, 6001] {
+        let front = crowd(gpu, count, |s| s < 0.5, false);
+        let all = difference(&crowd(gpu, count, |_| true, false), &front).0;
+        let turned = difference(&crowd(gpu, count, |_| true, true), &front).0;
+        println!("{count}: {all:.4} of 255 off the nearer half, {turned:.3} when the farther half is nearer");
+        assert!(all < 0.06 && turned > 5.0 * all, "{count}: {all} {turned}");
+    }
 }
 
 /// Hair behind a body's edge, and before it, is as much there as samples tell.
