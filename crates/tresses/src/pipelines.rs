@@ -121,7 +121,8 @@ impl Pipelines {
                 let ViewOptions { samples, coverage, output, .. } = *options;
                 let mut jobs = self.light.jobs(coverage.is_tiled());
                 jobs.extend(self.draw.jobs(coverage, samples, *rate));
-                jobs.push(Box::new(move || self.present.get(coverage, samples, output).map(|_| ())));
+                // How many times larger than the picture targets are is not known yet: mostly they are not.
+                jobs.push(Box::new(move || self.present.get(coverage, (samples, 1), output).map(|_| ())));
                 jobs
             }
         }

@@ -57,7 +57,8 @@ pub struct PresentUniform {
 #[derive(Debug)]
 pub struct Pipelines {
     device: wgpu::Device,
-    made: Made<(&'static str, wgpu::TextureFormat), wgpu::RenderPipeline>,
+    /// By shader, whether targets are larger than the picture, and format of the output.
+    made: Made<(&'static str, bool, wgpu::TextureFormat), wgpu::RenderPipeline>,
 }
 
 /// The shader for targets of so many samples with hair in them by `coverage`, and what it binds.
@@ -82,19 +83,22 @@ impl Pipelines {
         Self { device: device.clone(), made: Made::default() }
     }
 
-    /// From targets of so many samples with hair in them by `coverage` into an output of `format`.
+    /// From targets of so many samples, `ssaa` times as large as the picture, with hair in them by `coverage` into an
+    /// output of `format`.
     pub(crate) fn get(
         &self,
         coverage: Coverage,
-        samples: u32,
+        (samples, ssaa): (u32, u32),
         format: wgpu::TextureFormat,
     ) -> Result<wgpu::RenderPipeline> {
         let (module, bindings) = shader(coverage, samples);
-        self.made.get((module, format), || {
+        self.made.get((module, ssaa > 1, format), || {
             let name = module.rsplit("::").next().unwrap_or(module);
+            // Two entries: a software driver runs both sides of a branch.
+            let entry = if ssaa > 1 { "supersampled" } else { "fragment" };
             Recipe {
                 vertex: (module, &format!("{name}_vertex")),
-                fragment: Some((module, &format!("{name}_fragment"))),
+                fragment: Some((module, &format!("{name}_{entry}"))),
                 layouts: &[&layout(&self.device, module, wgpu::ShaderStages::FRAGMENT, bindings)],
                 targets: &[Some(format.into())],
                 ..Recipe::PLAIN
@@ -187,7 +191,7 @@ impl State {
         targets: &Targets,
         output: &wgpu::TextureView,
     ) -> Result<()> {
-        let pipeline = pipelines.get(self.coverage, targets.samples, self.format)?;
+        let pipeline = pipelines.get(self.coverage, (targets.samples, targets.ssaa), self.format)?;
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("present"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
