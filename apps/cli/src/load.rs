@@ -15,7 +15,7 @@ pub fn load(
     // What can be refused is refused before anything is made.
     let source = &preset.source;
     ensure!(
-        source.color_map.is_none() || preset.settings.look.color == HairColor::File,
+        source.color_map.is_none() || preset.settings.shading.color == HairColor::File,
         "a map of colours shows with shading.color on file only"
     );
     let maps = Companions::of(source, Shelf::default()).maps()?;

@@ -142,9 +142,9 @@ impl Photographer {
     /// How many pixels of the picture the hair covers, whatever is before it. Blocks.
     pub fn hair_pixels(&mut self, camera: &Viewpoint) -> Result<f64> {
         let bodies = (self.scene.body.take(), self.scene.obstacles.take());
-        let background = std::mem::replace(&mut self.scene.look.background, Background::transparent());
+        let background = std::mem::replace(&mut self.scene.picture.background, Background::transparent());
         let picture = self.picture(camera);
-        self.scene.look.background = background;
+        self.scene.picture.background = background;
         (self.scene.body, self.scene.obstacles) = bodies;
         Ok(picture?.rgba.as_chunks::<4>().0.iter().map(|[.., alpha]| f64::from(*alpha) / 255.0).sum())
     }

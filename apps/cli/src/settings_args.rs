@@ -60,7 +60,7 @@ pub fn apply(companions: &CompanionFlags, rows: &RowFlags<All>, preset: &mut Pre
     companions.apply(source);
     apply_rows(rows, settings)?;
     if companions.gives("color_map") {
-        settings.look.color = HairColor::File;
+        settings.shading.color = HairColor::File;
     } else if rows.gives("color") {
         source.color_map = None;
     }
@@ -128,9 +128,9 @@ mod tests {
         (&["--ssaa", "2"], &["edges.ssaa"]),
         (&["--hair-hair", "off"], &["simulation.hair_hair"]),
         (&["--wind", "8,90"], &["wind.speed", "wind.direction"]),
-        (&["--gusts", "0.5"], &["wind.turbulence"]),
+        (&["--gusts", "0.5"], &["wind.gusts"]),
         (&["--wind-seed", "5"], &["wind.seed"]),
-        (&["--avoid", "off"], &["interpolation.avoid"]),
+        (&["--avoid", "off"], &["avoidance.mode"]),
         (&["--lod", "0.5"], &["lod.mode", "lod.fraction"]),
         (&["--lod-bias", "-1"], &["lod.bias"]),
         (&["--shadows", "opaque"], &["shadows.method"]),

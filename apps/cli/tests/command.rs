@@ -101,7 +101,7 @@ fn presets_are_printed_and_read_back() {
         message.contains("mine.toml at line 8: there is no style.fritz; the nearest is style.frizz"),
         "{message}"
     );
-    assert!(print(&["knobs", "gust"]).contains("wind.turbulence = 20%"));
+    assert!(print(&["knobs", "gust"]).contains("wind.gusts = 20%"));
 }
 
 #[test]

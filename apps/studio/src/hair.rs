@@ -37,7 +37,7 @@ impl Hair {
     fn seen_with(&self, settings: &Settings, painted: Option<&str>) -> Settings {
         let mut settings = settings.clone();
         if painted.is_some() && painted == self.companions.names().color_map.as_deref() {
-            settings.look.color = HairColor::File;
+            settings.shading.color = HairColor::File;
         }
         settings
     }
@@ -187,9 +187,9 @@ mod tests {
         let companions = Companions::default().with(companion(COLORS).unwrap(), name(), &Shelf::default());
         let hair = Hair { companions, ..Hair::default() };
         let mut brown = Settings::default();
-        brown.look.color = HairColor::Brown;
+        brown.shading.color = HairColor::Brown;
         let color =
-            |hair: &Hair, painted: Option<String>| hair.seen_with(&brown, painted.as_deref()).look.color;
+            |hair: &Hair, painted: Option<String>| hair.seen_with(&brown, painted.as_deref()).shading.color;
         assert_eq!(color(&hair, name()), HairColor::File);
         // Those of a preset that says brown, and of hair that came in their place, are not.
         assert_eq!(color(&hair, None), HairColor::Brown);

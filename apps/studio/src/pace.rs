@@ -51,7 +51,7 @@ impl Level {
         stage.take(settings);
         if stage.gpu.tier.software {
             // Its coarse maps shade what casts the shadow sooner.
-            stage.look.shadows.bias *= 2.0;
+            stage.picture.shadows.bias *= 2.0;
         }
         stage.set_lod(self.lod(settings.lod()))
     }

@@ -21,7 +21,7 @@ fn stage() -> Option<(Scene, Settings)> {
         return None;
     };
     let mut settings = Settings::default();
-    settings.look.color = HairColor::Blond;
+    settings.shading.color = HairColor::Blond;
     let options = turn::draw_options(&settings, &gpu.tier).unwrap();
     let quality = Quality {
         samples: options.samples,
@@ -50,8 +50,8 @@ fn picture(stage: &mut Scene, settings: &Settings, level: &Level, view: Angle) -
     // Skin is black in any light, hair is not: what is which is seen of every pixel.
     let body = &mut stage.body.as_mut().unwrap().material;
     (body.color, body.gloss) = (Vec3::ZERO, 0.0);
-    stage.look.tone.exposure *= 16.0;
-    stage.look.background = Background::transparent();
+    stage.picture.tone.exposure *= 16.0;
+    stage.picture.background = Background::transparent();
     let camera = Viewpoint::portrait(view, stage.subject(), AREA[0] / AREA[1], 1.0);
     let mut encoder = stage.gpu.device.create_command_encoder(&Default::default());
     stage.watch(&camera);

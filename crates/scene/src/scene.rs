@@ -96,7 +96,7 @@ pub struct Scene {
     /// What is drawn into.
     pub view: View,
     /// What does not depend on the camera; this and the lights are set for each frame.
-    pub look: Picture,
+    pub picture: Picture,
     /// Where the head is.
     pose: Pose,
     /// The physics.
@@ -163,7 +163,7 @@ impl Scene {
         let mut focus = Sphere::around(subject.0, subject.1);
         // Hair that swings must not leave the shadow maps.
         focus.radius *= 1.15;
-        let look = Picture { focus, ..Default::default() };
+        let picture = Picture { focus, ..Default::default() };
         let cells = view.options().ambient_cells;
         let body = character.head.as_ref().map(|head| Body::with_levels(device, head, &head.levels(), cells));
         let mut stage = Self {
@@ -177,7 +177,7 @@ impl Scene {
             timings,
             shown: None,
             views: None,
-            look,
+            picture,
             surroundings: None,
             lighting: LightSettings::default(),
             physics: options.simulation,
@@ -207,7 +207,7 @@ impl Scene {
     /// [`apply`](Self::apply) for settings that are known to be in their ranges; cheap enough for every frame.
     pub fn take(&mut self, settings: &Settings) {
         self.physics = settings.physics();
-        self.hair.avoidance.options = settings.interpolation;
+        self.hair.avoidance.options = settings.avoidance;
         self.hair.lod.options = settings.lod();
         self.lighting = settings.lights;
         if let Some((surroundings, as_then, lights)) = &mut self.surroundings
@@ -215,7 +215,7 @@ impl Scene {
         {
             (*as_then, *lights) = (turned(&settings.lights), surroundings.lights(&settings.lights));
         }
-        settings.apply(&mut self.look, &mut self.hair.set.material);
+        settings.apply(&mut self.picture, &mut self.hair.set.material);
     }
 
     /// The colliders' body, for as many as there are now.
@@ -381,10 +381,10 @@ impl Scene {
 
     /// Camera and lights: these go with it, as a photographer's do, unless there are others.
     fn look_from(&mut self, camera: &Viewpoint) {
-        self.look.camera = self.eye(camera);
+        self.picture.camera = self.eye(camera);
         let back = camera.eye - camera.target;
         let surroundings = self.surroundings.as_ref().map(|(.., lights)| lights);
-        self.look.lights = self.lighting.lights(back.x.atan2(back.z), surroundings);
+        self.picture.lights = self.lighting.lights(back.x.atan2(back.z), surroundings);
     }
 
     /// Records what moves the head to `pose` in `seconds`, and the hair with it.
@@ -453,7 +453,8 @@ impl Scene {
         timings: Option<&mut Timings>,
         again: bool,
     ) -> Result<()> {
-        let Self { gpu: Gpu { device, queue, .. }, pipelines, hair, body, obstacles, view, look, .. } = self;
+        let Self { gpu: Gpu { device, queue, .. }, pipelines, hair, body, obstacles, view, picture, .. } =
+            self;
         let mut bodies = Vec::new();
         for body in body.iter_mut().chain(obstacles) {
             body.pose = self.pose;
@@ -467,7 +468,7 @@ impl Scene {
             }
             _ => Shows::Hair,
         };
-        let sight = Sight { shows, ..Sight::new(view, look) };
+        let sight = Sight { shows, ..Sight::new(view, picture) };
         let mut recorder = Recorder { pipelines, device, queue, encoder, timings };
         Ok(recorder.draw(&[hair], &bodies, sight)?)
     }

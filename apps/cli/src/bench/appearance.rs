@@ -76,14 +76,14 @@ pub fn variants() -> Vec<Variant> {
         shading("Kajiya–Kay, per strand vertex", |scene| {
             scene.hair.set.material.model = ShadingModel::KajiyaKay;
         }),
-        shading("fibre, per pixel", |scene| scene.look.shading = ShadingRate::PerPixel),
+        shading("fibre, per pixel", |scene| scene.picture.shading = ShadingRate::PerPixel),
         shading("Kajiya–Kay, per pixel", |scene| {
             scene.hair.set.material.model = ShadingModel::KajiyaKay;
-            scene.look.shading = ShadingRate::PerPixel;
+            scene.picture.shading = ShadingRate::PerPixel;
         }),
         shadows("deep opacity maps", |_| {}),
-        shadows("absorption", |scene| scene.look.shadows.method = ShadowMethod::Absorption),
-        shadows("opaque", |scene| scene.look.shadows.method = ShadowMethod::Opaque),
+        shadows("absorption", |scene| scene.picture.shadows.method = ShadowMethod::Absorption),
+        shadows("opaque", |scene| scene.picture.shadows.method = ShadowMethod::Opaque),
         shadows("deep opacity maps, four lights", |scene| {
             let light = |x: f32, z: f32| Lamp {
                 azimuth: x.atan2(z),
@@ -93,8 +93,8 @@ pub fn variants() -> Vec<Variant> {
             scene.lighting.lamps = [light(1.0, 0.3), light(-1.0, -0.3)];
         }),
         shadows("deep opacity maps, per pixel", |scene| {
-            scene.look.shading = ShadingRate::PerPixel;
-            scene.look.shadows.per_pixel = true;
+            scene.picture.shading = ShadingRate::PerPixel;
+            scene.picture.shadows.per_pixel = true;
         }),
         samples("4×MSAA", "4", 1),
         samples("1 sample", "1", 1),

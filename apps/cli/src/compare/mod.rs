@@ -40,7 +40,7 @@ pub struct Args {
     #[arg(long, value_name = "N", value_parser = args::samples)]
     pub samples: Option<u32>,
     #[command(flatten)]
-    pub look: RowFlags<Look>,
+    pub shading: RowFlags<Shading>,
     /// Folder for ours, the reference and the map of the difference side by side, a picture each
     #[arg(long, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
@@ -51,9 +51,9 @@ pub struct Args {
 
 /// The parameters that pictures are compared with.
 #[derive(Clone, Debug, Default)]
-pub struct Look;
+pub struct Shading;
 
-impl Rows for Look {
+impl Rows for Shading {
     fn has(flag: &Flag) -> bool {
         ["shading", "melanin", "roughness", "shade-per", "ambient", "shadows"].contains(&flag.name)
     }
@@ -95,7 +95,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut last = None;
     for view in &views {
         let stage = stage(&mut last, view, &folders, args.samples)?;
-        let (ours, linear) = stage.draw(view, &scenes, &args.look)?;
+        let (ours, linear) = stage.draw(view, &scenes, &args.shading)?;
         let reference = folders.picture(view.name)?;
         let mask = folders.mask(view, (ours.width, ours.height))?;
         ensure!(
@@ -123,7 +123,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     for Pair { view, unshadowed } in &pairs {
         let stage = stage(&mut last, view, &folders, args.samples)?;
-        let ours = stage.draw_once(view, &scenes, &args.look)?;
+        let ours = stage.draw_once(view, &scenes, &args.shading)?;
         let size @ (width, height) = ours[0].size();
         let reference = [folders.radiance(view.name)?, folders.radiance(unshadowed)?];
         ensure!(

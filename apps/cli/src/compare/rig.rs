@@ -1,6 +1,6 @@
 //! A groom of the reference on the GPU, and its pictures.
 
-use super::Look;
+use super::Shading;
 use super::{
     metrics::Linear,
     scenes::{Folders, Groom as Description, Radius, Scenes, WantedView},
@@ -105,9 +105,9 @@ impl Rig {
         &mut self,
         view: &WantedView<'_>,
         scenes: &Scenes,
-        look: &RowFlags<Look>,
+        shading: &RowFlags<Shading>,
     ) -> Result<(Picture, Linear)> {
-        let mut scene = self.scene(view, scenes, look)?;
+        let mut scene = self.scene(view, scenes, shading)?;
         let shown = self.pixels(&scene)?;
         scene.background = Background::flat(Vec3::ZERO);
         scene.tone = ToneMap { exposure: DIM, shoulder: 0.99, desaturation: 0.0 };
@@ -123,9 +123,9 @@ impl Rig {
         &mut self,
         view: &WantedView<'_>,
         scenes: &Scenes,
-        look: &RowFlags<Look>,
+        shading: &RowFlags<Shading>,
     ) -> Result<[Linear; 2]> {
-        let mut scene = self.scene(view, scenes, look)?;
+        let mut scene = self.scene(view, scenes, shading)?;
         scene.background = Background::flat(Vec3::ZERO);
         scene.tone = ToneMap { exposure: DIM, shoulder: 0.99, desaturation: 0.0 };
         let width = self.view.targets().size[0];
@@ -148,9 +148,9 @@ impl Rig {
     }
 
     /// What `view` shows; its material is the hair's from here on.
-    fn scene(&mut self, view: &WantedView<'_>, scenes: &Scenes, look: &RowFlags<Look>) -> Result<Shot> {
+    fn scene(&mut self, view: &WantedView<'_>, scenes: &Scenes, shading: &RowFlags<Shading>) -> Result<Shot> {
         let mut settings = material(view.material)?;
-        apply_rows(look, &mut settings)?;
+        apply_rows(shading, &mut settings)?;
         let camera = &view.groom.camera;
         let place = |p: [f32; 3]| Vec3::from(p) * self.unit;
         let (eye, target) = (place(camera.origin), place(camera.target));
@@ -176,7 +176,7 @@ impl Rig {
                 ..Default::default()
             },
             focus: self.focus,
-            shading: settings.shading(),
+            shading: settings.shading_rate(),
             shadows: settings.shadows,
             background: Background::flat(Vec3::splat(scenes.background_linear)),
             ..Default::default()

@@ -138,11 +138,11 @@ fn more(studio: &mut Studio, companion: &Companion, ui: &mut Ui) {
                 }
             }
         }
-        Kind::Colors if settings.look.color != HairColor::File => {
+        Kind::Colors if settings.shading.color != HairColor::File => {
             ui.horizontal_wrapped(|ui| {
                 ui.label(RichText::new("The hair has a colour of its own.").color(theme::ACCENT));
                 if ui.small_button("Show the map").clicked() {
-                    settings.look.color = HairColor::File;
+                    settings.shading.color = HairColor::File;
                     studio.change(ui.ctx(), settings, "Colour");
                 }
             });

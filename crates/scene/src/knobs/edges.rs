@@ -29,7 +29,7 @@ const KNOBS: &[Knob] = rows! { "edges";
     "ssaa" "Supersampling" [edges.ssaa] integer(TIMES, 1, 2, 1),
         rebuild, flag(flag("ssaa", "N")),
         "Pixels drawn per pixel shown, along each axis; 2 costs four times as much.";
-    "min_width" "Minimum width" [look.material.min_width] number(PIXELS, 0.0, 10.0), advanced,
+    "min_width" "Minimum width" [shading.material.min_width] number(PIXELS, 0.0, 10.0), advanced,
         "Thinner strands are drawn this wide and proportionally sparser (mask only).";
 };
 

@@ -20,10 +20,10 @@
 //! assert_eq!(settings, Settings::default());
 //! ```
 
+mod avoidance;
 mod document;
 mod edges;
 pub mod flags;
-mod interpolation;
 mod lights;
 mod lod;
 mod shading;
@@ -61,7 +61,7 @@ pub const SECTIONS: &[Section] = &[
     lights::SECTION,
     wind::SECTION,
     simulation::SECTION,
-    interpolation::SECTION,
+    avoidance::SECTION,
     shadows::SECTION,
     edges::SECTION,
     lod::SECTION,

@@ -188,8 +188,8 @@ fn flagged(path: &str, text: &str) -> Result<Vec<String>, String> {
 #[test]
 fn flags_say_what_their_rows_say() {
     for (path, text, turned) in [
-        ("wind.turbulence", "0.5", &["turbulence=50%"][..]),
-        ("wind.turbulence", "50%", &["turbulence=50%"]),
+        ("wind.gusts", "0.5", &["gusts=50%"][..]),
+        ("wind.gusts", "50%", &["gusts=50%"]),
         ("style.width", "90um", &["width=90 µm"]),
         ("style.width", "0.09mm", &["width=90 µm"]),
         ("style.frizz", "0.3", &["frizz=0.3 mm"]),
@@ -223,7 +223,7 @@ fn flags_say_what_their_rows_say() {
 fn flags_refuse_what_makes_no_sense() {
     for (path, texts) in [
         ("wind.speed", &["", "fast", "-1", "8,", "101", "8,north", "nan", "1,2,3"][..]),
-        ("wind.turbulence", &["1.5", "-0.1", "150%"]),
+        ("wind.gusts", &["1.5", "-0.1", "150%"]),
         (
             "style.curl",
             &["", "spirals", "radius=2m", "wavelength=1mm", "start=2", "tip=-1", "radius", "turns=3"],

@@ -21,7 +21,7 @@ const KNOBS: &[Knob] = rows! { "wind";
         "Mean speed: 2 m/s stirs leaves, 8 a flag, 20 is a storm. 0 costs nothing.";
     "direction" "Direction" [wind.direction] number(DEGREES, -360.0, 360.0),
         "Where the wind comes from: the front (0), the left of the head (90), the back (180).";
-    "turbulence" "Gusts" [simulation.wind.turbulence] within(PERCENT, Wind::TURBULENCE),
+    "gusts" "Gusts" [simulation.wind.gusts] within(PERCENT, Wind::GUSTS),
         flag(flag("gusts", "INTENSITY")),
         "Standard deviation over mean speed: 10 % over water, 20 over land, 40 between houses.";
     "gust_length" "Gust length" [simulation.wind.gust_length] within(METRES, Wind::GUST_LENGTH).log(),

@@ -46,7 +46,7 @@ impl Settings {
     pub fn sampling(&self, most: u32) -> Result<(u32, Coverage)> {
         let given = self.gives("edges.samples").then_some(self.edges.samples);
         let peeled = Coverage::DepthPeeling { layers: self.edges.layers };
-        let per_pixel = self.shading() == ShadingRate::PerPixel;
+        let per_pixel = self.shading_rate() == ShadingRate::PerPixel;
         let coverage = match (self.gives("edges.coverage").then_some(self.edges.coverage), given) {
             (Some(Coverage::DepthPeeling { .. }), _) => peeled,
             (Some(coverage), _) => coverage,
@@ -133,7 +133,7 @@ mod tests {
         assert_eq!(settings.sampling(8).unwrap(), (4, Coverage::Tiles));
         settings.set("edges.samples", Value::Choice("8")).unwrap();
         assert_eq!(settings.sampling(8).unwrap(), (8, Coverage::Tiles));
-        settings.look.rate = ShadingRate::PerPixel;
+        settings.shading.rate = ShadingRate::PerPixel;
         assert_eq!(settings.sampling(8).unwrap(), (8, Coverage::SampleMask));
         settings.set("edges.coverage", Value::Choice("tiles")).unwrap();
         assert!(settings.sampling(8).is_err());

@@ -3,8 +3,8 @@
 //! ```text
 //! Settings ─┬─ style ─────────────────────► Growth, Restyle        strands are grown again
 //!           ├─ simulation, wind ──────────► SimulationParams       the next frame
-//!           ├─ interpolation ─────────────► AvoidOptions           the next frame
-//!           ├─ look, lights, shadows ─────► Picture, HairMaterial  the next frame
+//!           ├─ avoidance ─────────────────► AvoidOptions           the next frame
+//!           ├─ shading, lights, shadows ──► Picture, HairMaterial  the next frame
 //!           ├─ edges, shadow_resolution ──► ViewOptions            the view is made again
 //!           └─ lod ───────────────────────► LodOptions             the next frame
 //! ```
@@ -19,12 +19,12 @@
 
 mod edges;
 mod lights;
-mod look;
+mod shading;
 mod style;
 
 pub use edges::{EdgeSettings, Samples};
 pub use lights::{Lamp, LightSettings};
-pub use look::{HairColor, LookSettings};
+pub use shading::{HairColor, ShadingSettings};
 pub(crate) use style::CURLS;
 pub use style::{Curl, Maps, StyleSettings};
 
@@ -95,9 +95,9 @@ pub struct Settings {
     /// The wind's speed and direction.
     pub wind: WindSettings,
     /// What drawn strands do where they would enter the head.
-    pub interpolation: AvoidOptions,
+    pub avoidance: AvoidOptions,
     /// Colour of the hair and how light on it is computed.
-    pub look: LookSettings,
+    pub shading: ShadingSettings,
     /// Where light comes from.
     pub lights: LightSettings,
     /// How shadows are made.
@@ -120,8 +120,8 @@ impl Default for Settings {
             style: StyleSettings::default(),
             simulation: SimulationParams::default(),
             wind: WindSettings::default(),
-            interpolation: AvoidOptions::default(),
-            look: LookSettings::default(),
+            avoidance: AvoidOptions::default(),
+            shading: ShadingSettings::default(),
             lights: LightSettings::default(),
             shadows: Shadows::default(),
             shadow_resolution: ViewOptions::default().shadow_resolution,
@@ -184,7 +184,7 @@ impl Settings {
     /// The library's own checks.
     pub(crate) fn check_library(&self) -> Result<()> {
         self.physics().check()?;
-        self.interpolation.check()?;
+        self.avoidance.check()?;
         self.lod().check()?;
         self.check_edges()?;
         self.growth(&Style::default(), &Maps::default())?.check()?;
@@ -236,8 +236,8 @@ impl Settings {
     }
 
     /// Where hair is shaded: shadows that are looked up for every pixel take shading for every pixel.
-    pub fn shading(&self) -> ShadingRate {
-        if self.shadows.per_pixel { ShadingRate::PerPixel } else { self.look.rate }
+    pub fn shading_rate(&self) -> ShadingRate {
+        if self.shadows.per_pixel { ShadingRate::PerPixel } else { self.shading.rate }
     }
 
     /// The pipelines' options where the adapter offers `most` samples per pixel.
@@ -253,7 +253,7 @@ impl Settings {
     /// The pipelines of a picture of hair at rest, for a view with `options`.
     pub fn pipelines(&self, options: ViewOptions) -> Vec<Wanted> {
         let stages = [Stage::Tessellate, Stage::Interpolate, Stage::Avoid];
-        let picture = Wanted::Picture(options, self.shading());
+        let picture = Wanted::Picture(options, self.shading_rate());
         stages.into_iter().map(Wanted::Motion).chain([picture]).collect()
     }
 
@@ -298,7 +298,7 @@ impl Settings {
     /// the camera, are [`LightSettings::lights`].
     pub fn apply(&self, picture: &mut Picture, material: &mut HairMaterial) {
         *material = self.material();
-        picture.shading = self.shading();
+        picture.shading = self.shading_rate();
         picture.shadows = self.shadows;
         picture.tone.exposure = self.lights.exposure;
     }

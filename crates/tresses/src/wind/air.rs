@@ -254,7 +254,7 @@ impl Air {
         frame: &Steps<'_>,
         hair: Option<HairGrid>,
     ) {
-        let shape = |w: &Wind| (w.turbulence == 0.0, w.gust_length, w.seed);
+        let shape = |w: &Wind| (w.gusts == 0.0, w.gust_length, w.seed);
         if self.wind.as_ref().map(shape) != Some(shape(wind)) {
             self.gusts = Gusts::new(wind, self.cell);
         }
@@ -345,7 +345,7 @@ impl Air {
 
     /// In how many parts a step is computed: air that goes farther than a head at once would leap over it.
     fn parts(&self, wind: &Wind, step: f32) -> u32 {
-        let way = wind.velocity.length() * (1.0 + wind.turbulence) * step;
+        let way = wind.velocity.length() * (1.0 + wind.gusts) * step;
         let cells = way / self.cell;
         let parts = (way / MAX_WAY).min(cells / COARSE_REACH).max(cells / MAX_REACH);
         (parts.ceil() as u32).clamp(1, MAX_SPLIT)
@@ -358,7 +358,7 @@ impl Air {
         }
         u.reach = dt / self.cell;
         let at = self.corner.as_dvec3() * f64::from(self.cell);
-        let deviation = f64::from(wind.turbulence * wind.velocity.length());
+        let deviation = f64::from(wind.gusts * wind.velocity.length());
         let gusts = self.gusts.at(at, self.way, deviation, self.cell);
         u.gust_count = gusts.len() as u32;
         u.gusts[..gusts.len()].copy_from_slice(&gusts);

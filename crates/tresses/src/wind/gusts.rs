@@ -1,4 +1,4 @@
-//! Wind turbulence: a frozen field of gusts that the mean wind carries past the head.
+//! Wind gusts: a frozen field of gusts that the mean wind carries past the head.
 //!
 //! A sum of plane waves with random directions and phases. Each wave's amplitude is perpendicular to its
 //! direction, so the sum is divergence-free (Kraichnan 1970). The waves share the energy by von Kármán's
@@ -36,7 +36,7 @@ pub struct Gusts {
 impl Gusts {
     /// The gusts of `wind`, down to waves that a grid of cells with edge `cell` (metres) can carry.
     pub fn new(wind: &Wind, cell: f32) -> Self {
-        if wind.turbulence == 0.0 {
+        if wind.gusts == 0.0 {
             return Self::default();
         }
         let mut state = pcg(wind.seed ^ 0x5bd1_e995);
@@ -94,7 +94,7 @@ mod tests {
 
     #[test]
     fn they_are_as_strong_as_asked_for_and_free_of_divergence() {
-        let wind = Wind { turbulence: 0.3, gust_length: 0.5, ..Wind::new(Vec3::X * 5.0) };
+        let wind = Wind { gusts: 0.3, gust_length: 0.5, ..Wind::new(Vec3::X * 5.0) };
         let gusts = Gusts::new(&wind, 0.04);
         let points = || {
             (0..20_000)
@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn energy_falls_as_kolmogorov_says() {
-        let wind = Wind { turbulence: 0.3, gust_length: 2.0, ..Wind::new(Vec3::X) };
+        let wind = Wind { gusts: 0.3, gust_length: 2.0, ..Wind::new(Vec3::X) };
         let gusts = Gusts::new(&wind, 0.01);
         // In equal steps of log k the energy of a wave is k E(k), so that a² falls with k^(-2/3).
         let fine: Vec<_> = gusts.modes.iter().filter(|(k, ..)| k.length() > 8.0 / 2.678).collect();

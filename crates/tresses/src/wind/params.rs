@@ -11,9 +11,9 @@ pub struct Wind {
     /// Mean velocity of the air far from the head, world axes, m/s. Zero is calm: nothing is
     /// computed, and hair is only slowed by [`crate::simulate::SimulationParams::drag`].
     pub velocity: Vec3,
-    /// Intensity of the turbulence: standard deviation of each component of the velocity over the
+    /// Intensity of the gusts: standard deviation of each component of the velocity over the
     /// mean speed. About 0.1 over open water, 0.2 over open land, 0.4 between houses.
-    pub turbulence: f32,
+    pub gusts: f32,
     /// Integral length scale of the gusts, metres: a gust passes in about this over the speed.
     pub gust_length: f32,
     /// Chooses the gusts; the same seed gives the same ones.
@@ -28,7 +28,7 @@ pub struct Wind {
 
 impl Default for Wind {
     fn default() -> Self {
-        Self { velocity: Vec3::ZERO, turbulence: 0.2, gust_length: 2.0, seed: 1, cells: 32, room: 2.2 }
+        Self { velocity: Vec3::ZERO, gusts: 0.2, gust_length: 2.0, seed: 1, cells: 32, room: 2.2 }
     }
 }
 
@@ -45,7 +45,7 @@ impl Wind {
 
     /// Air that moves with `velocity` (m/s) everywhere, whatever stands in its way.
     pub fn uniform(velocity: Vec3) -> Self {
-        Self { velocity, turbulence: 0.0, cells: 0, ..Self::default() }
+        Self { velocity, gusts: 0.0, cells: 0, ..Self::default() }
     }
 
     /// Whether there is a fluid to compute.
@@ -55,8 +55,8 @@ impl Wind {
 
     /// The range of the speed of [`velocity`](Self::velocity).
     pub const SPEED: Range = range!("speed of the wind", 0.0 to 500.0, "m/s"; usually 0.0 to 100.0);
-    /// The range of [`turbulence`](Self::turbulence).
-    pub const TURBULENCE: Range = range!("turbulence", 0.0 to 1.0);
+    /// The range of [`gusts`](Self::gusts).
+    pub const GUSTS: Range = range!("gusts", 0.0 to 1.0);
     /// The range of [`gust_length`](Self::gust_length).
     pub const GUST_LENGTH: Range = range!("gust length", 0.01 to 1000.0, "m"; usually 0.05 to 100.0);
     /// The range of [`room`](Self::room).
@@ -68,7 +68,7 @@ impl Wind {
     /// [`Error::Parameter`] names the first that is not.
     pub fn check(&self) -> Result<()> {
         Self::SPEED.check(self.velocity.length())?;
-        Self::TURBULENCE.check(self.turbulence)?;
+        Self::GUSTS.check(self.gusts)?;
         Self::GUST_LENGTH.check(self.gust_length)?;
         Self::ROOM.check(self.room)?;
         if self.cells != 0
@@ -159,7 +159,7 @@ mod tests {
         for (wind, name) in [
             (Wind::new(Vec3::splat(f32::NAN)), "wind"),
             (Wind::new(Vec3::X * 1e4), "wind"),
-            (Wind { turbulence: -0.1, ..Default::default() }, "turbulence"),
+            (Wind { gusts: -0.1, ..Default::default() }, "gusts"),
             (Wind { gust_length: 0.0, ..Default::default() }, "gust length"),
             (Wind { room: f32::INFINITY, ..Default::default() }, "room"),
             (Wind { cells: 12, ..Default::default() }, "cells"),

@@ -306,7 +306,7 @@ fn hair_of_any_density_slows_the_air_inside_it() {
 }
 
 fn slowed_by(densities: &[f32]) {
-    let calm = Wind { turbulence: 0.0, ..Wind::new(Vec3::X * 8.0) };
+    let calm = Wind { gusts: 0.0, ..Wind::new(Vec3::X * 8.0) };
     let inside = |x: Vec3| (1.3..1.7).contains(&x.length());
     let mut speeds = Vec::new();
     for &density in densities {
@@ -327,7 +327,7 @@ fn slowed_by(densities: &[f32]) {
 
 #[test]
 fn undisturbed_wind_stays_as_it_is_and_a_moving_head_does_not_drag_the_grid_through_it() {
-    let wind = Wind { turbulence: 0.0, ..Wind::new(Vec3::new(5.0, -1.0, 3.0)) };
+    let wind = Wind { gusts: 0.0, ..Wind::new(Vec3::new(5.0, -1.0, 3.0)) };
     let Some(mut tunnel) = Tunnel::new(wind, 0.0, None) else { return };
     for i in 0..40 {
         tunnel.step(Pose { translation: Vec3::new(0.05, -0.02, 0.033) * i as f32, ..Pose::IDENTITY });
@@ -343,7 +343,7 @@ fn undisturbed_wind_stays_as_it_is_and_a_moving_head_does_not_drag_the_grid_thro
 
 /// Small gusts, of about nine cells: the part of their strength that is left where they leave the grid.
 fn kept_gusts(plain: bool) -> Option<f32> {
-    let wind = Wind { turbulence: 0.06, gust_length: 0.06, ..Wind::new(Vec3::new(4.0, 0.7, 0.4)) };
+    let wind = Wind { gusts: 0.06, gust_length: 0.06, ..Wind::new(Vec3::new(4.0, 0.7, 0.4)) };
     let mut tunnel = Tunnel::new(wind, 0.0, None)?;
     tunnel.air.plain = plain;
     let (mut left, mut first) = (0.0, 0.0);
@@ -369,7 +369,7 @@ fn maccormack_keeps_gusts_that_plain_advection_blurs() {
 
 #[test]
 fn a_moving_head_pushes_air() {
-    let wind = Wind { turbulence: 0.0, ..Wind::new(Vec3::Z * 0.2) };
+    let wind = Wind { gusts: 0.0, ..Wind::new(Vec3::Z * 0.2) };
     let Some(mut tunnel) = Tunnel::new(wind, 0.1, None) else { return };
     for i in 0..30 {
         tunnel.step(Pose { translation: Vec3::X * i as f32 * STEP, ..Pose::IDENTITY });

@@ -96,7 +96,7 @@ fn storm(seconds: u32) {
     let field = common::ball(0.09, 40);
     let mut hair = stage.hair(&groom, &field, 8);
     let physics = SimulationParams {
-        wind: Wind { cells: 8, turbulence: 0.3, ..Wind::new(Vec3::new(30.0, 0.0, 4.0)) },
+        wind: Wind { cells: 8, gusts: 0.3, ..Wind::new(Vec3::new(30.0, 0.0, 4.0)) },
         ..Default::default()
     };
     let rest: Vec<_> = (0..groom.guides.len()).map(|g| length(groom.guides.guide(g))).collect();
@@ -128,7 +128,7 @@ fn a_whole_style_in_a_storm_of_a_minute() {
     let Some(built) = common::character("long", 500) else { return };
     let mut hair = stage.hair(&built.groom, &built.field, 16);
     let physics = SimulationParams {
-        wind: Wind { cells: 16, turbulence: 0.3, ..Wind::new(Vec3::new(30.0, 0.0, 4.0)) },
+        wind: Wind { cells: 16, gusts: 0.3, ..Wind::new(Vec3::new(30.0, 0.0, 4.0)) },
         ..Default::default()
     };
     stage.simulate(&mut hair, &physics, 0.0);
@@ -163,7 +163,7 @@ fn in_plain_air(
     let volume = VolumeOptions { resolution: 8, ..Default::default() };
     let options = HairOptions { volume, simulation: physics, ..Default::default() };
     let mut hair = Hair::new(device, queue, stage.pipelines, &groom, &options, None).unwrap();
-    let wind = Wind { cells: 16, turbulence: 0.0, ..Wind::new(velocity) };
+    let wind = Wind { cells: 16, gusts: 0.0, ..Wind::new(velocity) };
     let physics = SimulationParams { wind, hair_hair: HairHair::OFF, ..physics };
     stage.simulate(&mut hair, &physics, 0.0);
     (hair, physics)

@@ -20,15 +20,15 @@ pub enum HairColor {
     Red,
     /// Black.
     Black,
-    /// [`LookSettings::srgb`].
+    /// [`ShadingSettings::srgb`].
     Srgb,
-    /// [`LookSettings::eumelanin`] and [`LookSettings::pheomelanin`].
+    /// [`ShadingSettings::eumelanin`] and [`ShadingSettings::pheomelanin`].
     Melanin,
 }
 
 /// The look of hair.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LookSettings {
+pub struct ShadingSettings {
     /// Where the colour is from.
     pub color: HairColor,
     /// The colour of [`HairColor::Srgb`].
@@ -54,7 +54,7 @@ const NATURAL: (f32, f32) = (1.05, 0.9);
 /// highlights of Kajiya and Kay.
 const TILT: f32 = 0.25;
 
-impl Default for LookSettings {
+impl Default for ShadingSettings {
     fn default() -> Self {
         Self {
             color: HairColor::default(),
@@ -69,7 +69,7 @@ impl Default for LookSettings {
     }
 }
 
-impl LookSettings {
+impl ShadingSettings {
     /// The material of the colour alone.
     fn of_color(&self) -> HairMaterial {
         let [r, g, b] = self.srgb;
@@ -93,12 +93,13 @@ impl Settings {
     /// The look of hair as the library has it.
     pub fn material(&self) -> HairMaterial {
         let mut onto = self.clone();
-        onto.look.material = HairMaterial { min_width: self.look.material.min_width, ..self.look.of_color() };
+        onto.shading.material =
+            HairMaterial { min_width: self.shading.material.min_width, ..self.shading.of_color() };
         knobs::section("shading").for_each(|knob| knob.lay(&mut onto, self));
-        let mut material = onto.look.material;
+        let mut material = onto.shading.material;
         let fiber = &mut material.fiber;
-        fiber.root_absorption *= self.look.root_pigment / NATURAL.0;
-        fiber.tip_absorption *= self.look.tip_pigment / NATURAL.1;
+        fiber.root_absorption *= self.shading.root_pigment / NATURAL.0;
+        fiber.tip_absorption *= self.shading.tip_pigment / NATURAL.1;
         // One parameter for both models.
         if self.gives("shading.lightness_spread") {
             fiber.melanin_spread = material.lightness_spread;
@@ -115,7 +116,7 @@ impl Settings {
             material.lightness_spread = material.fiber.melanin_spread;
             material.shift_spread = material.fiber.tilt_spread / TILT;
         }
-        into.look.material = material;
+        into.shading.material = material;
         into.take_as_given(knobs::section("shading").map(|knob| knob.path));
     }
 }
@@ -126,7 +127,7 @@ mod tests {
     use tresses::glam::Vec3;
 
     fn colored(color: HairColor) -> Settings {
-        Settings { look: LookSettings { color, ..Default::default() }, ..Default::default() }
+        Settings { shading: ShadingSettings { color, ..Default::default() }, ..Default::default() }
     }
 
     #[test]
@@ -153,9 +154,9 @@ mod tests {
     #[test]
     fn pigment_is_spread_over_the_strand() {
         let mut settings = colored(HairColor::Melanin);
-        settings.look.tip_pigment = 0.45;
+        settings.shading.tip_pigment = 0.45;
         let half = settings.material();
-        settings.look.tip_pigment = 0.9;
+        settings.shading.tip_pigment = 0.9;
         let whole = settings.material();
         assert!((half.fiber.tip_absorption / whole.fiber.tip_absorption - 0.5).abs().max_element() < 1e-5);
         assert_eq!(half.fiber.root_absorption, whole.fiber.root_absorption);
