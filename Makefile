@@ -44,17 +44,19 @@ demo: setup ## Open the studio; without a display, draw out/demo.png and out/dem
 setup-tests:
 	@scripts/setup --tests
 
-test: setup-tests ## Format, lints, docs, WebAssembly check, then every test
+# Lints while it compiles, so that dependencies are compiled once: checking alone would compile them a second time.
+LINTED := RUSTC_WORKSPACE_WRAPPER=clippy-driver CARGO_BUILD_WARNINGS=deny $(CARGO)
+
+test: setup-tests ## Format, lints, then every test; one of them builds the web page
 	$(CARGO) fmt --all --check
-	$(CARGO) clippy --workspace --all-targets --quiet -- -D warnings
+	TRESSES_REQUIRE_GPU=1 $(LINTED) test --workspace
+
+proof: setup-tests ## The docs of the code, the library alone for browsers, and the slow evidence behind docs/, which it prints
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --quiet
 	$(CARGO) check --package tresses --lib --example minimal --target wasm32-unknown-unknown --quiet
-	TRESSES_REQUIRE_GPU=1 $(CARGO) test --workspace
-
-proof: setup-tests ## The slow evidence behind the tables of docs/, which it prints
 	@failed=0; set -x; export TRESSES_REQUIRE_GPU=1; \
-	$(CARGO) test --workspace --lib --bins --tests --no-fail-fast -- --ignored --show-output || failed=1; \
-	$(CARGO) test --package tresses --test gpu physics:: -- --show-output || failed=1; \
+	$(LINTED) test --workspace --lib --bins --tests --no-fail-fast -- --ignored --show-output || failed=1; \
+	$(LINTED) test --workspace --test gpu physics:: -- --show-output || failed=1; \
 	exit $$failed
 
 web: setup ## Build the web page into dist/, for any static file server
