@@ -2,10 +2,21 @@
 
 use crate::{camera::Viewpoint, scene::Scene};
 use anyhow::Result;
-use std::time::Instant;
-use tresses::{Pose, gpu::Timings};
+use tresses::{
+    Pose,
+    gpu::{Clock, Timings},
+};
 
 impl Scene {
+    /// What is measured from here on is measured by `clock`, on adapters whose own timestamps do not compare.
+    pub fn measure_by(&mut self, clock: Clock) {
+        self.clock = clock;
+        let tier = &self.gpu.tier;
+        if tier.software || !tier.timestamps {
+            self.timings = Timings::by(clock);
+        }
+    }
+
     /// A whole frame, waited for: its milliseconds from recording to completion, and those of its
     /// stages where the adapter can tell.
     pub fn measured_frame(
@@ -15,8 +26,8 @@ impl Scene {
         camera: &Viewpoint,
     ) -> Result<(f64, Vec<(&'static str, f64)>)> {
         self.watch(camera);
-        let start = Instant::now();
-        let mut timings = std::mem::replace(&mut self.timings, Timings::by_the_clock());
+        let start = (self.clock)();
+        let mut timings = std::mem::replace(&mut self.timings, Timings::by(self.clock));
         // On a software driver they are those of a clock that waits for each part.
         let tier = &self.gpu.tier;
         let mut timed = (tier.timestamps || tier.software).then_some(&mut timings);
@@ -25,7 +36,7 @@ impl Scene {
         self.record_draw(&mut encoder, timed, camera)?;
         timings.resolve(&mut encoder);
         self.submit(encoder)?;
-        let wall = start.elapsed().as_secs_f64() * 1e3;
+        let wall = (self.clock)().saturating_sub(start).as_secs_f64() * 1e3;
         self.timings = timings;
         Ok((wall, self.read_timings()?))
     }
@@ -33,7 +44,7 @@ impl Scene {
     /// The milliseconds of the stages that move the hair by a frame: by timestamps, or each stage
     /// submitted and waited for alone where there are none that compare.
     pub fn measured_advance(&mut self, pose: &Pose, seconds: f32) -> Result<Vec<(&'static str, f64)>> {
-        let mut timings = std::mem::replace(&mut self.timings, Timings::by_the_clock());
+        let mut timings = std::mem::replace(&mut self.timings, Timings::by(self.clock));
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         self.record_advance(&mut encoder, Some(&mut timings), pose, seconds)?;
         timings.resolve(&mut encoder);

@@ -106,6 +106,9 @@ pub struct Scene {
     /// From timestamps where there are some that mean something, else by the clock.
     #[cfg(not(target_arch = "wasm32"))]
     pub(crate) timings: Timings,
+    /// What else is measured by.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) clock: tresses::gpu::Clock,
     /// What is shown instead of hair as it looks.
     shown: Option<Shown>,
     /// The pipelines for that, once there was something.
@@ -157,7 +160,7 @@ impl Scene {
         #[cfg(not(target_arch = "wasm32"))]
         let timings = match gpu.tier.timestamps && !gpu.tier.software {
             true => Timings::new(device, queue),
-            false => Timings::by_the_clock(),
+            false => Timings::by(tresses::gpu::wall),
         };
         let subject = camera::subject(hair_bounds, head_bounds);
         let mut focus = Sphere::around(subject.0, subject.1);
@@ -175,6 +178,8 @@ impl Scene {
             pose: Pose::IDENTITY,
             #[cfg(not(target_arch = "wasm32"))]
             timings,
+            #[cfg(not(target_arch = "wasm32"))]
+            clock: tresses::gpu::wall,
             shown: None,
             views: None,
             picture,

@@ -84,7 +84,7 @@ pub struct Recorder<'a> {
     pub queue: &'a wgpu::Queue,
     /// Takes the commands. After an error they are not to be submitted.
     pub encoder: &'a mut wgpu::CommandEncoder,
-    /// Takes the stages' times, where the device has timestamps. [By the clock](Timings::by_the_clock), each part is
+    /// Takes the stages' times, where the device has timestamps. [By a clock](Timings::by), each part is
     /// submitted and waited for.
     pub timings: Option<&'a mut Timings>,
 }

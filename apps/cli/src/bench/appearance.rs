@@ -2,12 +2,12 @@
 //! motion.
 
 use super::{
+    Sitting,
     report::Run,
     workload::{self, Edges, masks},
 };
 use crate::{args::Size, photographer::Photographer};
 use anyhow::{Context, Result};
-use indicatif::ProgressBar;
 use serde::Serialize;
 use tresses::light::{ShadingModel, ShadingRate, ShadowMethod};
 use tresses_scene::settings::Lamp;
@@ -113,12 +113,12 @@ pub fn variants() -> Vec<Variant> {
 }
 
 /// Measures one of them.
-pub fn measure(variant: &Variant, software: bool, frames: u32, bar: &ProgressBar) -> Result<Look> {
+pub fn measure(variant: &Variant, software: bool, sitting: Sitting<'_>) -> Result<Look> {
     let (size, strands) = if software { SOFTWARE } else { FULL };
     let mut scene = Photographer::open(&workload::style(Some(strands), variant.edges), size)
         .with_context(|| format!("{}, {}", variant.topic, variant.name))?;
     (variant.set)(&mut scene);
-    let run = workload::run(&mut scene, "in motion", "turn", size, frames, bar)?;
+    let run = workload::run(&mut scene, "in motion", "turn", size, sitting)?;
     Ok(Look {
         topic: variant.topic.into(),
         name: variant.name.into(),

@@ -1,7 +1,7 @@
 //! The cost of the parts of the simulation, compared in one run: 1,000 guides of 32 vertices, chosen among the
 //! strands of the built-in long style, in motion.
 
-use super::{statistics::Summary, workload};
+use super::{Sitting, statistics::Summary, workload};
 use crate::load;
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
@@ -12,7 +12,7 @@ use tresses::{
     collide::{Anchor, Collider, ColliderDescriptor, ColliderPoses, Shape},
     frame::{Frame, Recorder},
     glam::{Quat, Vec3},
-    gpu::{Gpu, Timings},
+    gpu::{Clock, Gpu, Timings},
     groom::mesh::sdf::{self, SdfOptions},
     simulate::SimulationParams,
     volume::{HairHair, VolumeOptions},
@@ -94,6 +94,7 @@ struct Rig {
     pipelines: Pipelines,
     character: Character,
     frames: u32,
+    clock: Clock,
 }
 
 /// The times of the stages in every frame of a run.
@@ -127,13 +128,13 @@ impl Rows {
 }
 
 impl Rig {
-    fn new(frames: u32) -> Result<Self> {
+    fn new(frames: u32, clock: Clock) -> Result<Self> {
         let gpu = pollster::block_on(Gpu::open())?;
         let pipelines = Pipelines::new(&gpu.device);
         let mut preset = workload::style(Some(STRANDS), Default::default());
         preset.settings.set("style.guides", GUIDES)?;
         let character = load::load(&preset, &gpu, &pipelines.simulate, &())?;
-        Ok(Self { gpu, pipelines, character, frames })
+        Ok(Self { gpu, pipelines, character, frames, clock })
     }
 
     /// The times of each variant while the head turns. A frame of one, a frame of the next, and so
@@ -142,7 +143,7 @@ impl Rig {
         let Gpu { device, queue, tier, .. } = &self.gpu;
         let mut timings = match tier.timestamps && !tier.software {
             true => Timings::new(device, queue),
-            false => Timings::by_the_clock(),
+            false => Timings::by(self.clock),
         };
         let mut hairs = variants.iter().map(|v| self.hair(v)).collect::<Result<Vec<_>>>()?;
         let mut rows: Vec<Rows> = variants.iter().map(|_| Rows(Vec::new())).collect();
@@ -218,8 +219,8 @@ impl Rig {
 }
 
 /// Measures all of it.
-pub fn measure(frames: u32, bar: &ProgressBar) -> Result<Costs> {
-    let rig = Rig::new(frames)?;
+pub fn measure(Sitting { frames, clock, bar }: Sitting<'_>) -> Result<Costs> {
+    let rig = Rig::new(frames, clock)?;
     let groom = &rig.character.groom;
     let mut costs = Costs {
         guides: groom.guides.len() as u32,

@@ -2,13 +2,13 @@
 //! the hair covers.
 
 use super::{
+    Sitting,
     report::{ms, table},
     statistics::Summary,
     workload::{self, FPS, WARM_UP},
 };
 use crate::{args::Size, photographer::Photographer};
 use anyhow::{Context, Result};
-use indicatif::ProgressBar;
 use serde::Serialize;
 use tresses::lod::{LodMode, LodOptions};
 use tresses_scene::words::grouped;
@@ -58,17 +58,19 @@ pub struct Times {
 }
 
 /// Measures the long style in motion at all distances.
-pub fn measure(frames: u32, bar: &ProgressBar) -> Result<Vec<Point>> {
+pub fn measure(sitting: Sitting<'_>) -> Result<Vec<Point>> {
     let mut scene = Photographer::with_samples_at_most(
         &workload::style(Some(STRANDS), workload::masks(SAMPLES, 1)),
         SIZE,
     )
     .context("levels of detail")?;
+    scene.measure_by(sitting.clock);
     let near = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), SIZE.aspect(), 1.0);
-    DISTANCES.iter().map(|distance| point(&mut scene, &near.moved(*distance), frames, bar)).collect()
+    DISTANCES.iter().map(|distance| point(&mut scene, &near.moved(*distance), sitting)).collect()
 }
 
-fn point(scene: &mut Photographer, camera: &Viewpoint, frames: u32, bar: &ProgressBar) -> Result<Point> {
+fn point(scene: &mut Photographer, camera: &Viewpoint, sitting: Sitting<'_>) -> Result<Point> {
+    let Sitting { frames, bar, .. } = sitting;
     let motion = Motion::named("turn").context("a built-in motion")?;
     let pivot = scene.pivot();
     let way = |mode| LodOptions { mode, ..LodOptions::default() };

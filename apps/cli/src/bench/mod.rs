@@ -11,10 +11,11 @@ mod statistics;
 mod workload;
 
 use crate::{progress, say};
-use anyhow::Result;
+use anyhow::{Result, bail};
+use indicatif::ProgressBar;
 use report::{Adapter, Report};
 use std::path::PathBuf;
-use tresses::gpu::Gpu;
+use tresses::gpu::{Clock, Gpu, wall};
 
 /// The options of `tresses bench`.
 #[derive(clap::Args, Debug)]
@@ -46,12 +47,42 @@ pub struct Args {
     /// Measure only what a frame costs at a distance, in full detail and at its level of detail
     #[arg(long, conflicts_with_all = ["costs", "appearance"])]
     pub lod: bool,
+    /// On a software adapter, measure the processor time of all threads: unlike elapsed time it hardly depends on
+    /// what else the machine does
+    #[cfg(unix)]
+    #[arg(long)]
+    pub cpu: bool,
     /// Print JSON instead of tables
     #[arg(long)]
     pub json: bool,
 }
 
+/// How everything of one call is measured.
+#[derive(Clone, Copy)]
+struct Sitting<'a> {
+    frames: u32,
+    clock: Clock,
+    bar: &'a ProgressBar,
+}
+
+/// The processor time of all threads of this process.
+#[cfg(unix)]
+fn processor() -> std::time::Duration {
+    let now = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    std::time::Duration::new(now.tv_sec.unsigned_abs(), now.tv_nsec as u32)
+}
+
 impl Args {
+    #[cfg(unix)]
+    fn clock(&self) -> Option<Clock> {
+        self.cpu.then_some(processor as Clock)
+    }
+
+    #[cfg(not(unix))]
+    fn clock(&self) -> Option<Clock> {
+        None
+    }
+
     fn frames(&self) -> u32 {
         self.frames.unwrap_or(if self.quick { 8 } else { 30 })
     }
@@ -63,6 +94,13 @@ pub fn run(args: &Args) -> Result<()> {
     let gpu = pollster::block_on(Gpu::open())?;
     let mut report = Report { adapter: Adapter::of(&gpu), ..Report::default() };
     let software = gpu.tier.software;
+    report.adapter.processor_time = args.clock().is_some();
+    if report.adapter.processor_time && !software {
+        bail!(
+            "--cpu is for software adapters; what {} does is not done by the processor",
+            report.adapter.name
+        );
+    }
     drop(gpu);
     let mut groups = Vec::new();
     let mut counts = Vec::new();
@@ -90,6 +128,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let measured = runs * u64::from(frames) + looks.len() as u64 * u64::from(look_frames);
     let bar = progress::frames("measuring", measured);
+    let sitting = Sitting { frames, clock: args.clock().unwrap_or(wall), bar: &bar };
     // Each table as soon as it is known: a software driver takes minutes for all.
     let tell = |text: String| {
         if !(args.json || text.is_empty()) {
@@ -98,24 +137,28 @@ pub fn run(args: &Args) -> Result<()> {
     };
     tell(report.adapter.text());
     for group in &groups {
-        let group = workload::measure(group, frames, &bar)?;
+        let group = workload::measure(group, sitting)?;
         tell(group.text());
         report.groups.push(group);
     }
     if costs > 0 {
-        report.costs = costs::measure(frames, &bar)?;
+        report.costs = costs::measure(sitting)?;
         tell(report.costs_text());
     }
     if args.lod {
-        report.lod = lod::measure(frames, &bar)?;
+        report.lod = lod::measure(sitting)?;
         tell(lod::text(&report.lod));
     }
     for variant in &looks {
-        report.looks.push(appearance::measure(variant, software, look_frames, &bar)?);
+        report.looks.push(appearance::measure(
+            variant,
+            software,
+            Sitting { frames: look_frames, ..sitting },
+        )?);
     }
     tell(report.looks_text());
     for strands in &counts {
-        report.line.push(workload::point(*strands, frames, &bar)?);
+        report.line.push(workload::point(*strands, sitting)?);
     }
     if !counts.is_empty() {
         tell(report.line_text());

@@ -41,6 +41,8 @@ pub struct Adapter {
     pub software: bool,
     /// Whether it can time its passes.
     pub timestamps: bool,
+    /// Whether all times are the processor's, of all threads.
+    pub processor_time: bool,
     /// The most samples per pixel.
     pub max_samples: u32,
 }
@@ -55,6 +57,7 @@ impl Adapter {
             driver: [info.driver.as_str(), info.driver_info.as_str()].join(" ").trim().to_owned(),
             software: gpu.tier.software,
             timestamps: gpu.tier.timestamps,
+            processor_time: false,
             max_samples: gpu.tier.max_samples,
         }
     }
@@ -129,6 +132,9 @@ impl Adapter {
     pub fn text(&self) -> String {
         let kind = if self.software { ", on the CPU" } else { "" };
         let timed = match self {
+            Self { processor_time: true, .. } => {
+                "Each stage submitted alone; times are the processor's, of all threads: elapsed time is less."
+            }
             Self { software: true, .. } => {
                 "Each stage submitted alone and timed by wall clock: this driver's timestamps are not comparable."
             }

@@ -1,13 +1,12 @@
 //! What is measured: the two scenes of the 2008 talk, a peer's, and a line of strand counts.
 
 use super::{
-    Args,
+    Args, Sitting,
     report::{Group, Point, Run, StageTime},
     statistics::Summary,
 };
 use crate::{args::Size, photographer::Photographer, preset_args};
 use anyhow::{Context, Result};
-use indicatif::ProgressBar;
 use std::{path::PathBuf, time::Instant};
 use tresses::lod::LodMode;
 use tresses_scene::{
@@ -162,7 +161,7 @@ pub fn strand_counts(quick: bool) -> Vec<u32> {
 }
 
 /// Measures `workload` in each of its states.
-pub fn measure(workload: &Workload, frames: u32, bar: &ProgressBar) -> Result<Group> {
+pub fn measure(workload: &Workload, sitting: Sitting<'_>) -> Result<Group> {
     let mut preset = workload.preset.clone();
     if let Some(triangles) = workload.triangles {
         preset.settings.set("style.strands", strands_for(triangles))?;
@@ -172,7 +171,7 @@ pub fn measure(workload: &Workload, frames: u32, bar: &ProgressBar) -> Result<Gr
     let runs = workload
         .runs
         .iter()
-        .map(|(state, motion)| run(&mut scene, state, motion, workload.size, frames, bar))
+        .map(|(state, motion)| run(&mut scene, state, motion, workload.size, sitting))
         .collect::<Result<_>>()?;
     let facts = scene.facts();
     Ok(Group {
@@ -193,10 +192,10 @@ pub fn measure(workload: &Workload, frames: u32, bar: &ProgressBar) -> Result<Gr
 }
 
 /// Measures the long style with `strands` strands.
-pub fn point(strands: u32, frames: u32, bar: &ProgressBar) -> Result<Point> {
+pub fn point(strands: u32, sitting: Sitting<'_>) -> Result<Point> {
     let size = Size { width: 1280, height: 720 };
     let mut scene = Photographer::with_samples_at_most(&style(Some(strands), Edges::default()), size)?;
-    let run = run(&mut scene, "in motion", "turn", size, frames, bar)?;
+    let run = run(&mut scene, "in motion", "turn", size, sitting)?;
     Ok(Point { strands: scene.facts().strands, gpu: run.gpu, frame: run.frame })
 }
 
@@ -206,9 +205,9 @@ pub fn run(
     state: &str,
     motion: &str,
     size: Size,
-    frames: u32,
-    bar: &ProgressBar,
+    Sitting { frames, clock, bar }: Sitting<'_>,
 ) -> Result<Run> {
+    scene.measure_by(clock);
     let motion = Motion::named(motion).context("a built-in motion")?;
     let camera = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), size.aspect(), 1.0);
     let pivot = scene.pivot();

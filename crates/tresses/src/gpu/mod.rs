@@ -13,7 +13,7 @@ pub mod timings;
 pub use bindings::Binding;
 pub use device::{Gpu, Tier};
 pub use kernel::Kernel;
-pub use timings::Timings;
+pub use timings::{Clock, Timings, wall};
 
 /// The adapter of all unit tests, opened once, or `None` where the machine has none and need not have one.
 #[cfg(test)]

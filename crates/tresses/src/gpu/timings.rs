@@ -2,7 +2,17 @@
 
 use super::readback::Pending;
 use crate::{Error, Result};
+use std::{sync::OnceLock, time::Duration};
 use web_time::Instant;
+
+/// The time since some moment that stays the same.
+pub type Clock = fn() -> Duration;
+
+/// The clock on the wall.
+pub fn wall() -> Duration {
+    static START: OnceLock<Instant> = OnceLock::new();
+    START.get_or_init(Instant::now).elapsed()
+}
 
 /// The most passes of one frame.
 const MAX_PASSES: u32 = 64;
@@ -24,7 +34,7 @@ enum Source {
         period: f32,
     },
     /// Every stage is submitted and waited for alone.
-    Clock { since: Instant, rows: Vec<(&'static str, f64)>, lost: Option<Error> },
+    Clock { clock: Clock, since: Duration, rows: Vec<(&'static str, f64)>, lost: Option<Error> },
 }
 
 impl Timings {
@@ -49,12 +59,12 @@ impl Timings {
         Self { source }
     }
 
-    /// By the clock: a [`crate::frame::Recorder`] submits the parts of its stages one by
+    /// By a clock, [`wall`] or one of the processor's time: a [`crate::frame::Recorder`] submits the parts of its stages one by
     /// one and waits for each. For tools on a software driver, whose timestamps of compute passes
     /// are those of the call, and those of drawing when pixels are filled; a part's time holds the call and
     /// the waiting. In a browser, where nothing can be waited for, the times are those of the calls alone.
-    pub fn by_the_clock() -> Self {
-        Self { source: Source::Clock { since: Instant::now(), rows: Vec::new(), lost: None } }
+    pub fn by(clock: Clock) -> Self {
+        Self { source: Source::Clock { clock, since: clock(), rows: Vec::new(), lost: None } }
     }
 
     fn next(&mut self, name: &'static str) -> Option<(&wgpu::QuerySet, u32)> {
@@ -88,8 +98,8 @@ impl Timings {
 
     /// By the clock, a part of a stage begins here. With timestamps nothing happens.
     pub(crate) fn start(&mut self) {
-        if let Source::Clock { since, .. } = &mut self.source {
-            *since = Instant::now();
+        if let Source::Clock { clock, since, .. } = &mut self.source {
+            *since = clock();
         }
     }
 
@@ -102,14 +112,14 @@ impl Timings {
         encoder: &mut wgpu::CommandEncoder,
         name: &'static str,
     ) {
-        let Source::Clock { since, rows, lost } = &mut self.source else { return };
+        let Source::Clock { clock, since, rows, lost } = &mut self.source else { return };
         let recorded = std::mem::replace(encoder, device.create_command_encoder(&Default::default()));
         queue.submit([recorded.finish()]);
         if let Err(error) = device.poll(wgpu::PollType::wait_indefinitely()) {
             *lost = Some(Error::Gpu { stage: name, problem: error.to_string() });
         }
-        let now = Instant::now();
-        add(rows, name, now.duration_since(*since).as_secs_f64() * 1e3);
+        let now = clock();
+        add(rows, name, now.saturating_sub(*since).as_secs_f64() * 1e3);
         *since = now;
     }
 
