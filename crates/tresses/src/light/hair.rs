@@ -71,7 +71,7 @@ impl HairSet {
         let last = drawn.vertex_count.saturating_sub(1).max(1);
         let stride = (last / 8).max(1);
         self.splat = [stride, last.div_ceil(stride)];
-        self.spans = spans(drawn.vertex_count);
+        self.spans = spans(drawn.vertex_count, stands_for(self.strands.count, drawn.count));
         let count = self.strands.count;
         self.strips
             .entry(drawn.vertex_count)
@@ -102,13 +102,24 @@ impl HairSet {
     }
 }
 
-/// How the knots are spread over a strand of so many vertices: from one to the next, and how many spans that makes.
-fn spans(vertex_count: u32) -> [u32; 2] {
-    // What arrives of the light changes over an eighth of a strand, or a few vertices of a fine one.
+/// How many strands one of those that are drawn stands for.
+fn stands_for(all: u32, drawn: u32) -> u32 {
+    all / drawn.max(1)
+}
+
+/// How the knots are spread over a strand of so many vertices that stands for so many: from one to the next, and how
+/// many spans that makes, at most [`SPANS`].
+fn spans(vertex_count: u32, stands_for: u32) -> [u32; 2] {
+    // What arrives of the light changes over an eighth of a strand, or a few vertices of a fine one. Few strands that
+    // stand for many are to be as bright as those: knots as dense as the room for the knots of all of them allows.
     let last = vertex_count.saturating_sub(1).max(1);
-    let stride = last.div_ceil(8).min(4);
+    let stride = last.div_ceil(8).min(4) / stands_for.clamp(1, 4);
+    let stride = stride.max(last.div_ceil(SPANS)).max(1);
     [stride, last.div_ceil(stride)]
 }
+
+/// The most spans of a strand: `choose` keeps a bit for each and for the knot behind the last.
+const SPANS: u32 = 31;
 
 /// A groom as one view sees it: its shaded colours, which depend on eye and lights.
 #[derive(Debug)]
@@ -138,8 +149,10 @@ impl Shaded {
         let colors =
             storage::<[u32; 2]>(device, "shaded strands", u64::from(*count) * u64::from(*vertex_count))?;
         // At any level of detail.
-        let most = (1..=*vertex_count).map(|vertices| spans(vertices)[1] + 1).max().unwrap_or(2);
-        let knots = storage::<[u32; 4]>(device, "knots of strands", u64::from(*count) * u64::from(most))?;
+        let most = (1..=*vertex_count).flat_map(|vertices| {
+            (1..=4).map(move |of| u64::from(*count / of) * u64::from(spans(vertices, of)[1] + 1))
+        });
+        let knots = storage::<[u32; 4]>(device, "knots of strands", most.max().unwrap_or(2))?;
         let uniform = bindings::uniform(device, "hair", size_of::<HairUniform>());
         let own = [&uniform, vertices, strands, &colors].map(wgpu::Buffer::as_entire_binding);
         let maps = state.maps.hair_buffers();
