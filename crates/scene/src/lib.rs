@@ -1,6 +1,7 @@
 //! Shared by the command and the studio: a character from files or built in, its settings, the motion of its
 //! head, its cameras, and all of it on the GPU. The library `tresses` does not depend on it.
 
+mod aside;
 pub mod camera;
 pub mod character;
 pub mod colliders;

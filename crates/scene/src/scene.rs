@@ -1,6 +1,7 @@
 //! A character on the GPU, ready to be animated and drawn: the only file here that calls the frame.
 
 use crate::{
+    aside::Aside,
     camera::{self, Bounds, Viewpoint},
     character::Character,
     colliders::Colliders,
@@ -143,6 +144,8 @@ impl Scene {
         let hair_bounds = character.groom.bounds().context("the groom is empty")?;
         let head_bounds = character.head.as_ref().and_then(|head| head.bounds());
         let (device, queue) = (&gpu.device, &gpu.queue);
+        // Collapsing edges takes as long as everything else of a small character.
+        let levels = character.head.clone().map(|head| Aside::start(move || head.levels()));
         let options = HairOptions { simulation: *physics, ..Default::default() };
         let builder = (!colliders.list.is_empty()).then(|| FieldBuilder::new(device));
         let fields = builder.as_ref().map(|builder| colliders.fields(builder)).unwrap_or_default();
@@ -168,7 +171,8 @@ impl Scene {
         focus.radius *= 1.15;
         let picture = Picture { focus, ..Default::default() };
         let cells = view.options().ambient_cells;
-        let body = character.head.as_ref().map(|head| Body::with_levels(device, head, &head.levels(), cells));
+        let levels = levels.map(Aside::get).unwrap_or_default();
+        let body = character.head.as_ref().map(|head| Body::with_levels(device, head, &levels, cells));
         let mut stage = Self {
             pipelines,
             hair,
