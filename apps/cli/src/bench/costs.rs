@@ -6,7 +6,6 @@ use crate::load;
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use serde::Serialize;
-use std::time::Instant;
 use tresses::{
     Hair, HairOptions, Pipelines, Pose,
     collide::{Anchor, Collider, ColliderDescriptor, ColliderPoses, Shape},
@@ -210,9 +209,9 @@ impl Rig {
         let options = SdfOptions { resolution, ..Default::default() };
         let mut times = Vec::new();
         while times.is_empty() || (times.len() < BUILDS && times.iter().sum::<f64>() < LONG) {
-            let start = Instant::now();
+            let start = (self.clock)();
             sdf::build(head, &options)?;
-            times.push(start.elapsed().as_secs_f64() * 1e3);
+            times.push((self.clock)().saturating_sub(start).as_secs_f64() * 1e3);
         }
         Ok(Summary::of(times))
     }

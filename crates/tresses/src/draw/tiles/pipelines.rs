@@ -70,35 +70,20 @@ impl Pipelines {
     /// What compiles those for targets of so many samples per pixel.
     pub fn jobs(&self, samples: u32) -> Vec<Job<'_>> {
         let many = usize::from(samples > 1);
-        let Self {
-            surface,
-            project,
-            bound,
-            count,
-            totals,
-            scan,
-            scatter,
-            sort,
-            merge,
-            rewind,
-            see,
-            tint,
-            blend,
-        } = self;
         kernel::jobs([
-            &surface[many],
-            project,
-            bound,
-            count,
-            totals,
-            scan,
-            scatter,
-            sort,
-            merge,
-            rewind,
-            &see[many],
-            tint,
-            &blend[many],
+            &self.surface[many],
+            &self.project,
+            &self.bound,
+            &self.count,
+            &self.totals,
+            &self.scan,
+            &self.scatter,
+            &self.sort,
+            &self.merge,
+            &self.rewind,
+            &self.see[many],
+            &self.tint,
+            &self.blend[many],
         ])
     }
 }
