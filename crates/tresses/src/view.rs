@@ -170,8 +170,8 @@ impl View {
         shaded.iter().find(|(of, _)| *of == hair.strands.vertices).map(|(_, shaded)| shaded.colors.clone())
     }
 
-    /// What shades only those vertices of `hair` whose word in `seen` is not 0 ([`light::State::shade_chosen`]); for as
-    /// long as the view's options stay as they are.
+    /// What shades only what the segments of `hair` need whose bits in `seen` are set, each by the number of the vertex that it
+    /// begins at ([`light::State::shade_chosen`]); for as long as the view's options stay as they are.
     ///
     /// # Errors
     /// [`crate::Error::Limit`].

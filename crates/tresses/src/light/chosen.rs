@@ -15,8 +15,8 @@ pub struct Chosen {
 }
 
 impl Chosen {
-    /// For `hair` as `shaded` in the light of `state`, seen by `camera`. `seen` has a word for each strand vertex, 0 where
-    /// the picture does not show it; both ends of a segment that is seen are to be marked.
+    /// For `hair` as `shaded` in the light of `state`, seen by `camera`. `seen` has a bit for each strand vertex: whether
+    /// the picture shows the segment that begins there.
     ///
     /// # Errors
     /// [`crate::Error::Limit`].

@@ -3,8 +3,7 @@
 //! ```text
 //! depth of bodies ─► surface ─► depths per pixel, farthest per tile
 //! strand vertices ─► project ─► points ─► count ─► totals ─► scan ─► scatter ─► sort, merge ─► lists of tiles
-//! lists ─► see ─► which vertices are seen ─► light::shade ─► tint ─► colours ─┐
-//! lists ──────────────────────────────────────────────────────────────────────┴─► blend ─► hair
+//! lists ─► touch ─► lists of rows ─► see ─► which segments are seen ─► light::shade ─► tint ─► colours ─► blend ─► hair
 //! ```
 //!
 //! A segment is the piece of a strand between two of its vertices. It is written into the list of each tile of 8×8
@@ -19,8 +18,9 @@
 //! straight there (`coverage::half_plane`); where two segments meet, a pixel belongs to the one on whose side of
 //! their common line its centre lies, so that strands of any width have no seams and nothing is counted twice.
 //!
-//! `see` does this without colours, and marks what it meets: only those vertices are shaded. `blend` repeats it with
-//! colours. Of bodies with several samples per pixel, a pixel keeps two depths and their shares, and what gets
+//! Most entries of a tile are in a few of its rows: `touch` tells which, in a bit for each row and entry. `see` follows
+//! those without colours, marks what it meets, of which only the vertices are shaded, and leaves only those bits.
+//! `blend` follows these with colours. Of bodies with several samples per pixel, a pixel keeps two depths and their shares, and what gets
 //! through to either (`present::tiled`).
 //!
 //! **Room.** The list holds a *window* of one and a half entries per point and the longest tile. Where a picture needs
@@ -133,6 +133,7 @@ impl Pipelines {
             bound.list.copy(canvas.encoder, u32::MAX);
             canvas.lap("bins");
             let mut pass = compute(canvas, "see");
+            round.run(&mut pass, &self.touch, &bound.touch, offset_of!(Control, bins));
             round.run(&mut pass, &self.see[many], &bound.see, offset_of!(Control, rows));
             drop(pass);
             canvas.lap("see");
@@ -173,6 +174,7 @@ impl Pipelines {
             drop(pass);
             bound.list.copy(canvas.encoder, u32::MAX);
             let mut pass = compute(canvas, "hair");
+            round.run(&mut pass, &self.touch, &bound.touch, offset_of!(Control, bins_again));
             round.run(&mut pass, &self.blend[many], &bound.blend, offset_of!(Control, rows));
         }
         Ok(())

@@ -24,6 +24,7 @@ pub(crate) struct Pipelines {
     /// Bound as `sort`.
     pub merge: Kernel,
     pub rewind: Kernel,
+    pub touch: Kernel,
     /// By whether pixels have two surfaces.
     pub see: [Kernel; 2],
     pub tint: Kernel,
@@ -35,9 +36,10 @@ impl Pipelines {
     pub fn new(device: &wgpu::Device) -> Self {
         let kernel = |module, bindings: &[Binding]| Kernel::new(device, module, bindings);
         let sort = [Storage, Storage, Storage, Storage, StorageMut, UniformDynamic];
-        let fine = [Storage, Storage, Storage, Words2d, Texels2d];
-        let see = [&fine[..], &[StorageMut, StorageMut, UniformDynamic]].concat();
-        let blend = [&fine[..], &[StorageMut, Words2d, UniformDynamic, Write2d]].concat();
+        let lists = [Storage, Storage, Storage, Words2d, Texels2d];
+        let touch = [&lists[..], &[StorageMut, UniformDynamic]].concat();
+        let see = [&lists[..], &[StorageMut, StorageMut, StorageMut, UniformDynamic]].concat();
+        let blend = [&lists[..], &[StorageMut, StorageMut, Words2d, UniformDynamic, Write2d]].concat();
         Self {
             surface: [
                 kernel("draw::tiles::surface_one", &[Storage, Depth, StorageMut, StorageMut]),
@@ -61,6 +63,7 @@ impl Pipelines {
             sort: kernel("draw::tiles::sort", &sort),
             merge: kernel("draw::tiles::merge", &sort),
             rewind: kernel("draw::tiles::rewind", &[Storage, Storage, StorageMut, UniformDynamic]),
+            touch: kernel("draw::tiles::touch", &touch),
             see: ["draw::tiles::see::1", "draw::tiles::see::2"].map(|module| kernel(module, &see)),
             tint: kernel("draw::tiles::tint", &[Uniform, Storage, Storage, Storage, Storage, StorageMut]),
             blend: ["draw::tiles::blend::1", "draw::tiles::blend::2"].map(|module| kernel(module, &blend)),
@@ -81,6 +84,7 @@ impl Pipelines {
             &self.sort,
             &self.merge,
             &self.rewind,
+            &self.touch,
             &self.see[many],
             &self.tint,
             &self.blend[many],

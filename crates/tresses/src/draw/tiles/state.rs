@@ -70,8 +70,8 @@ pub struct Control {
 
 /// Dynamic offsets of uniforms are multiples of this on any device.
 pub(super) const STEP: u64 = 256;
-/// Grooms begin at multiples of so many points, so that their share of a buffer of words can be bound.
-const ALIGN: u32 = STEP as u32 / 4;
+/// Grooms begin at multiples of so many points, so that their share of a buffer of bits can be bound.
+const ALIGN: u32 = STEP as u32 * 8;
 
 /// What tiles add to the targets of a view.
 #[derive(Debug)]
@@ -125,6 +125,7 @@ pub(super) struct Bound {
     /// Where the points of each groom begin.
     firsts: Vec<u32>,
     pub parts: Vec<Groom>,
+    /// A bit for each segment.
     pub seen: wgpu::Buffer,
     pub points: Texels,
     pub list: Texels,
@@ -138,6 +139,7 @@ pub(super) struct Bound {
     pub scatter: wgpu::BindGroup,
     pub sort: wgpu::BindGroup,
     pub rewind: wgpu::BindGroup,
+    pub touch: wgpu::BindGroup,
     pub see: wgpu::BindGroup,
     pub blend: wgpu::BindGroup,
 }
@@ -295,12 +297,16 @@ impl Tiles {
         }
         use wgpu::TextureFormat::{R32Uint, Rgba32Float};
         let points = Texels::new(device, "points", all, Rgba32Float)?;
-        let seen = storage::<u32>(device, "what is seen", all)?;
+        let seen = storage::<u32>(device, "what is seen", all / 32)?;
         let colors = Texels::new(device, "colours of points", all, R32Uint)?;
         // A window, and the longest tile: no segment is in a tile twice.
         let window = (all * WINDOW.0 / WINDOW.1).max(1 << 16).max(least.into());
         let list = Texels::new(device, "lists of tiles", window + all, R32Uint)?;
-        let bytes = [&points, &colors, &list].map(Texels::bytes).iter().sum::<u64>() + seen.size();
+        // A byte for each entry; of each tile's a word for each row in front, and its last 32 need not be full.
+        let touches = (window + all) / 32 + 2 * u64::from(self.count());
+        let touches = storage::<u32>(device, "rows of tiles", touches * u64::from(TILE))?;
+        let bytes =
+            [&points, &colors, &list].map(Texels::bytes).iter().sum::<u64>() + seen.size() + touches.size();
         let id_bits = 32 - (all as u32).leading_zeros();
         let grid = Grid {
             size: self.size,
@@ -319,8 +325,8 @@ impl Tiles {
         let depth = wgpu::BindingResource::TextureView(&canvas.targets.depth);
         let [camera, g, control, busy] =
             [canvas.eye, &self.grid, &self.control, &self.busy].map(wgpu::Buffer::as_entire_binding);
-        let [surfaces, farthest, bins, ranges, s] =
-            [&self.surfaces, &self.farthest, &self.bins, &self.ranges, &seen]
+        let [surfaces, farthest, bins, ranges, s, t] =
+            [&self.surfaces, &self.farthest, &self.bins, &self.ranges, &seen, &touches]
                 .map(wgpu::Buffer::as_entire_binding);
         let all = [&points, &colors, &list, &self.bounds];
         let [p, c, l, b] = all.map(Texels::words);
@@ -336,7 +342,7 @@ impl Tiles {
                         .map(wgpu::Buffer::as_entire_binding);
                 let project = [&camera, &g, &of, &vertices, &strands, &p, &ranges].map(Clone::clone);
                 let tint = [&camera, &g, &of, &shaded, &s, &c].map(Clone::clone);
-                let offset = u64::from(*first) * 4;
+                let offset = u64::from(*first) / 8;
                 let seen =
                     wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: &seen, offset, size: None });
                 let (pipelines, light) = canvas.light;
@@ -357,7 +363,7 @@ impl Tiles {
             kernel.bind(device, &of.iter().map(|&of| of.clone()).collect::<Vec<_>>())
         };
         let hair_texture = wgpu::BindingResource::TextureView(&self.hair);
-        let fine = [&g, &control, &busy, &list_read, &points_read, &surfaces];
+        let lists = [&g, &control, &busy, &list_read, &points_read];
         Ok(Bound {
             surface: bind(&kernels.surface[many], &surface),
             bound: bind(&kernels.bound, &[&g, &farthest, &ranges, &b]),
@@ -367,8 +373,12 @@ impl Tiles {
             scatter: bind(&kernels.scatter, &[&g, &points_read, &bounds_read, &bins, &l, &round]),
             sort: bind(&kernels.sort, &[&g, &control, &busy, &bins, &l, &round]),
             rewind: bind(&kernels.rewind, &[&control, &busy, &bins, &round]),
-            see: bind(&kernels.see[many], &[&fine[..], &[&s, &round]].concat()),
-            blend: bind(&kernels.blend[many], &[&fine[..], &[&colors_read, &round, &hair_texture]].concat()),
+            see: bind(&kernels.see[many], &[&lists[..], &[&surfaces, &t, &s, &round]].concat()),
+            touch: bind(&kernels.touch, &[&lists[..], &[&t, &round]].concat()),
+            blend: bind(
+                &kernels.blend[many],
+                &[&lists[..], &[&surfaces, &t, &colors_read, &round, &hair_texture]].concat(),
+            ),
             of,
             grid,
             firsts,
