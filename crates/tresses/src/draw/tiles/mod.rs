@@ -108,10 +108,10 @@ impl Pipelines {
         }
         let many = usize::from(canvas.targets.samples > 1);
         let mut pass = compute(canvas, "bins");
-        self.surface[many].record(&mut pass, &bound.surface, &[], threads(tiles.count() * TILE));
         for groom in &bound.parts {
             self.project.record(&mut pass, &groom.project, &[], threads(groom.points));
         }
+        self.surface[many].record(&mut pass, &bound.surface, &[], threads(tiles.count() * TILE));
         self.bound.record(&mut pass, &bound.bound, &[], threads(tiles.count()));
         drop(pass);
         bound.points.copy(canvas.encoder, bound.grid.points);

@@ -12,9 +12,9 @@ use crate::gpu::{
 /// The kernels in the order in which they run.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
+    pub project: Kernel,
     /// By whether targets have several samples per pixel.
     pub surface: [Kernel; 2],
-    pub project: Kernel,
     pub bound: Kernel,
     pub count: Kernel,
     pub totals: Kernel,
@@ -42,10 +42,10 @@ impl Pipelines {
         let blend = [&lists[..], &[StorageMut, StorageMut, Words2d, UniformDynamic, Write2d]].concat();
         Self {
             surface: [
-                kernel("draw::tiles::surface_one", &[Storage, Depth, StorageMut, StorageMut]),
+                kernel("draw::tiles::surface_one", &[Storage, Storage, Depth, StorageMut, StorageMut]),
                 kernel(
                     "draw::tiles::surface_many",
-                    &[Storage, DepthMultisampled, StorageMut, StorageMut, Uniform],
+                    &[Storage, Storage, DepthMultisampled, StorageMut, StorageMut, Uniform],
                 ),
             ],
             project: kernel(
@@ -74,8 +74,8 @@ impl Pipelines {
     pub fn jobs(&self, samples: u32) -> Vec<Job<'_>> {
         let many = usize::from(samples > 1);
         kernel::jobs([
-            &self.surface[many],
             &self.project,
+            &self.surface[many],
             &self.bound,
             &self.count,
             &self.totals,

@@ -355,7 +355,7 @@ impl Tiles {
                 })
             })
             .collect::<Result<_>>()?;
-        let mut surface = vec![&g, &depth, &surfaces, &farthest];
+        let mut surface = vec![&g, &ranges, &depth, &surfaces, &farthest];
         if many == 1 {
             surface.push(&camera);
         }
