@@ -3,6 +3,7 @@
 
 mod coverage;
 mod groom;
+mod judged;
 mod motion;
 mod oracle;
 mod peeling;

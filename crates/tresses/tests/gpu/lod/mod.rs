@@ -2,5 +2,5 @@
 
 mod changes;
 mod looks;
-mod stage;
+pub mod stage;
 mod strands;

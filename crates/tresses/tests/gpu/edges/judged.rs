@@ -1,0 +1,153 @@
+//! Tiles against strips with 64 samples per pixel: by how much a person sees the two differ (FLIP, Andersson et al.
+//! 2020), and by how much they differ in area and light. Tiles blend shares of whole pixels, as if strands lay
+//! anywhere in them: where strands gather in a part of a pixel they cover a little less than that, and which of them
+//! is in front differs from place to place.
+
+use super::{MASK_1, MASK_4, Mode, TILES, TILES_2X};
+use crate::{common, lod::stage::Setup};
+use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8};
+use tresses::{
+    Camera, Hair, View,
+    camera::ToneMap,
+    frame::Sight,
+    glam::Vec3,
+    gpu::Gpu,
+    groom::{Groom, bind, import},
+    light::{Lights, Sphere, material::linear},
+    present::Background,
+    view::{Picture, ViewOptions},
+};
+
+const SIZE: [u32; 2] = [240, 200];
+/// Pixels of the reference in a pixel, along each axis; each has four samples.
+const FINER: u32 = 4;
+/// The most that FLIP may say of a picture that shows all of the hair, and of one that is full of it: there much of it
+/// is the reference's own noise.
+const FLIP: [f64; 2] = [0.02, 0.08];
+/// From how many radii of the hair's sphere it is seen.
+const RADII: [f32; 3] = [4.0, 1.5, 10.0];
+
+/// Behind the hair, a whole number of 255ths: rounded alike in all pictures.
+const GREY: f32 = 128.0 / 255.0;
+/// The most that the sum of alpha and the mean light may differ by: where strands are a twentieth of a pixel wide many
+/// gather in a part of one.
+const SUMS: [f64; 2] = [0.03, 0.015];
+
+/// A picture over grey, linear, and the sum of alpha.
+struct Shown {
+    pixels: Vec<[f32; 3]>,
+    alpha: f64,
+}
+
+/// `hair` from `radii` times the radius of its sphere, drawn so that each pixel shown has `finer` squared.
+fn shown(gpu: &Gpu, mode: Mode, hair: &Hair, radii: f32, finer: u32) -> Shown {
+    let Gpu { device, queue, .. } = gpu;
+    let options = ViewOptions { samples: mode.samples, coverage: mode.coverage, ..Default::default() };
+    let pipelines = common::pipelines().expect("there is a GPU");
+    let size = SIZE.map(|side| side * finer);
+    let view = View::new(device, pipelines, &options, size, mode.ssaa).expect("fits");
+    let (middle, radius) = hair.lod.sphere;
+    let eye = middle + Vec3::new(0.6, 0.2, 1.0).normalize() * radius * radii;
+    let scene = Picture {
+        camera: Camera::look_at(eye, middle, 30f32.to_radians(), size),
+        focus: Sphere { center: middle, radius: 1.05 * radius },
+        lights: Lights::around(radius),
+        background: Background::transparent(),
+        // Only light that is not bent can be averaged.
+        tone: ToneMap { exposure: 1.0, shoulder: 1.0, desaturation: 0.0 },
+        ..Default::default()
+    };
+    let draw = || common::submit(|recorder| recorder.draw(&[hair], &[], Sight::new(&view, &scene)));
+    draw();
+    if !pollster::block_on(view.is_complete(device, queue)).expect("a device") {
+        draw();
+    }
+    let bytes = pollster::block_on(view.targets().read(device, queue)).expect("a picture");
+    let texel = |x: u32, y: u32| -> [u8; 4] { bytes.as_chunks().0[(y * size[0] + x) as usize] };
+    let mut alpha = 0.0;
+    let grey = linear(GREY);
+    let pixels = (0..SIZE[0] * SIZE[1]).map(|i| {
+        let mut sum = [0.0; 3];
+        for k in 0..finer * finer {
+            let p = texel(i % SIZE[0] * finer + k % finer, i / SIZE[0] * finer + k / finer);
+            let covered = f32::from(p[3]) / 255.0;
+            alpha += f64::from(covered);
+            (0..3).for_each(|c| sum[c] += linear(f32::from(p[c]) / 255.0) + (1.0 - covered) * grey);
+        }
+        sum.map(|v| v / (finer * finer) as f32)
+    });
+    let pixels = pixels.collect();
+    Shown { pixels, alpha: alpha / f64::from(finer * finer) }
+}
+
+/// The mean of FLIP over the picture, and where hair covers a tenth or more.
+fn flip(reference: &Shown, test: &Shown) -> [f64; 2] {
+    let curve = |v: f32| if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
+    let image = |shown: &Shown| {
+        let byte = |v: &f32| (curve(v.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8;
+        let bytes: Vec<u8> = shown.pixels.iter().flatten().map(byte).collect();
+        FlipImageRgb8::with_data(SIZE[0], SIZE[1], &bytes)
+    };
+    let errors = nv_flip::flip(image(reference), image(test), DEFAULT_PIXELS_PER_DEGREE).to_vec();
+    let grey = linear(GREY);
+    let differs = |p: &[f32; 3]| p.iter().any(|v| (v - grey).abs() > 0.02);
+    let mean = |of: &mut dyn Iterator<Item = f32>| {
+        let (sum, count) = of.fold((0.0, 0u32), |(sum, count), e| (sum + f64::from(e), count + 1));
+        sum / f64::from(count.max(1))
+    };
+    let hair = errors.iter().zip(&reference.pixels).filter(|(_, p)| differs(p)).map(|(e, _)| *e);
+    [mean(&mut errors.iter().copied()), mean(&mut hair.into_iter())]
+}
+
+/// Mean light of the picture.
+fn light(shown: &Shown) -> f64 {
+    shown.pixels.iter().flatten().map(|v| f64::from(*v)).sum::<f64>() / shown.pixels.len() as f64
+}
+
+fn judge(gpu: &Gpu, name: &str, groom: &Groom, radii: &[f32]) {
+    let setup = Setup::open().expect("there is a GPU");
+    let mut hair = setup.hair(groom, None);
+    hair.lod.options.mode = tresses::lod::LodMode::Off;
+    for &radii in radii {
+        let reference = shown(gpu, MASK_4, &hair, radii, FINER);
+        let drawn = shown(gpu, TILES, &hair, radii, 1);
+        let [picture, of_hair] = flip(&reference, &drawn);
+        let area = drawn.alpha / reference.alpha - 1.0;
+        let lit = light(&drawn) / light(&reference) - 1.0;
+        let [_, finer] = flip(&reference, &shown(gpu, TILES_2X, &hair, radii, 1));
+        println!(
+            "| {name} | {radii} | {picture:.4} | {of_hair:.4} | {finer:.4} | {:+.2} % | {:+.2} % |",
+            100.0 * area,
+            100.0 * lit
+        );
+        let most = FLIP[usize::from(radii < 2.0)];
+        assert!(picture < most, "{name} from {radii} radii: {picture}");
+        assert!(area.abs() < SUMS[0] && lit.abs() < SUMS[1], "{name} from {radii} radii: {area} {lit}");
+    }
+    // How far the reference is from one of four times its samples, and what FLIP sees of a single one.
+    let reference = shown(gpu, MASK_4, &hair, radii[0], FINER);
+    let [_, floor] = flip(&shown(gpu, MASK_4, &hair, radii[0], 2 * FINER), &reference);
+    let [coarse, _] = flip(&reference, &shown(gpu, MASK_1, &hair, radii[0], 1));
+    println!("| {name}, 64 samples against 256 | {} | | {floor:.4} | | | |", radii[0]);
+    println!("| {name}, masks with one sample | {} | {coarse:.4} | | | | |", radii[0]);
+    assert!(coarse > FLIP[0], "{name}: {coarse}");
+}
+
+#[test]
+fn tiles_are_what_64_samples_make_of_strips() {
+    let Some(gpu) = common::gpu() else { return };
+    judge(gpu, "short", &Setup::style("short", 2000).0, &RADII[..1]);
+}
+
+/// The table of docs/appearance/edges.md.
+#[test]
+#[ignore = "proof"]
+fn tiles_are_what_64_samples_make_of_any_groom() {
+    let Some(gpu) = common::gpu() else { return };
+    for name in ["long", "bob", "curly", "short"] {
+        judge(gpu, name, &Setup::style(name, 5000).0, &RADII);
+    }
+    let Some(file) = common::asset(common::SINTEL) else { return };
+    let (strands, _) = import::read(&[file], &Default::default()).expect("a groom");
+    judge(gpu, "Sintel", &bind(&strands, &Default::default()).expect("a groom"), &RADII);
+}
