@@ -50,11 +50,11 @@ impl Pipelines {
     }
 
     /// Records what is to be known of the hair before it is shaded: nothing but where it is drawn by tiles.
-    pub(crate) fn record_seen(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>], linear: bool) -> Result<()> {
+    pub(crate) fn record_seen(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>]) -> Result<()> {
         if !canvas.coverage.is_tiled() {
             return Ok(());
         }
-        self.tiles.record_bins(canvas, hair, linear)
+        self.tiles.record_bins(canvas, hair)
     }
 
     /// Records the shading of what is seen, if that is known; else all is to be shaded.

@@ -62,7 +62,7 @@ impl Pipelines {
             merge: kernel("draw::tiles::merge", &sort),
             rewind: kernel("draw::tiles::rewind", &[Storage, Storage, StorageMut, UniformDynamic]),
             see: ["draw::tiles::see::1", "draw::tiles::see::2"].map(|module| kernel(module, &see)),
-            tint: kernel("draw::tiles::tint", &[Uniform, Storage, Storage, Storage, Storage, StorageMut]),
+            tint: kernel("draw::tiles::tint", &[Storage, Storage, Storage, StorageMut]),
             blend: ["draw::tiles::blend::1", "draw::tiles::blend::2"].map(|module| kernel(module, &blend)),
         }
     }
