@@ -31,7 +31,7 @@ pub(crate) struct Canvas<'a> {
 impl Canvas<'_> {
     /// How far the triangles of `body` may stray, metres: not so far that it is seen.
     pub fn stray(&self, body: &Body) -> f32 {
-        const PIXELS: f32 = 0.25;
+        const PIXELS: f32 = 1.0 / 3.0;
         PIXELS * body.nearest(self.camera) * self.camera.pixel() / self.targets.ssaa as f32
     }
 
