@@ -87,7 +87,7 @@ impl Camera {
         2.0 / (self.projection.y_axis.y.abs() * self.size[1].max(1) as f32)
     }
 
-    pub(crate) fn uniform(&self, samples: u32, ssaa: u32, tone: &ToneMap) -> CameraUniform {
+    pub(crate) fn uniform(&self, samples: u32, ssaa: u32) -> CameraUniform {
         CameraUniform {
             view_projection: self.projection * self.view,
             eye: self.eye(),
@@ -95,10 +95,6 @@ impl Camera {
             size: Vec2::new(self.size[0] as f32, self.size[1] as f32),
             samples,
             ssaa,
-            exposure: tone.exposure,
-            shoulder: tone.shoulder.clamp(0.0, 0.99),
-            desaturation: tone.desaturation,
-            _pad: 0.0,
             // Depth is (c z + a) / (d z + b) of the view's z. Solved for z, and two of them subtracted: what
             // is left does not suffer from the camera being far away.
             way: {
@@ -126,14 +122,6 @@ pub struct CameraUniform {
     pub samples: u32,
     /// Target pixels per picture pixel along each axis.
     pub ssaa: u32,
-    /// [`ToneMap::exposure`]: peeled hair is tone mapped where it is drawn.
-    pub exposure: f32,
-    /// [`ToneMap::shoulder`].
-    pub shoulder: f32,
-    /// [`ToneMap::desaturation`].
-    pub desaturation: f32,
-    /// Unused.
-    pub _pad: f32,
     /// From depth `s` to depth `t` the view goes `z (t - s) / ((x - y s) (x - y t))` metres on.
     pub way: Vec4,
 }

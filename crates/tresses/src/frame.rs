@@ -240,7 +240,7 @@ impl Recorder<'_> {
             draw.record_bodies(canvas, bodies)?;
             canvas.lap("body");
         }
-        draw.record_seen(canvas, visible, over.is_some())?;
+        draw.record_seen(canvas, visible)?;
         let replaced = match &mut shows {
             Shows::Inside(views, shown) => {
                 views.shade(self.device, canvas.encoder, shown, picture, hair, &seen)

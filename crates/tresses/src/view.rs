@@ -242,7 +242,7 @@ impl View {
 
     /// Writes the values of a frame.
     pub(crate) fn prepare(&self, queue: &wgpu::Queue, picture: &Picture, hair: &[Seen<'_>]) -> Lit {
-        let camera = picture.camera.uniform(self.targets.samples, self.targets.ssaa, &picture.tone);
+        let camera = picture.camera.uniform(self.targets.samples, self.targets.ssaa);
         queue.write_buffer(&self.camera, 0, bytemuck::bytes_of(&camera));
         self.present.prepare(queue, &picture.background, &picture.tone, &self.targets);
         let mut first = 0;

@@ -31,7 +31,7 @@ pub(crate) struct Canvas<'a> {
 impl Canvas<'_> {
     /// How far the triangles of `body` may stray, metres: not so far that it is seen.
     pub fn stray(&self, body: &Body) -> f32 {
-        const PIXELS: f32 = 0.25;
+        const PIXELS: f32 = 1.0 / 3.0;
         PIXELS * body.nearest(self.camera) * self.camera.pixel() / self.targets.ssaa as f32
     }
 
@@ -50,11 +50,11 @@ impl Pipelines {
     }
 
     /// Records what is to be known of the hair before it is shaded: nothing but where it is drawn by tiles.
-    pub(crate) fn record_seen(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>], linear: bool) -> Result<()> {
+    pub(crate) fn record_seen(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>]) -> Result<()> {
         if !canvas.coverage.is_tiled() {
             return Ok(());
         }
-        self.tiles.record_bins(canvas, hair, linear)
+        self.tiles.record_bins(canvas, hair)
     }
 
     /// Records the shading of what is seen, if that is known; else all is to be shaded.

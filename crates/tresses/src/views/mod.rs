@@ -238,7 +238,7 @@ impl DebugStage {
         bodies: &[&Body],
         output: &wgpu::TextureView,
     ) -> (wgpu::BindGroup, wgpu::TextureView) {
-        let uniform = constant(device, "debug view", &camera.uniform(1, 1, &Default::default()));
+        let uniform = constant(device, "debug view", &camera.uniform(1, 1));
         let view = group(device, "debug view", &self.view_layout, &[uniform.as_entire_binding()]);
         let size = output.texture().size();
         let depth = self.depth(device, [size.width, size.height]);

@@ -99,7 +99,7 @@ fn points(gpu: &Gpu, record: impl FnOnce(&mut Canvas<'_>) -> wgpu::Buffer) -> Ve
     let Gpu { device, queue, .. } = gpu;
     let debug = DebugStage::new(device, PICTURE_FORMAT).unwrap();
     let targets = crate::draw::Targets::new(device, [16, 16], (1, Coverage::SampleMask), 1).unwrap();
-    let uniform = constant(device, "view", &view().uniform(1, 1, &Default::default()));
+    let uniform = constant(device, "view", &view().uniform(1, 1));
     let group = group(device, "view", &debug.view_layout, &[uniform.as_entire_binding()]);
     let mut encoder = device.create_command_encoder(&Default::default());
     let buffer = record(&mut Canvas {

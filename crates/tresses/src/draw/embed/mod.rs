@@ -89,7 +89,7 @@ impl Embed {
     /// `format`, which must be one that can be blended.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a coverage that peels: its layers are tone mapped as they are drawn. [`Error::Gpu`]
+    /// [`Error::Parameter`] for a coverage that peels: its layers are put together by `present` alone. [`Error::Gpu`]
     /// when wgpu refuses the format.
     pub fn new(
         device: &wgpu::Device,

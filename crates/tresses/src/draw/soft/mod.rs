@@ -37,6 +37,9 @@ use bytemuck::{Pod, Zeroable};
 
 /// Metres from one point to the next where the picture's focus is.
 const SPACING: f32 = 0.0012;
+/// How far the bodies that are asked may stray from those that are drawn, metres: little beside the spacing, and no more
+/// than they do in shadow maps.
+const STRAY: f32 = 0.1 * SPACING;
 /// Pixels of the target along each edge of a point's square, at least and at most.
 const ACROSS: [u32; 2] = [2, 8];
 /// Words of a point.
@@ -199,7 +202,7 @@ impl Soft {
         canvas.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
 
         let surface = pipelines.surface(canvas.device)?;
-        let strays: Vec<_> = bodies.iter().map(|body| canvas.stray(body)).collect();
+        let strays: Vec<_> = bodies.iter().map(|body| canvas.stray(body).max(STRAY)).collect();
         let mut pass = canvas.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("body"),
             color_attachments: &[cleared(&self.position), cleared(&self.normal)],

@@ -88,9 +88,8 @@ fn threads(count: u32) -> u32 {
 }
 
 impl Pipelines {
-    /// Records which segments are in which tiles and which of them are seen; bodies are drawn. Colours stay linear
-    /// if `linear`.
-    pub fn record_bins(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>], linear: bool) -> Result<()> {
+    /// Records which segments are in which tiles and which of them are seen; bodies are drawn.
+    pub fn record_bins(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>]) -> Result<()> {
         let tiles = tiles(canvas)?;
         // Where no tile is busy nothing is written.
         canvas.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -101,7 +100,7 @@ impl Pipelines {
         if hair.is_empty() {
             return Ok(());
         }
-        let bound = tiles.bind(self, canvas, hair, linear)?;
+        let bound = tiles.bind(self, canvas, hair)?;
         let Some(bound) = bound.as_ref() else { return Ok(()) };
         for buffer in [&tiles.farthest, &tiles.bins, &tiles.ranges, &bound.seen, &bound.points.buffer] {
             canvas.encoder.clear_buffer(buffer, 0, None);

@@ -65,7 +65,7 @@ impl Pipelines {
             rewind: kernel("draw::tiles::rewind", &[Storage, Storage, StorageMut, UniformDynamic]),
             touch: kernel("draw::tiles::touch", &touch),
             see: ["draw::tiles::see::1", "draw::tiles::see::2"].map(|module| kernel(module, &see)),
-            tint: kernel("draw::tiles::tint", &[Uniform, Storage, Storage, Storage, Storage, StorageMut]),
+            tint: kernel("draw::tiles::tint", &[Storage, Storage, Storage, StorageMut]),
             blend: ["draw::tiles::blend::1", "draw::tiles::blend::2"].map(|module| kernel(module, &blend)),
         }
     }

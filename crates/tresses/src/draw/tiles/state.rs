@@ -28,8 +28,8 @@ pub struct Grid {
     pub id_bits: u32,
     /// Entries of a round.
     pub window: u32,
-    /// 1 when colours stay linear.
-    pub linear: u32,
+    /// Unused.
+    pub _pad: u32,
 }
 
 /// A groom's share of the points.
@@ -78,7 +78,7 @@ const ALIGN: u32 = STEP as u32 * 8;
 pub(crate) struct Tiles {
     size: [u32; 2],
     tiles: [u32; 2],
-    /// Hair, tone mapped, premultiplied; alpha is its opacity.
+    /// Hair, premultiplied; alpha is its opacity.
     pub hair: wgpu::TextureView,
     /// Of each pixel, tile by tile, the depths of its bodies, later what gets through to them.
     pub surfaces: wgpu::Buffer,
@@ -230,7 +230,6 @@ impl Tiles {
         kernels: &Pipelines,
         canvas: &Canvas<'_>,
         hair: &[Seen<'_>],
-        linear: bool,
     ) -> Result<MutexGuard<'_, Option<Bound>>> {
         let mut bound = self.bound();
         let window = self.learn(canvas, bound.as_ref().map(|bound| bound.grid.window));
@@ -244,7 +243,7 @@ impl Tiles {
             *bound = Some(self.make(kernels, canvas, hair, of, window)?);
         }
         if let Some(bound) = bound.as_mut() {
-            bound.prepare(canvas.queue, &self.grid, hair, linear);
+            bound.prepare(canvas.queue, &self.grid, hair);
         }
         Ok(bound)
     }
@@ -314,7 +313,7 @@ impl Tiles {
             points: all as u32,
             id_bits,
             window: window as u32,
-            linear: 0,
+            _pad: 0,
         };
         let many = usize::from(canvas.targets.samples > 1);
         let round = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
@@ -341,7 +340,7 @@ impl Tiles {
                     [&own.hair.strands.vertices, &own.hair.strands.strands, &own.shaded.colors]
                         .map(wgpu::Buffer::as_entire_binding);
                 let project = [&camera, &g, &of, &vertices, &strands, &p, &ranges].map(Clone::clone);
-                let tint = [&camera, &g, &of, &shaded, &s, &c].map(Clone::clone);
+                let tint = [&of, &shaded, &s, &c].map(Clone::clone);
                 let offset = u64::from(*first) / 8;
                 let seen =
                     wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: &seen, offset, size: None });
@@ -397,7 +396,7 @@ const WINDOW: (u64, u64) = (3, 2);
 
 impl Bound {
     /// Writes the uniforms of a frame.
-    fn prepare(&mut self, queue: &wgpu::Queue, grid: &wgpu::Buffer, hair: &[Seen<'_>], linear: bool) {
+    fn prepare(&mut self, queue: &wgpu::Queue, grid: &wgpu::Buffer, hair: &[Seen<'_>]) {
         let mut points = 0;
         for ((seen, groom), first) in hair.iter().zip(&mut self.parts).zip(&self.firsts) {
             let drawn = &seen.hair.drawn;
@@ -407,7 +406,6 @@ impl Bound {
             queue.write_buffer(&groom.part, 0, bytemuck::bytes_of(&part));
         }
         self.grid.points = points;
-        self.grid.linear = u32::from(linear);
         queue.write_buffer(grid, 0, bytemuck::bytes_of(&self.grid));
     }
 }
