@@ -232,7 +232,7 @@ fn tessellate() {
     use tresses::{strands::GuideSample, tessellate::TessellateParams};
     assert_eq!(wgsl_layout("strands::guide::GuideSample"), rust_layout!(GuideSample { place, turn }));
     assert_eq!(
-        wgsl_layout("tessellate::spline::TessellateParams"),
+        wgsl_layout("tessellate::walk::TessellateParams"),
         rust_layout!(TessellateParams {
             previous_rotation,
             current_rotation,
@@ -269,7 +269,7 @@ fn interpolate() {
         rust_layout!(Strand { radius, seed, root_color, tip_color })
     );
     assert_eq!(
-        wgsl_layout("interpolate::blend::InterpolateParams"),
+        wgsl_layout("interpolate::strand::InterpolateParams"),
         rust_layout!(InterpolateParams {
             strand_count,
             vertex_count,

@@ -13,7 +13,7 @@ pub struct GuideBuffers {
     pub count: u32,
     /// Vertices per guide.
     pub vertex_count: u32,
-    /// Samples per tessellated guide.
+    /// Samples per tessellated guide; 0 where strands [follow](crate::interpolate) guides of their own.
     pub sample_count: u32,
     /// [`Guide`], one per guide.
     pub info: wgpu::Buffer,
@@ -122,8 +122,13 @@ impl GuideBuffers {
             current: storage::<[f32; 4]>(device, "guide current", vertices)?,
             velocity: storage::<[f32; 4]>(device, "guide velocity", vertices)?,
             forces: storage::<GuideForce>(device, "guide forces", vertices)?,
-            samples: storage::<GuideSample>(device, "guide samples", samples)?,
+            samples: storage::<GuideSample>(device, "guide samples", samples.max(1))?,
         })
+    }
+
+    /// Points of a line that shows a guide: its samples, or else its vertices.
+    pub(crate) fn line_count(&self) -> u32 {
+        if self.sample_count == 0 { self.vertex_count } else { self.sample_count }
     }
 
     /// Bytes of GPU memory.

@@ -5,7 +5,8 @@
 //! guides     rest, shape, info            written once           read by simulate, tessellate
 //!            previous, current, velocity  written by simulate    read by volume, tessellate
 //!            forces                       written and read by simulate
-//! samples    position + rotation          written by tessellate  read by interpolate
+//! samples    position + rotation          written by tessellate  read by interpolate, avoid; none where strands
+//!                                                                are guides themselves
 //! strands    binding, rest                written once           read by interpolate
 //!            strand                       written once           read by light, draw
 //!            vertices                     written by interpolate read by light, draw

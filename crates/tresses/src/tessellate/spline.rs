@@ -1,4 +1,4 @@
-//! Host side of `spline.wesl`.
+//! Host side of `spline.wesl`, and of `walk.wesl`, which it shares with `interpolate::follow`.
 
 use crate::{
     Pose,
@@ -29,7 +29,7 @@ pub struct TessellateParams {
     pub guide_count: u32,
     /// Vertices per guide, at least 2.
     pub vertex_count: u32,
-    /// Samples per guide, at least 2.
+    /// Samples per guide, at least 2 where there are any.
     pub sample_count: u32,
     /// Unused.
     pub _pad_a: u32,
@@ -88,9 +88,14 @@ impl Tessellation {
     /// The curves of `guides`.
     pub fn new(device: &wgpu::Device, pipelines: &Pipelines, guides: &GuideBuffers) -> Self {
         let params = bindings::uniform(device, "tessellate", size_of::<TessellateParams>());
-        let buffers = [&params, &guides.previous, &guides.current, &guides.rest, &guides.samples];
-        let group = pipelines.kernel.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()));
-        Self { params, group }
+        let buffers = [&walk_buffers(&params, guides)[..], &[&guides.samples]].concat();
+        let buffers: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
+        Self { group: pipelines.kernel.bind(device, &buffers), params }
+    }
+
+    /// What a kernel binds first that walks along guides of this frame, as `walk.wesl` says.
+    pub(crate) fn walk<'a>(&'a self, guides: &'a GuideBuffers) -> [&'a wgpu::Buffer; 4] {
+        walk_buffers(&self.params, guides)
     }
 
     /// Writes the uniform of a frame.
@@ -98,10 +103,16 @@ impl Tessellation {
         queue.write_buffer(&self.params, 0, bytemuck::bytes_of(params));
     }
 
-    /// Records the stage: one thread per guide.
+    /// Records the stage: one thread per guide; nothing where guides have no samples.
     pub fn record(&self, pipelines: &Pipelines, pass: &mut wgpu::ComputePass<'_>, guides: &GuideBuffers) {
-        pipelines.kernel.record(pass, &self.group, &[], guides.count.div_ceil(GUIDE_WORKGROUP));
+        if guides.sample_count > 0 {
+            pipelines.kernel.record(pass, &self.group, &[], guides.count.div_ceil(GUIDE_WORKGROUP));
+        }
     }
+}
+
+fn walk_buffers<'a>(params: &'a wgpu::Buffer, guides: &'a GuideBuffers) -> [&'a wgpu::Buffer; 4] {
+    [params, &guides.previous, &guides.current, &guides.rest]
 }
 
 /// The samples of a guide at rest: the same spline over `vertices` (at least two), without the

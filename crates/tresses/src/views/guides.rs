@@ -45,14 +45,14 @@ impl GuidesKernel {
         Self(Kernel::new(device, "views::guides", &entries), Scratch::default())
     }
 
-    /// A point per guide sample.
+    /// A point per guide sample, or per vertex after the last step where guides have no samples.
     pub(super) fn record(
         &self,
         canvas: &mut Canvas<'_>,
         guides: &GuideBuffers,
         quantity: GuideQuantity,
     ) -> Result<wgpu::Buffer> {
-        let total = u64::from(guides.count) * u64::from(guides.sample_count);
+        let total = u64::from(guides.count) * u64::from(guides.line_count());
         let points = self.1.get::<LinePoint>(canvas.device, "guide lines", total)?;
         let uniform = constant(
             canvas.device,
@@ -60,7 +60,7 @@ impl GuidesKernel {
             &GuidesUniform {
                 count: guides.count,
                 vertex_count: guides.vertex_count,
-                sample_count: guides.sample_count,
+                sample_count: guides.line_count(),
                 quantity: quantity as u32,
             },
         );
