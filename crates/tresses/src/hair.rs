@@ -84,6 +84,8 @@ pub struct Hair {
     pub(crate) clock: Clock,
     /// Poses of the head before and after the last step, and the blend between them.
     states: (Pose, Pose, f32),
+    /// Length of the last step, s.
+    span: f32,
     /// Where the head is in the frame that is recorded.
     pub(crate) head: Pose,
     /// Whether the last frame put the hair somewhere else.
@@ -226,6 +228,7 @@ impl Hair {
             )?,
             clock: Clock::default(),
             states: (Pose::IDENTITY, Pose::IDENTITY, 1.0),
+            span: 0.0,
             moved_away: false,
             guides,
             strands,

@@ -55,10 +55,14 @@ impl Pipelines {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
         use Binding::{Storage, StorageMut, Uniform};
-        let walk = [Uniform, Storage, Storage, Storage];
+        let walk = [Uniform, Storage, Storage, Storage, Storage];
         let follow = [&walk[..], &[Uniform, Storage, Storage, StorageMut]].concat();
         Self {
-            blend: Kernel::new(device, "interpolate::blend", &[&walk[..], &[StorageMut]].concat()),
+            blend: Kernel::new(
+                device,
+                "interpolate::blend",
+                &[Uniform, Storage, Storage, Storage, StorageMut],
+            ),
             follow: Kernel::new(device, "interpolate::follow", &follow),
         }
     }

@@ -20,8 +20,8 @@
 //! evaluates the spline where its vertices are. That saves 32 bytes per vertex, and a third of both stages' time.
 //!
 //! ```text
-//! previous, current, rest (vertex-major), poses ─► follow ─► vertices
-//! bindings, rest curves                         ─┘
+//! current, velocity, rest (vertex-major), info, poses ─► follow ─► vertices
+//! bindings, rest curves                               ─┘
 //! ```
 //!
 //! Tangents are means of neighbouring unit edges: the quadratic B-spline of the edges at its knots.

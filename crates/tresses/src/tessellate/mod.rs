@@ -13,8 +13,8 @@
 //! edge (parallel transport), blended between edges.
 //!
 //! ```text
-//! previous, current (vec4, vertex-major) ─┐
-//! rest (GuideRest, vertex-major)         ─┼─► spline ─► samples (GuideSample, guide-major)
+//! current, velocity (vertex-major)       ─┐
+//! rest (PackedGuide, vertex-major), info ─┼─► spline ─► samples (GuideSample, guide-major)
 //! poses (uniform)                        ─┘
 //! ```
 //!

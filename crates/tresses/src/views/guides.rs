@@ -41,7 +41,7 @@ pub(super) struct GuidesKernel(Kernel, Scratch);
 impl GuidesKernel {
     pub(super) fn new(device: &wgpu::Device) -> Self {
         use Binding::{Storage, StorageMut, Uniform};
-        let entries = [Uniform, Storage, Storage, Storage, Storage, StorageMut];
+        let entries = [Uniform, Storage, Storage, Storage, Storage, StorageMut, Storage];
         Self(Kernel::new(device, "views::guides", &entries), Scratch::default())
     }
 
@@ -64,7 +64,8 @@ impl GuidesKernel {
                 quantity: quantity as u32,
             },
         );
-        let buffers = [&uniform, &guides.samples, &guides.shape, &guides.current, &guides.velocity, &points];
+        let GuideBuffers { samples, rest, current, velocity, info, .. } = guides;
+        let buffers = [&uniform, samples, rest, current, velocity, &points, info];
         let group = self.0.bind(canvas.device, &buffers.map(|buffer| buffer.as_entire_binding()));
         let workgroups = (total as u32).div_ceil(STRAND_WORKGROUP);
         self.0.record(&mut canvas.compute(), &group, &[], workgroups);

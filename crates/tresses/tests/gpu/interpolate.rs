@@ -8,7 +8,10 @@ use tresses::{
     gpu::{Gpu, readback::blocking as readback},
     groom::{BindOptions, Groom, GuideCount, bind},
     interpolate::{self, Interpolation},
-    strands::{GuideBuffers, GuideSample, StrandBuffers, StrandVertex, vertex::unpack_tangent},
+    simulate::{RestOptions, SimulationParams, rest},
+    strands::{
+        GuideBuffers, GuideSample, StrandBuffers, StrandVertex, guide::pack_lag, vertex::unpack_tangent,
+    },
     tessellate::{self, TessellateParams, Tessellation, rest_samples},
     wgpu,
 };
@@ -29,17 +32,17 @@ fn draw(
     let samples = if follows { 0 } else { groom.strands.vertex_count.max(groom.guides.vertex_count) };
     let guides = GuideBuffers::new(device, groom.guides.len() as u32, n as u32, samples).unwrap();
     let strands = StrandBuffers::new(device, groom.strands.len() as u32, groom.strands.vertex_count).unwrap();
-    let state = |positions: &[Vec3]| {
-        let moved = Groom {
-            guides: tresses::groom::Guides { positions: positions.to_vec(), ..groom.guides.clone() },
-            ..Default::default()
-        };
-        common::vertex_major(&moved)
-    };
+    let params = SimulationParams::default();
+    let (positions, options) = (&groom.guides.positions, RestOptions::default());
+    rest::guides(positions, n as u32, &[], &params, &options, None).unwrap().upload(queue, &guides).unwrap();
     let write = |buffer: &wgpu::Buffer, bytes: &[u8]| queue.write_buffer(buffer, 0, bytes);
-    write(&guides.previous, bytemuck::cast_slice(&state(previous)));
-    write(&guides.current, bytemuck::cast_slice(&state(current)));
-    write(&guides.rest, bytemuck::cast_slice(&state(&groom.guides.positions)));
+    let count = groom.guides.len();
+    let state = (0..n * count).map(|at| {
+        let i = (at % count) * n + at / count;
+        let [x, y, z] = current[i].to_array().map(f32::to_bits);
+        [x, y, z, pack_lag(previous[i] - current[i])]
+    });
+    write(&guides.current, bytemuck::cast_slice(&state.collect::<Vec<_>>()));
     if !follows {
         let resting: Vec<_> = (0..groom.guides.len())
             .flat_map(|g| rest_samples(groom.guides.guide(g), samples))
@@ -57,7 +60,7 @@ fn draw(
     } else {
         Interpolation::new(device, &interpolate, &guides, &strands)
     };
-    tessellation.prepare(queue, &TessellateParams::new(&guides, &now, &now, &now, blend));
+    tessellation.prepare(queue, &TessellateParams::new(&guides, (&now, &now, 0.0), &now, blend));
     interpolation.prepare(queue, &guides, &strands);
     let mut encoder = device.create_command_encoder(&Default::default());
     {
