@@ -16,7 +16,7 @@ use crate::{
     simulate::{
         Forces, Grab, GuideTraits, Ray, RestOptions, RestShape, Simulation, SimulationParams, Target, rest,
     },
-    strands::{GuideBuffers, GuideSample, Strand, StrandBuffers},
+    strands::{GuideBuffers, GuideSample, Strand, StrandBinding, StrandBuffers},
     tessellate::{Tessellation, rest_samples},
     volume::{Volume, VolumeOptions},
     wind::Air,
@@ -84,6 +84,8 @@ pub struct Hair {
     pub(crate) clock: Clock,
     /// Poses of the head before and after the last step, and the blend between them.
     states: (Pose, Pose, f32),
+    /// Length of the last step, s.
+    span: f32,
     /// Where the head is in the frame that is recorded.
     pub(crate) head: Pose,
     /// Whether the last frame put the hair somewhere else.
@@ -148,7 +150,10 @@ impl Hair {
         let mut arranged = groom.strands.clone();
         lod::arrange(&mut arranged);
         let vertex_count = groom.guides.vertex_count;
-        let sample_count = vertex_count.max(groom.strands.vertex_count);
+        // Strands that are their own guides need no samples.
+        let single = |binding: &StrandBinding| binding.weight_b == 0.0 && binding.weight_c == 0.0;
+        let follows = groom.guides.len() >= groom.strands.len() && groom.strands.bindings.iter().all(single);
+        let sample_count = if follows { 0 } else { vertex_count.max(groom.strands.vertex_count) };
         let guides = GuideBuffers::new(device, count(groom.guides.len())?, vertex_count, sample_count)?;
         let strands = StrandBuffers::new(device, count(groom.strands.len())?, groom.strands.vertex_count)?;
 
@@ -168,11 +173,13 @@ impl Hair {
             head,
         )?;
         rest.upload(queue, &guides)?;
-        let samples: Vec<_> = (0..groom.guides.len())
-            .flat_map(|i| rest_samples(groom.guides.guide(i), sample_count))
-            .map(GuideSample::at_rest)
-            .collect();
-        queue.write_buffer(&guides.samples, 0, bytemuck::cast_slice(&samples));
+        if !follows {
+            let samples: Vec<_> = (0..groom.guides.len())
+                .flat_map(|i| rest_samples(groom.guides.guide(i), sample_count))
+                .map(GuideSample::at_rest)
+                .collect();
+            queue.write_buffer(&guides.samples, 0, bytemuck::cast_slice(&samples));
+        }
         let infos = with_locks(&arranged);
         queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&infos));
         queue.write_buffer(&strands.bindings, 0, bytemuck::cast_slice(&arranged.bindings));
@@ -190,12 +197,19 @@ impl Hair {
         let lod = Lod::new(device, queue, &pipelines.widths, arranged, &infos, &strands, progress).await?;
         let mut set = HairSet::new(device, &strands)?;
         set.area = lod.area();
+        let tessellation = Tessellation::new(device, &pipelines.tessellate, &guides);
+        let stage = &pipelines.interpolate;
+        let interpolation = if follows {
+            Interpolation::following(device, stage, &guides, &strands, &tessellation)
+        } else {
+            Interpolation::new(device, stage, &guides, &strands)
+        };
         Ok(Self {
             set,
             lod,
             head: Pose::IDENTITY,
-            tessellation: Tessellation::new(device, &pipelines.tessellate, &guides),
-            interpolation: Interpolation::new(device, &pipelines.interpolate, &guides, &strands),
+            tessellation,
+            interpolation,
             forces: Forces::new(device, &pipelines.simulate, &guides, &volume, None),
             air: None,
             windy: false,
@@ -214,6 +228,7 @@ impl Hair {
             )?,
             clock: Clock::default(),
             states: (Pose::IDENTITY, Pose::IDENTITY, 1.0),
+            span: 0.0,
             moved_away: false,
             guides,
             strands,

@@ -73,13 +73,15 @@ macro_rules! rust_layout {
 #[test]
 fn simulate() {
     use tresses::simulate::params::StepUniforms;
-    use tresses::strands::{Guide, GuideRest, GuideShape};
+    use tresses::strands::{Guide, PackedGuide};
     assert_eq!(
         wgsl_layout("strands::guide::Guide"),
-        rust_layout!(Guide { length, stiffness, strands, flags })
+        rust_layout!(Guide { length, stiffness, strands, flags, origin, extent })
     );
-    assert_eq!(wgsl_layout("strands::guide::GuideRest"), rust_layout!(GuideRest { position, contact }));
-    assert_eq!(wgsl_layout("strands::guide::GuideShape"), rust_layout!(GuideShape { curvature, length }));
+    assert_eq!(
+        wgsl_layout("strands::guide::PackedGuide"),
+        rust_layout!(PackedGuide { xy, z_contact, give_xy, give_z_shorter })
+    );
     assert_eq!(
         wgsl_layout("simulate::params::StepUniforms"),
         rust_layout!(StepUniforms {
@@ -232,7 +234,7 @@ fn tessellate() {
     use tresses::{strands::GuideSample, tessellate::TessellateParams};
     assert_eq!(wgsl_layout("strands::guide::GuideSample"), rust_layout!(GuideSample { place, turn }));
     assert_eq!(
-        wgsl_layout("tessellate::spline::TessellateParams"),
+        wgsl_layout("tessellate::walk::TessellateParams"),
         rust_layout!(TessellateParams {
             previous_rotation,
             current_rotation,
@@ -243,8 +245,8 @@ fn tessellate() {
             guide_count,
             vertex_count,
             sample_count,
-            _pad_a,
-            _pad_b,
+            span,
+            _pad,
         })
     );
 }
@@ -269,7 +271,7 @@ fn interpolate() {
         rust_layout!(Strand { radius, seed, root_color, tip_color })
     );
     assert_eq!(
-        wgsl_layout("interpolate::blend::InterpolateParams"),
+        wgsl_layout("interpolate::strand::InterpolateParams"),
         rust_layout!(InterpolateParams {
             strand_count,
             vertex_count,
@@ -328,11 +330,12 @@ fn lod() {
 
 #[test]
 fn a_swapped_member_is_seen() {
-    struct GuideRest {
-        contact: f32,
+    struct StrandVertex {
+        tangent: u32,
         position: [f32; 3],
     }
-    assert_ne!(wgsl_layout("strands::guide::GuideRest"), rust_layout!(GuideRest { contact, position }));
+    let wrong = rust_layout!(StrandVertex { tangent, position });
+    assert_ne!(wgsl_layout("strands::vertex::StrandVertex"), wrong);
 }
 
 #[test]

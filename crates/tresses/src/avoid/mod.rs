@@ -58,7 +58,8 @@
 //! earlier version did. It keeps strands out too, but samples the field inside the longest walk, and hair
 //! beyond a contact keeps the direction that led into the obstacle.
 //!
-//! **Known limits.** A strand with one guide has no other to change over to: it draws together and slides.
+//! **Known limits.** A strand with one guide has no other to change over to: it draws together and slides; one that
+//! is its own guide only slides.
 //! Nothing is tested between two vertices. From deep inside a thin part, such as an ear, the distance
 //! field's normal does not lead out. A strand's own rest distance counts for every collider, not only for
 //! the head that it grows from.

@@ -114,6 +114,9 @@ impl Hair {
         };
         self.colliders.advance(queue, poses, &moments)?;
         self.states.2 = ticks.alpha;
+        if !ticks.steps.is_empty() {
+            self.span = params.step;
+        }
         self.moved_away = ticks.steps.iter().any(|step| step.mode != Mode::Step);
         for step in &ticks.steps {
             self.states = match step.mode {
@@ -129,7 +132,7 @@ impl Hair {
     pub(crate) fn prepare(&mut self, queue: &wgpu::Queue, head: &Pose, dt: f32) {
         self.head = *head;
         let (previous, current, blend) = self.states;
-        let params = TessellateParams::new(&self.guides, &previous, &current, head, blend);
+        let params = TessellateParams::new(&self.guides, (&previous, &current, self.span), head, blend);
         self.tessellation.prepare(queue, &params);
         self.interpolation.prepare(queue, &self.guides, &self.strands);
         let counts = (&self.guides, &self.strands);

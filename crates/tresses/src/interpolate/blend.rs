@@ -1,9 +1,10 @@
-//! Host side of `blend.wesl`.
+//! Host side of `blend.wesl` and `follow.wesl`.
 
 use crate::{
     constants::STRAND_WORKGROUP,
     gpu::{Binding, Kernel, bindings},
     strands::{GuideBuffers, StrandBuffers},
+    tessellate::Tessellation,
 };
 use bytemuck::{Pod, Zeroable};
 
@@ -15,7 +16,7 @@ pub struct InterpolateParams {
     pub strand_count: u32,
     /// Vertices of a drawn strand, at least 2.
     pub vertex_count: u32,
-    /// Samples per guide, at least 2.
+    /// Samples per guide, at least 2; 0 where strands follow guides of their own.
     pub sample_count: u32,
     /// Vertices of a strand's rest curve, at least 2.
     pub rest_count: u32,
@@ -46,20 +47,29 @@ impl InterpolateParams {
 /// The pipeline of the stage.
 #[derive(Debug)]
 pub struct Pipelines {
-    kernel: Kernel,
+    blend: Kernel,
+    follow: Kernel,
 }
 
 impl Pipelines {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
-        let entries =
-            [Binding::Uniform, Binding::Storage, Binding::Storage, Binding::Storage, Binding::StorageMut];
-        Self { kernel: Kernel::new(device, "interpolate::blend", &entries) }
+        use Binding::{Storage, StorageMut, Uniform};
+        let walk = [Uniform, Storage, Storage, Storage, Storage];
+        let follow = [&walk[..], &[Uniform, Storage, Storage, StorageMut]].concat();
+        Self {
+            blend: Kernel::new(
+                device,
+                "interpolate::blend",
+                &[Uniform, Storage, Storage, Storage, StorageMut],
+            ),
+            follow: Kernel::new(device, "interpolate::follow", &follow),
+        }
     }
 
     /// All of them.
     pub(crate) fn kernels(&self) -> Vec<&Kernel> {
-        vec![&self.kernel]
+        vec![&self.blend, &self.follow]
     }
 }
 
@@ -68,10 +78,11 @@ impl Pipelines {
 pub struct Interpolation {
     params: wgpu::Buffer,
     group: wgpu::BindGroup,
+    follows: bool,
 }
 
 impl Interpolation {
-    /// The `strands` between `guides`.
+    /// The `strands` between `guides`, which have samples.
     pub fn new(
         device: &wgpu::Device,
         pipelines: &Pipelines,
@@ -81,8 +92,23 @@ impl Interpolation {
         let params = bindings::uniform(device, "interpolate", size_of::<InterpolateParams>());
         let StrandBuffers { bindings: bound, rest, vertices, .. } = strands;
         let buffers = [&params, &guides.samples, bound, rest, vertices];
-        let group = pipelines.kernel.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()));
-        Self { params, group }
+        let group = pipelines.blend.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()));
+        Self { params, group, follows: false }
+    }
+
+    /// The `strands`, each with one of the `guides` alone, where `guides` are as `tessellation` has them in a frame.
+    pub fn following(
+        device: &wgpu::Device,
+        pipelines: &Pipelines,
+        guides: &GuideBuffers,
+        strands: &StrandBuffers,
+        tessellation: &Tessellation,
+    ) -> Self {
+        let params = bindings::uniform(device, "interpolate", size_of::<InterpolateParams>());
+        let StrandBuffers { bindings: bound, rest, vertices, .. } = strands;
+        let buffers = [&tessellation.walk(guides)[..], &[&params, bound, rest, vertices]].concat();
+        let buffers: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
+        Self { group: pipelines.follow.bind(device, &buffers), params, follows: true }
     }
 
     /// Writes the uniform of a frame: what is drawn of `strands`.
@@ -93,6 +119,7 @@ impl Interpolation {
 
     /// Records the stage: one thread per strand.
     pub fn record(&self, pipelines: &Pipelines, pass: &mut wgpu::ComputePass<'_>, strands: &StrandBuffers) {
-        pipelines.kernel.record(pass, &self.group, &[], strands.drawn.count.div_ceil(STRAND_WORKGROUP));
+        let kernel = if self.follows { &pipelines.follow } else { &pipelines.blend };
+        kernel.record(pass, &self.group, &[], strands.drawn.count.div_ceil(STRAND_WORKGROUP));
     }
 }

@@ -34,6 +34,7 @@ pub(crate) fn strand(p: &[Vec3], params: &SimulationParams, mode: RestShape) -> 
         stiffness: 1.0,
         strands: 1.0,
         flags: 0,
+        ..Guide::default()
     };
     let rest = p.iter().map(|p| GuideRest { position: *p, contact: 0.0 }).collect();
     Strand::at_rest(guide, rest, shape(p, &guide, params, mode))

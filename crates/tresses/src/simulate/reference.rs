@@ -3,7 +3,10 @@
 
 use super::params::{BRAKE, StepUniforms, bending_rate};
 use crate::clock::Mode;
-use crate::strands::{Guide, GuideForce, GuideRest, GuideShape, guide::TIP_PINNED};
+use crate::strands::{
+    Guide, GuideForce, GuideRest, GuideShape,
+    guide::{TIP_PINNED, pack_velocity, unpack_velocity},
+};
 use crate::{
     Pose,
     collide::{Collider, FieldVolume, Shape, shape},
@@ -48,6 +51,11 @@ pub(crate) struct Obstacles<'a> {
     pub volumes: &'a [FieldVolume],
     /// The poses of all moments, collider fastest, as `ColliderSet::moments` has them.
     pub places: &'a [Pose],
+}
+
+/// A velocity as it is remembered from step to step.
+fn remembered(v: Vec3) -> Vec3 {
+    unpack_velocity(pack_velocity(v))
 }
 
 fn nlerp(a: [f32; 4], b: [f32; 4], t: f32) -> Quat {
@@ -111,7 +119,7 @@ impl Strand {
             let turn = (head_end * Quat::from_array(u.head_begin).conjugate()).normalize();
             for i in 0..n {
                 self.current[i] = u.head_end_at + turn * (self.current[i] - u.head_begin_at);
-                self.velocity[i] = turn * self.velocity[i];
+                self.velocity[i] = remembered(turn * self.velocity[i]);
             }
             self.previous.copy_from_slice(&self.current);
             return;
@@ -287,7 +295,7 @@ impl Strand {
             }
             kept = p[i];
             self.current[i] = origin + p[i];
-            self.velocity[i] = v[i] + (p[i] - free) / h;
+            self.velocity[i] = remembered(v[i] + (p[i] - free) / h);
         }
     }
 

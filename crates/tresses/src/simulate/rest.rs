@@ -21,12 +21,15 @@ use super::params::SimulationParams;
 use crate::{
     Error, Result,
     groom::SdfGrid,
-    strands::{Guide, GuideRest, GuideShape, RestGuides, guide::TIP_PINNED},
+    strands::{
+        Guide, GuideRest, GuideShape, PackedGuide, RestGuides,
+        guide::{MOST_GIVE, MOST_SHORTER, TIP_PINNED, rounded_give},
+    },
 };
 use glam::Vec3;
 
-/// The largest compensation of one bend, as a fraction of the edge (a chord of about 40 degrees).
-pub const MOST_COMPENSATION: f32 = 0.7;
+/// The largest compensation of one bend, as a fraction of the edge.
+pub const MOST_COMPENSATION: f32 = MOST_GIVE;
 
 /// The compensation up to which a bend comes back by itself when hair is shaken.
 pub const EASY_COMPENSATION: f32 = 0.35;
@@ -127,21 +130,31 @@ pub fn guides(
     };
     for (g, guide) in positions.chunks_exact(n).enumerate() {
         let traits = traits.get(g).copied().unwrap_or_default();
-        let mut info = Guide {
+        let (low, high) =
+            guide.iter().fold((guide[0], guide[0]), |(low, high), p| (low.min(*p), high.max(*p)));
+        let mut info = Guide { origin: low, extent: (high - low).max_element(), ..Guide::default() };
+        // All that follows is computed from the pose as the GPU has it: micrometres from the authored one, and at rest.
+        let rounded = |(i, p): (usize, &Vec3)| {
+            // Rounding to half floats and to texels must not make a contact of the rest pose.
+            let has = field.map_or(f32::MAX, |field| field.sample(*p) - 2e-4);
+            let rest = GuideRest { position: *p, contact: options.clearance.min(has) };
+            let rest = PackedGuide::pack(&rest, Vec3::ZERO, 0.0, 1.0, &info).rest(&info);
+            out.rest[i * count + g] = rest;
+            rest.position
+        };
+        let guide = &guide.iter().enumerate().map(rounded).collect::<Vec<_>>()[..];
+        info = Guide {
             length: guide.windows(2).map(|w| w[0].distance(w[1])).sum(),
             stiffness: if traits.stiffness.is_finite() { traits.stiffness.clamp(0.0, 1e3) } else { 1.0 },
             strands: traits.strands,
             flags: if traits.tip_pinned { TIP_PINNED } else { 0 },
+            ..info
         };
         if options.shape == RestShape::SagFree {
             info.stiffness *= support(guide, &info, params);
         }
-        for (i, (shape, position)) in shape(guide, &info, params, options.shape).iter().zip(guide).enumerate()
-        {
-            // Rounding to half floats and to texels must not make a contact of the rest pose.
-            let has = field.map_or(f32::MAX, |field| field.sample(*position) - 2e-4);
-            out.rest[i * count + g] = GuideRest { position: *position, contact: options.clearance.min(has) };
-            out.shape[i * count + g] = *shape;
+        for (i, shape) in shape(guide, &info, params, options.shape).into_iter().enumerate() {
+            out.shape[i * count + g] = shape;
         }
         out.info.push(info);
     }
@@ -161,8 +174,11 @@ pub(crate) fn shape(p: &[Vec3], info: &Guide, params: &SimulationParams, mode: R
     if mode == RestShape::SagFree {
         compensate(p, info, params, |i, s, shortened| {
             let most = edge_of(i).length();
-            out[i].curvature -= s.clamp_length_max(MOST_COMPENSATION * most);
-            out[i].length -= shortened.clamp(-0.05 * most, 0.05 * most);
+            let limit = MOST_SHORTER * most;
+            let s = s.clamp_length_max(MOST_COMPENSATION * most);
+            let (give, shorter) = rounded_give(s, shortened.clamp(-limit, limit), most);
+            out[i].curvature -= give;
+            out[i].length -= shorter;
         });
     }
     out
@@ -287,7 +303,8 @@ mod tests {
         let need = |length: f32, direction: Vec3| {
             let edge = length / (n - 2) as f32;
             let p: Vec<_> = (0..n).map(|i| direction * edge * (i as f32 - 1.0)).collect();
-            let info = Guide { length: edge * (n - 1) as f32, stiffness: 1.0, strands: 1.0, flags: 0 };
+            let info =
+                Guide { length: edge * (n - 1) as f32, stiffness: 1.0, strands: 1.0, ..Guide::default() };
             support(&p, &info, &params)
         };
         for length in [0.05f32, 0.15, 0.2] {
@@ -308,6 +325,8 @@ mod tests {
         let options = RestOptions::default();
         let out = guides(&positions, 2, &[], &SimulationParams::default(), &options, Some(&grid)).unwrap();
         assert!((out.rest[0].contact + 0.0052).abs() < 5e-4);
-        assert_eq!(out.rest[1].contact, options.clearance);
+        // A half float, rounded down.
+        let kept = out.rest[1].contact / options.clearance;
+        assert!(kept <= 1.0 && kept > 0.999, "{kept}");
     }
 }

@@ -3,12 +3,10 @@
 use crate::{constants::GUIDE_CAPACITIES, gpu::Binding};
 
 /// Bindings of the kernel, in order.
-pub(crate) const BINDINGS: [Binding; 8] = [
+pub(crate) const BINDINGS: [Binding; 6] = [
     Binding::UniformDynamic,
     Binding::Storage,
     Binding::Storage,
-    Binding::Storage,
-    Binding::StorageMut,
     Binding::StorageMut,
     Binding::StorageMut,
     Binding::Storage,

@@ -1,8 +1,6 @@
 //! The buffers themselves: sizes checked against the adapter's limits before anything is made.
 
-use super::{
-    Guide, GuideForce, GuideRest, GuideSample, GuideShape, PackedRest, Strand, StrandBinding, StrandVertex,
-};
+use super::{Guide, GuideForce, GuideSample, PackedGuide, PackedRest, Strand, StrandBinding, StrandVertex};
 use crate::{Error, Result};
 use wgpu::BufferUsages;
 
@@ -13,19 +11,16 @@ pub struct GuideBuffers {
     pub count: u32,
     /// Vertices per guide.
     pub vertex_count: u32,
-    /// Samples per tessellated guide.
+    /// Samples per tessellated guide; 0 where strands [follow](crate::interpolate) guides of their own.
     pub sample_count: u32,
     /// [`Guide`], one per guide.
     pub info: wgpu::Buffer,
-    /// [`GuideRest`].
+    /// [`PackedGuide`].
     pub rest: wgpu::Buffer,
-    /// [`GuideShape`].
-    pub shape: wgpu::Buffer,
-    /// `vec4`: world position after the last but one step (xyz).
-    pub previous: wgpu::Buffer,
-    /// `vec4`: world position after the last step (xyz).
+    /// Three floats, the world position after the last step, and a word: how far the position before it was from
+    /// where this one and the velocity say, by [`pack_lag`](super::guide::pack_lag).
     pub current: wgpu::Buffer,
-    /// `vec4`: velocity after the last step (xyz), metres per second.
+    /// Velocity after the last step, metres per second, by [`pack_velocity`](super::guide::pack_velocity).
     pub velocity: wgpu::Buffer,
     /// [`GuideForce`]: what acts from outside in the next step.
     pub forces: wgpu::Buffer,
@@ -116,31 +111,25 @@ impl GuideBuffers {
             vertex_count,
             sample_count,
             info: storage::<Guide>(device, "guide info", count.into())?,
-            rest: storage::<GuideRest>(device, "guide rest", vertices)?,
-            shape: storage::<GuideShape>(device, "guide shape", vertices)?,
-            previous: storage::<[f32; 4]>(device, "guide previous", vertices)?,
-            current: storage::<[f32; 4]>(device, "guide current", vertices)?,
-            velocity: storage::<[f32; 4]>(device, "guide velocity", vertices)?,
+            rest: storage::<PackedGuide>(device, "guide rest", vertices)?,
+            current: storage::<[u32; 4]>(device, "guide current", vertices)?,
+            velocity: storage::<[u32; 2]>(device, "guide velocity", vertices)?,
             forces: storage::<GuideForce>(device, "guide forces", vertices)?,
-            samples: storage::<GuideSample>(device, "guide samples", samples)?,
+            samples: storage::<GuideSample>(device, "guide samples", samples.max(1))?,
         })
+    }
+
+    /// Points of a line that shows a guide: its samples, or else its vertices.
+    pub(crate) fn line_count(&self) -> u32 {
+        if self.sample_count == 0 { self.vertex_count } else { self.sample_count }
     }
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        [
-            &self.info,
-            &self.rest,
-            &self.shape,
-            &self.previous,
-            &self.current,
-            &self.velocity,
-            &self.forces,
-            &self.samples,
-        ]
-        .iter()
-        .map(|buffer| buffer.size())
-        .sum()
+        [&self.info, &self.rest, &self.current, &self.velocity, &self.forces, &self.samples]
+            .iter()
+            .map(|buffer| buffer.size())
+            .sum()
     }
 }
 

@@ -2,10 +2,11 @@
 //! compared byte by byte in `tests/layouts.rs`.
 //!
 //! ```text
-//! guides     rest, shape, info            written once           read by simulate, tessellate
-//!            previous, current, velocity  written by simulate    read by volume, tessellate
+//! guides     rest, info                   written once           read by simulate, tessellate
+//!            current, velocity            written by simulate    read by volume, tessellate
 //!            forces                       written and read by simulate
-//! samples    position + rotation          written by tessellate  read by interpolate
+//! samples    position + rotation          written by tessellate  read by interpolate, avoid; none where strands
+//!                                                                are guides themselves
 //! strands    binding, rest                written once           read by interpolate
 //!            strand                       written once           read by light, draw
 //!            vertices                     written by interpolate read by light, draw
@@ -28,7 +29,7 @@ pub use crate::groom::bound::{
 };
 pub use buffers::{Drawn, GuideBuffers, StrandBuffers};
 pub use force::{Force, GuideForce};
-pub use guide::{Guide, GuideRest, GuideSample, GuideShape};
+pub use guide::{Guide, GuideRest, GuideSample, GuideShape, PackedGuide};
 pub use rest::RestGuides;
 pub use vertex::StrandVertex;
 

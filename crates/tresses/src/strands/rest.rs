@@ -1,7 +1,9 @@
 //! Guides at rest, on their way to the GPU.
 
-use super::{Guide, GuideBuffers, GuideRest, GuideShape};
+use super::{Guide, GuideBuffers, GuideRest, GuideShape, PackedGuide};
+
 use crate::{Error, Result};
+use glam::Vec3;
 
 /// Guides at rest, ready for [`GuideBuffers`]; vertex-major where per vertex.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -34,11 +36,27 @@ impl RestGuides {
         }
         let positions: Vec<[f32; 4]> = self.rest.iter().map(|r| r.position.extend(0.0).into()).collect();
         queue.write_buffer(&buffers.info, 0, bytemuck::cast_slice(&self.info));
-        queue.write_buffer(&buffers.rest, 0, bytemuck::cast_slice(&self.rest));
-        queue.write_buffer(&buffers.shape, 0, bytemuck::cast_slice(&self.shape));
-        queue.write_buffer(&buffers.previous, 0, bytemuck::cast_slice(&positions));
+        let packed: Vec<_> = (0..self.rest.len()).map(|at| self.packed(at)).collect();
+        queue.write_buffer(&buffers.rest, 0, bytemuck::cast_slice(&packed));
         queue.write_buffer(&buffers.current, 0, bytemuck::cast_slice(&positions));
-        queue.write_buffer(&buffers.velocity, 0, bytemuck::cast_slice(&vec![[0f32; 4]; positions.len()]));
+        queue.write_buffer(&buffers.velocity, 0, bytemuck::cast_slice(&vec![[0u32; 2]; positions.len()]));
         Ok(())
+    }
+
+    /// Vertex `at` as the GPU has it.
+    fn packed(&self, at: usize) -> PackedGuide {
+        let count = self.info.len();
+        let place = |at: usize| self.rest[at].position;
+        let (rest, shape, guide) = (&self.rest[at], &self.shape[at], &self.info[at % count]);
+        if at + count >= self.rest.len() {
+            return PackedGuide::pack(rest, Vec3::ZERO, 0.0, 1.0, guide);
+        }
+        let edge = place(at + count) - rest.position;
+        let give = if at < count {
+            Vec3::ZERO
+        } else {
+            edge - (rest.position - place(at - count)) - shape.curvature
+        };
+        PackedGuide::pack(rest, give, edge.length() - shape.length, edge.length(), guide)
     }
 }

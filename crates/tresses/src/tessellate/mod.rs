@@ -13,13 +13,16 @@
 //! edge (parallel transport), blended between edges.
 //!
 //! ```text
-//! previous, current (vec4, vertex-major) ─┐
-//! rest (GuideRest, vertex-major)         ─┼─► spline ─► samples (GuideSample, guide-major)
+//! current, velocity (vertex-major)       ─┐
+//! rest (PackedGuide, vertex-major), info ─┼─► spline ─► samples (GuideSample, guide-major)
 //! poses (uniform)                        ─┘
 //! ```
 //!
 //! A sample also holds where it rests, which never changes: 32 bytes in all, of which the rotation takes 8. Its
 //! error, 3e-5, moves a hair 10 cm beside its guide by 3 µm.
+//!
+//! Where all strands are guides themselves there are no samples: [`crate::interpolate`] walks the same segments
+//! (`walk.wesl`).
 //!
 //! **Why not a thread per sample?** Parallel transport is serial along the strand, and a guide has at most
 //! 64 vertices. **Untried.** A thread per sample after a scan of rotations.

@@ -1,4 +1,4 @@
-//! Host side of `spline.wesl`.
+//! Host side of `spline.wesl`, and of `walk.wesl`, which it shares with `interpolate::follow`.
 
 use crate::{
     Pose,
@@ -29,17 +29,22 @@ pub struct TessellateParams {
     pub guide_count: u32,
     /// Vertices per guide, at least 2.
     pub vertex_count: u32,
-    /// Samples per guide, at least 2.
+    /// Samples per guide, at least 2 where there are any.
     pub sample_count: u32,
+    /// Length of the last step, s.
+    pub span: f32,
     /// Unused.
-    pub _pad_a: u32,
-    /// Unused.
-    pub _pad_b: u32,
+    pub _pad: u32,
 }
 
 impl TessellateParams {
-    /// For a head that was at `previous` and `current` after the last two steps and is at `now`.
-    pub fn new(guides: &GuideBuffers, previous: &Pose, current: &Pose, now: &Pose, blend: f32) -> Self {
+    /// For a head that was at `previous` and `current` after the last two steps, `span` seconds apart, and is at `now`.
+    pub fn new(
+        guides: &GuideBuffers,
+        (previous, current, span): (&Pose, &Pose, f32),
+        now: &Pose,
+        blend: f32,
+    ) -> Self {
         let (from_previous, from_current) = (now.after(&previous.inverse()), now.after(&current.inverse()));
         Self {
             previous_rotation: from_previous.rotation,
@@ -51,8 +56,8 @@ impl TessellateParams {
             guide_count: guides.count,
             vertex_count: guides.vertex_count,
             sample_count: guides.sample_count,
-            _pad_a: 0,
-            _pad_b: 0,
+            span,
+            _pad: 0,
         }
     }
 }
@@ -66,8 +71,8 @@ pub struct Pipelines {
 impl Pipelines {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
-        let entries =
-            [Binding::Uniform, Binding::Storage, Binding::Storage, Binding::Storage, Binding::StorageMut];
+        use Binding::{Storage, StorageMut, Uniform};
+        let entries = [Uniform, Storage, Storage, Storage, Storage, StorageMut];
         Self { kernel: Kernel::new(device, "tessellate::spline", &entries) }
     }
 
@@ -88,9 +93,14 @@ impl Tessellation {
     /// The curves of `guides`.
     pub fn new(device: &wgpu::Device, pipelines: &Pipelines, guides: &GuideBuffers) -> Self {
         let params = bindings::uniform(device, "tessellate", size_of::<TessellateParams>());
-        let buffers = [&params, &guides.previous, &guides.current, &guides.rest, &guides.samples];
-        let group = pipelines.kernel.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()));
-        Self { params, group }
+        let buffers = [&walk_buffers(&params, guides)[..], &[&guides.samples]].concat();
+        let buffers: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
+        Self { group: pipelines.kernel.bind(device, &buffers), params }
+    }
+
+    /// What a kernel binds first that walks along guides of this frame, as `walk.wesl` says.
+    pub(crate) fn walk<'a>(&'a self, guides: &'a GuideBuffers) -> [&'a wgpu::Buffer; 5] {
+        walk_buffers(&self.params, guides)
     }
 
     /// Writes the uniform of a frame.
@@ -98,10 +108,16 @@ impl Tessellation {
         queue.write_buffer(&self.params, 0, bytemuck::bytes_of(params));
     }
 
-    /// Records the stage: one thread per guide.
+    /// Records the stage: one thread per guide; nothing where guides have no samples.
     pub fn record(&self, pipelines: &Pipelines, pass: &mut wgpu::ComputePass<'_>, guides: &GuideBuffers) {
-        pipelines.kernel.record(pass, &self.group, &[], guides.count.div_ceil(GUIDE_WORKGROUP));
+        if guides.sample_count > 0 {
+            pipelines.kernel.record(pass, &self.group, &[], guides.count.div_ceil(GUIDE_WORKGROUP));
+        }
     }
+}
+
+fn walk_buffers<'a>(params: &'a wgpu::Buffer, guides: &'a GuideBuffers) -> [&'a wgpu::Buffer; 5] {
+    [params, &guides.current, &guides.velocity, &guides.rest, &guides.info]
 }
 
 /// The samples of a guide at rest: the same spline over `vertices` (at least two), without the

@@ -41,18 +41,18 @@ pub(super) struct GuidesKernel(Kernel, Scratch);
 impl GuidesKernel {
     pub(super) fn new(device: &wgpu::Device) -> Self {
         use Binding::{Storage, StorageMut, Uniform};
-        let entries = [Uniform, Storage, Storage, Storage, Storage, StorageMut];
+        let entries = [Uniform, Storage, Storage, Storage, Storage, StorageMut, Storage];
         Self(Kernel::new(device, "views::guides", &entries), Scratch::default())
     }
 
-    /// A point per guide sample.
+    /// A point per guide sample, or per vertex after the last step where guides have no samples.
     pub(super) fn record(
         &self,
         canvas: &mut Canvas<'_>,
         guides: &GuideBuffers,
         quantity: GuideQuantity,
     ) -> Result<wgpu::Buffer> {
-        let total = u64::from(guides.count) * u64::from(guides.sample_count);
+        let total = u64::from(guides.count) * u64::from(guides.line_count());
         let points = self.1.get::<LinePoint>(canvas.device, "guide lines", total)?;
         let uniform = constant(
             canvas.device,
@@ -60,11 +60,12 @@ impl GuidesKernel {
             &GuidesUniform {
                 count: guides.count,
                 vertex_count: guides.vertex_count,
-                sample_count: guides.sample_count,
+                sample_count: guides.line_count(),
                 quantity: quantity as u32,
             },
         );
-        let buffers = [&uniform, &guides.samples, &guides.shape, &guides.current, &guides.velocity, &points];
+        let GuideBuffers { samples, rest, current, velocity, info, .. } = guides;
+        let buffers = [&uniform, samples, rest, current, velocity, &points, info];
         let group = self.0.bind(canvas.device, &buffers.map(|buffer| buffer.as_entire_binding()));
         let workgroups = (total as u32).div_ceil(STRAND_WORKGROUP);
         self.0.record(&mut canvas.compute(), &group, &[], workgroups);

@@ -207,7 +207,7 @@ impl DebugStage {
                 }
                 Layer::Guides(guides, paint, quantity) => {
                     let points = self.guides.record(&mut canvas, guides, *quantity)?;
-                    self.lines.record(&mut canvas, &points, guides.sample_count, paint);
+                    self.lines.record(&mut canvas, &points, guides.line_count(), paint);
                 }
                 Layer::Distance(colliders, grid, slices) => {
                     let field = self.field.get_or_insert_with(|| field::FieldKernel::new(device));

@@ -10,7 +10,7 @@ use crate::{
     groom::TriMesh,
     light::HairSet,
     present::Background,
-    strands::{GuideSample, GuideShape, Strand},
+    strands::{Guide, GuideRest, GuideSample, PackedGuide, Strand, guide::pack_velocity},
     view::{Picture, View, ViewOptions},
 };
 use glam::{Mat4, Quat, UVec3, Vec3, Vec4};
@@ -397,14 +397,19 @@ fn guides_carry_their_quantities() {
     let n = (count * vertices) as usize;
     // Vertex-major: guide g moves at g + v m/s; its edges are stretched by 0.1 g.
     let at = |i: usize| ((i % count as usize) as f32, (i / count as usize) as f32);
-    let velocity: Vec<_> = (0..n).map(|i| [0.0, at(i).0 + at(i).1, 0.0, 0.0]).collect();
+    let velocity: Vec<_> = (0..n).map(|i| pack_velocity(Vec3::new(0.0, at(i).0 + at(i).1, 0.0))).collect();
     let current: Vec<_> =
         (0..n).map(|i| [at(i).0, -0.01 * at(i).1 * (1.0 + 0.1 * at(i).0), 0.0, 0.0]).collect();
-    let shape = vec![GuideShape { length: 0.01, ..Default::default() }; n];
+    // At rest 1 cm below each other.
+    let info = vec![Guide { extent: 0.03, ..Guide::default() }; count as usize];
+    let place = |i| GuideRest { position: Vec3::new(0.0, 0.03 - 0.01 * at(i).1, 0.0), contact: 0.0 };
+    let rest: Vec<_> =
+        (0..n).map(|i| PackedGuide::pack(&place(i), Vec3::ZERO, 0.0, 0.01, &info[0])).collect();
     let sampled: Vec<_> = (0..count * samples).map(|i| GuideSample::at_rest(Vec3::splat(i as f32))).collect();
     gpu.queue.write_buffer(&guides.velocity, 0, bytemuck::cast_slice(&velocity));
     gpu.queue.write_buffer(&guides.current, 0, bytemuck::cast_slice(&current));
-    gpu.queue.write_buffer(&guides.shape, 0, bytemuck::cast_slice(&shape));
+    gpu.queue.write_buffer(&guides.info, 0, bytemuck::cast_slice(&info));
+    gpu.queue.write_buffer(&guides.rest, 0, bytemuck::cast_slice(&rest));
     gpu.queue.write_buffer(&guides.samples, 0, bytemuck::cast_slice(&sampled));
     let kernel = GuidesKernel::new(&gpu.device);
     for quantity in [GuideQuantity::Speed, GuideQuantity::Strain, GuideQuantity::Guide] {

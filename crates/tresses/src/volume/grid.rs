@@ -83,7 +83,7 @@ mod tests {
     fn evenly_spread_hair_has_its_mean_density() {
         // 1,000 guides of 3 cm in a cube of 30 cm, 10 strands each: 300 m in 0.027 m³.
         let (count, n) = (1000, 4);
-        let info = vec![Guide { length: 0.03, stiffness: 1.0, strands: 10.0, flags: 0 }; count];
+        let info = vec![Guide { length: 0.03, stiffness: 1.0, strands: 10.0, ..Guide::default() }; count];
         let rest = (0..n * count)
             .map(|i| {
                 let (v, g) = (i / count, i % count);

@@ -34,7 +34,7 @@ impl Pipelines {
                 .map(|name| kernel(name, &[Uniform, Always, Words3d, WriteWords3d])),
             density: kernel("volume::density", &[Uniform, Always, Words3d, Write, WriteFull3d, Write3d]),
             push: kernel("volume::push", &[Uniform, Texels3d, Write3d]),
-            settle: kernel("volume::settle", &[Uniform, Read, Read, Write]),
+            settle: kernel("volume::settle", &[Uniform, Read, Read, Write, Read]),
         }
     }
 

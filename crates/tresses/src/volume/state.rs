@@ -161,6 +161,7 @@ impl Volume {
                     guides.rest.as_entire_binding(),
                     rest_density.as_entire_binding(),
                     rested.as_entire_binding(),
+                    guides.info.as_entire_binding(),
                 ],
             ),
         };

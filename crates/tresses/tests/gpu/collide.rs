@@ -10,7 +10,7 @@ use tresses::{
     gpu::{Gpu, readback::blocking as readback},
     groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind, styles::Style},
     simulate::SimulationParams,
-    strands::GuideRest,
+    strands::{Guide, PackedGuide},
     volume::HairHair,
 };
 
@@ -91,7 +91,8 @@ impl Run<'_> {
         through: &dyn Fn(Vec3, Vec3, f32) -> bool,
     ) -> Seen {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
-        let rest: Vec<GuideRest> = readback::buffer(device, queue, &self.hair.guides.rest).unwrap();
+        let packed: Vec<PackedGuide> = readback::buffer(device, queue, &self.hair.guides.rest).unwrap();
+        let rest: Vec<_> = packed.iter().map(|packed| packed.rest(&Guide::default())).collect();
         let count = self.hair.guides.count as usize;
         let watched = 2 * count..rest.len();
         let mut seen = Seen {

@@ -8,7 +8,10 @@ use tresses::{
     gpu::{Gpu, readback::blocking as readback},
     groom::{BindOptions, Groom, GuideCount, bind},
     interpolate::{self, Interpolation},
-    strands::{GuideBuffers, GuideSample, StrandBuffers, StrandVertex, vertex::unpack_tangent},
+    simulate::{RestOptions, SimulationParams, rest},
+    strands::{
+        GuideBuffers, GuideSample, StrandBuffers, StrandVertex, guide::pack_lag, vertex::unpack_tangent,
+    },
     tessellate::{self, TessellateParams, Tessellation, rest_samples},
     wgpu,
 };
@@ -24,32 +27,40 @@ fn draw(
 ) -> Vec<StrandVertex> {
     let (device, queue) = (&gpu.device, &gpu.queue);
     let n = groom.guides.vertex_count as usize;
-    let samples = groom.strands.vertex_count.max(groom.guides.vertex_count);
+    // Strands that are their own guides need no samples.
+    let follows = groom.guides.len() == groom.strands.len();
+    let samples = if follows { 0 } else { groom.strands.vertex_count.max(groom.guides.vertex_count) };
     let guides = GuideBuffers::new(device, groom.guides.len() as u32, n as u32, samples).unwrap();
     let strands = StrandBuffers::new(device, groom.strands.len() as u32, groom.strands.vertex_count).unwrap();
-    let state = |positions: &[Vec3]| {
-        let moved = Groom {
-            guides: tresses::groom::Guides { positions: positions.to_vec(), ..groom.guides.clone() },
-            ..Default::default()
-        };
-        common::vertex_major(&moved)
-    };
+    let params = SimulationParams::default();
+    let (positions, options) = (&groom.guides.positions, RestOptions::default());
+    rest::guides(positions, n as u32, &[], &params, &options, None).unwrap().upload(queue, &guides).unwrap();
     let write = |buffer: &wgpu::Buffer, bytes: &[u8]| queue.write_buffer(buffer, 0, bytes);
-    write(&guides.previous, bytemuck::cast_slice(&state(previous)));
-    write(&guides.current, bytemuck::cast_slice(&state(current)));
-    write(&guides.rest, bytemuck::cast_slice(&state(&groom.guides.positions)));
-    let resting: Vec<_> = (0..groom.guides.len())
-        .flat_map(|g| rest_samples(groom.guides.guide(g), samples))
-        .map(GuideSample::at_rest)
-        .collect();
-    write(&guides.samples, bytemuck::cast_slice(&resting));
+    let count = groom.guides.len();
+    let state = (0..n * count).map(|at| {
+        let i = (at % count) * n + at / count;
+        let [x, y, z] = current[i].to_array().map(f32::to_bits);
+        [x, y, z, pack_lag(previous[i] - current[i])]
+    });
+    write(&guides.current, bytemuck::cast_slice(&state.collect::<Vec<_>>()));
+    if !follows {
+        let resting: Vec<_> = (0..groom.guides.len())
+            .flat_map(|g| rest_samples(groom.guides.guide(g), samples))
+            .map(GuideSample::at_rest)
+            .collect();
+        write(&guides.samples, bytemuck::cast_slice(&resting));
+    }
     write(&strands.bindings, bytemuck::cast_slice(&groom.strands.bindings));
     write(&strands.rest, bytemuck::cast_slice(&groom.strands.rest));
 
     let (tessellate, interpolate) = (tessellate::Pipelines::new(device), interpolate::Pipelines::new(device));
     let tessellation = Tessellation::new(device, &tessellate, &guides);
-    let interpolation = Interpolation::new(device, &interpolate, &guides, &strands);
-    tessellation.prepare(queue, &TessellateParams::new(&guides, &now, &now, &now, blend));
+    let interpolation = if follows {
+        Interpolation::following(device, &interpolate, &guides, &strands, &tessellation)
+    } else {
+        Interpolation::new(device, &interpolate, &guides, &strands)
+    };
+    tessellation.prepare(queue, &TessellateParams::new(&guides, (&now, &now, 0.0), &now, blend));
     interpolation.prepare(queue, &guides, &strands);
     let mut encoder = device.create_command_encoder(&Default::default());
     {
@@ -87,14 +98,49 @@ fn strands_at_rest_come_back_within_a_tenth_of_a_millimetre() {
 #[test]
 fn a_rigid_motion_of_the_guides_is_a_rigid_motion_of_the_strands() {
     let Some(gpu) = common::gpu() else { return };
-    let groom = bind(&common::hanging(300, 16, 0.2), &BindOptions::default()).unwrap();
-    let pose = Pose {
-        rotation: Quat::from_rotation_y(2.0) * Quat::from_rotation_x(0.5),
-        translation: Vec3::new(0.3, 1.0, -0.2),
+    for guides in [GuideCount::OneIn(16), GuideCount::All] {
+        let options = BindOptions { guides, ..Default::default() };
+        let groom = bind(&common::hanging(300, 16, 0.2), &options).unwrap();
+        let pose = Pose {
+            rotation: Quat::from_rotation_y(2.0) * Quat::from_rotation_x(0.5),
+            translation: Vec3::new(0.3, 1.0, -0.2),
+        };
+        let moved: Vec<_> = groom.guides.positions.iter().map(|p| pose.point(*p)).collect();
+        let off = error(&groom, &draw(gpu, &groom, &moved, &moved, 0.5, pose), pose);
+        assert!(off < 1e-4, "{off}");
+    }
+}
+
+#[test]
+fn strands_that_follow_guides_of_their_own_are_where_samples_would_have_them() {
+    let Some(gpu) = common::gpu() else { return };
+    let options = BindOptions { guides: GuideCount::All, ..Default::default() };
+    let own = bind(&common::hanging(100, 16, 0.2), &options).unwrap();
+    // With a guide that nobody follows there are samples.
+    let mut sampled = own.clone();
+    let last = own.guides.guide(99).to_vec();
+    sampled.guides.positions.extend(last);
+    for values in [&mut sampled.guides.stiffness, &mut sampled.guides.strands] {
+        values.push(1.0);
+    }
+    sampled.guides.tip_pinned.push(false);
+    let swing = |groom: &Groom, angle: f32| -> Vec<Vec3> {
+        let root = |i: usize| groom.guides.positions[i - i % groom.guides.vertex_count as usize];
+        let swung = |(i, p): (usize, &Vec3)| {
+            let bend = Quat::from_rotation_x(angle * root(i).distance(*p) / 0.2);
+            root(i) + bend * (*p - root(i))
+        };
+        groom.guides.positions.iter().enumerate().map(swung).collect()
     };
-    let moved: Vec<_> = groom.guides.positions.iter().map(|p| pose.point(*p)).collect();
-    let off = error(&groom, &draw(gpu, &groom, &moved, &moved, 0.5, pose), pose);
-    assert!(off < 1e-4, "{off}");
+    let far = |angle: f32| {
+        let drawn = draw(gpu, &own, &swing(&own, 0.3), &swing(&own, 1.2), 0.4, Pose::IDENTITY);
+        let other = draw(gpu, &sampled, &swing(&sampled, 0.3), &swing(&sampled, angle), 0.4, Pose::IDENTITY);
+        let off = drawn.iter().zip(&other).map(|(a, b)| a.position.distance(b.position));
+        off.fold(0.0, f32::max)
+    };
+    let off = far(1.2);
+    assert!(off < 2e-5, "{off}");
+    assert!(far(1.21) > 2e-5, "another swing is seen");
 }
 
 #[test]

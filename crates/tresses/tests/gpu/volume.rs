@@ -14,7 +14,7 @@ use tresses::{
     gpu::{Gpu, readback::blocking as readback},
     groom::styles::Style,
     simulate::SimulationParams,
-    strands::StrandVertex,
+    strands::{StrandVertex, guide::unpack_velocity},
     volume::{HairHair, HairHairMode},
 };
 
@@ -163,7 +163,9 @@ fn unrest(stage: &Setup, hair_hair: HairHair) -> (f32, f32, f32) {
     for _ in 0..120 {
         stage.advance(&mut hair, &simulation, Pose::IDENTITY, 1.0 / 60.0);
     }
-    let speeds: Vec<_> = read(&hair.guides.velocity).iter().map(|v| v.length()).collect();
+    let velocities: Vec<[u32; 2]> =
+        readback::buffer(&stage.gpu.device, &stage.gpu.queue, &hair.guides.velocity).unwrap();
+    let speeds: Vec<_> = velocities.iter().map(|v| unpack_velocity(*v).length()).collect();
     let moved = read(&hair.guides.current).iter().zip(&rest).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
     (speeds.iter().sum::<f32>() / speeds.len() as f32, speeds.iter().copied().fold(0.0, f32::max), moved)
 }

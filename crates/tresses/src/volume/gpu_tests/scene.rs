@@ -6,7 +6,7 @@ use crate::{
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     gpu::{Gpu, for_tests as gpu, readback::blocking as readback},
     simulate::{self, Forces, GuideTraits, RestOptions, SimulationParams, rest},
-    strands::{Force, GuideBuffers, GuideForce, RestGuides},
+    strands::{Force, GuideBuffers, GuideForce, RestGuides, guide::pack_velocity},
     volume::{HairHair, Pipelines, Volume, VolumeOptions},
 };
 use glam::{Quat, Vec3};
@@ -79,12 +79,10 @@ impl Setup {
     }
 
     pub(super) fn put(&self, current: &[Vec3], velocity: &[Vec3]) {
-        let write = |buffer, values: &[Vec3]| {
-            let values: Vec<[f32; 4]> = values.iter().map(|v| v.extend(0.0).into()).collect();
-            self.gpu.queue.write_buffer(buffer, 0, bytemuck::cast_slice(&values));
-        };
-        write(&self.guides.current, current);
-        write(&self.guides.velocity, velocity);
+        let current: Vec<[f32; 4]> = current.iter().map(|v| v.extend(0.0).into()).collect();
+        let velocity: Vec<[u32; 2]> = velocity.iter().map(|v| pack_velocity(*v)).collect();
+        self.gpu.queue.write_buffer(&self.guides.current, 0, bytemuck::cast_slice(&current));
+        self.gpu.queue.write_buffer(&self.guides.velocity, 0, bytemuck::cast_slice(&velocity));
     }
 
     pub(super) fn submit(&mut self, record: impl FnOnce(&mut Self, &mut wgpu::ComputePass<'_>)) {

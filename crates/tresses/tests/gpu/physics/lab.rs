@@ -10,7 +10,10 @@ use tresses::{
     gpu::{Gpu, readback::blocking as readback},
     groom::SdfGrid,
     simulate::{self, Along, GuideTraits, RestOptions, RestShape, Simulation, SimulationParams, rest},
-    strands::{GuideBuffers, RestGuides},
+    strands::{
+        GuideBuffers, RestGuides,
+        guide::{pack_velocity, unpack_velocity},
+    },
 };
 
 /// An adapter and the pipelines, which all cases share.
@@ -121,36 +124,43 @@ impl Experiment {
 
     /// Positions, guide by guide, metres.
     pub fn positions(&self) -> Vec<Vec<Vec3>> {
-        self.read(&self.guides.current)
+        self.read(&self.guides.current, |v: &[f32; 4]| Vec3::from_slice(v))
     }
 
     /// Velocities, guide by guide, m/s.
     pub fn velocities(&self) -> Vec<Vec<Vec3>> {
-        self.read(&self.guides.velocity)
+        self.read(&self.guides.velocity, |v| unpack_velocity(*v))
     }
 
-    fn read(&self, buffer: &tresses::wgpu::Buffer) -> Vec<Vec<Vec3>> {
+    fn read<T: bytemuck::Pod>(
+        &self,
+        buffer: &tresses::wgpu::Buffer,
+        unpack: impl Fn(&T) -> Vec3,
+    ) -> Vec<Vec<Vec3>> {
         let Gpu { device, queue, .. } = self.lab.gpu;
-        let all: Vec<[f32; 4]> = readback::buffer(device, queue, buffer).unwrap();
+        let all: Vec<T> = readback::buffer(device, queue, buffer).unwrap();
         let count = self.count();
-        (0..count).map(|g| (0..self.n).map(|i| Vec3::from_slice(&all[i * count + g])).collect()).collect()
+        (0..count).map(|g| (0..self.n).map(|i| unpack(&all[i * count + g])).collect()).collect()
     }
 
     /// Puts the strands somewhere else.
     pub fn place(&self, positions: &[Vec<Vec3>]) {
-        self.write(&self.guides.current, positions);
+        self.write(&self.guides.current, positions, |p| p.extend(0.0).to_array().map(f32::to_bits));
     }
 
     /// Gives the strands velocities.
     pub fn throw(&self, velocities: &[Vec<Vec3>]) {
-        self.write(&self.guides.velocity, velocities);
+        self.write(&self.guides.velocity, velocities, pack_velocity);
     }
 
-    fn write(&self, buffer: &tresses::wgpu::Buffer, values: &[Vec<Vec3>]) {
-        let all: Vec<[f32; 4]> = (0..self.n)
-            .flat_map(|i| values.iter().map(move |strand| strand[i].extend(0.0).to_array()))
-            .collect();
-        let bytes: Vec<u8> = all.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
+    fn write<const N: usize>(
+        &self,
+        buffer: &tresses::wgpu::Buffer,
+        values: &[Vec<Vec3>],
+        pack: impl Fn(Vec3) -> [u32; N],
+    ) {
+        let vertices = (0..self.n).flat_map(|i| values.iter().map(move |strand| strand[i]));
+        let bytes: Vec<u8> = vertices.flat_map(pack).flat_map(u32::to_le_bytes).collect();
         self.lab.gpu.queue.write_buffer(buffer, 0, &bytes);
     }
 
