@@ -118,7 +118,12 @@ impl Interpolation {
     }
 
     /// Records the stage: one thread per strand.
-    pub fn record(&self, pipelines: &Pipelines, pass: &mut wgpu::ComputePass<'_>, strands: &StrandBuffers) {
+    pub fn record(
+        &self,
+        pipelines: &Pipelines,
+        pass: &mut crate::gpu::ComputePass<'_>,
+        strands: &StrandBuffers,
+    ) {
         let kernel = if self.follows { &pipelines.follow } else { &pipelines.blend };
         kernel.record(pass, &self.group, &[], strands.drawn.count.div_ceil(STRAND_WORKGROUP));
     }

@@ -109,7 +109,12 @@ impl Tessellation {
     }
 
     /// Records the stage: one thread per guide; nothing where guides have no samples.
-    pub fn record(&self, pipelines: &Pipelines, pass: &mut wgpu::ComputePass<'_>, guides: &GuideBuffers) {
+    pub fn record(
+        &self,
+        pipelines: &Pipelines,
+        pass: &mut crate::gpu::ComputePass<'_>,
+        guides: &GuideBuffers,
+    ) {
         if guides.sample_count > 0 {
             pipelines.kernel.record(pass, &self.group, &[], guides.count.div_ceil(GUIDE_WORKGROUP));
         }

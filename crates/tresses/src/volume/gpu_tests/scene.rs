@@ -85,9 +85,9 @@ impl Setup {
         self.gpu.queue.write_buffer(&self.guides.velocity, 0, bytemuck::cast_slice(&velocity));
     }
 
-    pub(super) fn submit(&mut self, record: impl FnOnce(&mut Self, &mut wgpu::ComputePass<'_>)) {
+    pub(super) fn submit(&mut self, record: impl FnOnce(&mut Self, &mut crate::gpu::ComputePass<'_>)) {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        record(self, &mut encoder.begin_compute_pass(&Default::default()));
+        record(self, &mut crate::gpu::compute_pass(&mut encoder, &Default::default()));
         self.gpu.queue.submit([encoder.finish()]);
     }
 
