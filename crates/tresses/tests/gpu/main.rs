@@ -25,6 +25,7 @@ mod moving;
 mod physics;
 mod pipelines;
 mod pipelines_draw;
+mod present;
 mod second_driver;
 mod shadows;
 mod soft;
