@@ -15,7 +15,7 @@ pub struct Level {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// How far the levels stray, metres: from a quarter of a pixel of a large portrait to one of a head across a room.
+/// How far the levels stray, metres: from a third of a pixel of a large portrait to one of a head across a room.
 const STRAYS: [f32; 6] = [5e-5, 1e-4, 2e-4, 4e-4, 8e-4, 1.6e-3];
 
 /// A level has at most this share of the triangles of the one before; what saves less is not worth its memory.

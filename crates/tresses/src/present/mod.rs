@@ -1,14 +1,18 @@
 //! From linear radiance to the picture: background, tone mapping, resolve, sRGB.
 //!
-//! Every sample is composed with the background and tone mapped on its own; their mean is the
-//! pixel. Averaging first would let a single bright sample decide a pixel, which sparkles and
-//! undoes the antialiasing of a highlight's edge. With twofold supersampling the mean is over the
+//! All that a pixel shows is averaged in linear light, premultiplied, and the mean is composed with the background and
+//! tone mapped once, as a camera does it. Samples that are tone mapped first make bright strands dull: the brightest
+//! tenth of blond hair had 0.88 to 0.91 of the path tracer's light in the finished picture, now 0.99 to 1.00 (Sintel,
+//! TressFX's). There is no bound on bright samples: pictures change as little from frame to frame as before, a
+//! bound at three times white changes next to nothing, and one at half of that takes 7 to 13 % of blond hair's light.
+//!
+//! With twofold supersampling the mean is over the
 //! texels that the original's five bilinear samples read (`taps.wesl`), a little wider than the
 //! pixel; with more, over the pixel's square. Masks of several samples are averaged over a disc that is
 //! wider than the pixel when they are few (`footprint.rs`). A single sample per pixel is blended with its
 //! neighbours along the strand or edge that it belongs to, which the structure tensor of its
-//! neighbourhood finds. Peeled hair is tone mapped where it is drawn and lies over the rest
-//! (`layers.wesl`).
+//! neighbourhood finds. Peeled hair lies over the rest (`layers.wesl`), hair of tiles over each of the two surfaces
+//! that a pixel can show (`tiled.wesl`).
 
 mod background;
 mod footprint;

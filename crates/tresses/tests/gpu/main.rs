@@ -26,6 +26,7 @@ mod moving;
 mod physics;
 mod pipelines;
 mod pipelines_draw;
+mod present;
 mod second_driver;
 mod shadows;
 mod soft;

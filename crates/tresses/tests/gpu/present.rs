@@ -1,0 +1,66 @@
+//! A pixel is averaged in linear light, and its mean is tone mapped.
+
+use crate::{common, golden};
+
+use tresses::{
+    View,
+    body::{Body, BodyMaterial},
+    camera::ToneMap,
+    draw::Coverage,
+    glam::Vec3,
+    light::{
+        Directional, HairMaterial, HairSet, Lights, MAX_LIGHTS, ShadingModel, ShadowMethod, Shadows, Sky,
+        material::linear,
+    },
+    present::Background,
+    view::{Picture, ViewOptions},
+};
+
+/// Radiance of a background far above the shoulder, and of one below it.
+const BRIGHT: f32 = 4.0;
+const DIM: f32 = 0.9;
+
+/// What `tonemap.wesl` makes of a grey.
+fn mapped(tone: &ToneMap, radiance: f32) -> f32 {
+    let room = 1.0 - tone.shoulder;
+    if radiance <= tone.shoulder { radiance } else { 1.0 - room * room / (radiance + room - tone.shoulder) }
+}
+
+/// Black hair and a black ball before a grey: what gets through to it in each pixel is told by a dim one.
+#[test]
+fn a_pixel_is_tone_mapped_once() {
+    let Some(gpu) = common::gpu() else { return };
+    let pipelines = common::pipelines().expect("there is a GPU");
+    let mut hair =
+        HairSet::new(&gpu.device, &golden::strands(gpu, (0..golden::COUNT).step_by(40))).expect("fits");
+    hair.material = HairMaterial { model: ShadingModel::KajiyaKay, ..HairMaterial::brown() };
+    let mut body = Body::new(&gpu.device, &golden::ball());
+    body.material = BodyMaterial { color: Vec3::ZERO, ..Default::default() };
+    let sky = Sky { zenith: Vec3::ZERO, horizon: Vec3::ZERO, ground: Vec3::ZERO };
+    let unlit = Picture {
+        lights: Lights { directional: [Directional::OFF; MAX_LIGHTS], sky, ..Default::default() },
+        shadows: Shadows { ambient: false, method: ShadowMethod::Off, ..Default::default() },
+        ..golden::scene()
+    };
+    for coverage in [Coverage::Tiles, Coverage::SampleMask] {
+        let options = ViewOptions { coverage, shadow_resolution: 64, ..Default::default() };
+        let view = View::new(&gpu.device, pipelines, &options, golden::SIZE, 1).expect("fits");
+        let shown = |radiance: f32, tone: ToneMap| -> Vec<f32> {
+            let scene = Picture { background: Background::flat(Vec3::splat(radiance)), tone, ..unlit };
+            let bytes = common::picture(gpu, (pipelines, &view), &scene, &[&hair], &[&body]);
+            bytes.as_chunks::<4>().0.iter().map(|rgba| linear(f32::from(rgba[1]) / 255.0)).collect()
+        };
+        let tone = ToneMap::default();
+        let open = shown(DIM, ToneMap { shoulder: 0.99, ..tone });
+        let bright = shown(BRIGHT, tone);
+        let worst = |expected: &dyn Fn(f32) -> f32| {
+            let off = open.iter().zip(&bright).map(|(dim, seen)| (expected(dim / DIM) - seen).abs());
+            off.fold(0.0, f32::max)
+        };
+        let once = worst(&|open| mapped(&tone, BRIGHT * open));
+        let each = worst(&|open| open * mapped(&tone, BRIGHT));
+        println!("{coverage:?}: {once:.3} off, {each:.3} were samples and strands mapped each");
+        assert!(once < 0.03, "{coverage:?}: {once}");
+        assert!(each > 0.3, "{coverage:?}: the comparison sees no difference: {each}");
+    }
+}
