@@ -9,7 +9,7 @@ pub mod companions;
 pub mod history;
 pub mod knobs;
 #[cfg(not(target_arch = "wasm32"))]
-mod measure;
+pub mod measure;
 pub mod motion;
 pub mod picture;
 pub mod preset;

@@ -4,8 +4,19 @@ use crate::{camera::Viewpoint, scene::Scene};
 use anyhow::Result;
 use tresses::{
     Pose,
-    gpu::{Clock, Timings},
+    gpu::{Clock, Counts, Timings},
 };
+
+/// A frame that was waited for.
+#[derive(Debug)]
+pub struct Measured {
+    /// Milliseconds from recording to completion.
+    pub wall: f64,
+    /// Milliseconds of its stages, where the adapter can tell.
+    pub stages: Vec<(&'static str, f64)>,
+    /// What was recorded for them.
+    pub counts: Vec<(&'static str, Counts)>,
+}
 
 impl Scene {
     /// What is measured from here on is measured by `clock`, on adapters whose own timestamps do not compare.
@@ -17,14 +28,8 @@ impl Scene {
         }
     }
 
-    /// A whole frame, waited for: its milliseconds from recording to completion, and those of its
-    /// stages where the adapter can tell.
-    pub fn measured_frame(
-        &mut self,
-        pose: &Pose,
-        seconds: f32,
-        camera: &Viewpoint,
-    ) -> Result<(f64, Vec<(&'static str, f64)>)> {
+    /// A whole frame, waited for.
+    pub fn measured_frame(&mut self, pose: &Pose, seconds: f32, camera: &Viewpoint) -> Result<Measured> {
         self.watch(camera);
         let start = (self.clock)();
         let mut timings = std::mem::replace(&mut self.timings, Timings::by(self.clock));
@@ -38,7 +43,8 @@ impl Scene {
         self.submit(encoder)?;
         let wall = (self.clock)().saturating_sub(start).as_secs_f64() * 1e3;
         self.timings = timings;
-        Ok((wall, self.read_timings()?))
+        let counts = self.timings.counts().to_vec();
+        Ok(Measured { wall, stages: self.read_timings()?, counts })
     }
 
     /// The milliseconds of the stages that move the hair by a frame: by timestamps, or each stage

@@ -311,12 +311,18 @@ impl Recorder<'_> {
     }
 
     /// A compute pass under the name of a stage.
-    fn stage(&mut self, stage: Stage, record: impl FnOnce(&mut wgpu::ComputePass<'_>)) {
+    fn stage(&mut self, stage: Stage, record: impl FnOnce(&mut crate::gpu::ComputePass<'_>)) {
         self.start();
-        let mut pass = self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some(stage.name()),
-            timestamp_writes: self.timings.as_deref_mut().and_then(|timings| timings.compute(stage.name())),
-        });
+        let mut pass = crate::gpu::compute_pass(
+            self.encoder,
+            &wgpu::ComputePassDescriptor {
+                label: Some(stage.name()),
+                timestamp_writes: self
+                    .timings
+                    .as_deref_mut()
+                    .and_then(|timings| timings.compute(stage.name())),
+            },
+        );
         record(&mut pass);
         drop(pass);
         self.lap(stage.name());

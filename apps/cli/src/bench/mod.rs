@@ -6,6 +6,7 @@
 mod appearance;
 mod costs;
 mod lod;
+mod recorded;
 mod report;
 mod statistics;
 mod workload;

@@ -4,6 +4,7 @@ use super::{
     appearance::Look,
     costs::Costs,
     lod,
+    recorded::{self, Recorded},
     statistics::{Summary, line},
 };
 use serde::Serialize;
@@ -101,6 +102,8 @@ pub struct Run {
     pub frames: u32,
     /// In order; from GPU timestamps.
     pub stages: Vec<StageTime>,
+    /// What one of them records.
+    pub recorded: Vec<Recorded>,
     /// The sum of the stages in each frame.
     pub gpu: Summary,
     /// From recording to the GPU's last answer.
@@ -114,6 +117,14 @@ pub struct StageTime {
     pub name: String,
     #[serde(flatten)]
     pub time: Summary,
+}
+
+impl StageTime {
+    /// Of times stage by stage.
+    pub fn all(stages: Vec<(&'static str, Vec<f64>)>) -> Vec<Self> {
+        let row = |(name, times): (&str, _)| Self { name: name.into(), time: Summary::of(times) };
+        stages.into_iter().map(row).collect()
+    }
 }
 
 /// One point of the line of strand counts.
@@ -296,7 +307,8 @@ impl Group {
             row("all stages", &|run| run.gpu);
         }
         row("whole frame", &|run| run.frame);
-        text + &table(&rows)
+        // A frame at rest records what one in motion does.
+        text + &table(&rows) + &self.runs.last().map_or(String::new(), |run| recorded::text(&run.recorded))
     }
 }
 
@@ -341,6 +353,7 @@ mod tests {
         let time = |median| Summary { median, p95: median * 1.5 };
         let run = |state: &str, scale| Run {
             state: state.into(),
+            recorded: Vec::new(),
             frames: 9,
             stages: vec![
                 StageTime { name: "simulate".into(), time: time(0.25 * scale) },

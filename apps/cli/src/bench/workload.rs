@@ -2,6 +2,7 @@
 
 use super::{
     Args, Sitting,
+    recorded::Recorded,
     report::{Group, Point, Run, StageTime},
     statistics::Summary,
 };
@@ -213,7 +214,7 @@ pub fn run(
     let pivot = scene.pivot();
     scene.reset(&motion.pose(0.0, pivot))?;
     let mut stages: Vec<(&'static str, Vec<f64>)> = Vec::new();
-    let (mut sums, mut walls) = (Vec::new(), Vec::new());
+    let (mut sums, mut walls, mut counts) = (Vec::new(), Vec::new(), Vec::new());
     let start = Instant::now();
     for frame in 0..WARM_UP + frames {
         if walls.len() >= LEAST && start.elapsed().as_secs_f64() > LONG {
@@ -221,14 +222,15 @@ pub fn run(
             break;
         }
         let pose = motion.pose(f64::from(frame + 1) / FPS, pivot);
-        let (wall, times) = scene.measured_frame(&pose, (1.0 / FPS) as f32, &camera)?;
+        let measured = scene.measured_frame(&pose, (1.0 / FPS) as f32, &camera)?;
         if frame < WARM_UP {
             continue;
         }
         bar.inc(1);
-        walls.push(wall);
-        sums.push(times.iter().map(|(_, ms)| ms).sum());
-        for (name, ms) in times {
+        walls.push(measured.wall);
+        sums.push(measured.stages.iter().map(|(_, ms)| ms).sum());
+        counts = measured.counts;
+        for (name, ms) in measured.stages {
             match stages.iter_mut().find(|(known, _)| *known == name) {
                 Some((_, values)) => values.push(ms),
                 None => stages.push((name, vec![ms])),
@@ -238,10 +240,8 @@ pub fn run(
     Ok(Run {
         state: state.into(),
         frames: walls.len() as u32,
-        stages: stages
-            .into_iter()
-            .map(|(name, values)| StageTime { name: name.into(), time: Summary::of(values) })
-            .collect(),
+        stages: StageTime::all(stages),
+        recorded: counts.into_iter().map(Recorded::from).collect(),
         gpu: Summary::of(sums),
         frame: Summary::of(walls),
     })

@@ -205,7 +205,7 @@ impl Avoidance {
     pub(crate) fn record(
         &self,
         pipelines: &Pipelines,
-        pass: &mut wgpu::ComputePass<'_>,
+        pass: &mut crate::gpu::ComputePass<'_>,
         colliders: &ColliderSet,
         strands: &StrandBuffers,
     ) {
@@ -218,7 +218,7 @@ impl Avoidance {
     pub fn record_search(
         &self,
         pipelines: &Pipelines,
-        pass: &mut wgpu::ComputePass<'_>,
+        pass: &mut crate::gpu::ComputePass<'_>,
         colliders: &ColliderSet,
         strands: &StrandBuffers,
     ) {

@@ -70,7 +70,7 @@ impl Pipelines {
     /// Records the search: one thread per strand vertex.
     pub fn record_first_hit(
         &self,
-        pass: &mut wgpu::ComputePass<'_>,
+        pass: &mut crate::gpu::ComputePass<'_>,
         groups: &AvoidGroups,
         colliders: &ColliderSet,
         strands: &StrandBuffers,
@@ -84,7 +84,7 @@ impl Pipelines {
     /// Records the search and the correction, one thread per strand; with [`AvoidMode::Off`] nothing.
     pub fn record(
         &self,
-        pass: &mut wgpu::ComputePass<'_>,
+        pass: &mut crate::gpu::ComputePass<'_>,
         groups: &AvoidGroups,
         colliders: &ColliderSet,
         strands: &StrandBuffers,

@@ -171,7 +171,7 @@ impl Body {
     }
 
     /// Draws it with as few triangles as there are that stray by `stray` metres at most.
-    pub(crate) fn record(&self, pass: &mut wgpu::RenderPass<'_>, stray: f32) {
+    pub(crate) fn record(&self, pass: &mut crate::gpu::RenderPass<'_>, stray: f32) {
         pass.set_bind_group(1, &self.group, &[]);
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_index_buffer(self.triangles.slice(..), wgpu::IndexFormat::Uint32);

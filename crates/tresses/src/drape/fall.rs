@@ -68,10 +68,10 @@ pub async fn drape(
         let mut encoder =
             device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("drape") });
         {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: Some("drape"),
-                timestamp_writes: None,
-            });
+            let mut pass = crate::gpu::compute_pass(
+                &mut encoder,
+                &wgpu::ComputePassDescriptor { label: Some("drape"), timestamp_writes: None },
+            );
             let steps = vec![step; now as usize];
             let (substeps, length) = (params.substeps, params.step);
             let moments = Moments { steps: &steps, substeps, step: length, head: still, alpha: 1.0 };

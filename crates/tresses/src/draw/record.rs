@@ -110,25 +110,32 @@ pub(crate) fn cleared(view: &wgpu::TextureView) -> Option<wgpu::RenderPassColorA
 }
 
 /// A pass into the HDR target with the view's group bound.
-pub(crate) fn pass<'e>(canvas: &'e mut Canvas<'_>, name: &'static str, clear: bool) -> wgpu::RenderPass<'e> {
+pub(crate) fn pass<'e>(
+    canvas: &'e mut Canvas<'_>,
+    name: &'static str,
+    clear: bool,
+) -> crate::gpu::RenderPass<'e> {
     let color = if clear { wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT) } else { wgpu::LoadOp::Load };
     let depth = if clear { wgpu::LoadOp::Clear(0.0) } else { wgpu::LoadOp::Load };
-    let mut pass = canvas.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some(name),
-        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view: &canvas.targets.hdr,
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations { load: color, store: wgpu::StoreOp::Store },
-        })],
-        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-            view: &canvas.targets.depth,
-            depth_ops: Some(wgpu::Operations { load: depth, store: wgpu::StoreOp::Store }),
-            stencil_ops: None,
-        }),
-        timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.render(name)),
-        ..Default::default()
-    });
+    let mut pass = crate::gpu::render_pass(
+        canvas.encoder,
+        &wgpu::RenderPassDescriptor {
+            label: Some(name),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &canvas.targets.hdr,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: color, store: wgpu::StoreOp::Store },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &canvas.targets.depth,
+                depth_ops: Some(wgpu::Operations { load: depth, store: wgpu::StoreOp::Store }),
+                stencil_ops: None,
+            }),
+            timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.render(name)),
+            ..Default::default()
+        },
+    );
     pass.set_bind_group(0, canvas.frame, &[]);
     pass
 }

@@ -103,7 +103,7 @@ impl Kernel {
     /// dimensions: the kernel takes its workgroup's index as `id.x + id.y * count.x` and checks it.
     pub fn record(
         &self,
-        pass: &mut wgpu::ComputePass<'_>,
+        pass: &mut crate::gpu::ComputePass<'_>,
         group: &wgpu::BindGroup,
         offsets: &[u32],
         workgroups: u32,
@@ -119,7 +119,7 @@ impl Kernel {
     /// tells ([`crate::frame::Recorder`]).
     pub fn record_grid(
         &self,
-        pass: &mut wgpu::ComputePass<'_>,
+        pass: &mut crate::gpu::ComputePass<'_>,
         group: &wgpu::BindGroup,
         offsets: &[u32],
         [x, y, z]: [u32; 3],
@@ -132,7 +132,7 @@ impl Kernel {
     /// Records one dispatch of as many workgroups as stand in a buffer, from a byte of it on: x, y and z.
     pub fn record_indirect(
         &self,
-        pass: &mut wgpu::ComputePass<'_>,
+        pass: &mut crate::gpu::ComputePass<'_>,
         group: &wgpu::BindGroup,
         offsets: &[u32],
         (workgroups, from): (&wgpu::Buffer, u64),
@@ -143,7 +143,7 @@ impl Kernel {
     }
 
     /// Sets pipeline and group, unless the kernel cannot be compiled.
-    fn set(&self, pass: &mut wgpu::ComputePass<'_>, group: &wgpu::BindGroup, offsets: &[u32]) -> bool {
+    fn set(&self, pass: &mut crate::gpu::ComputePass<'_>, group: &wgpu::BindGroup, offsets: &[u32]) -> bool {
         match self.pipeline() {
             Ok(pipeline) => {
                 pass.set_pipeline(pipeline);

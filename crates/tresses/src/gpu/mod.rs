@@ -6,6 +6,7 @@ pub mod bindings;
 pub mod device;
 pub(crate) mod grid;
 pub mod kernel;
+pub mod pass;
 pub(crate) mod pipeline;
 pub mod readback;
 pub mod timings;
@@ -13,6 +14,7 @@ pub mod timings;
 pub use bindings::Binding;
 pub use device::{Gpu, Tier};
 pub use kernel::Kernel;
+pub use pass::{ComputePass, Counts, RenderPass, compute_pass, render_pass};
 pub use timings::{Clock, Timings, wall};
 
 /// The adapter of all unit tests, opened once, or `None` where the machine has none and need not have one.

@@ -1,6 +1,9 @@
 //! GPU time per stage: from timestamps at the beginning and end of each pass, or by wall clock.
 
-use super::readback::Pending;
+use super::{
+    pass::{self, Counts},
+    readback::Pending,
+};
 use crate::{Error, Result};
 use std::{sync::OnceLock, time::Duration};
 use web_time::Instant;
@@ -21,6 +24,7 @@ const MAX_PASSES: u32 = 64;
 #[derive(Debug)]
 pub struct Timings {
     source: Source,
+    counts: Vec<(&'static str, Counts)>,
 }
 
 #[derive(Debug)]
@@ -56,7 +60,7 @@ impl Timings {
             names: Vec::new(),
             period: queue.get_timestamp_period(),
         };
-        Self { source }
+        Self { source, counts: Vec::new() }
     }
 
     /// By a clock, [`wall`] or one of the processor's time: a [`crate::frame::Recorder`] submits the parts of its stages one by
@@ -64,7 +68,8 @@ impl Timings {
     /// are those of the call, and those of drawing when pixels are filled; a part's time holds the call and
     /// the waiting. In a browser, where nothing can be waited for, the times are those of the calls alone.
     pub fn by(clock: Clock) -> Self {
-        Self { source: Source::Clock { clock, since: clock(), rows: Vec::new(), lost: None } }
+        let source = Source::Clock { clock, since: clock(), rows: Vec::new(), lost: None };
+        Self { source, counts: Vec::new() }
     }
 
     fn next(&mut self, name: &'static str) -> Option<(&wgpu::QuerySet, u32)> {
@@ -96,15 +101,16 @@ impl Timings {
         })
     }
 
-    /// By the clock, a part of a stage begins here. With timestamps nothing happens.
+    /// By the clock, a part of a stage begins here. What was recorded before belongs to no row.
     pub(crate) fn start(&mut self) {
+        pass::take();
         if let Source::Clock { clock, since, .. } = &mut self.source {
             *since = clock();
         }
     }
 
-    /// By the clock, a part called `name` ends here and the next begins: what `encoder` holds is submitted and
-    /// waited for. With timestamps nothing happens.
+    /// A part called `name` ends here and the next begins. By the clock, what `encoder` holds is submitted and
+    /// waited for.
     pub(crate) fn lap(
         &mut self,
         device: &wgpu::Device,
@@ -112,6 +118,11 @@ impl Timings {
         encoder: &mut wgpu::CommandEncoder,
         name: &'static str,
     ) {
+        let counts = pass::take();
+        match self.counts.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, sum)) => *sum += counts,
+            None => self.counts.push((name, counts)),
+        }
         let Source::Clock { clock, since, rows, lost } = &mut self.source else { return };
         let recorded = std::mem::replace(encoder, device.create_command_encoder(&Default::default()));
         queue.submit([recorded.finish()]);
@@ -121,6 +132,11 @@ impl Timings {
         let now = clock();
         add(rows, name, now.saturating_sub(*since).as_secs_f64() * 1e3);
         *since = now;
+    }
+
+    /// What was recorded for each row of the frame, in order of first use; before its times are read.
+    pub fn counts(&self) -> &[(&'static str, Counts)] {
+        &self.counts
     }
 
     /// Records the resolve; once per frame, after the last pass.
@@ -150,6 +166,7 @@ impl Timings {
     /// Begins to read what [`read`](Self::read) gives, after the submission of the frame, and starts over:
     /// the next frame may be recorded at once.
     pub fn later(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) -> Rows {
+        self.counts.clear();
         let source = match &mut self.source {
             Source::Timestamps { resolved, names, period, .. } => RowSource::Ticks {
                 ticks: Pending::buffer(device, queue, resolved),

@@ -80,7 +80,12 @@ impl Hair {
     }
 
     /// Step `i` of the air.
-    pub(crate) fn record_wind(&self, pass: &mut wgpu::ComputePass<'_>, stage: &wind::Pipelines, i: u32) {
+    pub(crate) fn record_wind(
+        &self,
+        pass: &mut crate::gpu::ComputePass<'_>,
+        stage: &wind::Pipelines,
+        i: u32,
+    ) {
         if let Some(air) = &self.air {
             air.record(stage, pass, &self.colliders, i);
         }
@@ -140,7 +145,7 @@ impl Hair {
     /// Step `i` of the guides: what the grids do to them, then the step itself.
     pub(crate) fn record_simulate(
         &self,
-        pass: &mut wgpu::ComputePass<'_>,
+        pass: &mut crate::gpu::ComputePass<'_>,
         stage: &simulate::Pipelines,
         i: u32,
     ) {
@@ -154,20 +159,24 @@ impl Hair {
     /// Step `i` of the grid of the hair.
     pub(crate) fn record_volume(
         &mut self,
-        pass: &mut wgpu::ComputePass<'_>,
+        pass: &mut crate::gpu::ComputePass<'_>,
         stage: &volume::Pipelines,
         i: u32,
     ) {
         self.volume.record(stage, pass, &self.colliders, i);
     }
 
-    pub(crate) fn record_tessellate(&self, pass: &mut wgpu::ComputePass<'_>, stage: &tessellate::Pipelines) {
+    pub(crate) fn record_tessellate(
+        &self,
+        pass: &mut crate::gpu::ComputePass<'_>,
+        stage: &tessellate::Pipelines,
+    ) {
         self.tessellation.record(stage, pass, &self.guides);
     }
 
     pub(crate) fn record_interpolate(
         &self,
-        pass: &mut wgpu::ComputePass<'_>,
+        pass: &mut crate::gpu::ComputePass<'_>,
         stage: &interpolate::Pipelines,
         widths: &Widths,
     ) {
@@ -175,7 +184,7 @@ impl Hair {
         self.interpolation.record(stage, pass, &self.strands);
     }
 
-    pub(crate) fn record_avoid(&self, pass: &mut wgpu::ComputePass<'_>, stage: &avoid::Pipelines) {
+    pub(crate) fn record_avoid(&self, pass: &mut crate::gpu::ComputePass<'_>, stage: &avoid::Pipelines) {
         self.avoidance.record(stage, pass, &self.colliders, &self.strands);
     }
 }

@@ -92,7 +92,12 @@ impl Interpolation {
     }
 
     /// Records the stage: one thread per strand.
-    pub fn record(&self, pipelines: &Pipelines, pass: &mut wgpu::ComputePass<'_>, strands: &StrandBuffers) {
+    pub fn record(
+        &self,
+        pipelines: &Pipelines,
+        pass: &mut crate::gpu::ComputePass<'_>,
+        strands: &StrandBuffers,
+    ) {
         pipelines.kernel.record(pass, &self.group, &[], strands.drawn.count.div_ceil(STRAND_WORKGROUP));
     }
 }

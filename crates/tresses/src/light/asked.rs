@@ -48,7 +48,7 @@ impl<A: Pod> Asked<A> {
 
     /// Asks; after the passes that make what it asks for.
     pub(super) fn record(&self, encoder: &mut wgpu::CommandEncoder) {
-        let mut pass = encoder.begin_compute_pass(&Default::default());
+        let mut pass = crate::gpu::compute_pass(encoder, &Default::default());
         self.kernel.record(&mut pass, &self.group, &[], self.points.div_ceil(STRAND_WORKGROUP));
     }
 

@@ -52,12 +52,17 @@ impl Chosen {
 
     /// Empties the lists; before [`record`](Self::record), outside of passes.
     pub(super) fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
-        encoder.clear_buffer(&self.workgroups, 0, None);
-        self.lists.iter().for_each(|list| encoder.clear_buffer(list, 0, Some(4)));
+        crate::gpu::pass::clear(encoder, &self.workgroups, None);
+        self.lists.iter().for_each(|list| crate::gpu::pass::clear(encoder, list, Some(4)));
     }
 
     /// Chooses and shades.
-    pub(super) fn record(&self, pipelines: &Pipelines, pass: &mut wgpu::ComputePass<'_>, hair: &HairSet) {
+    pub(super) fn record(
+        &self,
+        pipelines: &Pipelines,
+        pass: &mut crate::gpu::ComputePass<'_>,
+        hair: &HairSet,
+    ) {
         pipelines.choose.record(pass, &self.choose, &[], hair.drawn.count.div_ceil(STRAND_WORKGROUP));
         pass.set_bind_group(1, &pipelines.gap, &[]);
         pass.set_bind_group(2, &hair.fiber.group, &[]);

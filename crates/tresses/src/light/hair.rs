@@ -204,7 +204,7 @@ pub(crate) struct Seen<'a> {
 
 impl Seen<'_> {
     /// Records its strips; the pipeline is set, and the frame's group is bound.
-    pub fn record_strips(&self, pass: &mut wgpu::RenderPass<'_>) {
+    pub fn record_strips(&self, pass: &mut crate::gpu::RenderPass<'_>) {
         pass.set_bind_group(1, &self.shaded.group, &[]);
         pass.set_bind_group(2, &self.hair.fiber.group, &[]);
         if let Some(strips) = self.hair.strips.get(&self.hair.drawn.vertex_count) {

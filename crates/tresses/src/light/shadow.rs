@@ -157,20 +157,23 @@ impl ShadowMaps {
         }
         let body = if bodies.is_empty() { None } else { Some(pipelines.shadow_body()?) };
         for (i, layer) in self.layers[..maps].iter().enumerate() {
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("shadow"),
-                color_attachments: &[],
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: layer,
-                    depth_ops: Some(wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(1.0),
-                        store: wgpu::StoreOp::Store,
+            let mut pass = crate::gpu::render_pass(
+                encoder,
+                &wgpu::RenderPassDescriptor {
+                    label: Some("shadow"),
+                    color_attachments: &[],
+                    depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                        view: layer,
+                        depth_ops: Some(wgpu::Operations {
+                            load: wgpu::LoadOp::Clear(1.0),
+                            store: wgpu::StoreOp::Store,
+                        }),
+                        stencil_ops: None,
                     }),
-                    stencil_ops: None,
-                }),
-                timestamp_writes: timings.as_deref_mut().and_then(|timings| timings.render("shadow")),
-                ..Default::default()
-            });
+                    timestamp_writes: timings.as_deref_mut().and_then(|timings| timings.render("shadow")),
+                    ..Default::default()
+                },
+            );
             pass.set_bind_group(0, &self.layer_group, &[(STEP * i as u64) as u32]);
             if let Some(body) = &body {
                 pass.set_pipeline(body);
@@ -178,15 +181,18 @@ impl ShadowMaps {
             }
         }
         let words = maps as u64 * map_words(method, self.resolution, across);
-        encoder.clear_buffer(&self.hair, 0, Some(4 * words));
+        crate::gpu::pass::clear(encoder, &self.hair, Some(4 * words));
         let Some(first) = hair.first() else {
-            encoder.clear_buffer(&self.blocks, 0, None);
+            crate::gpu::pass::clear(encoder, &self.blocks, None);
             return Ok(());
         };
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some("shadow"),
-            timestamp_writes: timings.and_then(|timings| timings.compute("shadow")),
-        });
+        let mut pass = crate::gpu::compute_pass(
+            encoder,
+            &wgpu::ComputePassDescriptor {
+                label: Some("shadow"),
+                timestamp_writes: timings.and_then(|timings| timings.compute("shadow")),
+            },
+        );
         let mut run = |kernel: &Kernel, of: &Seen<'_>, threads: u64| {
             let workgroups = threads.div_ceil(u64::from(STRAND_WORKGROUP)) as u32;
             kernel.record(&mut pass, &of.shaded.splat, &[], workgroups);

@@ -122,10 +122,13 @@ impl State {
         hair: &[Seen<'_>],
         rate: ShadingRate,
     ) {
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some("shade"),
-            timestamp_writes: timings.and_then(|timings| timings.compute("shade")),
-        });
+        let mut pass = crate::gpu::compute_pass(
+            encoder,
+            &wgpu::ComputePassDescriptor {
+                label: Some("shade"),
+                timestamp_writes: timings.and_then(|timings| timings.compute("shade")),
+            },
+        );
         pass.set_bind_group(1, &pipelines.gap, &[]);
         for Seen { hair, shaded } in hair {
             let [count, spans] = [hair.drawn.count, hair.spans[1]];
@@ -152,10 +155,13 @@ impl State {
         hair: &[(&HairSet, &Chosen)],
     ) {
         hair.iter().for_each(|(_, chosen)| chosen.clear(encoder));
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some("shade"),
-            timestamp_writes: timings.and_then(|timings| timings.compute("shade")),
-        });
+        let mut pass = crate::gpu::compute_pass(
+            encoder,
+            &wgpu::ComputePassDescriptor {
+                label: Some("shade"),
+                timestamp_writes: timings.and_then(|timings| timings.compute("shade")),
+            },
+        );
         for (hair, chosen) in hair {
             chosen.record(pipelines, &mut pass, hair);
         }

@@ -77,8 +77,10 @@ impl Terms {
 
     /// Records the kernel for all vertices of `hair`, in the place of [`super::State::shade`].
     pub(crate) fn record(&self, encoder: &mut wgpu::CommandEncoder, hair: &[Seen<'_>], term: Term) {
-        let mut pass = encoder
-            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("terms"), ..Default::default() });
+        let mut pass = crate::gpu::compute_pass(
+            encoder,
+            &wgpu::ComputePassDescriptor { label: Some("terms"), ..Default::default() },
+        );
         pass.set_bind_group(1, &self.groups[term as usize], &[]);
         for Seen { hair, shaded } in hair {
             let workgroups = (hair.drawn.count * hair.drawn.vertex_count).div_ceil(STRAND_WORKGROUP);

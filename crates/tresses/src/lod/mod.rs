@@ -430,7 +430,7 @@ impl Lod {
         Ok(())
     }
 
-    pub(crate) fn record(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Widths) {
+    pub(crate) fn record(&self, pass: &mut crate::gpu::ComputePass<'_>, stage: &Widths) {
         if self.sets {
             self.buffers.record(pass, stage, self.detail.strands);
         }

@@ -105,7 +105,7 @@ impl WidthBuffers {
         queue.write_buffer(&self.params, 0, bytemuck::bytes_of(&params));
     }
 
-    pub fn record(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Widths, count: u32) {
+    pub fn record(&self, pass: &mut crate::gpu::ComputePass<'_>, stage: &Widths, count: u32) {
         stage.0.record(pass, &self.group, &[], count.div_ceil(STRAND_WORKGROUP));
     }
 

@@ -192,20 +192,23 @@ impl State {
         output: &wgpu::TextureView,
     ) -> Result<()> {
         let pipeline = pipelines.get(self.coverage, (targets.samples, targets.ssaa), self.format)?;
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("present"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: output,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
-            timestamp_writes: timings.and_then(|timings| timings.render("present")),
-            ..Default::default()
-        });
+        let mut pass = crate::gpu::render_pass(
+            encoder,
+            &wgpu::RenderPassDescriptor {
+                label: Some("present"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: output,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                        store: wgpu::StoreOp::Store,
+                    },
+                })],
+                timestamp_writes: timings.and_then(|timings| timings.render("present")),
+                ..Default::default()
+            },
+        );
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &self.group, &[]);
         pass.draw(0..3, 0..1);

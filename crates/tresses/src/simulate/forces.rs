@@ -132,7 +132,7 @@ impl Forces {
     }
 
     /// Records the dispatch for step `i` of those that [`Volume::prepare`] wrote.
-    pub fn record(&self, simulate: &super::Pipelines, pass: &mut wgpu::ComputePass<'_>, i: u32) {
+    pub fn record(&self, simulate: &super::Pipelines, pass: &mut crate::gpu::ComputePass<'_>, i: u32) {
         let workgroups = self.threads.div_ceil(VOLUME_WORKGROUP);
         simulate.forces.kernel.record(pass, &self.group, &[Volume::offset(i), i * AIR_STRIDE], workgroups);
     }

@@ -141,10 +141,13 @@ impl Setup {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let mut timings = timings;
         {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: None,
-                timestamp_writes: timings.as_deref_mut().and_then(|t| t.compute("simulate")),
-            });
+            let mut pass = crate::gpu::compute_pass(
+                &mut encoder,
+                &wgpu::ComputePassDescriptor {
+                    label: None,
+                    timestamp_writes: timings.as_deref_mut().and_then(|t| t.compute("simulate")),
+                },
+            );
             let count = self.simulation.prepare(&gpu.queue, params, steps, forced).unwrap();
             for i in 0..count {
                 self.simulation.record(&self.simulate, &mut pass, &self.colliders, i);

@@ -171,7 +171,7 @@ impl Simulation {
         &mut self,
         simulate: &Pipelines,
         queue: &wgpu::Queue,
-        pass: &mut wgpu::ComputePass<'_>,
+        pass: &mut crate::gpu::ComputePass<'_>,
         params: &SimulationParams,
         steps: &[Step],
         colliders: &ColliderSet,
@@ -215,7 +215,7 @@ impl Simulation {
     pub fn record(
         &self,
         simulate: &Pipelines,
-        pass: &mut wgpu::ComputePass<'_>,
+        pass: &mut crate::gpu::ComputePass<'_>,
         colliders: &ColliderSet,
         i: u32,
     ) {

@@ -41,7 +41,7 @@ impl Chunks {
     }
 
     /// Records the strips of the first `count` strands.
-    pub fn record(&self, pass: &mut wgpu::RenderPass<'_>, count: u32) {
+    pub fn record(&self, pass: &mut crate::gpu::RenderPass<'_>, count: u32) {
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
         for first in (0..count).step_by(self.strands_per_chunk as usize) {
             let strands = self.strands_per_chunk.min(count - first);

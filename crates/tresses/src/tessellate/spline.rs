@@ -99,7 +99,12 @@ impl Tessellation {
     }
 
     /// Records the stage: one thread per guide.
-    pub fn record(&self, pipelines: &Pipelines, pass: &mut wgpu::ComputePass<'_>, guides: &GuideBuffers) {
+    pub fn record(
+        &self,
+        pipelines: &Pipelines,
+        pass: &mut crate::gpu::ComputePass<'_>,
+        guides: &GuideBuffers,
+    ) {
         pipelines.kernel.record(pass, &self.group, &[], guides.count.div_ceil(GUIDE_WORKGROUP));
     }
 }

@@ -306,19 +306,22 @@ impl DebugStage {
         depth: &wgpu::TextureView,
         bodies: &[&Body],
     ) {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("debug depth"),
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: depth,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0.0),
-                    store: wgpu::StoreOp::Store,
+        let mut pass = crate::gpu::render_pass(
+            encoder,
+            &wgpu::RenderPassDescriptor {
+                label: Some("debug depth"),
+                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                    view: depth,
+                    depth_ops: Some(wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(0.0),
+                        store: wgpu::StoreOp::Store,
+                    }),
+                    stencil_ops: None,
                 }),
-                stencil_ops: None,
-            }),
-            timestamp_writes: timings.and_then(|timings| timings.render("debug")),
-            ..Default::default()
-        });
+                timestamp_writes: timings.and_then(|timings| timings.render("debug")),
+                ..Default::default()
+            },
+        );
         pass.set_pipeline(&self.body);
         pass.set_bind_group(0, view, &[]);
         bodies.iter().for_each(|body| body.record(&mut pass, 0.0));
@@ -327,31 +330,37 @@ impl DebugStage {
 
 impl Canvas<'_> {
     /// A pass over the picture; `hidden` tests against the body's depth.
-    fn pass(&mut self, hidden: bool) -> wgpu::RenderPass<'_> {
-        self.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("debug"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: self.output,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
-            })],
-            depth_stencil_attachment: hidden.then_some(wgpu::RenderPassDepthStencilAttachment {
-                view: self.depth,
-                depth_ops: None,
-                stencil_ops: None,
-            }),
-            timestamp_writes: self.timings.as_deref_mut().and_then(|timings| timings.render("debug")),
-            ..Default::default()
-        })
+    fn pass(&mut self, hidden: bool) -> crate::gpu::RenderPass<'_> {
+        crate::gpu::render_pass(
+            self.encoder,
+            &wgpu::RenderPassDescriptor {
+                label: Some("debug"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: self.output,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
+                })],
+                depth_stencil_attachment: hidden.then_some(wgpu::RenderPassDepthStencilAttachment {
+                    view: self.depth,
+                    depth_ops: None,
+                    stencil_ops: None,
+                }),
+                timestamp_writes: self.timings.as_deref_mut().and_then(|timings| timings.render("debug")),
+                ..Default::default()
+            },
+        )
     }
 
     /// A compute pass.
-    fn compute(&mut self) -> wgpu::ComputePass<'_> {
-        self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some("debug"),
-            timestamp_writes: self.timings.as_deref_mut().and_then(|timings| timings.compute("debug")),
-        })
+    fn compute(&mut self) -> crate::gpu::ComputePass<'_> {
+        crate::gpu::compute_pass(
+            self.encoder,
+            &wgpu::ComputePassDescriptor {
+                label: Some("debug"),
+                timestamp_writes: self.timings.as_deref_mut().and_then(|timings| timings.compute("debug")),
+            },
+        )
     }
 
     fn paint(&self, paint: &Paint) -> wgpu::Buffer {

@@ -81,25 +81,28 @@ impl Overdraw {
                 view_formats: &[],
             })
             .create_view(&Default::default());
-        let mut pass = canvas.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("overdraw"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &counts,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: canvas.depth,
-                depth_ops: None,
-                stencil_ops: None,
-            }),
-            timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.render("debug")),
-            ..Default::default()
-        });
+        let mut pass = crate::gpu::render_pass(
+            canvas.encoder,
+            &wgpu::RenderPassDescriptor {
+                label: Some("overdraw"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &counts,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                        store: wgpu::StoreOp::Store,
+                    },
+                })],
+                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                    view: canvas.depth,
+                    depth_ops: None,
+                    stencil_ops: None,
+                }),
+                timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.render("debug")),
+                ..Default::default()
+            },
+        );
         pass.set_pipeline(&count);
         pass.set_bind_group(0, frame, &[]);
         hair.iter().for_each(|seen| seen.record_strips(&mut pass));

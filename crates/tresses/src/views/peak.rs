@@ -33,7 +33,7 @@ impl Peak {
             ],
         );
         let mut encoder = device.create_command_encoder(&Default::default());
-        self.0.record(&mut encoder.begin_compute_pass(&Default::default()), &group, &[], 1);
+        self.0.record(&mut crate::gpu::compute_pass(&mut encoder, &Default::default()), &group, &[], 1);
         queue.submit([encoder.finish()]);
         Ok(readback::buffer::<f32>(device, queue, &result).await?[0])
     }

@@ -86,6 +86,6 @@ impl StrandsKernel {
         ];
         let group = self.0.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()));
         let workgroups = (set.drawn.count * set.drawn.vertex_count).div_ceil(STRAND_WORKGROUP);
-        self.0.record(&mut encoder.begin_compute_pass(&Default::default()), &group, &[], workgroups);
+        self.0.record(&mut crate::gpu::compute_pass(encoder, &Default::default()), &group, &[], workgroups);
     }
 }

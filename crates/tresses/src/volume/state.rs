@@ -240,7 +240,7 @@ impl Volume {
     pub fn record(
         &mut self,
         pipelines: &Pipelines,
-        pass: &mut wgpu::ComputePass<'_>,
+        pass: &mut crate::gpu::ComputePass<'_>,
         colliders: &ColliderSet,
         i: u32,
     ) {
@@ -285,7 +285,7 @@ impl Volume {
     }
 
     /// Hair into the grid.
-    pub(super) fn grids(&self, pipelines: &Pipelines, pass: &mut wgpu::ComputePass<'_>, slot: u32) {
+    pub(super) fn grids(&self, pipelines: &Pipelines, pass: &mut crate::gpu::ComputePass<'_>, slot: u32) {
         let offset = [Self::offset(slot)];
         let splatted = (self.base.splat_count * self.base.samples).div_ceil(VOLUME_WORKGROUP);
         pipelines.splat.record(pass, &self.groups.splat, &offset, splatted);

@@ -296,7 +296,7 @@ impl Air {
     pub fn record(
         &self,
         pipelines: &Pipelines,
-        pass: &mut wgpu::ComputePass<'_>,
+        pass: &mut crate::gpu::ComputePass<'_>,
         colliders: &ColliderSet,
         index: u32,
     ) {

@@ -134,7 +134,7 @@ fn drift(
         let now = left.min(MAX_STEPS);
         let mut encoder = device.create_command_encoder(&Default::default());
         {
-            let mut pass = encoder.begin_compute_pass(&Default::default());
+            let mut pass = tresses::gpu::compute_pass(&mut encoder, &Default::default());
             let steps = vec![step; now as usize];
             let (substeps, length) = (params.substeps, params.step);
             let moments = Moments { steps: &steps, substeps, step: length, head: still, alpha: 1.0 };

@@ -53,7 +53,7 @@ fn draw(
     interpolation.prepare(queue, &guides, &strands);
     let mut encoder = device.create_command_encoder(&Default::default());
     {
-        let mut pass = encoder.begin_compute_pass(&Default::default());
+        let mut pass = tresses::gpu::compute_pass(&mut encoder, &Default::default());
         tessellation.record(&tessellate, &mut pass, &guides);
         interpolation.record(&interpolate, &mut pass, &strands);
     }

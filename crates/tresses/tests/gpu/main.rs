@@ -10,6 +10,7 @@ mod character;
 mod chosen;
 mod collide;
 mod common;
+mod counts;
 mod curls;
 mod draw;
 mod edges;

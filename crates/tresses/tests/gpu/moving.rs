@@ -83,7 +83,7 @@ pub fn search(gpu: &Gpu, pipelines: &Pipelines, hair: &Hair) -> Vec<StrandState>
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     hair.avoidance.record_search(
         &pipelines.avoid,
-        &mut encoder.begin_compute_pass(&Default::default()),
+        &mut tresses::gpu::compute_pass(&mut encoder, &Default::default()),
         &hair.colliders,
         &hair.strands,
     );

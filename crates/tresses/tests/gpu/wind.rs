@@ -170,7 +170,7 @@ impl Tunnel {
         let due = Steps { steps: &steps, length: step, substeps };
         self.air.prepare(queue, &wind, diameter, &due, self.hair);
         let mut encoder = device.create_command_encoder(&Default::default());
-        let mut pass = encoder.begin_compute_pass(&Default::default());
+        let mut pass = tresses::gpu::compute_pass(&mut encoder, &Default::default());
         self.air.record(self.fluid, &mut pass, &self.colliders, 0);
         drop(pass);
         queue.submit([encoder.finish()]);

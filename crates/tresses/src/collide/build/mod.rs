@@ -265,10 +265,10 @@ impl<'a> Job<'a> {
                 .device
                 .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("field builder") });
             {
-                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                    label: Some("field builder"),
-                    timestamp_writes: None,
-                });
+                let mut pass = crate::gpu::compute_pass(
+                    &mut encoder,
+                    &wgpu::ComputePassDescriptor { label: Some("field builder"), timestamp_writes: None },
+                );
                 kernel.record(&mut pass, &group, &[], (end - begin).div_ceil(BUILD_WORKGROUP));
             }
             self.queue.submit([encoder.finish()]);

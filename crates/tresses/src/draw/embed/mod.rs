@@ -165,17 +165,20 @@ impl Embed {
     pub(crate) fn record(&self, canvas: &mut Canvas<'_>, into: &Surroundings<'_>) {
         let hair = canvas.targets.tiles.as_ref().map_or(&canvas.targets.hdr, |tiles| &tiles.hair);
         let group = self.bind(canvas.device, &self.composite_layout, hair);
-        let mut pass = canvas.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("embed"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: into.color,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
-            })],
-            timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.render("embed")),
-            ..Default::default()
-        });
+        let mut pass = crate::gpu::render_pass(
+            canvas.encoder,
+            &wgpu::RenderPassDescriptor {
+                label: Some("embed"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: into.color,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
+                })],
+                timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.render("embed")),
+                ..Default::default()
+            },
+        );
         pass.set_pipeline(&self.composite);
         pass.set_bind_group(0, &group, &[]);
         pass.draw(0..3, 0..1);

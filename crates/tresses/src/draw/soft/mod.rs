@@ -200,23 +200,26 @@ impl Soft {
 
         let surface = pipelines.surface(canvas.device)?;
         let strays: Vec<_> = bodies.iter().map(|body| canvas.stray(body)).collect();
-        let mut pass = canvas.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("body"),
-            color_attachments: &[cleared(&self.position), cleared(&self.normal)],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &self.depth,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0.0),
-                    store: wgpu::StoreOp::Discard,
+        let mut pass = crate::gpu::render_pass(
+            canvas.encoder,
+            &wgpu::RenderPassDescriptor {
+                label: Some("body"),
+                color_attachments: &[cleared(&self.position), cleared(&self.normal)],
+                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                    view: &self.depth,
+                    depth_ops: Some(wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(0.0),
+                        store: wgpu::StoreOp::Discard,
+                    }),
+                    stencil_ops: None,
                 }),
-                stencil_ops: None,
-            }),
-            timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.render("body")),
-            ..Default::default()
-        });
+                timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.render("body")),
+                ..Default::default()
+            },
+        );
         // The middle of a point's pixel is that of its square, also where the last squares reach beyond the picture.
         let [width, height] = self.size.map(|side| side as f32 / across as f32);
-        pass.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
+        pass.set_viewport(width, height);
         pass.set_pipeline(&surface);
         pass.set_bind_group(0, canvas.frame, &[]);
         bodies.iter().zip(strays).for_each(|(body, stray)| body.record(&mut pass, stray));
@@ -232,10 +235,13 @@ impl Soft {
         let light = canvas.light.1.frame_resources(canvas.eye);
         let lit = [&light[..], &[position, normal, soft, points, asked, count]].concat();
         let lit = pipelines.ask.bind(canvas.device, &lit);
-        let mut pass = canvas.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some("body"),
-            timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.compute("body")),
-        });
+        let mut pass = crate::gpu::compute_pass(
+            canvas.encoder,
+            &wgpu::ComputePassDescriptor {
+                label: Some("body"),
+                timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.compute("body")),
+            },
+        );
         pipelines.list.record(&mut pass, &listed, &[], (wide * high).div_ceil(STRAND_WORKGROUP));
         pipelines.ask.record_indirect(&mut pass, &lit, &[], (&self.count, 0));
         Ok(())

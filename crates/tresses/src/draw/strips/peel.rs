@@ -7,6 +7,7 @@ use crate::{
     gpu::{
         Binding,
         bindings::{group, layout},
+        pass,
         pipeline::{DEPTH_FORMAT, Recipe, blended},
     },
     light::{Seen, ShadingRate},
@@ -118,6 +119,7 @@ impl Peel {
                 now.as_image_copy(),
                 now.size(),
             );
+            pass::copied(pass::bytes(now));
             let kept = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
             let depth = Some((&layers.depth_views[i % 2], Some(kept)));
             let mut pass = canvas.begin("hair", &[(&layers.layer, clear)], depth);
@@ -162,7 +164,7 @@ impl Canvas<'_> {
         name: &'static str,
         colors: &[Cleared<'_>],
         depth: Option<(&wgpu::TextureView, Option<wgpu::Operations<f32>>)>,
-    ) -> wgpu::RenderPass<'_> {
+    ) -> crate::gpu::RenderPass<'_> {
         let attachments: Vec<_> = colors
             .iter()
             .map(|(view, load)| {
@@ -174,17 +176,18 @@ impl Canvas<'_> {
                 })
             })
             .collect();
-        self.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some(name),
-            color_attachments: &attachments,
-            depth_stencil_attachment: depth.map(|(view, depth_ops)| wgpu::RenderPassDepthStencilAttachment {
-                view,
-                depth_ops,
-                stencil_ops: None,
-            }),
-            timestamp_writes: self.timings.as_deref_mut().and_then(|timings| timings.render(name)),
-            ..Default::default()
-        })
+        crate::gpu::render_pass(
+            self.encoder,
+            &wgpu::RenderPassDescriptor {
+                label: Some(name),
+                color_attachments: &attachments,
+                depth_stencil_attachment: depth.map(|(view, depth_ops)| {
+                    wgpu::RenderPassDepthStencilAttachment { view, depth_ops, stencil_ops: None }
+                }),
+                timestamp_writes: self.timings.as_deref_mut().and_then(|timings| timings.render(name)),
+                ..Default::default()
+            },
+        )
     }
 }
 

@@ -69,7 +69,13 @@ impl<'a> Round<'a> {
     }
 
     /// Records a kernel with the workgroups that a field of [`Control`] tells.
-    fn run(&self, pass: &mut wgpu::ComputePass<'_>, kernel: &Kernel, group: &wgpu::BindGroup, field: usize) {
+    fn run(
+        &self,
+        pass: &mut crate::gpu::ComputePass<'_>,
+        kernel: &Kernel,
+        group: &wgpu::BindGroup,
+        field: usize,
+    ) {
         let workgroups = (self.control, field as u64 + 16 * u64::from(self.number));
         kernel.record_indirect(pass, group, &[state::STEP as u32 * self.number], workgroups);
     }
@@ -93,18 +99,21 @@ impl Pipelines {
     pub fn record_bins(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>], linear: bool) -> Result<()> {
         let tiles = tiles(canvas)?;
         // Where no tile is busy nothing is written.
-        canvas.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("no hair"),
-            color_attachments: &[cleared(&tiles.hair)],
-            ..Default::default()
-        });
+        crate::gpu::render_pass(
+            canvas.encoder,
+            &wgpu::RenderPassDescriptor {
+                label: Some("no hair"),
+                color_attachments: &[cleared(&tiles.hair)],
+                ..Default::default()
+            },
+        );
         if hair.is_empty() {
             return Ok(());
         }
         let bound = tiles.bind(self, canvas, hair, linear)?;
         let Some(bound) = bound.as_ref() else { return Ok(()) };
         for buffer in [&tiles.farthest, &tiles.bins, &tiles.ranges, &bound.seen, &bound.points.buffer] {
-            canvas.encoder.clear_buffer(buffer, 0, None);
+            crate::gpu::pass::clear(canvas.encoder, buffer, None);
         }
         let many = usize::from(canvas.targets.samples > 1);
         let mut pass = compute(canvas, "bins");
@@ -180,9 +189,12 @@ impl Pipelines {
 }
 
 /// A compute pass, timed under a name.
-fn compute<'e>(canvas: &'e mut Canvas<'_>, name: &'static str) -> wgpu::ComputePass<'e> {
-    canvas.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-        label: Some(name),
-        timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.compute(name)),
-    })
+fn compute<'e>(canvas: &'e mut Canvas<'_>, name: &'static str) -> crate::gpu::ComputePass<'e> {
+    crate::gpu::compute_pass(
+        canvas.encoder,
+        &wgpu::ComputePassDescriptor {
+            label: Some(name),
+            timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.compute(name)),
+        },
+    )
 }

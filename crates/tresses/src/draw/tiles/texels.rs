@@ -1,6 +1,6 @@
 //! A buffer that one kernel writes and others read much, as the texture that these read.
 
-use crate::{Result, constants::TILE_POINTS, strands::buffers::storage};
+use crate::{Result, constants::TILE_POINTS, gpu::pass, strands::buffers::storage};
 
 /// Values in a buffer, and a texture that they are copied to, rows of [`TILE_POINTS`] of them: software drivers
 /// load texels many lanes at a time, but words of a buffer lane by lane.
@@ -55,6 +55,7 @@ impl Texels {
             self.texture.as_image_copy(),
             wgpu::Extent3d { width: TILE_POINTS, height, depth_or_array_layers: 1 },
         );
+        pass::copied(u64::from(height) * u64::from(TILE_POINTS * bytes(self.texture.format())));
     }
 
     /// The values as a buffer.

@@ -198,11 +198,14 @@ impl Ambient {
         hair: &[Seen<'_>],
         bodies: &[&Body],
     ) {
-        encoder.clear_buffer(&self.sums, 0, None);
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some("ambient"),
-            timestamp_writes: timings.and_then(|timings| timings.compute("ambient")),
-        });
+        crate::gpu::pass::clear(encoder, &self.sums, None);
+        let mut pass = crate::gpu::compute_pass(
+            encoder,
+            &wgpu::ComputePassDescriptor {
+                label: Some("ambient"),
+                timestamp_writes: timings.and_then(|timings| timings.compute("ambient")),
+            },
+        );
         let pass = &mut pass;
         for Seen { hair, shaded } in hair {
             let every = (hair.drawn.count / AMBIENT_STRANDS).max(1);

@@ -79,7 +79,7 @@ impl GrabKernels {
     /// `workgroups` for strand vertices and for guide vertices; `picks` begins the grab.
     pub fn record(
         &self,
-        pass: &mut wgpu::ComputePass<'_>,
+        pass: &mut crate::gpu::ComputePass<'_>,
         groups: &Groups,
         workgroups: [u32; 2],
         offset: u32,

@@ -304,7 +304,7 @@ impl Grab {
     pub(crate) fn record(
         &self,
         simulate: &Pipelines,
-        pass: &mut wgpu::ComputePass<'_>,
+        pass: &mut crate::gpu::ComputePass<'_>,
         colliders: &ColliderSet,
         i: u32,
     ) {

@@ -91,7 +91,7 @@ fn samples_of_two_vertices_are_as_good_as_all_of_them() {
 }
 
 /// Milliseconds of the quickest of 40 runs, each waited for.
-fn quickest(scene: &mut Setup, mut record: impl FnMut(&mut Setup, &mut wgpu::ComputePass<'_>)) -> f64 {
+fn quickest(scene: &mut Setup, mut record: impl FnMut(&mut Setup, &mut crate::gpu::ComputePass<'_>)) -> f64 {
     (0..40)
         .map(|_| {
             let start = std::time::Instant::now();

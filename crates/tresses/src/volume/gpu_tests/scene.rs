@@ -87,9 +87,9 @@ impl Setup {
         write(&self.guides.velocity, velocity);
     }
 
-    pub(super) fn submit(&mut self, record: impl FnOnce(&mut Self, &mut wgpu::ComputePass<'_>)) {
+    pub(super) fn submit(&mut self, record: impl FnOnce(&mut Self, &mut crate::gpu::ComputePass<'_>)) {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        record(self, &mut encoder.begin_compute_pass(&Default::default()));
+        record(self, &mut crate::gpu::compute_pass(&mut encoder, &Default::default()));
         self.gpu.queue.submit([encoder.finish()]);
     }
 

@@ -139,7 +139,11 @@ fn orders() {
         for _ in 0..25 {
             for ((between, buffers), times) in runs.iter().zip(&mut times) {
                 let mut encoder = device.create_command_encoder(&Default::default());
-                between.record(&interpolate, &mut encoder.begin_compute_pass(&Default::default()), buffers);
+                between.record(
+                    &interpolate,
+                    &mut tresses::gpu::compute_pass(&mut encoder, &Default::default()),
+                    buffers,
+                );
                 let start = std::time::Instant::now();
                 queue.submit([encoder.finish()]);
                 device.poll(wgpu::PollType::wait_indefinitely()).unwrap();

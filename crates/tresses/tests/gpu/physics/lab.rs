@@ -89,7 +89,7 @@ impl Experiment {
         for steps in steps.chunks(MAX_STEPS as usize) {
             let mut encoder = device.create_command_encoder(&Default::default());
             {
-                let mut pass = encoder.begin_compute_pass(&Default::default());
+                let mut pass = tresses::gpu::compute_pass(&mut encoder, &Default::default());
                 let (substeps, head) = (self.params.substeps, steps[steps.len() - 1].end);
                 let moments = Moments { steps, substeps, step: self.params.step, head, alpha: 1.0 };
                 self.colliders.advance(queue, &ColliderPoses::default(), &moments).unwrap();

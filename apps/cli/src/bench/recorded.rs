@@ -1,0 +1,68 @@
+//! What a frame records, stage by stage: what costs on every driver, whatever it does.
+
+use super::report::table;
+use serde::Serialize;
+use tresses::gpu::Counts;
+
+/// What one stage records in one frame.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Recorded {
+    /// The stage, as its row of times.
+    pub stage: String,
+    /// Compute and render passes.
+    pub passes: u32,
+    /// Dispatches, those included whose workgroups the GPU counts.
+    pub dispatches: u32,
+    /// Draws.
+    pub draws: u32,
+    /// Pipelines that are set.
+    pub pipelines: u32,
+    /// Bind groups that are set.
+    pub groups: u32,
+    /// Copies and fills outside of passes.
+    pub transfers: u32,
+    /// Bytes that attachments and transfers move.
+    pub bytes: u64,
+}
+
+impl From<(&str, Counts)> for Recorded {
+    fn from((stage, counts): (&str, Counts)) -> Self {
+        let Counts { passes, dispatches, draws, pipelines, groups, transfers, bytes } = counts;
+        Self { stage: stage.into(), passes, dispatches, draws, pipelines, groups, transfers, bytes }
+    }
+}
+
+/// As a table with sums; empty where nothing is known.
+pub fn text(stages: &[Recorded]) -> String {
+    if stages.is_empty() {
+        return String::new();
+    }
+    let head = ["recorded", "passes", "dispatches", "draws", "pipelines", "bind groups", "transfers"];
+    let numbers = |of: &Recorded| {
+        [of.passes, of.dispatches, of.draws, of.pipelines, of.groups, of.transfers].map(u64::from)
+    };
+    let line = |name: &str, numbers: [u64; 6]| {
+        std::iter::once(name.to_owned()).chain(numbers.map(|n| n.to_string())).collect::<Vec<_>>()
+    };
+    let mut rows = vec![head.map(String::from).to_vec()];
+    rows.extend(stages.iter().map(|stage| line(&stage.stage, numbers(stage))));
+    let sum = |i: usize| stages.iter().map(|stage| numbers(stage)[i]).sum();
+    rows.push(line("the frame", std::array::from_fn(sum)));
+    table(&rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_frame_is_the_sum_of_its_stages() {
+        let counts = Counts { passes: 2, dispatches: 3, groups: 40, ..Counts::default() };
+        let stages =
+            [Recorded::from(("bins", counts)), Recorded { draws: 7, ..Recorded::from(("body", counts)) }];
+        let text = text(&stages);
+        let words: Vec<_> = text.lines().last().unwrap().split_whitespace().collect();
+        assert_eq!(words, ["the", "frame", "4", "6", "7", "0", "80", "0"]);
+        assert!(super::text(&[]).is_empty());
+    }
+}
