@@ -118,7 +118,8 @@ pub fn measure(variant: &Variant, software: bool, sitting: Sitting<'_>) -> Resul
     let mut scene = Photographer::open(&workload::style(Some(strands), variant.edges), size)
         .with_context(|| format!("{}, {}", variant.topic, variant.name))?;
     (variant.set)(&mut scene);
-    let run = workload::run(&mut scene, "in motion", "turn", size, sitting)?;
+    let camera = workload::camera(&scene, size, None);
+    let run = workload::run(&mut scene, "in motion", "turn", &camera, sitting)?;
     Ok(Look {
         topic: variant.topic.into(),
         name: variant.name.into(),

@@ -8,10 +8,11 @@ mod costs;
 mod lod;
 mod recorded;
 mod report;
+mod roofline;
 mod statistics;
 mod workload;
 
-use crate::{progress, say};
+use crate::{args::Size, progress, say};
 use anyhow::{Result, bail};
 use indicatif::ProgressBar;
 use report::{Adapter, Report};
@@ -27,9 +28,15 @@ pub struct Args {
     /// The head of that groom
     #[arg(long, value_name = "MESH", requires = "grooms")]
     pub head: Vec<PathBuf>,
-    /// Measure only the hair and the settings of a preset, at 1280x720
+    /// Measure only the hair and the settings of a preset
     #[arg(long, value_name = "FILE", conflicts_with_all = ["grooms", "costs", "appearance", "lod"])]
     pub preset: Option<PathBuf>,
+    /// The size of that preset's picture, pixels
+    #[arg(long, value_name = "WxH", requires = "preset", default_value = "1280x720")]
+    pub size: Size,
+    /// How far the camera is from that preset's hair, metres [default: a portrait's]
+    #[arg(long, requires = "preset")]
+    pub distance: Option<f32>,
     /// Measured frames per scene [default: 30, or 8 with --quick; for --appearance on a software adapter 3]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: Option<u32>,
@@ -48,6 +55,10 @@ pub struct Args {
     /// Measure only what a frame costs at a distance, in full detail and at its level of detail
     #[arg(long, conflicts_with_all = ["costs", "appearance"])]
     pub lod: bool,
+    /// Measure only what each stage must cost at least, by what its shaders do and by what the adapter can do, beside what it
+    /// costs: of a preset, or of the built-in long style
+    #[arg(long, conflicts_with_all = ["grooms", "costs", "appearance", "lod", "scenes"])]
+    pub roofline: bool,
     /// On a software adapter, measure the processor time of all threads: unlike elapsed time it hardly depends on
     /// what else the machine does
     #[cfg(unix)]
@@ -91,7 +102,7 @@ impl Args {
 
 /// Runs `tresses bench`.
 pub fn run(args: &Args) -> Result<()> {
-    let own = args.preset.as_ref().map(workload::own).transpose()?;
+    let own = args.preset.as_ref().map(|path| workload::own(path, args)).transpose()?;
     let gpu = pollster::block_on(Gpu::open())?;
     let mut report = Report { adapter: Adapter::of(&gpu), ..Report::default() };
     let software = gpu.tier.software;
@@ -103,6 +114,20 @@ pub fn run(args: &Args) -> Result<()> {
         );
     }
     drop(gpu);
+    if args.roofline {
+        let workload = own.unwrap_or_else(workload::long);
+        let bar = progress::frames("measuring", u64::from(args.frames()));
+        let sitting = Sitting { frames: args.frames(), clock: args.clock().unwrap_or(wall), bar: &bar };
+        let roofline = roofline::measure(&workload, sitting)?;
+        bar.finish_and_clear();
+        if args.json {
+            report.roofline = Some(roofline);
+            say!("{}", serde_json::to_string_pretty(&report)?);
+        } else {
+            say!("{}{}", report.adapter.text(), roofline::text(&roofline).trim_end());
+        }
+        return Ok(());
+    }
     let mut groups = Vec::new();
     let mut counts = Vec::new();
     let mut looks = Vec::new();

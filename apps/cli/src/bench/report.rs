@@ -5,6 +5,7 @@ use super::{
     costs::Costs,
     lod,
     recorded::{self, Recorded},
+    roofline::Roofline,
     statistics::{Summary, line},
 };
 use serde::Serialize;
@@ -25,6 +26,9 @@ pub struct Report {
     pub looks: Vec<Look>,
     /// Cost against distance.
     pub lod: Vec<lod::Point>,
+    /// What stages must cost at least.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub roofline: Option<Roofline>,
     /// Cost against the number of strands.
     pub line: Vec<Point>,
 }

@@ -27,12 +27,14 @@ pub const FPS: f64 = 60.0;
 
 /// One scene to measure.
 pub struct Workload {
-    name: String,
+    pub name: String,
     others: &'static str,
-    preset: Preset,
+    pub preset: Preset,
     /// Draw as many strands as make about this many triangles.
     triangles: Option<u64>,
-    size: Size,
+    pub size: Size,
+    /// Metres; `None` for that of a portrait.
+    pub distance: Option<f32>,
     /// The names of states and of their motions.
     pub runs: Vec<(&'static str, &'static str)>,
 }
@@ -92,6 +94,7 @@ pub fn seed() -> Vec<Workload> {
             preset: style(None, Edges::default()),
             triangles: Some(990_000),
             size: Size { width: 1920, height: 1200 },
+            distance: None,
             runs: runs.clone(),
         },
         Workload {
@@ -100,6 +103,7 @@ pub fn seed() -> Vec<Workload> {
             preset: style(None, Edges::default()),
             triangles: Some(2_100_000),
             size: Size { width: 1280, height: 1024 },
+            distance: None,
             runs,
         },
     ]
@@ -133,6 +137,7 @@ pub fn peer(args: &Args) -> Option<[Workload; 2]> {
             preset,
             triangles: None,
             size: Size { width: 1280, height: 720 },
+            distance: None,
             runs: vec![("at rest", "still"), ("in motion", "turn")],
         }
     };
@@ -142,8 +147,21 @@ pub fn peer(args: &Args) -> Option<[Workload; 2]> {
     ])
 }
 
+/// The built-in long style as the command draws it.
+pub fn long() -> Workload {
+    Workload {
+        name: "The style long".into(),
+        others: "",
+        preset: style(None, Edges::default()),
+        triangles: None,
+        size: Size { width: 1280, height: 720 },
+        distance: None,
+        runs: vec![("in motion", "turn")],
+    }
+}
+
 /// The hair and the settings of the preset at `path`.
-pub fn own(path: &PathBuf) -> Result<Workload> {
+pub fn own(path: &PathBuf, args: &Args) -> Result<Workload> {
     let preset = preset_args::open(Some(path))?;
     let name = preset.name.clone().unwrap_or_else(|| path.display().to_string());
     Ok(Workload {
@@ -151,7 +169,8 @@ pub fn own(path: &PathBuf) -> Result<Workload> {
         others: "",
         preset,
         triangles: None,
-        size: Size { width: 1280, height: 720 },
+        size: args.size,
+        distance: args.distance,
         runs: vec![("at rest", "still"), ("in motion", "turn")],
     })
 }
@@ -169,10 +188,11 @@ pub fn measure(workload: &Workload, sitting: Sitting<'_>) -> Result<Group> {
     }
     let mut scene =
         Photographer::with_samples_at_most(&preset, workload.size).with_context(|| workload.name.clone())?;
+    let camera = camera(&scene, workload.size, workload.distance);
     let runs = workload
         .runs
         .iter()
-        .map(|(state, motion)| run(&mut scene, state, motion, workload.size, sitting))
+        .map(|(state, motion)| run(&mut scene, state, motion, &camera, sitting))
         .collect::<Result<_>>()?;
     let facts = scene.facts();
     Ok(Group {
@@ -196,8 +216,15 @@ pub fn measure(workload: &Workload, sitting: Sitting<'_>) -> Result<Group> {
 pub fn point(strands: u32, sitting: Sitting<'_>) -> Result<Point> {
     let size = Size { width: 1280, height: 720 };
     let mut scene = Photographer::with_samples_at_most(&style(Some(strands), Edges::default()), size)?;
-    let run = run(&mut scene, "in motion", "turn", size, sitting)?;
+    let camera = camera(&scene, size, None);
+    let run = run(&mut scene, "in motion", "turn", &camera, sitting)?;
     Ok(Point { strands: scene.facts().strands, gpu: run.gpu, frame: run.frame })
+}
+
+/// A portrait, or the same direction from `distance` metres.
+pub fn camera(scene: &Photographer, size: Size, distance: Option<f32>) -> Viewpoint {
+    let portrait = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), size.aspect(), 1.0);
+    distance.map_or(portrait, |metres| portrait.moved(metres))
 }
 
 /// Measures `scene` in a motion.
@@ -205,12 +232,11 @@ pub fn run(
     scene: &mut Photographer,
     state: &str,
     motion: &str,
-    size: Size,
+    camera: &Viewpoint,
     Sitting { frames, clock, bar }: Sitting<'_>,
 ) -> Result<Run> {
     scene.measure_by(clock);
     let motion = Motion::named(motion).context("a built-in motion")?;
-    let camera = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), size.aspect(), 1.0);
     let pivot = scene.pivot();
     scene.reset(&motion.pose(0.0, pivot))?;
     let mut stages: Vec<(&'static str, Vec<f64>)> = Vec::new();
@@ -222,7 +248,7 @@ pub fn run(
             break;
         }
         let pose = motion.pose(f64::from(frame + 1) / FPS, pivot);
-        let measured = scene.measured_frame(&pose, (1.0 / FPS) as f32, &camera)?;
+        let measured = scene.measured_frame(&pose, (1.0 / FPS) as f32, camera)?;
         if frame < WARM_UP {
             continue;
         }

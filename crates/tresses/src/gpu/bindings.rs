@@ -5,6 +5,7 @@
 //! 4 MB and some milliseconds per draw, without end. It drops the idea only for shaders that hardly change by it. A shader
 //! that falls to it binds those values as [`Binding::Storage`], which the driver leaves alone; `apps/cli/tests/memory.rs` tells.
 
+use super::probe;
 use wgpu::{BindingType, BufferBindingType, SamplerBindingType, TextureSampleType, TextureViewDimension};
 
 /// What a shader sees at one binding.
@@ -151,7 +152,21 @@ pub fn group(
             resource: resource.clone(),
         })
         .collect();
-    device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
+    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some(label),
+        layout,
+        entries: &entries,
+    });
+    if let Some(probe) = probe::get() {
+        let bytes = |resource: &wgpu::BindingResource<'_>| match resource {
+            wgpu::BindingResource::Buffer(part) => {
+                part.size.map_or(part.buffer.size() - part.offset, wgpu::BufferSize::get)
+            }
+            _ => 0,
+        };
+        probe.bound(&group, resources.iter().map(bytes).collect());
+    }
+    group
 }
 
 /// A buffer of `size` bytes for values that are the same for a whole dispatch or draw, written through the queue: a

@@ -8,6 +8,7 @@ pub(crate) mod grid;
 pub mod kernel;
 pub mod pass;
 pub(crate) mod pipeline;
+pub mod probe;
 pub mod readback;
 pub mod timings;
 

@@ -4,6 +4,7 @@
 //! Counting is a few additions per pass. Who wants to know reads [`Timings::counts`](super::Timings::counts), which
 //! ascribes them to the rows of the frame.
 
+use super::probe::{GROUP, Groups};
 use std::{
     cell::Cell,
     ops::{AddAssign, Range},
@@ -69,6 +70,7 @@ pub(crate) fn take() -> Counts {
 pub struct ComputePass<'a> {
     pass: wgpu::ComputePass<'a>,
     counts: Counts,
+    groups: Groups,
 }
 
 /// A render pass that counts.
@@ -76,6 +78,7 @@ pub struct ComputePass<'a> {
 pub struct RenderPass<'a> {
     pass: wgpu::RenderPass<'a>,
     counts: Counts,
+    groups: Groups,
 }
 
 /// Begins a compute pass.
@@ -84,7 +87,7 @@ pub fn compute_pass<'a>(
     descriptor: &wgpu::ComputePassDescriptor<'_>,
 ) -> ComputePass<'a> {
     let counts = Counts { passes: 1, ..Counts::default() };
-    ComputePass { pass: encoder.begin_compute_pass(descriptor), counts }
+    ComputePass { pass: encoder.begin_compute_pass(descriptor), counts, groups: Groups::default() }
 }
 
 /// Begins a render pass.
@@ -93,7 +96,7 @@ pub fn render_pass<'a>(
     descriptor: &wgpu::RenderPassDescriptor<'_>,
 ) -> RenderPass<'a> {
     let counts = Counts { passes: 1, bytes: attached(descriptor), ..Counts::default() };
-    RenderPass { pass: encoder.begin_render_pass(descriptor), counts }
+    RenderPass { pass: encoder.begin_render_pass(descriptor), counts, groups: Groups::default() }
 }
 
 /// Fills `size` bytes of a buffer with zeros, or all of it.
@@ -126,6 +129,12 @@ pub(crate) fn bytes(texture: &wgpu::Texture) -> u64 {
 }
 
 impl ComputePass<'_> {
+    fn probe(&mut self) {
+        if let Some((group, from)) = self.groups.work() {
+            self.pass.set_bind_group(GROUP, &group, &[from]);
+        }
+    }
+
     /// As of wgpu's pass.
     pub fn set_pipeline(&mut self, pipeline: &wgpu::ComputePipeline) {
         self.counts.pipelines += 1;
@@ -135,23 +144,32 @@ impl ComputePass<'_> {
     /// As of wgpu's pass.
     pub fn set_bind_group(&mut self, index: u32, group: &wgpu::BindGroup, offsets: &[u32]) {
         self.counts.groups += 1;
+        self.groups.set(index, group);
         self.pass.set_bind_group(index, group, offsets);
     }
 
     /// As of wgpu's pass.
     pub fn dispatch_workgroups(&mut self, x: u32, y: u32, z: u32) {
+        self.probe();
         self.counts.dispatches += 1;
         self.pass.dispatch_workgroups(x, y, z);
     }
 
     /// As of wgpu's pass.
     pub fn dispatch_workgroups_indirect(&mut self, workgroups: &wgpu::Buffer, from: u64) {
+        self.probe();
         self.counts.dispatches += 1;
         self.pass.dispatch_workgroups_indirect(workgroups, from);
     }
 }
 
 impl RenderPass<'_> {
+    fn probe(&mut self) {
+        if let Some((group, from)) = self.groups.work() {
+            self.pass.set_bind_group(GROUP, &group, &[from]);
+        }
+    }
+
     /// As of wgpu's pass.
     pub fn set_pipeline(&mut self, pipeline: &wgpu::RenderPipeline) {
         self.counts.pipelines += 1;
@@ -161,6 +179,7 @@ impl RenderPass<'_> {
     /// As of wgpu's pass.
     pub fn set_bind_group(&mut self, index: u32, group: &wgpu::BindGroup, offsets: &[u32]) {
         self.counts.groups += 1;
+        self.groups.set(index, group);
         self.pass.set_bind_group(index, group, offsets);
     }
 
@@ -181,12 +200,14 @@ impl RenderPass<'_> {
 
     /// As of wgpu's pass.
     pub fn draw(&mut self, vertices: Range<u32>, instances: Range<u32>) {
+        self.probe();
         self.counts.draws += 1;
         self.pass.draw(vertices, instances);
     }
 
     /// As of wgpu's pass.
     pub fn draw_indexed(&mut self, indices: Range<u32>, base: i32, instances: Range<u32>) {
+        self.probe();
         self.counts.draws += 1;
         self.pass.draw_indexed(indices, base, instances);
     }

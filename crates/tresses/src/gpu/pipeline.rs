@@ -4,6 +4,7 @@
 //! No [`wgpu::PipelineCache`]: wgpu 30 makes one only by an `unsafe` call, since it believes the bytes that it is
 //! given, and this library forbids unsafe code. Drivers keep what they have compiled on their own.
 
+use super::probe;
 use crate::{Error, Result, shaders};
 use std::{
     collections::HashMap,
@@ -105,10 +106,7 @@ pub(crate) fn compute(
     options: wgpu::PipelineCompilationOptions<'_>,
 ) -> Result<wgpu::ComputePipeline> {
     scoped(device, label, || {
-        let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(label),
-            source: wgpu::ShaderSource::Wgsl(source.into()),
-        });
+        let shader = shader_module(device, label, source);
         device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(label),
             layout: Some(&pipeline_layout(device, label, layouts)),
@@ -121,10 +119,15 @@ pub(crate) fn compute(
 }
 
 fn module(device: &wgpu::Device, name: &'static str) -> wgpu::ShaderModule {
-    device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(name),
-        source: wgpu::ShaderSource::Wgsl(shaders::source(name).into()),
-    })
+    shader_module(device, name, shaders::source(name))
+}
+
+fn shader_module(device: &wgpu::Device, name: &str, wgsl: &str) -> wgpu::ShaderModule {
+    if let Some(probe) = probe::get() {
+        return probe.shader(device, name, wgsl);
+    }
+    let source = wgpu::ShaderSource::Wgsl(wgsl.into());
+    device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(name), source })
 }
 
 fn pipeline_layout(
@@ -132,9 +135,15 @@ fn pipeline_layout(
     label: &str,
     groups: &[&wgpu::BindGroupLayout],
 ) -> wgpu::PipelineLayout {
+    let mut groups: Vec<_> = groups.iter().map(|group| Some(*group)).collect();
+    let own = probe::get().map(|probe| probe.layout(device));
+    if own.is_some() {
+        groups.resize(probe::GROUP as usize, None);
+        groups.push(own.as_ref());
+    }
     device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some(label),
-        bind_group_layouts: &groups.iter().map(|group| Some(*group)).collect::<Vec<_>>(),
+        bind_group_layouts: &groups,
         immediate_size: 0,
     })
 }

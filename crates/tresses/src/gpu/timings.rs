@@ -2,6 +2,7 @@
 
 use super::{
     pass::{self, Counts},
+    probe,
     readback::Pending,
 };
 use crate::{Error, Result};
@@ -118,6 +119,9 @@ impl Timings {
         encoder: &mut wgpu::CommandEncoder,
         name: &'static str,
     ) {
+        if let Some(probe) = probe::get() {
+            probe.lap(name);
+        }
         let counts = pass::take();
         match self.counts.iter_mut().find(|(known, _)| *known == name) {
             Some((_, sum)) => *sum += counts,
