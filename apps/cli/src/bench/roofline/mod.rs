@@ -166,7 +166,8 @@ pub fn text(roofline: &Roofline) -> String {
             ms(bound),
             what.into(),
             ms(stage.time),
-            format!("{:.1}", stage.time / bound.max(1e-9)),
+            // What is not due in each frame may not have been in the one that counted.
+            if bound > 0.0 { format!("{:.1}", stage.time / bound) } else { "-".into() },
         ]);
     }
     let mut sum = vec![String::new(); head.len()];
@@ -199,9 +200,11 @@ mod tests {
         assert_eq!(Stage::new("bins", &done, 9_000_000, 6.0).bound(&rates), (5.0, "bytes"));
         let slow = Rates { atomics: 1e5, ..rates };
         assert_eq!(stage.bound(&slow), (10.0, "atomics"));
-        let text = text(&Roofline { name: "a scene".into(), rates, stages: vec![stage] });
+        let idle = Stage { name: "wind".into(), time: 1.0, ..Stage::default() };
+        let text = text(&Roofline { name: "a scene".into(), rates, stages: vec![stage, idle] });
         let last: Vec<_> = text.lines().last().expect("a sum").split_whitespace().collect();
-        assert_eq!(last, ["the", "frame", "3.00", "6.00", "2.0"]);
+        assert_eq!(last, ["the", "frame", "3.00", "7.00", "2.3"]);
         assert!(text.lines().any(|line| line.contains("bins") && line.contains("operations")));
+        assert!(text.lines().any(|line| line.contains("wind") && line.ends_with(" -")), "{text}");
     }
 }
