@@ -11,7 +11,7 @@ use crate::{
     loss,
     options::Options,
     orbit::Orbit,
-    pace::{Level, Pace},
+    pace::Pace,
     panels,
     play::Play,
     record::{Recording, Wish},
@@ -47,6 +47,8 @@ pub struct Studio {
     pub(crate) dialogs: Dialogs,
     /// The picture is to be saved.
     pub(crate) wants_picture: bool,
+    /// The last frame was drawn to be saved.
+    pub(crate) kept: bool,
     /// What has been done last, a sentence.
     pub(crate) said: Option<String>,
     /// Every parameter and the hair, with all that they were before.
@@ -71,8 +73,6 @@ pub struct Studio {
     pub(crate) balls: u32,
     pub(crate) tool: Tool,
     pub(crate) pace: Pace,
-    /// How finely the last picture was drawn.
-    pub(crate) drawn: Level,
     /// What is looked at instead of hair as it looks.
     pub(crate) view: Option<views::Shown>,
     /// The colours painted on the scalp that are to be seen when they arrive.
@@ -128,11 +128,11 @@ impl Studio {
             settings: History::new(settings, hair),
             dialogs: Dialogs::default(),
             wants_picture: false,
+            kept: false,
             said: None,
             regrow: false,
             rebuild: false,
             pace: Pace::new(gpu.tier.software),
-            drawn: Level::FULL,
             gpu,
             state,
             pipelines: None,
@@ -194,7 +194,6 @@ impl eframe::App for Studio {
         panels::record::show(self, ui);
         panels::ask::show(self, ui);
         self.work_off(&context);
-        self.save_picture(&context);
         self.draw(&context);
         if self.job.is_some() {
             // Seconds are counted.

@@ -89,10 +89,10 @@ impl Studio {
         }
         match &mut self.show {
             Some(show) => show.replace(stage),
-            None => self.show = Some(Show::new(stage)),
+            None => self.show = Some(Show::new(stage, &self.state)),
         }
         self.shown = Some(Shown { hair, notes, base, surroundings });
-        self.dirty = true;
+        (self.dirty, self.kept) = (true, false);
     }
 
     /// Shows what is shown in the light of `surroundings`, or of a photographer.

@@ -1,6 +1,11 @@
 //! One picture of the hair: when it is due, what has moved since the last, and how finely it is drawn.
 
-use crate::{app::Studio, ball::Ball, pace::Level, stage::Moment};
+use crate::{
+    app::Studio,
+    ball::Ball,
+    pace::Level,
+    stage::{Moment, Show},
+};
 use eframe::egui;
 use std::time::Duration;
 use tresses::{Pose, glam::Vec3};
@@ -42,15 +47,18 @@ impl Studio {
             self.awake = AWAKE;
         }
         let Some(show) = &mut self.show else { return };
-        let (busy, landed) = show.landed();
+        let (mut busy, landed) = show.landed();
         if let Some(ms) = landed {
             self.panels.frames.push(ms);
             if self.recording.is_none() && self.pace.landed(ms) {
                 self.dirty = true;
-                context.request_repaint();
             }
+        } else if busy && due && self.pace.moved() {
+            // What moves does not wait for a picture of what stood still.
+            show.give_up();
+            busy = false;
         }
-        if busy || self.record_on(context) {
+        if busy || self.record_on(context) || self.save_picture(context) {
             return;
         }
         if due {
@@ -79,7 +87,8 @@ impl Studio {
         }
         let seconds = self.play.advance(real, most).max(hand);
         let level = self.pace.level();
-        let again = !due && self.view.is_none() && self.drawn.is_only_smoothed(level);
+        let drawn = self.show.as_ref().and_then(Show::picture).map(|picture| picture.level);
+        let again = !due && self.view.is_none() && drawn.is_some_and(|drawn| drawn.is_only_smoothed(level));
         self.dress(level);
         let (pose, camera, size) = (self.pose(), self.orbit.camera(), self.size_at(level));
         let ssaa = self.ssaa_at(level, size);
@@ -87,7 +96,8 @@ impl Studio {
         let field = show.stage.field.as_ref().map(|field| (field, &pose));
         self.ball = self.ball.and_then(|ball| ball.advanced(seconds, field));
         let ball = self.ball.map(|ball| ball.at);
-        let moment = Moment { pose, seconds, camera, size, ssaa, ball, again };
+        let (level, parts) = (*level, self.pace.is_long(level));
+        let moment = Moment { pose, seconds, camera, size, ssaa, ball, again, level, parts };
         self.dirty = false;
         if let Err(error) = show.draw(&self.state, context, &moment) {
             self.error = Some(format!("{error:#}"));
@@ -114,15 +124,39 @@ impl Studio {
             self.rest = None;
             return false;
         }
+        if self.pace.finishes() {
+            return self.pace.refine();
+        }
         let rested = self.rest.get_or_insert_with(Instant::now).elapsed();
         let Some(left) = REST.checked_sub(rested) else { return self.pace.refine() };
         context.request_repaint_after(left);
         false
     }
 
-    /// Whether a still picture is refined: not while a pointer is down.
+    /// Whether a still picture is refined: not while a pointer is down, unless it was asked for.
     pub(crate) fn may_refine(&self, context: &egui::Context) -> bool {
-        self.job.is_none() && self.pace.can_refine() && !context.input(|input| input.pointer.any_down())
+        let down = context.input(|input| input.pointer.any_down());
+        self.job.is_none() && self.pace.can_refine() && (self.pace.finishes() || !down)
+    }
+
+    /// Stops the motion and draws the picture as finely as can be, however long it takes, unless something moves.
+    pub(crate) fn finish(&mut self) {
+        self.play.playing = false;
+        self.awake = 0.0;
+        self.pace.finish();
+    }
+
+    /// Whether [`finish`](Self::finish) would make it finer.
+    pub(crate) fn can_finish(&self) -> bool {
+        let Some(show) = &self.show else { return false };
+        let full = show.picture().is_some_and(|picture| self.pace.is_finest(&picture.level));
+        self.recording.is_none() && !self.pace.finishes() && (self.play.is_due() || !full)
+    }
+
+    /// How many parts of a picture that is being refined are done, of how many.
+    pub(crate) fn refined(&self) -> Option<(usize, usize)> {
+        let parts = self.show.as_ref()?.progress().filter(|(_, all)| *all > 1);
+        parts.filter(|_| self.pace.refines() && self.recording.is_none())
     }
 
     /// Lets a ball fall on the head.

@@ -8,16 +8,19 @@
 //! ```
 //!
 //! egui owns window, device and queue ([`device`] says what it asks the adapter for); [`stage`] draws
-//! into a texture of the viewport's size, on the same queue and before egui's own pass. At most one frame of
-//! hair is in flight at any time: meanwhile the window shows the previous one and stays responsive. Frame time
-//! controls the resolution ([`pace`]). Nothing is drawn unless hair moves or something changed.
+//! into a texture of its own, on the same queue. At most one frame of hair is in flight at any time ([`flight`]):
+//! meanwhile the window shows the previous one and stays responsive, as long frames are handed in part by part and
+//! the window's own go between. Frame time controls the resolution ([`pace`]). Nothing is drawn unless hair moves or
+//! something changed.
 
 pub mod app;
 pub mod arrive;
 pub mod ball;
+pub mod blit;
 pub mod device;
 pub mod dialog;
 pub mod files;
+pub mod flight;
 pub mod frame;
 pub mod hair;
 pub mod head;

@@ -68,8 +68,14 @@ pub(crate) fn lose_for_tests(device: &wgpu::Device, frames: u64) {
     if at.is_some_and(|at| frames >= at) && !DONE.swap(true, Ordering::Relaxed) {
         DESTROYS.store(true, Ordering::Relaxed);
         device.destroy();
-        // Calls back; whatever it says, the device is gone.
-        let _ = device.poll(wgpu::PollType::Poll);
+        // Calls back, here or on the thread that watches over frames; whatever it says, the device is gone.
+        for _ in 0..1000 {
+            let _ = device.poll(wgpu::PollType::Poll);
+            if GONE.lock().unwrap_or_else(PoisonError::into_inner).is_some() {
+                break;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
         DESTROYS.store(false, Ordering::Relaxed);
     }
 }
@@ -84,6 +90,8 @@ fn open(options: Options) -> Result<()> {
             .with_drag_and_drop(true),
         renderer: eframe::Renderer::Wgpu,
         wgpu_options: device::configuration(),
+        // Panels are of one colour each, and pictures have their own.
+        dithering: false,
         ..Default::default()
     };
     let start: eframe::AppCreator<'_> =

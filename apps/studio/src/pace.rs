@@ -94,8 +94,10 @@ const HARDWARE: f32 = 33.0;
 const ROOM: f32 = 0.45;
 /// So many frames in a row must be too long, or have room.
 const PATIENCE: (u32, u32) = (2, 24);
-/// The longest that the window may stand still for a finer picture, milliseconds.
-const LONGEST: f32 = 3000.0;
+/// A finer picture that takes longer than this comes after one that does not, milliseconds.
+const SOON: f32 = 1000.0;
+/// A frame that takes longer than this is handed in part by part, milliseconds.
+const WHOLE: f32 = 120.0;
 
 /// How finely frames are drawn.
 #[derive(Clone, Copy, Debug)]
@@ -112,6 +114,8 @@ pub struct Pace {
     refined: Option<&'static Level>,
     /// The finest.
     finest: &'static Level,
+    /// The picture is to be finished, whatever is automatic.
+    finishes: bool,
     /// Milliseconds of the last frame.
     last: f32,
 }
@@ -121,12 +125,13 @@ impl Pace {
     pub fn new(software: bool) -> Self {
         let (budget, level) = if software { (SOFTWARE, 4) } else { (HARDWARE, 0) };
         let finest = if software { &Level::STILL } else { &LEVELS[0] };
-        Self { automatic: true, level, budget, runs: (0, 0), failures: 0, refined: None, finest, last: 0.0 }
+        let (runs, failures, refined, finishes, last) = ((0, 0), 0, None, false, 0.0);
+        Self { automatic: true, level, budget, runs, failures, refined, finest, finishes, last }
     }
 
     /// How the next frame is drawn.
     pub fn level(&self) -> &'static Level {
-        if self.automatic { self.refined.unwrap_or(&LEVELS[self.level]) } else { &LEVELS[0] }
+        self.refined.unwrap_or(if self.automatic { &LEVELS[self.level] } else { &LEVELS[0] })
     }
 
     /// How a picture is drawn that is kept.
@@ -139,13 +144,41 @@ impl Pace {
         self.budget
     }
 
-    /// Something moves: frames must be short again. Whether the last one was finer.
+    /// Something moves: frames must be short again. Whether the last one was finer, or is being drawn.
     pub fn moved(&mut self) -> bool {
-        self.refined.take().is_some()
+        let was = self.refined.take().is_some();
+        // What is asked for before all has come to rest still holds.
+        self.finishes &= !was;
+        was
     }
 
-    /// Nothing has moved for a while: whether there is a finer level for the next frame, which lets the
-    /// window stand still for no more than a moment.
+    /// The next frame that nothing else is due in has all that the device can do.
+    pub fn finish(&mut self) {
+        self.finishes = true;
+    }
+
+    /// Whether that has been asked for, and is not done.
+    pub fn finishes(&self) -> bool {
+        self.finishes
+    }
+
+    /// Whether nothing is finer than `level`.
+    pub fn is_finest(&self, level: &Level) -> bool {
+        level == self.finest
+    }
+
+    /// Whether frames are finer than those in motion.
+    pub fn refines(&self) -> bool {
+        self.refined.is_some()
+    }
+
+    /// Whether a frame at `level` is to be handed in part by part, as far as the last one tells.
+    pub fn is_long(&self, level: &Level) -> bool {
+        self.last * self.level().cost_of(level).max(1.0) > WHOLE
+    }
+
+    /// Nothing has moved for a while: whether there is a finer level for the next frame. If the finest takes long,
+    /// there is one before it that does not.
     pub fn refine(&mut self) -> bool {
         let Some(finer) = self.finer() else { return false };
         self.refined = Some(finer);
@@ -157,20 +190,24 @@ impl Pace {
         self.finer().is_some()
     }
 
-    /// The best level that can be afforded, as far as the last frame tells.
+    /// The best level that is there soon, as far as the last frame tells, else the finest.
     fn finer(&self) -> Option<&'static Level> {
-        if !self.automatic || self.last == 0.0 {
+        if self.last == 0.0 || !(self.automatic || self.finishes) {
             return None;
         }
         let now = self.level();
         let all = std::iter::once(self.finest).chain(&LEVELS);
-        let mut finer = all.take_while(|level| *level != now);
-        finer.find(|level| self.last * now.cost_of(level) < LONGEST)
+        let finer: Vec<_> = all.take_while(|level| *level != now).collect();
+        let soon = finer.iter().find(|level| self.last * now.cost_of(level) < SOON);
+        let best = finer.first();
+        // After one that was there soon, nothing less than the finest.
+        if self.finishes || self.refined.is_some() { best } else { soon.or(best) }.copied()
     }
 
     /// A frame took `milliseconds`. Whether the level has changed.
     pub fn landed(&mut self, milliseconds: f32) -> bool {
         self.last = milliseconds;
+        self.finishes &= self.level() != self.finest;
         if !self.automatic || self.refined.is_some() {
             return false;
         }
@@ -236,24 +273,45 @@ mod tests {
         let mut pace = Pace { level: LEVELS.len() - 1, ..Pace::new(true) };
         assert!(!pace.refine(), "nothing is known of the time yet");
         let cost = |pace: &Pace| 30.0 + 3000.0 * pace.level().scale * pace.level().scale;
-        let mut steps = 0;
+        let mut all = Vec::new();
         loop {
             let ms = cost(&pace);
-            assert!(ms < 1.2 * LONGEST || !pace.can_refine(), "{ms} ms");
-            assert!(!pace.landed(ms) || steps == 0);
+            assert!(!pace.landed(ms) || all.is_empty());
             if !pace.refine() {
                 break;
             }
-            steps += 1;
-            assert!(steps < LEVELS.len());
+            all.push(*pace.level());
+            assert!(all.len() < LEVELS.len());
         }
-        assert!(pace.level().scale > 0.6, "{}", pace.level().scale);
+        // One that is there soon, and then, however long it takes, the whole.
+        assert!(all.len() == 2 && all[0].scale < 0.6, "{all:?}");
+        assert_eq!(all[1], Level::STILL);
         assert!(pace.moved() && !pace.moved());
         assert!(pace.level().scale < 0.3);
         // A fast device has the whole picture at once.
-        pace.landed(20.0);
+        pace.landed(5.0);
         assert!(pace.refine() && pace.level() == pace.finest() && !pace.refine());
         assert_eq!(*pace.level(), Level::STILL);
+    }
+
+    #[test]
+    fn a_picture_is_finished_on_request() {
+        // Even where nothing is refined by itself.
+        for automatic in [true, false] {
+            let mut pace = Pace { automatic, ..Pace::new(true) };
+            pace.landed(5000.0);
+            assert_eq!(pace.can_refine(), automatic);
+            pace.finish();
+            // The last movement before it begins.
+            assert!(!pace.moved() && pace.finishes());
+            pace.landed(5000.0);
+            assert!(pace.refine() && pace.level() == &Level::STILL && pace.is_long(pace.level()));
+            // A movement ends it.
+            let mut stopped = pace;
+            assert!(stopped.moved() && !stopped.finishes() && stopped.level() != &Level::STILL);
+            pace.landed(20_000.0);
+            assert!(!pace.finishes() && !pace.refine() && pace.level() == &Level::STILL);
+        }
     }
 
     #[test]

@@ -6,25 +6,22 @@ use eframe::egui;
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 
 impl Studio {
-    /// Saves the picture on request, at the window's full size and quality.
-    pub(crate) fn save_picture(&mut self, context: &egui::Context) {
-        if !self.wants_picture || self.recording.is_some() {
-            return;
-        }
-        let Some(show) = &self.show else { return };
-        if self.drawn != *self.pace.finest() {
-            if show.is_under_way() {
-                // Its end wakes the window.
-                return;
+    /// Saves the picture on request, at the window's full size and quality; no frame is under way. Whether one is
+    /// begun for it.
+    pub(crate) fn save_picture(&mut self, context: &egui::Context) -> bool {
+        let Some(show) = self.show.as_ref().filter(|_| self.wants_picture && self.recording.is_none()) else {
+            return false;
+        };
+        let picture = show.picture().filter(|picture| picture.level == *self.pace.finest());
+        let Some(size) = picture.map(|picture| picture.size).filter(|_| !self.dirty || self.kept) else {
+            match self.draw_in_full(context) {
+                Ok(()) => self.kept = true,
+                Err(error) => (self.wants_picture, self.error) = (false, Some(format!("{error:#}"))),
             }
-            if let Err(error) = self.draw_in_full(context) {
-                self.error = Some(format!("{error:#}"));
-            }
-        }
-        self.wants_picture = false;
-        let Some(show) = &self.show else { return };
-        let (device, size) = (self.gpu.device.clone(), show.stage.targets().size);
-        let copy = show.copy();
+            return true;
+        };
+        (self.wants_picture, self.kept) = (false, false);
+        let (device, copy) = (self.gpu.device.clone(), show.copy());
         let (dialogs, context) = (self.dialogs.clone(), context.clone());
         task::spawn(move || async move {
             let done = async { encode(size, &copy?.wait(&device).await?) };
@@ -33,6 +30,7 @@ impl Studio {
                 Err(error) => dialogs.tell(&context, Answer::Failed(format!("{error:#}"))),
             }
         });
+        false
     }
 
     /// Draws the hair in its current state, however long it takes.
@@ -41,12 +39,10 @@ impl Studio {
         self.dress(level);
         let (pose, camera, size) = (self.pose(), self.orbit.camera(), self.size_at(level));
         let (ssaa, ball) = (self.ssaa_at(level, size), self.ball.map(|ball| ball.at));
+        let (again, level, parts) = (false, *level, self.pace.is_long(level));
         let Some(show) = &mut self.show else { return Ok(()) };
-        show.draw(
-            &self.state,
-            context,
-            &Moment { pose, seconds: 0.0, camera, size, ssaa, ball, again: false },
-        )
+        let moment = Moment { pose, seconds: 0.0, camera, size, ssaa, ball, again, level, parts };
+        show.draw(&self.state, context, &moment)
     }
 }
 

@@ -59,7 +59,9 @@ pub struct Recording {
     lead: u32,
     /// The frame that is drawn next, the lead included.
     next: u32,
-    /// The frame that is on its way to the encoder.
+    /// Whether the last frame is for the encoder.
+    kept: bool,
+    /// The frame that is on its way to it.
     copy: Option<Pending>,
     written: u32,
     encoder: Encoder,
@@ -105,8 +107,17 @@ impl Studio {
         show.stage.rewind();
         (self.error, self.said) = (None, None);
         self.pace.moved();
-        self.recording =
-            Some(Recording { wish, frames, lead, next: 0, copy: None, written: 0, encoder, before });
+        self.recording = Some(Recording {
+            wish,
+            frames,
+            lead,
+            next: 0,
+            kept: false,
+            copy: None,
+            written: 0,
+            encoder,
+            before,
+        });
     }
 
     /// Stops recording; what is there is thrown away.
@@ -138,6 +149,9 @@ impl Studio {
 
     /// Whether there is more to come.
     fn record_frame(&mut self, context: &egui::Context, recording: &mut Recording) -> Result<bool> {
+        if let Some(show) = self.show.as_ref().filter(|_| std::mem::take(&mut recording.kept)) {
+            recording.copy = Some(show.copy()?);
+        }
         if let Some(copy) = &mut recording.copy {
             let Some(rgba) = copy.take() else {
                 // Nobody calls when it has arrived.
@@ -160,16 +174,11 @@ impl Studio {
         let seconds = if recording.next == 0 { 0.0 } else { step as f32 };
         self.dress(level);
         let (pose, camera) = (self.pose(), self.orbit.camera());
+        let (level, parts) = (*level, self.gpu.tier.software && kept);
         let Some(show) = &mut self.show else { return Ok(false) };
-        show.draw(
-            &self.state,
-            context,
-            &Moment { pose, seconds, camera, size, ssaa, ball: None, again: false },
-        )?;
-        if kept {
-            recording.copy = Some(show.copy()?);
-        }
-        recording.next += 1;
+        let moment = Moment { pose, seconds, camera, size, ssaa, ball: None, again: false, level, parts };
+        show.draw(&self.state, context, &moment)?;
+        (recording.kept, recording.next) = (kept, recording.next + 1);
         Ok(true)
     }
 }

@@ -1,12 +1,14 @@
 //! The character in the window: the only file that talks to the renderer, a frame into a texture at a time.
 
-use crate::ball;
-use anyhow::Result;
-use eframe::{
-    egui::{self, TextureId},
-    egui_wgpu::RenderState,
+use crate::{
+    ball,
+    blit::{Blit, Seen},
+    flight::{Flight, Watcher},
+    pace::Level,
 };
-use std::sync::{Arc, Mutex, PoisonError};
+use anyhow::Result;
+use eframe::{egui, egui_wgpu::RenderState};
+use std::time::Duration;
 use tresses::{
     Pose,
     glam::Vec3,
@@ -32,17 +34,35 @@ pub struct Moment {
     pub ball: Option<Vec3>,
     /// Whether nothing but `ssaa` is other than in the frame before.
     pub again: bool,
+    /// How finely it is drawn.
+    pub level: Level,
+    /// Whether it takes so long that others go between its parts.
+    pub parts: bool,
 }
 
-/// When a frame's work was done, and whether it is.
-type Landed = Arc<Mutex<Option<Instant>>>;
+/// The picture that is seen, which is not always the one that is drawn.
+pub struct Picture {
+    /// To be painted.
+    pub seen: Seen,
+    /// What it is drawn into.
+    view: wgpu::TextureView,
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Pixels that were drawn per pixel of it, along each axis.
+    pub ssaa: u32,
+    /// How finely it was drawn.
+    pub level: Level,
+    /// Strands in it.
+    pub strands: u32,
+}
 
-/// A character, the texture it is drawn into, and at most one frame under way.
+/// A character, its picture, and at most one frame under way.
 pub struct Show {
     /// The character.
     pub stage: Scene,
-    texture: Option<TextureId>,
-    flight: Option<(Instant, Landed)>,
+    picture: Option<Picture>,
+    flight: Option<(Flight, Level)>,
+    blit: Blit,
     /// Frames drawn.
     pub frames: u64,
     /// Milliseconds that the last frame took, from recording to its end.
@@ -57,8 +77,8 @@ pub struct Show {
 }
 
 impl Show {
-    /// Shows `stage`.
-    pub fn new(stage: Scene) -> Self {
+    /// Shows `stage` in the window of `state`.
+    pub fn new(stage: Scene, state: &RenderState) -> Self {
         let gpu = &stage.gpu;
         let watcher = Watcher::new(&gpu.device);
         let timed = gpu.tier.timestamps && !gpu.tier.software;
@@ -66,8 +86,9 @@ impl Show {
         let (rows, stages) = (None, Vec::new());
         Self {
             stage,
-            texture: None,
+            picture: None,
             flight: None,
+            blit: Blit::new(state),
             frames: 0,
             milliseconds: 0.0,
             timings,
@@ -87,19 +108,40 @@ impl Show {
         &self.stages
     }
 
-    /// Another character into the same texture.
+    /// Another character in its place, whose picture is still to come.
     pub fn replace(&mut self, stage: Scene) {
+        self.give_up();
         self.stage = stage;
     }
 
-    /// Whether a frame is under way; one that has landed gives its milliseconds.
+    /// Whether a frame is under way; one that has landed gives its milliseconds, and is seen from here on.
     pub fn landed(&mut self) -> (bool, Option<f32>) {
-        let Some((begun, landed)) = &self.flight else { return (false, None) };
-        let Some(end) = *landed.lock().unwrap_or_else(PoisonError::into_inner) else { return (true, None) };
-        let ms = end.duration_since(*begun).as_secs_f32() * 1e3;
+        let Some((flight, level)) = &self.flight else { return (false, None) };
+        let Some(ms) = flight.landed() else { return (true, None) };
+        let targets = self.stage.targets();
+        let view = targets.picture();
+        let seen = match self.picture.take().filter(|picture| picture.view == *view) {
+            Some(same) => same.seen,
+            None => self.blit.of(&self.stage.gpu.device, view),
+        };
+        self.picture = Some(Picture {
+            seen,
+            view: view.clone(),
+            size: targets.size,
+            ssaa: targets.ssaa,
+            level: *level,
+            strands: self.stage.detail().strands,
+        });
         self.flight = None;
         self.milliseconds = ms;
         (false, Some(ms))
+    }
+
+    /// The frame that is under way, if any, is not finished: the next may begin.
+    pub fn give_up(&mut self) {
+        if let Some((flight, _)) = self.flight.take() {
+            flight.give_up();
+        }
     }
 
     /// Whether a frame is under way, as far as one has looked.
@@ -107,24 +149,28 @@ impl Show {
         self.flight.is_some()
     }
 
+    /// How many parts of the frame that is under way are done, of how many.
+    pub fn progress(&self) -> Option<(usize, usize)> {
+        self.flight.as_ref().map(|(flight, _)| flight.progress())
+    }
+
     /// Sizes of what is drawn.
     pub fn facts(&self) -> Facts {
         self.stage.facts()
     }
 
-    /// The texture with the last frame.
-    pub fn texture(&self) -> Option<TextureId> {
-        self.texture
+    /// The last frame that is done.
+    pub fn picture(&self) -> Option<&Picture> {
+        self.picture.as_ref()
     }
 
     /// Draws a frame; the one before must have [landed](Self::landed).
     pub fn draw(&mut self, state: &RenderState, context: &egui::Context, moment: &Moment) -> Result<()> {
         let begun = Instant::now();
         let targets = self.stage.targets();
-        if (targets.size, targets.ssaa) != (moment.size, moment.ssaa) || self.texture.is_none() {
+        if (targets.size, targets.ssaa) != (moment.size, moment.ssaa) {
             self.stage.resample(moment.size, moment.ssaa)?;
         }
-        self.register(state);
         let mut encoder = state.device.create_command_encoder(&Default::default());
         self.stage.watch(&moment.camera);
         self.stage.set_ball(moment.ball, ball::RADIUS)?;
@@ -132,7 +178,10 @@ impl Show {
             (self.stages, self.rows) = (done?, None);
         }
         // One frame's times at a time.
-        let mut timings = self.timings.as_mut().filter(|_| self.rows.is_none());
+        let mut parts = moment.parts.then(Timings::of_parts);
+        let timed = self.timings.as_mut().filter(|_| self.rows.is_none() && parts.is_none());
+        let is_timed = timed.is_some();
+        let mut timings = timed.or(parts.as_mut());
         if moment.again {
             self.stage.record_redraw(&mut encoder, timings.as_deref_mut())?;
         } else {
@@ -143,78 +192,24 @@ impl Show {
         if let Some(timings) = &timings {
             timings.resolve(&mut encoder);
         }
-        state.queue.submit([encoder.finish()]);
-        if let Some(timings) = timings {
+        let mut recorded = timings.map(Timings::parts).unwrap_or_default();
+        recorded.push(encoder.finish());
+        self.frames += 1;
+        let context = context.clone();
+        // Without a wait the window would be painted twice.
+        let wake = move || context.request_repaint_after(Duration::from_nanos(1));
+        let flight = Flight::start(&state.queue, begun, recorded, wake);
+        if is_timed && let Some(timings) = &mut self.timings {
             self.rows = Some(timings.later(&state.device, &state.queue));
         }
-        self.frames += 1;
-        let landed = Landed::default();
-        let (tell, context) = (landed.clone(), context.clone());
-        state.queue.on_submitted_work_done(move || {
-            *tell.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
-            context.request_repaint();
-        });
-        self.watcher.watch(&landed);
-        self.flight = Some((begun, landed));
+        self.watcher.watch(&flight);
+        self.flight = Some((flight, moment.level));
         Ok(())
     }
 
-    /// The picture that is drawn or being drawn, on its way to the CPU.
+    /// The picture of the last frame, which has landed, on its way to the CPU.
     pub fn copy(&self) -> tresses::Result<Pending> {
         let gpu = &self.stage.gpu;
         Pending::texture(&gpu.device, &gpu.queue, self.stage.targets().picture().texture())
     }
-
-    /// egui knows the targets' picture by one name, whatever its size.
-    fn register(&mut self, state: &RenderState) {
-        let view = self.stage.targets().picture();
-        let filter = wgpu::FilterMode::Linear;
-        let mut renderer = state.renderer.write();
-        match self.texture {
-            Some(id) => renderer.update_egui_texture_from_wgpu_texture(&state.device, view, filter, id),
-            None => self.texture = Some(renderer.register_native_texture(&state.device, view, filter)),
-        }
-    }
-}
-
-/// A device calls back when somebody asks it: a thread does while a frame is under way.
-#[cfg(not(target_arch = "wasm32"))]
-struct Watcher(std::sync::mpsc::Sender<Landed>);
-
-#[cfg(not(target_arch = "wasm32"))]
-impl Watcher {
-    fn new(device: &wgpu::Device) -> Self {
-        let (sender, receiver) = std::sync::mpsc::channel::<Landed>();
-        let device = device.clone();
-        std::thread::spawn(move || {
-            while let Ok(landed) = receiver.recv() {
-                while landed.lock().unwrap_or_else(PoisonError::into_inner).is_none() {
-                    // Waiting inside the device would keep the window from handing in work.
-                    if device.poll(wgpu::PollType::Poll).is_err() {
-                        return;
-                    }
-                    std::thread::sleep(std::time::Duration::from_millis(1));
-                }
-            }
-        });
-        Self(sender)
-    }
-
-    fn watch(&self, landed: &Landed) {
-        // Without the thread the device is lost, and somebody has said so.
-        let _ = self.0.send(landed.clone());
-    }
-}
-
-/// A browser calls back by itself.
-#[cfg(target_arch = "wasm32")]
-struct Watcher;
-
-#[cfg(target_arch = "wasm32")]
-impl Watcher {
-    fn new(_: &wgpu::Device) -> Self {
-        Self
-    }
-
-    fn watch(&self, _: &Landed) {}
 }

@@ -10,6 +10,8 @@ use std::sync::{Mutex, PoisonError};
 pub struct State {
     /// Pictures of the hair so far.
     pub frames: u64,
+    /// How often the window was painted.
+    pub painted: u64,
     /// Strands of the groom; 0 while nothing is shown.
     pub strands: u32,
     /// What is shown.
@@ -26,6 +28,12 @@ pub struct State {
     pub time: f64,
     /// Pixels of the picture.
     pub size: [u32; 2],
+    /// Pixels drawn per pixel of it, along each axis.
+    pub ssaa: u32,
+    /// Strands in it.
+    pub drawn: u32,
+    /// How many parts of a finer one are done, of how many.
+    pub parts: [usize; 2],
     /// How far the camera is from what it looks at, metres.
     pub distance: f32,
     /// Milliseconds of the last frame.
@@ -61,8 +69,10 @@ impl Studio {
     /// What others may know.
     pub(crate) fn publish(&self, context: &egui::Context) {
         let show = self.show.as_ref();
+        let picture = show.and_then(Show::picture);
         publish(State {
             frames: show.map_or(0, |show| show.frames),
+            painted: context.cumulative_frame_nr(),
             strands: show.map_or(0, |show| show.facts().strands),
             file: self.shown.as_ref().map(|shown| shown.hair.source.name()).unwrap_or_default(),
             companions: self.shown.as_ref().map_or_else(Vec::new, |shown| {
@@ -72,7 +82,10 @@ impl Studio {
             error: self.error.clone().or_else(|| self.lost()).unwrap_or_default(),
             playing: self.play.playing,
             time: self.play.time,
-            size: show.map_or([0; 2], |show| show.stage.targets().size),
+            size: picture.map_or([0; 2], |picture| picture.size),
+            ssaa: picture.map_or(0, |picture| picture.ssaa),
+            drawn: picture.map_or(0, |picture| picture.strands),
+            parts: self.refined().map_or([0; 2], <[usize; 2]>::from),
             distance: self.orbit.camera().distance(),
             milliseconds: show.map_or(0.0, |show| show.milliseconds),
             adapter: self.gpu.info.name.clone(),

@@ -23,7 +23,8 @@ pub fn apply(context: &egui::Context) {
     // Where a frame takes half a second the usual 0.8 s are over before a press and its release are seen.
     context.options_mut(|options| options.input_options.max_click_duration = 3.0);
     let mut visuals = Visuals::dark();
-    visuals.panel_fill = PANEL;
+    // The window is cleared in their colour.
+    visuals.panel_fill = Color32::TRANSPARENT;
     visuals.window_fill = Color32::from_rgb(0x20, 0x21, 0x24);
     visuals.window_stroke = Stroke::new(1.0, LINE);
     visuals.extreme_bg_color = Color32::from_rgb(0x12, 0x13, 0x14);

@@ -119,7 +119,6 @@ impl Studio {
     /// Gives the stage the settings as they are, drawn as `level` has it; before each frame.
     pub(crate) fn dress(&mut self, level: &Level) {
         let Some(show) = &mut self.show else { return };
-        self.drawn = *level;
         let stage = &mut show.stage;
         let dressed = level.dress(stage, self.settings.now());
         if let Err(error) = dressed.and_then(|()| stage.show(self.view)) {

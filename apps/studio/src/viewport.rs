@@ -1,8 +1,14 @@
 //! The viewport: the picture, and the pointer in it.
 
-use crate::{app::Studio, head, panels, theme, tool::Tool};
+use crate::{
+    app::Studio,
+    head, panels,
+    stage::{Picture, Show},
+    theme,
+    tool::Tool,
+};
 use eframe::egui::{
-    self, Align2, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui, pos2, vec2,
+    self, Align2, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui, vec2,
 };
 use tresses::{
     glam::{Vec2, Vec3},
@@ -28,10 +34,13 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
     studio.orbit.set_aspect(rect.width() / rect.height().max(1.0));
     pointer(studio, ui, &response);
     let painter = ui.painter_at(rect);
-    painter.rect_filled(rect, 0.0, Color32::from_rgb(0x24, 0x26, 0x29));
-    if let Some(texture) = studio.show.as_ref().and_then(|show| show.texture()) {
-        let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
-        painter.image(texture, fitted(studio, rect), whole, Color32::WHITE);
+    let picture = studio.show.as_ref().and_then(Show::picture);
+    let place = picture.map(|picture| fitted(studio, picture, rect));
+    if place != Some(rect) {
+        painter.rect_filled(rect, 0.0, Color32::from_rgb(0x24, 0x26, 0x29));
+    }
+    if let (Some(picture), Some(place)) = (picture, place) {
+        painter.add(picture.seen.at(place));
     }
     if let Some(sentence) = studio.lost() {
         message(ui, rect, &sentence, theme::ALARM);
@@ -41,9 +50,11 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
 }
 
 /// Where the picture goes: everywhere, unless one of another form is recorded.
-fn fitted(studio: &Studio, rect: Rect) -> Rect {
-    let (Some(show), Some(_)) = (&studio.show, &studio.recording) else { return rect };
-    let [width, height] = show.stage.targets().size.map(|side| side as f32);
+fn fitted(studio: &Studio, picture: &Picture, rect: Rect) -> Rect {
+    if studio.recording.is_none() {
+        return rect;
+    }
+    let [width, height] = picture.size.map(|side| side as f32);
     let scale = (rect.width() / width).min(rect.height() / height);
     Rect::from_center_size(rect.center(), scale * vec2(width, height))
 }

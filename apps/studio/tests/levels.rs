@@ -2,10 +2,15 @@
 
 use std::{path::Path, sync::Arc};
 use tresses::{
-    Pipelines, Pose, glam::Vec3, gpu::Gpu, groom::styles::Style, lod::Detail, present::Background,
+    Pipelines, Pose,
+    glam::Vec3,
+    gpu::{Gpu, Timings},
+    groom::styles::Style,
+    lod::Detail,
+    present::Background,
 };
 use tresses_scene::{
-    Base, Colliders, Quality, Scene, Settings, Viewpoint, camera::Angle, settings::HairColor,
+    Base, Colliders, Quality, Scene, Settings, Viewpoint, camera::Angle, motion::Motion, settings::HairColor,
 };
 use tresses_studio::{
     pace::{LEVELS, Level},
@@ -102,6 +107,83 @@ fn what_is_lowered_covers_as_much() {
 #[ignore = "proof"]
 fn what_is_lowered_covers_as_much_from_the_side() {
     cover_as_much(&[Angle::ThreeQuarter]);
+}
+
+#[test]
+fn a_frame_in_parts_is_the_same_picture() {
+    let Some((mut stage, settings)) = stage() else { return };
+    stage.resize([300, 220]).unwrap();
+    let camera = Viewpoint::portrait(Angle::default(), stage.subject(), AREA[0] / AREA[1], 1.0);
+    let mut picture = |leave: Option<usize>| {
+        Level::STILL.dress(&mut stage, &settings).unwrap();
+        stage.rewind();
+        let (device, queue) = (stage.gpu.device.clone(), stage.gpu.queue.clone());
+        let (mut apart, mut encoder) =
+            (Timings::of_parts(), device.create_command_encoder(&Default::default()));
+        let mut timings = leave.map(|_| &mut apart);
+        stage.record_advance(&mut encoder, timings.as_deref_mut(), &Pose::IDENTITY, 0.0).unwrap();
+        stage.record_draw(&mut encoder, timings, &camera).unwrap();
+        let mut parts = apart.parts();
+        parts.push(encoder.finish());
+        let all = parts.len();
+        for (i, part) in parts.into_iter().enumerate() {
+            if Some(i) != leave {
+                queue.submit([part]);
+            }
+        }
+        (pollster::block_on(stage.targets().read(&device, &queue)).unwrap(), all)
+    };
+    let (whole, one) = picture(None);
+    let (parts, all) = picture(Some(usize::MAX));
+    assert_eq!(one, 1);
+    assert!(all > 12, "hair itself is in parts: {all}");
+    assert!(whole == parts, "the bits are the same");
+    assert!(picture(Some(all / 2)).0 != whole, "a part that is left out is missed");
+}
+
+/// The processor time of all threads of this process.
+#[cfg(target_os = "linux")]
+fn processor() -> std::time::Duration {
+    let now = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    std::time::Duration::new(now.tv_sec.unsigned_abs(), now.tv_nsec as u32)
+}
+
+/// Prints the milliseconds of processor time that each level takes in motion.
+#[test]
+#[cfg(target_os = "linux")]
+#[ignore = "proof"]
+fn what_a_level_takes() {
+    let Some((mut stage, settings)) = stage() else { return };
+    stage.measure_by(processor);
+    let motion = Motion::named("shake").unwrap();
+    let camera = Viewpoint::portrait(Angle::default(), stage.subject(), AREA[0] / AREA[1], 1.0);
+    let all = LEVELS.iter().enumerate().map(|(i, level)| (i.to_string(), level));
+    for (name, level) in all.skip(3).chain([("still".into(), &Level::STILL)]) {
+        stage.resample(AREA.map(|side| (side * level.scale).round() as u32), level.ssaa).unwrap();
+        stage.rewind();
+        let (frames, mut rows, mut whole) =
+            (if level.ssaa > 1 { 6 } else { 40 }, Vec::<(&str, f64)>::new(), 0.0);
+        for frame in 0..frames {
+            level.dress(&mut stage, &settings).unwrap();
+            let pose = motion.pose(f64::from(frame) / 30.0, stage.pivot());
+            let (all, stages) = stage.measured_frame(&pose, 1.0 / 30.0, &camera).unwrap();
+            if frame < frames / 2 {
+                continue;
+            }
+            whole += all;
+            for (name, ms) in stages {
+                match rows.iter_mut().find(|row| row.0 == name) {
+                    Some(row) => row.1 += ms,
+                    None => rows.push((name, ms)),
+                }
+            }
+        }
+        let each = 1.0 / f64::from(frames / 2);
+        let Detail { strands, segments, .. } = stage.detail();
+        println!("level {name}: {:.1} ms, {strands} strands, {segments:.1} segments", whole * each);
+        let rows: Vec<_> = rows.iter().map(|(name, ms)| format!("{name} {:.1}", ms * each)).collect();
+        println!("  {}", rows.join(", "));
+    }
 }
 
 fn cover_as_much(views: &[Angle]) {

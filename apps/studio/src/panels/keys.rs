@@ -31,20 +31,23 @@ pub fn answer(studio: &mut Studio, context: &egui::Context) {
     if context.input_mut(|input| input.consume_shortcut(&undo)) {
         studio.undo(context);
     }
-    let pressed = |key| context.input(|input| input.key_pressed(key) && input.modifiers.is_none());
-    if pressed(Key::Space) {
-        studio.play.playing = !studio.play.playing;
-    }
-    if pressed(Key::Period) {
+    // Several presses may come between two frames of the window.
+    let presses = |key| context.input_mut(|input| input.count_and_consume_key(Modifiers::NONE, key));
+    let pressed = |key| presses(key) > 0;
+    studio.play.playing ^= presses(Key::Space) % 2 == 1;
+    for _ in 0..presses(Key::Period) {
         studio.play.step();
     }
-    if pressed(Key::B) {
+    for _ in 0..presses(Key::B) {
         studio.drop_ball();
     }
     if pressed(Key::R) {
         studio.play.reset();
     }
-    if pressed(Key::P) {
+    if pressed(Key::F) {
+        studio.finish();
+    }
+    if presses(Key::P) % 2 == 1 {
         studio.panels.fold(context);
     }
     for (tool, _, key, _) in Tool::ALL {

@@ -8,6 +8,7 @@ use crate::{
     viewport::plate,
 };
 use eframe::egui::{Align, Align2, Area, Id, Label, Layout, Order, ProgressBar, Rect, RichText, Ui, vec2};
+use std::time::Duration;
 
 /// Distance from the picture's edges, points.
 const GAP: f32 = 12.0;
@@ -52,6 +53,10 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, rect: Rect) {
     if studio.recording.is_some() {
         at("recording", Align2::CENTER_TOP, vec2(0.0, 84.0))
             .show(ui.ctx(), |ui| plate().show(ui, |ui| recording(studio, ui)));
+    }
+    if let Some((done, all)) = studio.refined() {
+        at("refined", Align2::RIGHT_TOP, vec2(0.0, 44.0))
+            .show(ui.ctx(), |ui| plate().show(ui, |ui| refined(ui, done, all)));
     }
     if studio.show.is_some() && panels::legend::wanted(studio) && studio.error.is_none() {
         at("legend", free.anchor, vec2(0.0, -free.lift))
@@ -167,6 +172,17 @@ fn recording(studio: &mut Studio, ui: &mut Ui) {
             studio.stop_recording();
         }
     });
+}
+
+/// How far the picture is that nothing but its quality is waited for.
+fn refined(ui: &mut Ui, done: usize, all: usize) {
+    ui.horizontal(|ui| {
+        let bar = ProgressBar::new(done as f32 / all as f32).desired_width(90.0).desired_height(6.0);
+        ui.add(bar.fill(theme::ACCENT));
+        ui.label(RichText::new(format!("finer: part {} of {all}", (done + 1).min(all))).color(theme::QUIET));
+    });
+    // Its parts are counted.
+    ui.ctx().request_repaint_after(Duration::from_millis(250));
 }
 
 fn error(studio: &mut Studio, ui: &mut Ui) {

@@ -3,7 +3,6 @@
 use crate::{
     app::Studio,
     panels::{files, groom, inside, knobs, time},
-    theme,
 };
 use eframe::egui::{self, Panel, Ui};
 
@@ -38,7 +37,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
     if studio.panels.is_folded(ui.ctx()) {
         return;
     }
-    let frame = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(12, 8));
+    let frame = egui::Frame::new().inner_margin(egui::Margin::symmetric(12, 8));
     // However narrow the window is, there is a picture.
     let widest = (0.55 * ui.available_width()).clamp(280.0, 520.0);
     let usual = (0.31 * ui.available_width()).clamp(348.0, 404.0);

@@ -6,7 +6,7 @@ use tresses_scene::words::grouped;
 
 /// Shows it.
 pub fn show(studio: &mut Studio, ui: &mut Ui) {
-    let frame = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(12, 4));
+    let frame = egui::Frame::new().inner_margin(egui::Margin::symmetric(12, 4));
     Panel::bottom("status").frame(frame).show_separator_line(false).show(ui, |ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             right(studio, ui);
@@ -28,16 +28,14 @@ fn right(studio: &mut Studio, ui: &mut Ui) {
     if let Some(ms) = studio.panels.frames.median() {
         ui.label(quiet(format!("{ms:.0} ms"))).on_hover_text("Median time of the last frames");
     }
-    let [width, height] = show.stage.targets().size;
-    // Of the picture that is seen, which is not always that of the next.
-    let level = &studio.drawn;
-    let drawn = show.stage.detail().strands;
-    let mut text = format!("{} strands · {width}×{height}", grouped(u64::from(drawn)));
+    let Some(picture) = show.picture() else { return };
+    let ([width, height], level) = (picture.size, &picture.level);
+    let mut text = format!("{} strands · {width}×{height}", grouped(u64::from(picture.strands)));
     let coarse = ![Level::FULL, Level::STILL].contains(level);
     if coarse {
         text += &format!(" ({:.0} %)", level.scale * 100.0);
-    } else if show.stage.targets().ssaa > 1 {
-        text += &format!(", {0}×{0} SSAA", show.stage.targets().ssaa);
+    } else if picture.ssaa > 1 {
+        text += &format!(", {0}×{0} SSAA", picture.ssaa);
     }
     let text = if coarse { quiet(text).color(theme::ACCENT) } else { quiet(text) };
     let help = if coarse {

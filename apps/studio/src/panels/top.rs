@@ -10,7 +10,7 @@ const WIDE: f32 = 1000.0;
 
 /// Shows it.
 pub fn show(studio: &mut Studio, ui: &mut Ui) {
-    let frame = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(12, 7));
+    let frame = egui::Frame::new().inner_margin(egui::Margin::symmetric(12, 7));
     Panel::top("top").frame(frame).show(ui, |ui| {
         ui.horizontal(|ui| {
             ui.label(RichText::new("Tresses").size(15.0).strong().color(theme::ACCENT));

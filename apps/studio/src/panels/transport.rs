@@ -6,7 +6,7 @@ use crate::{
     play::SPEEDS,
     theme,
 };
-use eframe::egui::{self, DragValue, Panel, RichText, Slider, Ui};
+use eframe::egui::{self, Button, DragValue, Panel, RichText, Slider, Ui};
 use tresses_scene::motion::NAMES;
 
 /// The room that the slider of the speed takes with its words, points.
@@ -14,7 +14,7 @@ const SLIDER: f32 = 250.0;
 
 /// Shows it.
 pub fn show(studio: &mut Studio, ui: &mut Ui) {
-    let frame = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(12, 7));
+    let frame = egui::Frame::new().inner_margin(egui::Margin::symmetric(12, 7));
     Panel::bottom("transport").frame(frame).show(ui, |ui| {
         ui.horizontal(|ui| {
             let play = &mut studio.play;
@@ -34,6 +34,13 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
             {
                 play.reset();
             }
+            let help =
+                "Stops the motion and draws the picture as finely as can be, however long it takes\nKey F";
+            let finish = ui.add_enabled(studio.can_finish(), Button::new("Finish picture"));
+            if finish.on_hover_text(help).clicked() {
+                studio.finish();
+            }
+            let play = &mut studio.play;
             ui.separator();
             ui.label(RichText::new("Motion").color(theme::QUIET));
             for name in NAMES {

@@ -87,6 +87,7 @@ impl Pipelines {
         let pipeline = self.body(canvas.targets.samples)?;
         let soft = canvas.targets.soft(canvas.device);
         soft.record(&self.soft, canvas, bodies)?;
+        canvas.lap("body");
         let strays: Vec<_> = bodies.iter().map(|body| canvas.stray(body)).collect();
         let mut pass = pass(canvas, "body", first);
         pass.set_pipeline(&pipeline);

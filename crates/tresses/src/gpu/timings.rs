@@ -1,4 +1,5 @@
-//! GPU time per stage: from timestamps at the beginning and end of each pass, or by wall clock.
+//! GPU time per stage: from timestamps at the beginning and end of each pass, or by wall clock. What knows where stages
+//! end also takes frames apart.
 
 use super::{
     pass::{self, Counts},
@@ -40,6 +41,8 @@ enum Source {
     },
     /// Every stage is submitted and waited for alone.
     Clock { clock: Clock, since: Duration, rows: Vec<(&'static str, f64)>, lost: Option<Error> },
+    /// Every stage is a part of its own.
+    Parts(Vec<wgpu::CommandBuffer>),
 }
 
 impl Timings {
@@ -71,6 +74,26 @@ impl Timings {
     pub fn by(clock: Clock) -> Self {
         let source = Source::Clock { clock, since: clock(), rows: Vec::new(), lost: None };
         Self { source, counts: Vec::new() }
+    }
+
+    /// Of nothing: the [`parts`](Self::parts) of a frame that is recorded with it are to be submitted one by one, what
+    /// its encoder still holds last. For frames so long that others want the queue meanwhile; a frame of which parts are
+    /// left out is no picture, and the next one is lit anew.
+    pub fn of_parts() -> Self {
+        Self { source: Source::Parts(Vec::new()), counts: Vec::new() }
+    }
+
+    /// The parts of a frame, and starts over; without [`of_parts`](Self::of_parts) there are none.
+    pub fn parts(&mut self) -> Vec<wgpu::CommandBuffer> {
+        match &mut self.source {
+            Source::Parts(parts) => std::mem::take(parts),
+            _ => Vec::new(),
+        }
+    }
+
+    /// Whether frames are taken apart, and are to be in parts that are not too long.
+    pub(crate) fn takes_apart(&self) -> bool {
+        matches!(self.source, Source::Parts(_))
     }
 
     fn next(&mut self, name: &'static str) -> Option<(&wgpu::QuerySet, u32)> {
@@ -111,7 +134,7 @@ impl Timings {
     }
 
     /// A part called `name` ends here and the next begins. By the clock, what `encoder` holds is submitted and
-    /// waited for.
+    /// waited for; [of parts](Self::of_parts), it is kept.
     pub(crate) fn lap(
         &mut self,
         device: &wgpu::Device,
@@ -127,9 +150,17 @@ impl Timings {
             Some((_, sum)) => *sum += counts,
             None => self.counts.push((name, counts)),
         }
-        let Source::Clock { clock, since, rows, lost } = &mut self.source else { return };
-        let recorded = std::mem::replace(encoder, device.create_command_encoder(&Default::default()));
-        queue.submit([recorded.finish()]);
+        if matches!(self.source, Source::Timestamps { .. }) {
+            return;
+        }
+        let recorded =
+            std::mem::replace(encoder, device.create_command_encoder(&Default::default())).finish();
+        let (clock, since, rows, lost) = match &mut self.source {
+            Source::Clock { clock, since, rows, lost } => (clock, since, rows, lost),
+            Source::Parts(parts) => return parts.push(recorded),
+            Source::Timestamps { .. } => return,
+        };
+        queue.submit([recorded]);
         if let Err(error) = device.poll(wgpu::PollType::wait_indefinitely()) {
             *lost = Some(Error::Gpu { stage: name, problem: error.to_string() });
         }
@@ -181,6 +212,7 @@ impl Timings {
                 Some(error) => Err(error),
                 None => Ok(std::mem::take(rows)),
             })),
+            Source::Parts(_) => RowSource::Known(None),
         };
         Rows { source }
     }

@@ -11,7 +11,7 @@ use crate::{
     strands::{Drawn, StrandBuffers, buffers::storage, indices::Chunks},
 };
 use glam::Vec3;
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, ops::Range};
 
 /// A groom as light and draw need it, whoever looks at it: its strands, their look, its index lists.
 #[derive(Debug)]
@@ -205,10 +205,15 @@ pub(crate) struct Seen<'a> {
 impl Seen<'_> {
     /// Records its strips; the pipeline is set, and the frame's group is bound.
     pub fn record_strips(&self, pass: &mut crate::gpu::RenderPass<'_>) {
+        self.record_strips_of(pass, 0..self.hair.drawn.count);
+    }
+
+    /// Records those of some of its strands.
+    pub fn record_strips_of(&self, pass: &mut crate::gpu::RenderPass<'_>, strands: Range<u32>) {
         pass.set_bind_group(1, &self.shaded.group, &[]);
         pass.set_bind_group(2, &self.hair.fiber.group, &[]);
         if let Some(strips) = self.hair.strips.get(&self.hair.drawn.vertex_count) {
-            strips.record(pass, self.hair.drawn.count);
+            strips.record(pass, strands);
         }
     }
 }

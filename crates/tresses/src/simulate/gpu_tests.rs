@@ -142,7 +142,7 @@ impl Setup {
         let mut timings = timings;
         {
             let mut pass = crate::gpu::compute_pass(
-                encoder,
+                &mut encoder,
                 &wgpu::ComputePassDescriptor {
                     label: None,
                     timestamp_writes: timings.as_deref_mut().and_then(|t| t.compute("simulate")),

@@ -1,5 +1,7 @@
 //! Index lists of strips.
 
+use std::ops::Range;
+
 /// The most vertices that a 16-bit index reaches.
 const REACH: u32 = 1 << 16;
 
@@ -40,11 +42,11 @@ impl Chunks {
         Self::new(device, count, &strip, 2 * vertex_count.max(1))
     }
 
-    /// Records the strips of the first `count` strands.
-    pub fn record(&self, pass: &mut crate::gpu::RenderPass<'_>, count: u32) {
+    /// Records the strips of `strands`.
+    pub fn record(&self, pass: &mut crate::gpu::RenderPass<'_>, strands: Range<u32>) {
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
-        for first in (0..count).step_by(self.strands_per_chunk as usize) {
-            let strands = self.strands_per_chunk.min(count - first);
+        for first in strands.clone().step_by(self.strands_per_chunk as usize) {
+            let strands = self.strands_per_chunk.min(strands.end - first);
             let base = (first * self.vertices_per_strand) as i32;
             pass.draw_indexed(0..strands * self.indices_per_strand, base, 0..1);
         }

@@ -22,6 +22,10 @@ use crate::{
 };
 use peel::Peel;
 
+/// Vertices of the strands that are a part of their own where a frame is taken apart: what a software driver draws
+/// in about a tenth of a second.
+const PART: u32 = 1 << 16;
+
 /// What hair is drawn with.
 #[derive(Clone, Debug)]
 pub(crate) enum Strips {
@@ -144,10 +148,28 @@ pub(crate) fn body_first(coverage: Coverage) -> bool {
 /// Records `hair`, all grooms in every pass, so that none is before another. Clears the targets if `clear`; of
 /// peeled hair only its own, since bodies [come first](body_first).
 pub(crate) fn record(strips: &Strips, canvas: &mut Canvas<'_>, hair: &[Seen<'_>], clear: bool) -> Result<()> {
+    let apart = canvas.timings.as_ref().is_some_and(|timings| timings.takes_apart());
     let mut once = |pipeline: &wgpu::RenderPipeline, clear| {
-        let mut pass = pass(canvas, "hair", clear);
-        pass.set_pipeline(pipeline);
-        hair.iter().for_each(|seen| seen.record_strips(&mut pass));
+        if !apart {
+            let mut pass = pass(canvas, "hair", clear);
+            pass.set_pipeline(pipeline);
+            return hair.iter().for_each(|seen| seen.record_strips(&mut pass));
+        }
+        let mut first = clear;
+        for seen in hair {
+            let drawn = &seen.hair.drawn;
+            let strands = (PART / drawn.vertex_count.max(1)).max(1);
+            for begin in (0..drawn.count).step_by(strands as usize) {
+                let mut pass = pass(canvas, "hair", std::mem::take(&mut first));
+                pass.set_pipeline(pipeline);
+                seen.record_strips_of(&mut pass, begin..(begin + strands).min(drawn.count));
+                drop(pass);
+                canvas.lap("hair");
+            }
+        }
+        if first {
+            pass(canvas, "hair", true);
+        }
     };
     match strips {
         Strips::Once(all) => once(all, clear),

@@ -132,8 +132,9 @@ impl Peel {
             pass.set_pipeline(&self.under);
             pass.set_bind_group(0, &layers.under, &[]);
             pass.draw(0..3, 0..1);
+            drop(pass);
+            canvas.lap("hair");
         }
-        canvas.lap("hair");
         // Which of the two depths is that of the last layer.
         let last = (canvas.coverage.layers() as usize + 1) % 2;
         // How thick the hair behind that layer is.

@@ -2,6 +2,7 @@
 //! closes.
 #![cfg(target_os = "linux")]
 
+mod answers;
 mod desk;
 
 use desk::{Desk, Shot};

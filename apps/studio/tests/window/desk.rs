@@ -88,7 +88,7 @@ pub fn missing() -> Option<String> {
 }
 
 impl Desk {
-    /// A screen of 1280 × 900 with the studio on it.
+    /// A screen of 1920 × 1200 with the studio on it.
     pub fn open(arguments: &[&str]) -> Self {
         Self::open_with(arguments, &[])
     }
@@ -96,7 +96,7 @@ impl Desk {
     /// The same with variables of the environment.
     pub fn open_with(arguments: &[&str], variables: &[(&str, &str)]) -> Self {
         let mut server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-screen", "0", "1280x900x24", "-nolisten", "tcp", "-noreset"])
+            .args(["-displayfd", "1", "-screen", "0", "1920x1200x24", "-nolisten", "tcp", "-noreset"])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
@@ -107,8 +107,17 @@ impl Desk {
         let state = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("studio-state{display}.json"));
         // Of an earlier run; there may be none.
         let _ = std::fs::remove_file(&state);
-        let studio = Command::new(env!("CARGO_BIN_EXE_tresses-studio"))
-            .args(arguments)
+        // Another program with the studio in it may have been named, with what it is to show.
+        let named = std::env::var("TRESSES_STUDIO_PROGRAM").unwrap_or_default();
+        let mut words = named.split_whitespace();
+        let mut studio = match words.next() {
+            Some(program) => Command::new(program),
+            None => Command::new(env!("CARGO_BIN_EXE_tresses-studio")),
+        };
+        let given = words.clone().next().is_some();
+        let studio = studio
+            .args(words)
+            .args(arguments.iter().filter(|_| !given))
             .env("DISPLAY", &display)
             .envs(variables.iter().copied())
             .env("TRESSES_STUDIO_STATE", &state)
@@ -139,7 +148,7 @@ impl Desk {
                 panic!("the studio ended with {status} while {name} was waited for");
             }
             assert!(begun.elapsed() < PATIENCE, "no {name} after {PATIENCE:?}");
-            std::thread::sleep(Duration::from_millis(50));
+            std::thread::sleep(Duration::from_millis(10));
         }
     }
 
@@ -158,8 +167,12 @@ impl Desk {
     /// What is in the window.
     pub fn shot(&mut self) -> Shot {
         let at = self.connection.get_geometry(self.window).unwrap().reply().unwrap();
-        let (width, height) = (at.width.min(1280), at.height.min(900));
-        let image = self.connection.get_image(ImageFormat::Z_PIXMAP, self.window, 0, 0, width, height, !0);
+        self.part([0, 0], [at.width.min(1920), at.height.min(1200)])
+    }
+
+    /// What is in a part of the window, from its left upper corner.
+    pub fn part(&self, [x, y]: [i16; 2], [width, height]: [u16; 2]) -> Shot {
+        let image = self.connection.get_image(ImageFormat::Z_PIXMAP, self.window, x, y, width, height, !0);
         let data = image.unwrap().reply().unwrap().data;
         let pixels = data.as_chunks::<4>().0.iter().map(|[b, g, r, _]| [*r, *g, *b]).collect();
         Shot { width: width.into(), height: height.into(), pixels }
@@ -185,9 +198,18 @@ impl Desk {
     }
 
     fn fake(&self, kind: u8, detail: u8, x: i16, y: i16) {
+        self.send(kind, detail, x, y);
+        std::thread::sleep(Duration::from_millis(30));
+    }
+
+    fn send(&self, kind: u8, detail: u8, x: i16, y: i16) {
         self.connection.xtest_fake_input(kind, detail, 0, self.root, x, y, 0).unwrap();
         self.connection.flush().unwrap();
-        std::thread::sleep(Duration::from_millis(30));
+    }
+
+    /// Moves the pointer.
+    pub fn move_to(&mut self, [x, y]: [i16; 2]) {
+        self.fake(xproto::MOTION_NOTIFY_EVENT, 0, x, y);
     }
 
     /// Drags from one place to another with `button` (1 left, 3 right); `held` sees the end before it is let go.
@@ -205,16 +227,42 @@ impl Desk {
 
     /// Types the key with an X keysym (that of a Latin letter is its code).
     pub fn key(&mut self, symbol: u32) {
+        let code = self.code(symbol);
+        self.fake(xproto::KEY_PRESS_EVENT, code, 0, 0);
+        self.fake(xproto::KEY_RELEASE_EVENT, code, 0, 0);
+    }
+
+    /// The same, as fast as the server takes it.
+    pub fn tap(&mut self, symbol: u32) {
+        let code = self.code(symbol);
+        self.send(xproto::KEY_PRESS_EVENT, code, 0, 0);
+        self.send(xproto::KEY_RELEASE_EVENT, code, 0, 0);
+    }
+
+    /// The code of the key with an X keysym, which the window gets from here on.
+    fn code(&self, symbol: u32) -> u8 {
         let setup = self.connection.setup();
         let (first, count) = (setup.min_keycode, setup.max_keycode - setup.min_keycode + 1);
         let map = self.connection.get_keyboard_mapping(first, count).unwrap().reply().unwrap();
         let each = usize::from(map.keysyms_per_keycode);
         let at =
             map.keysyms.chunks(each).position(|symbols| symbols.contains(&symbol)).expect("a key for it");
-        let code = first + at as u8;
         self.connection.set_input_focus(xproto::InputFocus::PARENT, self.window, 0u32).unwrap();
-        self.fake(xproto::KEY_PRESS_EVENT, code, 0, 0);
-        self.fake(xproto::KEY_RELEASE_EVENT, code, 0, 0);
+        first + at as u8
+    }
+
+    /// What the studio holds in memory, bytes.
+    pub fn resident(&self) -> i64 {
+        let text = std::fs::read_to_string(format!("/proc/{}/statm", self.studio.id())).unwrap();
+        4096 * text.split_whitespace().nth(1).unwrap().parse::<i64>().unwrap()
+    }
+
+    /// The processor time of the studio so far, seconds.
+    pub fn processor(&self) -> f64 {
+        let text = std::fs::read_to_string(format!("/proc/{}/stat", self.studio.id())).unwrap();
+        // Behind the name, which may hold anything: user and system, in hundredths of a second.
+        let fields: Vec<_> = text.rsplit_once(')').unwrap().1.split_whitespace().collect();
+        [11, 12].iter().map(|&at| fields[at].parse::<f64>().unwrap()).sum::<f64>() / 100.0
     }
 
     /// Makes the window another size.
@@ -238,7 +286,7 @@ impl Desk {
                 return status;
             }
             assert!(begun.elapsed() < PATIENCE, "the studio does not end");
-            std::thread::sleep(Duration::from_millis(50));
+            std::thread::sleep(Duration::from_millis(10));
         }
     }
 }
