@@ -10,7 +10,8 @@ use tresses::{
     present::Background,
 };
 use tresses_scene::{
-    Base, Colliders, Quality, Scene, Settings, Viewpoint, camera::Angle, motion::Motion, settings::HairColor,
+    Base, Colliders, Quality, Scene, Settings, Viewpoint, camera::Angle, measure::Measured, motion::Motion,
+    settings::HairColor,
 };
 use tresses_studio::{
     pace::{LEVELS, Level},
@@ -166,7 +167,8 @@ fn what_a_level_takes() {
         for frame in 0..frames {
             level.dress(&mut stage, &settings).unwrap();
             let pose = motion.pose(f64::from(frame) / 30.0, stage.pivot());
-            let (all, stages) = stage.measured_frame(&pose, 1.0 / 30.0, &camera).unwrap();
+            let Measured { wall: all, stages, .. } =
+                stage.measured_frame(&pose, 1.0 / 30.0, &camera).unwrap();
             if frame < frames / 2 {
                 continue;
             }

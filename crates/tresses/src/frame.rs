@@ -228,11 +228,15 @@ impl Recorder<'_> {
             focus: &picture.focus,
             coverage: view.options().coverage,
             rate: picture.shading,
+            geometry: None,
         };
         let over = match &shows {
             Shows::Over(embed, into) => Some((*embed, *into)),
             _ => None,
         };
+        if let Some((_, into)) = over {
+            canvas.geometry = Embed::asked(canvas.coverage, picture.camera.projection, &into)?;
+        }
         let body_first = draw.body_first(canvas.coverage);
         if let Some((embed, into)) = over {
             embed.record_depth(canvas, picture.camera.projection, &into);

@@ -568,10 +568,15 @@ fn wind() {
 
 #[test]
 fn tiles() {
+    use tresses::draw::tiles::geometry::GeometryUniform;
     use tresses::draw::tiles::state::{Control, Grid, Part};
     assert_eq!(
         wgsl_layout("draw::tiles::grid::Grid"),
         rust_layout!(Grid { size, tiles, points, id_bits, window, _pad })
+    );
+    assert_eq!(
+        wgsl_layout("draw::tiles::geometry::GeometryUniform"),
+        rust_layout!(GeometryUniform { before, depth, is_known, _pad })
     );
     assert_eq!(
         wgsl_layout("draw::tiles::project::Part"),

@@ -26,6 +26,8 @@ pub(crate) struct Canvas<'a> {
     pub focus: &'a Sphere,
     pub coverage: Coverage,
     pub rate: ShadingRate,
+    /// Where a scene asks where hair is: the map of depths to its own, see [`super::tiles::geometry::GeometryUniform`].
+    pub geometry: Option<[f32; 4]>,
 }
 
 impl Canvas<'_> {

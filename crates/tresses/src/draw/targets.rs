@@ -101,7 +101,7 @@ impl Targets {
     }
 
     /// What makes a texture of one sample per pixel of the linear target.
-    fn texture(&self, device: &wgpu::Device) -> impl Fn(TextureKind) -> wgpu::Texture {
+    pub(crate) fn texture(&self, device: &wgpu::Device) -> impl Fn(TextureKind) -> wgpu::Texture {
         let size = self.depth_texture.size();
         move |(label, format, usage)| {
             device.create_texture(&wgpu::TextureDescriptor {

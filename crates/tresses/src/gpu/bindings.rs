@@ -35,6 +35,8 @@ pub enum Binding {
     DepthMultisampled,
     /// `texture_storage_2d<rgba16float, write>`.
     Write2d,
+    /// `texture_storage_2d<rgba32float, write>`.
+    WriteFloats2d,
     /// `texture_storage_3d<rgba16float, write>`.
     Write3d,
     /// `texture_2d<f32>` of any format, read texel by texel.
@@ -84,6 +86,11 @@ impl Binding {
             Self::Write2d => BindingType::StorageTexture {
                 access: wgpu::StorageTextureAccess::WriteOnly,
                 format: wgpu::TextureFormat::Rgba16Float,
+                view_dimension: TextureViewDimension::D2,
+            },
+            Self::WriteFloats2d => BindingType::StorageTexture {
+                access: wgpu::StorageTextureAccess::WriteOnly,
+                format: wgpu::TextureFormat::Rgba32Float,
                 view_dimension: TextureViewDimension::D2,
             },
             Self::Write3d => BindingType::StorageTexture {

@@ -5,7 +5,7 @@ use crate::common;
 
 use half::f16;
 use tresses::{
-    Camera, Hair, Pipelines, Pose, View,
+    Camera, Error, Hair, Pipelines, Pose, Result, View,
     draw::{Coverage, Embed, Surroundings},
     frame::{Recorder, Shows, Sight},
     glam::{
@@ -62,6 +62,11 @@ impl<'a> Setup<'a> {
 
     /// The hair over `color`, where the scene's `projection` has written `depth` everywhere.
     fn over(&self, color: Vec4, projection: Mat4, depth: f32) -> Vec<Vec4> {
+        self.drawn(color, projection, depth, false).expect("it fits")[0].clone()
+    }
+
+    /// The same, and where the hair is if `asked`.
+    fn drawn(&self, color: Vec4, projection: Mat4, depth: f32, asked: bool) -> Result<[Vec<Vec4>; 2]> {
         let Gpu { device, queue, .. } = self.gpu;
         let texture = |format, usage| {
             device.create_texture(&wgpu::TextureDescriptor {
@@ -102,15 +107,31 @@ impl<'a> Setup<'a> {
             }),
             ..Default::default()
         });
-        let into = Surroundings { color: &picture_view, depth: &depths, projection };
+        let known = texture(Embed::GEOMETRY, TextureUsages::COPY_SRC);
+        let known_view = known.create_view(&Default::default());
+        let geometry = asked.then_some(&known_view);
+        let into = Surroundings { color: &picture_view, depth: &depths, projection, geometry };
         let sight = Sight { shows: Shows::Over(&self.embed, into), ..Sight::new(&self.view, &self.scene) };
-        Recorder { pipelines: self.pipelines, device, queue, encoder: &mut encoder, timings: None }
-            .draw(&[&self.hair], &[], sight)
-            .unwrap();
+        Recorder { pipelines: self.pipelines, device, queue, encoder: &mut encoder, timings: None }.draw(
+            &[&self.hair],
+            &[],
+            sight,
+        )?;
         queue.submit([encoder.finish()]);
-        let bytes = pollster::block_on(readback::texture(device, queue, &picture)).unwrap();
+        let bytes = pollster::block_on(readback::texture(device, queue, &picture))?;
         let texels: Vec<[f16; 4]> = bytemuck::pod_collect_to_vec(&bytes);
-        texels.iter().map(|texel| Vec4::from_array(texel.map(f16::to_f32))).collect()
+        let texels = texels.iter().map(|texel| Vec4::from_array(texel.map(f16::to_f32))).collect();
+        let known =
+            bytemuck::pod_collect_to_vec(&pollster::block_on(readback::texture(device, queue, &known))?);
+        Ok([texels, known])
+    }
+
+    /// Where hair is before a wall behind it.
+    fn known(&self, projection: Mat4) -> Vec<Vec4> {
+        let far = projection.project_point3(Vec3::NEG_Z * 20.0).z;
+        let [over, known] = self.drawn(Vec4::ZERO, projection, far, true).expect("it fits");
+        assert!(over.iter().any(|texel| texel.max_element() > 0.01), "there is hair");
+        known
     }
 
     /// The same, the scene being a wall that stands `distance` metres from the eye.
@@ -197,4 +218,76 @@ fn hair_is_blended_over_the_scene() {
         assert!(partial > 100, "{coverage:?}: {partial} pixels are partly covered");
     }
     assert!(Embed::new(&gpu.device, (1, Coverage::PEELING), TextureFormat::Rgba16Float).is_err());
+}
+
+/// The distance from the eye along the view that a depth of `projection` tells.
+fn distance(projection: Mat4, depth: f32) -> f32 {
+    let seen = projection.inverse().project_point3(Vec3::new(0.0, 0.0, depth));
+    -seen.z
+}
+
+/// Pixels that a millimetre across the view has at a distance.
+fn per_millimetre(distance: f32) -> f32 {
+    1e-3 * SIZE[1] as f32 / (2.0 * distance * (0.5 * FOV).tan())
+}
+
+#[test]
+fn a_scene_is_told_where_hair_is() {
+    let Some(gpu) = common::gpu() else { return };
+    let aspect = SIZE[0] as f32 / SIZE[1] as f32;
+    let [usual, reversed] = [perspective(FOV, aspect, 0.05, 50.0), Camera::perspective(FOV, aspect, 0.02)];
+    for (samples, ssaa) in [(1, 1), (4, 1), (1, 2)] {
+        let options =
+            ViewOptions { samples, coverage: Coverage::Tiles, shadow_resolution: 64, ..Default::default() };
+        let mut stage = Setup::new(gpu, &options, ssaa);
+        let still = stage.known(usual);
+        let hair = |known: &[Vec4]| known.iter().copied().filter(|texel| texel.w > 0.05).collect::<Vec<_>>();
+        assert!(hair(&still).len() > 800, "{} pixels of hair", hair(&still).len());
+        let most = |known: &[Vec4]| {
+            known.iter().map(|texel| texel.truncate().truncate().length()).fold(0.0, f32::max)
+        };
+        assert!(most(&still) < 1e-3, "nothing was before: {}", most(&still));
+
+        // As opaque as the scene is hidden, as far away as it is, whichever way depth runs.
+        let [black, white] = [0.0, 1.0].map(|c| stage.wall(Vec4::splat(c), usual, 20.0));
+        for (texel, (black, white)) in still.iter().zip(black.iter().zip(&white)) {
+            let hidden = 1.0 - (white.x - black.x);
+            assert!((texel.w - hidden).abs() < 4e-3, "{} of {hidden}", texel.w);
+        }
+        for (a, b) in hair(&still).iter().zip(hair(&stage.known(reversed))) {
+            let [a, b] = [distance(usual, a.z), distance(reversed, b.z)];
+            assert!((a - b).abs() < 1e-3 && (a - DISTANCE).abs() < 0.2, "{a} {b}");
+        }
+
+        // The head moves to the right by 5 mm and takes its hair along.
+        stage.known(usual);
+        common::advance(
+            &mut stage.hair,
+            &common::frame(Pose { translation: Vec3::X * 5e-3, ..Pose::IDENTITY }, 0.0),
+        );
+        let moved = hair(&stage.known(usual));
+        for texel in &moved {
+            let expected = 5.0 * per_millimetre(distance(usual, texel.z));
+            assert!((texel.x - expected).abs() < 0.02 && texel.y.abs() < 0.02, "{texel}, not {expected}");
+        }
+        // Then it stands still, and the camera moves to the right and down.
+        assert!(most(&stage.known(usual)) < 1e-3);
+        let by = Vec3::new(3e-3, -4e-3, 0.0);
+        stage.scene.camera = Camera::look_at(Vec3::Z * DISTANCE + by, by, FOV, SIZE);
+        let seen = hair(&stage.known(usual));
+        for texel in &seen {
+            let expected = per_millimetre(distance(usual, texel.z));
+            let off = (texel.x + 3.0 * expected).abs().max((texel.y + 4.0 * expected).abs());
+            assert!(off < 0.02, "{texel} of {expected}");
+        }
+        // With other vertices nothing is known of the picture before but its camera.
+        let (device, queue) = (&gpu.device, &gpu.queue);
+        let detail = stage.hair.lod.detail(1e-2, 20.0);
+        stage.hair.set_detail(device, queue, detail);
+        common::advance(&mut stage.hair, &common::frame(Pose::IDENTITY, 0.0));
+        assert!(most(&stage.known(usual)) < 1e-3);
+    }
+    let options = ViewOptions { samples: 4, shadow_resolution: 64, ..Default::default() };
+    let refused = Setup::new(gpu, &options, 1).drawn(Vec4::ZERO, usual, 1.0, true);
+    assert!(matches!(refused, Err(Error::Parameter { .. })), "masks know nothing of it");
 }

@@ -88,10 +88,13 @@ fn embedded(samples: u32, format: wgpu::TextureFormat, color: wgpu::TextureForma
         };
         device.create_texture(&descriptor).create_view(&Default::default())
     };
+    let geometry = (options.coverage == Coverage::Tiles)
+        .then(|| texture(Embed::GEOMETRY, wgpu::TextureUsages::RENDER_ATTACHMENT));
     let into = Surroundings {
         color: &texture(color, wgpu::TextureUsages::RENDER_ATTACHMENT),
         depth: &texture(wgpu::TextureFormat::Depth24Plus, wgpu::TextureUsages::TEXTURE_BINDING),
         projection: Camera::perspective(0.5, 1.6, 0.01),
+        geometry: geometry.as_ref(),
     };
     let mut encoder = device.create_command_encoder(&Default::default());
     let picture = Picture::default();

@@ -8,16 +8,18 @@
 //! The scene keeps its format, its number of samples (one) and its way of writing depth: depths are
 //! carried over from its projection to that of the [`Camera`](crate::Camera), pixel by pixel, before the hair
 //! is drawn with as many samples as its view has. What these cover is blended over the scene, so that
-//! thin hair stays thin. The scene's depth is not written: transparent surfaces drawn later, in
-//! front of hair or behind it, blend as if there were no hair.
+//! thin hair stays thin. The scene's depth is not written, but a scene that asks is told how far what is seen of hair is
+//! in each pixel, how it moved and how opaque it is ([`Surroundings::geometry`]), for fog, depth of field and temporal
+//! antialiasing; transparent surfaces drawn later, in front of hair or behind it, blend as if there were no hair.
 //!
 //! Rejected: drawing strips into the scene's own target, which would need its pipelines built for its
 //! format and samples and a coverage of one sample per pixel to be smoothed afterwards.
 
 use super::{
     Coverage, Targets,
-    record::{Canvas, pass},
+    record::{Canvas, cleared, pass},
     targets::HDR_FORMAT,
+    tiles::geometry,
 };
 use crate::{
     Error, Result,
@@ -51,7 +53,7 @@ impl EmbedUniform {
     }
 
     /// From the depths of the projection `from` to those of `to`.
-    fn map(from: Mat4, to: Mat4) -> [f32; 4] {
+    pub(crate) fn map(from: Mat4, to: Mat4) -> [f32; 4] {
         // Depth is a fraction of linear functions of the distance along the view, (p z + q) / (r z + s):
         // the inverse of one such map, then another, is one more.
         let rows = |m: Mat4| [m.z_axis.z, m.w_axis.z, m.z_axis.w, m.w_axis.w].map(f64::from);
@@ -72,6 +74,13 @@ pub struct Surroundings<'a> {
     /// The projection that it was drawn with: of the camera and field of view of
     /// [`Picture::camera`](crate::view::Picture::camera), but with any planes and any direction of depth from 0 to 1.
     pub projection: Mat4,
+    /// Where hair is, for passes of the scene that come after: fog, depth of field, temporal antialiasing. A target of
+    /// [`Embed::GEOMETRY`], of the size of the picture, each pixel of which gets how far what is seen of hair there has
+    /// moved since the view's last picture (x to the right and y down, pixels), its depth in the scene's terms, and
+    /// how opaque it is, by which the former are the mean; zeros where there is no hair. Where nothing is known of the
+    /// picture before, as after a change of the level of detail, hair counts as standing still before the camera
+    /// that moved. Only hair by [`Coverage::Tiles`] knows this.
+    pub geometry: Option<&'a wgpu::TextureView>,
 }
 
 /// What puts the hair of one view into a scene.
@@ -79,12 +88,17 @@ pub struct Surroundings<'a> {
 pub struct Embed {
     depth: wgpu::RenderPipeline,
     composite: wgpu::RenderPipeline,
+    geometry: wgpu::RenderPipeline,
     depth_layout: wgpu::BindGroupLayout,
     composite_layout: wgpu::BindGroupLayout,
+    geometry_layout: wgpu::BindGroupLayout,
     uniform: wgpu::Buffer,
 }
 
 impl Embed {
+    /// The format of [`Surroundings::geometry`].
+    pub const GEOMETRY: wgpu::TextureFormat = geometry::FORMAT;
+
     /// For hair that is drawn with `samples` per pixel, covered by `coverage`, into scenes whose linear colour is of
     /// `format`, which must be one that can be blended.
     ///
@@ -110,6 +124,15 @@ impl Embed {
         let many = samples > 1 && !coverage.is_tiled();
         let hdr = if many { Binding::TextureMultisampled } else { Binding::Texture2d };
         let composite_layout = layout("embed", hdr);
+        let geometry_layout = layout("embed geometry", Binding::Texels2d);
+        let module = "draw::embed::geometry";
+        let geometry = Recipe {
+            vertex: (module, "geometry_vertex"),
+            fragment: Some((module, "geometry_fragment")),
+            layouts: &[&geometry_layout],
+            targets: &[Some(Self::GEOMETRY.into())],
+            ..Recipe::PLAIN
+        };
         let module = "draw::embed::depth";
         let depth = Recipe {
             vertex: (module, "depth_vertex"),
@@ -134,8 +157,10 @@ impl Embed {
         Ok(Self {
             depth: depth.build(device)?,
             composite: composite.build(device)?,
+            geometry: geometry.build(device)?,
             depth_layout,
             composite_layout,
+            geometry_layout,
             uniform: uniform(device, "embed", size_of::<EmbedUniform>()),
         })
     }
@@ -148,6 +173,21 @@ impl Embed {
     ) -> wgpu::BindGroup {
         let texture = wgpu::BindingResource::TextureView(view);
         group(device, "embed", layout, &[self.uniform.as_entire_binding(), texture])
+    }
+
+    /// The map of depths to those of the scene, if that asks where hair is.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] where hair is not drawn by tiles.
+    pub(crate) fn asked(coverage: Coverage, of: Mat4, into: &Surroundings<'_>) -> Result<Option<[f32; 4]>> {
+        if into.geometry.is_some() && !coverage.is_tiled() {
+            return Err(Error::Parameter {
+                name: "the geometry of hair in a scene",
+                value: format!("with {coverage:?}"),
+                range: "with tiles",
+            });
+        }
+        Ok(into.geometry.map(|_| EmbedUniform::map(of, into.projection)))
     }
 
     /// Records the scene's depth into the targets, seen with the projection `to`: before the hair.
@@ -182,6 +222,30 @@ impl Embed {
         pass.set_pipeline(&self.composite);
         pass.set_bind_group(0, &group, &[]);
         pass.draw(0..3, 0..1);
+        drop(pass);
+        if let Some(target) = into.geometry {
+            self.record_geometry(canvas, target);
+        }
+    }
+
+    /// Records where the hair is.
+    fn record_geometry(&self, canvas: &mut Canvas<'_>, target: &wgpu::TextureView) {
+        let known = canvas.targets.tiles.as_ref().and_then(|tiles| tiles.geometry());
+        let group = known.map(|known| self.bind(canvas.device, &self.geometry_layout, &known));
+        let mut pass = crate::gpu::render_pass(
+            canvas.encoder,
+            &wgpu::RenderPassDescriptor {
+                label: Some("embed geometry"),
+                color_attachments: &[cleared(target)],
+                timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.render("embed")),
+                ..Default::default()
+            },
+        );
+        if let Some(group) = group {
+            pass.set_pipeline(&self.geometry);
+            pass.set_bind_group(0, &group, &[]);
+            pass.draw(0..3, 0..1);
+        }
     }
 }
 

@@ -20,10 +20,12 @@
 //!
 //! Most entries of a tile are in a few of its rows: `touch` tells which, in a bit for each row and entry. `see` follows
 //! those without colours, marks what it meets, of which only the vertices are shaded, and leaves only those bits.
-//! `blend` follows these with colours. Of bodies with several samples per pixel, a pixel keeps two depths and their shares, and what gets
+//! `blend` follows these with colours, and `geometry`, where a scene asks, with depths and motion
+//! ([`embed`](super::embed)). Of bodies with several samples per pixel, a pixel keeps two depths and their shares, and what gets
 //! through to either (`present::tiled`).
 //!
-//! **Room.** The list holds a *window* of one and a half entries per point and the longest tile. Where a picture needs
+//! **Room.** The list holds a *window*, one and a half entries per point or what the picture before needed, and the
+//! longest tile. Where a picture needs
 //! more, as in a close-up, tiles are drawn in [rounds](crate::constants::TILE_ROUNDS), each recorded as passes whose
 //! workgroups the GPU counts: without need they have none.
 //!
@@ -40,6 +42,7 @@
 //! optical depth (wrong where a tile is not covered evenly).
 //! Untried: the farthest depth of the last frame as a bound, two segments as one entry, half floats.
 
+pub mod geometry;
 mod pipelines;
 pub mod state;
 mod texels;
@@ -109,11 +112,18 @@ impl Pipelines {
         if hair.is_empty() {
             return Ok(());
         }
-        let bound = tiles.bind(self, canvas, hair)?;
-        let Some(bound) = bound.as_ref() else { return Ok(()) };
-        for buffer in [&tiles.farthest, &tiles.bins, &tiles.ranges, &bound.seen, &bound.points.buffer] {
+        let mut bound = tiles.bind(self, canvas, hair)?;
+        let Some(bound) = bound.as_mut() else { return Ok(()) };
+        bound.begin(canvas, hair);
+        for buffer in [&tiles.farthest, &tiles.bins, &tiles.ranges, &bound.seen] {
             crate::gpu::pass::clear(canvas.encoder, buffer, None);
         }
+        // Between grooms there are no points.
+        crate::gpu::pass::clear(
+            canvas.encoder,
+            &bound.points.buffer,
+            Some(16 * u64::from(bound.grid.points)),
+        );
         let many = usize::from(canvas.targets.samples > 1);
         let mut pass = compute(canvas, "bins");
         for groom in &bound.parts {
@@ -138,7 +148,7 @@ impl Pipelines {
                 round.run(&mut pass, kernel, &bound.sort, offset_of!(Control, bins));
             }
             drop(pass);
-            bound.list.copy(canvas.encoder, u32::MAX);
+            bound.copy_list(canvas.encoder);
             canvas.lap("bins");
             let mut pass = compute(canvas, "see");
             round.run(&mut pass, &self.touch, &bound.touch, offset_of!(Control, bins));
@@ -172,6 +182,7 @@ impl Pipelines {
         }
         drop(pass);
         bound.colors.copy(canvas.encoder, bound.grid.points);
+        let asked = canvas.geometry.is_some();
         for round in Round::all(&tiles.control) {
             let mut pass = compute(canvas, "hair");
             round.run(&mut pass, &self.rewind, &bound.rewind, offset_of!(Control, bins_again));
@@ -180,9 +191,12 @@ impl Pipelines {
                 round.run(&mut pass, kernel, &bound.sort, offset_of!(Control, bins_again));
             }
             drop(pass);
-            bound.list.copy(canvas.encoder, u32::MAX);
+            bound.copy_list(canvas.encoder);
             let mut pass = compute(canvas, "hair");
             round.run(&mut pass, &self.touch, &bound.touch, offset_of!(Control, bins_again));
+            if let Some(geometry) = bound.geometry.as_ref().filter(|_| asked) {
+                round.run(&mut pass, &self.geometry[many], &geometry.group, offset_of!(Control, rows));
+            }
             round.run(&mut pass, &self.blend[many], &bound.blend, offset_of!(Control, rows));
         }
         Ok(())

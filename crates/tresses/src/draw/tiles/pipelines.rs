@@ -3,7 +3,7 @@
 use crate::gpu::{
     Binding::{
         self, Depth, DepthMultisampled, Storage, StorageMut, Texels2d, Uniform, UniformDynamic, Words2d,
-        Write2d,
+        Write2d, WriteFloats2d,
     },
     Kernel,
     kernel::{self, Job},
@@ -28,6 +28,8 @@ pub(crate) struct Pipelines {
     /// By whether pixels have two surfaces.
     pub see: [Kernel; 2],
     pub tint: Kernel,
+    /// As `see`; compiled where a scene asks.
+    pub geometry: [Kernel; 2],
     /// As `see`.
     pub blend: [Kernel; 2],
 }
@@ -39,6 +41,8 @@ impl Pipelines {
         let lists = [Storage, Storage, Storage, Words2d, Texels2d];
         let touch = [&lists[..], &[StorageMut, UniformDynamic]].concat();
         let see = [&lists[..], &[StorageMut, StorageMut, StorageMut, UniformDynamic]].concat();
+        let of_rows = [&lists[..], &[StorageMut, StorageMut]].concat();
+        let geometry = [&of_rows[..], &[Texels2d, UniformDynamic, Storage, WriteFloats2d]].concat();
         let blend = [&lists[..], &[StorageMut, StorageMut, Words2d, UniformDynamic, Write2d]].concat();
         Self {
             surface: [
@@ -65,6 +69,8 @@ impl Pipelines {
             rewind: kernel("draw::tiles::rewind", &[Storage, Storage, StorageMut, UniformDynamic]),
             touch: kernel("draw::tiles::touch", &touch),
             see: ["draw::tiles::see::1", "draw::tiles::see::2"].map(|module| kernel(module, &see)),
+            geometry: ["draw::tiles::geometry::1", "draw::tiles::geometry::2"]
+                .map(|module| kernel(module, &geometry)),
             tint: kernel("draw::tiles::tint", &[Storage, Storage, Storage, StorageMut]),
             blend: ["draw::tiles::blend::1", "draw::tiles::blend::2"].map(|module| kernel(module, &blend)),
         }

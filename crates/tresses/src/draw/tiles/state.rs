@@ -1,6 +1,6 @@
 //! The buffers of the stage: some of a picture's size, some of the hair's.
 
-use super::{Pipelines, texels::Texels};
+use super::{Pipelines, geometry::Geometry, texels::Texels};
 use crate::{
     Result,
     constants::{TILE, TILE_BINS, TILE_BLOCK, TILE_ROUNDS},
@@ -97,8 +97,8 @@ pub(crate) struct Tiles {
 /// What is known of how long the lists are.
 #[derive(Debug, Default)]
 struct Room {
-    /// The least window that pictures so far would have needed.
-    window: u32,
+    /// Entries of the last picture that is known.
+    entries: u32,
     /// How long they were in a picture before, on its way here.
     asked: Option<Pending>,
 }
@@ -108,10 +108,7 @@ impl Room {
     fn learn(&mut self, control: &[u8], window: u32) -> bool {
         let at = std::mem::offset_of!(Control, entries);
         let entries: u32 = bytemuck::pod_read_unaligned(&control[at..at + 4]);
-        if entries > window {
-            // A quarter more: the next picture of a motion needs a little more than this one.
-            self.window = self.window.max(entries.saturating_add(entries / 4));
-        }
+        self.entries = entries;
         u64::from(entries) <= u64::from(window) * u64::from(TILE_ROUNDS)
     }
 }
@@ -122,6 +119,8 @@ pub(super) struct Bound {
     /// By what it was made: vertices and colours of each groom.
     of: Vec<[wgpu::Buffer; 2]>,
     pub grid: Grid,
+    /// Entries that there is room for in a round.
+    window: u32,
     /// Where the points of each groom begin.
     firsts: Vec<u32>,
     pub parts: Vec<Groom>,
@@ -142,6 +141,8 @@ pub(super) struct Bound {
     pub touch: wgpu::BindGroup,
     pub see: wgpu::BindGroup,
     pub blend: wgpu::BindGroup,
+    /// Where a scene asks.
+    pub geometry: Option<Geometry>,
 }
 
 /// A groom among others.
@@ -219,6 +220,11 @@ impl Tiles {
             + self.bound().as_ref().map_or(0, |bound| bound.bytes)
     }
 
+    /// What [`Canvas::geometry`] asked for in the last picture; none where that had no hair.
+    pub fn geometry(&self) -> Option<wgpu::TextureView> {
+        self.bound().as_ref()?.geometry.as_ref().map(|geometry| geometry.texture.clone())
+    }
+
     pub(super) fn bound(&self) -> MutexGuard<'_, Option<Bound>> {
         // What a panic leaves behind is whole.
         self.bound.lock().unwrap_or_else(PoisonError::into_inner)
@@ -232,23 +238,26 @@ impl Tiles {
         hair: &[Seen<'_>],
     ) -> Result<MutexGuard<'_, Option<Bound>>> {
         let mut bound = self.bound();
-        let window = self.learn(canvas, bound.as_ref().map(|bound| bound.grid.window));
+        let entries = self.learn(canvas, bound.as_ref().map(|bound| bound.grid.window));
         let of: Vec<_> = hair
             .iter()
             .map(|seen| [seen.hair.strands.vertices.clone(), seen.shaded.colors.clone()])
             .collect();
-        if bound.as_ref().is_none_or(|bound| bound.of != of || bound.grid.window < window) {
+        let asked = canvas.geometry.is_some();
+        let fits =
+            |bound: &Bound| bound.of == of && bound.window >= entries && (!asked || bound.geometry.is_some());
+        if !bound.as_ref().is_some_and(fits) {
             // The old one goes first: the two need not be there at once.
             *bound = None;
-            *bound = Some(self.make(kernels, canvas, hair, of, window)?);
+            *bound = Some(self.make(kernels, canvas, hair, of, next(entries))?);
         }
         if let Some(bound) = bound.as_mut() {
-            bound.prepare(canvas.queue, &self.grid, hair);
+            bound.prepare(canvas.queue, &self.grid, hair, next(entries));
         }
         Ok(bound)
     }
 
-    /// The least window by what pictures before needed, as far as that is known: nothing is waited for.
+    /// Entries of a picture before, as far as they are known: nothing is waited for.
     fn learn(&self, canvas: &Canvas<'_>, window: Option<u32>) -> u32 {
         let mut room = self.room.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(window) = window {
@@ -262,7 +271,7 @@ impl Tiles {
                 }
             }
         }
-        room.window
+        room.entries
     }
 
     /// Whether the lists held all of the last picture; if not, those of the next will.
@@ -299,22 +308,19 @@ impl Tiles {
         let seen = storage::<u32>(device, "what is seen", all / 32)?;
         let colors = Texels::new(device, "colours of points", all, R32Uint)?;
         // A window, and the longest tile: no segment is in a tile twice.
-        let window = (all * WINDOW.0 / WINDOW.1).max(1 << 16).max(least.into());
+        let window = window_of(all).max(least.into());
         let list = Texels::new(device, "lists of tiles", window + all, R32Uint)?;
         // A byte for each entry; of each tile's a word for each row in front, and its last 32 need not be full.
         let touches = (window + all) / 32 + 2 * u64::from(self.count());
         let touches = storage::<u32>(device, "rows of tiles", touches * u64::from(TILE))?;
-        let bytes =
-            [&points, &colors, &list].map(Texels::bytes).iter().sum::<u64>() + seen.size() + touches.size();
+        let bytes = [&points, &colors, &list].map(Texels::bytes).iter().sum::<u64>()
+            + seen.size()
+            + touches.size()
+            + u64::from(canvas.geometry.is_some())
+                * (points.bytes() / 2 + 16 * u64::from(self.size[0]) * u64::from(self.size[1]));
         let id_bits = 32 - (all as u32).leading_zeros();
-        let grid = Grid {
-            size: self.size,
-            tiles: self.tiles,
-            points: all as u32,
-            id_bits,
-            window: window as u32,
-            _pad: 0,
-        };
+        let grid =
+            Grid { size: self.size, tiles: self.tiles, points: all as u32, id_bits, window: 0, _pad: 0 };
         let many = usize::from(canvas.targets.samples > 1);
         let round = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
             buffer: &self.rounds,
@@ -363,6 +369,10 @@ impl Tiles {
         };
         let hair_texture = wgpu::BindingResource::TextureView(&self.hair);
         let lists = [&g, &control, &busy, &list_read, &points_read];
+        let geometry = canvas.geometry.map(|_| {
+            let of_rows = [&lists[..], &[&surfaces, &t]].concat().into_iter().cloned().collect::<Vec<_>>();
+            Geometry::new(&kernels.geometry[many], canvas, &points, &of_rows, round.clone())
+        });
         Ok(Bound {
             surface: bind(&kernels.surface[many], &surface),
             bound: bind(&kernels.bound, &[&g, &farthest, &ranges, &b]),
@@ -378,8 +388,10 @@ impl Tiles {
                 &kernels.blend[many],
                 &[&lists[..], &[&surfaces, &t, &colors_read, &round, &hair_texture]].concat(),
             ),
+            geometry,
             of,
             grid,
+            window: window as u32,
             firsts,
             parts,
             seen,
@@ -391,12 +403,36 @@ impl Tiles {
     }
 }
 
-/// Entries of a round, for each point of the hair.
-const WINDOW: (u64, u64) = (3, 2);
+/// What a picture may need after one with so many entries: a motion needs a little more from one to the next.
+fn next(entries: u32) -> u32 {
+    entries.saturating_add(entries / 4)
+}
+
+/// Entries of a round for so many points.
+fn window_of(points: u64) -> u64 {
+    (points * 3 / 2).max(1 << 16)
+}
 
 impl Bound {
+    /// Copies the lists of a round to where they are read: a window, and the longest tile.
+    pub fn copy_list(&self, encoder: &mut wgpu::CommandEncoder) {
+        self.list.copy(encoder, self.grid.window + self.grid.points);
+    }
+
+    /// Before the points of a picture replace those of the one before: what tells how they moved.
+    pub fn begin(&mut self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>]) {
+        let Some(geometry) = &mut self.geometry else { return };
+        match canvas.geometry {
+            Some(depth) => {
+                let drawn = hair.iter().map(|seen| [seen.hair.drawn.count, seen.hair.drawn.vertex_count]);
+                geometry.begin(canvas, &self.points, drawn.collect(), depth);
+            }
+            None => geometry.forget(),
+        }
+    }
+
     /// Writes the uniforms of a frame.
-    fn prepare(&mut self, queue: &wgpu::Queue, grid: &wgpu::Buffer, hair: &[Seen<'_>]) {
+    fn prepare(&mut self, queue: &wgpu::Queue, grid: &wgpu::Buffer, hair: &[Seen<'_>], entries: u32) {
         let mut points = 0;
         for ((seen, groom), first) in hair.iter().zip(&mut self.parts).zip(&self.firsts) {
             let drawn = &seen.hair.drawn;
@@ -406,6 +442,8 @@ impl Bound {
             queue.write_buffer(&groom.part, 0, bytemuck::bytes_of(&part));
         }
         self.grid.points = points;
+        // What is far away has few: the rest of the list need not be copied.
+        self.grid.window = window_of(points.into()).max(entries.into()).min(self.window.into()) as u32;
         queue.write_buffer(grid, 0, bytemuck::bytes_of(&self.grid));
     }
 }

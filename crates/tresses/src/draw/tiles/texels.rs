@@ -39,7 +39,9 @@ impl Texels {
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
             format,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::COPY_DST
+                | wgpu::TextureUsages::COPY_SRC,
             view_formats: &[],
         });
         Ok(Self { buffer, view: texture.create_view(&Default::default()), texture })
@@ -56,6 +58,26 @@ impl Texels {
             wgpu::Extent3d { width: TILE_POINTS, height, depth_or_array_layers: 1 },
         );
         pass::copied(u64::from(height) * u64::from(TILE_POINTS * bytes(self.texture.format())));
+    }
+
+    /// A texture that the values of this one can be [kept](Self::keep) in.
+    pub fn like(&self, device: &wgpu::Device, label: &'static str) -> wgpu::Texture {
+        device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: self.texture.size(),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: self.texture.format(),
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        })
+    }
+
+    /// Records that `other` has what the texture has.
+    pub fn keep(&self, encoder: &mut wgpu::CommandEncoder, other: &wgpu::Texture) {
+        encoder.copy_texture_to_texture(self.texture.as_image_copy(), other.as_image_copy(), other.size());
+        pass::copied(self.buffer.size());
     }
 
     /// The values as a buffer.
