@@ -29,7 +29,9 @@ fn wgsl_layout(path: &str) -> Layout {
     let imported = format!("package_{}", parts.join("_"));
     let mut layout: Option<Layout> = None;
     for (shader, parsed) in parsed() {
-        let wanted = if *shader == module { name } else { &*imported };
+        // One that is linked for several values of a constant has the value behind its path.
+        let declares = shader.trim_end_matches(char::is_numeric).trim_end_matches("::") == module;
+        let wanted = if declares { name } else { &*imported };
         for (_, ty) in parsed.types.iter().filter(|(_, ty)| ty.name.as_deref() == Some(wanted)) {
             let naga::TypeInner::Struct { members, span } = &ty.inner else { continue };
             let member = |m: &naga::StructMember| (m.name.clone().unwrap_or_default(), m.offset);
