@@ -113,7 +113,7 @@ fn spans(vertex_count: u32, stands_for: u32) -> [u32; 2] {
     // What arrives of the light changes over an eighth of a strand, or a few vertices of a fine one. Few strands that
     // stand for many are to be as bright as those: knots as dense as the room for the knots of all of them allows.
     let last = vertex_count.saturating_sub(1).max(1);
-    let stride = last.div_ceil(8).min(4) / stands_for.clamp(1, 4);
+    let stride = last.div_ceil(8).min(3) / stands_for.clamp(1, 3);
     let stride = stride.max(last.div_ceil(SPANS)).max(1);
     [stride, last.div_ceil(stride)]
 }

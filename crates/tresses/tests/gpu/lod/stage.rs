@@ -87,7 +87,7 @@ impl Setup {
         hair.set_detail(device, queue, detail);
         self.advance(hair, Pose::IDENTITY, 0.0);
         // As the command draws.
-        let options = ViewOptions { samples: 1, coverage: Coverage::PEELING, ..Default::default() };
+        let options = ViewOptions { samples: 1, coverage: Coverage::Tiles, ..Default::default() };
         let view = View::new(device, self.pipelines, &options, [size; 2], ssaa).unwrap();
         let eye = middle + shot.direction.normalize() * shot.distance;
         let scene = Picture {
