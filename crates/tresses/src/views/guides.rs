@@ -40,8 +40,8 @@ pub(super) struct GuidesKernel(Kernel, Scratch);
 
 impl GuidesKernel {
     pub(super) fn new(device: &wgpu::Device) -> Self {
-        use Binding::{Storage, StorageMut, Uniform};
-        let entries = [Uniform, Storage, Storage, Storage, Storage, StorageMut, Storage];
+        use Binding::{Storage, StorageMut};
+        let entries = [Storage, Storage, Storage, Storage, Storage, StorageMut, Storage];
         Self(Kernel::new(device, "views::guides", &entries), Scratch::default())
     }
 

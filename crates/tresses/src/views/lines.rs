@@ -59,7 +59,7 @@ impl Lines {
         view: &wgpu::BindGroupLayout,
         format: wgpu::TextureFormat,
     ) -> Result<Self> {
-        let entries = [Binding::Uniform, Binding::Uniform, Binding::Storage];
+        let entries = [Binding::Storage, Binding::Storage, Binding::Storage];
         let layout = layout(device, "lines", wgpu::ShaderStages::VERTEX_FRAGMENT, &entries);
         let topology = wgpu::PrimitiveTopology::TriangleList;
         let pipeline = overlay(device, "views::lines", &[&layout, view], format, topology, true)?;

@@ -26,7 +26,7 @@ pub(super) struct Overdraw {
 
 impl Overdraw {
     pub(super) fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
-        let entries = [Binding::Uniform, Binding::Texture2d];
+        let entries = [Binding::Storage, Binding::Texture2d];
         let layout = layout(device, "overdraw", wgpu::ShaderStages::FRAGMENT, &entries);
         Self { made: Made::default(), layout, format }
     }

@@ -68,8 +68,8 @@ impl SlicesPipeline {
         view: &wgpu::BindGroupLayout,
         format: wgpu::TextureFormat,
     ) -> Result<Self> {
-        use Binding::{Sampler, Texture3d, Uniform};
-        let entries = [Uniform, Uniform, Texture3d, Sampler, Uniform];
+        use Binding::{Sampler, Storage, Texture3d};
+        let entries = [Storage, Storage, Texture3d, Sampler, Storage];
         let layout = layout(device, "slices", wgpu::ShaderStages::VERTEX_FRAGMENT, &entries);
         let pipeline = |hidden| {
             let topology = wgpu::PrimitiveTopology::TriangleStrip;

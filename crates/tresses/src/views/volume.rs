@@ -19,7 +19,7 @@ pub(super) struct Volume {
 impl Volume {
     pub(super) fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Result<Self> {
         let entries =
-            [Binding::Uniform, Binding::Uniform, Binding::Texture3d, Binding::Sampler, Binding::Depth];
+            [Binding::Storage, Binding::Storage, Binding::Texture3d, Binding::Sampler, Binding::Depth];
         let layout = layout(device, "volume", wgpu::ShaderStages::FRAGMENT, &entries);
         let topology = wgpu::PrimitiveTopology::TriangleList;
         let pipeline = overlay(device, "views::volume", &[&layout], format, topology, false)?;
