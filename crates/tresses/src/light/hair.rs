@@ -113,10 +113,13 @@ fn spans(vertex_count: u32, stands_for: u32) -> [u32; 2] {
     // What arrives of the light changes over an eighth of a strand, or a few vertices of a fine one. Few strands that
     // stand for many are to be as bright as those: knots as dense as the room for the knots of all of them allows.
     let last = vertex_count.saturating_sub(1).max(1);
-    let stride = last.div_ceil(8).min(3) / stands_for.clamp(1, 3);
+    let stride = last.div_ceil(8).min(STRIDE) / stands_for.clamp(1, STRIDE);
     let stride = stride.max(last.div_ceil(SPANS)).max(1);
     [stride, last.div_ceil(stride)]
 }
+
+/// The most vertices from a knot to the next.
+const STRIDE: u32 = 3;
 
 /// The most spans of a strand: `choose` keeps a bit for each and for the knot behind the last.
 const SPANS: u32 = 31;
@@ -150,7 +153,7 @@ impl Shaded {
             storage::<[u32; 2]>(device, "shaded strands", u64::from(*count) * u64::from(*vertex_count))?;
         // At any level of detail.
         let most = (1..=*vertex_count).flat_map(|vertices| {
-            (1..=4).map(move |of| u64::from(*count / of) * u64::from(spans(vertices, of)[1] + 1))
+            (1..=STRIDE).map(move |of| u64::from(*count / of) * u64::from(spans(vertices, of)[1] + 1))
         });
         let knots = storage::<[u32; 4]>(device, "knots of strands", most.max().unwrap_or(2))?;
         let uniform = bindings::uniform(device, "hair", size_of::<HairUniform>());

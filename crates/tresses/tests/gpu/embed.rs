@@ -32,6 +32,8 @@ struct Setup<'a> {
     hair: Hair,
     view: View,
     scene: Picture,
+    /// The scene has hair in it.
+    grown: bool,
 }
 
 impl<'a> Setup<'a> {
@@ -56,6 +58,7 @@ impl<'a> Setup<'a> {
             pipelines,
             hair,
             scene,
+            grown: true,
             gpu,
         }
     }
@@ -113,7 +116,7 @@ impl<'a> Setup<'a> {
         let into = Surroundings { color: &picture_view, depth: &depths, projection, geometry };
         let sight = Sight { shows: Shows::Over(&self.embed, into), ..Sight::new(&self.view, &self.scene) };
         Recorder { pipelines: self.pipelines, device, queue, encoder: &mut encoder, timings: None }.draw(
-            &[&self.hair],
+            &[&self.hair][..usize::from(self.grown)],
             &[],
             sight,
         )?;
@@ -286,6 +289,11 @@ fn a_scene_is_told_where_hair_is() {
         stage.hair.set_detail(device, queue, detail);
         common::advance(&mut stage.hair, &common::frame(Pose::IDENTITY, 0.0));
         assert!(most(&stage.known(usual)) < 1e-3);
+        // Without hair nothing is told of it, whatever the picture before had.
+        stage.grown = false;
+        let [_, known] = stage.drawn(Vec4::ZERO, usual, 1.0, true).unwrap();
+        let far = |texel: &Vec4| *texel == Vec4::ZERO;
+        assert!(known.iter().all(far), "{:?}", known.iter().find(|texel| !far(texel)));
     }
     let options = ViewOptions { samples: 4, shadow_resolution: 64, ..Default::default() };
     let refused = Setup::new(gpu, &options, 1).drawn(Vec4::ZERO, usual, 1.0, true);

@@ -53,7 +53,7 @@ impl EmbedUniform {
     }
 
     /// From the depths of the projection `from` to those of `to`.
-    pub(crate) fn map(from: Mat4, to: Mat4) -> [f32; 4] {
+    fn map(from: Mat4, to: Mat4) -> [f32; 4] {
         // Depth is a fraction of linear functions of the distance along the view, (p z + q) / (r z + s):
         // the inverse of one such map, then another, is one more.
         let rows = |m: Mat4| [m.z_axis.z, m.w_axis.z, m.z_axis.w, m.w_axis.w].map(f64::from);

@@ -3,7 +3,7 @@
 use super::texels::Texels;
 use crate::{
     draw::record::{Canvas, cleared},
-    gpu::{Kernel, bindings::uniform},
+    gpu::{Kernel, bindings::uniform, pass::bytes},
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, Mat4};
@@ -87,6 +87,11 @@ impl Geometry {
                 ..Default::default()
             },
         );
+    }
+
+    /// Bytes of GPU memory.
+    pub fn bytes(&self) -> u64 {
+        bytes(self.texture.texture()) + bytes(&self.before)
     }
 
     /// The next picture has none before it.

@@ -110,6 +110,7 @@ impl Pipelines {
             },
         );
         if hair.is_empty() {
+            tiles.forget();
             return Ok(());
         }
         let mut bound = tiles.bind(self, canvas, hair)?;

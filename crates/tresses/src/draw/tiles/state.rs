@@ -225,6 +225,13 @@ impl Tiles {
         self.bound().as_ref()?.geometry.as_ref().map(|geometry| geometry.texture.clone())
     }
 
+    /// The picture has no hair: where that of the one before was is not to be told of this one.
+    pub(super) fn forget(&self) {
+        if let Some(bound) = self.bound().as_mut() {
+            bound.geometry = None;
+        }
+    }
+
     pub(super) fn bound(&self) -> MutexGuard<'_, Option<Bound>> {
         // What a panic leaves behind is whole.
         self.bound.lock().unwrap_or_else(PoisonError::into_inner)
@@ -313,11 +320,6 @@ impl Tiles {
         // A byte for each entry; of each tile's a word for each row in front, and its last 32 need not be full.
         let touches = (window + all) / 32 + 2 * u64::from(self.count());
         let touches = storage::<u32>(device, "rows of tiles", touches * u64::from(TILE))?;
-        let bytes = [&points, &colors, &list].map(Texels::bytes).iter().sum::<u64>()
-            + seen.size()
-            + touches.size()
-            + u64::from(canvas.geometry.is_some())
-                * (points.bytes() / 2 + 16 * u64::from(self.size[0]) * u64::from(self.size[1]));
         let id_bits = 32 - (all as u32).leading_zeros();
         let grid =
             Grid { size: self.size, tiles: self.tiles, points: all as u32, id_bits, window: 0, _pad: 0 };
@@ -373,6 +375,10 @@ impl Tiles {
             let of_rows = [&lists[..], &[&surfaces, &t]].concat().into_iter().cloned().collect::<Vec<_>>();
             Geometry::new(&kernels.geometry[many], canvas, &points, &of_rows, round.clone())
         });
+        let bytes = [&points, &colors, &list].map(Texels::bytes).iter().sum::<u64>()
+            + seen.size()
+            + touches.size()
+            + geometry.as_ref().map_or(0, Geometry::bytes);
         Ok(Bound {
             surface: bind(&kernels.surface[many], &surface),
             bound: bind(&kernels.bound, &[&g, &farthest, &ranges, &b]),
