@@ -61,7 +61,7 @@ struct Piece {
     segment: u32,
 }
 
-/// A segment as it is drawn: two triangles that reach beyond the strip to both sides.
+/// A segment as it is drawn by tiles, `draw/tiles/row.wesl`.
 struct Segment {
     a: Vec2,
     b: Vec2,
@@ -70,25 +70,26 @@ struct Segment {
     width: f32,
 }
 
-/// How far beyond a strip's edge it is drawn, cells: `REACH_SINGLE` of `draw/coverage.wesl`.
-const REACH: f32 = 0.7072;
+/// Segments whose directions agree less do not share the line that they meet in.
+const ALIKE: f32 = 0.6;
 
 impl Segment {
     /// The length over which it covers its width in cells of `cell` metres, `widening` times as wide as it is.
     ///
-    /// A triangle covers along the line on which its vertices' distances from the strip's middle are 0, and no
-    /// more than its own area. Where a strip turns within a cell those lines are longer than it is, and lie
-    /// before and behind its ends.
+    /// A pixel belongs to the segment on whose side of the lines across its ends the pixel's centre lies. Where a strand
+    /// turns within a pixel those lines cross beside it, and behind the crossing there is no less of it than nothing.
     fn drawn(&self, widening: f32, cell: f32) -> f32 {
-        let width = widening * self.width;
-        let reach = 0.5 * width + REACH * cell;
-        let [a, b] = self.sides.map(|side| side * reach);
         let way = self.b - self.a;
-        // The middle of the edge that both share, seen from the first end.
-        let middle = 0.5 * (way + a - b);
-        let [first, second] = [a.perp_dot(way - a - b), b.perp_dot(way - a - b)].map(f32::abs);
-        let least = width.max(cell);
-        middle.length().min(first / least) + (way - middle).length().min(second / least)
+        let length = way.length();
+        let along = way.normalize_or_zero();
+        // As `draw/tiles/row.wesl` has it.
+        let slope = |side: Vec2| {
+            let ahead = side.perp_dot(along).abs();
+            if ahead > ALIKE { side.dot(along) / side.perp_dot(along) } else { 0.0 }
+        };
+        let [a, b] = self.sides.map(slope);
+        let reach = (a - b).abs() * 0.5 * (widening * self.width + cell * (along.x.abs() + along.y.abs()));
+        if reach <= length { length } else { 0.25 * (length + reach).powi(2) / reach }
     }
 }
 
@@ -289,9 +290,11 @@ pub(super) mod tests {
         let segment = |sides| Segment { a: Vec2::ZERO, b: Vec2::new(0.3, 0.0), sides, width: 0.1 };
         let straight = segment([Vec2::Y; 2]);
         assert!((straight.drawn(1.0, 1.0) - 0.3).abs() < 1e-6);
-        // Half a turn on the spot: a bow tie.
-        let turned = segment([Vec2::Y, -Vec2::Y]);
-        assert!(turned.drawn(1.0, 1.0) > 0.4, "{}", turned.drawn(1.0, 1.0));
+        // An eighth of a turn: what lies beside the line that both ends' normals meet in has no area to lose.
+        let turned = segment([Vec2::Y, Vec2::ONE.normalize()]);
+        assert!((turned.drawn(1.0, 1.0) - 0.25 * 0.85f32.powi(2) / 0.55).abs() < 1e-6);
+        // Half a turn on the spot: either ends for itself.
+        assert!((segment([Vec2::Y, -Vec2::Y]).drawn(1.0, 1.0) - 0.3).abs() < 1e-6);
         // Between fine cells it does not show.
         assert!((segment([Vec2::Y, Vec2::new(0.1, 1.0).normalize()]).drawn(0.1, 1e-3) - 0.3).abs() < 1e-3);
     }
