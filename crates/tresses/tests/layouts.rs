@@ -457,9 +457,9 @@ fn present() {
         exposure,
         shoulder,
         desaturation,
-        ssaa,
-        samples,
-        encode,
+        _pad_a,
+        _pad_b,
+        _pad_c,
     });
     assert_eq!(wgsl_layout("present::tonemap::PresentUniform"), rust);
     assert_eq!(

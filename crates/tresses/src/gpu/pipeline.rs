@@ -32,6 +32,8 @@ pub(crate) struct Recipe<'a> {
     pub depth: Option<(bool, wgpu::CompareFunction)>,
     pub samples: u32,
     pub alpha_to_coverage: bool,
+    /// What the fragment shader's constants are (`override`), by their numbers.
+    pub constants: &'a [(&'a str, f64)],
 }
 
 impl Recipe<'_> {
@@ -46,6 +48,7 @@ impl Recipe<'_> {
         depth: None,
         samples: 1,
         alpha_to_coverage: false,
+        constants: &[],
     };
 
     /// The pipeline.
@@ -84,7 +87,10 @@ impl Recipe<'_> {
                 fragment: self.fragment.map(|(_, entry)| wgpu::FragmentState {
                     module: other.as_ref().unwrap_or(&shader),
                     entry_point: Some(entry),
-                    compilation_options: Default::default(),
+                    compilation_options: wgpu::PipelineCompilationOptions {
+                        constants: self.constants,
+                        ..Default::default()
+                    },
                     targets: self.targets,
                 }),
                 multiview_mask: None,

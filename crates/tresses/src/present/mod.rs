@@ -49,12 +49,12 @@ pub struct PresentUniform {
     pub shoulder: f32,
     /// [`ToneMap::desaturation`].
     pub desaturation: f32,
-    /// Target pixels per picture pixel, along each axis.
-    pub ssaa: u32,
-    /// Samples per target pixel.
-    pub samples: u32,
-    /// 1 when the shader applies the sRGB curve, 0 when the output's format does.
-    pub encode: u32,
+    /// Unused.
+    pub _pad_a: f32,
+    /// Unused.
+    pub _pad_b: f32,
+    /// Unused.
+    pub _pad_c: f32,
 }
 
 /// The pipelines of the stage, each made when it is first needed.
@@ -67,17 +67,17 @@ pub struct Pipelines {
 
 /// The shader for targets of so many samples with hair in them by `coverage`, and what it binds.
 fn shader(coverage: Coverage, samples: u32) -> (&'static str, &'static [Binding]) {
-    use Binding::{Depth, DepthMultisampled, Storage, Texture2d, TextureMultisampled};
+    use Binding::{Depth, DepthMultisampled, Storage, Texture2d, TextureMultisampled, Uniform};
     match (coverage, samples) {
         (Coverage::DepthPeeling { .. }, _) => {
-            ("present::layers", &[Storage, Texture2d, Texture2d, Texture2d, Texture2d, Depth])
+            ("present::layers", &[Uniform, Texture2d, Texture2d, Texture2d, Texture2d, Depth])
         }
-        (Coverage::Tiles, 1) => ("present::tiled_one", &[Storage, Texture2d, Texture2d]),
+        (Coverage::Tiles, 1) => ("present::tiled_one", &[Uniform, Texture2d, Texture2d]),
         (Coverage::Tiles, _) => {
-            ("present::tiled", &[Storage, TextureMultisampled, DepthMultisampled, Texture2d, Storage])
+            ("present::tiled", &[Uniform, TextureMultisampled, DepthMultisampled, Texture2d, Storage])
         }
-        (_, 1) => ("present::single", &[Storage, Texture2d]),
-        _ => ("present::resolve", &[Storage, TextureMultisampled, Storage]),
+        (_, 1) => ("present::single", &[Uniform, Texture2d]),
+        _ => ("present::resolve", &[Uniform, TextureMultisampled, Storage]),
     }
 }
 
@@ -105,6 +105,7 @@ impl Pipelines {
                 fragment: Some((module, &format!("{name}_{entry}"))),
                 layouts: &[&layout(&self.device, module, wgpu::ShaderStages::FRAGMENT, bindings)],
                 targets: &[Some(format.into())],
+                constants: &[("0", f64::from(u8::from(format.is_srgb())))],
                 ..Recipe::PLAIN
             }
             .build(&self.device)
@@ -176,9 +177,9 @@ impl State {
             exposure: tone.exposure,
             shoulder: tone.shoulder.clamp(0.0, 0.99),
             desaturation: tone.desaturation,
-            ssaa: targets.ssaa,
-            samples: targets.samples,
-            encode: u32::from(!self.format.is_srgb()),
+            _pad_a: 0.0,
+            _pad_b: 0.0,
+            _pad_c: 0.0,
         };
         queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
     }

@@ -7,7 +7,9 @@ use tresses::{
     body::{Body, BodyMaterial},
     camera::ToneMap,
     draw::Coverage,
+    frame::Sight,
     glam::Vec3,
+    gpu::readback,
     light::{
         Directional, HairMaterial, HairSet, Lights, MAX_LIGHTS, ShadingModel, ShadowMethod, Shadows, Sky,
         material::linear,
@@ -62,5 +64,52 @@ fn a_pixel_is_tone_mapped_once() {
         println!("{coverage:?}: {once:.3} off, {each:.3} were samples and strands mapped each");
         assert!(once < 0.03, "{coverage:?}: {once}");
         assert!(each > 0.3, "{coverage:?}: the comparison sees no difference: {each}");
+    }
+}
+
+/// The bytes of a picture are the same, whoever applies the sRGB curve.
+#[test]
+fn a_format_that_applies_the_curve_shows_the_same() {
+    use tresses::wgpu::{
+        self,
+        TextureFormat::{Rgba8Unorm, Rgba8UnormSrgb},
+    };
+    let Some(gpu) = common::gpu() else { return };
+    let pipelines = common::pipelines().expect("there is a GPU");
+    let body = Body::new(&gpu.device, &golden::ball());
+    let bytes = |coverage, ssaa, made_for, output: wgpu::TextureFormat| {
+        let options = ViewOptions { coverage, shadow_resolution: 64, output: made_for, ..Default::default() };
+        let view = View::new(&gpu.device, pipelines, &options, golden::SIZE, ssaa).expect("fits");
+        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("output"),
+            size: view.targets().picture().texture().size(),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: Rgba8Unorm,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[Rgba8UnormSrgb],
+        });
+        let into = texture.create_view(&wgpu::TextureViewDescriptor {
+            format: Some(output),
+            usage: Some(wgpu::TextureUsages::RENDER_ATTACHMENT),
+            ..Default::default()
+        });
+        let scene = golden::scene();
+        common::submit(|recorder| {
+            let sight = Sight { output: Some(&into), ..Sight::new(&view, &scene) };
+            recorder.draw(&[], &[&body], sight)
+        });
+        pollster::block_on(readback::texture(&gpu.device, &gpu.queue, &texture)).expect("it is there")
+    };
+    let most = |a: &[u8], b: &[u8]| a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max();
+    for (coverage, ssaa) in [(Coverage::Tiles, 1), (Coverage::Tiles, 2), (Coverage::SampleMask, 1)] {
+        let plain = bytes(coverage, ssaa, Rgba8Unorm, Rgba8Unorm);
+        let curved = bytes(coverage, ssaa, Rgba8UnormSrgb, Rgba8UnormSrgb);
+        assert!(plain.iter().max() > Some(&100), "there is a ball");
+        assert!(most(&plain, &curved) <= Some(1), "{coverage:?}: {:?}", most(&plain, &curved));
+        // The comparison sees a curve that is applied once too often.
+        let swapped = curved.iter().map(|byte| (255.0 * linear(f32::from(*byte) / 255.0)) as u8);
+        assert!(most(&plain, &swapped.collect::<Vec<_>>()) > Some(20));
     }
 }
