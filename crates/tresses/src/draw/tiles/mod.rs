@@ -9,7 +9,8 @@
 //! A segment is the piece of a strand between two of its vertices. It is written into the list of each tile of 8×8
 //! pixels that it reaches, unless bodies hide it there. Lists are made by counting, a prefix sum and a second pass
 //! that writes: no length is guessed. In its tile a segment goes into one of 64 bins by its depth, between the
-//! nearest and the farthest hair of 4×4 tiles; each bin is then put in order by one thread, or by a workgroup
+//! nearest and the farthest hair of 4×4 tiles, or the farthest body of the tile; in a bin an entry's place is the number
+//! of those before it, which a thread counts for four neighbours at once, or a workgroup sorts the bin
 //! where it holds very many. An entry is one word: the place of its depth in the bin, then its number, so that no two
 //! are equal and two runs give the same bits.
 //!
@@ -31,14 +32,15 @@
 //!
 //! **Why so.** On a software driver loads and atomics are made lane by lane, so that a thread had better have many
 //! pixels per load: a row of eight costs an eighth of the loads of eight threads with a pixel each. Ordering by bins of
-//! a tile's own range of depth keeps bins at a handful of entries, where insertion is as fast as anything.
+//! a tile's own range of depth keeps most bins at a handful of entries, where comparing each with each is as fast as
+//! anything: no thread waits for another's longer bin, as it would where each sorts one.
 //!
-//! Mesa's software driver ends the loops of a thread after 65,535 turns in all: what takes a square of a bin's
-//! entries stays undone there.
+//! Mesa's software driver ends the loops of a thread after 65,535 turns in all: counts of entries bound those of loops.
 //!
 //! Rejected: a bitonic sort in workgroup memory (45 barriers per tile, and a barrier costs a software driver as
 //! much as the work between two; sorting just the bins of over 32 entries so doubles the time of all lists), lists of
-//! linked fragments (their order and so the picture changes from run to run), leaving out what lies behind a mean
+//! linked fragments (their order and so the picture changes from run to run), Shell's sort of a bin by one thread (half as
+//! long again), leaving out what lies behind a mean
 //! optical depth (wrong where a tile is not covered evenly).
 //! Untried: the farthest depth of the last frame as a bound, two segments as one entry, half floats.
 
@@ -57,7 +59,7 @@ use crate::{
     gpu::Kernel,
     light::Seen,
 };
-use state::Control;
+use state::{Bound, Control};
 use std::mem::offset_of;
 
 /// A round of tiles that fit into the list.
@@ -145,11 +147,8 @@ impl Pipelines {
         for round in Round::all(&tiles.control) {
             let mut pass = compute(canvas, "bins");
             round.run(&mut pass, &self.scatter, &bound.scatter, offset_of!(Control, segments));
-            for kernel in [&self.sort, &self.merge] {
-                round.run(&mut pass, kernel, &bound.sort, offset_of!(Control, bins));
-            }
             drop(pass);
-            bound.copy_list(canvas.encoder);
+            self.sort(canvas, bound, &round, ("bins", offset_of!(Control, bins)));
             canvas.lap("bins");
             let mut pass = compute(canvas, "see");
             round.run(&mut pass, &self.touch, &bound.touch, offset_of!(Control, bins));
@@ -158,6 +157,22 @@ impl Pipelines {
             canvas.lap("see");
         }
         Ok(())
+    }
+
+    /// Records that the lists of a round, as `scatter` has left them, are put in order and where they are read.
+    fn sort(
+        &self,
+        canvas: &mut Canvas<'_>,
+        bound: &Bound,
+        round: &Round<'_>,
+        (name, field): (&'static str, usize),
+    ) {
+        bound.copy_list(canvas.encoder);
+        let mut pass = compute(canvas, name);
+        round.run(&mut pass, &self.sort, &bound.sort, field);
+        round.run(&mut pass, &self.merge, &bound.merge, field);
+        drop(pass);
+        bound.copy_list(canvas.encoder);
     }
 
     /// Records the shading of what the last [`record_bins`](Self::record_bins) has seen.
@@ -188,11 +203,8 @@ impl Pipelines {
             let mut pass = compute(canvas, "hair");
             round.run(&mut pass, &self.rewind, &bound.rewind, offset_of!(Control, bins_again));
             round.run(&mut pass, &self.scatter, &bound.scatter, offset_of!(Control, segments_again));
-            for kernel in [&self.sort, &self.merge] {
-                round.run(&mut pass, kernel, &bound.sort, offset_of!(Control, bins_again));
-            }
             drop(pass);
-            bound.copy_list(canvas.encoder);
+            self.sort(canvas, bound, &round, ("hair", offset_of!(Control, bins_again)));
             let mut pass = compute(canvas, "hair");
             round.run(&mut pass, &self.touch, &bound.touch, offset_of!(Control, bins_again));
             if let Some(geometry) = bound.geometry.as_ref().filter(|_| asked) {

@@ -21,7 +21,6 @@ pub(crate) struct Pipelines {
     pub scan: Kernel,
     pub scatter: Kernel,
     pub sort: Kernel,
-    /// Bound as `sort`.
     pub merge: Kernel,
     pub rewind: Kernel,
     pub touch: Kernel,
@@ -37,7 +36,8 @@ pub(crate) struct Pipelines {
 impl Pipelines {
     pub fn new(device: &wgpu::Device) -> Self {
         let kernel = |module, bindings: &[Binding]| Kernel::new(device, module, bindings);
-        let sort = [Storage, Storage, Storage, Storage, StorageMut, UniformDynamic];
+        let merge = [Storage, Storage, Storage, Storage, StorageMut, UniformDynamic];
+        let sort = [Storage, Storage, Storage, Storage, Words2d, StorageMut, UniformDynamic];
         let lists = [Storage, Storage, Storage, Words2d, Texels2d];
         let touch = [&lists[..], &[StorageMut, UniformDynamic]].concat();
         let see = [&lists[..], &[StorageMut, StorageMut, StorageMut, UniformDynamic]].concat();
@@ -65,7 +65,7 @@ impl Pipelines {
                 &[Storage, Texels2d, Words2d, StorageMut, StorageMut, UniformDynamic],
             ),
             sort: kernel("draw::tiles::sort", &sort),
-            merge: kernel("draw::tiles::merge", &sort),
+            merge: kernel("draw::tiles::merge", &merge),
             rewind: kernel("draw::tiles::rewind", &[Storage, Storage, StorageMut, UniformDynamic]),
             touch: kernel("draw::tiles::touch", &touch),
             see: ["draw::tiles::see::1", "draw::tiles::see::2"].map(|module| kernel(module, &see)),
