@@ -586,6 +586,17 @@ fn tiles() {
     );
     assert_eq!(
         wgsl_layout("draw::tiles::grid::Control"),
-        rust_layout!(Control { segments, bins, rows, segments_again, bins_again, busy, entries, _pad })
+        rust_layout!(Control {
+            segments,
+            bins,
+            rows,
+            segments_again,
+            bins_again,
+            deep_tiles,
+            deep_rows,
+            busy,
+            entries,
+            _pad
+        })
     );
 }

@@ -4,6 +4,8 @@
 //! depth of bodies ─► surface ─► depths per pixel, farthest per tile
 //! strand vertices ─► project ─► points ─► count ─► totals ─► scan ─► scatter ─► sort, merge ─► lists of tiles
 //! lists ─► touch ─► lists of rows ─► see ─► which segments are seen ─► light::shade ─► tint ─► colours ─► blend ─► hair
+//!   ▲                                 │
+//!   └─ sort, merge ◄─ deepen ◄────────┘ tiles whose front is not enough
 //! ```
 //!
 //! A segment is the piece of a strand between two of its vertices. It is written into the list of each tile of 8×8
@@ -25,6 +27,11 @@
 //! ([`embed`](super::embed)). Of bodies with several samples per pixel, a pixel keeps two depths and their shares, and what gets
 //! through to either (`present::tiled`).
 //!
+//! **Depth.** Half of a portrait's entries, and most of a dense groom's, lie where nothing shows through. What a tile needed
+//! in the picture before, and a quarter more, is its *front*: only that is put in order, touched and seen. Tiles in which
+//! light still gets through at its end are listed, and their rest follows (`deepen`), so that a picture is the same to the
+//! bit whatever was before it; a first picture is all front.
+//!
 //! **Room.** The list holds a *window*, one and a half entries per point or what the picture before needed, and the
 //! longest tile. Where a picture needs
 //! more, as in a close-up, tiles are drawn in [rounds](crate::constants::TILE_ROUNDS), each recorded as passes whose
@@ -42,7 +49,7 @@
 //! linked fragments (their order and so the picture changes from run to run), Shell's sort of a bin by one thread (half as
 //! long again), leaving out what lies behind a mean
 //! optical depth (wrong where a tile is not covered evenly).
-//! Untried: the farthest depth of the last frame as a bound, two segments as one entry, half floats.
+//! Untried: two segments as one entry, half floats.
 
 pub mod geometry;
 mod pipelines;
@@ -59,7 +66,7 @@ use crate::{
     gpu::Kernel,
     light::Seen,
 };
-use state::{Bound, Control};
+use state::{Asked, Control};
 use std::mem::offset_of;
 
 /// A round of tiles that fit into the list.
@@ -73,16 +80,21 @@ impl<'a> Round<'a> {
         (0..TILE_ROUNDS).map(move |number| Self { control, number })
     }
 
-    /// Records a kernel with the workgroups that a field of [`Control`] tells.
+    /// Records a kernel for what is asked of tiles, with the workgroups that a field of [`Control`] tells.
     fn run(
         &self,
         pass: &mut crate::gpu::ComputePass<'_>,
         kernel: &Kernel,
         group: &wgpu::BindGroup,
-        field: usize,
+        (asked, field): (Asked, usize),
     ) {
         let workgroups = (self.control, field as u64 + 16 * u64::from(self.number));
-        kernel.record_indirect(pass, group, &[state::STEP as u32 * self.number], workgroups);
+        kernel.record_indirect(pass, group, &[self.offset(asked)], workgroups);
+    }
+
+    /// Of the uniform of a pass.
+    fn offset(&self, asked: Asked) -> u32 {
+        state::STEP as u32 * (asked as u32 * TILE_ROUNDS + self.number)
     }
 }
 
@@ -146,33 +158,32 @@ impl Pipelines {
         canvas.lap("bins");
         for round in Round::all(&tiles.control) {
             let mut pass = compute(canvas, "bins");
-            round.run(&mut pass, &self.scatter, &bound.scatter, offset_of!(Control, segments));
+            let of = |field| (Asked::Front, field);
+            round.run(&mut pass, &self.scatter, &bound.scatter, of(offset_of!(Control, segments)));
             drop(pass);
-            self.sort(canvas, bound, &round, ("bins", offset_of!(Control, bins)));
+            bound.copy_list(canvas.encoder);
+            let mut pass = compute(canvas, "bins");
+            round.run(&mut pass, &self.sort, &bound.sort, of(offset_of!(Control, bins)));
+            round.run(&mut pass, &self.merge, &bound.merge, of(offset_of!(Control, bins)));
+            drop(pass);
+            bound.copy_list(canvas.encoder);
             canvas.lap("bins");
             let mut pass = compute(canvas, "see");
-            round.run(&mut pass, &self.touch, &bound.touch, offset_of!(Control, bins));
-            round.run(&mut pass, &self.see[many], &bound.see, offset_of!(Control, rows));
+            round.run(&mut pass, &self.touch, &bound.touch, of(offset_of!(Control, bins)));
+            round.run(&mut pass, &self.see[many], &bound.see, of(offset_of!(Control, rows)));
+            self.deepen.record(&mut pass, &bound.deepen, &[round.offset(Asked::Front)], 1);
+            let of = |field| (Asked::Behind, field);
+            round.run(&mut pass, &self.sort, &bound.sort, of(offset_of!(Control, deep_tiles)));
+            round.run(&mut pass, &self.merge, &bound.merge, of(offset_of!(Control, deep_tiles)));
+            drop(pass);
+            bound.copy_list(canvas.encoder);
+            let mut pass = compute(canvas, "see");
+            round.run(&mut pass, &self.touch, &bound.touch, of(offset_of!(Control, deep_tiles)));
+            round.run(&mut pass, &self.see[many], &bound.see, of(offset_of!(Control, deep_rows)));
             drop(pass);
             canvas.lap("see");
         }
         Ok(())
-    }
-
-    /// Records that the lists of a round, as `scatter` has left them, are put in order and where they are read.
-    fn sort(
-        &self,
-        canvas: &mut Canvas<'_>,
-        bound: &Bound,
-        round: &Round<'_>,
-        (name, field): (&'static str, usize),
-    ) {
-        bound.copy_list(canvas.encoder);
-        let mut pass = compute(canvas, name);
-        round.run(&mut pass, &self.sort, &bound.sort, field);
-        round.run(&mut pass, &self.merge, &bound.merge, field);
-        drop(pass);
-        bound.copy_list(canvas.encoder);
     }
 
     /// Records the shading of what the last [`record_bins`](Self::record_bins) has seen.
@@ -201,16 +212,22 @@ impl Pipelines {
         let asked = canvas.geometry.is_some();
         for round in Round::all(&tiles.control) {
             let mut pass = compute(canvas, "hair");
-            round.run(&mut pass, &self.rewind, &bound.rewind, offset_of!(Control, bins_again));
-            round.run(&mut pass, &self.scatter, &bound.scatter, offset_of!(Control, segments_again));
+            let of = |field| (Asked::Whole, field);
+            round.run(&mut pass, &self.rewind, &bound.rewind, of(offset_of!(Control, bins_again)));
+            round.run(&mut pass, &self.scatter, &bound.scatter, of(offset_of!(Control, segments_again)));
             drop(pass);
-            self.sort(canvas, bound, &round, ("hair", offset_of!(Control, bins_again)));
+            bound.copy_list(canvas.encoder);
             let mut pass = compute(canvas, "hair");
-            round.run(&mut pass, &self.touch, &bound.touch, offset_of!(Control, bins_again));
+            round.run(&mut pass, &self.sort, &bound.sort, of(offset_of!(Control, bins_again)));
+            round.run(&mut pass, &self.merge, &bound.merge, of(offset_of!(Control, bins_again)));
+            drop(pass);
+            bound.copy_list(canvas.encoder);
+            let mut pass = compute(canvas, "hair");
+            round.run(&mut pass, &self.touch, &bound.touch, of(offset_of!(Control, bins_again)));
             if let Some(geometry) = bound.geometry.as_ref().filter(|_| asked) {
-                round.run(&mut pass, &self.geometry[many], &geometry.group, offset_of!(Control, rows));
+                round.run(&mut pass, &self.geometry[many], &geometry.group, of(offset_of!(Control, rows)));
             }
-            round.run(&mut pass, &self.blend[many], &bound.blend, offset_of!(Control, rows));
+            round.run(&mut pass, &self.blend[many], &bound.blend, of(offset_of!(Control, rows)));
         }
         Ok(())
     }

@@ -26,6 +26,7 @@ pub(crate) struct Pipelines {
     pub touch: Kernel,
     /// By whether pixels have two surfaces.
     pub see: [Kernel; 2],
+    pub deepen: Kernel,
     pub tint: Kernel,
     /// As `see`; compiled where a scene asks.
     pub geometry: [Kernel; 2],
@@ -36,11 +37,12 @@ pub(crate) struct Pipelines {
 impl Pipelines {
     pub fn new(device: &wgpu::Device) -> Self {
         let kernel = |module, bindings: &[Binding]| Kernel::new(device, module, bindings);
-        let merge = [Storage, Storage, Storage, Storage, StorageMut, UniformDynamic];
-        let sort = [Storage, Storage, Storage, Storage, Words2d, StorageMut, UniformDynamic];
+        let asked = [Storage, Storage, Storage, StorageMut, UniformDynamic];
+        let sort = [&asked[..], &[Storage, Words2d, StorageMut]].concat();
+        let merge = [&asked[..], &[Storage, StorageMut]].concat();
+        let touch = [&asked[..], &[Words2d, Texels2d, StorageMut]].concat();
         let lists = [Storage, Storage, Storage, Words2d, Texels2d];
-        let touch = [&lists[..], &[StorageMut, UniformDynamic]].concat();
-        let see = [&lists[..], &[StorageMut, StorageMut, StorageMut, UniformDynamic]].concat();
+        let see = [&lists[..], &[StorageMut, StorageMut, StorageMut, UniformDynamic, StorageMut]].concat();
         let of_rows = [&lists[..], &[StorageMut, StorageMut]].concat();
         let geometry = [&of_rows[..], &[Texels2d, UniformDynamic, Storage, WriteFloats2d]].concat();
         let blend = [&lists[..], &[StorageMut, StorageMut, Words2d, UniformDynamic, Write2d]].concat();
@@ -59,7 +61,7 @@ impl Pipelines {
             bound: kernel("draw::tiles::bound", &[Storage, Storage, Storage, StorageMut]),
             count: kernel("draw::tiles::count", &[Storage, Texels2d, Words2d, StorageMut]),
             totals: kernel("draw::tiles::totals", &[Storage, StorageMut, StorageMut]),
-            scan: kernel("draw::tiles::scan", &[Storage, StorageMut, StorageMut, StorageMut]),
+            scan: kernel("draw::tiles::scan", &[Storage, StorageMut, StorageMut, StorageMut, StorageMut]),
             scatter: kernel(
                 "draw::tiles::scatter",
                 &[Storage, Texels2d, Words2d, StorageMut, StorageMut, UniformDynamic],
@@ -71,6 +73,7 @@ impl Pipelines {
             see: ["draw::tiles::see::1", "draw::tiles::see::2"].map(|module| kernel(module, &see)),
             geometry: ["draw::tiles::geometry::1", "draw::tiles::geometry::2"]
                 .map(|module| kernel(module, &geometry)),
+            deepen: kernel("draw::tiles::deepen", &[StorageMut, Storage, UniformDynamic]),
             tint: kernel("draw::tiles::tint", &[Storage, Storage, Storage, StorageMut]),
             blend: ["draw::tiles::blend::1", "draw::tiles::blend::2"].map(|module| kernel(module, &blend)),
         }
@@ -92,6 +95,7 @@ impl Pipelines {
             &self.rewind,
             &self.touch,
             &self.see[many],
+            &self.deepen,
             &self.tint,
             &self.blend[many],
         ])

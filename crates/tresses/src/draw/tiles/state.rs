@@ -60,12 +60,27 @@ pub struct Control {
     pub segments_again: [[u32; 4]; TILE_ROUNDS as usize],
     /// As `bins`, likewise.
     pub bins_again: [[u32; 4]; TILE_ROUNDS as usize],
+    /// As `bins`, of the tiles that need more than their front.
+    pub deep_tiles: [[u32; 4]; TILE_ROUNDS as usize],
+    /// Of what has one thread per row of those.
+    pub deep_rows: [[u32; 4]; TILE_ROUNDS as usize],
     /// First busy tile of each round and the one after its last.
     pub busy: [[u32; 4]; TILE_ROUNDS as usize],
     /// Entries that all tiles need.
     pub entries: u32,
     /// Unused.
     pub _pad: [u32; 3],
+}
+
+/// What a pass asks of a tile's entries: twins of `grid::FRONT` and those below it.
+#[derive(Clone, Copy)]
+pub(super) enum Asked {
+    /// Those that the picture before needed, and some.
+    Front,
+    /// Those behind them, where they were not enough.
+    Behind,
+    /// All.
+    Whole,
 }
 
 /// Dynamic offsets of uniforms are multiples of this on any device.
@@ -88,6 +103,9 @@ pub(crate) struct Tiles {
     busy: wgpu::Buffer,
     pub(super) ranges: wgpu::Buffer,
     pub(super) control: wgpu::Buffer,
+    /// How deep into their lists tiles had to be followed, and which of them deeper than expected: see
+    /// `grid::DEEP_COUNT`.
+    depths: wgpu::Buffer,
     rounds: wgpu::Buffer,
     grid: wgpu::Buffer,
     bound: Mutex<Option<Bound>>,
@@ -138,6 +156,7 @@ pub(super) struct Bound {
     pub scatter: wgpu::BindGroup,
     pub sort: wgpu::BindGroup,
     pub merge: wgpu::BindGroup,
+    pub deepen: wgpu::BindGroup,
     pub rewind: wgpu::BindGroup,
     pub touch: wgpu::BindGroup,
     pub see: wgpu::BindGroup,
@@ -172,9 +191,10 @@ impl Tiles {
         let count = u64::from(tiles[0]) * u64::from(tiles[1]);
         let blocks = tiles.map(|side| u64::from(side.div_ceil(TILE_BLOCK)));
         let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::STORAGE_BINDING;
-        let mut numbers = vec![0u32; (STEP * u64::from(TILE_ROUNDS)) as usize / 4];
-        for (round, number) in numbers.iter_mut().step_by(STEP as usize / 4).enumerate() {
-            *number = round as u32;
+        let asked = [Asked::Front, Asked::Behind, Asked::Whole];
+        let mut numbers = vec![0u32; asked.len() * (STEP * u64::from(TILE_ROUNDS)) as usize / 4];
+        for (at, words) in numbers.chunks_mut(STEP as usize / 4).enumerate() {
+            words[..2].copy_from_slice(&[at as u32 % TILE_ROUNDS, at as u32 / TILE_ROUNDS]);
         }
         let rounds = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("rounds"),
@@ -199,6 +219,7 @@ impl Tiles {
                     | wgpu::BufferUsages::COPY_SRC,
                 mapped_at_creation: false,
             }),
+            depths: storage::<u32>(device, "depths of lists", u64::from(TILE_ROUNDS) + 2 * count)?,
             rounds,
             grid: uniform(device, "grid of tiles", size_of::<Grid>()),
             bound: Mutex::default(),
@@ -213,7 +234,7 @@ impl Tiles {
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        let own = [&self.surfaces, &self.farthest, &self.bins, &self.busy, &self.ranges];
+        let own = [&self.surfaces, &self.farthest, &self.bins, &self.busy, &self.ranges, &self.depths];
         let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
         own.iter().map(|buffer| buffer.size()).sum::<u64>()
             + self.bounds.bytes()
@@ -333,8 +354,8 @@ impl Tiles {
         let depth = wgpu::BindingResource::TextureView(&canvas.targets.depth);
         let [camera, g, control, busy] =
             [canvas.eye, &self.grid, &self.control, &self.busy].map(wgpu::Buffer::as_entire_binding);
-        let [surfaces, farthest, bins, ranges, s, t] =
-            [&self.surfaces, &self.farthest, &self.bins, &self.ranges, &seen, &touches]
+        let [surfaces, farthest, bins, ranges, d, s, t] =
+            [&self.surfaces, &self.farthest, &self.bins, &self.ranges, &self.depths, &seen, &touches]
                 .map(wgpu::Buffer::as_entire_binding);
         let all = [&points, &colors, &list, &self.bounds];
         let [p, c, l, b] = all.map(Texels::words);
@@ -371,6 +392,7 @@ impl Tiles {
             kernel.bind(device, &of.iter().map(|&of| of.clone()).collect::<Vec<_>>())
         };
         let hair_texture = wgpu::BindingResource::TextureView(&self.hair);
+        let asked = [&g, &control, &busy, &d, &round];
         let lists = [&g, &control, &busy, &list_read, &points_read];
         let geometry = canvas.geometry.map(|_| {
             let of_rows = [&lists[..], &[&surfaces, &t]].concat().into_iter().cloned().collect::<Vec<_>>();
@@ -385,13 +407,14 @@ impl Tiles {
             bound: bind(&kernels.bound, &[&g, &farthest, &ranges, &b]),
             count: bind(&kernels.count, &[&g, &points_read, &bounds_read, &bins]),
             totals: bind(&kernels.totals, &[&g, &bins, &b]),
-            scan: bind(&kernels.scan, &[&g, &b, &busy, &control]),
+            scan: bind(&kernels.scan, &[&g, &b, &busy, &control, &d]),
             scatter: bind(&kernels.scatter, &[&g, &points_read, &bounds_read, &bins, &l, &round]),
-            sort: bind(&kernels.sort, &[&g, &control, &busy, &bins, &list_read, &l, &round]),
-            merge: bind(&kernels.merge, &[&g, &control, &busy, &bins, &l, &round]),
+            sort: bind(&kernels.sort, &[&asked[..], &[&bins, &list_read, &l]].concat()),
+            merge: bind(&kernels.merge, &[&asked[..], &[&bins, &l]].concat()),
+            deepen: bind(&kernels.deepen, &[&control, &d, &round]),
             rewind: bind(&kernels.rewind, &[&control, &busy, &bins, &round]),
-            see: bind(&kernels.see[many], &[&lists[..], &[&surfaces, &t, &s, &round]].concat()),
-            touch: bind(&kernels.touch, &[&lists[..], &[&t, &round]].concat()),
+            see: bind(&kernels.see[many], &[&lists[..], &[&surfaces, &t, &s, &round, &d]].concat()),
+            touch: bind(&kernels.touch, &[&asked[..], &[&list_read, &points_read, &t]].concat()),
             blend: bind(
                 &kernels.blend[many],
                 &[&lists[..], &[&surfaces, &t, &colors_read, &round, &hair_texture]].concat(),

@@ -210,6 +210,51 @@ fn crowded_bins_are_in_order() {
     }
 }
 
+/// Lists are followed as far as the picture before needed, and further where that is not enough: whatever came before,
+/// a picture is what it is alone.
+#[test]
+fn a_picture_does_not_depend_on_the_one_before() {
+    let Some(gpu) = common::gpu() else { return };
+    let light = Directional { direction: Vec3::Z, irradiance: Vec3::splat(9.0) };
+    let from = |eye: Vec3| {
+        let camera = Camera::look_at(eye, Vec3::ZERO, 0.4, SIZE);
+        let mut scene = Picture { camera, ..scene() };
+        scene.lights.directional[0] = light;
+        scene
+    };
+    let [front, aside, near, far] =
+        [Vec3::Z * 0.5, Vec3::new(0.3, 0.1, 0.4), Vec3::Z * 0.22, Vec3::Z * 3.0].map(from);
+    let wide = Groom::on_a_ball(4000, 4e-4);
+    // Needs five times as many strands until nothing gets through.
+    let thin = Groom { root_radius: 8e-5, tip_radius: 8e-5, ..wide.clone() };
+    let pictures = [
+        (&wide, &front),
+        (&wide, &front),
+        (&thin, &front),
+        (&wide, &aside),
+        (&thin, &near),
+        (&wide, &far),
+        (&thin, &front),
+        (&wide, &near),
+    ];
+    for mode in [TILES_1, TILES] {
+        let studio = Studio::new(gpu, mode, SIZE);
+        let hair = [&wide, &thin].map(|groom| studio.hair(groom));
+        let ball = Body::new(&gpu.device, &crate::golden::ball());
+        let mut before = Vec::new();
+        for (i, (groom, scene)) in pictures.into_iter().enumerate() {
+            let own = usize::from(std::ptr::eq(groom, &thin));
+            let shown = studio.with(scene, &hair[own].0, &[&ball]).as_flattened().to_vec();
+            let alone = Studio::new(gpu, mode, SIZE);
+            let (own, _strands) = alone.hair(groom);
+            let alone = alone.with(scene, &own, &[&ball]).as_flattened().to_vec();
+            assert!(shown == alone, "{i}");
+            assert!(i < 2 || shown != before, "{i}: there is something to see");
+            before = shown;
+        }
+    }
+}
+
 /// Hair behind a body's edge, and before it, is as much there as samples tell.
 #[test]
 fn outlines_of_bodies_before_hair_are_smooth() {
