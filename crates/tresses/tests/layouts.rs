@@ -582,7 +582,7 @@ fn tiles() {
     );
     assert_eq!(
         wgsl_layout("draw::tiles::project::Part"),
-        rust_layout!(Part { first, count, vertex_count, _pad })
+        rust_layout!(Part { first, count, vertex_count, room })
     );
     assert_eq!(
         wgsl_layout("draw::tiles::grid::Control"),

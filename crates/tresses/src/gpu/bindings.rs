@@ -37,6 +37,8 @@ pub enum Binding {
     Write2d,
     /// `texture_storage_2d<rgba32float, write>`.
     WriteFloats2d,
+    /// `texture_storage_2d<r32uint, write>`.
+    WriteWords2d,
     /// `texture_storage_3d<rgba16float, write>`.
     Write3d,
     /// `texture_2d<f32>` of any format, read texel by texel.
@@ -91,6 +93,11 @@ impl Binding {
             Self::WriteFloats2d => BindingType::StorageTexture {
                 access: wgpu::StorageTextureAccess::WriteOnly,
                 format: wgpu::TextureFormat::Rgba32Float,
+                view_dimension: TextureViewDimension::D2,
+            },
+            Self::WriteWords2d => BindingType::StorageTexture {
+                access: wgpu::StorageTextureAccess::WriteOnly,
+                format: wgpu::TextureFormat::R32Uint,
                 view_dimension: TextureViewDimension::D2,
             },
             Self::Write3d => BindingType::StorageTexture {

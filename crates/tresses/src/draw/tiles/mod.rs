@@ -66,7 +66,7 @@ use crate::{
     gpu::Kernel,
     light::Seen,
 };
-use state::{Asked, Control};
+use state::{Asked, Bound, Control};
 use std::mem::offset_of;
 
 /// A round of tiles that fit into the list.
@@ -133,57 +133,55 @@ impl Pipelines {
         for buffer in [&tiles.farthest, &tiles.bins, &tiles.ranges, &bound.seen] {
             crate::gpu::pass::clear(canvas.encoder, buffer, None);
         }
-        // Between grooms there are no points.
-        crate::gpu::pass::clear(
-            canvas.encoder,
-            &bound.points.buffer,
-            Some(16 * u64::from(bound.grid.points)),
-        );
         let many = usize::from(canvas.targets.samples > 1);
         let mut pass = compute(canvas, "bins");
         for groom in &bound.parts {
-            self.project.record(&mut pass, &groom.project, &[], threads(groom.points));
+            self.project.record(&mut pass, &groom.project, &[], threads(groom.room));
         }
         self.surface[many].record(&mut pass, &bound.surface, &[], threads(tiles.count() * TILE));
         self.bound.record(&mut pass, &bound.bound, &[], threads(tiles.count()));
         drop(pass);
-        bound.points.copy(canvas.encoder, bound.grid.points);
-        tiles.bounds.copy(canvas.encoder, tiles.count());
+        tiles.bounds.1.copy(canvas.encoder, &tiles.bounds.0, tiles.count());
         let mut pass = compute(canvas, "bins");
         self.count.record(&mut pass, &bound.count, &[], threads(bound.grid.points));
         self.totals.record(&mut pass, &bound.totals, &[], threads(tiles.count()));
         self.scan.record(&mut pass, &bound.scan, &[], 1);
         drop(pass);
-        tiles.bounds.copy(canvas.encoder, tiles.count());
+        tiles.bounds.1.copy(canvas.encoder, &tiles.bounds.0, tiles.count());
         canvas.lap("bins");
         for round in Round::all(&tiles.control) {
-            let mut pass = compute(canvas, "bins");
-            let of = |field| (Asked::Front, field);
-            round.run(&mut pass, &self.scatter, &bound.scatter, of(offset_of!(Control, segments)));
-            drop(pass);
-            bound.copy_list(canvas.encoder);
-            let mut pass = compute(canvas, "bins");
-            round.run(&mut pass, &self.sort, &bound.sort, of(offset_of!(Control, bins)));
-            round.run(&mut pass, &self.merge, &bound.merge, of(offset_of!(Control, bins)));
-            drop(pass);
-            bound.copy_list(canvas.encoder);
+            let fields = [offset_of!(Control, segments), offset_of!(Control, bins)];
+            self.order(&mut compute(canvas, "bins"), bound, &round, Asked::Front, fields);
             canvas.lap("bins");
             let mut pass = compute(canvas, "see");
+            let of = |field| (Asked::Front, field);
             round.run(&mut pass, &self.touch, &bound.touch, of(offset_of!(Control, bins)));
             round.run(&mut pass, &self.see[many], &bound.see, of(offset_of!(Control, rows)));
             self.deepen.record(&mut pass, &bound.deepen, &[round.offset(Asked::Front)], 1);
             let of = |field| (Asked::Behind, field);
             round.run(&mut pass, &self.sort, &bound.sort, of(offset_of!(Control, deep_tiles)));
             round.run(&mut pass, &self.merge, &bound.merge, of(offset_of!(Control, deep_tiles)));
-            drop(pass);
-            bound.copy_list(canvas.encoder);
-            let mut pass = compute(canvas, "see");
             round.run(&mut pass, &self.touch, &bound.touch, of(offset_of!(Control, deep_tiles)));
             round.run(&mut pass, &self.see[many], &bound.see, of(offset_of!(Control, deep_rows)));
             drop(pass);
             canvas.lap("see");
         }
         Ok(())
+    }
+
+    /// Records that the lists of a round are filled, and what is asked of them put in order; with the workgroups that two
+    /// fields of [`Control`] tell.
+    fn order(
+        &self,
+        pass: &mut crate::gpu::ComputePass<'_>,
+        bound: &Bound,
+        round: &Round<'_>,
+        asked: Asked,
+        [segments, bins]: [usize; 2],
+    ) {
+        round.run(pass, &self.scatter, &bound.scatter, (asked, segments));
+        round.run(pass, &self.sort, &bound.sort, (asked, bins));
+        round.run(pass, &self.merge, &bound.merge, (asked, bins));
     }
 
     /// Records the shading of what the last [`record_bins`](Self::record_bins) has seen.
@@ -208,21 +206,13 @@ impl Pipelines {
             self.tint.record(&mut pass, &groom.tint, &[], threads(groom.points));
         }
         drop(pass);
-        bound.colors.copy(canvas.encoder, bound.grid.points);
         let asked = canvas.geometry.is_some();
         for round in Round::all(&tiles.control) {
             let mut pass = compute(canvas, "hair");
             let of = |field| (Asked::Whole, field);
             round.run(&mut pass, &self.rewind, &bound.rewind, of(offset_of!(Control, bins_again)));
-            round.run(&mut pass, &self.scatter, &bound.scatter, of(offset_of!(Control, segments_again)));
-            drop(pass);
-            bound.copy_list(canvas.encoder);
-            let mut pass = compute(canvas, "hair");
-            round.run(&mut pass, &self.sort, &bound.sort, of(offset_of!(Control, bins_again)));
-            round.run(&mut pass, &self.merge, &bound.merge, of(offset_of!(Control, bins_again)));
-            drop(pass);
-            bound.copy_list(canvas.encoder);
-            let mut pass = compute(canvas, "hair");
+            let fields = [offset_of!(Control, segments_again), offset_of!(Control, bins_again)];
+            self.order(&mut pass, bound, &round, Asked::Whole, fields);
             round.run(&mut pass, &self.touch, &bound.touch, of(offset_of!(Control, bins_again)));
             if let Some(geometry) = bound.geometry.as_ref().filter(|_| asked) {
                 round.run(&mut pass, &self.geometry[many], &geometry.group, of(offset_of!(Control, rows)));

@@ -3,7 +3,7 @@
 use crate::gpu::{
     Binding::{
         self, Depth, DepthMultisampled, Storage, StorageMut, Texels2d, Uniform, UniformDynamic, Words2d,
-        Write2d, WriteFloats2d,
+        Write2d, WriteFloats2d, WriteWords2d,
     },
     Kernel,
     kernel::{self, Job},
@@ -38,8 +38,8 @@ impl Pipelines {
     pub fn new(device: &wgpu::Device) -> Self {
         let kernel = |module, bindings: &[Binding]| Kernel::new(device, module, bindings);
         let asked = [Storage, Storage, Storage, StorageMut, UniformDynamic];
-        let sort = [&asked[..], &[Storage, Words2d, StorageMut]].concat();
-        let merge = [&asked[..], &[Storage, StorageMut]].concat();
+        let sort = [&asked[..], &[Storage, Storage, WriteWords2d]].concat();
+        let merge = [&asked[..], &[Storage, StorageMut, WriteWords2d]].concat();
         let touch = [&asked[..], &[Words2d, Texels2d, StorageMut]].concat();
         let lists = [Storage, Storage, Storage, Words2d, Texels2d];
         let see = [&lists[..], &[StorageMut, StorageMut, StorageMut, UniformDynamic, StorageMut]].concat();
@@ -56,7 +56,7 @@ impl Pipelines {
             ],
             project: kernel(
                 "draw::tiles::project",
-                &[Uniform, Storage, Storage, Storage, Storage, StorageMut, StorageMut],
+                &[Uniform, Storage, Storage, Storage, Storage, WriteFloats2d, StorageMut],
             ),
             bound: kernel("draw::tiles::bound", &[Storage, Storage, Storage, StorageMut]),
             count: kernel("draw::tiles::count", &[Storage, Texels2d, Words2d, StorageMut]),
@@ -74,7 +74,7 @@ impl Pipelines {
             geometry: ["draw::tiles::geometry::1", "draw::tiles::geometry::2"]
                 .map(|module| kernel(module, &geometry)),
             deepen: kernel("draw::tiles::deepen", &[StorageMut, Storage, UniformDynamic]),
-            tint: kernel("draw::tiles::tint", &[Storage, Storage, Storage, StorageMut]),
+            tint: kernel("draw::tiles::tint", &[Storage, Storage, Storage, WriteWords2d]),
             blend: ["draw::tiles::blend::1", "draw::tiles::blend::2"].map(|module| kernel(module, &blend)),
         }
     }

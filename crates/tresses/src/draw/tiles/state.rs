@@ -42,8 +42,8 @@ pub struct Part {
     pub count: u32,
     /// Their vertices.
     pub vertex_count: u32,
-    /// Unused.
-    pub _pad: u32,
+    /// Points that it has, or had in the picture before, if more.
+    pub room: u32,
 }
 
 /// What the passes of a frame tell each other: workgroups of passes that the CPU does not know.
@@ -99,7 +99,8 @@ pub(crate) struct Tiles {
     pub surfaces: wgpu::Buffer,
     pub(super) farthest: wgpu::Buffer,
     pub(super) bins: wgpu::Buffer,
-    pub(super) bounds: Texels,
+    /// See `grid::Bounds`; as words, and where they are read.
+    pub(super) bounds: (wgpu::Buffer, Texels),
     busy: wgpu::Buffer,
     pub(super) ranges: wgpu::Buffer,
     pub(super) control: wgpu::Buffer,
@@ -137,16 +138,12 @@ pub(super) struct Bound {
     /// By what it was made: vertices and colours of each groom.
     of: Vec<[wgpu::Buffer; 2]>,
     pub grid: Grid,
-    /// Entries that there is room for in a round.
-    window: u32,
     /// Where the points of each groom begin.
     firsts: Vec<u32>,
     pub parts: Vec<Groom>,
     /// A bit for each segment.
     pub seen: wgpu::Buffer,
     pub points: Texels,
-    pub list: Texels,
-    pub colors: Texels,
     bytes: u64,
     pub surface: wgpu::BindGroup,
     pub bound: wgpu::BindGroup,
@@ -175,6 +172,8 @@ pub(super) struct Groom {
     pub tint: wgpu::BindGroup,
     /// Points that it has now.
     pub points: u32,
+    /// See [`Part::room`].
+    pub room: u32,
 }
 
 impl Tiles {
@@ -208,7 +207,10 @@ impl Tiles {
             surfaces: storage::<[u32; 2]>(device, "surfaces", count * u64::from(TILE * TILE))?,
             farthest: storage::<u32>(device, "farthest bodies", count)?,
             bins: storage::<u32>(device, "bins", count * u64::from(TILE_BINS))?,
-            bounds: Texels::new(device, "bounds of tiles", count, wgpu::TextureFormat::Rgba32Uint)?,
+            bounds: (
+                storage::<[u32; 4]>(device, "bounds of tiles", Texels::rows(count))?,
+                Texels::new(device, "bounds of tiles", count, wgpu::TextureFormat::Rgba32Uint)?,
+            ),
             busy: storage::<[u32; 4]>(device, "busy tiles", count)?,
             ranges: storage::<[u32; 2]>(device, "ranges of depth", blocks[0] * blocks[1])?,
             control: device.create_buffer(&wgpu::BufferDescriptor {
@@ -237,7 +239,8 @@ impl Tiles {
         let own = [&self.surfaces, &self.farthest, &self.bins, &self.busy, &self.ranges, &self.depths];
         let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
         own.iter().map(|buffer| buffer.size()).sum::<u64>()
-            + self.bounds.bytes()
+            + self.bounds.0.size()
+            + self.bounds.1.bytes()
             + pixels * 8
             + self.bound().as_ref().map_or(0, |bound| bound.bytes)
     }
@@ -273,15 +276,16 @@ impl Tiles {
             .map(|seen| [seen.hair.strands.vertices.clone(), seen.shaded.colors.clone()])
             .collect();
         let asked = canvas.geometry.is_some();
-        let fits =
-            |bound: &Bound| bound.of == of && bound.window >= entries && (!asked || bound.geometry.is_some());
+        let fits = |bound: &Bound| {
+            bound.of == of && bound.grid.window >= entries && (!asked || bound.geometry.is_some())
+        };
         if !bound.as_ref().is_some_and(fits) {
             // The old one goes first: the two need not be there at once.
             *bound = None;
             *bound = Some(self.make(kernels, canvas, hair, of, next(entries))?);
         }
         if let Some(bound) = bound.as_mut() {
-            bound.prepare(canvas.queue, &self.grid, hair, next(entries));
+            bound.prepare(canvas.queue, &self.grid, hair);
         }
         Ok(bound)
     }
@@ -338,13 +342,20 @@ impl Tiles {
         let colors = Texels::new(device, "colours of points", all, R32Uint)?;
         // A window, and the longest tile: no segment is in a tile twice.
         let window = window_of(all).max(least.into());
+        let unsorted = storage::<u32>(device, "unsorted lists", window + all)?;
         let list = Texels::new(device, "lists of tiles", window + all, R32Uint)?;
         // A byte for each entry; of each tile's a word for each row in front, and its last 32 need not be full.
         let touches = (window + all) / 32 + 2 * u64::from(self.count());
         let touches = storage::<u32>(device, "rows of tiles", touches * u64::from(TILE))?;
         let id_bits = 32 - (all as u32).leading_zeros();
-        let grid =
-            Grid { size: self.size, tiles: self.tiles, points: all as u32, id_bits, window: 0, _pad: 0 };
+        let grid = Grid {
+            size: self.size,
+            tiles: self.tiles,
+            points: all as u32,
+            id_bits,
+            window: window as u32,
+            _pad: 0,
+        };
         let many = usize::from(canvas.targets.samples > 1);
         let round = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
             buffer: &self.rounds,
@@ -357,9 +368,9 @@ impl Tiles {
         let [surfaces, farthest, bins, ranges, d, s, t] =
             [&self.surfaces, &self.farthest, &self.bins, &self.ranges, &self.depths, &seen, &touches]
                 .map(wgpu::Buffer::as_entire_binding);
-        let all = [&points, &colors, &list, &self.bounds];
-        let [p, c, l, b] = all.map(Texels::words);
-        let [points_read, colors_read, list_read, bounds_read] = all.map(Texels::texels);
+        let [l, b] = [&unsorted, &self.bounds.0].map(wgpu::Buffer::as_entire_binding);
+        let [points_read, colors_read, list_read, bounds_read] =
+            [&points, &colors, &list, &self.bounds.1].map(Texels::resource);
         let parts = hair
             .iter()
             .zip(&firsts)
@@ -369,8 +380,9 @@ impl Tiles {
                 let [vertices, strands, shaded] =
                     [&own.hair.strands.vertices, &own.hair.strands.strands, &own.shaded.colors]
                         .map(wgpu::Buffer::as_entire_binding);
-                let project = [&camera, &g, &of, &vertices, &strands, &p, &ranges].map(Clone::clone);
-                let tint = [&of, &shaded, &s, &c].map(Clone::clone);
+                let project =
+                    [&camera, &g, &of, &vertices, &strands, &points_read, &ranges].map(Clone::clone);
+                let tint = [&of, &shaded, &s, &colors_read].map(Clone::clone);
                 let offset = u64::from(*first) / 8;
                 let seen =
                     wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: &seen, offset, size: None });
@@ -380,6 +392,7 @@ impl Tiles {
                     project: kernels.project.bind(device, &project),
                     tint: kernels.tint.bind(device, &tint),
                     points: 0,
+                    room: 0,
                     part,
                 })
             })
@@ -399,6 +412,7 @@ impl Tiles {
             Geometry::new(&kernels.geometry[many], canvas, &points, &of_rows, round.clone())
         });
         let bytes = [&points, &colors, &list].map(Texels::bytes).iter().sum::<u64>()
+            + unsorted.size()
             + seen.size()
             + touches.size()
             + geometry.as_ref().map_or(0, Geometry::bytes);
@@ -409,8 +423,8 @@ impl Tiles {
             totals: bind(&kernels.totals, &[&g, &bins, &b]),
             scan: bind(&kernels.scan, &[&g, &b, &busy, &control, &d]),
             scatter: bind(&kernels.scatter, &[&g, &points_read, &bounds_read, &bins, &l, &round]),
-            sort: bind(&kernels.sort, &[&asked[..], &[&bins, &list_read, &l]].concat()),
-            merge: bind(&kernels.merge, &[&asked[..], &[&bins, &l]].concat()),
+            sort: bind(&kernels.sort, &[&asked[..], &[&bins, &l, &list_read]].concat()),
+            merge: bind(&kernels.merge, &[&asked[..], &[&bins, &l, &list_read]].concat()),
             deepen: bind(&kernels.deepen, &[&control, &d, &round]),
             rewind: bind(&kernels.rewind, &[&control, &busy, &bins, &round]),
             see: bind(&kernels.see[many], &[&lists[..], &[&surfaces, &t, &s, &round, &d]].concat()),
@@ -422,13 +436,10 @@ impl Tiles {
             geometry,
             of,
             grid,
-            window: window as u32,
             firsts,
             parts,
             seen,
             points,
-            list,
-            colors,
             bytes,
         })
     }
@@ -445,11 +456,6 @@ fn window_of(points: u64) -> u64 {
 }
 
 impl Bound {
-    /// Copies the lists of a round to where they are read: a window, and the longest tile.
-    pub fn copy_list(&self, encoder: &mut wgpu::CommandEncoder) {
-        self.list.copy(encoder, self.grid.window + self.grid.points);
-    }
-
     /// Before the points of a picture replace those of the one before: what tells how they moved.
     pub fn begin(&mut self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>]) {
         let Some(geometry) = &mut self.geometry else { return };
@@ -463,18 +469,18 @@ impl Bound {
     }
 
     /// Writes the uniforms of a frame.
-    fn prepare(&mut self, queue: &wgpu::Queue, grid: &wgpu::Buffer, hair: &[Seen<'_>], entries: u32) {
+    fn prepare(&mut self, queue: &wgpu::Queue, grid: &wgpu::Buffer, hair: &[Seen<'_>]) {
         let mut points = 0;
         for ((seen, groom), first) in hair.iter().zip(&mut self.parts).zip(&self.firsts) {
             let drawn = &seen.hair.drawn;
-            let part = Part { first: *first, count: drawn.count, vertex_count: drawn.vertex_count, _pad: 0 };
-            groom.points = part.count * part.vertex_count;
-            points = part.first + groom.points;
+            let own = drawn.count * drawn.vertex_count;
+            let room = groom.points.max(own);
+            let part = Part { first: *first, count: drawn.count, vertex_count: drawn.vertex_count, room };
+            (groom.points, groom.room) = (own, room);
+            points = part.first + own;
             queue.write_buffer(&groom.part, 0, bytemuck::bytes_of(&part));
         }
         self.grid.points = points;
-        // What is far away has few: the rest of the list need not be copied.
-        self.grid.window = window_of(points.into()).max(entries.into()).min(self.window.into()) as u32;
         queue.write_buffer(grid, 0, bytemuck::bytes_of(&self.grid));
     }
 }

@@ -1,18 +1,17 @@
-//! A buffer that one kernel writes and others read much, as the texture that these read.
+//! What some kernels write and others read much, as a texture.
 
-use crate::{Result, constants::TILE_POINTS, gpu::pass, strands::buffers::storage};
+use crate::{Result, constants::TILE_POINTS, gpu::pass};
 
-/// Values in a buffer, and a texture that they are copied to, rows of [`TILE_POINTS`] of them: software drivers
-/// load texels many lanes at a time, but words of a buffer lane by lane.
+/// Values in a texture, rows of [`TILE_POINTS`] of them: software drivers load texels many lanes at a time, but words of a
+/// buffer lane by lane. A kernel writes them, or they are copied from a buffer.
 #[derive(Debug)]
 pub(super) struct Texels {
-    pub buffer: wgpu::Buffer,
     texture: wgpu::Texture,
     view: wgpu::TextureView,
 }
 
 impl Texels {
-    /// Room for `count` values of `format`.
+    /// Room for `count` values of `format`, all zero.
     ///
     /// # Errors
     /// [`crate::Error::Limit`].
@@ -23,15 +22,10 @@ impl Texels {
         format: wgpu::TextureFormat,
     ) -> Result<Self> {
         let rows = count.div_ceil(u64::from(TILE_POINTS)).max(1);
-        let values = rows * u64::from(TILE_POINTS);
         let most = device.limits().max_texture_dimension_2d.into();
         if rows > most {
             return Err(crate::Error::Limit { what: label, need: rows, have: most });
         }
-        let buffer = match bytes(format) {
-            16 => storage::<[u32; 4]>(device, label, values)?,
-            _ => storage::<u32>(device, label, values)?,
-        };
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some(label),
             size: wgpu::Extent3d { width: TILE_POINTS, height: rows as u32, depth_or_array_layers: 1 },
@@ -40,20 +34,26 @@ impl Texels {
             dimension: wgpu::TextureDimension::D2,
             format,
             usage: wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::STORAGE_BINDING
                 | wgpu::TextureUsages::COPY_DST
                 | wgpu::TextureUsages::COPY_SRC,
             view_formats: &[],
         });
-        Ok(Self { buffer, view: texture.create_view(&Default::default()), texture })
+        Ok(Self { view: texture.create_view(&Default::default()), texture })
     }
 
-    /// Records that the first `count` values are in the texture as they are in the buffer.
-    pub fn copy(&self, encoder: &mut wgpu::CommandEncoder, count: u32) {
+    /// Room in a buffer for `count` values that are to be [copied](Self::copy): whole rows.
+    pub fn rows(count: u64) -> u64 {
+        count.next_multiple_of(u64::from(TILE_POINTS)).max(u64::from(TILE_POINTS))
+    }
+
+    /// Records that the first `count` values are those of a buffer with [room](Self::rows) for them.
+    pub fn copy(&self, encoder: &mut wgpu::CommandEncoder, buffer: &wgpu::Buffer, count: u32) {
         let height = count.div_ceil(TILE_POINTS).min(self.texture.height());
         let bytes_per_row = Some(TILE_POINTS * bytes(self.texture.format()));
         let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
         encoder.copy_buffer_to_texture(
-            wgpu::TexelCopyBufferInfo { buffer: &self.buffer, layout },
+            wgpu::TexelCopyBufferInfo { buffer, layout },
             self.texture.as_image_copy(),
             wgpu::Extent3d { width: TILE_POINTS, height, depth_or_array_layers: 1 },
         );
@@ -77,22 +77,17 @@ impl Texels {
     /// Records that `other` has what the texture has.
     pub fn keep(&self, encoder: &mut wgpu::CommandEncoder, other: &wgpu::Texture) {
         encoder.copy_texture_to_texture(self.texture.as_image_copy(), other.as_image_copy(), other.size());
-        pass::copied(self.buffer.size());
+        pass::copied(self.bytes());
     }
 
-    /// The values as a buffer.
-    pub fn words(&self) -> wgpu::BindingResource<'_> {
-        self.buffer.as_entire_binding()
-    }
-
-    /// The values as a texture.
-    pub fn texels(&self) -> wgpu::BindingResource<'_> {
+    /// For who reads or writes it.
+    pub fn resource(&self) -> wgpu::BindingResource<'_> {
         wgpu::BindingResource::TextureView(&self.view)
     }
 
-    /// Bytes of GPU memory, of both.
+    /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        2 * self.buffer.size()
+        pass::bytes(&self.texture)
     }
 }
 
