@@ -112,6 +112,18 @@ pub(crate) fn cleared(view: &wgpu::TextureView) -> Option<wgpu::RenderPassColorA
     })
 }
 
+/// Records that a texture has nothing in it.
+pub(crate) fn clear(encoder: &mut wgpu::CommandEncoder, label: &str, view: &wgpu::TextureView) {
+    crate::gpu::render_pass(
+        encoder,
+        &wgpu::RenderPassDescriptor {
+            label: Some(label),
+            color_attachments: &[cleared(view)],
+            ..Default::default()
+        },
+    );
+}
+
 /// A pass into the HDR target with the view's group bound.
 pub(crate) fn pass<'e>(
     canvas: &'e mut Canvas<'_>,

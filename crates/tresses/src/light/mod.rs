@@ -34,9 +34,9 @@
 //!
 //! **Shade**: what arrives of the lights, ambient light and what other fibres scatter vary slowly along a strand and are
 //! evaluated at its *knots*, eight spans or every third vertex (`knots.wesl`, 16 bytes each), up to three times as many
-//! where strands stand for others at a level of detail; highlights and colours do not: `shade.wesl` adds them vertex by vertex. Eight bytes per vertex. With [`Chosen`] only what is seen is shaded:
-//! `choose.wesl` lists knots and spans, and both kernels run over the lists. Where shading is per pixel, `arrive.wesl` looks
-//! up the shadows of every vertex instead.
+//! where strands stand for others at a level of detail; highlights and colours do not: `shade.wesl` adds them vertex by
+//! vertex. Eight bytes per vertex. With [`Chosen`] only what is seen is shaded: `choose.wesl` lists knots and spans, and
+//! both kernels run over the lists. Where shading is per pixel, `arrive.wesl` looks up the shadows of every vertex instead.
 //!
 //! **Shading** (`shading.wesl`): two models, chosen by [`ShadingModel`], from the same fibre, eye, light and
 //! fibre count, so that a kernel and a fragment shader share them. *Fiber* refracts, absorbs and

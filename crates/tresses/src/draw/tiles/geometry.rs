@@ -2,7 +2,7 @@
 
 use super::texels::Texels;
 use crate::{
-    draw::record::{Canvas, cleared},
+    draw::record::{Canvas, clear},
     gpu::{Kernel, bindings::uniform, pass::bytes},
 };
 use bytemuck::{Pod, Zeroable};
@@ -79,14 +79,7 @@ impl Geometry {
         let before = (last * camera.inverse()).as_mat4();
         let values = GeometryUniform { before, depth, is_known: is_known.into(), _pad: [0; 3] };
         canvas.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&values));
-        crate::gpu::render_pass(
-            canvas.encoder,
-            &wgpu::RenderPassDescriptor {
-                label: Some("no geometry"),
-                color_attachments: &[cleared(&self.texture)],
-                ..Default::default()
-            },
-        );
+        clear(canvas.encoder, "no geometry", &self.texture);
     }
 
     /// Bytes of GPU memory.

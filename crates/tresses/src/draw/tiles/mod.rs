@@ -59,7 +59,7 @@ mod texels;
 pub(crate) use pipelines::Pipelines;
 pub(crate) use state::Tiles;
 
-use super::record::{Canvas, cleared};
+use super::record::{Canvas, clear};
 use crate::{
     Error, Result,
     constants::{STRAND_WORKGROUP, TILE, TILE_ROUNDS},
@@ -115,14 +115,7 @@ impl Pipelines {
     pub fn record_bins(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>]) -> Result<()> {
         let tiles = tiles(canvas)?;
         // Where no tile is busy nothing is written.
-        crate::gpu::render_pass(
-            canvas.encoder,
-            &wgpu::RenderPassDescriptor {
-                label: Some("no hair"),
-                color_attachments: &[cleared(&tiles.hair)],
-                ..Default::default()
-            },
-        );
+        clear(canvas.encoder, "no hair", &tiles.hair);
         if hair.is_empty() {
             tiles.forget();
             return Ok(());

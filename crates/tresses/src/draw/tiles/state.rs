@@ -368,8 +368,8 @@ impl Tiles {
         let [surfaces, farthest, bins, ranges, d, s, t] =
             [&self.surfaces, &self.farthest, &self.bins, &self.ranges, &self.depths, &seen, &touches]
                 .map(wgpu::Buffer::as_entire_binding);
-        let [l, b] = [&unsorted, &self.bounds.0].map(wgpu::Buffer::as_entire_binding);
-        let [points_read, colors_read, list_read, bounds_read] =
+        let [unsorted_words, b] = [&unsorted, &self.bounds.0].map(wgpu::Buffer::as_entire_binding);
+        let [points_texels, colors_texels, list_texels, bounds_texels] =
             [&points, &colors, &list, &self.bounds.1].map(Texels::resource);
         let parts = hair
             .iter()
@@ -381,8 +381,8 @@ impl Tiles {
                     [&own.hair.strands.vertices, &own.hair.strands.strands, &own.shaded.colors]
                         .map(wgpu::Buffer::as_entire_binding);
                 let project =
-                    [&camera, &g, &of, &vertices, &strands, &points_read, &ranges].map(Clone::clone);
-                let tint = [&of, &shaded, &s, &colors_read].map(Clone::clone);
+                    [&camera, &g, &of, &vertices, &strands, &points_texels, &ranges].map(Clone::clone);
+                let tint = [&of, &shaded, &s, &colors_texels].map(Clone::clone);
                 let offset = u64::from(*first) / 8;
                 let seen =
                     wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: &seen, offset, size: None });
@@ -406,7 +406,7 @@ impl Tiles {
         };
         let hair_texture = wgpu::BindingResource::TextureView(&self.hair);
         let asked = [&g, &control, &busy, &d, &round];
-        let lists = [&g, &control, &busy, &list_read, &points_read];
+        let lists = [&g, &control, &busy, &list_texels, &points_texels];
         let geometry = canvas.geometry.map(|_| {
             let of_rows = [&lists[..], &[&surfaces, &t]].concat().into_iter().cloned().collect::<Vec<_>>();
             Geometry::new(&kernels.geometry[many], canvas, &points, &of_rows, round.clone())
@@ -419,19 +419,22 @@ impl Tiles {
         Ok(Bound {
             surface: bind(&kernels.surface[many], &surface),
             bound: bind(&kernels.bound, &[&g, &farthest, &ranges, &b]),
-            count: bind(&kernels.count, &[&g, &points_read, &bounds_read, &bins]),
+            count: bind(&kernels.count, &[&g, &points_texels, &bounds_texels, &bins]),
             totals: bind(&kernels.totals, &[&g, &bins, &b]),
             scan: bind(&kernels.scan, &[&g, &b, &busy, &control, &d]),
-            scatter: bind(&kernels.scatter, &[&g, &points_read, &bounds_read, &bins, &l, &round]),
-            sort: bind(&kernels.sort, &[&asked[..], &[&bins, &l, &list_read]].concat()),
-            merge: bind(&kernels.merge, &[&asked[..], &[&bins, &l, &list_read]].concat()),
+            scatter: bind(
+                &kernels.scatter,
+                &[&g, &points_texels, &bounds_texels, &bins, &unsorted_words, &round],
+            ),
+            sort: bind(&kernels.sort, &[&asked[..], &[&bins, &unsorted_words, &list_texels]].concat()),
+            merge: bind(&kernels.merge, &[&asked[..], &[&bins, &unsorted_words, &list_texels]].concat()),
             deepen: bind(&kernels.deepen, &[&control, &d, &round]),
             rewind: bind(&kernels.rewind, &[&control, &busy, &bins, &round]),
             see: bind(&kernels.see[many], &[&lists[..], &[&surfaces, &t, &s, &round, &d]].concat()),
-            touch: bind(&kernels.touch, &[&asked[..], &[&list_read, &points_read, &t]].concat()),
+            touch: bind(&kernels.touch, &[&asked[..], &[&list_texels, &points_texels, &t]].concat()),
             blend: bind(
                 &kernels.blend[many],
-                &[&lists[..], &[&surfaces, &t, &colors_read, &round, &hair_texture]].concat(),
+                &[&lists[..], &[&surfaces, &t, &colors_texels, &round, &hair_texture]].concat(),
             ),
             geometry,
             of,

@@ -200,7 +200,7 @@ fn crowd(gpu: &Gpu, count: usize, shown: impl Fn(f32) -> bool, turned: bool) -> 
 #[test]
 fn crowded_bins_are_in_order() {
     let Some(gpu) = common::gpu() else { return };
-    // Put in order by one thread, in long steps first, and by a workgroup. The nearest half hides the other.
+    // Put in order by counting, and by a workgroup. The nearest half hides the other.
     for count in [30, 400, 1000, 6001] {
         let front = crowd(gpu, count, |s| s < 0.5, false);
         let all = difference(&crowd(gpu, count, |_| true, false), &front).0;
