@@ -89,6 +89,8 @@ pub struct Studio {
     pub(crate) pointer: Option<egui::Pos2>,
     /// What the picture takes of the screen, pixels.
     pub(crate) area: egui::Vec2,
+    /// Which picture the window shows: its [number](crate::stage::Picture::number), or 0.
+    pub(crate) seen: u64,
     /// Since when nothing has moved.
     pub(crate) rest: Option<Instant>,
     /// When the last frame of the hair was begun, while time goes by.
@@ -155,6 +157,7 @@ impl Studio {
             awake: 0.0,
             pointer: None,
             area: egui::Vec2::ZERO,
+            seen: 0,
             rest: None,
             last: None,
             panels: panels::Panels::default(),
@@ -185,6 +188,7 @@ impl eframe::App for Studio {
             return;
         }
         self.receive(&context);
+        self.land();
         panels::keys::answer(self, &context);
         panels::top::show(self, ui);
         panels::status::show(self, ui);

@@ -27,6 +27,15 @@ const FELT: f32 = 0.1;
 const AWAKE: f32 = 2.0;
 
 impl Studio {
+    /// A frame that is done is seen from here on. Before the window is painted: nothing else may wake it again.
+    pub(crate) fn land(&mut self) {
+        let Some(ms) = self.show.as_mut().and_then(Show::landed) else { return };
+        self.panels.frames.push(ms);
+        if self.recording.is_none() && self.pace.landed(ms) {
+            self.dirty = true;
+        }
+    }
+
     /// Draws the hair if it moves or something has changed, and no frame is under way.
     pub(crate) fn draw(&mut self, context: &egui::Context) {
         let seconds = context.input(|input| input.stable_dt);
@@ -47,18 +56,11 @@ impl Studio {
             self.awake = AWAKE;
         }
         let Some(show) = &mut self.show else { return };
-        let (mut busy, landed) = show.landed();
-        if let Some(ms) = landed {
-            self.panels.frames.push(ms);
-            if self.recording.is_none() && self.pace.landed(ms) {
-                self.dirty = true;
-            }
-        } else if busy && due && self.pace.moved() {
+        if show.is_under_way() && due && self.pace.moved() {
             // What moves does not wait for a picture of what stood still.
             show.give_up();
-            busy = false;
         }
-        if busy || self.record_on(context) || self.save_picture(context) {
+        if show.is_under_way() || self.record_on(context) || self.save_picture(context) {
             return;
         }
         if due {

@@ -54,6 +54,8 @@ pub struct Picture {
     pub level: Level,
     /// Strands in it.
     pub strands: u32,
+    /// Which of all frames it is, from 1.
+    pub number: u64,
 }
 
 /// A character, its picture, and at most one frame under way.
@@ -114,10 +116,10 @@ impl Show {
         self.stage = stage;
     }
 
-    /// Whether a frame is under way; one that has landed gives its milliseconds, and is seen from here on.
-    pub fn landed(&mut self) -> (bool, Option<f32>) {
-        let Some((flight, level)) = &self.flight else { return (false, None) };
-        let Some(ms) = flight.landed() else { return (true, None) };
+    /// A frame that was under way and has landed gives its milliseconds, and is the picture from here on.
+    pub fn landed(&mut self) -> Option<f32> {
+        let (flight, level) = self.flight.as_ref()?;
+        let ms = flight.landed()?;
         let targets = self.stage.targets();
         let view = targets.picture();
         let seen = match self.picture.take().filter(|picture| picture.view == *view) {
@@ -131,10 +133,11 @@ impl Show {
             ssaa: targets.ssaa,
             level: *level,
             strands: self.stage.detail().strands,
+            number: self.frames,
         });
         self.flight = None;
         self.milliseconds = ms;
-        (false, Some(ms))
+        Some(ms)
     }
 
     /// The frame that is under way, if any, is not finished: the next may begin.

@@ -10,6 +10,8 @@ use std::sync::{Mutex, PoisonError};
 pub struct State {
     /// Pictures of the hair so far.
     pub frames: u64,
+    /// Which of them the window shows.
+    pub seen: u64,
     /// How often the window was painted.
     pub painted: u64,
     /// Strands of the groom; 0 while nothing is shown.
@@ -72,6 +74,7 @@ impl Studio {
         let picture = show.and_then(Show::picture);
         publish(State {
             frames: show.map_or(0, |show| show.frames),
+            seen: self.seen,
             painted: context.cumulative_frame_nr(),
             strands: show.map_or(0, |show| show.facts().strands),
             file: self.shown.as_ref().map(|shown| shown.hair.source.name()).unwrap_or_default(),

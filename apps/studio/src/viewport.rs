@@ -42,6 +42,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
     if let (Some(picture), Some(place)) = (picture, place) {
         painter.add(picture.seen.at(place));
     }
+    studio.seen = picture.map_or(0, |picture| picture.number);
     if let Some(sentence) = studio.lost() {
         message(ui, rect, &sentence, theme::ALARM);
     } else {

@@ -340,9 +340,10 @@ fn still(browser: &mut Browser) -> Picture {
     let same = |a: &Picture, b: &Picture| change(a, b) == 0.0 && alarm(a) == alarm(b);
     let (begin, mut last) = (Instant::now(), None);
     loop {
-        state(browser, |state| state["busy"] == false && state["step"] == "");
+        let at = state(browser, |state| state["busy"] == false && state["step"] == "");
         let now = browser.picture();
         if last.is_some_and(|last| same(&last, &now)) {
+            assert_eq!(at["seen"], at["frames"], "the last picture is seen: {at}");
             return now;
         }
         last = Some(now);

@@ -192,6 +192,10 @@ impl Desk {
             let now = desk.shot();
             // The window shows a picture a little after it is drawn.
             let same = rests && last.as_ref() == Some(&now);
+            if same {
+                let state = desk.state()?;
+                assert_eq!(state["seen"], state["frames"], "the last picture is seen: {state}");
+            }
             last = rests.then(|| now.clone());
             same.then_some(now)
         })
