@@ -54,6 +54,8 @@
 pub mod geometry;
 mod pipelines;
 pub mod state;
+#[cfg(test)]
+mod tests;
 mod texels;
 
 pub(crate) use pipelines::Pipelines;
