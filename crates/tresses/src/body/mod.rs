@@ -16,7 +16,6 @@ use crate::{
         bindings::{self, group},
     },
     groom::{TriMesh, mesh::Level},
-    light::Sphere,
 };
 
 /// The look of the body: matt with a soft gloss.
@@ -50,8 +49,8 @@ pub struct Body {
     triangles: wgpu::Buffer,
     /// Where the triangles of each level are, the mesh's own first, and how far they stray, metres.
     levels: Vec<(f32, Range<u32>)>,
-    /// Around the mesh as it was made.
-    sphere: Sphere,
+    /// Two corners of a box around the mesh as it was made, metres.
+    bounds: [Vec3; 2],
     uniform: wgpu::Buffer,
     group: wgpu::BindGroup,
     pub(crate) surface: Surface,
@@ -138,9 +137,7 @@ impl Body {
             vertices,
             triangles: buffer("body triangles", bytemuck::cast_slice(&triangles), wgpu::BufferUsages::INDEX),
             levels: ranges,
-            sphere: mesh
-                .bounds()
-                .map_or(Sphere { center: Vec3::ZERO, radius: 0.0 }, |(lo, hi)| Sphere::around(lo, hi)),
+            bounds: mesh.bounds().map_or([Vec3::ZERO; 2], |(lo, hi)| [lo, hi]),
             group: group(device, "body", &layout(device), &[uniform.as_entire_binding()]),
             uniform,
         }
@@ -165,9 +162,11 @@ impl Body {
     /// The least clip coordinate `w` of its points for `camera`: for a perspective one, how far the nearest of them is,
     /// metres.
     pub(crate) fn nearest(&self, camera: &Camera) -> f32 {
-        let Sphere { center, radius } = self.sphere;
-        let w = (camera.projection * camera.view * self.pose.point(center).extend(1.0)).w;
-        (w - radius * camera.projection.row(3).truncate().length()).max(0.0)
+        let w = (camera.projection * camera.view * self.pose.matrix()).row(3);
+        // A box has no point nearer than the one of its corners that faces the camera.
+        let [lo, hi] = self.bounds;
+        let corner = Vec3::select(w.truncate().cmplt(Vec3::ZERO), hi, lo);
+        w.dot(corner.extend(1.0)).max(0.0)
     }
 
     /// Draws it with as few triangles as there are that stray by `stray` metres at most.
@@ -216,6 +215,34 @@ impl BodyMaterial {
             gloss_exponent: self.gloss_exponent,
             outward,
             _pad: 0.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Quat;
+
+    #[test]
+    fn nearest_is_the_nearest_corner_of_a_box() {
+        let (device, _) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
+        let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
+        let positions: Vec<_> = (0..8).map(|i| Vec3::new(0.3, 0.1, -0.2) + 0.5 * corner(i)).collect();
+        let mesh = TriMesh { positions, triangles: vec![[0, 1, 2]], ..Default::default() };
+        let mut body = Body::with_levels(&device, &mesh, &[], 4);
+        for turn in 0..12 {
+            let angle = turn as f32;
+            let rotation = Quat::from_euler(glam::EulerRot::XYZ, angle, 0.7 * angle, 0.3);
+            body.pose = Pose { rotation, translation: Vec3::new(0.2, -0.1, 0.3) };
+            let eye = Vec3::new(3.0 * angle.cos(), 1.0, 3.0 * angle.sin());
+            let camera = Camera::look_at(eye, Vec3::ZERO, 0.5, [64, 64]);
+            let depth = |p: &Vec3| -camera.view.transform_point3(body.pose.point(*p)).z;
+            let least = mesh.positions.iter().map(depth).fold(f32::MAX, f32::min);
+            assert!((body.nearest(&camera) - least).abs() < 1e-5, "{} and {least}", body.nearest(&camera));
+            let inside =
+                Camera::look_at(body.pose.point(Vec3::new(0.55, 0.35, 0.05)), Vec3::ZERO, 0.5, [64, 64]);
+            assert_eq!(body.nearest(&inside), 0.0, "some of it lies behind an eye within");
         }
     }
 }

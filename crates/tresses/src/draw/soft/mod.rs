@@ -39,7 +39,7 @@ use bytemuck::{Pod, Zeroable};
 const SPACING: f32 = 0.0012;
 /// How far the bodies that are asked may stray from those that are drawn, metres: little beside the spacing, and no more
 /// than they do in shadow maps.
-const STRAY: f32 = 0.1 * SPACING;
+const STRAY: f32 = 0.2 * SPACING;
 /// Pixels of the target along each edge of a point's square, at least and at most.
 const ACROSS: [u32; 2] = [2, 8];
 /// Words of a point.

@@ -51,6 +51,8 @@ use crate::{body::Surface, view::ViewOptions};
 /// Directions, words of a cell and layers, as in the shaders.
 const DIRECTIONS: u32 = 24;
 const CELL_WORDS: u64 = 8;
+/// Bytes of a cell that is settled.
+const SETTLED: u64 = 16;
 const LAYERS: u32 = 5;
 /// Distance between the numbers of two slices: the largest offset alignment WebGPU asks for.
 const STEP: u64 = 256;
@@ -131,7 +133,7 @@ impl Ambient {
             })
         };
         let sums = storage("ambient sums", 4 * CELL_WORDS * count);
-        let settled = storage("ambient cells", 32 * count);
+        let settled = storage("ambient cells", SETTLED * count);
         let fields = storage("ambient fields", 8 * u64::from(DIRECTIONS) * count);
         let weights = storage("ambient weights", 4 * count);
         let slices = slices(device, cells);
@@ -185,7 +187,7 @@ impl Ambient {
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        let cell = 4 * CELL_WORDS + 32 + 4 + 8 * u64::from(DIRECTIONS) + 8 * u64::from(LAYERS);
+        let cell = 4 * CELL_WORDS + SETTLED + 4 + 8 * u64::from(DIRECTIONS) + 8 * u64::from(LAYERS);
         cell * u64::from(self.cells).pow(3) + STEP * u64::from(self.cells)
     }
 
