@@ -17,6 +17,11 @@ use tresses_web::{Page, Server, pack};
 
 /// Of the page, pixels; narrower ones fold the panel.
 const SIZE: [u32; 2] = [780, 420];
+/// Of a page with a picture of 1280 by 720.
+const BROAD: [u32; 2] = [1683, 829];
+/// On that page the panel's page of times, and the box that is ticked while frames are kept short.
+const TIME: [f64; 2] = [1560.0, 57.0];
+const KEEP_SHORT: [f64; 2] = [1299.0, 204.0];
 /// Few strands, and a colour that a slider turns.
 const ADDRESS: &str = "?style=short&style.strands=1500&shading.color=melanin";
 /// Where of the page the picture is, without what lies on it.
@@ -54,17 +59,27 @@ const ROUNDS: usize = 12;
 
 /// The studio's page, with hair on it, from a server that runs until it is told to stop.
 fn open(folder: &Path) -> Option<(Browser, Server, thread::JoinHandle<()>)> {
-    let mut browser = Browser::start(SIZE)?;
+    let mut opened = open_at(folder, SIZE, ADDRESS)?;
+    state(&mut opened.0, |state| state["strands"] == 1500 && state["frames"].as_u64() > Some(0));
+    Some(opened)
+}
+
+/// The same at an `address`, of `size` pixels, as soon as it tells of itself.
+fn open_at(
+    folder: &Path,
+    size: [u32; 2],
+    address: &str,
+) -> Option<(Browser, Server, thread::JoinHandle<()>)> {
+    let mut browser = Browser::start(size)?;
     pack(Page::Studio, folder, false).unwrap();
     let server = Server::new(folder, 0).unwrap();
     let serving = thread::spawn({
         let server = server.clone();
         move || server.run()
     });
-    browser.go(&format!("http://127.0.0.1:{}/{ADDRESS}", server.port()));
+    browser.go(&format!("http://127.0.0.1:{}/{address}", server.port()));
     // WebAssembly is compiled, then the shaders.
     browser.until("typeof window.tresses_state", |kind| kind == "function");
-    state(&mut browser, |state| state["strands"] == 1500 && state["frames"].as_u64() > Some(0));
     Some((browser, server, serving))
 }
 
@@ -208,6 +223,76 @@ fn the_studio_runs_in_a_browser() {
     serving.join().unwrap();
 }
 
+/// Prints what a frame of Sintel's groom takes in the browser, every strand simulated, in motion and in full: the work
+/// of `tresses bench --preset` and of the peers' pages.
+#[test]
+#[ignore = "proof"]
+fn a_real_groom_in_full_in_a_browser() {
+    let Some(assets) = std::env::var_os("TRESSES_ASSETS") else {
+        return println!("skipped: there are no assets");
+    };
+    let sintel = Path::new(&assets).join("sintel");
+    let (groom, head) =
+        (sintel.join("SintelHairOriginal-sintel_hair.16points.tfx"), sintel.join("sintel.obj"));
+    let folder = tempfile::tempdir().unwrap();
+    let address = "?style=short&style.strands=11400&style.all_guides=true&lod.mode=off&edges.coverage=tiles";
+    let Some((mut browser, server, serving)) = open_at(folder.path(), BROAD, address) else { return };
+    let browser = &mut browser;
+    state(browser, |state| state["frames"].as_u64() > Some(0));
+    browser.drop_files(&[&groom, &head], MIDDLE);
+    state(browser, |state| {
+        state["file"].as_str().is_some_and(|file| file.starts_with("Sintel")) && state["step"] == ""
+    });
+
+    browser.drag(TIME, TIME);
+
+    browser.drag(KEEP_SHORT, KEEP_SHORT);
+    let size = state(browser, |state| state["size"] == serde_json::json!([1280, 720]))["size"].clone();
+    let mut frames: Vec<f64> = (0..7)
+        .map(|_| {
+            let drawn = state(browser, |_| true)["frames"].as_u64();
+            state(browser, |state| state["frames"].as_u64() > drawn)["milliseconds"].as_f64().unwrap()
+        })
+        .collect();
+    browser.picture().keep("studio-sintel.png");
+    assert_eq!(state(browser, |_| true)["drawn"], 11_400);
+    // The first ones have something to compile.
+    let mut rest = frames.split_off(2);
+    rest.sort_by(f64::total_cmp);
+    println!("{size} pixels: {:.0} ms a frame (median of {rest:.0?})", rest[rest.len() / 2]);
+    server.stop();
+    serving.join().unwrap();
+}
+
+/// Browsers refuse shaders that wgpu's own compiler takes: they prove more of what must be alike for all threads.
+#[test]
+fn browsers_take_all_shaders() {
+    let Some(mut browser) = Browser::start(SIZE) else { return };
+    let folder = tempfile::tempdir().unwrap();
+    // WebGPU is for pages of a server.
+    std::fs::write(folder.path().join("index.html"), "<!doctype html><title>Shaders</title>").unwrap();
+    let server = Server::new(folder.path(), 0).unwrap();
+    let serving = thread::spawn({
+        let server = server.clone();
+        move || server.run()
+    });
+    browser.go(&format!("http://127.0.0.1:{}/", server.port()));
+    browser.until("document.title", |title| title == "Shaders");
+    let mut refused = |shaders: &[(&str, &str)]| {
+        let shaders = serde_json::to_string(shaders).unwrap();
+        browser.value(&COMPILE.replace("SHADERS", &shaders))
+    };
+    let all = tresses::shaders::all();
+    assert!(all.len() > 50, "{}", all.len());
+    let found = refused(all);
+    assert_eq!(found, serde_json::json!([]), "{found:#}");
+    let wrong = "@group(0) @binding(0) var<storage, read_write> n: u32;
+        @compute @workgroup_size(64) fn run() { if n > 0u { workgroupBarrier(); } }";
+    assert!(refused(&[("wrong", wrong)])[0].as_str().unwrap().contains("uniform"));
+    server.stop();
+    serving.join().unwrap();
+}
+
 #[test]
 fn without_webgpu_there_is_a_sentence() {
     let Some(mut browser) = Browser::without_webgpu(SIZE) else { return };
@@ -308,6 +393,19 @@ fn grey() -> Vec<u8> {
     encoder.write_header().unwrap().write_image_data(&[0, 80, 160, 255]).unwrap();
     bytes
 }
+
+/// What WebGPU has against shaders, each a name and a text.
+const COMPILE: &str = "(async () => {
+    const device = await (await navigator.gpu.requestAdapter()).requestDevice();
+    const found = [];
+    for (const [name, code] of SHADERS) {
+        const module = device.createShaderModule({ code });
+        for (const { type, message, lineNum } of (await module.getCompilationInfo()).messages) {
+            if (type === 'error') found.push(`${name}:${lineNum}: ${message}`);
+        }
+    }
+    return found;
+})()";
 
 /// Something that WebGPU refuses.
 const REFUSED: &str = "navigator.gpu.requestAdapter().then(adapter => adapter.requestDevice())
