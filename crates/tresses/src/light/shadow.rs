@@ -24,8 +24,8 @@ use crate::{
 const MOST: u32 = 2048;
 /// Words of a texel of a deep opacity map, as in `light::deep`.
 const DEEP_WORDS: u32 = DEEP_LAYERS + 2;
-/// How far a body that casts shadows may stray from the one that is drawn, texels: less than the bias, by far.
-const STRAY: f32 = 0.25;
+/// How far a body that casts shadows may stray from the one that is drawn: a texel, and this share of the bias.
+pub(super) const STRAY: f32 = 0.3;
 /// Distance between the matrices of two layers: the largest offset alignment WebGPU asks for.
 const STEP: u64 = 256;
 
@@ -149,7 +149,7 @@ impl ShadowMaps {
         hair: &[Seen<'_>],
         bodies: &[&Body],
     ) -> Result<()> {
-        let Lit { method, maps, across, texel, .. } = *lit;
+        let Lit { method, maps, across, stray, .. } = *lit;
         let casts = method != ShadowMethod::Off;
         let (hair, bodies) = if casts { (hair, bodies) } else { (&[][..], &[][..]) };
         if maps == 0 {
@@ -177,7 +177,7 @@ impl ShadowMaps {
             pass.set_bind_group(0, &self.layer_group, &[(STEP * i as u64) as u32]);
             if let Some(body) = &body {
                 pass.set_pipeline(body);
-                bodies.iter().for_each(|body| body.record(&mut pass, STRAY * texel));
+                bodies.iter().for_each(|body| body.record(&mut pass, stray));
             }
         }
         let words = maps as u64 * map_words(method, self.resolution, across);

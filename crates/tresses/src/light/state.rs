@@ -32,8 +32,8 @@ pub(crate) struct Lit {
     pub maps: usize,
     /// Texels of a map along the edge of a texel of the hair's.
     pub across: u32,
-    /// Edge of a texel, metres.
-    pub texel: f32,
+    /// How far bodies that cast shadows may stray from those that are drawn, metres.
+    pub stray: f32,
     /// Cells along an edge of the grid in which light from all sides is followed; 0 if it is not.
     pub ambient: u32,
 }
@@ -87,7 +87,7 @@ impl State {
             method: shadows.method,
             maps: shadows.maps(lights.active().count()),
             across: shadows.hair_texels(texel),
-            texel,
+            stray: texel.min(super::shadow::STRAY * shadows.bias),
             ambient: uniform.ambient,
         }
     }
