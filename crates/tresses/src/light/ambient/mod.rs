@@ -52,7 +52,7 @@ use crate::{body::Surface, view::ViewOptions};
 const DIRECTIONS: u32 = 24;
 const CELL_WORDS: u64 = 8;
 /// Pixels of a cell, at least.
-const PIXELS: f32 = 4.0;
+const PIXELS: f32 = 6.0;
 /// Cells to an edge of what is small.
 const FEWEST: u32 = 6;
 /// Bytes of a cell that is settled.
