@@ -81,6 +81,19 @@ fn shader(coverage: Coverage, samples: u32) -> (&'static str, &'static [Binding]
     }
 }
 
+/// Into how many steps `format` parts what lies between black and white; 0 for floats.
+fn steps(format: wgpu::TextureFormat) -> f64 {
+    use wgpu::TextureFormat::{
+        Bgra8Unorm, Bgra8UnormSrgb, Rgb10a2Unorm, Rgba8Unorm, Rgba8UnormSrgb, Rgba16Unorm,
+    };
+    match format {
+        Rgba8Unorm | Rgba8UnormSrgb | Bgra8Unorm | Bgra8UnormSrgb => 255.0,
+        Rgb10a2Unorm => 1023.0,
+        Rgba16Unorm => 65535.0,
+        _ => 0.0,
+    }
+}
+
 impl Pipelines {
     /// None of them made yet.
     pub fn new(device: &wgpu::Device) -> Self {
@@ -105,7 +118,7 @@ impl Pipelines {
                 fragment: Some((module, &format!("{name}_{entry}"))),
                 layouts: &[&layout(&self.device, module, wgpu::ShaderStages::FRAGMENT, bindings)],
                 targets: &[Some(format.into())],
-                constants: &[("0", f64::from(u8::from(format.is_srgb())))],
+                constants: &[("0", f64::from(u8::from(format.is_srgb()))), ("1", steps(format))],
                 ..Recipe::PLAIN
             }
             .build(&self.device)

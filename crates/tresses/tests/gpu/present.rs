@@ -9,13 +9,17 @@ use tresses::{
     draw::Coverage,
     frame::Sight,
     glam::Vec3,
-    gpu::readback,
+    gpu::{Gpu, readback},
     light::{
         Directional, HairMaterial, HairSet, Lights, MAX_LIGHTS, ShadingModel, ShadowMethod, Shadows, Sky,
         material::linear,
     },
     present::Background,
     view::{Picture, ViewOptions},
+    wgpu::{
+        self,
+        TextureFormat::{self, Rgba8Unorm, Rgba8UnormSrgb, Rgba16Float},
+    },
 };
 
 /// Radiance of a background far above the shoulder, and of one below it.
@@ -67,29 +71,30 @@ fn a_pixel_is_tone_mapped_once() {
     }
 }
 
+/// A texture of the size of `view`'s picture, to be written and read, which may be looked at in other formats.
+fn output_of(gpu: &Gpu, view: &View, format: TextureFormat, others: &[TextureFormat]) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("output"),
+        size: view.targets().picture().texture().size(),
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+        view_formats: others,
+    })
+}
+
 /// The bytes of a picture are the same, whoever applies the sRGB curve.
 #[test]
 fn a_format_that_applies_the_curve_shows_the_same() {
-    use tresses::wgpu::{
-        self,
-        TextureFormat::{Rgba8Unorm, Rgba8UnormSrgb},
-    };
     let Some(gpu) = common::gpu() else { return };
     let pipelines = common::pipelines().expect("there is a GPU");
     let body = Body::new(&gpu.device, &golden::ball());
-    let bytes = |coverage, ssaa, made_for, output: wgpu::TextureFormat| {
+    let bytes = |coverage, ssaa, made_for, output: TextureFormat| {
         let options = ViewOptions { coverage, shadow_resolution: 64, output: made_for, ..Default::default() };
         let view = View::new(&gpu.device, pipelines, &options, golden::SIZE, ssaa).expect("fits");
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("output"),
-            size: view.targets().picture().texture().size(),
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: Rgba8Unorm,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[Rgba8UnormSrgb],
-        });
+        let texture = output_of(gpu, &view, Rgba8Unorm, &[Rgba8UnormSrgb]);
         let into = texture.create_view(&wgpu::TextureViewDescriptor {
             format: Some(output),
             usage: Some(wgpu::TextureUsages::RENDER_ATTACHMENT),
@@ -111,5 +116,40 @@ fn a_format_that_applies_the_curve_shows_the_same() {
         // The comparison sees a curve that is applied once too often.
         let swapped = curved.iter().map(|byte| (255.0 * linear(f32::from(*byte) / 255.0)) as u8);
         assert!(most(&plain, &swapped.collect::<Vec<_>>()) > Some(20));
+    }
+}
+
+/// Dither is for formats that have steps: what is nearly black is so in floats, and not so in all pixels of eight bits.
+#[test]
+fn floats_are_not_dithered() {
+    let Some(gpu) = common::gpu() else { return };
+    let pipelines = common::pipelines().expect("there is a GPU");
+    let radiance = 1e-4;
+    let scene = Picture { background: Background::flat(Vec3::splat(radiance)), ..golden::scene() };
+    for coverage in [Coverage::Tiles, Coverage::SampleMask, Coverage::DepthPeeling { layers: 2 }] {
+        let seen = |output| {
+            let options =
+                ViewOptions { samples: 1, coverage, shadow_resolution: 64, output, ..Default::default() };
+            let view = View::new(&gpu.device, pipelines, &options, golden::SIZE, 1).expect("fits");
+            let texture = output_of(gpu, &view, output, &[]);
+            let into = texture.create_view(&Default::default());
+            common::submit(|recorder| {
+                recorder.draw(&[], &[], Sight { output: Some(&into), ..Sight::new(&view, &scene) })
+            });
+            pollster::block_on(readback::texture(&gpu.device, &gpu.queue, &texture)).expect("it is there")
+        };
+        let halves: Vec<half::f16> = bytemuck::pod_collect_to_vec(&seen(Rgba16Float));
+        let expected = 12.92 * radiance;
+        for [r, g, b, _] in halves.as_chunks::<4>().0 {
+            for channel in [r, g, b] {
+                assert!(
+                    (channel.to_f32() - expected).abs() < 1e-3 * expected,
+                    "{coverage:?}: {channel} instead of {expected}"
+                );
+            }
+        }
+        let bytes = seen(Rgba8Unorm);
+        let bright = bytes.as_chunks::<4>().0.iter().filter(|rgba| rgba[0] > 0).count();
+        assert!(bright > 0, "{coverage:?}: a third of a step is a step in some pixels");
     }
 }
