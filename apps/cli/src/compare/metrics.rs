@@ -60,11 +60,6 @@ pub fn flip(reference: &Picture, test: &Picture, mask: &Picture) -> (Difference,
     (difference, Picture { width, height, rgba })
 }
 
-/// The mean luminance (Rec. 709) over the pixels of hair.
-pub fn luminance(picture: &Linear, mask: &Picture) -> f64 {
-    mean(hair(mask).map(|i| picture.luminance(i)))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -89,13 +84,5 @@ mod tests {
         assert!(right.hair < 0.3 * left.hair, "{right:?} {left:?}");
         let (opposite, _) = flip(&flat(0, 0), &flat(255, 255), &mask);
         assert!(opposite.picture > 0.9, "{opposite:?}");
-    }
-
-    #[test]
-    fn luminance_is_that_of_the_hair() {
-        let mut pixels = vec![[0.0, 1.0, 0.0]; 64 * 32];
-        pixels.iter_mut().enumerate().filter(|(i, _)| i % 64 >= 32).for_each(|(_, p)| *p = [9.0; 3]);
-        let light = luminance(&Linear { width: 64, pixels }, &flat(255, 0));
-        assert!((light - 0.7152).abs() < 1e-9, "{light}");
     }
 }

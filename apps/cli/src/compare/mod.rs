@@ -1,5 +1,6 @@
 //! `tresses compare`: our pictures beside path-traced ones of the same hair, camera and lights, with
-//! the perceived difference (FLIP) and the luminance of the hair.
+//! the perceived difference (FLIP), and what hair and skin have of light ([`tones`]): of all lights, and of each alone
+//! where the reference has that.
 //!
 //! Strands and head are read unchanged from the files that the reference names: nothing is oriented, simulated
 //! or fitted, so only rendering differs. Where the reference has singly scattered light, with shadows and
@@ -9,6 +10,7 @@ mod metrics;
 mod rig;
 mod scenes;
 mod share;
+mod tones;
 
 use crate::{
     args,
@@ -16,12 +18,13 @@ use crate::{
     picture, progress, say,
 };
 use anyhow::{Context, Result, ensure};
-use metrics::Difference;
+use metrics::{Difference, Linear};
 use rig::Rig;
 use scenes::{Folders, Pair, Scenes, WantedView};
 use serde::Serialize;
 use share::Share;
 use std::{fmt::Write, path::PathBuf};
+use tones::{Regions, Tones};
 use tresses_scene::knobs::Flag;
 
 /// The options of `tresses compare`.
@@ -63,11 +66,11 @@ impl Rows for Shading {
 #[derive(Debug, Serialize)]
 struct Row {
     name: String,
+    /// Of pictures as they are shown; none of a light alone.
     #[serde(flatten)]
-    difference: Difference,
-    /// Mean linear luminance of the pixels that the reference calls hair.
-    luminance: f64,
-    reference_luminance: f64,
+    difference: Option<Difference>,
+    ours: Tones,
+    reference: Tones,
 }
 
 /// All that was found.
@@ -75,6 +78,8 @@ struct Row {
 struct Report {
     /// All of the light.
     views: Vec<Row>,
+    /// One light alone.
+    lights: Vec<Row>,
     /// How much of one light arrives.
     shares: Vec<Share>,
 }
@@ -108,12 +113,22 @@ pub fn run(args: &Args) -> Result<()> {
             ours.height
         );
         let (difference, map) = metrics::flip(&reference, &ours, &mask);
-        report.views.push(Row {
-            name: view.name.to_owned(),
+        let size = (ours.width, ours.height);
+        let radiance = folders.radiance(view.name, size)?;
+        let regions = Regions::new(&mask, &radiance);
+        let row = |name: &str, difference, noise, ours: &Linear, reference: &Linear| Row {
+            name: name.to_owned(),
             difference,
-            luminance: metrics::luminance(&linear, &mask),
-            reference_luminance: view.luminance,
-        });
+            ours: Tones::new(ours, &regions, 0.0),
+            reference: Tones::new(reference, &regions, noise),
+        };
+        report.views.push(row(view.name, Some(difference), view.noise, &linear, &radiance.linear));
+        for one in view.alone() {
+            let (_, linear) = stage.draw(&one, &scenes, &args.shading)?;
+            let radiance = folders.radiance(one.name, size)?;
+            // How noisy it is alone is not said.
+            report.lights.push(row(one.name, None, f64::NAN, &linear, &radiance.linear));
+        }
         if let Some(folder) = &args.out {
             std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
             let sheet = picture::beside(&[&ours, &reference, &map]);
@@ -124,13 +139,9 @@ pub fn run(args: &Args) -> Result<()> {
     for Pair { view, unshadowed } in &pairs {
         let stage = stage(&mut last, view, &folders, args.samples)?;
         let ours = stage.draw_once(view, &scenes, &args.shading)?;
-        let size @ (width, height) = ours[0].size();
-        let reference = [folders.radiance(view.name)?, folders.radiance(unshadowed)?];
-        ensure!(
-            reference.iter().all(|picture| picture.size() == size),
-            "{}: the reference is not {width} × {height} pixels, as its description says",
-            view.name
-        );
+        let size = ours[0].size();
+        let reference =
+            [folders.radiance(view.name, size)?.linear, folders.radiance(unshadowed, size)?.linear];
         report.shares.push(Share::new(view.name, &ours, &reference, &folders.mask(view, size)?));
         bar.inc(1);
     }
@@ -160,25 +171,38 @@ impl Report {
     /// As tables.
     fn text(&self) -> String {
         let mut text = String::new();
-        let names = self.views.iter().map(|row| &row.name).chain(self.shares.iter().map(|row| &row.name));
+        let views = self.views.iter().chain(&self.lights).map(|row| &row.name);
+        let names = views.chain(self.shares.iter().map(|row| &row.name));
         let wide = names.map(String::len).max().unwrap_or(0);
+        for (rows, title) in [(&self.views, ""), (&self.lights, "\nEach light alone\n")] {
+            if rows.is_empty() {
+                continue;
+            }
+            let _ = writeln!(
+                text,
+                "{title}{:wide$}  {:>6}  {:>7}  {:>9}  {:>7}  {:>8}  {:>9}  {:>8}  {:>6}",
+                "", "FLIP", "on hair", "luminance", "of hair", "dimmest", "brightest", "contrast", "skin"
+            );
+            for Row { name, difference, ours, reference } in rows {
+                let flip =
+                    difference.map(|found| [found.picture, found.hair].map(|flip| format!("{flip:.3}")));
+                let [whole, hair] = flip.unwrap_or(["-", "-"].map(String::from));
+                let [luminance, dimmest, brightest, contrast, skin] = ours.over(reference);
+                let contrast = if contrast.is_nan() { "-".into() } else { format!("{contrast:.3}") };
+                let _ = writeln!(
+                    text,
+                    "{name:wide$}  {whole:>6}  {hair:>7}  {:9.4}  {luminance:7.3}  {dimmest:8.3}  {brightest:9.3}  \
+                     {contrast:>8}  {skin:6.3}",
+                    ours.luminance
+                );
+            }
+        }
         if !self.views.is_empty() {
             let _ = writeln!(
                 text,
-                "{:wide$}  {:>8}  {:>9}  {:>10}  {:>10}  {:>6}",
-                "", "FLIP", "on hair", "luminance", "reference", "ratio"
-            );
-        }
-        for row in &self.views {
-            let _ = writeln!(
-                text,
-                "{:wide$}  {:8.4}  {:9.4}  {:10.4}  {:10.4}  {:6.3}",
-                row.name,
-                row.difference.picture,
-                row.difference.hair,
-                row.luminance,
-                row.reference_luminance,
-                row.luminance / row.reference_luminance.max(1e-9)
+                "\nLuminance is linear; what follows is ours over the reference's: of hair, of the dimmest and the \
+                 brightest tenth of its pixels, contrast of what is finer than five pixels (the reference's noise \
+                 taken off), skin without hair"
             );
         }
         if !self.shares.is_empty() {

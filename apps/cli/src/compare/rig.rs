@@ -13,6 +13,7 @@ use tresses::{
     body::{Body, BodyMaterial},
     camera::ToneMap,
     collide::ColliderPoses,
+    draw::Coverage,
     frame::{Frame, Recorder, Shows, Sight},
     glam::{Affine3A, Mat4, Vec3},
     gpu::{Gpu, readback::blocking as readback},
@@ -78,7 +79,8 @@ impl Rig {
         let hair_bounds = groom.bounds().context("the groom is empty")?;
         let subject = camera::subject(hair_bounds, head.bounds());
         let [width, height] = view.groom.camera.resolution;
-        let options = ViewOptions { samples, output: FORMAT, ..Default::default() };
+        let options =
+            ViewOptions { samples, output: FORMAT, coverage: Coverage::Tiles, ..Default::default() };
         let eye = View::new(device, &pipelines, &options, [width, height], 1)?;
         let output = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("compared"),
@@ -189,7 +191,29 @@ impl Rig {
     }
 
     /// Draws `scene`, or what a view shows of it.
-    fn shown(&mut self, scene: &Shot, shown: Option<(&mut DebugViews, DebugView)>) -> Result<Vec<[f32; 3]>> {
+    fn shown(
+        &mut self,
+        scene: &Shot,
+        mut shown: Option<(&mut DebugViews, DebugView)>,
+    ) -> Result<Vec<[f32; 3]>> {
+        self.record(scene, shown.as_mut().map(|(views, which)| (&mut **views, *which)))?;
+        let Gpu { device, queue, .. } = &self.gpu;
+        // What is denser than anything before has been given room by now.
+        if !pollster::block_on(self.view.is_complete(device, queue))? {
+            self.record(scene, shown)?;
+        }
+        let Gpu { device, queue, .. } = &self.gpu;
+        let bytes = readback::texture(device, queue, &self.output)?;
+        let halves: Vec<f16> = bytemuck::pod_collect_to_vec(&bytes);
+        Ok(halves
+            .as_chunks::<4>()
+            .0
+            .iter()
+            .map(|[r, g, b, _]| [r.to_f32(), g.to_f32(), b.to_f32()])
+            .collect())
+    }
+
+    fn record(&mut self, scene: &Shot, shown: Option<(&mut DebugViews, DebugView)>) -> Result<()> {
         let Gpu { device, queue, .. } = &self.gpu;
         let mut encoder = device.create_command_encoder(&Default::default());
         let mut recorder =
@@ -210,14 +234,7 @@ impl Rig {
         let sight = Sight { output: Some(&output), shows, ..Sight::new(&self.view, scene) };
         recorder.draw(&[&self.hair], &[&self.body], sight)?;
         queue.submit([encoder.finish()]);
-        let bytes = readback::texture(device, queue, &self.output)?;
-        let halves: Vec<f16> = bytemuck::pod_collect_to_vec(&bytes);
-        Ok(halves
-            .as_chunks::<4>()
-            .0
-            .iter()
-            .map(|[r, g, b, _]| [r.to_f32(), g.to_f32(), b.to_f32()])
-            .collect())
+        Ok(())
     }
 }
 
@@ -226,12 +243,25 @@ fn radiance(width: u32, dim: &[[f32; 3]]) -> Linear {
     Linear { width, pixels: dim.iter().map(|rgb| rgb.map(|v| linear(v) / DIM)).collect() }
 }
 
+/// In which strands differ from each other and from root to tip; the reference's do not.
+const UNIFORM: [(&str, &str); 5] = [
+    ("shading.root_pigment", "1"),
+    ("shading.tip_pigment", "1"),
+    ("shading.lightness_spread", "0"),
+    ("shading.warmth_spread", "0"),
+    ("shading.highlight_spread", "0"),
+];
+
 /// Ours that comes closest to a material of the reference.
 fn material(name: &str) -> Result<Settings> {
     let name = if name == "brunette" { "brown" } else { name };
     let mut settings = Settings::default();
     let color = knobs::named("shading.color").map_err(Error::msg)?;
     color.set(&mut settings, color.parse(name)?).with_context(|| format!("there is no material {name}"))?;
+    for (name, value) in UNIFORM {
+        let knob = knobs::named(name).map_err(Error::msg)?;
+        knob.set(&mut settings, knob.parse(value)?)?;
+    }
     Ok(settings)
 }
 

@@ -86,7 +86,12 @@ struct Shot {
     #[serde(default)]
     environment: bool,
     #[serde(default)]
-    mean_luminance_hair_pixels: f64,
+    mean_rgb_hair_pixels: [f64; 3],
+    #[serde(default)]
+    noise: Noise,
+    /// The same picture by each light alone.
+    #[serde(default)]
+    per_light_files: Vec<PathBuf>,
     /// Two: light that one surface has scattered, once.
     #[serde(default)]
     max_depth: u32,
@@ -94,11 +99,19 @@ struct Shot {
     shadow_rays: bool,
 }
 
+/// How far pixels are off because paths are few.
+#[derive(Debug, Default, Deserialize)]
+struct Noise {
+    #[serde(default)]
+    picture_rmse_linear_hair_pixels_estimate: f64,
+}
+
 fn yes() -> bool {
     true
 }
 
 /// One picture that can be compared.
+#[derive(Clone, Copy)]
 pub struct WantedView<'a> {
     /// Of the picture.
     pub name: &'a str,
@@ -112,8 +125,18 @@ pub struct WantedView<'a> {
     pub lights: &'a [String],
     /// Whether the environment is.
     pub environment: bool,
-    /// Mean linear luminance of the hair's pixels.
-    pub luminance: f64,
+    /// By how much of their radiance the hair's pixels are off, root mean square.
+    pub noise: f64,
+    /// The same picture by each light alone.
+    alone: &'a [PathBuf],
+}
+
+/// A picture of the reference as it was computed, before nothing.
+pub struct Reference {
+    /// Its radiance.
+    pub linear: Linear,
+    /// The share of each pixel that hair or a body covers.
+    pub alpha: Vec<f32>,
 }
 
 /// Two pictures of light that is scattered once, with shadows and without.
@@ -183,12 +206,39 @@ impl Scenes {
             material,
             lights: &shot.lights,
             environment: shot.environment,
-            luminance: shot.mean_luminance_hair_pixels,
+            noise: shot.noise(),
+            alone: &shot.per_light_files,
         }))
     }
 }
 
+impl<'a> WantedView<'a> {
+    /// The same by each light alone, as far as there are pictures of that.
+    pub fn alone(&self) -> impl Iterator<Item = Self> {
+        let view = *self;
+        self.alone.iter().filter_map(move |file| {
+            let name = file.file_stem()?.to_str()?;
+            let light = name.strip_prefix(view.name)?.strip_prefix('_')?;
+            let one = view.lights.iter().find(|known| *known == light).map(std::slice::from_ref);
+            let environment = light == "env" && view.environment;
+            (environment || one.is_some()).then(|| Self {
+                name,
+                lights: one.unwrap_or_default(),
+                environment,
+                alone: &[],
+                ..view
+            })
+        })
+    }
+}
+
 impl Shot {
+    /// Of the mean radiance, as a path tracer's noise is of each pixel's.
+    fn noise(&self) -> f64 {
+        let mean = (self.mean_rgb_hair_pixels.iter().map(|c| c * c).sum::<f64>() / 3.0).sqrt();
+        self.noise.picture_rmse_linear_hair_pixels_estimate / mean.max(1e-12)
+    }
+
     fn scatters_once(&self) -> bool {
         self.max_depth == 2
     }
@@ -239,11 +289,20 @@ impl Folders<'_> {
         self.scenes.parent().unwrap_or(Path::new("")).join(path)
     }
 
-    /// The linear radiance of a picture that lies there.
-    pub fn radiance(&self, name: &str) -> Result<Linear> {
+    /// The linear radiance of a picture of `size` pixels that lies there.
+    pub fn radiance(&self, name: &str, size: (u32, u32)) -> Result<Reference> {
         let path = self.beside(Path::new(&format!("{name}.exr")));
-        let picture = image::open(&path).with_context(|| path.display().to_string())?.into_rgb32f();
-        Ok(Linear { width: picture.width(), pixels: picture.pixels().map(|pixel| pixel.0).collect() })
+        let picture = image::open(&path).with_context(|| path.display().to_string())?.into_rgba32f();
+        let (width, height) = size;
+        ensure!(
+            picture.dimensions() == size,
+            "{}: {} × {} pixels, its description says {width} × {height}",
+            path.display(),
+            picture.width(),
+            picture.height()
+        );
+        let (pixels, alpha) = picture.pixels().map(|p| ([p.0[0], p.0[1], p.0[2]], p.0[3])).unzip();
+        Ok(Reference { linear: Linear { width, pixels }, alpha })
     }
 
     /// Where the picture of `view`, of `size` pixels, shows hair.
