@@ -306,9 +306,9 @@ impl Recorder<'_> {
         let timings = self.timings.as_deref_mut();
         view.light.record_shadows(pipelines, self.encoder, timings, lit, hair, bodies)?;
         self.lap("shadow");
-        if lit.ambient != 0 {
+        if lit.ambient {
             let timings = self.timings.as_deref_mut();
-            view.light.record_ambient(pipelines, self.encoder, timings, lit, hair, bodies);
+            view.light.record_ambient(pipelines, self.encoder, timings, hair, bodies);
             self.lap("ambient");
         }
         kernel::refused()

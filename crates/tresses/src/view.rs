@@ -250,10 +250,7 @@ impl View {
             seen.shaded.prepare(queue, seen.hair, first);
             first += seen.hair.strands.count;
         }
-        let Picture { camera, focus, .. } = picture;
-        let away = (camera.projection * camera.view * focus.center.extend(1.0)).w.abs();
-        let pixels = 2.0 * focus.radius / (camera.pixel() * away);
-        self.light.prepare(queue, (&picture.lights, &picture.shadows, focus), pixels, hair)
+        self.light.prepare(queue, (&picture.lights, &picture.shadows, &picture.focus), hair)
     }
 
     /// The uniform of its camera.

@@ -170,10 +170,10 @@ pub struct LightsUniform {
     pub per_pixel: u32,
     /// Cells along an edge of [`super::Ambient`]; 0 where the sky's openness is guessed.
     pub ambient: u32,
-    /// The share of the edge of [`super::Ambient`]'s texture that they take.
-    pub ambient_fill: f32,
     /// How many shadow maps are drawn: one per light, and one for the sky where its openness is guessed.
     pub maps: u32,
+    /// Unused.
+    pub _pad: u32,
     /// [`Environment::coefficients`].
     pub environment: [Vec4; 9],
     /// The corner of the cells at the least coordinates, metres.
@@ -227,8 +227,8 @@ impl Lights {
             },
             per_pixel: u32::from(shadows.per_pixel),
             ambient: 0,
-            ambient_fill: 1.0,
             maps: shadows.maps(count) as u32,
+            _pad: 0,
             environment: self.environment.coefficients.map(|c| c.extend(0.0)),
             ambient_origin: focus.center - focus.radius,
             ambient_scale: 0.5 / focus.radius,

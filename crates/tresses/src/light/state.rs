@@ -34,8 +34,8 @@ pub(crate) struct Lit {
     pub across: u32,
     /// How far bodies that cast shadows may stray from those that are drawn, metres.
     pub stray: f32,
-    /// Cells along an edge of the grid in which light from all sides is followed; 0 if it is not.
-    pub ambient: u32,
+    /// Whether light from all sides is followed.
+    pub ambient: bool,
 }
 
 impl State {
@@ -58,20 +58,16 @@ impl State {
     /// which meets other hair, belong to a material: of several grooms they are the means, weighed by the area of
     /// their strands ([`HairSet::area`](super::HairSet::area)). They colour what hair lets through to bodies, and
     /// what it takes of a body's light in the grid; on hair itself each groom's own material tells.
-    ///
-    /// `pixels` is how many of the picture's the focus is across: small things have fewer cells of light.
     pub(crate) fn prepare(
         &self,
         queue: &wgpu::Queue,
         (lights, shadows, focus): (&Lights, &Shadows, &Sphere),
-        pixels: f32,
         hair: &[Seen<'_>],
     ) -> Lit {
         let resolution = self.maps.resolution;
         let mut uniform = lights.uniform(shadows, focus, resolution);
         if shadows.follows_ambient() {
-            uniform.ambient = self.ambient.cells_for(pixels);
-            uniform.ambient_fill = uniform.ambient as f32 / self.ambient.cells() as f32;
+            uniform.ambient = self.ambient.cells();
         }
         let whole: f32 = hair.iter().map(|seen| seen.hair.area).sum();
         for seen in hair {
@@ -88,7 +84,7 @@ impl State {
             maps: shadows.maps(lights.active().count()),
             across: shadows.hair_texels(texel),
             stray: texel.min(super::shadow::STRAY * shadows.bias),
-            ambient: uniform.ambient,
+            ambient: shadows.follows_ambient(),
         }
     }
 
@@ -111,11 +107,10 @@ impl State {
         pipelines: &Pipelines,
         encoder: &mut wgpu::CommandEncoder,
         timings: Option<&mut Timings>,
-        lit: &Lit,
         hair: &[Seen<'_>],
         bodies: &[&Body],
     ) {
-        self.ambient.record(&pipelines.ambient, encoder, timings, lit.ambient, hair, bodies);
+        self.ambient.record(&pipelines.ambient, encoder, timings, hair, bodies);
     }
 
     /// Records the shading of the strand vertices of `hair`, for pictures that shade it at `rate`.

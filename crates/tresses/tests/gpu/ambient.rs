@@ -328,31 +328,3 @@ fn slow_motion_changes_slowly() {
     let apart = frames[0].iter().zip(&frames[5]).any(|(a, b)| a != b);
     assert!(apart, "what moves is seen");
 }
-
-/// What is few pixels across has fewer cells, in a part of the same texture: its light is that of a view with as many.
-#[test]
-fn what_is_small_has_the_cells_of_a_coarser_view() {
-    let Some(gpu) = common::gpu() else { return };
-    let points: Vec<_> = (0..40)
-        .map(|i| {
-            (HALF * Vec3::from_array([1, 2, 3].map(|k| 1.9 * random(i, k) - 0.95)), Vec3::NEG_Z * COSINES)
-        })
-        .collect();
-    let asked = |cells, height: u32| {
-        let mut bench = Bench::with_cells(gpu, cells).body(&wall(0.1, -0.1)).light(Vec3::Z);
-        bench.scene.camera.size = [height * 8 / 5, height];
-        bench.ask(&points)
-    };
-    let differ = |a: &[Around], b: &[Around]| {
-        let of = |(a, b): (&Around, &Around)| {
-            (a.open - b.open).abs().max_element().max((a.glow - b.glow).abs().max_element())
-        };
-        a.iter().zip(b).map(of).fold(0.0, f32::max)
-    };
-    // Bodies have as many points as the view's own cells ask for.
-    for (height, cells) in [(80, 12), (30, 6)] {
-        let (small, coarse) = (asked(24, height), asked(cells, 600));
-        assert!(differ(&small, &coarse) < 0.01, "{height} pixels: {}", differ(&small, &coarse));
-        assert!(differ(&small, &asked(24, 600)) > 0.02, "a portrait has more of them");
-    }
-}

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! A cube of cells around [`Picture::focus`](crate::view::Picture::focus), [`ViewOptions::ambient_cells`] per
-//! edge, or a half or a quarter where it is few pixels across, rebuilt each frame. `lay` adds the area of the hair, width times length, in fixed point; `glow`
+//! edge, rebuilt each frame. `lay` adds the area of the hair, width times length, in fixed point; `glow`
 //! does the same with sample points over the body's surface ([`Surface`]), and adds the radiance that
 //! leaves them, from the lights that reach them through the shadow maps and from the sky. `settle` turns
 //! the sums into means.
@@ -51,10 +51,6 @@ use crate::{body::Surface, view::ViewOptions};
 /// Directions, words of a cell and layers, as in the shaders.
 const DIRECTIONS: u32 = 24;
 const CELL_WORDS: u64 = 8;
-/// Pixels of a cell, at least.
-const PIXELS: f32 = 6.0;
-/// Cells to an edge of what is small.
-const FEWEST: u32 = 6;
 /// Bytes of a cell that is settled.
 const SETTLED: u64 = 16;
 const LAYERS: u32 = 5;
@@ -179,16 +175,6 @@ impl Ambient {
         self.cells
     }
 
-    /// Cells to an edge for what is so many pixels across: none of fewer than [`PIXELS`] pixels, nor fewer than
-    /// [`FEWEST`], in steps that are far between.
-    pub(super) fn cells_for(&self, pixels: f32) -> u32 {
-        let mut cells = self.cells;
-        while cells / 2 >= FEWEST && cells as f32 * PIXELS > pixels {
-            cells /= 2;
-        }
-        cells
-    }
-
     /// The sums over the area of hair and bodies in each cell.
     pub(super) fn sums(&self) -> &wgpu::Buffer {
         &self.sums
@@ -205,17 +191,16 @@ impl Ambient {
         cell * u64::from(self.cells).pow(3) + STEP * u64::from(self.cells)
     }
 
-    /// Records all of it, with `cells` to an edge; after the shadow maps.
+    /// Records all of it; after the shadow maps.
     pub(super) fn record(
         &self,
         pipelines: &Pipelines,
         encoder: &mut wgpu::CommandEncoder,
         timings: Option<&mut Timings>,
-        cells: u32,
         hair: &[Seen<'_>],
         bodies: &[&Body],
     ) {
-        crate::gpu::pass::clear(encoder, &self.sums, Some(4 * CELL_WORDS * u64::from(cells).pow(3)));
+        crate::gpu::pass::clear(encoder, &self.sums, None);
         let mut pass = crate::gpu::compute_pass(
             encoder,
             &wgpu::ComputePassDescriptor {
@@ -231,19 +216,19 @@ impl Ambient {
             let workgroups = threads.div_ceil(u64::from(STRAND_WORKGROUP)) as u32;
             pipelines.lay.record(pass, &shaded.lay, &[], workgroups);
         }
-        let all = cells.pow(3).div_ceil(STRAND_WORKGROUP);
-        let slice = [cells.pow(2).div_ceil(STRAND_WORKGROUP), DIRECTIONS, 1];
+        let cells = self.cells.pow(3);
+        let slice = [self.cells.pow(2).div_ceil(STRAND_WORKGROUP), DIRECTIONS, 1];
         for i in 0..2 {
             let (kernel, group) = [(&pipelines.skin, &self.skin), (&pipelines.glow, &self.glow)][i];
             for body in bodies {
                 pass.set_bind_group(1, &body.surface_group, &[]);
                 kernel.record(pass, group, &[], body.surface.points.div_ceil(STRAND_WORKGROUP));
             }
-            pipelines.settle.record(pass, &self.settle, &[], all);
-            for slot in 0..u64::from(cells) {
+            pipelines.settle.record(pass, &self.settle, &[], cells.div_ceil(STRAND_WORKGROUP));
+            for slot in 0..u64::from(self.cells) {
                 pipelines.sweeps[i].record_grid(pass, &self.sweeps[i], &[(STEP * slot) as u32], slice);
             }
-            pipelines.gathers[i].record(pass, &self.gathers[i], &[], all);
+            pipelines.gathers[i].record(pass, &self.gathers[i], &[], cells.div_ceil(STRAND_WORKGROUP));
         }
     }
 }
