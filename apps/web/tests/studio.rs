@@ -57,9 +57,19 @@ const WHEEL: f64 = 300.0;
 /// Rounds in which every size has been seen in every view.
 const ROUNDS: usize = 12;
 
-/// The studio's page, with hair on it, from a server that runs until it is told to stop.
-fn open(folder: &Path) -> Option<(Browser, Server, thread::JoinHandle<()>)> {
-    let mut opened = open_at(folder, SIZE, ADDRESS)?;
+/// A server for `folder`, which runs until it is told to stop.
+fn serve(folder: &Path) -> (Server, thread::JoinHandle<()>) {
+    let server = Server::new(folder, 0).unwrap();
+    let serving = thread::spawn({
+        let server = server.clone();
+        move || server.run()
+    });
+    (server, serving)
+}
+
+/// The studio's page with hair on it, which is drawn as `how` has it, and its server.
+fn open(folder: &Path, how: &str) -> Option<(Browser, Server, thread::JoinHandle<()>)> {
+    let mut opened = open_at(folder, SIZE, &format!("{ADDRESS}{how}"))?;
     state(&mut opened.0, |state| state["strands"] == 1500 && state["frames"].as_u64() > Some(0));
     Some(opened)
 }
@@ -72,11 +82,7 @@ fn open_at(
 ) -> Option<(Browser, Server, thread::JoinHandle<()>)> {
     let mut browser = Browser::start(size)?;
     pack(Page::Studio, folder, false).unwrap();
-    let server = Server::new(folder, 0).unwrap();
-    let serving = thread::spawn({
-        let server = server.clone();
-        move || server.run()
-    });
+    let (server, serving) = serve(folder);
     browser.go(&format!("http://127.0.0.1:{}/{address}", server.port()));
     // WebAssembly is compiled, then the shaders.
     browser.until("typeof window.tresses_state", |kind| kind == "function");
@@ -99,7 +105,7 @@ fn two_thousand_frames_in_a_browser_take_no_more_than_a_hundred() {
 /// stands still.
 fn stands_still(frames: u64, all: u64) {
     let folder = tempfile::tempdir().unwrap();
-    let Some((mut browser, server, serving)) = open(folder.path()) else { return };
+    let Some((mut browser, server, serving)) = open(folder.path(), "") else { return };
     let browser = &mut browser;
     let drawn = |browser: &mut Browser| state(browser, |_| true)["frames"].as_u64().unwrap();
     let pass = |browser: &mut Browser, frames: u64| {
@@ -151,7 +157,7 @@ fn stands_still(frames: u64, all: u64) {
 #[test]
 fn the_studio_runs_in_a_browser() {
     let folder = tempfile::tempdir().unwrap();
-    let Some((mut browser, server, serving)) = open(folder.path()) else { return };
+    let Some((mut browser, server, serving)) = open(folder.path(), "&edges.coverage=tiles") else { return };
     let first = picture(&mut browser, "hair", |picture| hair(picture) > 0.05);
     first.keep("studio-1-hair.png");
     picture(&mut browser, "motion", |later| change(later, &first) > 0.03).keep("studio-2-motion.png");
@@ -243,9 +249,7 @@ fn a_real_groom_in_full_in_a_browser() {
     state(browser, |state| {
         state["file"].as_str().is_some_and(|file| file.starts_with("Sintel")) && state["step"] == ""
     });
-
     browser.drag(TIME, TIME);
-
     browser.drag(KEEP_SHORT, KEEP_SHORT);
     let size = state(browser, |state| state["size"] == serde_json::json!([1280, 720]))["size"].clone();
     let mut frames: Vec<f64> = (0..7)
@@ -271,11 +275,7 @@ fn browsers_take_all_shaders() {
     let folder = tempfile::tempdir().unwrap();
     // WebGPU is for pages of a server.
     std::fs::write(folder.path().join("index.html"), "<!doctype html><title>Shaders</title>").unwrap();
-    let server = Server::new(folder.path(), 0).unwrap();
-    let serving = thread::spawn({
-        let server = server.clone();
-        move || server.run()
-    });
+    let (server, serving) = serve(folder.path());
     browser.go(&format!("http://127.0.0.1:{}/", server.port()));
     browser.until("document.title", |title| title == "Shaders");
     let mut refused = |shaders: &[(&str, &str)]| {
@@ -300,11 +300,7 @@ fn without_webgpu_there_is_a_sentence() {
     // The page asks before it loads anything.
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("pages/studio.html");
     std::fs::copy(page, folder.path().join("index.html")).unwrap();
-    let server = Server::new(folder.path(), 0).unwrap();
-    let serving = thread::spawn({
-        let server = server.clone();
-        move || server.run()
-    });
+    let (server, serving) = serve(folder.path());
     browser.go(&format!("http://127.0.0.1:{}/", server.port()));
     let said = "document.getElementById('message')?.textContent";
     let said = browser.until(said, |text| text.as_str().is_some_and(|text| !text.contains("loading")));
