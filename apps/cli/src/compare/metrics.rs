@@ -40,7 +40,8 @@ pub fn hair(mask: &Picture) -> impl Iterator<Item = usize> {
     mask.rgba.as_chunks::<4>().0.iter().enumerate().filter(|(_, rgba)| rgba[0] > 127).map(|(i, _)| i)
 }
 
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
+/// 0 of none.
+pub fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
     sum / f64::from(count.max(1))
 }

@@ -100,7 +100,8 @@ pub fn run(args: &Args) -> Result<()> {
     let mut last = None;
     for view in &views {
         let stage = stage(&mut last, view, &folders, args.samples)?;
-        let (ours, linear) = stage.draw(view, &scenes, &args.shading)?;
+        let ours = stage.draw(view, &scenes, &args.shading)?;
+        let linear = stage.radiance(view, &scenes, &args.shading)?;
         let reference = folders.picture(view.name)?;
         let mask = folders.mask(view, (ours.width, ours.height))?;
         ensure!(
@@ -124,7 +125,7 @@ pub fn run(args: &Args) -> Result<()> {
         };
         report.views.push(row(view.name, Some(difference), view.noise, &linear, &radiance.linear));
         for one in view.alone() {
-            let (_, linear) = stage.draw(&one, &scenes, &args.shading)?;
+            let linear = stage.radiance(&one, &scenes, &args.shading)?;
             let radiance = folders.radiance(one.name, size)?;
             // How noisy it is alone is not said.
             report.lights.push(row(one.name, None, f64::NAN, &linear, &radiance.linear));

@@ -102,22 +102,30 @@ impl Rig {
         &self.name
     }
 
-    /// The picture as the reference's PNG files are made, and the radiance before black.
+    /// The picture as the reference's PNG files are made.
     pub fn draw(
         &mut self,
         view: &WantedView<'_>,
         scenes: &Scenes,
         shading: &RowFlags<Shading>,
-    ) -> Result<(Picture, Linear)> {
-        let mut scene = self.scene(view, scenes, shading)?;
-        let shown = self.pixels(&scene)?;
-        scene.background = Background::flat(Vec3::ZERO);
-        scene.tone = ToneMap { exposure: DIM, shoulder: 0.99, desaturation: 0.0 };
-        let dim = self.pixels(&scene)?;
+    ) -> Result<Picture> {
+        let scene = self.scene(view, scenes, shading)?;
+        let shown = self.shown(&scene, None)?;
         let [width, height] = self.view.targets().size;
         let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
         let rgba = shown.iter().flat_map(|[r, g, b]| [byte(*r), byte(*g), byte(*b), 255]).collect();
-        Ok((Picture { width, height, rgba }, radiance(width, &dim)))
+        Ok(Picture { width, height, rgba })
+    }
+
+    /// The radiance before black.
+    pub fn radiance(
+        &mut self,
+        view: &WantedView<'_>,
+        scenes: &Scenes,
+        shading: &RowFlags<Shading>,
+    ) -> Result<Linear> {
+        let scene = dim(self.scene(view, scenes, shading)?);
+        Ok(radiance(self.view.targets().size[0], &self.shown(&scene, None)?))
     }
 
     /// The radiance of light that one fibre has scattered, with shadows and without.
@@ -127,9 +135,7 @@ impl Rig {
         scenes: &Scenes,
         shading: &RowFlags<Shading>,
     ) -> Result<[Linear; 2]> {
-        let mut scene = self.scene(view, scenes, shading)?;
-        scene.background = Background::flat(Vec3::ZERO);
-        scene.tone = ToneMap { exposure: DIM, shoulder: 0.99, desaturation: 0.0 };
+        let scene = dim(self.scene(view, scenes, shading)?);
         let width = self.view.targets().size[0];
         // Light that a body has thrown is scattered twice.
         let shadows = Shadows { ambient: false, ..scene.shadows };
@@ -185,25 +191,18 @@ impl Rig {
         })
     }
 
-    /// Draws `scene`; sRGB, from 0 to 1.
-    fn pixels(&mut self, scene: &Shot) -> Result<Vec<[f32; 3]>> {
-        self.shown(scene, None)
-    }
-
-    /// Draws `scene`, or what a view shows of it.
+    /// Draws `scene`, or what a view shows of it; sRGB, from 0 to 1.
     fn shown(
         &mut self,
         scene: &Shot,
         mut shown: Option<(&mut DebugViews, DebugView)>,
     ) -> Result<Vec<[f32; 3]>> {
         self.record(scene, shown.as_mut().map(|(views, which)| (&mut **views, *which)))?;
-        let Gpu { device, queue, .. } = &self.gpu;
         // What is denser than anything before has been given room by now.
-        if !pollster::block_on(self.view.is_complete(device, queue))? {
+        if !pollster::block_on(self.view.is_complete(&self.gpu.device, &self.gpu.queue))? {
             self.record(scene, shown)?;
         }
-        let Gpu { device, queue, .. } = &self.gpu;
-        let bytes = readback::texture(device, queue, &self.output)?;
+        let bytes = readback::texture(&self.gpu.device, &self.gpu.queue, &self.output)?;
         let halves: Vec<f16> = bytemuck::pod_collect_to_vec(&bytes);
         Ok(halves
             .as_chunks::<4>()
@@ -213,6 +212,7 @@ impl Rig {
             .collect())
     }
 
+    /// Hands in what draws it.
     fn record(&mut self, scene: &Shot, shown: Option<(&mut DebugViews, DebugView)>) -> Result<()> {
         let Gpu { device, queue, .. } = &self.gpu;
         let mut encoder = device.create_command_encoder(&Default::default());
@@ -236,6 +236,12 @@ impl Rig {
         queue.submit([encoder.finish()]);
         Ok(())
     }
+}
+
+/// `scene` before black, at [`DIM`].
+fn dim(scene: Shot) -> Shot {
+    let tone = ToneMap { exposure: DIM, shoulder: 0.99, desaturation: 0.0 };
+    Shot { background: Background::flat(Vec3::ZERO), tone, ..scene }
 }
 
 /// What the pixels of a picture at [`DIM`] were before tone mapping.

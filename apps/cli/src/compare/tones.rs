@@ -1,7 +1,10 @@
 //! What two pictures of the same hair have of light, each on its own: how much, how it is spread from the dimmest pixels
 //! to the brightest, how crisp strands are, and how much the skin beside them has.
 
-use super::{metrics::Linear, scenes::Reference};
+use super::{
+    metrics::{Linear, hair, mean},
+    scenes::Reference,
+};
 use crate::picture::Picture;
 use serde::Serialize;
 
@@ -39,7 +42,7 @@ impl Regions {
     pub fn new(mask: &Picture, reference: &Reference) -> Self {
         let (width, height) = (mask.width as usize, mask.height as usize);
         let share: Vec<u8> = mask.rgba.as_chunks::<4>().0.iter().map(|rgba| rgba[0]).collect();
-        let hair: Vec<usize> = super::metrics::hair(mask).collect();
+        let hair: Vec<usize> = hair(mask).collect();
         let reach = FINER / 2;
         let is_amid = |pixel: &usize| {
             let (x, y) = (pixel % width, pixel / width);
@@ -57,11 +60,6 @@ fn around(pixel: usize, width: usize) -> impl Iterator<Item = usize> {
     let reach = FINER / 2;
     let first = pixel - reach * width - reach;
     (0..FINER * FINER).map(move |i| first + i / FINER * width + i % FINER)
-}
-
-fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
-    let count = values.len().max(1) as f64;
-    values.sum::<f64>() / count
 }
 
 impl Tones {

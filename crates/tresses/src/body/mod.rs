@@ -174,8 +174,13 @@ impl Body {
         pass.set_bind_group(1, &self.group, &[]);
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_index_buffer(self.triangles.slice(..), wgpu::IndexFormat::Uint32);
+        pass.draw_indexed(self.level(stray), 0, 0..1);
+    }
+
+    /// Where the triangles of that level are: the mesh's own if nothing may stray so little, such as less than nothing.
+    fn level(&self, stray: f32) -> Range<u32> {
         let level = self.levels.iter().rev().find(|(strays, _)| *strays <= stray);
-        pass.draw_indexed(level.map_or(0..0, |(_, range)| range.clone()), 0, 0..1);
+        level.unwrap_or(&self.levels[0]).1.clone()
     }
 
     /// Bytes of GPU memory.
@@ -223,6 +228,16 @@ impl BodyMaterial {
 mod tests {
     use super::*;
     use glam::Quat;
+
+    #[test]
+    fn a_body_is_drawn_however_little_it_may_stray() {
+        let (device, _) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
+        let mesh = TriMesh { triangles: vec![[0, 1, 2], [2, 1, 3]], ..Default::default() };
+        let levels = [Level { stray: 1e-3, triangles: vec![[0, 1, 3]] }];
+        let body = Body::with_levels(&device, &mesh, &levels, 4);
+        let drawn = [1.0, 1e-3, 5e-4, 0.0, -1.0, f32::NAN].map(|stray| body.level(stray));
+        assert_eq!(drawn, [6..9, 6..9, 0..6, 0..6, 0..6, 0..6]);
+    }
 
     #[test]
     fn nearest_is_the_nearest_corner_of_a_box() {
