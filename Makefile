@@ -23,7 +23,7 @@ ifeq ($(XDG_RUNTIME_DIR),)
 export NODEVICE_SELECT ?= 1
 endif
 
-.PHONY: help setup setup-tests demo test proof bench web web-serve clean
+.PHONY: help setup setup-tests demo test proof truth bench web web-serve clean
 
 help: ## Show this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 14
@@ -58,6 +58,13 @@ proof: setup-tests ## The docs of the code, the library alone for browsers, and 
 	$(LINTED) test --workspace --lib --bins --tests --no-fail-fast -- --ignored --show-output || failed=1; \
 	$(LINTED) test --workspace --test gpu physics:: -- --show-output || failed=1; \
 	exit $$failed
+
+truth: setup ## Path-trace 36 views of hair with Mitsuba, half an hour, and compare ours with them (docs/appearance/truth.md)
+	test -d target/truth/python || python3 -m venv target/truth/python
+	target/truth/python/bin/pip install --quiet mitsuba==3.9.1 numpy pillow
+	$(CARGO) build --bin tresses
+	target/truth/python/bin/python scripts/truth target/truth/views
+	target/debug/tresses compare target/truth/views/scenes.json --out target/truth/beside
 
 web: setup ## Build the web page into dist/, for any static file server
 	$(CARGO) run --quiet --bin tresses-web -- build

@@ -6,6 +6,7 @@ mod compare;
 mod convert;
 mod debug;
 mod demo;
+mod export;
 mod files;
 #[cfg(test)]
 mod flag_tests;
@@ -50,6 +51,8 @@ enum Command {
     Info(info::Args),
     /// Write a groom in another format
     Convert(convert::Args),
+    /// Write the strands of a groom or a built-in style as they are drawn at rest
+    Export(Box<export::Args>),
     /// Print the result of all options as a preset
     Preset(Box<preset::Args>),
     /// List every parameter with its range and what it does
@@ -75,6 +78,7 @@ fn main() -> ExitCode {
         Command::Studio(args) => studio::run(&args),
         Command::Info(args) => info::run(args),
         Command::Convert(args) => convert::run(args),
+        Command::Export(args) => export::run(&args),
         Command::Preset(args) => preset::run(&args),
         Command::Knobs(args) => knobs::run(&args),
         Command::Bench(args) => bench::run(&args),

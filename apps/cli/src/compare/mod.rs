@@ -120,15 +120,15 @@ pub fn run(args: &Args) -> Result<()> {
         let row = |name: &str, difference, noise, ours: &Linear, reference: &Linear| Row {
             name: name.to_owned(),
             difference,
-            ours: Tones::new(ours, &regions, 0.0),
+            ours: Tones::new(ours, &regions, Some(0.0)),
             reference: Tones::new(reference, &regions, noise),
         };
-        report.views.push(row(view.name, Some(difference), view.noise, &linear, &radiance.linear));
+        report.views.push(row(view.name, Some(difference), Some(view.noise), &linear, &radiance.linear));
         for one in view.alone() {
             let linear = stage.radiance(&one, &scenes, &args.shading)?;
             let radiance = folders.radiance(one.name, size)?;
             // How noisy it is alone is not said.
-            report.lights.push(row(one.name, None, f64::NAN, &linear, &radiance.linear));
+            report.lights.push(row(one.name, None, None, &linear, &radiance.linear));
         }
         if let Some(folder) = &args.out {
             std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
@@ -188,12 +188,12 @@ impl Report {
                 let flip =
                     difference.map(|found| [found.picture, found.hair].map(|flip| format!("{flip:.3}")));
                 let [whole, hair] = flip.unwrap_or(["-", "-"].map(String::from));
-                let [luminance, dimmest, brightest, contrast, skin] = ours.over(reference);
-                let contrast = if contrast.is_nan() { "-".into() } else { format!("{contrast:.3}") };
+                let say = |ratio: Option<f64>| ratio.map_or("-".into(), |ratio| format!("{ratio:.3}"));
+                let [luminance, dimmest, brightest, contrast, skin] = ours.over(reference).map(say);
                 let _ = writeln!(
                     text,
-                    "{name:wide$}  {whole:>6}  {hair:>7}  {:9.4}  {luminance:7.3}  {dimmest:8.3}  {brightest:9.3}  \
-                     {contrast:>8}  {skin:6.3}",
+                    "{name:wide$}  {whole:>6}  {hair:>7}  {:9.4}  {luminance:>7}  {dimmest:>8}  {brightest:>9}  \
+                     {contrast:>8}  {skin:>6}",
                     ours.luminance
                 );
             }

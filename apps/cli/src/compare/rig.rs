@@ -18,7 +18,7 @@ use tresses::{
     glam::{Affine3A, Mat4, Vec3},
     gpu::{Gpu, readback::blocking as readback},
     groom::{
-        BindOptions, Strands, TriMesh, bind,
+        BindOptions, MAX_STRAND_VERTICES, Strands, TriMesh, bind,
         import::{self, ImportOptions},
         orient::{Axis, Choice, Unit},
     },
@@ -34,6 +34,8 @@ use tresses_scene::{Settings, camera, knobs};
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 /// Exposure at which no highlight reaches the tone curve's shoulder.
 const DIM: f32 = 1.0 / 64.0;
+/// Softness of shadows on bodies, metres: the reference's lights have no extent.
+const POINT: f32 = 0.0005;
 /// Points of the curve per segment of its control polygon.
 const FINER: usize = 2;
 
@@ -185,7 +187,7 @@ impl Rig {
             },
             focus: self.focus,
             shading: settings.shading_rate(),
-            shadows: settings.shadows,
+            shadows: Shadows { body_radius: POINT, ..settings.shadows },
             background: Background::flat(Vec3::splat(scenes.background_linear)),
             ..Default::default()
         })
@@ -274,7 +276,10 @@ fn material(name: &str) -> Result<Settings> {
 /// The strands as the reference draws them: uniform cubic B-splines from the first to the last
 /// vertex, the end points mirrored, with radii that fall evenly. Metres.
 fn curves(strands: &Strands, groom: &Description, unit: f32) -> Strands {
-    let mut finer = Strands::default();
+    let mut curves = Strands::default();
+    let most = strands.iter().map(<[Vec3]>::len).max().unwrap_or(0);
+    // Strands that have as many vertices as can be drawn are fine enough themselves.
+    let finer = if (most.max(1) - 1) * FINER < MAX_STRAND_VERTICES as usize { FINER } else { 1 };
     for strand in strands.iter() {
         let last = strand.len() - 1;
         let at = |i: isize| match usize::try_from(i) {
@@ -282,9 +287,9 @@ fn curves(strands: &Strands, groom: &Description, unit: f32) -> Strands {
             Ok(i) if i > last => 2.0 * strand[last] - strand[last - 1],
             Ok(i) => strand[i],
         };
-        let points: Vec<Vec3> = (0..=last * FINER)
+        let points: Vec<Vec3> = (0..=last * finer)
             .map(|k| {
-                let (i, t) = ((k / FINER) as isize, (k % FINER) as f32 / FINER as f32);
+                let (i, t) = ((k / finer) as isize, (k % finer) as f32 / finer as f32);
                 let s = 1.0 - t;
                 let weights = [
                     s * s * s,
@@ -296,11 +301,11 @@ fn curves(strands: &Strands, groom: &Description, unit: f32) -> Strands {
             })
             .collect();
         let count = points.len() as f32 - 1.0;
-        finer.push(&points);
+        curves.push(&points);
         let Radius { root, tip } = groom.radius;
-        finer.radii.extend((0..points.len()).map(|i| unit * (root + (tip - root) * i as f32 / count)));
+        curves.radii.extend((0..points.len()).map(|i| unit * (root + (tip - root) * i as f32 / count)));
     }
-    finer
+    curves
 }
 
 /// The head of the reference, each part in its colour.

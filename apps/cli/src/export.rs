@@ -1,0 +1,101 @@
+//! `tresses export`: the strands of a groom or a built-in style as they are drawn at rest, for other programs.
+
+use crate::{files, load, progress::Preparing, say, settings_args::SettingsArgs};
+use anyhow::{Result, ensure};
+use std::{
+    fmt::Write,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+use tresses::{
+    Pipelines, Pose,
+    gpu::{Gpu, readback::blocking as readback},
+    groom::{
+        Strands, TriMesh,
+        export::{self, Format},
+    },
+    lod::{LodMode, LodOptions},
+    strands::{Strand, StrandVertex, vertex::unpack_tangent},
+};
+use tresses_scene::{Companions, Scene, Shelf};
+
+/// The options of `tresses export`.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    #[command(flatten)]
+    pub settings: SettingsArgs,
+    /// The file for the strands, whose extension (.hair, .tfx, .obj) decides the format
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// A file for what is drawn with the hair: .obj
+    #[arg(long, value_name = "FILE")]
+    pub head_out: Option<PathBuf>,
+}
+
+/// Runs `tresses export`.
+pub fn run(args: &Args) -> Result<()> {
+    let format = Format::of(&args.out)?;
+    let extension = args.head_out.as_deref().and_then(Path::extension);
+    ensure!(args.head_out.is_none() || extension.is_some_and(|e| e == "obj"), "a head is written as .obj");
+    let preset = args.settings.preset()?;
+    preset.settings.check()?;
+    let preparing = Preparing::new("opening the GPU");
+    let gpu = pollster::block_on(Gpu::open())?;
+    let pipelines = Arc::new(Pipelines::new(&gpu.device));
+    let character = load::load(&preset, &gpu, &pipelines.simulate, &preparing)?;
+    let head = character.head.clone();
+    ensure!(
+        args.head_out.is_none() || head.is_some(),
+        "nothing is drawn with this hair: leave --head-out out"
+    );
+    let colliders = Companions::of(&preset.source, Shelf::default()).colliders()?;
+    let (physics, quality) = (preset.settings.physics(), preset.settings.quality([16, 16], 1)?);
+    let scene = Scene::new(gpu, pipelines, character, colliders, &physics, &quality, &preparing);
+    let mut scene = pollster::block_on(scene)?;
+    scene.apply(&preset.settings)?;
+    // All of it, however far away.
+    scene.set_lod(LodOptions { mode: LodMode::Off, ..Default::default() })?;
+    scene.reset(&Pose::IDENTITY)?;
+    let strands = drawn(&scene)?;
+    let encoded = export::encode(&strands, format, true)?;
+    files::write(&args.out, &encoded.bytes)?;
+    let mut said =
+        format!("{}: {} strands, {} vertices", args.out.display(), strands.len(), strands.positions.len());
+    for note in &encoded.notes {
+        write!(said, "\n  {note}")?;
+    }
+    if let (Some(path), Some(head)) = (&args.head_out, &head) {
+        files::write(path, obj(head).as_bytes())?;
+        write!(said, "\n{}: {} triangles", path.display(), head.triangles.len())?;
+    }
+    drop(preparing);
+    say!("{said}");
+    Ok(())
+}
+
+/// The strands that `scene` draws now. Blocks.
+fn drawn(scene: &Scene) -> Result<Strands> {
+    let (device, queue, buffers) = (&scene.gpu.device, &scene.gpu.queue, &scene.hair.strands);
+    let vertices: Vec<StrandVertex> = readback::buffer(device, queue, &buffers.vertices)?;
+    let strands: Vec<Strand> = readback::buffer(device, queue, &buffers.strands)?;
+    let mut drawn = Strands::default();
+    for (strand, vertices) in strands.iter().zip(vertices.chunks(buffers.vertex_count as usize)) {
+        drawn.push(&vertices.iter().map(|vertex| vertex.position).collect::<Vec<_>>());
+        drawn.radii.extend(vertices.iter().map(|v| strand.radius * unpack_tangent(v.tangent).1));
+    }
+    Ok(drawn)
+}
+
+/// A mesh as an OBJ file.
+fn obj(mesh: &TriMesh) -> String {
+    let mut text = String::from("# metres, Y up, face +Z\n");
+    let lines = [("v", &mesh.positions), ("vn", &mesh.normals)];
+    for (key, values) in lines {
+        values.iter().for_each(|v| text.push_str(&format!("{key} {} {} {}\n", v.x, v.y, v.z)));
+    }
+    for corners in &mesh.triangles {
+        let [a, b, c] = corners.map(|i| i + 1);
+        text.push_str(&format!("f {a}//{a} {b}//{b} {c}//{c}\n"));
+    }
+    text
+}

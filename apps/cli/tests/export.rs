@@ -1,0 +1,49 @@
+//! `tresses export` from outside.
+
+use std::{path::Path, process::Command};
+
+/// Whether it went well, and what it said.
+fn tresses(folder: &Path, args: &[&str]) -> (bool, String) {
+    let out = Command::new(env!("CARGO_BIN_EXE_tresses")).current_dir(folder).args(args).output().unwrap();
+    (out.status.success(), String::from_utf8_lossy(&[out.stdout, out.stderr].concat()).into_owned())
+}
+
+#[test]
+fn strands_and_head_of_a_style_are_written_as_they_are_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let style = ["export", "--style", "short", "--strands", "300"];
+    let write = [&style[..], &["--out", "short.hair", "--head-out", "head.obj"]].concat();
+    let (done, said) = tresses(folder.path(), &write);
+    if !done && said.contains("adapter") {
+        assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none(), "{said}");
+        return println!("skipped: {said}");
+    }
+    assert!(done && said.contains("300 strands") && said.contains("triangles"), "{said}");
+    let (done, said) = tresses(folder.path(), &["info", "short.hair", "--head", "head.obj", "--json"]);
+    assert!(done, "{said}");
+    let found: serde_json::Value = serde_json::from_str(&said).unwrap();
+    assert_eq!(found["strands"], 300, "{said}");
+    // The file says what it is: nothing has to be guessed, and the hair sits on the head.
+    assert_eq!(found["groom_placement"]["metres_per_unit"], 1.0, "{said}");
+    let (done, said) = tresses(
+        folder.path(),
+        &["render", "short.hair", "--head", "head.obj", "--size", "32x32", "--out", "a.png"],
+    );
+    assert!(done, "{said}");
+}
+
+#[test]
+fn what_cannot_be_written_is_refused_in_a_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("bad.tfx"), "none").unwrap();
+    for (args, why) in [
+        (&["--out", "a.fbx"][..], "a groom is written as"),
+        (&["--out", "a.tfx", "--head-out", "a.glb"], "a head is written as .obj"),
+        (&["bad.tfx", "--out", "a.tfx"], "bad.tfx"),
+        (&["--strands", "0", "--out", "a.tfx"], "--strands"),
+    ] {
+        let (done, said) = tresses(folder.path(), &[&["export"], args].concat());
+        assert!(!done && said.contains(why) && said.trim_end().lines().count() == 1, "{args:?}: {said}");
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left behind");
+}
