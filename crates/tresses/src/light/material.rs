@@ -59,7 +59,7 @@ impl FiberMaterial {
             shape: FiberShape::default(),
             melanin_spread: 0.0,
             tilt_spread: 0.0,
-            density_forward: 0.7,
+            density_forward: 0.8,
             density_back: 0.7,
         }
     }

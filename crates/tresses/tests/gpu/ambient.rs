@@ -274,6 +274,70 @@ fn coarse_cells_hold_the_same_body() {
     }
 }
 
+/// A ball about the origin.
+fn ball(radius: f32) -> TriMesh {
+    let (rings, steps) = (48, 96);
+    let mut mesh = TriMesh::default();
+    for i in 0..=rings {
+        let (sin, cos) = (std::f32::consts::PI * i as f32 / rings as f32).sin_cos();
+        for j in 0..=steps {
+            let (z, x) = (std::f32::consts::TAU * j as f32 / steps as f32).sin_cos();
+            mesh.normals.push(Vec3::new(sin * x, cos, sin * z));
+            mesh.positions.push(radius * Vec3::new(sin * x, cos, sin * z));
+        }
+    }
+    let row = steps + 1;
+    for a in (0..rings).flat_map(|i| (0..steps).map(move |j| i * row + j)) {
+        mesh.triangles.extend([[a, a + 1, a + row], [a + 1, a + row + 1, a + row]]);
+    }
+    mesh
+}
+
+/// How much of the sky a ball hides above its surface, and how much of it the surface sees itself.
+#[test]
+fn a_ball_hides_what_it_fills() {
+    let Some(gpu) = common::gpu() else { return };
+    let radius = 0.1;
+    let mesh = ball(radius);
+    let outside = mesh.triangles.iter().all(|t| {
+        let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
+        (b - a).cross(c - a).dot(a) >= -1e-9
+    });
+    assert!(outside, "corners go round counter-clockwise");
+    let bench = Bench::new(gpu).body(&mesh);
+    let cell = 2.0 * HALF / 24.0;
+    let sides: Vec<_> = (0..64)
+        .map(|i| {
+            let y = 2.0 * random(i, 1) - 1.0;
+            let (sin, cos) = (std::f32::consts::TAU * random(i, 2)).sin_cos();
+            Vec3::new((1.0 - y * y).sqrt() * cos, y, (1.0 - y * y).sqrt() * sin)
+        })
+        .collect();
+    let seen = |height: f32| {
+        let ask = |n: &Vec3| [Vec3::ZERO, COSINES * *n].map(|middle| (*n * (radius + height), middle));
+        let found = bench.ask(&sides.iter().flat_map(ask).collect::<Vec<_>>());
+        let of = |k: usize| found.iter().skip(k).step_by(2).map(|a| a.open.x);
+        let exact = |radius: f32, height: f32| {
+            let sin = radius / (radius + height);
+            0.5 + 0.5 * (1.0 - sin * sin).sqrt()
+        };
+        // It hides as much as one that is larger by less than a cell.
+        let larger = exact(radius + cell, (height - cell).max(0.0));
+        let mean = of(0).sum::<f32>() / sides.len() as f32;
+        let (exact, least) = (exact(radius, height), of(1).fold(f32::MAX, f32::min));
+        println!(
+            "{height}: {mean:.3} of {exact:.3}, of a larger one {larger:.3}; upwards at least {least:.3}"
+        );
+        (mean <= exact + 0.01 && mean >= larger - 0.01, least)
+    };
+    for height in [cell, 1.5 * cell, 0.05, 0.1] {
+        let (hides, upwards) = seen(height);
+        assert!(hides && upwards > 0.99, "{height}");
+    }
+    // In its surface the sky is not whole, and that is told apart.
+    assert!(seen(0.0).1 < 0.9);
+}
+
 #[test]
 fn nothing_gets_through_a_head() {
     let Some(gpu) = common::gpu() else { return };

@@ -223,3 +223,61 @@ fn white_furnace_on_the_gpu() {
         assert!(grey < 0.93);
     }
 }
+
+/// The radiance of the first of some upright strands at these places, lit from where the eye is, with what others throw
+/// back over that without.
+fn thrown_back(gpu: &Gpu, places: &[Vec3]) -> f32 {
+    let Gpu { device, queue, .. } = gpu;
+    let pipelines = common::pipelines().expect("there is a GPU");
+    let strands = StrandBuffers::new(device, places.len() as u32, 2).expect("fits");
+    let ends = |at: &Vec3| {
+        [-0.05, 0.05]
+            .map(|y| StrandVertex { position: *at + Vec3::Y * y, tangent: pack_tangent(Vec3::Y, 1.0) })
+    };
+    let vertices: Vec<_> = places.iter().flat_map(ends).collect();
+    queue.write_buffer(&strands.vertices, 0, bytemuck::cast_slice(&vertices));
+    let info = vec![Strand { radius: 1e-4, seed: 7, root_color: 0, tip_color: 0 }; places.len()];
+    queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&info));
+    let mut hair = HairSet::new(device, &strands).expect("fits");
+    let mut lights = Lights { directional: [Directional::OFF; MAX_LIGHTS], ..Default::default() };
+    lights.directional[0] = Directional { direction: Vec3::Z, irradiance: Vec3::ONE };
+    lights.sky = Sky::default();
+    let picture = Picture {
+        camera: Camera::look_at(Vec3::Z, Vec3::ZERO, 0.4, [16, 16]),
+        focus: Sphere { center: Vec3::ZERO, radius: 0.2 },
+        lights,
+        ..Default::default()
+    };
+    let [with, without] = [0.7, 0.0].map(|density_back| {
+        let fiber = FiberMaterial { density_back, ..FiberMaterial::uniform(Vec3::splat(0.1)) };
+        hair.material =
+            HairMaterial { model: ShadingModel::Fiber, fiber, warmth_spread: 0.0, ..Default::default() };
+        let options = ViewOptions { samples: 1, shadow_resolution: 256, ..Default::default() };
+        let eye = View::new(device, pipelines, &options, [16, 16], 1).expect("fits");
+        common::picture(gpu, (pipelines, &eye), &picture, &[&hair], &[]);
+        let shaded: Vec<[u32; 2]> =
+            readback::buffer(device, queue, &eye.shaded(&hair).unwrap()).expect("read back");
+        half::f16::from_bits((shaded[0][0] >> 16) as u16).to_f32()
+    });
+    with / without
+}
+
+#[test]
+fn hair_throws_back_as_much_as_there_is_of_it() {
+    let Some(gpu) = common::gpu() else { return };
+    // The first at the front, others behind it over a width of 10 cm: so many before each other that a ray meets
+    // `fibers` of them.
+    let block = |fibers: f32| {
+        let count = (fibers * 0.1 / 2e-4) as u32;
+        let place = |i: u32| {
+            let [x, z] = [0.754_877_7, 0.569_840_3].map(|step: f32| (i as f32 * step).fract());
+            Vec3::new(0.1 * (x - 0.5), 0.0, -0.06 * z)
+        };
+        std::iter::once(Vec3::ZERO).chain((1..count).map(place)).collect::<Vec<_>>()
+    };
+    let found = [0.0, 0.5, 2.0, 16.0].map(|fibers| thrown_back(gpu, &block(fibers)));
+    println!("{found:?}");
+    assert!((found[0] - 1.0).abs() < 0.01, "a strand alone");
+    assert!(found.is_sorted(), "the more fibres, the more light");
+    assert!(found[3] > 1.2 && found[1] < 1.0 + 0.6 * (found[3] - 1.0));
+}

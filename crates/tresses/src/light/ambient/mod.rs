@@ -29,10 +29,16 @@
 //! the two half circles of azimuths in front of and behind a fibre, whose mean vectors are known, and for
 //! those the first moments suffice (`ambient.wesl`). The body's own shading uses the same lookup.
 //!
-//! Light reflected by bodies is a single bounce: light from skin to skin to hair, and from hair to skin, is
-//! left out. Rejected: probes that march rays (above); the earlier lookup in the shadow maps for the zenith
-//! and the lights alone, which was a fifth too bright under a grey sky. Untried: aligned fibres transmit
-//! more light along than across them.
+//! **What is seen.** Cells are 1 to 3 cm, and what an eye sees of dense hair lies within millimetres of its surface:
+//! shading asks for the light before that, and takes of it what is left at the depth that eyes see to
+//! (`ambient_seen`). A body's surface asks a cell before itself for what bodies hide, and nearer for hair.
+//!
+//! Light from body to body is not followed further than once; what a surface throws is multiplied as in a hollow whose
+//! walls are lit alike. Light from hair to skin is left out. A body hides as much of the sky as one that is larger by up
+//! to a cell. Rejected: probes that march rays (above); the earlier lookup in the shadow maps for the zenith
+//! and the lights alone, which was a fifth too bright under a grey sky; exact shares of surfaces that several cells make
+//! up, which hide a wall 3 % too much instead of 11 %, but throw a fifth too little of its light, and leak at rays
+//! that pass many cells. Untried: aligned fibres transmit more light along than across them.
 
 mod ask;
 

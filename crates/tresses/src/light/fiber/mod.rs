@@ -37,7 +37,8 @@
 //! the near field, the tables and the shader; the shader against its CPU twin [`FarField::scatter`]
 //! (`tests/gpu/fiber.rs`). Pictures against path tracing: `docs/appearance/shading.md`.
 //!
-//! Untried: a fit of `density_forward` and `density_back` to path tracing (0.7 is the paper's value); the
+//! `density_forward` is set by path-traced pictures (`docs/appearance/truth.md`); what hair scatters back is that of
+//! the fibres behind (`shading.wesl`). Untried: a fit of `density_back` (0.7 is the paper's value); the
 //! offset across the strip where hair is wider than pixels (near field); elliptical fibres.
 
 pub mod bsdf;
