@@ -370,7 +370,7 @@ fn lights() {
         per_pixel,
         ambient,
         maps,
-        _pad,
+        strand_by_strand,
         environment,
         ambient_origin,
         ambient_scale,
@@ -426,7 +426,7 @@ fn hair() {
         area,
         first,
         spans,
-        _pad,
+        single,
     });
     assert_eq!(wgsl_layout("light::material::HairUniform"), rust);
 }

@@ -18,6 +18,9 @@ const KNOBS: &[Knob] = rows! { "shadows";
         "Radius over which shadows on hair are averaged; larger is softer and steadier.";
     "body_opacity" "Shadow on skin" [shadows.body_opacity] number(PERCENT, 0.0, 100.0),
         "How much light hair takes from the skin behind it; at 100 % as much as from other hair.";
+    "strand_by_strand" "Strand by strand" [shadows.strand_by_strand] number(PERCENT, 0.0, 100.0),
+        flag(flag("shadow-strands", "SHARE")),
+        "How much strands are in light or shade one by one, not as their surroundings; fibre model only.";
     "ambient" "Follow ambient light" [shadows.ambient] Kind::Toggle, flag(flag("ambient", "on|off")),
         "Follow light of the sky and of the skin through the hair; off estimates the open part of the sky.";
     "per_pixel" "Per pixel" [shadows.per_pixel] Kind::Toggle, flag(flag("shadows-per-pixel", "")),

@@ -172,8 +172,8 @@ pub struct LightsUniform {
     pub ambient: u32,
     /// How many shadow maps are drawn: one per light, and one for the sky where its openness is guessed.
     pub maps: u32,
-    /// Unused.
-    pub _pad: u32,
+    /// [`Shadows::strand_by_strand`].
+    pub strand_by_strand: f32,
     /// [`Environment::coefficients`].
     pub environment: [Vec4; 9],
     /// The corner of the cells at the least coordinates, metres.
@@ -228,7 +228,11 @@ impl Lights {
             per_pixel: u32::from(shadows.per_pixel),
             ambient: 0,
             maps: shadows.maps(count) as u32,
-            _pad: 0,
+            strand_by_strand: if shadows.method == ShadowMethod::Off {
+                0.0
+            } else {
+                shadows.strand_by_strand.clamp(0.0, 1.0)
+            },
             environment: self.environment.coefficients.map(|c| c.extend(0.0)),
             ambient_origin: focus.center - focus.radius,
             ambient_scale: 0.5 / focus.radius,

@@ -290,7 +290,7 @@ impl HairMaterial {
             area: drawn.area,
             first,
             spans: spans[1],
-            _pad: 0,
+            single: drawn.single,
         }
     }
 }
@@ -365,5 +365,6 @@ pub struct HairUniform {
     pub first: u32,
     /// Spans between the knots of a strand.
     pub spans: u32,
-    pub _pad: u32,
+    /// See [`crate::strands::Drawn::single`].
+    pub single: f32,
 }

@@ -37,6 +37,9 @@ pub struct Shadows {
     pub body_opacity: f32,
     /// How far a surface is lifted towards the light before it is compared, metres.
     pub bias: f32,
+    /// How much strands are in light or in shade one by one, of which the maps know the mean alone: 0 not at all, 1
+    /// as hair is. [`super::ShadingModel::Fiber`] has it.
+    pub strand_by_strand: f32,
     /// Whether the maps are asked for every pixel of the hair, not for every strand vertex; only where
     /// hair is shaded per pixel ([`super::ShadingRate::PerPixel`]).
     pub per_pixel: bool,
@@ -55,6 +58,7 @@ impl Default for Shadows {
             density: 400.0,
             body_opacity: 1.0,
             bias: 0.0015,
+            strand_by_strand: 1.0,
             per_pixel: false,
             ambient: true,
         }

@@ -407,7 +407,8 @@ impl Lod {
         self.detail = detail;
         self.buffers.prepare(queue, &detail);
         let drawn = Drawn::new(detail.strands, self.segments + 1, detail.segments);
-        buffers.drawn = Drawn { area: detail.area, deeper: detail.deeper, ..drawn };
+        buffers.drawn =
+            Drawn { area: detail.area, deeper: detail.deeper, single: detail.fraction.sqrt(), ..drawn };
     }
 
     /// Begins a frame: how many strands the last one drew.

@@ -63,6 +63,9 @@ pub struct Drawn {
     pub area: f32,
     /// Factors on the fibres before what is seen ([`crate::lod::Detail::deeper`]).
     pub deeper: [f32; 2],
+    /// How much of the chance by which single strands are in light or shade is left where each drawn one stands for
+    /// several: the root of the share that is drawn.
+    pub single: f32,
 }
 
 impl Drawn {
@@ -71,11 +74,11 @@ impl Drawn {
     pub fn new(count: u32, vertex_count: u32, segments: f32) -> Self {
         let last = vertex_count.saturating_sub(1).max(1);
         if segments >= last as f32 {
-            return Self { count, vertex_count, stride: 1.0, area: 1.0, deeper: [1.0; 2] };
+            return Self { count, vertex_count, stride: 1.0, area: 1.0, deeper: [1.0; 2], single: 1.0 };
         }
         let segments = segments.max(1.0);
         let vertex_count = segments.ceil() as u32 + 1;
-        Self { count, vertex_count, stride: last as f32 / segments, area: 1.0, deeper: [1.0; 2] }
+        Self { count, vertex_count, stride: last as f32 / segments, area: 1.0, deeper: [1.0; 2], single: 1.0 }
     }
 }
 

@@ -224,9 +224,8 @@ fn white_furnace_on_the_gpu() {
     }
 }
 
-/// The radiance of the first of some upright strands at these places, lit from where the eye is, with what others throw
-/// back over that without.
-fn thrown_back(gpu: &Gpu, places: &[Vec3]) -> f32 {
+/// The radiances of both ends of upright strands at these places, lit from where the eye is.
+fn upright(gpu: &Gpu, places: &[Vec3], density_back: f32, strand_by_strand: f32) -> Vec<f32> {
     let Gpu { device, queue, .. } = gpu;
     let pipelines = common::pipelines().expect("there is a GPU");
     let strands = StrandBuffers::new(device, places.len() as u32, 2).expect("fits");
@@ -236,7 +235,8 @@ fn thrown_back(gpu: &Gpu, places: &[Vec3]) -> f32 {
     };
     let vertices: Vec<_> = places.iter().flat_map(ends).collect();
     queue.write_buffer(&strands.vertices, 0, bytemuck::cast_slice(&vertices));
-    let info = vec![Strand { radius: 1e-4, seed: 7, root_color: 0, tip_color: 0 }; places.len()];
+    let one = |i: u32| Strand { radius: 1e-4, seed: 7 + i, root_color: 0, tip_color: 0 };
+    let info: Vec<_> = (0..places.len() as u32).map(one).collect();
     queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&info));
     let mut hair = HairSet::new(device, &strands).expect("fits");
     let mut lights = Lights { directional: [Directional::OFF; MAX_LIGHTS], ..Default::default() };
@@ -246,38 +246,68 @@ fn thrown_back(gpu: &Gpu, places: &[Vec3]) -> f32 {
         camera: Camera::look_at(Vec3::Z, Vec3::ZERO, 0.4, [16, 16]),
         focus: Sphere { center: Vec3::ZERO, radius: 0.2 },
         lights,
+        shadows: Shadows { strand_by_strand, ..Default::default() },
         ..Default::default()
     };
-    let [with, without] = [0.7, 0.0].map(|density_back| {
-        let fiber = FiberMaterial { density_back, ..FiberMaterial::uniform(Vec3::splat(0.1)) };
-        hair.material =
-            HairMaterial { model: ShadingModel::Fiber, fiber, warmth_spread: 0.0, ..Default::default() };
-        let options = ViewOptions { samples: 1, shadow_resolution: 256, ..Default::default() };
-        let eye = View::new(device, pipelines, &options, [16, 16], 1).expect("fits");
-        common::picture(gpu, (pipelines, &eye), &picture, &[&hair], &[]);
-        let shaded: Vec<[u32; 2]> =
-            readback::buffer(device, queue, &eye.shaded(&hair).unwrap()).expect("read back");
-        half::f16::from_bits((shaded[0][0] >> 16) as u16).to_f32()
-    });
-    with / without
+    let fiber = FiberMaterial { density_back, ..FiberMaterial::uniform(Vec3::splat(0.1)) };
+    hair.material =
+        HairMaterial { model: ShadingModel::Fiber, fiber, warmth_spread: 0.0, ..Default::default() };
+    let options = ViewOptions { samples: 1, shadow_resolution: 256, ..Default::default() };
+    let eye = View::new(device, pipelines, &options, [16, 16], 1).expect("fits");
+    common::picture(gpu, (pipelines, &eye), &picture, &[&hair], &[]);
+    let shaded: Vec<[u32; 2]> =
+        readback::buffer(device, queue, &eye.shaded(&hair).unwrap()).expect("read back");
+    shaded.iter().map(|[rg, _]| half::f16::from_bits((rg >> 16) as u16).to_f32()).collect()
+}
+
+/// So many strands before each other over a width of 10 cm and a depth of 6 that a ray meets `fibers` of them; the
+/// first at the front.
+fn block(fibers: f32) -> Vec<Vec3> {
+    let count = (fibers * 0.1 / 2e-4) as u32;
+    let place = |i: u32| {
+        let [x, z] = [0.754_877_7, 0.569_840_3].map(|step: f32| (i as f32 * step).fract());
+        Vec3::new(0.1 * (x - 0.5), 0.0, -0.06 * z)
+    };
+    std::iter::once(Vec3::ZERO).chain((1..count).map(place)).collect()
 }
 
 #[test]
 fn hair_throws_back_as_much_as_there_is_of_it() {
     let Some(gpu) = common::gpu() else { return };
-    // The first at the front, others behind it over a width of 10 cm: so many before each other that a ray meets
-    // `fibers` of them.
-    let block = |fibers: f32| {
-        let count = (fibers * 0.1 / 2e-4) as u32;
-        let place = |i: u32| {
-            let [x, z] = [0.754_877_7, 0.569_840_3].map(|step: f32| (i as f32 * step).fract());
-            Vec3::new(0.1 * (x - 0.5), 0.0, -0.06 * z)
-        };
-        std::iter::once(Vec3::ZERO).chain((1..count).map(place)).collect::<Vec<_>>()
-    };
-    let found = [0.0, 0.5, 2.0, 16.0].map(|fibers| thrown_back(gpu, &block(fibers)));
+    // What others throw back over that without, for the first.
+    let found = [0.0, 0.5, 2.0, 16.0].map(|fibers| {
+        let places = block(fibers);
+        let [with, without] = [0.7, 0.0].map(|density_back| upright(gpu, &places, density_back, 0.0)[0]);
+        with / without
+    });
     println!("{found:?}");
     assert!((found[0] - 1.0).abs() < 0.01, "a strand alone");
     assert!(found.is_sorted(), "the more fibres, the more light");
     assert!(found[3] > 1.2 && found[1] < 1.0 + 0.6 * (found[3] - 1.0));
+}
+
+#[test]
+fn strands_are_in_light_or_shade_as_often_as_the_mean_says() {
+    let Some(gpu) = common::gpu() else { return };
+    let places = block(6.0);
+    // What every strand would have in the mean, and what it has; by depth, where the mean goes from 1 to e^-6.
+    let [smooth, single] = [0.0, 1.0].map(|strength| upright(gpu, &places, 0.7, strength));
+    let spread = |values: &[f32]| {
+        let mean = values.iter().sum::<f32>() / values.len() as f32;
+        let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f32>() / values.len() as f32;
+        (mean, square.sqrt() / mean)
+    };
+    for slice in 0..5 {
+        let there = |values: &[f32]| {
+            let deep = |i: usize| (-places[i / 2].z / 0.012) as usize == slice;
+            spread(&values.iter().enumerate().filter(|(i, _)| deep(*i)).map(|(_, v)| *v).collect::<Vec<_>>())
+        };
+        let ((mean, little), (chance, much)) = (there(&smooth), there(&single));
+        println!("{slice}: {mean:.4} ± {little:.2}, by chance {chance:.4} ± {much:.2}");
+        assert!((chance / mean - 1.0).abs() < 0.06, "the mean stays");
+        assert!(much > 1.3 * little, "strands differ");
+    }
+    // Where hardly anything is in the way hardly anything is by chance.
+    let alone = [0.0, 1.0].map(|strength| upright(gpu, &block(0.0), 0.7, strength)[0]);
+    assert!((alone[1] / alone[0] - 1.0).abs() < 0.02, "{alone:?}");
 }
