@@ -24,6 +24,7 @@ pub mod mesh;
 pub mod orient;
 pub mod range;
 pub mod restyle;
+pub mod rig;
 pub mod sdf;
 pub mod strands;
 pub mod styles;
@@ -41,6 +42,7 @@ pub use guides::Guides;
 pub use mesh::TriMesh;
 pub use progress::Progress;
 pub use restyle::Restyle;
+pub use rig::{Rig, RigPose};
 pub use sdf::SdfGrid;
 pub use strands::Strands;
 

@@ -22,7 +22,7 @@ pub use files::{Given, Kind, kind};
 
 use std::path::{Path, PathBuf};
 
-use super::{Strands, TriMesh, formats, lint, orient};
+use super::{Rig, Strands, TriMesh, formats, lint, orient};
 use crate::error::{At, Error, Result};
 
 /// The most vertices a groom may have: 16 bytes each fill the largest buffer that WebGPU can bind.
@@ -65,10 +65,23 @@ pub struct ImportReport {
     pub placement: orient::Placement,
     /// How the head did.
     pub head_placement: Option<orient::Placement>,
+    /// What bends the head, if its files have that.
+    pub rig: Option<Rig>,
     /// What the groom was like before the repair.
     pub lint: lint::Report,
     /// What the repair did.
     pub repaired: lint::Repaired,
+}
+
+/// A head or body from files, in metres, Y up, face +Z.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// At rest.
+    pub mesh: TriMesh,
+    /// What bends it, with the same vertices in the same order, if its files have that.
+    pub rig: Option<Rig>,
+    /// How it came into metres, Y up, face +Z.
+    pub placement: orient::Placement,
 }
 
 /// One file as it is, in its own unit and axes.
@@ -126,8 +139,16 @@ pub fn read_given(
 /// # Errors
 /// As [`read_given`].
 pub fn read_given_head(files: &[Given<'_>], options: &ImportOptions) -> Result<(TriMesh, orient::Placement)> {
+    read_given_body(files, options).map(|body| (body.mesh, body.placement))
+}
+
+/// [`read_body`] from bytes: the meshes among `files` and their companions.
+///
+/// # Errors
+/// As [`read_given`].
+pub fn read_given_body(files: &[Given<'_>], options: &ImportOptions) -> Result<Body> {
     let sorted = Sorted::new(files)?;
-    head_of(Files::Given(files), &sorted.meshes, options)
+    body_of(Files::Given(files), &sorted.meshes, options)
 }
 
 /// Given files by what they are.
@@ -161,19 +182,28 @@ pub fn read_head<H: AsRef<Path>>(
     heads: &[H],
     options: &ImportOptions,
 ) -> Result<(TriMesh, orient::Placement)> {
-    head_of(Files::Disk, heads, options)
+    read_body(heads, options).map(|body| (body.mesh, body.placement))
 }
 
-fn head_of<H: AsRef<Path>>(
-    files: Files<'_>,
-    heads: &[H],
-    options: &ImportOptions,
-) -> Result<(TriMesh, orient::Placement)> {
+/// [`read_head`] with what bends it.
+pub fn read_body<H: AsRef<Path>>(heads: &[H], options: &ImportOptions) -> Result<Body> {
+    body_of(Files::Disk, heads, options)
+}
+
+fn body_of<H: AsRef<Path>>(files: Files<'_>, heads: &[H], options: &ImportOptions) -> Result<Body> {
     options.orient_head.check()?;
-    let mut head = mesh::read_from(files, heads)?;
-    let placement = orient::head(&head, &options.orient_head);
-    placement.apply_to_mesh(&mut head.mesh);
-    Ok((head.mesh, placement))
+    let mut raw = mesh::read_from(files, heads)?;
+    let placement = orient::head(&raw, &options.orient_head);
+    place(&mut raw, &placement);
+    Ok(Body { mesh: raw.mesh, rig: raw.rig, placement })
+}
+
+/// Brings a mesh and what bends it into metres, Y up, face +Z.
+fn place(raw: &mut mesh::RawMesh, placement: &orient::Placement) {
+    placement.apply_to_mesh(&mut raw.mesh);
+    if let Some(rig) = &mut raw.rig {
+        placement.apply_to_rig(rig);
+    }
 }
 
 fn read_all<P: AsRef<Path>, H: AsRef<Path>>(
@@ -196,9 +226,9 @@ fn read_all<P: AsRef<Path>, H: AsRef<Path>>(
     };
     placement.apply(&mut strands);
     if let (Some(head), Some(placement)) = (&mut head, &head_placement) {
-        placement.apply_to_mesh(&mut head.mesh);
+        place(head, placement);
     }
-    let head = head.map(|h| h.mesh);
+    let (head, rig) = head.map_or((None, None), |h| (Some(h.mesh), h.rig));
     let lint = lint::check(&strands, head.as_ref());
     let mut repaired = lint::Repaired::default();
     if !options.unrepaired {
@@ -209,7 +239,7 @@ fn read_all<P: AsRef<Path>, H: AsRef<Path>>(
             return Err(Error::File { path, at: At::File, problem });
         }
     }
-    Ok((strands, head, ImportReport { files, placement, head_placement, lint, repaired }))
+    Ok((strands, head, ImportReport { files, placement, head_placement, rig, lint, repaired }))
 }
 
 /// One groom file from its bytes, as it is; `path` decides the format and stands in errors.

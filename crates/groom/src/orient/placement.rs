@@ -1,9 +1,9 @@
 //! The transform from a file's unit and axes to metres, Y up, face +Z.
 
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Mat4, Vec3};
 
 use super::{Axis, Unit};
-use crate::{Strands, TriMesh};
+use crate::{Rig, Strands, TriMesh};
 
 /// How a file's coordinates become metres, Y up, face +Z, and why so.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,6 +51,11 @@ impl Placement {
         self.axes() * p * self.unit.0 + self.translation
     }
 
+    /// The same for all points, as a matrix.
+    pub fn matrix(&self) -> Mat4 {
+        Mat4::from_translation(self.translation) * Mat4::from_mat3(self.axes() * self.unit.0)
+    }
+
     /// Whether nothing changes.
     pub fn is_identity(&self) -> bool {
         self.axes() == Mat3::IDENTITY && self.unit.0 == 1.0 && self.translation == Vec3::ZERO
@@ -87,6 +92,11 @@ impl Placement {
                 t.swap(1, 2);
             }
         }
+    }
+
+    /// Makes a rig bend its mesh where [`Self::apply_to_mesh`] has brought it.
+    pub fn apply_to_rig(&self, rig: &mut Rig) {
+        rig.to_groom = self.matrix() * rig.to_groom;
     }
 }
 

@@ -13,15 +13,19 @@ use crate::{
     TriMesh,
     error::{At, Error, Result},
     formats,
+    rig::Rig,
 };
 
 /// A mesh as its file has it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RawMesh {
-    /// In the file's own unit and axes.
+    /// In the file's own unit and axes. Skins and shapes are at rest.
     pub mesh: TriMesh,
     /// Whether the format itself prescribes metres, Y up, face +Z.
     pub declared: bool,
+    /// What bends the mesh, with the same vertices in the same order: where a file has a skin, shapes to
+    /// blend or an animation.
+    pub rig: Option<Rig>,
 }
 
 /// The body's colour where only some parts of a mesh have one: a neutral skin, linear.
@@ -42,7 +46,9 @@ pub fn read_given(files: &[Given<'_>], path: &Path) -> Result<RawMesh> {
     parse(files, path, &files.load(path)?)
 }
 
-/// Reads several meshes that share one unit and one set of axes into one.
+/// Reads several meshes that share one unit and one set of axes into one. If any of them has a rig, all
+/// have one together: meshes without follow a node of their own, and what has one name in several files
+/// (shapes, animations) is one.
 pub fn read_all<P: AsRef<Path>>(paths: &[P]) -> Result<RawMesh> {
     read_from(Files::Disk, paths)
 }
@@ -56,6 +62,10 @@ pub(super) fn read_from<P: AsRef<Path>>(files: Files<'_>, paths: &[P]) -> Result
         all = Some(match all {
             None => part,
             Some(mut all) => {
+                if all.rig.is_some() || part.rig.is_some() {
+                    let rig = all.rig.get_or_insert_with(|| Rig::still(&all.mesh));
+                    rig.append(part.rig.unwrap_or_else(|| Rig::still(&part.mesh)))?;
+                }
                 append(&mut all.mesh, part.mesh);
                 all.declared &= part.declared;
                 all
@@ -71,10 +81,13 @@ fn parse(files: Files<'_>, path: &Path, bytes: &[u8]) -> Result<RawMesh> {
     let source = Source { path, bytes, files, lenient: false };
     let mut raw = match formats::extension(path).as_str() {
         _ if bytes.is_empty() => return Err(source.problem(At::Byte(0), "the file is empty")),
-        "obj" => RawMesh { mesh: obj::read(&source)?, declared: false },
-        "tfxmesh" => RawMesh { mesh: tfxmesh::read(&source)?, declared: false },
+        "obj" => RawMesh { mesh: obj::read(&source)?, declared: false, rig: None },
+        "tfxmesh" => RawMesh { mesh: tfxmesh::read(&source)?, declared: false, rig: None },
         #[cfg(feature = "gltf")]
-        "gltf" | "glb" => RawMesh { mesh: gltf::read(&source)?, declared: true },
+        "gltf" | "glb" => {
+            let (mesh, rig) = gltf::read(&source)?;
+            RawMesh { mesh, declared: true, rig }
+        }
         _ => {
             let meshes = formats::listed(formats::MESHES, "or");
             return Err(source.problem(At::File, format!("a head is an {meshes} file")));
@@ -88,6 +101,9 @@ fn parse(files: Files<'_>, path: &Path, bytes: &[u8]) -> Result<RawMesh> {
     }
     if raw.mesh.normals.len() != raw.mesh.positions.len() {
         raw.mesh.compute_normals();
+        if let Some(rig) = &mut raw.rig {
+            rig.take_normals(&raw.mesh);
+        }
     }
     Ok(raw)
 }

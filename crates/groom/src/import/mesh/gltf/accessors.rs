@@ -1,0 +1,196 @@
+//! Numbers of a file, each read only where it lies inside its buffer.
+
+use glam::Vec3;
+use gltf::{
+    Accessor,
+    accessor::{DataType, sparse::IndexType},
+};
+
+use super::file::File;
+use crate::error::Result;
+
+impl File<'_> {
+    /// That an accessor's items are of the kind the reader expects and inside their buffer.
+    pub fn check(&self, accessor: &Accessor, kind: DataType, components: usize) -> Result<()> {
+        let index_kind = matches!(kind, DataType::U8 | DataType::U16 | DataType::U32);
+        if accessor.data_type() != kind
+            || accessor.dimensions().multiplicity() != components
+            || (components == 1 && !index_kind)
+        {
+            self.data(accessor)?;
+            return Err(self.wrong_kind(accessor));
+        }
+        self.data(accessor).map(|_| ())
+    }
+
+    /// Numbers, `components` per item, one item after another: floats, or integers that stand for shares.
+    pub fn numbers(&self, accessor: &Accessor, components: usize) -> Result<Vec<f32>> {
+        let integers = accessor.normalized() && accessor.data_type() != DataType::U32;
+        if accessor.dimensions().multiplicity() != components
+            || !(integers || accessor.data_type() == DataType::F32)
+        {
+            return Err(self.wrong_kind(accessor));
+        }
+        let (bytes, stride) = self.data(accessor)?;
+        self.spend(accessor.count() * components, size_of::<f32>())?;
+        let size = accessor.data_type().size();
+        let mut out = Vec::with_capacity(accessor.count() * components);
+        for item in bytes.chunks(stride) {
+            for b in item.chunks_exact(size).take(components) {
+                out.push(match accessor.data_type() {
+                    DataType::F32 => f32::from_le_bytes([b[0], b[1], b[2], b[3]]),
+                    DataType::U8 => f32::from(b[0]) / 255.0,
+                    DataType::I8 => (f32::from(b[0] as i8) / 127.0).max(-1.0),
+                    DataType::U16 => f32::from(u16::from_le_bytes([b[0], b[1]])) / 65535.0,
+                    _ => (f32::from(i16::from_le_bytes([b[0], b[1]])) / 32767.0).max(-1.0),
+                });
+            }
+        }
+        match out.iter().any(|v| !v.is_finite()) {
+            true => {
+                Err(self.problem(format!("accessor {} has numbers that are not finite", accessor.index())))
+            }
+            false => Ok(out),
+        }
+    }
+
+    /// Four joints per vertex.
+    pub fn joints(&self, accessor: &Accessor) -> Result<Vec<[u16; 4]>> {
+        let kind = accessor.data_type();
+        if !matches!(kind, DataType::U8 | DataType::U16) || accessor.dimensions().multiplicity() != 4 {
+            return Err(self.wrong_kind(accessor));
+        }
+        let (bytes, stride) = self.data(accessor)?;
+        self.spend(accessor.count(), size_of::<[u16; 4]>())?;
+        let four = |item: &[u8]| match kind {
+            DataType::U8 => [0, 1, 2, 3].map(|i| u16::from(item[i])),
+            _ => [0, 2, 4, 6].map(|i| u16::from_le_bytes([item[i], item[i + 1]])),
+        };
+        Ok(bytes.chunks(stride).map(four).collect())
+    }
+
+    /// What a shape adds to `count` vertices: those that it moves, ascending.
+    pub fn deltas(&self, accessor: &Accessor, count: usize) -> Result<Vec<(u32, Vec3)>> {
+        let index = accessor.index();
+        if accessor.data_type() != DataType::F32 || accessor.dimensions().multiplicity() != 3 {
+            return Err(self.wrong_kind(accessor));
+        }
+        if accessor.count() != count {
+            let have = accessor.count();
+            return Err(
+                self.problem(format!("accessor {index} moves {have} vertices, but there are {count}"))
+            );
+        }
+        let mut given: Vec<(u32, Vec3)> = match accessor.view() {
+            Some(_) => {
+                let items = self.items(accessor)?;
+                self.spend(count, size_of::<(u32, Vec3)>())?;
+                (0..).zip(vectors(items)).collect()
+            }
+            None => Vec::new(),
+        };
+        if let Some(sparse) = accessor.sparse() {
+            self.overlay(index, count, &sparse, &mut given)?;
+        }
+        if given.iter().any(|(_, delta)| !delta.is_finite()) {
+            return Err(self.problem(format!("accessor {index} has numbers that are not finite")));
+        }
+        given.retain(|(_, delta)| *delta != Vec3::ZERO);
+        Ok(given)
+    }
+
+    /// Puts the vectors that a sparse accessor names into those that it has otherwise, or between them.
+    fn overlay(
+        &self,
+        index: usize,
+        count: usize,
+        sparse: &gltf::accessor::sparse::Sparse,
+        given: &mut Vec<(u32, Vec3)>,
+    ) -> Result<()> {
+        let (n, indices, values) = (sparse.count(), sparse.indices(), sparse.values());
+        let size = indices.index_type().size();
+        let outside =
+            || self.problem(format!("accessor {index} with {n} sparse items does not fit its buffer"));
+        let at = self.window(&indices.view(), indices.offset(), n, size, size).ok_or_else(outside)?;
+        let vector = size_of::<[f32; 3]>();
+        let to = self.window(&values.view(), values.offset(), n, vector, vector).ok_or_else(outside)?;
+        self.spend(n, size_of::<(u32, Vec3)>())?;
+        let dense = !given.is_empty();
+        let mut least = 0u64;
+        for (b, value) in at.chunks_exact(size).zip(vectors((to, vector))) {
+            let vertex = match indices.index_type() {
+                IndexType::U8 => u32::from(b[0]),
+                IndexType::U16 => u32::from(u16::from_le_bytes([b[0], b[1]])),
+                IndexType::U32 => u32::from_le_bytes([b[0], b[1], b[2], b[3]]),
+            };
+            if u64::from(vertex) < least || vertex as usize >= count {
+                let problem = format!(
+                    "accessor {index} has the sparse index {vertex}, which is too large or does not rise"
+                );
+                return Err(self.problem(problem));
+            }
+            least = u64::from(vertex) + 1;
+            match given.get_mut(vertex as usize).filter(|_| dense) {
+                Some(old) => old.1 = value,
+                None => given.push((vertex, value)),
+            }
+        }
+        Ok(())
+    }
+
+    /// The bytes of an accessor's items, and how far one is from the next. The last one may be shorter
+    /// than that.
+    fn data(&self, accessor: &Accessor) -> Result<(&[u8], usize)> {
+        if accessor.sparse().is_some() {
+            let problem = format!("accessor {} is sparse, which is not supported here", accessor.index());
+            return Err(self.problem(problem));
+        }
+        self.items(accessor)
+    }
+
+    /// [`Self::data`], leaving out what is sparse.
+    fn items(&self, accessor: &Accessor) -> Result<(&[u8], usize)> {
+        let (index, count) = (accessor.index(), accessor.count());
+        let Some(view) = accessor.view() else {
+            return Err(self.problem(format!("accessor {index} has no data (compression is not supported)")));
+        };
+        let size = accessor.data_type().size() * accessor.dimensions().multiplicity();
+        let stride = view.stride().unwrap_or(size);
+        self.window(&view, accessor.offset(), count, stride, size)
+            .filter(|_| count > 0)
+            .map(|bytes| (bytes, stride))
+            .ok_or_else(|| {
+                self.problem(format!("accessor {index} with {count} items does not fit its buffer"))
+            })
+    }
+
+    /// `count` items of `size` bytes, `stride` apart, from byte `offset` of a view.
+    fn window(
+        &self,
+        view: &gltf::buffer::View,
+        offset: usize,
+        count: usize,
+        stride: usize,
+        size: usize,
+    ) -> Option<&[u8]> {
+        let bytes: &[u8] = self.buffers.get(view.buffer().index())?;
+        let bytes = bytes.get(view.offset()..)?.get(..view.length())?;
+        let length = match count.checked_sub(1) {
+            Some(n) => n.checked_mul(stride)?.checked_add(size)?,
+            None => 0,
+        };
+        (stride >= size).then_some(bytes.get(offset..)?.get(..length)?)
+    }
+
+    pub fn wrong_kind(&self, accessor: &Accessor) -> crate::Error {
+        self.problem(format!("accessor {} holds the wrong kind of numbers", accessor.index()))
+    }
+}
+
+/// Vectors of floats that lie `stride` bytes apart.
+fn vectors((bytes, stride): (&[u8], usize)) -> impl Iterator<Item = Vec3> {
+    bytes.chunks(stride).map(|item| {
+        let at = |i: usize| f32::from_le_bytes([item[i], item[i + 1], item[i + 2], item[i + 3]]);
+        Vec3::new(at(0), at(4), at(8))
+    })
+}

@@ -1,0 +1,104 @@
+//! Animations: keys of nodes' properties.
+
+use glam::Quat;
+use gltf::json::{self, validation::Checked};
+
+use super::{Placed, file::File, morph::Shapes};
+use crate::{
+    error::Result,
+    rig::{Animation, Channel, Curve, Interpolation, Path},
+};
+
+/// Reads the animations that move something of the scene.
+pub(super) fn read(
+    file: &File,
+    placed: &[Placed],
+    places: &[Option<u32>],
+    shapes: &Shapes,
+) -> Result<Vec<Animation>> {
+    let mut all = Vec::new();
+    for (i, animation) in file.document.as_json().animations.iter().enumerate() {
+        let mut read = Animation { name: animation.name.clone().unwrap_or_default(), ..Default::default() };
+        for channel in &animation.channels {
+            // Nodes elsewhere move nothing here, and what extensions animate is not theirs to move.
+            let place = places.get(channel.target.node.value()).copied().flatten();
+            let (Some(node), Checked::Valid(property)) = (place, channel.target.path) else { continue };
+            let Some(sampler) = animation.samplers.get(channel.sampler.value()) else { continue };
+            let path = path(file, property, i, &placed[node as usize], shapes)?;
+            let curve = curve(file, sampler, &path, i)?;
+            read.length = curve.times.last().map_or(read.length, |t| read.length.max(*t));
+            read.channels.push(Channel { node, path, curve });
+        }
+        if !read.channels.is_empty() {
+            all.push(read);
+        }
+    }
+    Ok(all)
+}
+
+fn path(
+    file: &File,
+    property: json::animation::Property,
+    animation: usize,
+    placed: &Placed,
+    shapes: &Shapes,
+) -> Result<Path> {
+    use json::animation::Property;
+    Ok(match property {
+        Property::Translation => Path::Translation,
+        Property::Rotation => Path::Rotation,
+        Property::Scale => Path::Scale,
+        Property::MorphTargetWeights => {
+            let targets = placed.node.mesh().map_or(&[][..], |mesh| shapes.of(mesh.index()));
+            if targets.is_empty() {
+                let node = placed.node.index();
+                let problem = format!("animation {animation} blends shapes of node {node}, which has none");
+                return Err(file.problem(problem));
+            }
+            file.spend(targets.len(), size_of::<u32>())?;
+            Path::Weights(targets.to_vec())
+        }
+    })
+}
+
+fn curve(file: &File, sampler: &json::animation::Sampler, path: &Path, animation: usize) -> Result<Curve> {
+    let interpolation = match sampler.interpolation {
+        Checked::Valid(json::animation::Interpolation::Step) => Interpolation::Step,
+        Checked::Valid(json::animation::Interpolation::CubicSpline) => Interpolation::CubicSpline,
+        _ => Interpolation::Linear,
+    };
+    // The crate has checked that both exist.
+    let accessor = |index: json::Index<json::Accessor>| file.document.accessors().nth(index.value());
+    let (Some(input), Some(output)) = (accessor(sampler.input), accessor(sampler.output)) else {
+        return Err(file.problem(format!("animation {animation} has no keys")));
+    };
+    let times = file.numbers(&input, 1)?;
+    if times.first().is_some_and(|t| *t < 0.0) || times.windows(2).any(|t| t[0] >= t[1]) {
+        return Err(file.problem(format!("the key times of animation {animation} do not rise from 0 on")));
+    }
+    let (components, items) = match path {
+        Path::Translation | Path::Scale => (3, 1),
+        Path::Rotation => (4, 1),
+        Path::Weights(targets) => (1, targets.len()),
+    };
+    let mut values = file.numbers(&output, components)?;
+    let parts = if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
+    let need = (times.len() as u64) * (components * items * parts) as u64;
+    if values.len() as u64 != need {
+        let (have, keys) = (values.len(), times.len());
+        let problem = format!("animation {animation} has {have} numbers for {keys} keys, which need {need}");
+        return Err(file.problem(problem));
+    }
+    if *path == Path::Rotation {
+        // Of a spline's three quaternions per key only the second is a rotation.
+        let keys = values.as_chunks_mut::<4>().0.iter_mut().skip(parts / 2).step_by(parts);
+        for key in keys {
+            let unit = Quat::from_array(*key).normalize();
+            if !unit.is_finite() {
+                return Err(file.problem(format!("animation {animation} has a rotation without direction")));
+            }
+            *key = unit.to_array();
+        }
+    }
+    Ok(Curve { interpolation, times, values })
+}

@@ -1,0 +1,137 @@
+//! Joints of skins, and which of them vertices follow.
+
+use std::ops::Range;
+
+use glam::Mat4;
+use gltf::Semantic;
+
+use super::file::File;
+use crate::{
+    error::Result,
+    rig::{INFLUENCES, Joint, MAX_JOINTS},
+};
+
+/// Which joints and how much of each.
+pub(super) type Follows = ([u16; INFLUENCES], [f32; INFLUENCES]);
+
+/// The skins whose joints are in the palette already.
+pub(super) struct Skins {
+    /// For each node of the file which one of the scene it is.
+    places: Vec<Option<u32>>,
+    known: std::collections::HashMap<usize, Range<usize>>,
+}
+
+impl Skins {
+    pub fn new(places: &[Option<u32>]) -> Self {
+        Self { places: places.to_vec(), known: Default::default() }
+    }
+
+    /// Puts an entry into the palette.
+    pub fn push(&self, file: &File, joints: &mut Vec<Joint>, joint: Joint) -> Result<u16> {
+        let Ok(index) = u16::try_from(joints.len()) else {
+            return Err(file.problem(format!("vertices follow more than {MAX_JOINTS} joints and nodes")));
+        };
+        file.spend(1, size_of::<Joint>())?;
+        joints.push(joint);
+        Ok(index)
+    }
+
+    /// The entries of a skin, which are added when it comes first.
+    pub fn palette(
+        &mut self,
+        file: &File,
+        joints: &mut Vec<Joint>,
+        skin: &gltf::Skin,
+    ) -> Result<Range<usize>> {
+        let index = skin.index();
+        if let Some(known) = self.known.get(&index) {
+            return Ok(known.clone());
+        }
+        let nodes: Vec<usize> = skin.joints().map(|n| n.index()).collect();
+        if nodes.is_empty() {
+            return Err(file.problem(format!("skin {index} has no joints")));
+        }
+        let inverse = match skin.inverse_bind_matrices() {
+            Some(accessor) => file.numbers(&accessor, 16)?,
+            None => Mat4::IDENTITY.to_cols_array().repeat(nodes.len()),
+        };
+        let inverse = inverse.as_chunks().0;
+        if inverse.len() < nodes.len() {
+            let (have, need) = (inverse.len(), nodes.len());
+            return Err(file.problem(format!("skin {index} has {have} matrices for {need} joints")));
+        }
+        let first = joints.len();
+        for (node, inverse) in nodes.into_iter().zip(inverse) {
+            let Some(place) = self.places.get(node).copied().flatten() else {
+                let problem = format!("node {node}, a joint of skin {index}, is not in the scene");
+                return Err(file.problem(problem));
+            };
+            let inverse_bind = Mat4::from_cols_array(inverse);
+            self.push(file, joints, Joint { node: place, inverse_bind })?;
+        }
+        self.known.insert(index, first..joints.len());
+        Ok(first..joints.len())
+    }
+}
+
+/// What the vertices of a primitive follow, of the entries `palette`: up to eight of a skin's joints each,
+/// whose weights are made to sum to 1. A vertex without any weight follows its first joint.
+pub(super) fn follows(
+    file: &File,
+    primitive: &gltf::Primitive,
+    count: usize,
+    palette: Range<usize>,
+) -> Result<Vec<Follows>> {
+    file.spend(count, size_of::<Follows>())?;
+    let mut all: Vec<Follows> = vec![Default::default(); count];
+    for set in 0..INFLUENCES / 4 {
+        let joints = primitive.get(&Semantic::Joints(set as u32));
+        let weights = primitive.get(&Semantic::Weights(set as u32));
+        let (joints, weights) = match (joints, weights) {
+            (None, None) => continue,
+            (Some(joints), Some(weights)) => (file.joints(&joints)?, file.numbers(&weights, 4)?),
+            _ => {
+                return Err(
+                    file.problem(format!("a primitive has only one of JOINTS_{set} and WEIGHTS_{set}"))
+                );
+            }
+        };
+        let weights = weights.as_chunks::<4>().0;
+        if joints.len() != count || weights.len() != count {
+            let (j, w) = (joints.len(), weights.len());
+            return Err(file.problem(format!("{j} joints and {w} weights for {count} vertices")));
+        }
+        for ((all, joints), weights) in all.iter_mut().zip(joints).zip(weights) {
+            all.0[4 * set..][..4].copy_from_slice(&joints);
+            all.1[4 * set..][..4].copy_from_slice(weights);
+        }
+    }
+    for (i, (joints, weights)) in all.iter_mut().enumerate() {
+        // A share below nothing is rounding, or nonsense.
+        weights.iter_mut().for_each(|w| *w = w.max(0.0));
+        let sum: f32 = weights.iter().sum();
+        if sum > 0.0 && sum.is_finite() {
+            weights.iter_mut().for_each(|w| *w /= sum);
+        } else if sum == 0.0 {
+            weights[0] = 1.0;
+        } else {
+            return Err(file.problem(format!("the weights of vertex {i} of a primitive are too large")));
+        }
+        for (joint, weight) in joints.iter_mut().zip(weights) {
+            let entry = palette.start + usize::from(*joint);
+            if palette.contains(&entry) {
+                *joint = entry as u16;
+            } else if *weight > 0.0 {
+                let (bad, have) = (*joint, palette.len());
+                let problem = format!(
+                    "vertex {i} of a primitive follows joint {bad}, which does not exist, there are {have}"
+                );
+                return Err(file.problem(problem));
+            } else {
+                // Files put anything where no weight is.
+                *joint = palette.start as u16;
+            }
+        }
+    }
+    Ok(all)
+}

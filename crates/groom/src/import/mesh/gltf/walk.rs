@@ -1,0 +1,79 @@
+//! The nodes of a scene, a parent before its children.
+
+use glam::{Mat4, Quat, Vec3};
+
+use super::file::File;
+use crate::{
+    error::Result,
+    rig::{Node, Transform},
+};
+
+/// The deepest that nodes may be nested.
+const DEEPEST: u32 = 256;
+
+/// A node of the scene.
+pub(super) struct Placed<'a> {
+    pub node: gltf::Node<'a>,
+    parent: Option<u32>,
+    pub global: Mat4,
+}
+
+/// The nodes of a scene in order, and for each node of the file which of them it is.
+pub(super) fn scene<'a>(
+    file: &'a File,
+    scene: gltf::Scene<'a>,
+) -> Result<(Vec<Placed<'a>>, Vec<Option<u32>>)> {
+    let mut walk = Walk { file, placed: Vec::new(), places: vec![None; file.document.nodes().len()] };
+    scene.nodes().try_for_each(|node| walk.node(node, None, 0))?;
+    Ok((walk.placed, walk.places))
+}
+
+struct Walk<'a, 'f> {
+    file: &'f File<'f>,
+    placed: Vec<Placed<'a>>,
+    places: Vec<Option<u32>>,
+}
+
+impl<'a> Walk<'a, '_> {
+    fn node(&mut self, node: gltf::Node<'a>, parent: Option<u32>, depth: u32) -> Result<()> {
+        let index = node.index();
+        // A valid file is a tree; a broken one may be a loop, or a net with more paths than one can go.
+        if depth > DEEPEST {
+            return Err(self.file.problem(format!("its nodes are nested more than {DEEPEST} deep")));
+        }
+        let place = self.placed.len() as u32;
+        if self.places[index].replace(place).is_some() {
+            return Err(self.file.problem(format!("node {index} stands in the scene more than once")));
+        }
+        let local = Mat4::from_cols_array_2d(&node.transform().matrix());
+        let above = parent.and_then(|p| self.placed.get(p as usize)).map_or(Mat4::IDENTITY, |p| p.global);
+        let children = node.children();
+        self.placed.push(Placed { node, parent, global: above * local });
+        for child in children {
+            self.node(child, Some(place), depth + 1)?;
+        }
+        Ok(())
+    }
+}
+
+impl Placed<'_> {
+    /// The same for a rig.
+    pub fn rest(&self) -> Node {
+        let (rest, matrix) = match self.node.transform() {
+            gltf::scene::Transform::Decomposed { translation, rotation, scale } => {
+                let rest = Transform {
+                    translation: Vec3::from(translation),
+                    rotation: Quat::from_array(rotation),
+                    scale: Vec3::from(scale),
+                };
+                (rest, None)
+            }
+            gltf::scene::Transform::Matrix { matrix } => {
+                let matrix = Mat4::from_cols_array_2d(&matrix);
+                (Transform::from_matrix(matrix), Some(matrix))
+            }
+        };
+        let name = self.node.name().unwrap_or_default().into();
+        Node { name, parent: self.parent, rest, matrix, weights: Vec::new() }
+    }
+}

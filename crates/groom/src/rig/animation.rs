@@ -1,0 +1,145 @@
+//! Values over time: keys and what lies between them.
+
+use glam::{Quat, Vec4};
+
+/// A motion of several nodes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Animation {
+    /// Its name, empty if it has none.
+    pub name: String,
+    /// When its last key stands, seconds. It loops over this.
+    pub length: f32,
+    /// What moves. Where two move the same, the later one counts.
+    pub channels: Vec<Channel>,
+}
+
+/// One property of one node over time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// The node.
+    pub node: u32,
+    /// Its property.
+    pub path: Path,
+    /// Its values.
+    pub curve: Curve,
+}
+
+/// What of a node is animated.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Path {
+    /// Its translation: three numbers.
+    Translation,
+    /// Its rotation: a quaternion, x, y, z, w.
+    Rotation,
+    /// Its scale: three numbers.
+    Scale,
+    /// The weights of these targets of the rig: one number each.
+    Weights(Vec<u32>),
+}
+
+/// How values between two keys are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Interpolation {
+    /// The key before holds.
+    Step,
+    /// Along a line; rotations along the shorter arc.
+    #[default]
+    Linear,
+    /// Along Hermite's cubic, with a tangent before and one behind each key.
+    CubicSpline,
+}
+
+/// Keys of one property.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Curve {
+    /// What lies between keys.
+    pub interpolation: Interpolation,
+    /// Seconds, rising.
+    pub times: Vec<f32>,
+    /// The numbers of each key, one after another. For a cubic spline a key has three times as many: the
+    /// tangent before it, its values, the tangent behind it; tangents are per second.
+    pub values: Vec<f32>,
+}
+
+impl Animation {
+    /// A time within the animation, which starts again after its end. 0 for a time that is not finite.
+    pub fn wrap(&self, time: f32) -> f32 {
+        let wrapped = time.rem_euclid(self.length);
+        if wrapped.is_finite() { wrapped } else { 0.0 }
+    }
+}
+
+impl Curve {
+    /// Writes the values at `time` (seconds): the first key's before it, the last key's after it. `out`
+    /// is as long as a key has numbers. `turn` says that they are a quaternion. Without keys, or with
+    /// too few numbers for them, nothing is written.
+    pub fn sample(&self, time: f32, turn: bool, out: &mut [f32]) {
+        let parts = if self.interpolation == Interpolation::CubicSpline { 3 } else { 1 };
+        if self.values.len() < self.times.len() * out.len() * parts {
+            return;
+        }
+        let next = self.times.partition_point(|t| *t <= time);
+        let (Some(from), Some(last)) = (next.checked_sub(1).or(Some(0)), self.times.len().checked_sub(1))
+        else {
+            return;
+        };
+        let to = next.min(last);
+        let (start, end) = (self.times[from], self.times[to]);
+        let length = end - start;
+        let share = if length > 0.0 { (time - start) / length } else { 0.0 };
+        match self.interpolation {
+            _ if from == to || length <= 0.0 => out.copy_from_slice(self.key(from, out.len())),
+            Interpolation::Step => out.copy_from_slice(self.key(from, out.len())),
+            Interpolation::Linear => self.linear(from, to, share, turn, out),
+            Interpolation::CubicSpline => self.hermite([from, to], share, length, out),
+        }
+        if turn && let Some(q) = quaternion(out) {
+            out.copy_from_slice(&q.normalize().to_array());
+        }
+    }
+
+    /// The values of a key, without tangents.
+    fn key(&self, key: usize, width: usize) -> &[f32] {
+        match self.interpolation {
+            Interpolation::CubicSpline => self.part(key, 1, width),
+            _ => &self.values[key * width..][..width],
+        }
+    }
+
+    /// Of a spline's key the tangent before (0), the values (1), the tangent behind (2).
+    fn part(&self, key: usize, part: usize, width: usize) -> &[f32] {
+        &self.values[(3 * key + part) * width..][..width]
+    }
+
+    fn linear(&self, from: usize, to: usize, share: f32, turn: bool, out: &mut [f32]) {
+        let (a, b) = (self.key(from, out.len()), self.key(to, out.len()));
+        if turn && let (Some(a), Some(b)) = (quaternion(a), quaternion(b)) {
+            out.copy_from_slice(&a.slerp(b, share).to_array());
+            return;
+        }
+        for ((out, a), b) in out.iter_mut().zip(a).zip(b) {
+            *out = a + (b - a) * share;
+        }
+    }
+
+    fn hermite(&self, [from, to]: [usize; 2], t: f32, length: f32, out: &mut [f32]) {
+        let width = out.len();
+        let (t2, t3) = (t * t, t * t * t);
+        let weights = Vec4::new(
+            2.0 * t3 - 3.0 * t2 + 1.0,
+            length * (t3 - 2.0 * t2 + t),
+            3.0 * t2 - 2.0 * t3,
+            length * (t3 - t2),
+        );
+        let parts = [(from, 1), (from, 2), (to, 1), (to, 0)].map(|(key, part)| self.part(key, part, width));
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = weights.dot(Vec4::from(parts.map(|p| p[i])));
+        }
+    }
+}
+
+/// Four numbers as a quaternion, unless they have no direction.
+fn quaternion(values: &[f32]) -> Option<Quat> {
+    let q = Quat::from_slice(values.get(..4)?);
+    (q.length_squared() > 1e-12 && q.is_finite()).then_some(q)
+}

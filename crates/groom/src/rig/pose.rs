@@ -1,0 +1,100 @@
+//! Where joints are at a time.
+
+use glam::{Mat4, Quat, Vec3};
+
+use super::{Animation, Path, Rig, Transform};
+
+/// What a pose amounts to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RigPose {
+    /// Of each node, to the file's space.
+    pub globals: Vec<Mat4>,
+    /// Of each joint, from the space of the file's mesh to the groom's.
+    pub palette: Vec<Mat4>,
+    /// One per target, 1 for the whole shape.
+    pub weights: Vec<f32>,
+}
+
+impl Rig {
+    /// The pose that nothing animates.
+    pub fn rest_pose(&self) -> RigPose {
+        self.pose_with(None, &[])
+    }
+
+    /// The pose of an animation at `time` (seconds), which loops.
+    pub fn pose(&self, animation: &Animation, time: f32) -> RigPose {
+        self.pose_with(Some((animation, time)), &[])
+    }
+
+    /// The pose of an animation at a time (seconds), or the one at rest, with some targets' weights set,
+    /// whatever the animation says of them.
+    ///
+    /// Several nodes may have shapes of one name. Of their weights the largest counts, by magnitude.
+    pub fn pose_with(&self, animation: Option<(&Animation, f32)>, morphs: &[(usize, f32)]) -> RigPose {
+        let mut locals: Vec<Transform> = self.nodes.iter().map(|n| n.rest).collect();
+        let mut moved = vec![false; self.nodes.len()];
+        let mut blended = vec![false; self.nodes.len()];
+        let mut weights = vec![0.0f32; self.targets.len()];
+        let mut raise = |target: u32, weight: f32| {
+            if let Some(old) = weights.get_mut(target as usize).filter(|old| old.abs() < weight.abs()) {
+                *old = weight;
+            }
+        };
+        let mut values = Vec::new();
+        let channels = animation.iter().flat_map(|(a, time)| {
+            let time = a.wrap(*time);
+            a.channels.iter().map(move |c| (c, time))
+        });
+        for (channel, time) in channels {
+            let node = channel.node as usize;
+            let Some(local) = locals.get_mut(node) else { continue };
+            match &channel.path {
+                Path::Translation => {
+                    local.translation =
+                        three(local.translation, |out| channel.curve.sample(time, false, out));
+                }
+                Path::Scale => local.scale = three(local.scale, |out| channel.curve.sample(time, false, out)),
+                Path::Rotation => {
+                    let mut out = local.rotation.to_array();
+                    channel.curve.sample(time, true, &mut out);
+                    local.rotation = Quat::from_array(out);
+                }
+                Path::Weights(targets) => {
+                    values.clear();
+                    values.resize(targets.len(), 0.0);
+                    channel.curve.sample(time, false, &mut values);
+                    targets.iter().zip(&values).for_each(|(target, weight)| raise(*target, *weight));
+                    blended[node] = true;
+                    continue;
+                }
+            }
+            moved[node] = true;
+        }
+        let resting = self.nodes.iter().zip(&blended).filter(|(_, blended)| !**blended);
+        resting.flat_map(|(node, _)| &node.weights).for_each(|(target, weight)| raise(*target, *weight));
+        for (target, weight) in morphs {
+            if let Some(old) = weights.get_mut(*target) {
+                *old = *weight;
+            }
+        }
+        let mut globals: Vec<Mat4> = Vec::with_capacity(self.nodes.len());
+        for ((node, local), moved) in self.nodes.iter().zip(&locals).zip(&moved) {
+            let local = node.matrix.filter(|_| !moved).unwrap_or_else(|| local.matrix());
+            let parent = node.parent.and_then(|p| globals.get(p as usize));
+            globals.push(parent.map_or(local, |parent| *parent * local));
+        }
+        let entry = |joint: &super::Joint| {
+            let global = globals.get(joint.node as usize).copied().unwrap_or_default();
+            self.to_groom * global * joint.inverse_bind
+        };
+        let palette = self.joints.iter().map(entry).collect();
+        RigPose { globals, palette, weights }
+    }
+}
+
+/// Three numbers that `sample` overwrites if it knows any.
+fn three(old: Vec3, sample: impl FnOnce(&mut [f32])) -> Vec3 {
+    let mut out = old.to_array();
+    sample(&mut out);
+    Vec3::from(out)
+}

@@ -1,0 +1,53 @@
+//! Rigs of known shape, broken ones, and other people's.
+
+mod assets;
+mod broken;
+mod closed;
+mod curves;
+mod glb;
+mod orient;
+mod shapes;
+
+use std::path::Path;
+
+use glam::Vec3;
+
+use super::*;
+use crate::{
+    TriMesh,
+    import::{Given, mesh},
+};
+use glb::Glb;
+
+/// A file's mesh and rig, as its reader has them.
+fn read(bytes: Vec<u8>) -> crate::Result<mesh::RawMesh> {
+    let given: Given = ("a.glb".into(), bytes.into());
+    mesh::read_given(&[given], Path::new("a.glb"))
+}
+
+/// The positions of a rig's vertices in a pose.
+fn posed(rig: &Rig, pose: &RigPose) -> TriMesh {
+    let mut mesh = TriMesh { positions: vec![Vec3::ZERO; rig.vertices.len()], ..Default::default() };
+    rig.deform(pose, &mut mesh);
+    mesh
+}
+
+/// Says where two lists of points differ by more than `by`.
+fn agree(have: &[Vec3], want: &[Vec3], by: f32) -> Result<(), String> {
+    if have.len() != want.len() {
+        return Err(format!("{} points, not {}", have.len(), want.len()));
+    }
+    match have.iter().zip(want).position(|(a, b)| a.distance(*b) > by || !a.is_finite()) {
+        Some(i) => Err(format!("point {i} is {}, not {}", have[i], want[i])),
+        None => Ok(()),
+    }
+}
+
+#[test]
+fn the_comparer_can_fail() {
+    let points = [Vec3::X, Vec3::Y];
+    assert_eq!(agree(&points, &points, 1e-6), Ok(()));
+    assert!(agree(&points, &points[..1], 1e-6).is_err());
+    assert!(agree(&points, &[Vec3::X, Vec3::Y * 1.001], 1e-6).is_err());
+    assert!(agree(&[Vec3::NAN], &[Vec3::X], 1e9).is_err());
+}

@@ -1,0 +1,67 @@
+//! Rigs on their way into a groom's space, and several files as one.
+
+use super::*;
+use crate::import::{ImportOptions, read_given_body};
+use crate::orient::{Axis, Choice, Unit};
+
+const CUBE: &str = "o cube
+v -1 -1 -1
+v 1 -1 -1
+v 1 1 -1
+v -1 1 -1
+f 4 3 2 1
+";
+
+#[test]
+fn a_rig_bends_its_mesh_where_that_was_brought() {
+    let file: Given = ("a.glb".into(), glb::arm().0.bytes().into());
+    for mirror in [false, true] {
+        let orient_head = Choice {
+            unit: Some(Unit(0.01)),
+            up: Some(Axis::Z),
+            front: Some(Axis::NegX),
+            mirror: Some(mirror),
+        };
+        let options = ImportOptions { orient_head, ..Default::default() };
+        let body = read_given_body(std::slice::from_ref(&file), &options).unwrap();
+        let rig = body.rig.unwrap();
+        let rest = posed(&rig, &rig.rest_pose());
+        assert_eq!(agree(&rest.positions, &body.mesh.positions, 1e-7), Ok(()));
+        assert_eq!(agree(&rest.normals, &body.mesh.normals, 1e-6), Ok(()));
+        // And elsewhere: the hand of the bent arm at (1, 1, 0) of the file.
+        let bent = posed(&rig, &rig.pose(rig.animation("Bend").unwrap(), 1.5)).positions[2];
+        assert_eq!(agree(&[bent], &[body.placement.point(Vec3::new(1.0, 1.0, 0.0))], 1e-7), Ok(()));
+        // A rig that was left behind is seen.
+        let left = Rig { to_groom: Mat4::IDENTITY, ..rig };
+        assert!(agree(&posed(&left, &left.rest_pose()).positions, &body.mesh.positions, 1e-3).is_err());
+    }
+}
+
+#[test]
+fn files_share_a_rig() {
+    let (name, bytes): Given = ("a.glb".into(), glb::arm().0.bytes().into());
+    let again = ("b.glb".into(), bytes.clone());
+    let still = ("c.obj".into(), CUBE.as_bytes().into());
+    let options = ImportOptions::default();
+    let read = |files: &[Given]| read_given_body(files, &options).unwrap();
+    for files in [
+        [(name.clone(), bytes.clone()), still.clone()].as_slice(),
+        &[still.clone(), (name.clone(), bytes.clone())],
+        &[(name.clone(), bytes.clone()), still.clone(), again.clone()],
+    ] {
+        let body = read(files);
+        let rig = body.rig.unwrap();
+        let rest = posed(&rig, &rig.rest_pose());
+        assert_eq!(agree(&rest.positions, &body.mesh.positions, 1e-6), Ok(()));
+        assert_eq!((rig.targets.len(), rig.animations.len()), (2, 4));
+        // What is still does not move; all arms do.
+        let bent = posed(&rig, &rig.pose_with(rig.animation("Bend").map(|a| (a, 1.5)), &[(1, 1.0)]));
+        let moved = bent.positions.iter().zip(&rest.positions).filter(|(a, b)| a.distance(**b) > 1e-3);
+        let arms = files.iter().filter(|(name, _)| name.to_string_lossy().ends_with("glb")).count();
+        assert_eq!(moved.count(), 2 * arms);
+        let hands = bent.positions.iter().filter(|p| p.distance(Vec3::new(0.5, 1.0, 0.0)) < 1e-3);
+        let scale = body.placement.unit.0;
+        assert!(scale != 1.0 || hands.count() == arms);
+    }
+    assert!(read(&[still.clone(), ("d.obj".into(), still.1)]).rig.is_none());
+}

@@ -1,0 +1,84 @@
+//! Shapes to blend.
+
+use super::*;
+use serde_json::json;
+
+#[test]
+fn shapes_add_up_before_joints_move_them() {
+    let rig = read(glb::arm().0.bytes()).unwrap().rig.unwrap();
+    let names: Vec<&str> = rig.targets.iter().map(|t| t.name.as_str()).collect();
+    assert_eq!(names, ["Swell", "Hand"]);
+    assert_eq!((rig.target("hand"), rig.target("Foot")), (Some(1), None));
+    // Of the sparse one a single vertex is kept.
+    assert_eq!(rig.targets[1].deltas, [Delta { vertex: 2, position: Vec3::Y * 0.5, normal: Vec3::ZERO }]);
+    let half = posed(&rig, &rig.pose_with(None, &[(0, 0.5)]));
+    let want = [[0.0, 0.0, 0.125], [1.0, 0.5, 0.125], [2.0, 0.0, 0.125], [0.0, 3.0, 0.0]].map(Vec3::from);
+    assert_eq!(agree(&half.positions[..4], &want, 1e-6), Ok(()));
+    let slope = Vec3::new(0.0, 1.0, 0.5).normalize();
+    assert_eq!(agree(&half.normals[1..2], &[slope], 1e-6), Ok(()));
+    // The hand moves up, which the bent elbow turns to the left.
+    let bend = rig.animation("Bend").unwrap();
+    let bent = posed(&rig, &rig.pose_with(Some((bend, 1.5)), &[(1, 1.0)]));
+    assert_eq!(agree(&bent.positions[2..3], &[Vec3::new(0.5, 1.0, 0.0)], 1e-6), Ok(()));
+    // A shape by another weight is seen.
+    let off = posed(&rig, &rig.pose_with(None, &[(0, 0.501)]));
+    assert!(agree(&off.positions[..4], &want, 1e-4).is_err());
+}
+
+#[test]
+fn animations_blend_shapes_unless_somebody_else_does() {
+    let rig = read(glb::arm().0.bytes()).unwrap().rig.unwrap();
+    let blend = rig.animation("Blend").unwrap();
+    assert_eq!(rig.pose(blend, 0.5).weights, [0.5, 0.25]);
+    assert_eq!(rig.pose(blend, 2.0).weights, [1.0, 0.5]);
+    assert_eq!(rig.pose_with(Some((blend, 2.0)), &[(1, 0.0)]).weights, [1.0, 0.0]);
+    assert_eq!(rig.rest_pose().weights, [0.0, 0.0]);
+}
+
+#[test]
+fn shapes_of_one_name_are_one_and_the_largest_weight_counts() {
+    let (mut glb, parts) = glb::arm();
+    let shapes = json!([{"POSITION": parts.sparse}, {"POSITION": parts.sparse}, {"POSITION": parts.sparse}]);
+    glb.root["meshes"][1]["primitives"][0]["targets"] = shapes;
+    // The second has no name, the third one that is taken.
+    glb.root["meshes"][1]["extras"] = json!({"targetNames": ["Hand", 7, "Hand"]});
+    glb.root["meshes"][1]["weights"] = json!([0.25, 0, 0]);
+    glb.root["meshes"][0]["weights"] = json!([0, 0.125]);
+    let raw = read(glb.bytes()).unwrap();
+    let rig = raw.rig.unwrap();
+    let names: Vec<&str> = rig.targets.iter().map(|t| t.name.as_str()).collect();
+    assert_eq!(names, ["Swell", "Hand", "morph 1", "Hand 2"]);
+    let moved: Vec<u32> = rig.targets[1].deltas.iter().map(|d| d.vertex).collect();
+    assert_eq!(moved, [2, 5]);
+    assert_eq!(rig.rest_pose().weights, [0.0, 0.25, 0.0, 0.0]);
+    // The mesh itself has its shapes at rest.
+    assert_eq!(raw.mesh.positions[5], Vec3::new(0.0, 4.125, 0.0));
+    // A node's own weights count more than its mesh's.
+    glb.root["nodes"][4]["weights"] = json!([-0.5, 0, 0]);
+    let rig = read(glb.bytes()).unwrap().rig.unwrap();
+    assert_eq!(rig.rest_pose().weights[1], -0.5);
+    // What an animation leaves alone stays at rest, the other node's shape of the same name too.
+    assert_eq!(rig.pose(rig.animation("Blend").unwrap(), 0.5).weights[1], -0.5);
+}
+
+#[test]
+fn sparse_items_replace_what_is_dense() {
+    let (mut glb, parts) = glb::arm();
+    let dense = glb.vectors(&[[1.0, 0.0, 0.0], [0.0; 3], [3.0, 0.0, 0.0]]);
+    let view = glb.root["accessors"][dense]["bufferView"].clone();
+    glb.root["accessors"][parts.sparse]["bufferView"] = view;
+    let rig = read(glb.bytes()).unwrap().rig.unwrap();
+    let moved: Vec<(u32, Vec3)> = rig.targets[1].deltas.iter().map(|d| (d.vertex, d.position)).collect();
+    assert_eq!(moved, [(0, Vec3::X), (2, Vec3::Y * 0.5)]);
+}
+
+#[test]
+fn a_file_without_a_scene_has_its_shapes() {
+    let (mut glb, _) = glb::arm();
+    let root = glb.root.as_object_mut().unwrap();
+    assert!(root.remove("scene").is_some() && root.remove("scenes").is_some());
+    let raw = read(glb.bytes()).unwrap();
+    let rig = raw.rig.unwrap();
+    assert_eq!((rig.nodes.len(), rig.targets.len(), rig.animations.len()), (2, 2, 0));
+    assert_eq!(posed(&rig, &rig.rest_pose()).positions, raw.mesh.positions);
+}
