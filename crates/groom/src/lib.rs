@@ -7,6 +7,8 @@
 //! mannequin ─► styles: guides of a recipe ─► grow ───────────────┘
 //! ```
 //!
+//! A mesh that comes with joints, shapes or animations comes with a [`Rig`], which poses it.
+//!
 //! Everything here runs on the CPU and needs no GPU. The crate `tresses` simulates and draws a [`Groom`];
 //! it re-exports this one as `tresses::groom`.
 

@@ -18,15 +18,15 @@ pub struct Animation {
 pub struct Channel {
     /// The node.
     pub node: u32,
-    /// Its property.
-    pub path: Path,
+    /// What of it moves.
+    pub property: Property,
     /// Its values.
     pub curve: Curve,
 }
 
 /// What of a node is animated.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Path {
+pub enum Property {
     /// Its translation: three numbers.
     Translation,
     /// Its rotation: a quaternion, x, y, z, w.

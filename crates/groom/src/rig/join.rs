@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use glam::Mat4;
 
-use super::{Bind, Joint, MAX_JOINTS, Node, Path, Rig};
+use super::{Bind, Joint, MAX_JOINTS, Node, Property, Rig};
 use crate::{
     TriMesh,
     error::{Error, Result},
@@ -60,7 +60,7 @@ impl Rig {
         for mut animation in other.animations {
             for channel in &mut animation.channels {
                 channel.node += nodes;
-                if let Path::Weights(all) = &mut channel.path {
+                if let Property::Weights(all) = &mut channel.property {
                     all.iter_mut().for_each(|t| *t = target(*t));
                 }
             }

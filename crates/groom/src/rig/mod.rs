@@ -14,7 +14,7 @@ mod deform;
 mod join;
 mod pose;
 
-pub use animation::{Animation, Channel, Curve, Interpolation, Path};
+pub use animation::{Animation, Channel, Curve, Interpolation, Property};
 pub use pose::RigPose;
 
 use glam::{Mat4, Quat, Vec3};

@@ -2,7 +2,7 @@
 
 use glam::{Mat4, Quat, Vec3};
 
-use super::{Animation, Path, Rig, Transform};
+use super::{Animation, Joint, Property, Rig, Transform};
 
 /// What a pose amounts to.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -48,18 +48,20 @@ impl Rig {
         for (channel, time) in channels {
             let node = channel.node as usize;
             let Some(local) = locals.get_mut(node) else { continue };
-            match &channel.path {
-                Path::Translation => {
+            match &channel.property {
+                Property::Translation => {
                     local.translation =
                         three(local.translation, |out| channel.curve.sample(time, false, out));
                 }
-                Path::Scale => local.scale = three(local.scale, |out| channel.curve.sample(time, false, out)),
-                Path::Rotation => {
+                Property::Scale => {
+                    local.scale = three(local.scale, |out| channel.curve.sample(time, false, out))
+                }
+                Property::Rotation => {
                     let mut out = local.rotation.to_array();
                     channel.curve.sample(time, true, &mut out);
                     local.rotation = Quat::from_array(out);
                 }
-                Path::Weights(targets) => {
+                Property::Weights(targets) => {
                     values.clear();
                     values.resize(targets.len(), 0.0);
                     channel.curve.sample(time, false, &mut values);
@@ -83,7 +85,7 @@ impl Rig {
             let parent = node.parent.and_then(|p| globals.get(p as usize));
             globals.push(parent.map_or(local, |parent| *parent * local));
         }
-        let entry = |joint: &super::Joint| {
+        let entry = |joint: &Joint| {
             let global = globals.get(joint.node as usize).copied().unwrap_or_default();
             self.to_groom * global * joint.inverse_bind
         };

@@ -64,7 +64,8 @@ pub(super) fn read_from<P: AsRef<Path>>(files: Files<'_>, paths: &[P]) -> Result
             Some(mut all) => {
                 if all.rig.is_some() || part.rig.is_some() {
                     let rig = all.rig.get_or_insert_with(|| Rig::still(&all.mesh));
-                    rig.append(part.rig.unwrap_or_else(|| Rig::still(&part.mesh)))?;
+                    let more = part.rig.unwrap_or_else(|| Rig::still(&part.mesh));
+                    rig.append(more).map_err(|e| at_file(path, e))?;
                 }
                 append(&mut all.mesh, part.mesh);
                 all.declared &= part.declared;
@@ -106,6 +107,11 @@ fn parse(files: Files<'_>, path: &Path, bytes: &[u8]) -> Result<RawMesh> {
         }
     }
     Ok(raw)
+}
+
+/// The same error as one of a file.
+fn at_file(path: &Path, error: Error) -> Error {
+    Error::File { path: path.to_path_buf(), at: At::File, problem: error.to_string() }
 }
 
 fn append(all: &mut TriMesh, part: TriMesh) {

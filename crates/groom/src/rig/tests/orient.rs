@@ -65,3 +65,14 @@ fn files_share_a_rig() {
     }
     assert!(read(&[still.clone(), ("d.obj".into(), still.1)]).rig.is_none());
 }
+
+#[test]
+fn joints_are_counted_in_16_bits() {
+    let joint = Joint { node: 0, inverse_bind: Mat4::IDENTITY };
+    let mesh = TriMesh { positions: vec![Vec3::ZERO; 3], ..Default::default() };
+    let mut rig = Rig { joints: vec![joint; MAX_JOINTS - 1], ..Rig::still(&mesh) };
+    assert!(rig.append(Rig::still(&mesh)).is_ok());
+    assert_eq!(rig.vertices[3].joints[0], u16::MAX);
+    let error = rig.append(Rig::still(&mesh)).unwrap_err().to_string();
+    assert_eq!(error, "a rig of 65537 joints, more than 65536");
+}

@@ -6,7 +6,7 @@ use gltf::json::{self, validation::Checked};
 use super::{Placed, file::File, morph::Shapes};
 use crate::{
     error::Result,
-    rig::{Animation, Channel, Curve, Interpolation, Path},
+    rig::{Animation, Channel, Curve, Interpolation, Property},
 };
 
 /// Reads the animations that move something of the scene.
@@ -22,12 +22,12 @@ pub(super) fn read(
         for channel in &animation.channels {
             // Nodes elsewhere move nothing here, and what extensions animate is not theirs to move.
             let place = places.get(channel.target.node.value()).copied().flatten();
-            let (Some(node), Checked::Valid(property)) = (place, channel.target.path) else { continue };
+            let (Some(node), Checked::Valid(path)) = (place, channel.target.path) else { continue };
             let Some(sampler) = animation.samplers.get(channel.sampler.value()) else { continue };
-            let path = path(file, property, i, &placed[node as usize], shapes)?;
-            let curve = curve(file, sampler, &path, i)?;
+            let property = property(file, path, i, &placed[node as usize], shapes)?;
+            let curve = curve(file, sampler, &property, i)?;
             read.length = curve.times.last().map_or(read.length, |t| read.length.max(*t));
-            read.channels.push(Channel { node, path, curve });
+            read.channels.push(Channel { node, property, curve });
         }
         if !read.channels.is_empty() {
             all.push(read);
@@ -36,19 +36,19 @@ pub(super) fn read(
     Ok(all)
 }
 
-fn path(
+fn property(
     file: &File,
-    property: json::animation::Property,
+    path: json::animation::Property,
     animation: usize,
     placed: &Placed,
     shapes: &Shapes,
-) -> Result<Path> {
-    use json::animation::Property;
-    Ok(match property {
-        Property::Translation => Path::Translation,
-        Property::Rotation => Path::Rotation,
-        Property::Scale => Path::Scale,
-        Property::MorphTargetWeights => {
+) -> Result<Property> {
+    use json::animation::Property as Named;
+    Ok(match path {
+        Named::Translation => Property::Translation,
+        Named::Rotation => Property::Rotation,
+        Named::Scale => Property::Scale,
+        Named::MorphTargetWeights => {
             let targets = placed.node.mesh().map_or(&[][..], |mesh| shapes.of(mesh.index()));
             if targets.is_empty() {
                 let node = placed.node.index();
@@ -56,12 +56,17 @@ fn path(
                 return Err(file.problem(problem));
             }
             file.spend(targets.len(), size_of::<u32>())?;
-            Path::Weights(targets.to_vec())
+            Property::Weights(targets.to_vec())
         }
     })
 }
 
-fn curve(file: &File, sampler: &json::animation::Sampler, path: &Path, animation: usize) -> Result<Curve> {
+fn curve(
+    file: &File,
+    sampler: &json::animation::Sampler,
+    property: &Property,
+    animation: usize,
+) -> Result<Curve> {
     let interpolation = match sampler.interpolation {
         Checked::Valid(json::animation::Interpolation::Step) => Interpolation::Step,
         Checked::Valid(json::animation::Interpolation::CubicSpline) => Interpolation::CubicSpline,
@@ -76,10 +81,10 @@ fn curve(file: &File, sampler: &json::animation::Sampler, path: &Path, animation
     if times.first().is_some_and(|t| *t < 0.0) || times.windows(2).any(|t| t[0] >= t[1]) {
         return Err(file.problem(format!("the key times of animation {animation} do not rise from 0 on")));
     }
-    let (components, items) = match path {
-        Path::Translation | Path::Scale => (3, 1),
-        Path::Rotation => (4, 1),
-        Path::Weights(targets) => (1, targets.len()),
+    let (components, items) = match property {
+        Property::Translation | Property::Scale => (3, 1),
+        Property::Rotation => (4, 1),
+        Property::Weights(targets) => (1, targets.len()),
     };
     let mut values = file.numbers(&output, components)?;
     let parts = if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
@@ -89,7 +94,7 @@ fn curve(file: &File, sampler: &json::animation::Sampler, path: &Path, animation
         let problem = format!("animation {animation} has {have} numbers for {keys} keys, which need {need}");
         return Err(file.problem(problem));
     }
-    if *path == Path::Rotation {
+    if *property == Property::Rotation {
         // Of a spline's three quaternions per key only the second is a rotation.
         let keys = values.as_chunks_mut::<4>().0.iter_mut().skip(parts / 2).step_by(parts);
         for key in keys {
