@@ -116,6 +116,15 @@ pub fn zoom(text: &str) -> Result<f32, String> {
     }
 }
 
+/// A shape of a body and how much there is of it.
+pub fn morph(text: &str) -> Result<(String, f32), String> {
+    let (name, weight) = text.split_once('=').ok_or("give NAME=WEIGHT")?;
+    match weight.parse() {
+        Ok(weight) if (-10.0..=10.0).contains(&weight) && !name.is_empty() => Ok((name.into(), weight)),
+        _ => Err("the weight is a number from -10 to 10".into()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

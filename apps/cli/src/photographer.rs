@@ -89,6 +89,10 @@ impl Photographer {
             }
             Ok(scene)
         })?;
+        if let Some(roots) = scene.roots.filter(|roots| roots.farthest > 0.01) {
+            let [mean, farthest] = [roots.mean, roots.farthest].map(|metres| 1e3 * metres);
+            eprintln!("note: roots are {mean:.1} mm from the body in the mean, {farthest:.0} mm at most");
+        }
         scene.apply(settings)?;
         scene.set_surroundings(surroundings.map(Arc::new));
         Ok(Self { scene, debug: None })

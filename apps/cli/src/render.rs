@@ -29,6 +29,12 @@ pub struct Args {
     /// How the head moves: still, nod, turn, shake, or a keyframe file (.json)
     #[arg(long, value_name = "NAME", default_value = "still", help_heading = "Picture")]
     pub motion: String,
+    /// How the head's body moves: the name of an animation in its file (.glb, .gltf)
+    #[arg(long, value_name = "NAME", help_heading = "Picture")]
+    pub animation: Option<String>,
+    /// How much there is of a shape of the body, instead of what its animation says; may be given again
+    #[arg(long = "morph", value_name = "NAME=WEIGHT", value_parser = args::morph, help_heading = "Picture", hide_short_help = true)]
+    pub morphs: Vec<(String, f32)>,
     /// Frames to simulate; a .png shows the last one [default: 1 for a .png, else one period of the motion]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_FRAMES)), help_heading = "Picture")]
     pub frames: Option<u32>,
@@ -61,18 +67,21 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let kind = Kind::of(&args.out)?;
     let motion = Motion::open(&args.motion)?;
-    let frames = match args.frames {
-        Some(frames) => frames,
-        None if kind == Kind::Still => 1,
-        None => {
-            let frames = (motion.duration() * args.fps).round().max(1.0);
-            ensure!(
-                frames <= f64::from(MAX_FRAMES),
-                "the motion lasts {frames} frames, but at most {MAX_FRAMES} are drawn; give --frames"
-            );
-            frames as u32
+    let frames = |period: f64| -> Result<u32> {
+        match args.frames {
+            Some(frames) => Ok(frames),
+            None if kind == Kind::Still => Ok(1),
+            None => {
+                let frames = (period * args.fps).round().max(1.0);
+                ensure!(
+                    frames <= f64::from(MAX_FRAMES),
+                    "the motion lasts {frames} frames, but at most {MAX_FRAMES} are drawn; give --frames"
+                );
+                Ok(frames as u32)
+            }
         }
     };
+    let known = frames(motion.duration())?;
     // What can be refused is refused before anything is opened or made.
     let mut preset = args.settings.preset()?;
     let hair_hair = &mut preset.settings.simulation.hair_hair;
@@ -81,30 +90,49 @@ pub fn run(args: &Args) -> Result<()> {
         *hair_hair = HairHair { speed: 0.0, friction: 0.0, ..HairHair::default() };
     }
     args.debug.check(&preset.settings.physics())?;
-    let open = if frames > 1 { Photographer::open } else { Photographer::open_still };
+    let moves = known > 1 || args.animation.is_some();
+    let open = if moves { Photographer::open } else { Photographer::open_still };
     let mut scene = open(&preset, args.size)?;
+    let period = bend(&mut scene, args)?.unwrap_or(motion.duration());
+    let frames = frames(period)?;
     scene.show(&args.debug)?;
     let camera = Viewpoint::portrait(args.camera, scene.subject(), args.size.aspect(), args.zoom);
     let camera = args.distance.map_or(camera, |distance| camera.moved(distance));
     let shot = args.distance_to.map_or(Shot::still(camera), |distance| Shot::moving(camera, distance));
-    let written = record(&mut scene, &shot, &motion, frames, args)?;
+    let written = record(&mut scene, &shot, &motion, (frames, period), args)?;
     say!("{written}");
     Ok(())
+}
+
+/// Gives the body its motion and its shapes, as `args` have them; how long the motion is, seconds, if there is one.
+fn bend(scene: &mut Photographer, args: &Args) -> Result<Option<f64>> {
+    let Some(living) = &mut scene.living else {
+        let wanted = args.animation.is_some() || !args.morphs.is_empty();
+        ensure!(
+            !wanted,
+            "the head has no animations and no shapes: give one that has by --head (.glb, .gltf)"
+        );
+        return Ok(None);
+    };
+    living.set_animation(args.animation.as_deref())?;
+    for (name, weight) in &args.morphs {
+        living.set_shape(name, *weight)?;
+    }
+    Ok(living.duration().map(f64::from).filter(|seconds| *seconds > 0.0))
 }
 
 fn record(
     scene: &mut Photographer,
     shot: &Shot,
     motion: &Motion,
-    frames: u32,
+    (frames, period): (u32, f64),
     args: &Args,
 ) -> Result<String> {
     let size = (args.size.width, args.size.height);
     let mut output = Output::create(&args.out, size, frames, args.fps)?;
     // A whole run of a repeating motion is a loop: the hair must start as it ends.
-    let period = motion.duration();
     let is_loop = Kind::of(&args.out)?.is_animation()
-        && motion.repeats()
+        && (motion.repeats() || args.animation.is_some())
         && (f64::from(frames) / args.fps - period).abs() < 0.5 / args.fps;
     let lead = if is_loop { -period } else { 0.0 };
     animate(scene, shot, motion, Times { frames, fps: args.fps, lead }, &mut output)?;

@@ -1,6 +1,7 @@
 //! A groom on a head, from files or built in: first the [`Base`], which is slow to build, then the
 //! [`Character`] whose strands are grown or restyled on it.
 
+use crate::living::Anatomy;
 use anyhow::{Context, Result};
 use std::{borrow::Cow, path::PathBuf};
 use tresses::{
@@ -61,6 +62,8 @@ pub struct Character {
     pub field: Option<SdfGrid>,
     /// The neck joint, metres.
     pub neck: Vec3,
+    /// What bends the head and what is below it, where something does.
+    pub anatomy: Option<Anatomy>,
     /// Painted levels of detail.
     pub levels: Vec<LodLevel>,
     /// What the user should know, a sentence each.
@@ -117,6 +120,7 @@ fn first(files: &[Given<'_>], is: impl Fn(import::Kind) -> bool) -> Option<Strin
 pub struct Base {
     head: Option<TriMesh>,
     neck: Vec3,
+    anatomy: Option<Anatomy>,
     hair: Hair,
     notes: Vec<String>,
     /// What was read and how it was oriented, for files.
@@ -148,6 +152,7 @@ impl Base {
         Ok(Self {
             head: Some(head),
             neck: mannequin::NECK_JOINT,
+            anatomy: None,
             hair: Hair::BuiltIn { style: *style, styled, scalp },
             notes: Vec::new(),
             report: None,
@@ -164,7 +169,7 @@ impl Base {
         progress: &impl Progress,
     ) -> Result<Self> {
         progress.step("reading the groom", 0.0).await;
-        let (strands, head, report) = match files {
+        let (strands, head, mut report) = match files {
             Files::Disk { grooms, heads: [] } => {
                 let (strands, report) = import::read(grooms, options)?;
                 (strands, None, report)
@@ -175,8 +180,14 @@ impl Base {
             }
             Files::Given(files) => import::read_given(files, options)?,
         };
+        let anatomy = match (report.rig.take(), &head) {
+            (Some(rig), Some(head)) => Some(Anatomy::new(rig, head, &strands)?),
+            _ => None,
+        };
+        // Of a body that bends only what the hair goes with is rigid.
+        let rigid = anatomy.as_ref().map(|anatomy| &anatomy.head.mesh).or(head.as_ref());
         let field =
-            match &head {
+            match rigid {
                 Some(head) => {
                     let built = sdf::build_with(head, &SdfOptions::default(), progress).await;
                     Some(built.with_context(|| {
@@ -194,7 +205,7 @@ impl Base {
         if let Some(placement) = &report.head_placement {
             notes.extend(doubts(format!("head {}", files.head_name()), placement));
         }
-        Ok(Self { head, neck, hair: Hair::Imported { strands, field }, notes, report: Some(report) })
+        Ok(Self { head, neck, anatomy, hair: Hair::Imported { strands, field }, notes, report: Some(report) })
     }
 
     /// The built-in style, if it is one.
@@ -248,8 +259,8 @@ impl Base {
         if let Some(map) = &styling.stiffness {
             groom.guides.stiffen(map, skull);
         }
-        let (head, levels) = (self.head.clone(), styling.levels.clone());
-        Ok(Character { groom, head, field, neck: self.neck, levels, notes })
+        let (head, levels, anatomy) = (self.head.clone(), styling.levels.clone(), self.anatomy.clone());
+        Ok(Character { groom, head, field, neck: self.neck, anatomy, levels, notes })
     }
 }
 

@@ -84,6 +84,8 @@ pub struct Colliders {
     pub looks: Vec<TriMesh>,
     motions: Vec<Motion>,
     fields: Vec<(TriMesh, SdfOptions)>,
+    /// How many of the list, behind those of the file, are parts of a body that bends.
+    parts: usize,
     /// The middle of a ball, which is the last of the list, metres.
     ball: Option<Vec3>,
 }
@@ -140,6 +142,16 @@ impl Colliders {
         Ok(())
     }
 
+    /// Adds parts of a body that bends, in metres: obstacles that are not drawn, for the body is.
+    pub fn add_parts(&mut self, parts: impl IntoIterator<Item = (TriMesh, SdfOptions)>) {
+        for part in parts {
+            self.fields.push(part);
+            self.list.push(Collider::new(Shape::Field(FieldId(self.fields.len() as u32 - 1))));
+            self.looks.push(TriMesh::default());
+            self.parts += 1;
+        }
+    }
+
     /// The distance fields of the meshes.
     pub fn fields<'a>(&'a self, builder: &'a FieldBuilder) -> Vec<FieldSource<'a>> {
         let source =
@@ -166,11 +178,15 @@ impl Colliders {
         true
     }
 
-    /// Where they are at `time`, seconds.
-    pub fn poses(&self, time: f64) -> ColliderPoses {
+    /// Where they are at `time`, seconds, and `parts` of a body that bends.
+    pub fn poses(&self, time: f64, parts: &[Pose]) -> ColliderPoses {
+        debug_assert_eq!(parts.len(), self.parts);
         let pose = |motion: &Motion| motion.pose(time, Vec3::ZERO);
         let ball = self.ball.map(|at| Pose { translation: at, ..Pose::IDENTITY });
-        ColliderPoses { head: None, colliders: self.motions.iter().map(pose).chain(ball).collect() }
+        ColliderPoses {
+            head: None,
+            colliders: self.motions.iter().map(pose).chain(parts.iter().copied()).chain(ball).collect(),
+        }
     }
 
     /// What they look like, where `poses` have them.
@@ -248,14 +264,14 @@ mod tests {
         let all = parse(text).unwrap();
         assert_eq!((all.list.len(), all.looks.len()), (2, 2));
         assert_eq!((all.list[1].anchor, all.list[1].friction), (Anchor::Head, 2.0));
-        assert!((all.poses(1.0).colliders[0].translation - Vec3::X * 0.5).length() < 1e-6);
-        assert_eq!(all.poses(9.0).colliders[0].translation, Vec3::X);
+        assert!((all.poses(1.0, &[]).colliders[0].translation - Vec3::X * 0.5).length() < 1e-6);
+        assert_eq!(all.poses(9.0, &[]).colliders[0].translation, Vec3::X);
         let (lo, hi) = all.looks[0].bounds().unwrap();
         assert!((hi.y - 0.13).abs() < 1e-4 && (lo.y + 0.13).abs() < 1e-4 && (hi.x - 0.03).abs() < 1e-4);
         // Outwards.
         let look = &all.looks[1];
         assert!(look.positions.iter().zip(&look.normals).all(|(p, n)| p.dot(*n) > 0.0));
-        let together = all.mesh(&all.poses(0.0).colliders);
+        let together = all.mesh(&all.poses(0.0, &[]).colliders);
         assert_eq!(together.positions.len(), together.normals.len());
         assert_eq!(together.triangles.len(), look.triangles.len() + all.looks[0].triangles.len());
     }
@@ -265,9 +281,9 @@ mod tests {
         let mut all = Colliders::default();
         assert!(all.set_ball(Some(Vec3::Y), 0.03) && !all.set_ball(Some(Vec3::X), 0.03));
         assert_eq!((all.list.len(), all.looks.len()), (1, 1));
-        assert_eq!(all.poses(0.0).colliders[0].translation, Vec3::X);
+        assert_eq!(all.poses(0.0, &[]).colliders[0].translation, Vec3::X);
         assert!(all.set_ball(None, 0.03) && !all.set_ball(None, 0.03));
-        assert!(all.list.is_empty() && all.looks.is_empty() && all.poses(0.0).colliders.is_empty());
+        assert!(all.list.is_empty() && all.looks.is_empty() && all.poses(0.0, &[]).colliders.is_empty());
     }
 
     #[test]

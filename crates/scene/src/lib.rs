@@ -8,6 +8,7 @@ pub mod colliders;
 pub mod companions;
 pub mod history;
 pub mod knobs;
+pub mod living;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod measure;
 pub mod motion;
@@ -23,6 +24,7 @@ pub use colliders::Colliders;
 pub use companions::{Companion, Companions, Shelf, Surroundings};
 pub use history::History;
 pub use knobs::{Knob, Value};
+pub use living::{Anatomy, Living};
 pub use motion::Motion;
 pub use preset::Preset;
 pub use scene::{Facts, Quality, Scene};

@@ -6,6 +6,7 @@ use crate::{
     character::Character,
     colliders::Colliders,
     companions::Surroundings,
+    living::Living,
     settings::{LightSettings, Settings},
 };
 use anyhow::{Context, Result};
@@ -21,6 +22,7 @@ use tresses::{
     groom::SdfGrid,
     light::{Lights, Sphere},
     lod::{Detail, LodMode, LodOptions},
+    roots::{RootReport, Skin},
     simulate::SimulationParams,
     view::{Picture, ViewOptions},
     views::{DebugViews, Shown},
@@ -77,6 +79,10 @@ pub struct Facts {
     pub bytes: u64,
 }
 
+/// No root may be farther from a skin that bends, metres: those of a groom that was made for another head may be centimetres
+/// off.
+const FARTHEST_ROOT: f32 = 0.2;
+
 /// What the light of surroundings depends on: their turn, radians, and strength.
 fn turned(lights: &LightSettings) -> [f32; 2] {
     [lights.environment_turn, lights.environment_strength]
@@ -92,6 +98,10 @@ pub struct Scene {
     pub hair: Hair,
     /// The head, drawn with it.
     pub body: Option<Body>,
+    /// What bends the body, where something does.
+    pub living: Option<Living>,
+    /// How far roots are from the skin that bends.
+    pub roots: Option<RootReport>,
     /// The colliders, drawn with it.
     pub obstacles: Option<Body>,
     /// What is drawn into.
@@ -136,7 +146,7 @@ impl Scene {
         gpu: Gpu,
         pipelines: Arc<Pipelines>,
         character: Character,
-        colliders: Colliders,
+        mut colliders: Colliders,
         physics: &SimulationParams,
         quality: &Quality,
         progress: &impl Progress,
@@ -147,6 +157,9 @@ impl Scene {
         // Collapsing edges takes as long as everything else of a small character.
         let levels = character.head.clone().map(|head| Aside::start(move || head.levels()));
         let options = HairOptions { simulation: *physics, ..Default::default() };
+        if let Some(anatomy) = &character.anatomy {
+            colliders.add_parts(anatomy.fields());
+        }
         let builder = (!colliders.list.is_empty()).then(|| FieldBuilder::new(device));
         let fields = builder.as_ref().map(|builder| colliders.fields(builder)).unwrap_or_default();
         let (head, list) = (character.field.as_ref(), colliders.list.as_slice());
@@ -173,10 +186,18 @@ impl Scene {
         let cells = view.options().ambient_cells;
         let levels = levels.map(Aside::get).unwrap_or_default();
         let body = character.head.as_ref().map(|head| Body::with_levels(device, head, &levels, cells));
+        let (mut living, mut roots) = (None, None);
+        if let (Some(anatomy), Some(body), Some(head)) = (character.anatomy, &body, &character.head) {
+            let skin = Skin::from(body);
+            let report = hair.attach(device, queue, &pipelines, groom, head, &skin, FARTHEST_ROOT)?;
+            (living, roots) = (Some(Living::new(&gpu, &pipelines, anatomy, body)?), Some(report));
+        }
         let mut stage = Self {
             pipelines,
             hair,
             body,
+            living,
+            roots,
             obstacles: None,
             view,
             pose: Pose::IDENTITY,
@@ -409,14 +430,25 @@ impl Scene {
     ) -> Result<()> {
         self.pose = *pose;
         self.time += f64::from(seconds);
+        let (mut head, mut parts) = (*pose, Vec::new());
+        if let (Some(living), Some(body), Some(roots)) = (&self.living, &mut self.body, &mut self.hair.roots)
+        {
+            let stance = living.pose(&self.gpu, self.time, body)?;
+            head = pose.after(&stance.head);
+            parts = stance.parts.iter().map(|part| pose.after(part)).collect();
+            roots.pose = *pose;
+        }
         if let Some(camera) = &self.watcher {
             let eye = self.eye(camera);
-            self.hair.look_from(&self.gpu.device, &self.gpu.queue, &eye, pose);
+            self.hair.look_from(&self.gpu.device, &self.gpu.queue, &eye, &head);
         }
-        let poses = self.colliders.poses(self.time);
-        let frame = Frame { dt: seconds, head: *pose, colliders: &poses, simulation: &self.physics };
+        let poses = self.colliders.poses(self.time, &parts);
+        let frame = Frame { dt: seconds, head, colliders: &poses, simulation: &self.physics };
         let Gpu { device, queue, .. } = &self.gpu;
         let mut recorder = Recorder { pipelines: &self.pipelines, device, queue, encoder, timings };
+        if let Some(living) = &self.living {
+            recorder.bend(&[living.skinning()])?;
+        }
         Ok(recorder.advance(&mut self.hair, &frame)?)
     }
 

@@ -1,7 +1,7 @@
 //! The frame: the only place that writes the order of the stages.
 //!
 //! ```text
-//! each groom   per fixed step: volume ─► wind ─► simulate; then tessellate ─► interpolate ─► avoid
+//! each groom   roots; per fixed step: volume ─► wind ─► simulate; then tessellate ─► interpolate ─► avoid
 //! each view    light: shadow maps, light from all sides, shading ─► draw: bodies, hair ─► present
 //! ```
 //!
@@ -18,6 +18,7 @@ use crate::{
     gpu::{Timings, kernel},
     light::{HairSet, Seen},
     simulate::SimulationParams,
+    skinning::Skinning,
     stage::Stage,
     view::{Picture, View},
     views::{DebugViews, Shown},
@@ -109,6 +110,19 @@ impl Recorder<'_> {
         views.into_iter().try_for_each(|sight| self.draw(&hair, bodies, sight))
     }
 
+    /// Bends bodies: into the poses that they were [given](crate::skinning::Skinning::pose), before the hair on them
+    /// moves.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the pipeline cannot be compiled.
+    pub fn bend(&mut self, bodies: &[&Skinning]) -> Result<()> {
+        let pipelines = self.pipelines;
+        self.stage(Stage::Skinning, |pass| {
+            bodies.iter().for_each(|body| body.record(&pipelines.skinning, pass))
+        });
+        kernel::refused()
+    }
+
     /// Moves the hair by a frame.
     ///
     /// # Errors
@@ -124,7 +138,11 @@ impl Recorder<'_> {
     /// As [`record`](Self::record).
     pub fn simulate(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
         let (pipelines, device) = (self.pipelines, self.device);
-        for step in 0..hair.begin(device, self.queue, pipelines, frame)? {
+        let steps = hair.begin(device, self.queue, pipelines, frame)?;
+        if hair.roots.is_some() {
+            self.stage(Stage::Roots, |pass| hair.record_roots(pass, &pipelines.roots));
+        }
+        for step in 0..steps {
             if hair.uses_volume() {
                 self.stage(Stage::Volume, |pass| hair.record_volume(pass, &pipelines.volume, step));
             }

@@ -7,12 +7,13 @@ use crate::{
     avoid::{self, AvoidOptions, Avoidance},
     clock::Clock,
     collide::{Collider, ColliderDescriptor, ColliderSet},
-    groom::{BoundStrands, Groom, SdfGrid},
+    groom::{BoundStrands, Groom, SdfGrid, TriMesh},
     interpolate::Interpolation,
     light::HairSet,
     lod::{self, Detail, Lod, LodLevel},
     math::hash::pcg,
     progress::at_once,
+    roots::{RootReport, Roots, Skin},
     simulate::{
         Forces, Grab, GuideTraits, Ray, RestOptions, RestShape, Simulation, SimulationParams, Target, rest,
     },
@@ -92,6 +93,8 @@ pub struct Hair {
     moved_away: bool,
     tessellation: Tessellation,
     interpolation: Interpolation,
+    /// The skin that it grows on, where that bends.
+    pub roots: Option<Roots>,
 }
 
 impl Hair {
@@ -234,7 +237,49 @@ impl Hair {
             strands,
             colliders,
             simulation,
+            roots: None,
         })
+    }
+
+    /// From the next frame on its roots go with a skin that bends: `mesh` as it is at rest (groom space), `skin` as it is
+    /// in each frame, in a space whose pose is [`Roots::pose`]. [`Frame::head`](crate::frame::Frame::head) remains
+    /// the pose of what is rigid. `groom` is the one the hair was made from. No root may be farther than `reach` metres
+    /// from the mesh; the report says how far they are.
+    ///
+    /// # Errors
+    /// [`Error::Unusable`] for another groom, a root that is farther away, and a skin that `mesh` does not fit;
+    /// [`Error::Limit`].
+    #[allow(clippy::too_many_arguments)]
+    pub fn attach(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        pipelines: &Pipelines,
+        groom: &Groom,
+        mesh: &TriMesh,
+        skin: &Skin<'_>,
+        reach: f32,
+    ) -> Result<RootReport> {
+        if groom.strands.len() != self.strands.count as usize
+            || groom.guides.len() != self.guides.count as usize
+        {
+            return Err(Error::unusable("roots are those of the groom that the hair was made from"));
+        }
+        let mut arranged = groom.strands.clone();
+        lod::arrange(&mut arranged);
+        let buffers = (&mut self.guides, &mut self.strands);
+        let (roots, report) =
+            Roots::new(device, queue, &pipelines.roots, (groom, &arranged), buffers, mesh, skin, reach)?;
+        self.roots = Some(roots);
+        self.simulation = Simulation::new(device, &pipelines.simulate, &self.guides);
+        self.tessellation = Tessellation::new(device, &pipelines.tessellate, &self.guides);
+        let (stage, follows) = (&pipelines.interpolate, self.guides.sample_count == 0);
+        self.interpolation = if follows {
+            Interpolation::following(device, stage, &self.guides, &self.strands, &self.tessellation)
+        } else {
+            Interpolation::new(device, stage, &self.guides, &self.strands)
+        };
+        Ok(report)
     }
 
     /// Puts the hair to rest at the next frame, wherever the head is then.
@@ -334,6 +379,7 @@ impl Hair {
             + self.forces.bytes()
             + self.grab.bytes()
             + self.air.as_ref().map_or(0, Air::bytes)
+            + self.roots.as_ref().map_or(0, Roots::bytes)
     }
 }
 

@@ -53,6 +53,10 @@ pub use tresses_groom as groom;
 
 pub mod strands;
 
+pub mod skinning;
+
+pub mod roots;
+
 pub mod volume;
 
 pub mod wind;

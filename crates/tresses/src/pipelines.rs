@@ -9,7 +9,7 @@ use crate::{
     interpolate,
     light::{self, ShadingRate},
     lod::Widths,
-    present, simulate,
+    present, roots, simulate, skinning,
     stage::Stage,
     tessellate,
     view::ViewOptions,
@@ -21,6 +21,10 @@ use crate::{
 #[derive(Debug)]
 pub struct Pipelines {
     device: wgpu::Device,
+    /// Bodies bend.
+    pub skinning: skinning::Pipelines,
+    /// Roots go with skin.
+    pub roots: roots::Pipelines,
     /// Guides fill a grid.
     pub volume: volume::Pipelines,
     /// Air moves.
@@ -60,6 +64,8 @@ impl Pipelines {
         let light = light::Pipelines::new(device);
         Self {
             device: device.clone(),
+            skinning: skinning::Pipelines::new(device),
+            roots: roots::Pipelines::new(device),
             volume: volume::Pipelines::new(device),
             wind: wind::Pipelines::new(device),
             simulate: simulate::Pipelines::new(device),
@@ -107,6 +113,8 @@ impl Pipelines {
         match wanted {
             Wanted::Step(vertex_count) => kernel::jobs([self.simulate.step(*vertex_count)]),
             Wanted::Motion(stage) => match stage {
+                Stage::Skinning => kernel::jobs(self.skinning.kernels()),
+                Stage::Roots => kernel::jobs(self.roots.kernels()),
                 Stage::Volume => kernel::jobs(self.volume.kernels()),
                 Stage::Wind => kernel::jobs(self.wind.kernels()),
                 Stage::Simulate => kernel::jobs(self.simulate.kernels()),

@@ -3,6 +3,10 @@
 /// A stage of the frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stage {
+    /// Bodies bend.
+    Skinning,
+    /// Roots go with skin that bends.
+    Roots,
     /// Guides fill a grid of density and velocity.
     Volume,
     /// Air moves around the head and through the hair.
@@ -25,7 +29,9 @@ pub enum Stage {
 
 impl Stage {
     /// All stages in the order of the frame.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 11] = [
+        Self::Skinning,
+        Self::Roots,
         Self::Volume,
         Self::Wind,
         Self::Simulate,
@@ -40,6 +46,8 @@ impl Stage {
     /// The folder below `src`, the timing row, the heading in ARCHITECTURE.md.
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Skinning => "skinning",
+            Self::Roots => "roots",
             Self::Volume => "volume",
             Self::Wind => "wind",
             Self::Simulate => "simulate",
@@ -55,6 +63,8 @@ impl Stage {
     /// What one thread or vertex of the stage works on.
     pub const fn unit(self) -> &'static str {
         match self {
+            Self::Skinning => "body vertex",
+            Self::Roots => "guide, strand",
             Self::Volume => "guide vertex and cell",
             Self::Wind => "cell",
             Self::Simulate | Self::Tessellate => "guide",

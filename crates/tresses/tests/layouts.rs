@@ -111,8 +111,8 @@ fn simulate() {
             one,
             moment,
             forced,
-            _pad_a,
-            _pad_b,
+            to,
+            _pad,
         })
     );
 }
@@ -248,9 +248,59 @@ fn tessellate() {
             vertex_count,
             sample_count,
             span,
-            _pad,
+            _pad_a,
+            head_translation,
+            _pad_b,
         })
     );
+}
+
+#[test]
+fn roots() {
+    use tresses::{
+        roots::{GuideRoot, RootsUniform, StrandRoot},
+        strands::RootMotion,
+    };
+    assert_eq!(
+        wgsl_layout("strands::root::RootMotion"),
+        rust_layout!(RootMotion {
+            begin_rotation,
+            end_rotation,
+            before_rotation,
+            now_rotation,
+            begin_at,
+            _pad_a,
+            end_at,
+            _pad_b,
+            before_at,
+            _pad_c,
+            now_at,
+            _pad_d,
+        })
+    );
+    assert_eq!(
+        wgsl_layout("roots::surface::RootsUniform"),
+        rust_layout!(RootsUniform {
+            to_world_rotation,
+            to_head_rotation,
+            to_world,
+            position_first,
+            to_head,
+            position_stride,
+            normal_first,
+            normal_stride,
+            guide_count,
+            strand_count,
+            fresh,
+            _pad_a,
+            _pad_b,
+            _pad_c,
+        })
+    );
+    let guide = rust_layout!(GuideRoot { triangle, b, rest_at, c, rest_back });
+    assert_eq!(wgsl_layout("roots::guides::GuideRoot"), guide);
+    let strand = rust_layout!(StrandRoot { triangle, b, offset, c });
+    assert_eq!(wgsl_layout("roots::strands::StrandRoot"), strand);
 }
 
 #[test]

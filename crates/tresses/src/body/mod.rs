@@ -49,7 +49,7 @@ pub struct Body {
     triangles: wgpu::Buffer,
     /// Where the triangles of each level are, the mesh's own first, and how far they stray, metres.
     levels: Vec<(f32, Range<u32>)>,
-    /// Two corners of a box around the mesh as it was made, metres.
+    /// Two corners of a box around the mesh, metres: as it was made, or as it was said since.
     bounds: [Vec3; 2],
     uniform: wgpu::Buffer,
     group: wgpu::BindGroup,
@@ -118,7 +118,10 @@ impl Body {
         let vertices = buffer(
             "body vertices",
             bytemuck::cast_slice(&vertices),
-            wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+            wgpu::BufferUsages::VERTEX
+                | wgpu::BufferUsages::STORAGE
+                | wgpu::BufferUsages::COPY_DST
+                | wgpu::BufferUsages::COPY_SRC,
         );
         let surface = Surface::new(device, mesh, cells);
         let (mut triangles, mut ranges) = (Vec::new(), Vec::new());
@@ -141,6 +144,20 @@ impl Body {
             group: group(device, "body", &layout(device), &[uniform.as_entire_binding()]),
             uniform,
         }
+    }
+
+    /// Words of a vertex in [`vertices`](Self::vertices): its position, its normal, its colour.
+    pub const WORDS: u32 = (size_of::<BodyVertex>() / 4) as u32;
+
+    /// Its vertices, [`WORDS`](Self::WORDS) words each: three floats of position (metres), three of normal, four bytes of
+    /// colour. Who bends the body writes them.
+    pub fn vertices(&self) -> &wgpu::Buffer {
+        &self.vertices
+    }
+
+    /// From here on its vertices lie within a box with these corners, in its own space, metres.
+    pub fn set_bounds(&mut self, corners: [Vec3; 2]) {
+        self.bounds = corners;
     }
 
     /// Writes where it is and how it looks, for the frame that is recorded.

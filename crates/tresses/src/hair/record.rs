@@ -9,6 +9,7 @@ use crate::{
     frame::Frame,
     interpolate,
     lod::Widths,
+    roots,
     simulate::{self, Forces, SimulationParams},
     tessellate::{self, TessellateParams},
     volume::{self, HairHairMode},
@@ -51,6 +52,11 @@ impl Hair {
         }
         let (stage, buffers) = (&pipelines.simulate, (&self.guides, &self.strands));
         let held = self.grab.prepare(device, queue, stage, physics, &steps, buffers, self.forced)?;
+        if let Some(roots) = &mut self.roots {
+            let counts = [self.guides.count, self.strands.drawn.count];
+            let fresh = steps.first().is_some_and(|step| step.mode == Mode::Reset);
+            roots.prepare(queue, &frame.head, counts, fresh);
+        }
         self.simulation.prepare(queue, physics, &steps, self.forced || held)
     }
 
@@ -88,6 +94,13 @@ impl Hair {
     ) {
         if let Some(air) = &self.air {
             air.record(stage, pass, &self.colliders, i);
+        }
+    }
+
+    /// Where roots go with skin that bends: where that carries them.
+    pub(crate) fn record_roots(&self, pass: &mut crate::gpu::ComputePass<'_>, stage: &roots::Pipelines) {
+        if let Some(roots) = &self.roots {
+            roots.record(stage, pass, [self.guides.count, self.strands.drawn.count]);
         }
     }
 

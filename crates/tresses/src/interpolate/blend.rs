@@ -55,13 +55,13 @@ impl Pipelines {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
         use Binding::{Storage, StorageMut, Uniform};
-        let walk = [Uniform, Storage, Storage, Storage, Storage];
+        let walk = [Uniform, Storage, Storage, Storage, Storage, Storage];
         let follow = [&walk[..], &[Uniform, Storage, Storage, StorageMut]].concat();
         Self {
             blend: Kernel::new(
                 device,
                 "interpolate::blend",
-                &[Uniform, Storage, Storage, Storage, StorageMut],
+                &[Uniform, Storage, Storage, Storage, StorageMut, Storage],
             ),
             follow: Kernel::new(device, "interpolate::follow", &follow),
         }
@@ -90,8 +90,8 @@ impl Interpolation {
         strands: &StrandBuffers,
     ) -> Self {
         let params = bindings::uniform(device, "interpolate", size_of::<InterpolateParams>());
-        let StrandBuffers { bindings: bound, rest, vertices, .. } = strands;
-        let buffers = [&params, &guides.samples, bound, rest, vertices];
+        let StrandBuffers { bindings: bound, rest, vertices, roots, .. } = strands;
+        let buffers = [&params, &guides.samples, bound, rest, vertices, roots];
         let group = pipelines.blend.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()));
         Self { params, group, follows: false }
     }

@@ -138,7 +138,7 @@ impl Simulation {
         let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("simulation steps"),
             size: STRIDE * u64::from(MAX_STEPS),
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
         let step = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
@@ -155,6 +155,7 @@ impl Simulation {
                 guides.current.as_entire_binding(),
                 guides.velocity.as_entire_binding(),
                 guides.forces.as_entire_binding(),
+                guides.roots.as_entire_binding(),
             ],
         );
         Self { uniforms, group, guide_count: guides.count, vertex_count: guides.vertex_count }
@@ -208,7 +209,8 @@ impl Simulation {
         let mut bytes = vec![0u8; STRIDE as usize * steps.len()];
         let slots = bytes.as_chunks_mut::<{ STRIDE as usize }>().0;
         for (i, (step, slot)) in steps.iter().zip(slots).enumerate() {
-            let uniforms = StepUniforms { forced: forced.into(), ..self.uniforms(params, step, i as u32) };
+            let uniforms =
+                StepUniforms { forced: forced.into(), to: step.to, ..self.uniforms(params, step, i as u32) };
             slot[..size_of::<StepUniforms>()].copy_from_slice(bytemuck::bytes_of(&uniforms));
         }
         queue.write_buffer(&self.uniforms, 0, &bytes);

@@ -225,10 +225,10 @@ pub struct StepUniforms {
     pub moment: u32,
     /// 1 when [`crate::strands::GuideBuffers::forces`] act.
     pub forced: u32,
+    /// Where in the frame's motion the step ends ([`crate::clock::Step::to`]).
+    pub to: f32,
     /// Unused.
-    pub _pad_a: u32,
-    /// Unused.
-    pub _pad_b: u32,
+    pub _pad: u32,
 }
 
 impl StepUniforms {

@@ -3,13 +3,14 @@
 use crate::{constants::GUIDE_CAPACITIES, gpu::Binding};
 
 /// Bindings of the kernel, in order.
-pub(crate) const BINDINGS: [Binding; 6] = [
-    Binding::UniformDynamic,
+pub(crate) const BINDINGS: [Binding; 7] = [
+    Binding::StorageDynamic,
     Binding::Storage,
     Binding::Storage,
     Binding::StorageMut,
     Binding::StorageMut,
     Binding::Storage,
+    Binding::StorageMut,
 ];
 
 /// The smallest of [`GUIDE_CAPACITIES`] that holds `vertex_count`, by its place among them.

@@ -1,6 +1,8 @@
 //! The buffers themselves: sizes checked against the adapter's limits before anything is made.
 
-use super::{Guide, GuideForce, GuideSample, PackedGuide, PackedRest, Strand, StrandBinding, StrandVertex};
+use super::{
+    Guide, GuideForce, GuideSample, PackedGuide, PackedRest, RootMotion, Strand, StrandBinding, StrandVertex,
+};
 use crate::{Error, Result};
 use wgpu::BufferUsages;
 
@@ -26,6 +28,9 @@ pub struct GuideBuffers {
     pub forces: wgpu::Buffer,
     /// [`GuideSample`], indexed `guide * sample_count + sample`.
     pub samples: wgpu::Buffer,
+    /// [`RootMotion`], one per guide and one more where roots are on a [living surface](crate::roots), else one that
+    /// nobody reads.
+    pub roots: wgpu::Buffer,
 }
 
 /// The buffers of the drawn strands. A clone names the same buffers.
@@ -46,6 +51,9 @@ pub struct StrandBuffers {
     /// By how much each strand is wider than at full detail, as a fraction: 0 for unchanged, -1 for one that is
     /// not drawn.
     pub widening: wgpu::Buffer,
+    /// Where each strand begins (three floats, world space, metres, and one unused), where that is on a
+    /// [living surface](crate::roots) between guides; else one that nobody reads.
+    pub roots: wgpu::Buffer,
     /// What of it is drawn: less than all where level of detail says so.
     pub drawn: Drawn,
 }
@@ -119,6 +127,7 @@ impl GuideBuffers {
             velocity: storage::<[u32; 2]>(device, "guide velocity", vertices)?,
             forces: storage::<GuideForce>(device, "guide forces", vertices)?,
             samples: storage::<GuideSample>(device, "guide samples", samples.max(1))?,
+            roots: storage::<RootMotion>(device, "guide roots", 1)?,
         })
     }
 
@@ -129,7 +138,7 @@ impl GuideBuffers {
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        [&self.info, &self.rest, &self.current, &self.velocity, &self.forces, &self.samples]
+        [&self.info, &self.rest, &self.current, &self.velocity, &self.forces, &self.samples, &self.roots]
             .iter()
             .map(|buffer| buffer.size())
             .sum()
@@ -151,13 +160,14 @@ impl StrandBuffers {
             rest: storage::<PackedRest>(device, "strand rest", vertices)?,
             vertices: storage::<StrandVertex>(device, "strand vertices", vertices)?,
             widening: storage::<f32>(device, "strand widening", count.into())?,
+            roots: storage::<[f32; 4]>(device, "strand roots", 1)?,
             drawn: Drawn::new(count, vertex_count, f32::INFINITY),
         })
     }
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        [&self.strands, &self.bindings, &self.rest, &self.vertices, &self.widening]
+        [&self.strands, &self.bindings, &self.rest, &self.vertices, &self.widening, &self.roots]
             .iter()
             .map(|buffer| buffer.size())
             .sum()

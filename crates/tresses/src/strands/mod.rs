@@ -5,6 +5,7 @@
 //! guides     rest, info                   written once           read by simulate, tessellate
 //!            current, velocity            written by simulate    read by volume, tessellate
 //!            forces                       written and read by simulate
+//!            roots                        written by roots, simulate; read by simulate, tessellate
 //! samples    position + rotation          written by tessellate  read by interpolate, avoid; none where strands
 //!                                                                are guides themselves
 //! strands    binding, rest                written once           read by interpolate
@@ -21,6 +22,7 @@ pub mod force;
 pub mod guide;
 pub(crate) mod indices;
 pub mod rest;
+pub mod root;
 pub mod vertex;
 
 pub use crate::groom::bound::{
@@ -31,6 +33,7 @@ pub use buffers::{Drawn, GuideBuffers, StrandBuffers};
 pub use force::{Force, GuideForce};
 pub use guide::{Guide, GuideRest, GuideSample, GuideShape, PackedGuide};
 pub use rest::RestGuides;
+pub use root::RootMotion;
 pub use vertex::StrandVertex;
 
 // What the CPU side allows is what the shaders have room for.

@@ -34,7 +34,11 @@ pub struct TessellateParams {
     /// Length of the last step, s.
     pub span: f32,
     /// Unused.
-    pub _pad: u32,
+    pub _pad_a: u32,
+    /// Where the head is now, metres.
+    pub head_translation: Vec3,
+    /// Unused.
+    pub _pad_b: u32,
 }
 
 impl TessellateParams {
@@ -57,7 +61,9 @@ impl TessellateParams {
             vertex_count: guides.vertex_count,
             sample_count: guides.sample_count,
             span,
-            _pad: 0,
+            _pad_a: 0,
+            head_translation: now.translation,
+            _pad_b: 0,
         }
     }
 }
@@ -72,7 +78,7 @@ impl Pipelines {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
         use Binding::{Storage, StorageMut, Uniform};
-        let entries = [Uniform, Storage, Storage, Storage, Storage, StorageMut];
+        let entries = [Uniform, Storage, Storage, Storage, Storage, Storage, StorageMut];
         Self { kernel: Kernel::new(device, "tessellate::spline", &entries) }
     }
 
@@ -99,7 +105,7 @@ impl Tessellation {
     }
 
     /// What a kernel binds first that walks along guides of this frame, as `walk.wesl` says.
-    pub(crate) fn walk<'a>(&'a self, guides: &'a GuideBuffers) -> [&'a wgpu::Buffer; 5] {
+    pub(crate) fn walk<'a>(&'a self, guides: &'a GuideBuffers) -> [&'a wgpu::Buffer; 6] {
         walk_buffers(&self.params, guides)
     }
 
@@ -121,8 +127,8 @@ impl Tessellation {
     }
 }
 
-fn walk_buffers<'a>(params: &'a wgpu::Buffer, guides: &'a GuideBuffers) -> [&'a wgpu::Buffer; 5] {
-    [params, &guides.current, &guides.velocity, &guides.rest, &guides.info]
+fn walk_buffers<'a>(params: &'a wgpu::Buffer, guides: &'a GuideBuffers) -> [&'a wgpu::Buffer; 6] {
+    [params, &guides.current, &guides.velocity, &guides.rest, &guides.info, &guides.roots]
 }
 
 /// The samples of a guide at rest: the same spline over `vertices` (at least two), without the

@@ -1,0 +1,272 @@
+//! A body that bends: which of its joints the hair goes with, what its other parts are to hair, and the poses of its
+//! motions.
+//!
+//! The joint that carries most of the roots is the *head*: hair is simulated relative to it, and its part of the body is
+//! the distance field that hair collides with most. Every other joint near the hair carries a part of the body, a distance
+//! field of its own; parts overlap by a ring of triangles where they meet.
+
+use anyhow::{Context, Result, bail};
+use std::collections::HashMap;
+use tresses::{
+    Pipelines, Pose,
+    body::Body,
+    glam::{Mat4, Quat, Vec3},
+    gpu::Gpu,
+    groom::{
+        Strands, TriMesh,
+        mesh::{Bvh, SdfOptions},
+        rig::{Rig, RigPose},
+    },
+    skinning::Skinning,
+};
+
+/// The most parts besides the head.
+const MOST_PARTS: usize = 24;
+/// Nodes along the longest side of a part's field, and the fewest triangles that are worth one.
+const FINE: u32 = 40;
+const LEAST: usize = 12;
+
+/// A part of the body that a node carries.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// Of the rig.
+    pub node: u32,
+    /// Its triangles at rest, groom space, metres.
+    pub mesh: TriMesh,
+}
+
+/// A body that bends, and how hair sees it.
+#[derive(Clone, Debug)]
+pub struct Anatomy {
+    /// What moves it.
+    pub rig: Rig,
+    /// The node that hair goes with, and its part of the body.
+    pub head: Part,
+    /// The parts near the hair that others carry.
+    pub parts: Vec<Part>,
+}
+
+impl Anatomy {
+    /// Of the body `mesh` (groom space) that `strands` grow on.
+    ///
+    /// # Errors
+    /// When no triangle of the body is near any root.
+    pub fn new(rig: Rig, mesh: &TriMesh, strands: &Strands) -> Result<Self> {
+        let holder: Vec<u32> = rig.vertices.iter().map(|vertex| holder(&rig, vertex)).collect();
+        let bvh = Bvh::new(mesh);
+        let mut votes: HashMap<u32, usize> = HashMap::new();
+        let roots: Vec<Vec3> = strands.iter().filter_map(|strand| strand.first().copied()).collect();
+        // Some hundreds tell as much as all.
+        for root in roots.iter().step_by((roots.len() / 500).max(1)) {
+            if let Some(closest) = bvh.closest_point(*root) {
+                let corners = mesh.triangles[closest.triangle as usize];
+                *votes.entry(holder[corners[0] as usize]).or_default() += 1;
+            }
+        }
+        let head = votes.into_iter().max_by_key(|(node, votes)| (*votes, u32::MAX - node));
+        let head = head.context("no root lies on the body")?.0;
+        // Eyes and jaws go with the head.
+        let on_head: Vec<bool> =
+            (0..rig.nodes.len() as u32).map(|node| goes_with(&rig, node, head)).collect();
+        let of = |vertex: u32| match holder[vertex as usize] {
+            node if on_head[node as usize] => head,
+            node => node,
+        };
+        let mut triangles: HashMap<u32, Vec<[u32; 3]>> = HashMap::new();
+        for triangle in &mesh.triangles {
+            let mut nodes = triangle.map(of);
+            nodes.sort_unstable();
+            for (i, node) in nodes.iter().enumerate() {
+                if i == 0 || nodes[i - 1] != *node {
+                    triangles.entry(*node).or_default().push(*triangle);
+                }
+            }
+        }
+        let reach = strands.iter().map(|strand| strand.windows(2).map(|w| w[0].distance(w[1])).sum::<f32>());
+        let reach = reach.fold(0.0f32, f32::max) + 0.05;
+        let bounds =
+            roots.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+        let mut parts = Vec::new();
+        let mut own = Part { node: head, mesh: TriMesh::default() };
+        for (node, triangles) in triangles {
+            let part = Part { node, mesh: cut(mesh, &triangles) };
+            if node == head {
+                own = part;
+            } else if triangles.len() >= LEAST && apart(bounds, part.mesh.bounds()) < reach {
+                parts.push(part);
+            }
+        }
+        parts.sort_by(|a, b| {
+            let far = |part: &Part| apart(bounds, part.mesh.bounds());
+            far(a).total_cmp(&far(b)).then(a.node.cmp(&b.node))
+        });
+        parts.truncate(MOST_PARTS);
+        Ok(Self { rig, head: own, parts })
+    }
+
+    /// What to collide with besides the head.
+    pub fn fields(&self) -> impl Iterator<Item = (TriMesh, SdfOptions)> + '_ {
+        let options = || SdfOptions { resolution: FINE, ..Default::default() };
+        self.parts.iter().map(move |part| (part.mesh.clone(), options()))
+    }
+}
+
+/// The node that carries most of a vertex.
+fn holder(rig: &Rig, vertex: &tresses::groom::rig::Bind) -> u32 {
+    let most = (0..vertex.weights.len()).max_by(|a, b| vertex.weights[*a].total_cmp(&vertex.weights[*b]));
+    most.and_then(|i| rig.joints.get(usize::from(vertex.joints[i]))).map_or(0, |joint| joint.node)
+}
+
+/// Whether `node` is `head` or below it.
+fn goes_with(rig: &Rig, node: u32, head: u32) -> bool {
+    let mut at = Some(node);
+    while let Some(node) = at {
+        if node == head {
+            return true;
+        }
+        at = rig.nodes[node as usize].parent;
+    }
+    false
+}
+
+/// The distance between two boxes, metres.
+fn apart(a: (Vec3, Vec3), b: Option<(Vec3, Vec3)>) -> f32 {
+    b.map_or(f32::INFINITY, |b| (a.0 - b.1).max(b.0 - a.1).max(Vec3::ZERO).length())
+}
+
+/// These triangles of a mesh, with only the vertices that they have.
+fn cut(mesh: &TriMesh, triangles: &[[u32; 3]]) -> TriMesh {
+    let mut places = HashMap::new();
+    let mut part = TriMesh::default();
+    for triangle in triangles {
+        part.triangles.push(triangle.map(|vertex| {
+            *places.entry(vertex).or_insert_with(|| {
+                part.positions.push(mesh.positions[vertex as usize]);
+                part.normals.extend(mesh.normals.get(vertex as usize));
+                part.positions.len() as u32 - 1
+            })
+        }));
+    }
+    part
+}
+
+/// The rigid part of how a node moved: where `now` has what `rest` had, without scale.
+fn moved(now: &Mat4, rest: &Mat4) -> Pose {
+    let matrix = *now * rest.inverse();
+    let (_, rotation, _) = matrix.to_scale_rotation_translation();
+    let rotation = if rotation.is_finite() { rotation.normalize() } else { Quat::IDENTITY };
+    // The node's own origin is where the motion has it, whatever its scale.
+    let (from, to) = (rest.w_axis.truncate(), now.w_axis.truncate());
+    Pose { rotation, translation: to - rotation * from }
+}
+
+/// A body on the GPU that bends.
+pub struct Living {
+    anatomy: Anatomy,
+    skinning: Skinning,
+    rest: RigPose,
+    animation: Option<usize>,
+    /// How much there is of shapes, instead of what the motion says.
+    shapes: Vec<(usize, f32)>,
+}
+
+/// Where everything is at one time, relative to the body.
+pub struct Stance {
+    /// The head.
+    pub head: Pose,
+    /// The other parts.
+    pub parts: Vec<Pose>,
+}
+
+impl Living {
+    /// Bends `body`, which was made of the anatomy's mesh.
+    ///
+    /// # Errors
+    /// When the adapter cannot hold it.
+    pub fn new(gpu: &Gpu, pipelines: &Pipelines, anatomy: Anatomy, body: &Body) -> Result<Self> {
+        let rig = &anatomy.rig;
+        let skinning = Skinning::new(&gpu.device, &gpu.queue, &pipelines.skinning, rig, body)?;
+        let rest = rig.rest_pose();
+        Ok(Self { skinning, rest, animation: None, shapes: Vec::new(), anatomy })
+    }
+
+    /// The names of its motions.
+    pub fn animations(&self) -> impl Iterator<Item = &str> {
+        self.anatomy.rig.animations.iter().map(|animation| animation.name.as_str())
+    }
+
+    /// The names of its shapes.
+    pub fn shapes(&self) -> impl Iterator<Item = &str> {
+        self.anatomy.rig.targets.iter().map(|target| target.name.as_str())
+    }
+
+    /// From here on it moves as the motion of this name has it, or stands still.
+    ///
+    /// # Errors
+    /// One sentence with the names that there are.
+    pub fn set_animation(&mut self, name: Option<&str>) -> Result<()> {
+        let rig = &self.anatomy.rig;
+        let Some(name) = name else {
+            self.animation = None;
+            return Ok(());
+        };
+        let Some(animation) = rig.animation(name) else {
+            let names: Vec<_> = self.animations().collect();
+            let there = if names.is_empty() { "none".into() } else { names.join(", ") };
+            bail!("the body has no animation {name:?}; it has {there}");
+        };
+        self.animation = rig.animations.iter().position(|other| std::ptr::eq(other, animation));
+        Ok(())
+    }
+
+    /// From here on there is as much of a shape as said, whatever the motion says.
+    ///
+    /// # Errors
+    /// One sentence with the names that there are, or when `weight` is not finite.
+    pub fn set_shape(&mut self, name: &str, weight: f32) -> Result<()> {
+        if !weight.is_finite() {
+            bail!("the weight of the shape {name:?} is no number");
+        }
+        let Some(shape) = self.anatomy.rig.target(name) else {
+            let names: Vec<_> = self.shapes().collect();
+            let there = if names.is_empty() { "none".into() } else { names.join(", ") };
+            bail!("the body has no shape {name:?}; it has {there}");
+        };
+        self.shapes.retain(|(other, _)| *other != shape);
+        self.shapes.push((shape, weight));
+        Ok(())
+    }
+
+    /// How long its motion is, s; `None` while it stands still.
+    pub fn duration(&self) -> Option<f32> {
+        self.animation.map(|i| self.anatomy.rig.animations[i].length)
+    }
+
+    /// Brings `body` to where it is at `time`, s.
+    ///
+    /// # Errors
+    /// When the body is another's.
+    pub fn pose(&self, gpu: &Gpu, time: f64, body: &mut Body) -> Result<Stance> {
+        let rig = &self.anatomy.rig;
+        let animation = self.animation.map(|i| &rig.animations[i]);
+        // A long time has few digits left for what is within a loop.
+        let animation = animation.map(|it| (it, time.rem_euclid(f64::from(it.length.max(1e-3))) as f32));
+        let pose = rig.pose_with(animation, &self.shapes);
+        self.skinning.pose(&gpu.queue, &pose, body)?;
+        let node = |node: u32| {
+            let [now, rest] = [&pose, &self.rest].map(|pose| rig.to_groom * pose.globals[node as usize]);
+            moved(&now, &rest)
+        };
+        let parts = self.anatomy.parts.iter().map(|part| node(part.node)).collect();
+        Ok(Stance { head: node(self.anatomy.head.node), parts })
+    }
+
+    /// What the frame records.
+    pub fn skinning(&self) -> &Skinning {
+        &self.skinning
+    }
+}
+
+#[cfg(test)]
+#[path = "living_tests.rs"]
+mod tests;

@@ -1,0 +1,76 @@
+use super::*;
+use tresses::groom::rig::{Bind, Joint, Node, Transform};
+
+/// A head on a neck on shoulders, each a ball that a node of its own carries, and an eye that goes with the head.
+fn body() -> (Rig, TriMesh) {
+    let places = [
+        Vec3::new(0.0, 1.0, 0.0),
+        Vec3::new(0.0, 1.3, 0.0),
+        Vec3::new(0.0, 1.5, 0.0),
+        Vec3::new(0.0, 1.5, 0.1),
+    ];
+    let sizes = [0.2, 0.06, 0.1, 0.02];
+    let (mut rig, mut mesh) = (Rig::default(), TriMesh::default());
+    for (i, (place, size)) in places.into_iter().zip(sizes).enumerate() {
+        let mut ball = tresses::groom::mesh::shapes::sphere(size, 12);
+        ball.compute_normals();
+        let parent = i.checked_sub(1).map(|parent| parent as u32);
+        let from = parent.map_or(Vec3::ZERO, |parent| places[parent as usize]);
+        let rest = Transform { translation: place - from, ..Default::default() };
+        rig.nodes.push(Node { name: format!("{i}"), parent, rest, ..Default::default() });
+        rig.joints.push(Joint { node: i as u32, inverse_bind: Mat4::from_translation(-place) });
+        let first = mesh.positions.len() as u32;
+        for (p, n) in ball.positions.iter().zip(&ball.normals) {
+            rig.vertices.push(Bind::rigid(place + *p, *n, i as u16));
+            mesh.positions.push(place + *p);
+            mesh.normals.push(*n);
+        }
+        mesh.triangles.extend(ball.triangles.iter().map(|t| t.map(|v| v + first)));
+    }
+    rig.to_groom = Mat4::IDENTITY;
+    (rig, mesh)
+}
+
+fn hair(length: f32) -> Strands {
+    let mut strands = Strands::default();
+    for i in 0..20 {
+        let root = Vec3::new(0.02 * (i as f32).sin(), 1.6, 0.02 * (i as f32).cos());
+        strands.push(&[root, root + Vec3::Y * length]);
+    }
+    strands
+}
+
+#[test]
+fn hair_goes_with_what_it_grows_on() {
+    let (rig, mesh) = body();
+    let anatomy = Anatomy::new(rig, &mesh, &hair(0.4)).unwrap();
+    assert_eq!(anatomy.head.node, 2);
+    // The eye belongs to it.
+    let (lo, hi) = anatomy.head.mesh.bounds().unwrap();
+    assert!((hi.z - 0.12).abs() < 1e-3 && (lo.y - 1.4).abs() < 1e-3, "{lo} {hi}");
+    let nodes: Vec<_> = anatomy.parts.iter().map(|part| part.node).collect();
+    assert_eq!(nodes, [1, 0], "the nearest first");
+    // Short hair reaches the neck, not the shoulders.
+    let (rig, mesh) = body();
+    let short = Anatomy::new(rig, &mesh, &hair(0.2)).unwrap();
+    assert_eq!(short.parts.iter().map(|part| part.node).collect::<Vec<_>>(), [1]);
+    assert_eq!(short.fields().count(), 1);
+}
+
+#[test]
+fn poses_are_rigid_and_about_the_joint() {
+    let rest = Mat4::from_scale_rotation_translation(Vec3::splat(2.0), Quat::from_rotation_x(0.3), Vec3::Y);
+    let turn = Quat::from_rotation_z(0.7);
+    let now =
+        Mat4::from_scale_rotation_translation(Vec3::splat(2.0), turn * Quat::from_rotation_x(0.3), Vec3::X);
+    let pose = moved(&now, &rest);
+    assert!(pose.point(Vec3::Y).distance(Vec3::X) < 1e-6);
+    assert!(pose.rotation.dot(turn).abs() > 0.999_999);
+    // What is stretched is no pose; its joint is where it should be all the same.
+    let stretched = now * Mat4::from_scale(Vec3::new(3.0, 1.0, 1.0));
+    let pose = moved(&stretched, &rest);
+    assert!(pose.point(Vec3::Y).distance(Vec3::X) < 1e-6 && pose.rotation.is_normalized());
+    // A joint that is flattened has no turn.
+    let flat = Mat4::from_scale(Vec3::ZERO);
+    assert!(moved(&flat, &rest).rotation.is_finite());
+}

@@ -1,0 +1,246 @@
+//! Roots on skin that bends: a skin that moves as a head does is a head; strands begin where the skin says.
+
+use crate::common;
+use tresses::{
+    Error, Hair, HairOptions, Pipelines, Pose,
+    body::Body,
+    collide::ColliderPoses,
+    frame::Frame,
+    glam::{Mat3, Quat, Vec3},
+    gpu::{Gpu, readback::blocking as readback},
+    groom::{BindOptions, Groom, GuideCount, TriMesh, bind, mesh::shapes},
+    roots::{Skin, Words},
+    simulate::{Along, SimulationParams},
+    strands::StrandVertex,
+    volume::HairHairMode,
+};
+
+/// The ball that [`common::hanging`] strands stand on.
+fn ball() -> TriMesh {
+    shapes::sphere(0.09, 24)
+}
+
+/// Strands that are guides themselves, or that follow some of them.
+fn groom(guides: GuideCount) -> Groom {
+    bind(&common::hanging(150, 12, 0.15), &BindOptions { guides, ..Default::default() }).unwrap()
+}
+
+fn moved(mesh: &TriMesh, place: impl Fn(Vec3) -> Vec3) -> TriMesh {
+    let mut moved = mesh.clone();
+    moved.positions.iter_mut().for_each(|p| *p = place(*p));
+    moved.compute_normals();
+    moved
+}
+
+/// Without the grid of the hair, which goes with the head, and so stiff that no strand buckles: those that do are
+/// chaotic, and rounding decides where they swing.
+fn stiff() -> SimulationParams {
+    let mut params = SimulationParams::default();
+    params.hair_hair.mode = HairHairMode::Off;
+    let bending =
+        Along { root: 100.0 * params.bending.root, tip: 100.0 * params.bending.tip, ..params.bending };
+    SimulationParams { bending, ..params }
+}
+
+/// Hair whose skin is a body's.
+struct Stage<'a> {
+    gpu: &'a Gpu,
+    pipelines: &'a Pipelines,
+    hair: Hair,
+    body: Body,
+    rest: TriMesh,
+}
+
+impl<'a> Stage<'a> {
+    fn new(gpu: &'a Gpu, groom: &Groom, living: bool) -> Self {
+        let pipelines = common::pipelines().expect("there is a GPU");
+        let Gpu { device, queue, .. } = gpu;
+        let mut hair = Hair::new(device, queue, pipelines, groom, &HairOptions::default(), None).unwrap();
+        let mut rest = ball();
+        rest.compute_normals();
+        let body = Body::with_levels(device, &rest, &[], 4);
+        if living {
+            let skin = Skin::from(&body);
+            let report = hair.attach(device, queue, pipelines, groom, &rest, &skin, 0.005).unwrap();
+            assert!(report.farthest < 1e-3 && report.roots > 150, "{report:?}");
+        }
+        Self { gpu, pipelines, hair, body, rest }
+    }
+
+    /// On by a frame in which the skin comes to lie as `place` says and the head at `head`.
+    fn advance(&mut self, head: Pose, dt: f32, place: impl Fn(Vec3) -> Vec3) {
+        self.body.move_to(&self.gpu.queue, &moved(&self.rest, place));
+        let frame = Frame { dt, head, colliders: &ColliderPoses::default(), simulation: &stiff() };
+        common::submit(|recorder| recorder.advance(&mut self.hair, &frame));
+        assert!(std::ptr::eq(self.pipelines, common::pipelines().unwrap()));
+    }
+
+    fn vertices(&self) -> Vec<Vec3> {
+        let Gpu { device, queue, .. } = self.gpu;
+        let read: Vec<StrandVertex> = readback::buffer(device, queue, &self.hair.strands.vertices).unwrap();
+        read.iter().map(|vertex| vertex.position).collect()
+    }
+}
+
+/// The largest distance between two lists of points, metres.
+fn apart(a: &[Vec3], b: &[Vec3]) -> f32 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
+}
+
+/// A head that turns, nods and is carried along.
+fn motion(t: f32) -> Pose {
+    let rotation =
+        Quat::from_euler(tresses::glam::EulerRot::YXZ, 0.5 * (4.0 * t).sin(), 0.15 * (3.0 * t).sin(), 0.0);
+    Pose { rotation, translation: Vec3::new(0.1 * (4.0 * t).sin(), 0.02 * (3.0 * t).sin(), 0.0) }
+}
+
+#[test]
+fn a_skin_that_moves_as_a_head_is_a_head() {
+    let Some(gpu) = common::gpu() else { return };
+    for guides in [GuideCount::All, GuideCount::Count(40)] {
+        let groom = groom(guides);
+        let mut rigid = Stage::new(gpu, &groom, false);
+        // One whose skin does all of it, and one that shares it with the head.
+        let mut skinned = Stage::new(gpu, &groom, true);
+        let mut shared = Stage::new(gpu, &groom, true);
+        let still = rigid.hair.strands.vertex_count as usize;
+        let mut most = [0.0f32; 2];
+        // Neither as long as steps nor a multiple of them.
+        let dt = 0.0119;
+        for i in 0..50 {
+            let t = i as f32 * dt;
+            let pose = motion(t);
+            let half = Pose { translation: 0.5 * pose.translation, ..pose };
+            rigid.advance(pose, dt, |p| p);
+            skinned.advance(Pose::IDENTITY, dt, |p| pose.point(p));
+            shared.hair.roots.as_mut().unwrap().pose = half;
+            shared.advance(half, dt, |p| half.inverse().point(pose.point(p)));
+            let there = rigid.vertices();
+            for (most, other) in most.iter_mut().zip([&skinned, &shared]) {
+                *most = most.max(apart(&there, &other.vertices()));
+            }
+        }
+        println!("{guides:?}: skin alone {:.1e} m, with the head {:.1e} m", most[0], most[1]);
+        assert!(most.iter().all(|most| *most < 3e-4), "{most:?}");
+        // What does not move is elsewhere.
+        let mut idle = Stage::new(gpu, &groom, true);
+        idle.advance(Pose::IDENTITY, dt, |p| p);
+        assert!(apart(&rigid.vertices(), &idle.vertices()) > 0.05);
+        assert_eq!(rigid.vertices().len(), 150 * still);
+    }
+}
+
+#[test]
+fn a_still_skin_changes_nothing() {
+    let Some(gpu) = common::gpu() else { return };
+    let groom = groom(GuideCount::Count(40));
+    let (mut rigid, mut living) = (Stage::new(gpu, &groom, false), Stage::new(gpu, &groom, true));
+    let mut most = 0.0f32;
+    for i in 0..40 {
+        let pose = motion(i as f32 / 60.0);
+        living.hair.roots.as_mut().unwrap().pose = pose;
+        rigid.advance(pose, 1.0 / 60.0, |p| p);
+        living.advance(pose, 1.0 / 60.0, |p| p);
+        most = most.max(apart(&rigid.vertices(), &living.vertices()));
+    }
+    println!("{most:.1e} m");
+    assert!(most < 1e-4);
+}
+
+/// Twists with height, and swells.
+fn bent(p: Vec3, t: f32) -> Vec3 {
+    let angle = 6.0 * t * p.y;
+    Quat::from_rotation_y(angle) * p * (1.0 + 0.5 * t * (1.0 + (30.0 * p.x).sin()))
+        + Vec3::new(0.0, 0.1 * t, 0.0)
+}
+
+/// Where `p`, near the ball's surface at rest, is on the skin that `now` is: computed anew, corner by corner.
+fn on_skin(rest: &TriMesh, now: &TriMesh, p: Vec3) -> Vec3 {
+    let closest = tresses::groom::mesh::Bvh::new(rest).closest_point(p).unwrap();
+    let triangle = rest.triangles[closest.triangle as usize].map(|i| i as usize);
+    let shares = closest.barycentric.to_array();
+    let blend = |values: &[Vec3]| (0..3).map(|k| shares[k] * values[triangle[k]]).sum::<Vec3>();
+    let frame = |mesh: &TriMesh| {
+        let up = blend(&mesh.normals).normalize();
+        let edge = mesh.positions[triangle[1]] - mesh.positions[triangle[0]];
+        let x = (edge - up * up.dot(edge)).normalize();
+        (blend(&mesh.positions), Mat3::from_cols(x, up, x.cross(up)))
+    };
+    let ((from, turned), (to, turns)) = (frame(rest), frame(now));
+    to + turns * turned.transpose() * (p - from)
+}
+
+#[test]
+fn strands_begin_where_the_skin_is() {
+    let Some(gpu) = common::gpu() else { return };
+    for guides in [GuideCount::All, GuideCount::Count(40)] {
+        let groom = groom(guides);
+        let mut stage = Stage::new(gpu, &groom, true);
+        let mut arranged = groom.strands.clone();
+        tresses::lod::arrange(&mut arranged);
+        for i in 0..20 {
+            let t = i as f32 / 40.0;
+            stage.advance(Pose::IDENTITY, 1.0 / 45.0, |p| bent(p, t));
+            let now = moved(&stage.rest, |p| bent(p, t));
+            let vertices = stage.vertices();
+            let n = arranged.vertex_count as usize;
+            let (mut most, mut travelled) = (0.0f32, 0.0f32);
+            let mut longest = 0.0f32;
+            for s in 0..arranged.len() {
+                let rest: Vec<_> = arranged.rest_positions(s).collect();
+                let wanted = on_skin(&stage.rest, &now, rest[0]);
+                most = most.max(wanted.distance(vertices[s * n]));
+                travelled = travelled.max(rest[0].distance(wanted));
+                let length = |p: &[Vec3]| p.windows(2).map(|w| w[0].distance(w[1])).sum::<f32>();
+                longest = longest.max((length(&vertices[s * n..(s + 1) * n]) / length(&rest) - 1.0).abs());
+            }
+            assert!(most < 2e-5, "{guides:?}, {t}: {most} m after {travelled} m");
+            assert!(longest < 2e-3, "{guides:?}, {t}: lengths by {longest}");
+            assert!(i < 5 || travelled > 0.01, "it is a test where roots move: {travelled}");
+        }
+    }
+}
+
+#[test]
+fn hair_at_rest_takes_the_skin_as_it_is() {
+    let Some(gpu) = common::gpu() else { return };
+    let groom = groom(GuideCount::All);
+    let mut stage = Stage::new(gpu, &groom, true);
+    // Its first frame is on skin that is bent already: nothing swings there from rest.
+    stage.advance(Pose::IDENTITY, 1.0 / 60.0, |p| bent(p, 0.4));
+    let first = stage.vertices();
+    stage.advance(Pose::IDENTITY, 0.0, |p| bent(p, 0.4));
+    assert!(apart(&first, &stage.vertices()) < 1e-5);
+    // The same after a reset, from elsewhere.
+    stage.advance(Pose::IDENTITY, 1.0 / 60.0, |p| bent(p, 0.1));
+    stage.hair.reset();
+    stage.advance(Pose::IDENTITY, 1.0 / 60.0, |p| bent(p, 0.4));
+    assert!(apart(&first, &stage.vertices()) < 1e-5);
+}
+
+#[test]
+fn what_does_not_fit_is_said() {
+    let Some(gpu) = common::gpu() else { return };
+    let Gpu { device, queue, .. } = gpu;
+    let groom = groom(GuideCount::All);
+    let mut stage = Stage::new(gpu, &groom, false);
+    let small = shapes::sphere(0.05, 12);
+    let skin = Skin::from(&stage.body);
+    let mut attach = |groom: &Groom, mesh: &TriMesh, skin: &Skin<'_>| {
+        let attached = stage.hair.attach(device, queue, stage.pipelines, groom, mesh, skin, 0.005);
+        attached.map_err(|error: Error| error.to_string())
+    };
+    let far = attach(&groom, &small, &skin).unwrap_err();
+    assert!(far.contains("40.0 mm from the skin"), "{far}");
+    let other = bind(&common::hanging(20, 12, 0.15), &Default::default()).unwrap();
+    assert!(attach(&other, &stage.rest, &skin).unwrap_err().contains("made from"));
+    let strides = Skin { positions: (skin.positions.0, Words { first: 1 << 20, stride: 7 }), ..skin };
+    assert!(attach(&groom, &stage.rest, &strides).unwrap_err().contains("too small"));
+    let none = TriMesh { triangles: Vec::new(), ..stage.rest.clone() };
+    assert!(attach(&groom, &none, &skin).unwrap_err().contains("no triangles"));
+    let mut wrong = stage.rest.clone();
+    wrong.triangles[0][1] = 1 << 30;
+    assert!(attach(&groom, &wrong, &skin).unwrap_err().contains("does not have"));
+    assert!(attach(&groom, &stage.rest, &skin).is_ok());
+}
