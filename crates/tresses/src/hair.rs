@@ -201,12 +201,7 @@ impl Hair {
         let mut set = HairSet::new(device, &strands)?;
         set.area = lod.area();
         let tessellation = Tessellation::new(device, &pipelines.tessellate, &guides);
-        let stage = &pipelines.interpolate;
-        let interpolation = if follows {
-            Interpolation::following(device, stage, &guides, &strands, &tessellation)
-        } else {
-            Interpolation::new(device, stage, &guides, &strands)
-        };
+        let interpolation = interpolation(device, pipelines, &guides, &strands, &tessellation);
         Ok(Self {
             set,
             lod,
@@ -273,12 +268,8 @@ impl Hair {
         self.roots = Some(roots);
         self.simulation = Simulation::new(device, &pipelines.simulate, &self.guides);
         self.tessellation = Tessellation::new(device, &pipelines.tessellate, &self.guides);
-        let (stage, follows) = (&pipelines.interpolate, self.guides.sample_count == 0);
-        self.interpolation = if follows {
-            Interpolation::following(device, stage, &self.guides, &self.strands, &self.tessellation)
-        } else {
-            Interpolation::new(device, stage, &self.guides, &self.strands)
-        };
+        self.interpolation =
+            interpolation(device, pipelines, &self.guides, &self.strands, &self.tessellation);
         Ok(report)
     }
 
@@ -380,6 +371,21 @@ impl Hair {
             + self.grab.bytes()
             + self.air.as_ref().map_or(0, Air::bytes)
             + self.roots.as_ref().map_or(0, Roots::bytes)
+    }
+}
+
+/// How `strands` follow `guides`: by samples, or each along its own where those have none.
+fn interpolation(
+    device: &wgpu::Device,
+    pipelines: &Pipelines,
+    guides: &GuideBuffers,
+    strands: &StrandBuffers,
+    tessellation: &Tessellation,
+) -> Interpolation {
+    if guides.sample_count == 0 {
+        Interpolation::following(device, &pipelines.interpolate, guides, strands, tessellation)
+    } else {
+        Interpolation::new(device, &pipelines.interpolate, guides, strands)
     }
 }
 

@@ -162,4 +162,4 @@ impl Rig {
 }
 
 #[cfg(all(test, feature = "gltf"))]
-mod tests;
+pub(crate) mod tests;

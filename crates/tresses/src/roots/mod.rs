@@ -36,7 +36,10 @@ use crate::{
     constants::{GUIDE_WORKGROUP, STRAND_WORKGROUP},
     gpu::{Binding, Kernel, bindings},
     groom::{BoundStrands, Groom, TriMesh},
-    strands::{GuideBuffers, RootMotion, StrandBuffers, buffers::storage},
+    strands::{
+        GuideBuffers, RootMotion, StrandBuffers,
+        buffers::{filled, storage},
+    },
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
@@ -168,11 +171,7 @@ impl Roots {
         // More than one to each: that tells kernels that they are to be read.
         guides.roots = storage::<RootMotion>(device, "guide roots", u64::from(guides.count) + 1)?;
         let uniform = bindings::uniform(device, "roots", size_of::<RootsUniform>());
-        let upload = |what, bytes: &[u8]| -> Result<wgpu::Buffer> {
-            let buffer = storage::<u8>(device, what, bytes.len() as u64)?;
-            queue.write_buffer(&buffer, 0, bytes);
-            Ok(buffer)
-        };
+        let upload = |what, bytes: &[u8]| filled(device, queue, what, bytes);
         let group = |kernel: &Kernel, bound: &wgpu::Buffer, out: &wgpu::Buffer| {
             let buffers = [&uniform, skin.positions.0, skin.normals.0, bound, out];
             kernel.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()))

@@ -23,7 +23,7 @@ use crate::{
     constants::STRAND_WORKGROUP,
     gpu::{Binding, Kernel},
     groom::rig::{Rig, RigPose},
-    strands::buffers::storage,
+    strands::buffers::{filled, storage},
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
@@ -117,11 +117,7 @@ impl Skinning {
             return Err(Error::unusable("a vertex follows a joint that its rig does not have"));
         }
         let (vertices, deltas) = packed(rig)?;
-        let upload = |what, bytes: &[u8]| -> Result<wgpu::Buffer> {
-            let buffer = storage::<u8>(device, what, bytes.len() as u64)?;
-            queue.write_buffer(&buffer, 0, bytes);
-            Ok(buffer)
-        };
+        let upload = |what, bytes: &[u8]| filled(device, queue, what, bytes);
         let counts = [count as u32, Body::WORDS];
         let counts = upload("skin counts", bytemuck::cast_slice(&counts))?;
         let bound = upload("skin vertices", bytemuck::cast_slice(&vertices))?;

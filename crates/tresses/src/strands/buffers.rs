@@ -109,6 +109,21 @@ pub fn storage<T>(device: &wgpu::Device, what: &'static str, count: u64) -> Resu
     }))
 }
 
+/// A storage buffer that holds `bytes`, or says that the adapter cannot hold it.
+///
+/// # Errors
+/// [`Error::Limit`].
+pub(crate) fn filled(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    what: &'static str,
+    bytes: &[u8],
+) -> Result<wgpu::Buffer> {
+    let buffer = storage::<u8>(device, what, bytes.len() as u64)?;
+    queue.write_buffer(&buffer, 0, bytes);
+    Ok(buffer)
+}
+
 impl GuideBuffers {
     /// Empty buffers.
     ///

@@ -1,5 +1,6 @@
 //! Valid and broken meshes.
 
+use crate::rig::tests::glb;
 use std::path::Path;
 
 use glam::Vec3;
@@ -48,22 +49,10 @@ fn glb() -> Vec<u8> {
 {"bufferView":1,"componentType":5123,"count":3,"type":"SCALAR"}],
 "bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":6}],
 "buffers":[{"byteLength":44}]}"#;
-    let mut json = json.as_bytes().to_vec();
-    json.resize(json.len().next_multiple_of(4), b' ');
     let mut bin: Vec<u8> =
         [0f32, 0., 0., 1., 0., 0., 0., 1., 0.].iter().flat_map(|v| v.to_le_bytes()).collect();
     bin.extend([0u16, 1, 2, 0].iter().flat_map(|v| v.to_le_bytes()));
-    let total = 12 + 8 + json.len() + 8 + bin.len();
-    let mut out = b"glTF".to_vec();
-    for v in [2, total as u32, json.len() as u32, 0x4E4F_534A] {
-        out.extend(v.to_le_bytes());
-    }
-    out.extend(&json);
-    for v in [bin.len() as u32, 0x004E_4942] {
-        out.extend(v.to_le_bytes());
-    }
-    out.extend(&bin);
-    out
+    glb::pack(json.as_bytes().to_vec(), bin)
 }
 
 #[test]

@@ -100,21 +100,7 @@ impl Glb {
             }
         }
         root["buffers"] = json!([{"byteLength": self.bin.len()}]);
-        let mut json = root.to_string().into_bytes();
-        json.resize(json.len().next_multiple_of(4), b' ');
-        let mut bin = self.bin.clone();
-        bin.resize(bin.len().next_multiple_of(4), 0);
-        let total = 12 + 8 + json.len() + 8 + bin.len();
-        let mut out = b"glTF".to_vec();
-        for v in [2, total as u32, json.len() as u32, 0x4E4F_534A] {
-            out.extend(v.to_le_bytes());
-        }
-        out.extend(&json);
-        for v in [bin.len() as u32, 0x004E_4942] {
-            out.extend(v.to_le_bytes());
-        }
-        out.extend(&bin);
-        out
+        pack(root.to_string().into_bytes(), self.bin.clone())
     }
 }
 
@@ -173,4 +159,21 @@ pub fn arm() -> (Glb, Parts) {
     glb.animate("Spline", 0, "translation", "CUBICSPLINE", (&[1.0, 3.0], spline.as_flattened()));
     glb.animate("Blend", 3, "weights", "LINEAR", (&[0.0, 1.0, 4.0], &[0.0, 0.0, 1.0, 0.5, 1.0, 0.5]));
     (glb, Parts { joints, weights, inverse, sparse, bend })
+}
+
+/// A GLB file of its two chunks.
+pub fn pack(mut json: Vec<u8>, mut bin: Vec<u8>) -> Vec<u8> {
+    json.resize(json.len().next_multiple_of(4), b' ');
+    bin.resize(bin.len().next_multiple_of(4), 0);
+    let total = 12 + 8 + json.len() + 8 + bin.len();
+    let mut out = b"glTF".to_vec();
+    for v in [2, total as u32, json.len() as u32, 0x4E4F_534A] {
+        out.extend(v.to_le_bytes());
+    }
+    out.extend(&json);
+    for v in [bin.len() as u32, 0x004E_4942] {
+        out.extend(v.to_le_bytes());
+    }
+    out.extend(&bin);
+    out
 }

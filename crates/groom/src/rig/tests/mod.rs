@@ -4,7 +4,7 @@ mod assets;
 mod broken;
 mod closed;
 mod curves;
-mod glb;
+pub(crate) mod glb;
 mod orient;
 mod shapes;
 
