@@ -73,7 +73,7 @@ pub fn run(args: &Args) -> Result<()> {
     let camera = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), PICTURE.aspect(), 1.0);
     let mut output = Output::create(&args.out.join("demo.png"), (PICTURE.width, PICTURE.height), 1, 1.0)?;
     let pivot = scene.pivot();
-    scene.reset(&motion.pose(0.0, pivot))?;
+    scene.reset(&motion.gesture(0.0, pivot))?;
     output.add(scene.picture(&camera)?)?;
     let picture = output.finish()?;
     drop(drawing);
@@ -110,7 +110,7 @@ fn fit(scene: &mut Photographer, motion: &Motion, frames: f64) -> Result<(Size, 
         let mut seconds = f64::INFINITY;
         for frame in 0..4 {
             let start = Instant::now();
-            scene.advance(&motion.pose(f64::from(frame) / LOOP_FPS, pivot), (1.0 / LOOP_FPS) as f32)?;
+            scene.advance(&motion.gesture(f64::from(frame) / LOOP_FPS, pivot), (1.0 / LOOP_FPS) as f32)?;
             scene.picture(&camera)?;
             seconds = seconds.min(frames * start.elapsed().as_secs_f64());
         }

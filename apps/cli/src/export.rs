@@ -8,7 +8,7 @@ use std::{
     sync::Arc,
 };
 use tresses::{
-    Pipelines, Pose,
+    Pipelines,
     gpu::{Gpu, readback::blocking as readback},
     groom::{
         Strands, TriMesh,
@@ -17,7 +17,7 @@ use tresses::{
     lod::{LodMode, LodOptions},
     strands::{Strand, StrandVertex, vertex::unpack_tangent},
 };
-use tresses_scene::{Companions, Scene, Shelf};
+use tresses_scene::{Companions, Gesture, Scene, Shelf, motion};
 
 /// The options of `tresses export`.
 #[derive(clap::Args, Debug)]
@@ -27,7 +27,7 @@ pub struct Args {
     /// The file for the strands, whose extension (.hair, .tfx, .obj) decides the format
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
-    /// A file for what is drawn with the hair: .obj
+    /// A file for what is drawn with the hair: .obj, or .glb, which also has what bends it
     #[arg(long, value_name = "FILE")]
     pub head_out: Option<PathBuf>,
 }
@@ -36,7 +36,9 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let format = Format::of(&args.out)?;
     let extension = args.head_out.as_deref().and_then(Path::extension);
-    ensure!(args.head_out.is_none() || extension.is_some_and(|e| e == "obj"), "a head is written as .obj");
+    let is_glb = extension.is_some_and(|e| e == "glb");
+    let is_known = is_glb || extension.is_some_and(|e| e == "obj");
+    ensure!(args.head_out.is_none() || is_known, "a head is written as .obj or .glb");
     let preset = args.settings.preset()?;
     preset.settings.check()?;
     let preparing = Preparing::new("opening the GPU");
@@ -44,6 +46,13 @@ pub fn run(args: &Args) -> Result<()> {
     let pipelines = Arc::new(Pipelines::new(&gpu.device));
     let character = load::load(&preset, &gpu, &pipelines.simulate, &preparing)?;
     let head = character.head.clone();
+    let rig = character.anatomy.as_ref().map(|anatomy| {
+        let mut rig = anatomy.rig.clone();
+        if preset.source.grooms.is_empty() {
+            rig.animations = motion::animation::of_the_character(&rig);
+        }
+        rig
+    });
     ensure!(
         args.head_out.is_none() || head.is_some(),
         "nothing is drawn with this hair: leave --head-out out"
@@ -55,7 +64,7 @@ pub fn run(args: &Args) -> Result<()> {
     scene.apply(&preset.settings)?;
     // All of it, however far away.
     scene.set_lod(LodOptions { mode: LodMode::Off, ..Default::default() })?;
-    scene.reset(&Pose::IDENTITY)?;
+    scene.reset(&Gesture::default())?;
     let strands = drawn(&scene)?;
     let encoded = export::encode(&strands, format, true)?;
     files::write(&args.out, &encoded.bytes)?;
@@ -65,8 +74,16 @@ pub fn run(args: &Args) -> Result<()> {
         write!(said, "\n  {note}")?;
     }
     if let (Some(path), Some(head)) = (&args.head_out, &head) {
-        files::write(path, obj(head).as_bytes())?;
         write!(said, "\n{}: {} triangles", path.display(), head.triangles.len())?;
+        if is_glb {
+            files::write(path, &export::glb::body(head, rig.as_ref())?)?;
+            if let Some(rig) = &rig {
+                let (joints, shapes) = (rig.joints.len(), rig.targets.len());
+                write!(said, ", {joints} joints, {shapes} shapes, {} animations", rig.animations.len())?;
+            }
+        } else {
+            files::write(path, obj(head).as_bytes())?;
+        }
     }
     drop(preparing);
     say!("{said}");

@@ -14,7 +14,7 @@ use tresses::{
     views::DebugView,
     volume::{HairHair, HairHairMode},
 };
-use tresses_scene::{Motion, Shot, Viewpoint, camera::Angle};
+use tresses_scene::{Motion, Shot, Viewpoint, camera::Angle, motion::NAMES};
 
 /// The longest animation, frames.
 const MAX_FRAMES: u32 = 100_000;
@@ -26,7 +26,7 @@ const MAX_FRAMES: u32 = 100_000;
 pub struct Args {
     #[command(flatten)]
     pub settings: SettingsArgs,
-    /// How the head moves: still, nod, turn, shake, or a keyframe file (.json)
+    /// How the character moves: still, nod, turn, shake, walk, dance, or a keyframe file (.json)
     #[arg(long, value_name = "NAME", default_value = "still", help_heading = "Picture")]
     pub motion: String,
     /// How the head's body moves: the name of an animation in its file (.glb, .gltf)
@@ -47,6 +47,9 @@ pub struct Args {
     /// Where the camera stands
     #[arg(long, value_name = "NAME", value_enum, default_value_t, help_heading = "Picture")]
     pub camera: Angle,
+    /// The camera goes with the head, wherever a motion or an animation takes it
+    #[arg(long, help_heading = "Picture", hide_short_help = true)]
+    pub follow: bool,
     /// Distance of the camera: close, normal, far, or a magnification
     #[arg(long, value_name = "FACTOR", default_value = "normal", value_parser = args::zoom, help_heading = "Picture")]
     pub zoom: f32,
@@ -93,7 +96,7 @@ pub fn run(args: &Args) -> Result<()> {
     let moves = known > 1 || args.animation.is_some();
     let open = if moves { Photographer::open } else { Photographer::open_still };
     let mut scene = open(&preset, args.size)?;
-    let period = bend(&mut scene, args)?.unwrap_or(motion.duration());
+    let period = bend(&mut scene, &motion, args)?.unwrap_or(motion.duration());
     let frames = frames(period)?;
     scene.show(&args.debug)?;
     let camera = Viewpoint::portrait(args.camera, scene.subject(), args.size.aspect(), args.zoom);
@@ -105,9 +108,11 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 /// Gives the body its motion and its shapes, as `args` have them; how long the motion is, seconds, if there is one.
-fn bend(scene: &mut Photographer, args: &Args) -> Result<Option<f64>> {
+fn bend(scene: &mut Photographer, motion: &Motion, args: &Args) -> Result<Option<f64>> {
+    // Built-in motions name shapes of the built-in character, which others need not have.
+    let keyed = motion.shapes().filter(|_| !NAMES.contains(&args.motion.as_str()));
     let Some(living) = &mut scene.living else {
-        let wanted = args.animation.is_some() || !args.morphs.is_empty();
+        let wanted = args.animation.is_some() || !args.morphs.is_empty() || keyed.count() > 0;
         ensure!(
             !wanted,
             "the head has no animations and no shapes: give one that has by --head (.glb, .gltf)"
@@ -115,6 +120,7 @@ fn bend(scene: &mut Photographer, args: &Args) -> Result<Option<f64>> {
         return Ok(None);
     };
     living.set_animation(args.animation.as_deref())?;
+    keyed.map(|name| living.find_shape(name)).collect::<Result<Vec<_>>>()?;
     for (name, weight) in &args.morphs {
         living.set_shape(name, *weight)?;
     }
@@ -135,7 +141,8 @@ fn record(
         && (motion.repeats() || args.animation.is_some())
         && (f64::from(frames) / args.fps - period).abs() < 0.5 / args.fps;
     let lead = if is_loop { -period } else { 0.0 };
-    animate(scene, shot, motion, Times { frames, fps: args.fps, lead }, &mut output)?;
+    let shot = if args.follow { shot.following(scene.subject()) } else { *shot };
+    animate(scene, &shot, motion, Times { frames, fps: args.fps, lead }, &mut output)?;
     output.finish()
 }
 
@@ -186,21 +193,24 @@ fn play(
     let last = times.frames.max(2) - 1;
     let at = |frame: u32| shot.at(if times.frames == 1 { 1.0 } else { frame as f32 / last as f32 });
     scene.watch(&at(0));
-    scene.reset(&motion.pose(time, pivot))?;
+    scene.reset(&motion.gesture(time, pivot))?;
     let lead_frames = (-times.lead * times.fps).round().max(0.0) as u64;
     let bar = progress::frames(work, lead_frames + u64::from(times.frames));
     for _ in 0..lead_frames {
         time += step;
-        scene.advance(&motion.pose(time, pivot), step as f32)?;
+        scene.advance(&motion.gesture(time, pivot), step as f32)?;
         bar.inc(1);
     }
     for frame in 0..times.frames {
         let camera = at(frame);
         if frame > 0 {
-            scene.watch(&camera);
-            scene.advance(&motion.pose(f64::from(frame) * step, pivot), step as f32)?;
+            // The level of detail is that of where the head was.
+            let head = scene.head();
+            scene.watch(&shot.with(&camera, &head));
+            scene.advance(&motion.gesture(f64::from(frame) * step, pivot), step as f32)?;
         }
-        each(scene, frame, &camera)?;
+        let head = scene.head();
+        each(scene, frame, &shot.with(&camera, &head))?;
         bar.inc(1);
     }
     bar.finish_and_clear();

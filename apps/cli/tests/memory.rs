@@ -102,7 +102,7 @@ fn work() {
     scene.apply(&settings).expect("settings are in their ranges");
     let motion = Motion::named("turn").expect("a built-in motion");
     let pivot = scene.pivot();
-    scene.reset(&motion.pose(0.0, pivot)).expect("the hair comes to rest");
+    scene.reset(&motion.gesture(0.0, pivot)).expect("the hair comes to rest");
     let (mut leaked, mut before) = (Vec::new(), 0);
     for frame in 0..frames {
         let turn = (frame / LASTS) as usize;
@@ -114,7 +114,7 @@ fn work() {
         }
         let camera = Viewpoint::portrait(Angle::Front, scene.subject(), 1.6, 1.0);
         scene.watch(&camera);
-        let pose = motion.pose(f64::from(frame) / 24.0, pivot);
+        let pose = motion.gesture(f64::from(frame) / 24.0, pivot);
         scene.advance(&pose, 1.0 / 24.0).expect("a step");
         let mut encoder = scene.gpu.device.create_command_encoder(&Default::default());
         scene.record_draw(&mut encoder, None, &camera).expect("a picture");

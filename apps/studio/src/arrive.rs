@@ -79,13 +79,18 @@ impl Studio {
     fn present(&mut self, context: &egui::Context, ready: Ready) {
         // Of hair that is no longer there.
         self.stop_recording();
-        let Ready { stage, hair, base, surroundings, notes, keep } = ready;
+        let Ready { mut stage, hair, base, surroundings, notes, keep } = ready;
         self.arrived(context, &hair);
         self.pipelines = Some(stage.pipelines.clone());
         if !keep {
             self.orbit.show(stage.subject());
             self.play.reset();
             self.ball = None;
+        } else if let Some(show) = &self.show {
+            stage.seek(show.stage.time());
+            if let (Some(now), Some(before)) = (&mut stage.living, &show.stage.living) {
+                now.go_on(before);
+            }
         }
         match &mut self.show {
             Some(show) => show.replace(stage),

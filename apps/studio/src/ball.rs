@@ -43,15 +43,15 @@ impl Ball {
         Self { at, velocity: Vec3::ZERO, floor: lo.y - BELOW }
     }
 
-    /// The ball `seconds` later; `None` when it has left the picture. `head`: its field (groom space, metres)
-    /// and its pose.
-    pub fn advanced(mut self, seconds: f32, head: Option<(&SdfGrid, &Pose)>) -> Option<Self> {
+    /// The ball `seconds` later; `None` when it has left the picture. `solids`: what it rolls off,
+    /// distance fields (metres) and their poses.
+    pub fn advanced(mut self, seconds: f32, solids: &[(&SdfGrid, Pose)]) -> Option<Self> {
         let steps = (seconds / STEP).ceil().max(1.0);
         let h = seconds / steps;
         for _ in 0..steps as u32 {
             self.velocity.y -= GRAVITY * h;
             self.at += self.velocity * h;
-            if let Some((field, pose)) = head {
+            for (field, pose) in solids {
                 self.touch(field, pose, h);
             }
         }
@@ -83,10 +83,10 @@ mod tests {
     #[test]
     fn it_falls_as_things_do() {
         let ball = Ball::dropped(SUBJECT, 0);
-        let later = ball.advanced(0.2, None).unwrap();
+        let later = ball.advanced(0.2, &[]).unwrap();
         let fallen = ball.at.y - later.at.y;
         assert!((fallen - 0.5 * GRAVITY * 0.04).abs() < 0.003, "{fallen}");
-        assert_eq!(ball.advanced(1.0, None), None, "it leaves the picture");
+        assert_eq!(ball.advanced(1.0, &[]), None, "it leaves the picture");
     }
 
     #[test]
@@ -98,7 +98,7 @@ mod tests {
             let mut ball = Some(Ball::dropped(subject, number));
             let mut frames = 0;
             while let Some(now) = ball {
-                ball = now.advanced(1.0 / 60.0, Some((&field, &Pose::IDENTITY)));
+                ball = now.advanced(1.0 / 60.0, &[(&field, Pose::IDENTITY)]);
                 frames += 1;
             }
             println!("{number}: {frames}");
@@ -118,7 +118,7 @@ mod tests {
             let mut frames = 0;
             while let Some(now) = ball {
                 assert!(now.at.distance(middle) > 0.12 + RADIUS - 2e-3, "{number}: {now:?}");
-                ball = now.advanced(1.0 / 60.0, Some((&field, &pose)));
+                ball = now.advanced(1.0 / 60.0, &[(&field, pose)]);
                 frames += 1;
                 assert!(frames < 600, "it comes off: {now:?}");
             }

@@ -8,7 +8,8 @@ use crate::{
 };
 use eframe::egui;
 use std::time::Duration;
-use tresses::{Pose, glam::Vec3};
+use tresses::glam::Vec3;
+use tresses_scene::Gesture;
 use web_time::Instant;
 
 /// The longest stretch of hair's time that one frame moves on by, seconds: on a GPU, on a software driver.
@@ -92,14 +93,14 @@ impl Studio {
         let drawn = self.show.as_ref().and_then(Show::picture).map(|picture| picture.level);
         let again = !due && self.view.is_none() && drawn.is_some_and(|drawn| drawn.is_only_smoothed(level));
         self.dress(level);
-        let (pose, camera, size) = (self.pose(), self.orbit.camera(), self.size_at(level));
+        let (gesture, camera, size) = (self.gesture(), self.orbit.camera(), self.size_at(level));
         let ssaa = self.ssaa_at(level, size);
         let Some(show) = &mut self.show else { return };
-        let field = show.stage.field.as_ref().map(|field| (field, &pose));
-        self.ball = self.ball.and_then(|ball| ball.advanced(seconds, field));
+        let solids = show.stage.solids();
+        self.ball = self.ball.and_then(|ball| ball.advanced(seconds, &solids));
         let ball = self.ball.map(|ball| ball.at);
         let (level, parts) = (*level, self.pace.is_long(level));
-        let moment = Moment { pose, seconds, camera, size, ssaa, ball, again, level, parts };
+        let moment = Moment { gesture, seconds, camera, size, ssaa, ball, again, level, parts };
         self.dirty = false;
         if let Err(error) = show.draw(&self.state, context, &moment) {
             self.error = Some(format!("{error:#}"));
@@ -171,10 +172,10 @@ impl Studio {
         }
     }
 
-    /// The pose of the head now.
-    pub(crate) fn pose(&self) -> Pose {
+    /// What the character does now.
+    pub(crate) fn gesture(&self) -> Gesture {
         let pivot = self.pivot();
-        self.hand.apply(&self.play.pose(pivot), pivot)
+        self.hand.apply(self.play.gesture(pivot), pivot)
     }
 
     /// What the head turns about, metres.

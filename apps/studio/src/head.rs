@@ -5,6 +5,7 @@ use tresses::{
     glam::{Quat, Vec2, Vec3},
     groom::SdfGrid,
 };
+use tresses_scene::Gesture;
 
 /// How fast a held head follows, rad/s.
 const HELD: f32 = 22.0;
@@ -97,12 +98,13 @@ impl Hand {
         }
     }
 
-    /// `pose`, as the hand has it; turns are about `pivot` (groom space, metres).
-    pub fn apply(&self, pose: &Pose, pivot: Vec3) -> Pose {
+    /// `gesture`, as the hand has it: it shifts the body, and turns the head about `pivot` (groom space, metres).
+    pub fn apply(&self, mut gesture: Gesture, pivot: Vec3) -> Gesture {
         let [yaw, pitch, _] = self.turn.at.to_array();
-        let turned =
-            pose.after(&Pose::about(pivot, Quat::from_rotation_y(yaw) * Quat::from_rotation_x(pitch)));
-        Pose { translation: turned.translation + self.shift.at, ..turned }
+        let turn = Pose::about(pivot, Quat::from_rotation_y(yaw) * Quat::from_rotation_x(pitch));
+        gesture.head = gesture.head.after(&turn);
+        gesture.body.translation += self.shift.at;
+        gesture
     }
 }
 
@@ -137,12 +139,12 @@ mod tests {
             hand.advance(1.0 / 60.0);
         }
         let pivot = Vec3::Y * 1.5;
-        assert!((hand.apply(&Pose::IDENTITY, pivot).translation.x - 0.1).abs() < 1e-3);
+        assert!((hand.apply(Gesture::default(), pivot).rigid().translation.x - 0.1).abs() < 1e-3);
         hand.release();
         let mut least = 0.0f32;
         for _ in 0..300 {
             hand.advance(1.0 / 60.0);
-            least = least.min(hand.apply(&Pose::IDENTITY, pivot).translation.x);
+            least = least.min(hand.apply(Gesture::default(), pivot).rigid().translation.x);
         }
         assert!(least < -0.005, "it swings past its place: {least}");
         assert!(hand.is_still() && hand == Hand::default());
@@ -155,7 +157,7 @@ mod tests {
         hand.drag(Vec3::X);
         for _ in 0..20 {
             hand.advance(3.0);
-            assert!(hand.apply(&Pose::IDENTITY, Vec3::ZERO).translation.x <= REACH + 1e-3);
+            assert!(hand.apply(Gesture::default(), Vec3::ZERO).rigid().translation.x <= REACH + 1e-3);
         }
     }
 

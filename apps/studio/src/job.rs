@@ -5,11 +5,11 @@ use anyhow::Result;
 use eframe::egui;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tresses::{
-    Pipelines, Pose, Progress,
+    Pipelines, Progress,
     gpu::Gpu,
     groom::{import::ImportOptions, styles::Style},
 };
-use tresses_scene::{Base, Quality, Scene, Settings, Surroundings};
+use tresses_scene::{Base, Gesture, Quality, Scene, Settings, Surroundings};
 
 /// Size of the very first picture, which nobody sees, pixels.
 const FIRST: [u32; 2] = [487, 305];
@@ -240,7 +240,7 @@ fn first_picture(stage: &mut Scene) -> Result<()> {
     let camera = tresses_scene::Viewpoint::portrait(Default::default(), stage.subject(), 1.0, 1.0);
     stage.hair.reset();
     for seconds in [0.0, 1.0 / 60.0] {
-        stage.record_advance(&mut encoder, None, &Pose::IDENTITY, seconds)?;
+        stage.record_advance(&mut encoder, None, &Gesture::default(), seconds)?;
     }
     stage.record_draw(&mut encoder, None, &camera)?;
     stage.gpu.queue.submit([encoder.finish()]);

@@ -37,11 +37,11 @@ impl Studio {
     fn draw_in_full(&mut self, context: &egui::Context) -> Result<()> {
         let level = self.pace.finest();
         self.dress(level);
-        let (pose, camera, size) = (self.pose(), self.orbit.camera(), self.size_at(level));
+        let (gesture, camera, size) = (self.gesture(), self.orbit.camera(), self.size_at(level));
         let (ssaa, ball) = (self.ssaa_at(level, size), self.ball.map(|ball| ball.at));
         let (again, level, parts) = (false, *level, self.pace.is_long(level));
         let Some(show) = &mut self.show else { return Ok(()) };
-        let moment = Moment { pose, seconds: 0.0, camera, size, ssaa, ball, again, level, parts };
+        let moment = Moment { gesture, seconds: 0.0, camera, size, ssaa, ball, again, level, parts };
         show.draw(&self.state, context, &moment)
     }
 }

@@ -1,7 +1,7 @@
 //! Time: what plays, how fast, and where the motion is.
 
-use tresses::{Pose, glam::Vec3};
-use tresses_scene::motion::Motion;
+use tresses::glam::Vec3;
+use tresses_scene::motion::{Gesture, Motion};
 
 /// What a single step takes, seconds.
 pub const STEP: f32 = 1.0 / 60.0;
@@ -102,18 +102,20 @@ impl Play {
         self.motion.as_ref().map_or(1.0, Motion::duration)
     }
 
-    /// The head's pose now; it turns about `pivot`.
-    pub fn pose(&self, pivot: Vec3) -> Pose {
-        let now = self.motion.as_ref().map_or(Pose::IDENTITY, |motion| motion.pose(self.time, pivot));
+    /// What the character does now; its head turns about `pivot`.
+    pub fn gesture(&self, pivot: Vec3) -> Gesture {
+        let now =
+            self.motion.as_ref().map_or_else(Gesture::default, |motion| motion.gesture(self.time, pivot));
         let Some((before, at, done)) = &self.leaving else { return now };
         // Both go on meanwhile: velocities are continuous too.
-        before.pose(*at, pivot).lerp(&now, done * done * (3.0 - 2.0 * done))
+        before.gesture(*at, pivot).lerp(&now, done * done * (3.0 - 2.0 * done))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tresses::Pose;
 
     #[test]
     fn another_motion_does_not_jerk_the_head() {
@@ -122,23 +124,23 @@ mod tests {
         let run = |play: &mut Play, steps: u32| {
             let mut most = 0.0f32;
             for _ in 0..steps {
-                let before = play.pose(pivot).rotation;
+                let before = play.gesture(pivot).rigid().rotation;
                 play.advance(STEP, 1.0);
-                most = most.max(before.angle_between(play.pose(pivot).rotation));
+                most = most.max(before.angle_between(play.gesture(pivot).rigid().rotation));
             }
             most
         };
         let usual = run(&mut play.clone(), 300);
         run(&mut play, 30);
-        let turned = play.pose(pivot).rotation.angle_between(Pose::IDENTITY.rotation);
+        let turned = play.gesture(pivot).rigid().rotation.angle_between(Pose::IDENTITY.rotation);
         play.choose("still");
         let fastest = run(&mut play, 60);
-        assert_eq!(play.pose(pivot), Pose::IDENTITY);
+        assert_eq!(play.gesture(pivot).rigid(), Pose::IDENTITY);
         assert!(turned > 3.0 * usual, "a jump would be seen: {turned}, {usual} radians");
         assert!(fastest < 1.5 * usual, "{fastest} radians in a step, {usual} in the motion itself");
         play.choose("turn");
         play.reset();
-        assert_eq!(play.pose(pivot), Pose::IDENTITY);
+        assert_eq!(play.gesture(pivot).rigid(), Pose::IDENTITY);
     }
 
     #[test]

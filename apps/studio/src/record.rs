@@ -90,10 +90,17 @@ impl Recording {
 }
 
 impl Studio {
+    /// Seconds after which everything begins anew: the body's animation where it has one, else the motion.
+    pub(crate) fn period(&self) -> f64 {
+        let living = self.show.as_ref().and_then(|show| show.stage.living.as_ref());
+        let animation = living.and_then(|living| living.duration()).filter(|length| *length > 0.0);
+        animation.map_or_else(|| self.play.period(), f64::from)
+    }
+
     /// Starts to record as the wish has it.
     pub(crate) fn record(&mut self, context: &egui::Context) {
+        let (wish, period) = (self.wish, self.period());
         let Some(show) = &mut self.show else { return };
-        let (wish, period) = (self.wish, self.play.period());
         let frames = wish.frames(period);
         let encoder = Encoder::new(context, &self.dialogs, wish, frames);
         // Where a motion is cut before its end there is no loop to be closed.
@@ -173,10 +180,10 @@ impl Studio {
         self.play.time = f64::from(recording.next) * step;
         let seconds = if recording.next == 0 { 0.0 } else { step as f32 };
         self.dress(level);
-        let (pose, camera) = (self.pose(), self.orbit.camera());
+        let (gesture, camera) = (self.gesture(), self.orbit.camera());
         let (level, parts) = (*level, self.gpu.tier.software && kept);
         let Some(show) = &mut self.show else { return Ok(false) };
-        let moment = Moment { pose, seconds, camera, size, ssaa, ball: None, again: false, level, parts };
+        let moment = Moment { gesture, seconds, camera, size, ssaa, ball: None, again: false, level, parts };
         show.draw(&self.state, context, &moment)?;
         (recording.kept, recording.next) = (kept, recording.next + 1);
         Ok(true)

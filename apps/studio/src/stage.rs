@@ -10,18 +10,17 @@ use anyhow::Result;
 use eframe::{egui, egui_wgpu::RenderState};
 use std::time::Duration;
 use tresses::{
-    Pose,
     glam::Vec3,
     gpu::{Timings, readback::Pending, timings::Rows},
 };
-use tresses_scene::{Facts, Scene, Viewpoint};
+use tresses_scene::{Facts, Gesture, Scene, Viewpoint};
 use web_time::Instant;
 
 /// What a frame is made for.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Moment {
-    /// Where the head is.
-    pub pose: Pose,
+    /// What the character does.
+    pub gesture: Gesture,
     /// Seconds of hair since the frame before.
     pub seconds: f32,
     /// Who looks.
@@ -188,7 +187,12 @@ impl Show {
         if moment.again {
             self.stage.record_redraw(&mut encoder, timings.as_deref_mut())?;
         } else {
-            self.stage.record_advance(&mut encoder, timings.as_deref_mut(), &moment.pose, moment.seconds)?;
+            self.stage.record_advance(
+                &mut encoder,
+                timings.as_deref_mut(),
+                &moment.gesture,
+                moment.seconds,
+            )?;
             self.stage.place_colliders();
             self.stage.record_draw(&mut encoder, timings.as_deref_mut(), &moment.camera)?;
         }

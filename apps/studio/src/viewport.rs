@@ -76,9 +76,9 @@ fn place(rect: Rect, at: Pos2) -> Vec2 {
 
 /// How far the head under the pointer is, metres.
 fn head_under(studio: &Studio, rect: Rect, at: Pos2) -> Option<f32> {
-    let field = studio.show.as_ref()?.stage.field.as_ref()?;
+    let stage = &studio.show.as_ref()?.stage;
     let (eye, direction) = studio.orbit.ray(place(rect, at));
-    head::hit(field, &studio.pose(), eye, direction)
+    head::hit(stage.field.as_ref()?, &stage.head(), eye, direction)
 }
 
 fn pointer(studio: &mut Studio, ui: &Ui, response: &Response) {

@@ -2,7 +2,7 @@
 
 use std::{path::Path, sync::Arc};
 use tresses::{
-    Pipelines, Pose,
+    Pipelines,
     glam::Vec3,
     gpu::{Gpu, Timings},
     groom::styles::Style,
@@ -10,7 +10,10 @@ use tresses::{
     present::Background,
 };
 use tresses_scene::{
-    Base, Colliders, Quality, Scene, Settings, Viewpoint, camera::Angle, measure::Measured, motion::Motion,
+    Base, Colliders, Quality, Scene, Settings, Viewpoint,
+    camera::Angle,
+    measure::Measured,
+    motion::{Gesture, Motion},
     settings::HairColor,
 };
 use tresses_studio::{
@@ -62,7 +65,7 @@ fn picture(stage: &mut Scene, settings: &Settings, level: &Level, view: Angle) -
     let mut encoder = stage.gpu.device.create_command_encoder(&Default::default());
     stage.watch(&camera);
     stage.rewind();
-    stage.record_advance(&mut encoder, None, &Pose::IDENTITY, 0.0).unwrap();
+    stage.record_advance(&mut encoder, None, &Gesture::default(), 0.0).unwrap();
     stage.record_draw(&mut encoder, None, &camera).unwrap();
     stage.gpu.queue.submit([encoder.finish()]);
     pollster::block_on(stage.targets().read(&stage.gpu.device, &stage.gpu.queue)).unwrap()
@@ -122,7 +125,7 @@ fn a_frame_in_parts_is_the_same_picture() {
         let (mut apart, mut encoder) =
             (Timings::of_parts(), device.create_command_encoder(&Default::default()));
         let mut timings = leave.map(|_| &mut apart);
-        stage.record_advance(&mut encoder, timings.as_deref_mut(), &Pose::IDENTITY, 0.0).unwrap();
+        stage.record_advance(&mut encoder, timings.as_deref_mut(), &Gesture::default(), 0.0).unwrap();
         stage.record_draw(&mut encoder, timings, &camera).unwrap();
         let mut parts = apart.parts();
         parts.push(encoder.finish());
@@ -166,7 +169,7 @@ fn what_a_level_takes() {
             (if level.ssaa > 1 { 6 } else { 40 }, Vec::<(&str, f64)>::new(), 0.0);
         for frame in 0..frames {
             level.dress(&mut stage, &settings).unwrap();
-            let pose = motion.pose(f64::from(frame) / 30.0, stage.pivot());
+            let pose = motion.gesture(f64::from(frame) / 30.0, stage.pivot());
             let Measured { wall: all, stages, .. } =
                 stage.measured_frame(&pose, 1.0 / 30.0, &camera).unwrap();
             if frame < frames / 2 {

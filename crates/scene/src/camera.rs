@@ -1,6 +1,6 @@
 //! Portrait cameras: positions from which the head and its hair fill the picture.
 
-use tresses::glam::Vec3;
+use tresses::{Pose, glam::Vec3};
 
 /// The vertical field of view of every camera, radians: a portrait lens.
 pub const VERTICAL_FOV: f32 = 30.0 / 180.0 * std::f32::consts::PI;
@@ -117,17 +117,30 @@ pub struct Shot {
     from: Viewpoint,
     /// Metres.
     to: f32,
+    /// The middle of the head at rest, with which it goes, if it does.
+    follows: Option<Vec3>,
 }
 
 impl Shot {
     /// One that stays.
     pub fn still(camera: Viewpoint) -> Self {
-        Self { to: camera.distance(), from: camera }
+        Self { to: camera.distance(), from: camera, follows: None }
     }
 
     /// One that ends `to` metres away.
     pub fn moving(camera: Viewpoint, to: f32) -> Self {
-        Self { from: camera, to }
+        Self { from: camera, to, follows: None }
+    }
+
+    /// The same shot, which goes with a head whose picture `subject` fills at rest.
+    pub fn following(&self, subject: Bounds) -> Self {
+        Self { follows: Some(0.5 * (subject.0 + subject.1)), ..*self }
+    }
+
+    /// A camera of the shot, where `head` takes it. It does not turn with the head.
+    pub fn with(&self, camera: &Viewpoint, head: &Pose) -> Viewpoint {
+        let by = self.follows.map_or(Vec3::ZERO, |middle| head.point(middle) - middle);
+        Viewpoint { eye: camera.eye + by, target: camera.target + by }
     }
 
     /// At the time `t` of the shot, 0 to 1: in equal times the distance changes by equal factors.

@@ -1,7 +1,7 @@
 //! A groom on a head, from files or built in: first the [`Base`], which is slow to build, then the
 //! [`Character`] whose strands are grown or restyled on it.
 
-use crate::living::Anatomy;
+use crate::{colliders::Field, living::Anatomy};
 use anyhow::{Context, Result};
 use std::{borrow::Cow, path::PathBuf};
 use tresses::{
@@ -58,8 +58,10 @@ pub struct Character {
     pub groom: Groom,
     /// What is drawn with the hair.
     pub head: Option<TriMesh>,
-    /// What the hair collides with.
+    /// What the hair collides with: the head, and all that is one piece with it.
     pub field: Option<SdfGrid>,
+    /// What the hair lies on at rest, where that is more.
+    pub rest: Option<SdfGrid>,
     /// The neck joint, metres.
     pub neck: Vec3,
     /// What bends the head and what is below it, where something does.
@@ -71,6 +73,11 @@ pub struct Character {
 }
 
 impl Character {
+    /// The distance field of all of it as one piece.
+    pub fn whole(&self) -> Option<&SdfGrid> {
+        self.rest.as_ref().or(self.field.as_ref())
+    }
+
     /// The middle of the braincase, metres.
     pub fn skull(&self) -> Vec3 {
         self.neck + SKULL_ABOVE_NECK
@@ -149,10 +156,11 @@ impl Base {
     ) -> Result<Self> {
         let head = mannequin::mesh_with(mannequin::RESOLUTION, progress).await;
         let (styled, scalp) = drape::settled(&gpu.device, &gpu.queue, simulate, style, progress).await?;
+        let anatomy = Some(Anatomy::built_in(&head, &scalp.field));
         Ok(Self {
             head: Some(head),
             neck: mannequin::NECK_JOINT,
-            anatomy: None,
+            anatomy,
             hair: Hair::BuiltIn { style: *style, styled, scalp },
             notes: Vec::new(),
             report: None,
@@ -185,7 +193,10 @@ impl Base {
             _ => None,
         };
         // Of a body that bends only what the hair goes with is rigid.
-        let rigid = anatomy.as_ref().map(|anatomy| &anatomy.head.mesh).or(head.as_ref());
+        let rigid = match anatomy.as_ref().map(|anatomy| &anatomy.head.field) {
+            Some(Field::Mesh(mesh, _)) => Some(mesh),
+            _ => head.as_ref(),
+        };
         let field =
             match rigid {
                 Some(head) => {
@@ -260,7 +271,15 @@ impl Base {
             groom.guides.stiffen(map, skull);
         }
         let (head, levels, anatomy) = (self.head.clone(), styling.levels.clone(), self.anatomy.clone());
-        Ok(Character { groom, head, field, neck: self.neck, anatomy, levels, notes })
+        let part = anatomy.as_ref().and_then(|anatomy| match &anatomy.head.field {
+            Field::Grid(part) => Some(part.clone()),
+            Field::Mesh(..) => None,
+        });
+        let (field, rest) = match part {
+            Some(part) => (Some(part), field),
+            None => (field, None),
+        };
+        Ok(Character { groom, head, field, rest, neck: self.neck, anatomy, levels, notes })
     }
 }
 

@@ -24,7 +24,7 @@ use tresses::{
     body::BodyMaterial,
     collide::{Anchor, Collider, ColliderPoses, FieldBuilder, FieldId, FieldSource, Shape},
     glam::Vec3,
-    groom::{TriMesh, import, mesh::SdfOptions},
+    groom::{SdfGrid, TriMesh, import, mesh::SdfOptions},
 };
 
 #[derive(Deserialize)]
@@ -75,6 +75,15 @@ enum Form {
     },
 }
 
+/// What a distance field comes from.
+#[derive(Clone, Debug)]
+pub enum Field {
+    /// A mesh in the collider's frame, metres; it is made on the GPU.
+    Mesh(TriMesh, SdfOptions),
+    /// It is known.
+    Grid(SdfGrid),
+}
+
 /// The obstacles of one file.
 #[derive(Default)]
 pub struct Colliders {
@@ -83,7 +92,7 @@ pub struct Colliders {
     /// What each looks like, in its own frame.
     pub looks: Vec<TriMesh>,
     motions: Vec<Motion>,
-    fields: Vec<(TriMesh, SdfOptions)>,
+    fields: Vec<Field>,
     /// How many of the list, behind those of the file, are parts of a body that bends.
     parts: usize,
     /// The middle of a ball, which is the last of the list, metres.
@@ -127,7 +136,7 @@ impl Colliders {
                     false => import::mesh::read(&path)?.mesh,
                 };
                 let options = SdfOptions { resolution: resolution.unwrap_or(64), ..Default::default() };
-                self.fields.push((mesh.clone(), options));
+                self.fields.push(Field::Mesh(mesh.clone(), options));
                 (Shape::Field(FieldId(self.fields.len() as u32 - 1)), mesh)
             }
         };
@@ -136,6 +145,8 @@ impl Colliders {
             Base::World => Anchor::World,
             Base::Head => Anchor::Head,
         };
+        let is_rigid = |key: &Key| key.lean == [0.0; 3] && key.shapes.is_empty();
+        ensure!(entry.keys.iter().all(is_rigid), "only a character leans and has shapes");
         self.motions.push(Motion::keyed(entry.keys, entry.repeats)?);
         self.list.push(Collider { shape, anchor, friction: entry.friction });
         self.looks.push(look);
@@ -143,7 +154,7 @@ impl Colliders {
     }
 
     /// Adds parts of a body that bends, in metres: obstacles that are not drawn, for the body is.
-    pub fn add_parts(&mut self, parts: impl IntoIterator<Item = (TriMesh, SdfOptions)>) {
+    pub fn add_parts(&mut self, parts: impl IntoIterator<Item = Field>) {
         for part in parts {
             self.fields.push(part);
             self.list.push(Collider::new(Shape::Field(FieldId(self.fields.len() as u32 - 1))));
@@ -152,10 +163,21 @@ impl Colliders {
         }
     }
 
+    /// The fields of the parts of a body, where they are known.
+    pub fn parts(&self) -> impl Iterator<Item = Option<&SdfGrid>> {
+        let first = self.fields.len() - self.parts;
+        self.fields[first..].iter().map(|field| match field {
+            Field::Grid(grid) => Some(grid),
+            Field::Mesh(..) => None,
+        })
+    }
+
     /// The distance fields of the meshes.
     pub fn fields<'a>(&'a self, builder: &'a FieldBuilder) -> Vec<FieldSource<'a>> {
-        let source =
-            |(mesh, options): &'a (TriMesh, SdfOptions)| FieldSource::Mesh { builder, mesh, options };
+        let source = |field: &'a Field| match field {
+            Field::Mesh(mesh, options) => FieldSource::Mesh { builder, mesh, options },
+            Field::Grid(grid) => FieldSource::Grid(grid),
+        };
         self.fields.iter().map(source).collect()
     }
 
@@ -292,6 +314,9 @@ mod tests {
         bad("{}");
         bad(r#"{"colliders": [{"shape": {"cone": {}}, "keys": [{"time": 0}]}]}"#);
         bad(r#"{"colliders": [{"shape": {"capsule": {"radius": 0.1}}, "keys": []}]}"#);
+        bad(
+            r#"{"colliders": [{"shape": {"capsule": {"radius": 0.1}}, "keys": [{"time": 0, "lean": [1, 0, 0]}]}]}"#,
+        );
         bad(r#"{"colliders": [{"shape": {"mesh": {"file": "nowhere.obj"}}, "keys": [{"time": 0}]}]}"#);
     }
 }

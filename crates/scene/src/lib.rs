@@ -25,7 +25,7 @@ pub use companions::{Companion, Companions, Shelf, Surroundings};
 pub use history::History;
 pub use knobs::{Knob, Value};
 pub use living::{Anatomy, Living};
-pub use motion::Motion;
+pub use motion::{Gesture, Motion};
 pub use preset::Preset;
 pub use scene::{Facts, Quality, Scene};
 pub use settings::{Change, Changes, Settings};

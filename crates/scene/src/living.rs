@@ -13,26 +13,30 @@ use tresses::{
     glam::{Mat4, Quat, Vec3},
     gpu::Gpu,
     groom::{
-        Strands, TriMesh,
+        SdfGrid, Strands, TriMesh, mannequin,
         mesh::{Bvh, SdfOptions},
         rig::{Rig, RigPose},
     },
     skinning::Skinning,
 };
 
+use crate::{colliders::Field, motion::Gesture};
+
 /// The most parts besides the head.
 const MOST_PARTS: usize = 24;
 /// Nodes along the longest side of a part's field, and the fewest triangles that are worth one.
 const FINE: u32 = 40;
 const LEAST: usize = 12;
+/// What a neck has of a turn of the head on it.
+const NECK_SHARE: f32 = 0.4;
 
 /// A part of the body that a node carries.
 #[derive(Clone, Debug)]
 pub struct Part {
     /// Of the rig.
     pub node: u32,
-    /// Its triangles at rest, groom space, metres.
-    pub mesh: TriMesh,
+    /// Its surface at rest, groom space.
+    pub field: Field,
 }
 
 /// A body that bends, and how hair sees it.
@@ -44,9 +48,27 @@ pub struct Anatomy {
     pub head: Part,
     /// The parts near the hair that others carry.
     pub parts: Vec<Part>,
+    /// The nodes that turn when the head does, a parent before its children, each with its share of the turn.
+    pub turns: Vec<(u32, f32)>,
+    /// Whether all roots are known to lie on skin that goes with the head's joint, whatever the pose.
+    pub is_rigid: bool,
 }
 
 impl Anatomy {
+    /// Of the built-in character, whose distance field `bust` is.
+    pub fn built_in(mesh: &TriMesh, bust: &SdfGrid) -> Self {
+        use mannequin::rig;
+        let [torso, neck, head] = rig::parts(bust).map(Field::Grid);
+        let part = |node, field| Part { node, field };
+        Self {
+            rig: rig::rig(mesh),
+            head: part(2, head),
+            parts: vec![part(1, neck), part(0, torso)],
+            turns: rig::SHARES.to_vec(),
+            is_rigid: true,
+        }
+    }
+
     /// Of the body `mesh` (groom space) that `strands` grow on.
     ///
     /// # Errors
@@ -86,28 +108,29 @@ impl Anatomy {
         let reach = reach.fold(0.0f32, f32::max) + 0.05;
         let bounds =
             roots.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
-        let mut parts = Vec::new();
-        let mut own = Part { node: head, mesh: TriMesh::default() };
+        let (mut parts, mut own) = (Vec::new(), TriMesh::default());
         for (node, triangles) in triangles {
-            let part = Part { node, mesh: cut(mesh, &triangles) };
+            let part = cut(mesh, &triangles);
+            let far = apart(bounds, part.bounds());
             if node == head {
                 own = part;
-            } else if triangles.len() >= LEAST && apart(bounds, part.mesh.bounds()) < reach {
-                parts.push(part);
+            } else if triangles.len() >= LEAST && far < reach {
+                parts.push((node, far, part));
             }
         }
-        parts.sort_by(|a, b| {
-            let far = |part: &Part| apart(bounds, part.mesh.bounds());
-            far(a).total_cmp(&far(b)).then(a.node.cmp(&b.node))
-        });
+        parts.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
         parts.truncate(MOST_PARTS);
-        Ok(Self { rig, head: own, parts })
+        let fine = SdfOptions { resolution: FINE, ..Default::default() };
+        let part = |(node, _, mesh)| Part { node, field: Field::Mesh(mesh, fine.clone()) };
+        let parts = parts.into_iter().map(part).collect();
+        let turns = turns(&rig, head);
+        let head = Part { node: head, field: Field::Mesh(own, SdfOptions::default()) };
+        Ok(Self { rig, head, parts, turns, is_rigid: false })
     }
 
     /// What to collide with besides the head.
-    pub fn fields(&self) -> impl Iterator<Item = (TriMesh, SdfOptions)> + '_ {
-        let options = || SdfOptions { resolution: FINE, ..Default::default() };
-        self.parts.iter().map(move |part| (part.mesh.clone(), options()))
+    pub fn fields(&self) -> impl Iterator<Item = Field> + '_ {
+        self.parts.iter().map(|part| part.field.clone())
     }
 }
 
@@ -115,6 +138,15 @@ impl Anatomy {
 fn holder(rig: &Rig, vertex: &tresses::groom::rig::Bind) -> u32 {
     let most = (0..vertex.weights.len()).max_by(|a, b| vertex.weights[*a].total_cmp(&vertex.weights[*b]));
     most.and_then(|i| rig.joints.get(usize::from(vertex.joints[i]))).map_or(0, |joint| joint.node)
+}
+
+/// What turns when the head does: its own node, and before that a neck's, if it hangs from one.
+fn turns(rig: &Rig, head: u32) -> Vec<(u32, f32)> {
+    let neck = rig.nodes[head as usize].parent;
+    match neck.filter(|node| rig.nodes[*node as usize].name.to_lowercase().contains("neck")) {
+        Some(neck) => vec![(neck, NECK_SHARE), (head, 1.0 - NECK_SHARE)],
+        None => vec![(head, 1.0)],
+    }
 }
 
 /// Whether `node` is `head` or below it.
@@ -166,7 +198,7 @@ pub struct Living {
     skinning: Skinning,
     rest: RigPose,
     animation: Option<usize>,
-    /// How much there is of shapes, instead of what the motion says.
+    /// How much there is of shapes, whatever motions and gestures say.
     shapes: Vec<(usize, f32)>,
 }
 
@@ -227,14 +259,50 @@ impl Living {
         if !weight.is_finite() {
             bail!("the weight of the shape {name:?} is no number");
         }
-        let Some(shape) = self.anatomy.rig.target(name) else {
-            let names: Vec<_> = self.shapes().collect();
-            let there = if names.is_empty() { "none".into() } else { names.join(", ") };
-            bail!("the body has no shape {name:?}; it has {there}");
-        };
+        let shape = self.find_shape(name)?;
         self.shapes.retain(|(other, _)| *other != shape);
         self.shapes.push((shape, weight));
         Ok(())
+    }
+
+    /// The number of the shape of this name.
+    ///
+    /// # Errors
+    /// One sentence with the names that there are.
+    pub fn find_shape(&self, name: &str) -> Result<usize> {
+        self.anatomy.rig.target(name).with_context(|| {
+            let names: Vec<_> = self.shapes().collect();
+            let there = if names.is_empty() { "none".into() } else { names.join(", ") };
+            format!("the body has no shape {name:?}; it has {there}")
+        })
+    }
+
+    /// The name of its motion; `None` while it stands still.
+    pub fn animation(&self) -> Option<&str> {
+        self.animation.map(|i| self.anatomy.rig.animations[i].name.as_str())
+    }
+
+    /// How much there is of a shape, by its number, where that has been [set](Self::set_shape).
+    pub fn shape(&self, number: usize) -> Option<f32> {
+        self.shapes.iter().find(|(shape, _)| *shape == number).map(|(_, weight)| *weight)
+    }
+
+    /// From here on motions say how much there is of a shape, by its number.
+    pub fn free_shape(&mut self, number: usize) {
+        self.shapes.retain(|(shape, _)| *shape != number);
+    }
+
+    /// Does what `other` does, as far as it can: the same body with other hair.
+    pub fn go_on(&mut self, other: &Self) {
+        // What it does not have it does not do.
+        self.animation = None;
+        if let Some(name) = other.animation() {
+            let _ = self.set_animation(Some(name));
+        }
+        self.shapes.clear();
+        for (shape, weight) in &other.shapes {
+            let _ = self.set_shape(&other.anatomy.rig.targets[*shape].name, *weight);
+        }
     }
 
     /// How long its motion is, s; `None` while it stands still.
@@ -242,16 +310,23 @@ impl Living {
         self.animation.map(|i| self.anatomy.rig.animations[i].length)
     }
 
-    /// Brings `body` to where it is at `time`, s.
+    /// Brings `body` to where it is at `time`, s, while it makes a gesture. A shape that the gesture names and the body
+    /// does not have is none of its own.
     ///
     /// # Errors
     /// When the body is another's.
-    pub fn pose(&self, gpu: &Gpu, time: f64, body: &mut Body) -> Result<Stance> {
+    pub fn pose(&mut self, gpu: &Gpu, time: f64, gesture: &Gesture, body: &mut Body) -> Result<Stance> {
         let rig = &self.anatomy.rig;
         let animation = self.animation.map(|i| &rig.animations[i]);
         // A long time has few digits left for what is within a loop.
         let animation = animation.map(|it| (it, time.rem_euclid(f64::from(it.length.max(1e-3))) as f32));
-        let pose = rig.pose_with(animation, &self.shapes);
+        let turn = gesture.head.rotation;
+        let is_turned = turn != Quat::IDENTITY;
+        let share = |(node, share): &(u32, f32)| (*node, Quat::IDENTITY.slerp(turn, *share));
+        let turns: Vec<_> = self.anatomy.turns.iter().filter(|_| is_turned).map(share).collect();
+        let named = gesture.shapes.iter().filter_map(|(name, weight)| Some((rig.target(name)?, *weight)));
+        let shapes: Vec<_> = named.chain(self.shapes.iter().copied()).collect();
+        let pose = rig.pose_turned(animation, &shapes, &turns);
         self.skinning.pose(&gpu.queue, &pose, body)?;
         let node = |node: u32| {
             let [now, rest] = [&pose, &self.rest].map(|pose| rig.to_groom * pose.globals[node as usize]);

@@ -46,7 +46,8 @@ fn hair_goes_with_what_it_grows_on() {
     let anatomy = Anatomy::new(rig, &mesh, &hair(0.4)).unwrap();
     assert_eq!(anatomy.head.node, 2);
     // The eye belongs to it.
-    let (lo, hi) = anatomy.head.mesh.bounds().unwrap();
+    let Field::Mesh(mesh, _) = &anatomy.head.field else { panic!("a mesh was given") };
+    let (lo, hi) = mesh.bounds().unwrap();
     assert!((hi.z - 0.12).abs() < 1e-3 && (lo.y - 1.4).abs() < 1e-3, "{lo} {hi}");
     let nodes: Vec<_> = anatomy.parts.iter().map(|part| part.node).collect();
     assert_eq!(nodes, [1, 0], "the nearest first");
@@ -73,4 +74,44 @@ fn poses_are_rigid_and_about_the_joint() {
     // A joint that is flattened has no turn.
     let flat = Mat4::from_scale(Vec3::ZERO);
     assert!(moved(&flat, &rest).rotation.is_finite());
+}
+
+#[test]
+fn a_gesture_turns_the_head_and_a_neck_below_it() {
+    let (mut rig, mesh) = body();
+    let anatomy = Anatomy::new(rig.clone(), &mesh, &hair(0.4)).unwrap();
+    assert_eq!(anatomy.turns, [(2, 1.0)], "no node is called a neck");
+    rig.nodes[1].name = "mixamorig:Neck".into();
+    let anatomy = Anatomy::new(rig, &mesh, &hair(0.4)).unwrap();
+    assert_eq!(anatomy.turns, [(1, NECK_SHARE), (2, 1.0 - NECK_SHARE)]);
+    // In all the head turns as it was told, about its own place on the neck; eyes go with it.
+    let turn = Quat::from_rotation_x(0.5);
+    let turns = anatomy.turns.iter().map(|(node, share)| (*node, Quat::IDENTITY.slerp(turn, *share)));
+    let pose = anatomy.rig.pose_turned(None, &[], &turns.collect::<Vec<_>>());
+    let rest = anatomy.rig.rest_pose();
+    let of = |node: usize| moved(&pose.globals[node], &rest.globals[node]);
+    assert!(of(0) == Pose::IDENTITY, "the torso stays");
+    assert!(of(2).rotation.angle_between(turn) < 1e-3 && of(3).rotation.angle_between(turn) < 1e-3);
+    let neck = Vec3::new(0.0, 1.3, 0.0);
+    assert!(of(1).point(neck).distance(neck) < 1e-6, "the neck turns where it is");
+    let bent = Quat::from_rotation_x(0.5 * NECK_SHARE) * Vec3::Y * 0.2;
+    assert!(of(2).point(neck + Vec3::Y * 0.2).distance(neck + bent) < 1e-6, "and the head is on it");
+}
+
+#[test]
+fn the_built_in_character_has_parts() {
+    let mesh = mannequin::mesh(60);
+    let bust = mannequin::sdf(mannequin::FIELD_RESOLUTION);
+    let anatomy = Anatomy::built_in(&mesh, &bust);
+    assert_eq!((anatomy.head.node, anatomy.parts.len(), anatomy.is_rigid), (2, 2, true));
+    let field = |part: &Part| match &part.field {
+        Field::Grid(grid) => grid.clone(),
+        Field::Mesh(..) => panic!("it is known"),
+    };
+    assert!(field(&anatomy.head).sample(mannequin::CROWN).abs() < 2e-3);
+    let shoulder = Vec3::new(0.12, -0.095, -0.06);
+    assert!(
+        field(&anatomy.parts[1]).sample(shoulder).abs() < 0.02
+            && field(&anatomy.head).sample(shoulder) > 0.05
+    );
 }

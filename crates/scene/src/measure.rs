@@ -1,11 +1,8 @@
 //! Measures frames, stage by stage. Blocks, so it is not for a browser.
 
-use crate::{camera::Viewpoint, scene::Scene};
+use crate::{camera::Viewpoint, motion::Gesture, scene::Scene};
 use anyhow::Result;
-use tresses::{
-    Pose,
-    gpu::{Clock, Counts, Timings},
-};
+use tresses::gpu::{Clock, Counts, Timings};
 
 /// A frame that was waited for.
 #[derive(Debug)]
@@ -29,7 +26,12 @@ impl Scene {
     }
 
     /// A whole frame, waited for.
-    pub fn measured_frame(&mut self, pose: &Pose, seconds: f32, camera: &Viewpoint) -> Result<Measured> {
+    pub fn measured_frame(
+        &mut self,
+        gesture: &Gesture,
+        seconds: f32,
+        camera: &Viewpoint,
+    ) -> Result<Measured> {
         self.watch(camera);
         let start = (self.clock)();
         let mut timings = std::mem::replace(&mut self.timings, Timings::by(self.clock));
@@ -37,7 +39,7 @@ impl Scene {
         let tier = &self.gpu.tier;
         let mut timed = (tier.timestamps || tier.software).then_some(&mut timings);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.record_advance(&mut encoder, timed.as_deref_mut(), pose, seconds)?;
+        self.record_advance(&mut encoder, timed.as_deref_mut(), gesture, seconds)?;
         self.record_draw(&mut encoder, timed, camera)?;
         timings.resolve(&mut encoder);
         self.submit(encoder)?;
@@ -49,10 +51,10 @@ impl Scene {
 
     /// The milliseconds of the stages that move the hair by a frame: by timestamps, or each stage
     /// submitted and waited for alone where there are none that compare.
-    pub fn measured_advance(&mut self, pose: &Pose, seconds: f32) -> Result<Vec<(&'static str, f64)>> {
+    pub fn measured_advance(&mut self, gesture: &Gesture, seconds: f32) -> Result<Vec<(&'static str, f64)>> {
         let mut timings = std::mem::replace(&mut self.timings, Timings::by(self.clock));
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.record_advance(&mut encoder, Some(&mut timings), pose, seconds)?;
+        self.record_advance(&mut encoder, Some(&mut timings), gesture, seconds)?;
         timings.resolve(&mut encoder);
         self.submit(encoder)?;
         self.timings = timings;

@@ -7,6 +7,7 @@ use crate::{
     colliders::Colliders,
     companions::Surroundings,
     living::Living,
+    motion::Gesture,
     settings::{LightSettings, Settings},
 };
 use anyhow::{Context, Result};
@@ -108,8 +109,13 @@ pub struct Scene {
     pub view: View,
     /// What does not depend on the camera; this and the lights are set for each frame.
     pub picture: Picture,
-    /// Where the head is.
+    /// Where the body is, and the head.
     pose: Pose,
+    head: Pose,
+    /// And its other parts.
+    parts: Vec<Pose>,
+    /// The middle of what shadow maps hold while everything is at rest, metres.
+    middle: Vec3,
     /// The physics.
     pub physics: SimulationParams,
     /// The head's distance field, groom space.
@@ -160,10 +166,11 @@ impl Scene {
         if let Some(anatomy) = &character.anatomy {
             colliders.add_parts(anatomy.fields());
         }
-        let builder = (!colliders.list.is_empty()).then(|| FieldBuilder::new(device));
-        let fields = builder.as_ref().map(|builder| colliders.fields(builder)).unwrap_or_default();
+        let builder = FieldBuilder::new(device);
+        let fields = colliders.fields(&builder);
         let (head, list) = (character.field.as_ref(), colliders.list.as_slice());
-        let what = ColliderDescriptor { head, fields: &fields, colliders: list };
+        let rest = character.rest.as_ref();
+        let what = ColliderDescriptor { head, rest, fields: &fields, colliders: list };
         let groom = &character.groom;
         let hair = Hair::with_progress(device, queue, &pipelines, groom, &options, &what, progress);
         let mut hair = hair.await?;
@@ -188,9 +195,11 @@ impl Scene {
         let body = character.head.as_ref().map(|head| Body::with_levels(device, head, &levels, cells));
         let (mut living, mut roots) = (None, None);
         if let (Some(anatomy), Some(body), Some(head)) = (character.anatomy, &body, &character.head) {
-            let skin = Skin::from(body);
-            let report = hair.attach(device, queue, &pipelines, groom, head, &skin, FARTHEST_ROOT)?;
-            (living, roots) = (Some(Living::new(&gpu, &pipelines, anatomy, body)?), Some(report));
+            if !anatomy.is_rigid {
+                let skin = Skin::from(body);
+                roots = Some(hair.attach(device, queue, &pipelines, groom, head, &skin, FARTHEST_ROOT)?);
+            }
+            living = Some(Living::new(&gpu, &pipelines, anatomy, body)?);
         }
         let mut stage = Self {
             pipelines,
@@ -201,6 +210,9 @@ impl Scene {
             obstacles: None,
             view,
             pose: Pose::IDENTITY,
+            head: Pose::IDENTITY,
+            parts: Vec::new(),
+            middle: focus.center,
             #[cfg(not(target_arch = "wasm32"))]
             timings,
             #[cfg(not(target_arch = "wasm32"))]
@@ -252,7 +264,8 @@ impl Scene {
     fn make_obstacles(&mut self) {
         let (device, cells) = (&self.gpu.device, self.view.options().ambient_cells);
         let poses = vec![Pose::IDENTITY; self.colliders.list.len()];
-        let seen = (!poses.is_empty()).then(|| self.colliders.mesh(&poses));
+        // Parts of a body are seen already.
+        let seen = Some(self.colliders.mesh(&poses)).filter(|mesh| !mesh.triangles.is_empty());
         self.obstacles = seen.map(|mesh| Body::with_levels(device, &mesh, &[], cells));
     }
 
@@ -306,6 +319,18 @@ impl Scene {
         self.subject
     }
 
+    /// The fields of the head and of parts of the body that are known here, with where they are: what a ball rolls off.
+    pub fn solids(&self) -> Vec<(&SdfGrid, Pose)> {
+        let head = self.field.as_ref().map(|field| (field, self.head));
+        let parts = self.colliders.parts().zip(&self.parts).filter_map(|(part, pose)| Some((part?, *pose)));
+        head.into_iter().chain(parts).collect()
+    }
+
+    /// Where the head is, relative to where it rests.
+    pub fn head(&self) -> Pose {
+        self.head
+    }
+
     /// The joint that the head turns about, metres.
     pub fn pivot(&self) -> Vec3 {
         self.neck
@@ -353,10 +378,10 @@ impl Scene {
         Ok(self.view.resize(&self.gpu.device, size, ssaa)?)
     }
 
-    /// The hair at rest on a head at `pose`.
-    pub fn reset(&mut self, pose: &Pose) -> Result<()> {
+    /// The hair at rest on a character that makes a `gesture`.
+    pub fn reset(&mut self, gesture: &Gesture) -> Result<()> {
         self.rewind();
-        self.advance(pose, 0.0)
+        self.advance(gesture, 0.0)
     }
 
     /// From the next frame on the hair is at rest, and obstacles are where their motions begin.
@@ -365,10 +390,20 @@ impl Scene {
         self.time = 0.0;
     }
 
-    /// The head moves to `pose` in `seconds`, and the hair with it.
-    pub fn advance(&mut self, pose: &Pose, seconds: f32) -> Result<()> {
+    /// Seconds since the hair was put to rest: where an animation of the body is.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// In the next frame animations of the body, and obstacles, are where they are at `time`, s. Hair is not put to rest.
+    pub fn seek(&mut self, time: f64) {
+        self.time = time;
+    }
+
+    /// The character makes a `gesture` in `seconds`, and the hair goes with it.
+    pub fn advance(&mut self, gesture: &Gesture, seconds: f32) -> Result<()> {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.record_advance(&mut encoder, None, pose, seconds)?;
+        self.record_advance(&mut encoder, None, gesture, seconds)?;
         self.submit(encoder)
     }
 
@@ -417,7 +452,7 @@ impl Scene {
         self.picture.lights = self.lighting.lights(back.x.atan2(back.z), surroundings);
     }
 
-    /// Records what moves the head to `pose` in `seconds`, and the hair with it.
+    /// Records what has the character make a `gesture` in `seconds`, and the hair go with it.
     ///
     /// # Errors
     /// When a parameter is out of its range.
@@ -425,24 +460,29 @@ impl Scene {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         timings: Option<&mut Timings>,
-        pose: &Pose,
+        gesture: &Gesture,
         seconds: f32,
     ) -> Result<()> {
-        self.pose = *pose;
         self.time += f64::from(seconds);
-        let (mut head, mut parts) = (*pose, Vec::new());
-        if let (Some(living), Some(body), Some(roots)) = (&self.living, &mut self.body, &mut self.hair.roots)
-        {
-            let stance = living.pose(&self.gpu, self.time, body)?;
-            head = pose.after(&stance.head);
-            parts = stance.parts.iter().map(|part| pose.after(part)).collect();
-            roots.pose = *pose;
+        self.parts.clear();
+        (self.pose, self.head) = (gesture.rigid(), gesture.rigid());
+        if let (Some(living), Some(body)) = (&mut self.living, &mut self.body) {
+            let stance = living.pose(&self.gpu, self.time, gesture, body)?;
+            self.pose = gesture.body;
+            self.head = self.pose.after(&stance.head);
+            self.parts.extend(stance.parts.iter().map(|part| self.pose.after(part)));
+            // Shadows and light go with a body that walks.
+            self.picture.focus.center = self.head.point(self.middle);
         }
+        if let Some(roots) = &mut self.hair.roots {
+            roots.pose = self.pose;
+        }
+        let head = self.head;
         if let Some(camera) = &self.watcher {
             let eye = self.eye(camera);
             self.hair.look_from(&self.gpu.device, &self.gpu.queue, &eye, &head);
         }
-        let poses = self.colliders.poses(self.time, &parts);
+        let poses = self.colliders.poses(self.time, &self.parts);
         let frame = Frame { dt: seconds, head, colliders: &poses, simulation: &self.physics };
         let Gpu { device, queue, .. } = &self.gpu;
         let mut recorder = Recorder { pipelines: &self.pipelines, device, queue, encoder, timings };

@@ -145,7 +145,7 @@ impl Hair {
         colliders: &ColliderDescriptor<'_>,
         progress: &impl Progress,
     ) -> Result<Self> {
-        let head = colliders.head;
+        let resting = colliders.rest.or(colliders.head);
         progress.step("preparing the strands", 0.0).await;
         if groom.guides.is_empty() || groom.strands.is_empty() {
             return Err(Error::unusable("the groom has no strands"));
@@ -173,7 +173,7 @@ impl Hair {
             &traits,
             &options.simulation,
             &RestOptions { shape: options.rest, clearance: options.clearance },
-            head,
+            resting,
         )?;
         rest.upload(queue, &guides)?;
         if !follows {
@@ -186,9 +186,9 @@ impl Hair {
         let infos = with_locks(&arranged);
         queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&infos));
         queue.write_buffer(&strands.bindings, 0, bytemuck::cast_slice(&arranged.bindings));
-        match head {
-            Some(head) => {
-                let rest = avoid::sunk(&arranged, head, options.clearance);
+        match resting {
+            Some(field) => {
+                let rest = avoid::sunk(&arranged, field, options.clearance);
                 queue.write_buffer(&strands.rest, 0, bytemuck::cast_slice(&rest));
             }
             None => queue.write_buffer(&strands.rest, 0, bytemuck::cast_slice(&arranged.rest)),

@@ -179,11 +179,8 @@ impl Rig {
 
     fn hair(&self, variant: &Variant) -> Result<Hair> {
         let colliders: Vec<_> = variant.colliders.iter().map(|(collider, _)| *collider).collect();
-        let descriptor = ColliderDescriptor {
-            head: self.character.field.as_ref(),
-            colliders: &colliders,
-            ..Default::default()
-        };
+        let descriptor =
+            ColliderDescriptor { head: self.character.whole(), colliders: &colliders, ..Default::default() };
         let Gpu { device, queue, .. } = &self.gpu;
         let groom = &self.character.groom;
         Ok(Hair::with_colliders(device, queue, &self.pipelines, groom, &variant.options, &descriptor)?)

@@ -77,11 +77,11 @@ fn point(scene: &mut Photographer, camera: &Viewpoint, sitting: Sitting<'_>) -> 
     for mode in [LodMode::Off, LodMode::Auto] {
         scene.set_lod(way(mode))?;
         scene.watch(camera);
-        scene.reset(&motion.pose(0.0, pivot))?;
+        scene.reset(&motion.gesture(0.0, pivot))?;
         let mut stages: Vec<(&'static str, Vec<f64>)> = Vec::new();
         let (mut strands, mut guides, mut whole) = (Vec::new(), Vec::new(), Vec::new());
         for frame in 0..WARM_UP + frames {
-            let pose = motion.pose(f64::from(frame + 1) / FPS, pivot);
+            let pose = motion.gesture(f64::from(frame + 1) / FPS, pivot);
             let Measured { wall, stages: times, .. } =
                 scene.measured_frame(&pose, (1.0 / FPS) as f32, camera)?;
             if frame < WARM_UP {
@@ -115,7 +115,7 @@ fn point(scene: &mut Photographer, camera: &Viewpoint, sitting: Sitting<'_>) -> 
         });
     }
     scene.set_lod(way(LodMode::Off))?;
-    scene.reset(&motion.pose(0.0, pivot))?;
+    scene.reset(&motion.gesture(0.0, pivot))?;
     let pixels = scene.hair_pixels(camera)?;
     let lod = rows.pop().context("two ways")?;
     let full = rows.pop().context("two ways")?;

@@ -238,7 +238,7 @@ pub fn run(
     scene.measure_by(clock);
     let motion = Motion::named(motion).context("a built-in motion")?;
     let pivot = scene.pivot();
-    scene.reset(&motion.pose(0.0, pivot))?;
+    scene.reset(&motion.gesture(0.0, pivot))?;
     let mut stages: Vec<(&'static str, Vec<f64>)> = Vec::new();
     let (mut sums, mut walls, mut counts) = (Vec::new(), Vec::new(), Vec::new());
     let start = Instant::now();
@@ -247,7 +247,7 @@ pub fn run(
             bar.inc(u64::from(WARM_UP + frames - frame));
             break;
         }
-        let pose = motion.pose(f64::from(frame + 1) / FPS, pivot);
+        let pose = motion.gesture(f64::from(frame + 1) / FPS, pivot);
         let measured = scene.measured_frame(&pose, (1.0 / FPS) as f32, camera)?;
         if frame < WARM_UP {
             continue;

@@ -1,6 +1,6 @@
 //! The groom: how it was read, the lint's findings, and how to read it differently.
 
-use crate::{app::Studio, job::Source, theme};
+use crate::{app::Studio, job::Source, panels::body, theme};
 use eframe::egui::{self, ComboBox, Grid, RichText, ScrollArea, Ui};
 use tresses::groom::{
     import::{ImportOptions, ImportReport},
@@ -13,6 +13,7 @@ use tresses_scene::words::grouped;
 pub fn show(studio: &mut Studio, ui: &mut Ui) {
     ScrollArea::vertical().id_salt("groom").auto_shrink(false).show(ui, |ui| {
         facts(studio, ui);
+        body::shapes(studio, ui);
         let Some(shown) = &studio.shown else { return };
         for note in &shown.notes {
             ui.separator();

@@ -1,6 +1,7 @@
 //! What surrounds the picture, a file each.
 
 pub mod ask;
+pub mod body;
 pub mod files;
 pub mod frames;
 pub mod groom;

@@ -23,7 +23,7 @@ pub fn show(studio: &mut Studio, ui: &Ui) {
 }
 
 fn inside(studio: &mut Studio, ui: &mut Ui) {
-    let period = studio.play.period();
+    let period = studio.period();
     let Wish { seconds, fps, size, format } = &mut studio.wish;
     Grid::new("wish").num_columns(2).spacing([16.0, 6.0]).show(ui, |ui| {
         let quiet = |text: &str| RichText::new(text).color(theme::QUIET);

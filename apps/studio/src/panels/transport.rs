@@ -2,7 +2,10 @@
 
 use crate::{
     app::Studio,
-    panels::icons::{self, Icon},
+    panels::{
+        body,
+        icons::{self, Icon},
+    },
     play::SPEEDS,
     theme,
 };
@@ -16,6 +19,7 @@ const SLIDER: f32 = 250.0;
 pub fn show(studio: &mut Studio, ui: &mut Ui) {
     let frame = egui::Frame::new().inner_margin(egui::Margin::symmetric(12, 7));
     Panel::bottom("transport").frame(frame).show(ui, |ui| {
+        body::time(studio, ui);
         ui.horizontal(|ui| {
             let play = &mut studio.play;
             let (icon, help) = if play.playing { (Icon::Pause, "Pause") } else { (Icon::Play, "Play") };
@@ -46,6 +50,8 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
             for name in NAMES {
                 let help = match name {
                     "still" => "The head holds still",
+                    "walk" => "A walk in place",
+                    "dance" => "The whole body dances, with jaw and brows",
                     "nod" => "The head nods repeatedly",
                     "turn" => "The head turns to both sides repeatedly",
                     _ => "The head shakes repeatedly",

@@ -1,9 +1,11 @@
-//! Writers: `.hair`, `.tfx` version 4 and OBJ polylines.
+//! Writers: `.hair`, `.tfx` version 4 and OBJ polylines for strands, GLB for bodies.
 //!
 //! Reading a written file back gives the same strands, bit for bit; what a format cannot hold is listed in
 //! [`Encoded::notes`]. A groom in metres, Y up, face +Z is marked as such in the file, so that nothing
 //! needs to be guessed later.
 
+#[cfg(feature = "gltf")]
+pub mod glb;
 mod hair;
 mod obj_lines;
 mod tfx;

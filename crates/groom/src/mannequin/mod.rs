@@ -18,6 +18,7 @@ mod face;
 mod forms;
 mod meshing;
 mod neck;
+pub mod rig;
 mod scalp;
 mod shoulders;
 mod skull;

@@ -31,6 +31,17 @@ impl Rig {
     ///
     /// Several nodes may have shapes of one name. Of their weights the largest counts, by magnitude.
     pub fn pose_with(&self, animation: Option<(&Animation, f32)>, morphs: &[(usize, f32)]) -> RigPose {
+        self.pose_turned(animation, morphs, &[])
+    }
+
+    /// The same with some nodes turned besides, each about where it then is, in groom space: a head looks aside in
+    /// the midst of a walk. What hangs from a node turns with it, so that the turns along a chain multiply.
+    pub fn pose_turned(
+        &self,
+        animation: Option<(&Animation, f32)>,
+        morphs: &[(usize, f32)],
+        turns: &[(u32, Quat)],
+    ) -> RigPose {
         let mut locals: Vec<Transform> = self.nodes.iter().map(|n| n.rest).collect();
         let mut moved = vec![false; self.nodes.len()];
         let mut blended = vec![false; self.nodes.len()];
@@ -83,7 +94,14 @@ impl Rig {
         for ((node, local), moved) in self.nodes.iter().zip(&locals).zip(&moved) {
             let local = node.matrix.filter(|_| !moved).unwrap_or_else(|| local.matrix());
             let parent = node.parent.and_then(|p| globals.get(p as usize));
-            globals.push(parent.map_or(local, |parent| *parent * local));
+            let mut global = parent.map_or(local, |parent| *parent * local);
+            for (_, turn) in turns.iter().filter(|(node, _)| *node as usize == globals.len()) {
+                let (_, to_groom, _) = self.to_groom.to_scale_rotation_translation();
+                let turn = to_groom.conjugate() * *turn * to_groom;
+                let at = global.w_axis.truncate();
+                global = Mat4::from_rotation_translation(turn, at - turn * at) * global;
+            }
+            globals.push(global);
         }
         let entry = |joint: &Joint| {
             let global = globals.get(joint.node as usize).copied().unwrap_or_default();

@@ -237,12 +237,12 @@ impl Avoidance {
     }
 }
 
-/// The rest vertices of `strands`, each with what it rests nearer to the `head` than `clearance`.
-pub fn sunk(strands: &BoundStrands, head: &SdfGrid, clearance: f32) -> Vec<PackedRest> {
+/// The rest vertices of `strands`, each with what it rests nearer to the surface of a `field` than `clearance`.
+pub fn sunk(strands: &BoundStrands, field: &SdfGrid, clearance: f32) -> Vec<PackedRest> {
     let n = strands.vertex_count.max(1) as usize;
     let vertex = |(i, rest): (usize, &PackedRest)| {
         let (p, _) = rest.unpack(&strands.bindings[i / n]);
-        rest.sink(clearance - head.sample(p))
+        rest.sink(clearance - field.sample(p))
     };
     strands.rest.iter().enumerate().map(vertex).collect()
 }

@@ -159,6 +159,9 @@ pub enum FieldSource<'a> {
 pub struct ColliderDescriptor<'a> {
     /// The head's distance field, groom space: the first collider, which follows the head.
     pub head: Option<&'a SdfGrid>,
+    /// The distance field of all that the groom lies on while it rests, groom space: hair that rests nearer to it than it
+    /// would keep away is left there. `None` where that is the head's.
+    pub rest: Option<&'a SdfGrid>,
     /// Fields that colliders refer to by [`FieldId`].
     pub fields: &'a [FieldSource<'a>],
     /// All other colliders.

@@ -205,7 +205,8 @@ fn compare(gpu: &Gpu, n: usize, frames: usize, disturb: f32, shifted: Option<usi
     let sphere = sphere();
     let fields = [&sphere, &dice].map(FieldSource::Grid);
     let list = shapes();
-    let what = ColliderDescriptor { head: Some(&grid), fields: &fields, colliders: &list };
+    let what =
+        ColliderDescriptor { head: Some(&grid), fields: &fields, colliders: &list, ..Default::default() };
     let mut scene = Setup::among(gpu, &rest, &what);
     // The twin counts the head's field among the others.
     let volumes = [FieldVolume::new(&grid), FieldVolume::new(&dice)];

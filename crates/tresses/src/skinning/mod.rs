@@ -27,6 +27,7 @@ use crate::{
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A vertex and what it is bound to.
 #[repr(C)]
@@ -92,6 +93,10 @@ pub struct Skinning {
     boxes: Vec<[Vec3; 2]>,
     /// The longest way that each shape moves a vertex.
     reaches: Vec<f32>,
+    /// The pose that the body is given.
+    pose: RigPose,
+    /// Whether it is still to be recorded: a body that stands still is not bent again.
+    due: AtomicBool,
 }
 
 impl Skinning {
@@ -138,17 +143,25 @@ impl Skinning {
             bytes,
             boxes: boxes(rig),
             reaches: rig.targets.iter().map(reach).collect(),
+            pose: RigPose::default(),
+            due: AtomicBool::new(false),
         })
     }
 
-    /// From the next frame on `body` is in `pose`, which is one of its rig.
+    /// From the next frame on `body` is in `pose`, which is one of its rig. What is recorded for it is to be submitted: the
+    /// same pose is not recorded twice.
     ///
     /// # Errors
     /// [`Error::Unusable`] for another rig's pose.
-    pub fn pose(&self, queue: &wgpu::Queue, pose: &RigPose, body: &mut Body) -> Result<()> {
+    pub fn pose(&mut self, queue: &wgpu::Queue, pose: &RigPose, body: &mut Body) -> Result<()> {
         if pose.palette.len() != self.boxes.len() || pose.weights.len() != self.reaches.len() {
             return Err(Error::unusable("a pose is not one of the body's rig"));
         }
+        if (&pose.palette, &pose.weights) == (&self.pose.palette, &self.pose.weights) {
+            return Ok(());
+        }
+        self.due.store(true, Ordering::Relaxed);
+        self.pose.clone_from(pose);
         queue.write_buffer(&self.palette, 0, bytemuck::cast_slice(&pose.palette));
         queue.write_buffer(&self.shapes, 0, bytemuck::cast_slice(&pose.weights));
         body.set_bounds(self.bounds(pose));
@@ -173,8 +186,11 @@ impl Skinning {
         out
     }
 
-    /// Records the stage.
+    /// Records the stage, if the body has been given another pose since it was recorded last.
     pub(crate) fn record(&self, stage: &Pipelines, pass: &mut crate::gpu::ComputePass<'_>) {
+        if !self.due.swap(false, Ordering::Relaxed) {
+            return;
+        }
         stage.skin.record(pass, &self.group, &[], self.vertices.div_ceil(STRAND_WORKGROUP));
     }
 

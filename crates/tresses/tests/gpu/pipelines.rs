@@ -50,7 +50,8 @@ fn a_frame_is_recorded_on_baseline_webgpu() {
     let cube = common::cube(0.1);
     let made = FieldSource::Mesh { builder: &builder, mesh: &cube, options: &Default::default() };
     let fields = [FieldSource::Grid(&field), made];
-    let colliders = ColliderDescriptor { head: Some(&field), fields: &fields, colliders: &list };
+    let colliders =
+        ColliderDescriptor { head: Some(&field), fields: &fields, colliders: &list, ..Default::default() };
     let mut hair = Hair::with_colliders(&device, &queue, &pipelines, &groom, &options, &colliders).unwrap();
     let more = [list.as_slice(), &list[..1]].concat();
     let error = |colliders: &ColliderDescriptor<'_>| {

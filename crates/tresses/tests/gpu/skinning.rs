@@ -18,7 +18,7 @@ fn bent(gpu: &Gpu, mesh: &TriMesh, rig: &Rig, pose: &RigPose) -> (Vec<Vec3>, Vec
     let Gpu { device, queue, .. } = gpu;
     let mut body = Body::with_levels(device, mesh, &[], 4);
     let stage = &common::pipelines().expect("there is a GPU").skinning;
-    let skinning = Skinning::new(device, queue, stage, rig, &body).unwrap();
+    let mut skinning = Skinning::new(device, queue, stage, rig, &body).unwrap();
     skinning.pose(queue, pose, &mut body).unwrap();
     common::submit(|recorder| recorder.bend(&[&skinning]));
     let words: Vec<f32> = readback::buffer(device, queue, body.vertices()).unwrap();
@@ -141,7 +141,7 @@ fn what_does_not_belong_together_is_said() {
     let mut lost = rig.clone();
     lost.targets[0].deltas[0].vertex = 1 << 20;
     assert!(refused(&lost).contains("does not have"));
-    let skinning = Skinning::new(device, queue, stage, &rig, &body).unwrap();
+    let mut skinning = Skinning::new(device, queue, stage, &rig, &body).unwrap();
     let few = RigPose { weights: vec![], ..pose(false) };
     assert!(skinning.pose(queue, &few, &mut body).unwrap_err().to_string().contains("not one of"));
 }

@@ -109,12 +109,12 @@ fn count(
     scene.measure_by(clock);
     let motion = Motion::named(motion).context("a built-in motion")?;
     let pivot = scene.pivot();
-    scene.reset(&motion.pose(0.0, pivot))?;
+    scene.reset(&motion.gesture(0.0, pivot))?;
     for frame in 0..=WARM_UP {
         if frame == WARM_UP {
             meter.start(&scene.gpu.device, &scene.gpu.queue);
         }
-        let pose = motion.pose(f64::from(frame + 1) / FPS, pivot);
+        let pose = motion.gesture(f64::from(frame + 1) / FPS, pivot);
         scene.measured_frame(&pose, (1.0 / FPS) as f32, camera)?;
     }
     meter.take(&scene.gpu.device, &scene.gpu.queue)

@@ -1,0 +1,78 @@
+//! What a body does that bends: its animations with their time, and its shapes.
+
+use crate::{app::Studio, theme};
+use eframe::egui::{ComboBox, RichText, Slider, Ui};
+
+/// How much of a shape there may be.
+const WEIGHTS: std::ops::RangeInclusive<f32> = -1.0..=2.0;
+
+/// The animation and where it is, if the body has any.
+pub fn time(studio: &mut Studio, ui: &mut Ui) {
+    let Some(show) = &mut studio.show else { return };
+    let time = show.stage.time();
+    let Some(living) = show.stage.living.as_mut().filter(|living| living.animations().next().is_some())
+    else {
+        return;
+    };
+    let mut to = None;
+    ui.horizontal(|ui| {
+        ui.label(RichText::new("Animation").color(theme::QUIET));
+        let before = living.animation().map(str::to_string);
+        let mut chosen = before.clone();
+        let choice =
+            ComboBox::from_id_salt("animation").selected_text(chosen.as_deref().unwrap_or("at rest"));
+        let choice = choice.show_ui(ui, |ui| {
+            ui.selectable_value(&mut chosen, None, "at rest");
+            for name in living.animations() {
+                ui.selectable_value(&mut chosen, Some(name.to_string()), name);
+            }
+        });
+        choice.response.on_hover_text("What the body does; the motion below turns its head besides");
+        if chosen != before {
+            if let Err(error) = living.set_animation(chosen.as_deref()) {
+                studio.error = Some(format!("{error:#}"));
+            }
+            to = Some(0.0);
+            studio.play.playing |= chosen.is_some();
+        }
+        if let Some(length) = living.duration().filter(|length| *length > 0.0) {
+            let mut at = time.rem_euclid(f64::from(length));
+            ui.spacing_mut().slider_width = (ui.available_width() - 110.0).max(80.0);
+            let slider = Slider::new(&mut at, 0.0..=f64::from(length)).fixed_decimals(2).suffix(" s");
+            let slider = ui.add(slider).on_hover_text(format!("Where the animation is, of {length:.2} s"));
+            if slider.changed() {
+                to = Some(at);
+            }
+        }
+    });
+    if let Some(to) = to {
+        show.stage.seek(to);
+        studio.dirty = true;
+    }
+}
+
+/// The shapes, if the body has any.
+pub fn shapes(studio: &mut Studio, ui: &mut Ui) {
+    let Some(living) = studio.show.as_mut().and_then(|show| show.stage.living.as_mut()) else { return };
+    let names: Vec<String> = living.shapes().map(str::to_string).collect();
+    if names.is_empty() {
+        return;
+    }
+    ui.separator();
+    ui.label(RichText::new("Shapes of the body").strong());
+    for (number, name) in names.iter().enumerate() {
+        let set = living.shape(number);
+        let mut weight = set.unwrap_or(0.0);
+        ui.horizontal(|ui| {
+            let slider = ui.add(Slider::new(&mut weight, WEIGHTS).fixed_decimals(2).text(name));
+            let slider = slider.on_hover_text("1 is all of it. Motions change it until it is moved here.");
+            if slider.changed() && living.set_shape(name, weight).is_ok() {
+                studio.dirty = true;
+            }
+            if set.is_some() && ui.small_button("free").on_hover_text("Leaves it to motions").clicked() {
+                living.free_shape(number);
+                studio.dirty = true;
+            }
+        });
+    }
+}

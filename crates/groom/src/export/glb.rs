@@ -1,0 +1,312 @@
+//! Bodies as GLB (glTF 2.0, binary): a mesh with its skin, shapes and animations.
+
+use serde_json::{Value, json};
+
+use crate::{
+    TriMesh,
+    error::{Error, Result},
+    rig::{Animation, Interpolation, Node, Property, Rig},
+};
+
+const SHORT: u32 = 5123;
+const INT: u32 = 5125;
+const FLOAT: u32 = 5126;
+
+/// The whole file of `mesh` (metres, Y up), which `rig` bends, if there is one. Read back, it bends as `rig` does.
+///
+/// # Errors
+/// [`Error::Unusable`] for a rig of another mesh.
+pub fn body(mesh: &TriMesh, rig: Option<&Rig>) -> Result<Vec<u8>> {
+    let mut file = File::new();
+    let Some(rig) = rig else {
+        let primitive = file.surface(mesh, &mesh.positions, &mesh.normals);
+        file.push("meshes", json!({"primitives": [primitive]}));
+        file.push("nodes", json!({"name": "Body", "mesh": 0}));
+        file.root["scenes"] = json!([{"nodes": [0]}]);
+        return file.finish();
+    };
+    if rig.vertices.len() != mesh.positions.len() {
+        return Err(Error::Unusable("a rig of another mesh is not written".into()));
+    }
+    let vertices = &rig.vertices;
+    let positions: Vec<_> = vertices.iter().map(|v| v.position).collect();
+    let normals: Vec<_> = vertices.iter().map(|v| v.normal).collect();
+    let mut primitive = file.surface(mesh, &positions, &normals);
+    let sets = if vertices.iter().any(|v| v.weights[4..].iter().any(|w| *w > 0.0)) { 2 } else { 1 };
+    for set in 0..sets {
+        let range = 4 * set..4 * set + 4;
+        let joints =
+            vertices.iter().flat_map(|v| v.joints[range.clone()].iter().zip(&v.weights[range.clone()]));
+        // Joints without weight are 0, as the specification wants it.
+        let joints = joints.flat_map(|(joint, weight)| if *weight > 0.0 { *joint } else { 0 }.to_le_bytes());
+        let joints = file.accessor(SHORT, "VEC4", vertices.len(), joints.collect());
+        let weights = vertices.iter().flat_map(|v| v.weights[range.clone()].to_vec());
+        let weights = file.floats("VEC4", 4, weights);
+        primitive["attributes"][format!("JOINTS_{set}")] = json!(joints);
+        primitive["attributes"][format!("WEIGHTS_{set}")] = json!(weights);
+    }
+    let targets: Vec<_> = rig.targets.iter().map(|target| file.target(target, vertices.len())).collect();
+    let names: Vec<_> = rig.targets.iter().map(|target| &target.name).collect();
+    let mut shape = json!({"primitives": [primitive]});
+    if !targets.is_empty() {
+        shape["primitives"][0]["targets"] = json!(targets);
+        shape["weights"] = json!(vec![0.0; targets.len()]);
+        shape["extras"] = json!({"targetNames": names});
+    }
+    file.push("meshes", shape);
+    // Nodes keep their numbers; what holds the skin, and what brings it into the groom's space, stand behind them.
+    rig.nodes.iter().enumerate().for_each(|(i, node)| {
+        let children: Vec<_> =
+            (0..rig.nodes.len()).filter(|j| rig.nodes[*j].parent == Some(i as u32)).collect();
+        file.push("nodes", node_of(node, &children));
+    });
+    let binds = rig.joints.iter().flat_map(|joint| joint.inverse_bind.to_cols_array());
+    let binds = file.floats("MAT4", 16, binds);
+    let joints: Vec<_> = rig.joints.iter().map(|joint| joint.node).collect();
+    file.push("skins", json!({"joints": joints, "inverseBindMatrices": binds}));
+    let skinned = file.push("nodes", json!({"name": "Body", "mesh": 0, "skin": 0}));
+    let roots: Vec<_> = (0..rig.nodes.len()).filter(|i| rig.nodes[*i].parent.is_none()).collect();
+    let space = json!({"name": "Character", "matrix": rig.to_groom.to_cols_array(), "children": roots});
+    let top = file.push("nodes", space);
+    // What a skin bends stands wherever its joints are: as a child of theirs it would be moved twice by some readers.
+    file.root["scenes"] = json!([{"nodes": [top, skinned]}]);
+    for animation in &rig.animations {
+        let item = file.animation(animation, skinned, rig.targets.len());
+        file.push("animations", item);
+    }
+    file.finish()
+}
+
+fn node_of(node: &Node, children: &[usize]) -> Value {
+    let mut item = json!({"name": node.name});
+    match node.matrix {
+        Some(matrix) => item["matrix"] = json!(matrix.to_cols_array()),
+        None => {
+            item["translation"] = json!(node.rest.translation.to_array());
+            item["rotation"] = json!(node.rest.rotation.to_array());
+            item["scale"] = json!(node.rest.scale.to_array());
+        }
+    }
+    if !children.is_empty() {
+        item["children"] = json!(children);
+    }
+    item
+}
+
+/// A file in the making.
+struct File {
+    root: Value,
+    bin: Vec<u8>,
+}
+
+impl File {
+    fn new() -> Self {
+        let asset = json!({"version": "2.0", "generator": concat!("tresses ", env!("CARGO_PKG_VERSION"))});
+        Self { root: json!({"asset": asset, "scene": 0}), bin: Vec::new() }
+    }
+
+    /// Adds to a list of the root; its index there.
+    fn push(&mut self, list: &str, item: Value) -> usize {
+        let all = &mut self.root[list];
+        if !all.is_array() {
+            *all = json!([]);
+        }
+        let Some(all) = all.as_array_mut() else { return 0 };
+        all.push(item);
+        all.len() - 1
+    }
+
+    fn view(&mut self, bytes: &[u8]) -> usize {
+        self.bin.resize(self.bin.len().next_multiple_of(4), 0);
+        let view = json!({"buffer": 0, "byteOffset": self.bin.len(), "byteLength": bytes.len()});
+        self.bin.extend_from_slice(bytes);
+        self.push("bufferViews", view)
+    }
+
+    fn accessor(&mut self, component: u32, kind: &str, count: usize, bytes: Vec<u8>) -> usize {
+        let view = self.view(&bytes);
+        let item = json!({"bufferView": view, "componentType": component, "type": kind, "count": count});
+        self.push("accessors", item)
+    }
+
+    fn floats(&mut self, kind: &str, width: usize, values: impl Iterator<Item = f32>) -> usize {
+        let bytes: Vec<u8> = values.flat_map(f32::to_le_bytes).collect();
+        self.accessor(FLOAT, kind, bytes.len() / (4 * width), bytes)
+    }
+
+    /// Where the specification wants bounds: of positions, and of the times of keys.
+    fn bounded(&mut self, accessor: usize, lo: &[f32], hi: &[f32]) -> usize {
+        let item = &mut self.root["accessors"][accessor];
+        (item["min"], item["max"]) = (json!(lo), json!(hi));
+        accessor
+    }
+
+    fn places(&mut self, places: &[glam::Vec3]) -> usize {
+        let bounds = places
+            .iter()
+            .fold((glam::Vec3::INFINITY, glam::Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+        let accessor = self.floats("VEC3", 3, places.iter().flat_map(|p| p.to_array()));
+        self.bounded(accessor, &bounds.0.to_array(), &bounds.1.to_array())
+    }
+
+    /// The triangles of a mesh whose vertices are elsewhere.
+    fn surface(&mut self, mesh: &TriMesh, positions: &[glam::Vec3], normals: &[glam::Vec3]) -> Value {
+        let position = self.places(positions);
+        let indices = mesh.triangles.iter().flatten().flat_map(|i| i.to_le_bytes()).collect();
+        let indices = self.accessor(INT, "SCALAR", 3 * mesh.triangles.len(), indices);
+        let mut primitive = json!({"attributes": {"POSITION": position}, "indices": indices});
+        if normals.len() == positions.len() {
+            let normals = self.floats("VEC3", 3, normals.iter().flat_map(|n| n.to_array()));
+            primitive["attributes"]["NORMAL"] = json!(normals);
+        }
+        if mesh.colors.len() == positions.len() {
+            let colors = self.floats("VEC3", 3, mesh.colors.iter().flat_map(|c| c.to_array()));
+            primitive["attributes"]["COLOR_0"] = json!(colors);
+        }
+        primitive
+    }
+
+    /// What a shape adds, at the vertices that it moves.
+    fn target(&mut self, target: &crate::rig::Target, vertices: usize) -> Value {
+        let at = target.deltas.iter().flat_map(|delta| delta.vertex.to_le_bytes()).collect::<Vec<u8>>();
+        let at = self.view(&at);
+        let mut part = |values: Vec<glam::Vec3>| {
+            let bounds = values
+                .iter()
+                .fold((glam::Vec3::ZERO, glam::Vec3::ZERO), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+            let mut item = json!({"componentType": FLOAT, "type": "VEC3", "count": vertices,
+                "min": bounds.0.to_array(), "max": bounds.1.to_array()});
+            if !values.is_empty() {
+                let bytes: Vec<u8> =
+                    values.iter().flat_map(|p| p.to_array()).flat_map(f32::to_le_bytes).collect();
+                item["sparse"] = json!({"count": values.len(),
+                    "indices": {"bufferView": at, "componentType": INT},
+                    "values": {"bufferView": self.view(&bytes)}});
+            }
+            self.push("accessors", item)
+        };
+        let position = part(target.deltas.iter().map(|delta| delta.position).collect());
+        let normal = part(target.deltas.iter().map(|delta| delta.normal).collect());
+        json!({"POSITION": position, "NORMAL": normal})
+    }
+
+    fn animation(&mut self, animation: &Animation, body: usize, targets: usize) -> Value {
+        let (mut channels, mut samplers) = (Vec::new(), Vec::new());
+        for channel in &animation.channels {
+            let curve = &channel.curve;
+            let parts = if curve.interpolation == Interpolation::CubicSpline { 3 } else { 1 };
+            let (path, kind, width, values) = match &channel.property {
+                Property::Translation => ("translation", "VEC3", 3, curve.values.clone()),
+                Property::Rotation => ("rotation", "VEC4", 4, curve.values.clone()),
+                Property::Scale => ("scale", "VEC3", 3, curve.values.clone()),
+                Property::Weights(of) => {
+                    // A file keys all shapes of a mesh at once.
+                    let mut all = vec![0.0; curve.times.len() * parts * targets];
+                    for (row, values) in curve.values.chunks_exact(of.len().max(1)).enumerate() {
+                        for (target, value) in of.iter().zip(values) {
+                            all[row * targets + *target as usize] = *value;
+                        }
+                    }
+                    ("weights", "SCALAR", 1, all)
+                }
+            };
+            let (first, last) = (curve.times.first().copied(), curve.times.last().copied());
+            let input = self.floats("SCALAR", 1, curve.times.iter().copied());
+            let input = self.bounded(input, &[first.unwrap_or(0.0)], &[last.unwrap_or(0.0)]);
+            let output = self.floats(kind, width, values.into_iter());
+            let interpolation = match curve.interpolation {
+                Interpolation::Step => "STEP",
+                Interpolation::Linear => "LINEAR",
+                Interpolation::CubicSpline => "CUBICSPLINE",
+            };
+            let node = if path == "weights" { body } else { channel.node as usize };
+            channels.push(json!({"sampler": samplers.len(), "target": {"node": node, "path": path}}));
+            samplers.push(json!({"input": input, "output": output, "interpolation": interpolation}));
+        }
+        json!({"name": animation.name, "channels": channels, "samplers": samplers})
+    }
+
+    fn finish(mut self) -> Result<Vec<u8>> {
+        self.bin.resize(self.bin.len().next_multiple_of(4), 0);
+        self.root["buffers"] = json!([{"byteLength": self.bin.len()}]);
+        let mut text = self.root.to_string().into_bytes();
+        text.resize(text.len().next_multiple_of(4), b' ');
+        let length = 12 + 8 + text.len() + 8 + self.bin.len();
+        let length = u32::try_from(length);
+        let length = length.map_err(|_| Error::Unusable("a body of more than 4 GB is no GLB".into()))?;
+        let mut bytes = Vec::with_capacity(length as usize);
+        bytes.extend_from_slice(b"glTF");
+        bytes.extend([2, length].into_iter().flat_map(u32::to_le_bytes));
+        for (kind, chunk) in [(b"JSON", &text), (b"BIN\0", &self.bin)] {
+            bytes.extend((chunk.len() as u32).to_le_bytes());
+            bytes.extend_from_slice(kind);
+            bytes.extend_from_slice(chunk);
+        }
+        Ok(bytes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{import, mannequin};
+    use std::{borrow::Cow, path::PathBuf};
+
+    fn read(bytes: &[u8]) -> import::mesh::RawMesh {
+        let path = PathBuf::from("bust.glb");
+        import::mesh::read_given(&[(path.clone(), Cow::Borrowed(bytes))], &path).unwrap()
+    }
+
+    /// What is written is read back and bends in the same way.
+    #[test]
+    fn a_body_comes_back() {
+        let mesh = mannequin::mesh(60);
+        let mut rig = mannequin::rig::rig(&mesh);
+        rig.animations.push(wave());
+        let bytes = body(&mesh, Some(&rig)).unwrap();
+        let back = read(&bytes);
+        let other = back.rig.unwrap();
+        let names = |rig: &Rig| rig.targets.iter().map(|t| t.name.clone()).collect::<Vec<_>>();
+        assert_eq!((names(&other), other.animations.len()), (names(&rig), 1));
+        let mut farthest = 0f32;
+        for time in [0.0, 0.3, 1.0] {
+            let bent = |rig: &Rig, mesh: &TriMesh| {
+                let mut mesh = mesh.clone();
+                rig.deform(&rig.pose(&rig.animations[0], time), &mut mesh);
+                mesh
+            };
+            let (here, there) = (bent(&rig, &mesh), bent(&other, &back.mesh));
+            assert_eq!(here.triangles, there.triangles);
+            let off = here.positions.iter().zip(&there.positions).map(|(a, b)| a.distance(*b));
+            farthest = farthest.max(off.fold(0.0, f32::max));
+            if time == 0.3 {
+                let moved = here.positions.iter().zip(&mesh.positions).map(|(a, b)| a.distance(*b));
+                assert!(moved.fold(0.0, f32::max) > 0.02, "it waves");
+            }
+        }
+        assert!(farthest < 1e-5, "{farthest}");
+        // Another's rig is not written.
+        assert!(body(&mannequin::mesh(50), Some(&rig)).is_err());
+    }
+
+    fn wave() -> Animation {
+        use crate::rig::{Channel, Curve};
+        let turn = glam::Quat::from_rotation_y(0.8).to_array();
+        let rest = glam::Quat::IDENTITY.to_array();
+        let curve = |values: Vec<f32>| Curve { times: vec![0.0, 0.5, 1.0], values, ..Curve::default() };
+        let rotation = curve([rest, turn, rest].concat());
+        let weights = curve(vec![0.0, 1.0, 0.0]);
+        let channels = vec![
+            Channel { node: 2, property: Property::Rotation, curve: rotation },
+            Channel { node: 0, property: Property::Weights(vec![1]), curve: weights },
+        ];
+        Animation { name: "Wave".into(), length: 1.0, channels }
+    }
+
+    #[test]
+    fn what_does_not_bend_is_written_too() {
+        let mesh = mannequin::mesh(50);
+        let back = read(&body(&mesh, None).unwrap());
+        assert_eq!((back.mesh.positions, back.mesh.triangles), (mesh.positions, mesh.triangles));
+    }
+}
