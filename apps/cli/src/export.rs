@@ -15,7 +15,7 @@ use tresses::{
         export::{self, Format},
     },
     lod::{LodMode, LodOptions},
-    strands::{Strand, StrandVertex, vertex::unpack_tangent},
+    strands::{Strand, StrandBuffers, StrandVertex, vertex::unpack_tangent},
 };
 use tresses_scene::{Companions, Gesture, Scene, Shelf, motion};
 
@@ -27,6 +27,9 @@ pub struct Args {
     /// The file for the strands, whose extension (.hair, .tfx, .obj) decides the format
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
+    /// A file for brows, lashes and beard of the built-in character, as for the strands
+    #[arg(long, value_name = "FILE")]
+    pub face_out: Option<PathBuf>,
     /// A file for what is drawn with the hair: .obj, or .glb, which also has what bends it
     #[arg(long, value_name = "FILE")]
     pub head_out: Option<PathBuf>,
@@ -35,6 +38,7 @@ pub struct Args {
 /// Runs `tresses export`.
 pub fn run(args: &Args) -> Result<()> {
     let format = Format::of(&args.out)?;
+    let face_format = args.face_out.as_deref().map(Format::of).transpose()?;
     let extension = args.head_out.as_deref().and_then(Path::extension);
     let is_glb = extension.is_some_and(|e| e == "glb");
     let is_known = is_glb || extension.is_some_and(|e| e == "obj");
@@ -65,13 +69,11 @@ pub fn run(args: &Args) -> Result<()> {
     // All of it, however far away.
     scene.set_lod(LodOptions { mode: LodMode::Off, ..Default::default() })?;
     scene.reset(&Gesture::default())?;
-    let strands = drawn(&scene)?;
-    let encoded = export::encode(&strands, format, true)?;
-    files::write(&args.out, &encoded.bytes)?;
-    let mut said =
-        format!("{}: {} strands, {} vertices", args.out.display(), strands.len(), strands.positions.len());
-    for note in &encoded.notes {
-        write!(said, "\n  {note}")?;
+    let mut said = write_strands(&args.out, format, &drawn(&scene, [&scene.hair.strands])?)?;
+    if let (Some(path), Some(format)) = (&args.face_out, face_format) {
+        ensure!(!scene.face.is_empty(), "nothing grows on this face: leave --face-out out");
+        let all = scene.face.iter().map(|face| &face.hair.strands);
+        write!(said, "\n{}", write_strands(path, format, &drawn(&scene, all)?)?)?;
     }
     if let (Some(path), Some(head)) = (&args.head_out, &head) {
         write!(said, "\n{}: {} triangles", path.display(), head.triangles.len())?;
@@ -90,15 +92,29 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// The strands that `scene` draws now. Blocks.
-fn drawn(scene: &Scene) -> Result<Strands> {
-    let (device, queue, buffers) = (&scene.gpu.device, &scene.gpu.queue, &scene.hair.strands);
-    let vertices: Vec<StrandVertex> = readback::buffer(device, queue, &buffers.vertices)?;
-    let strands: Vec<Strand> = readback::buffer(device, queue, &buffers.strands)?;
+/// Writes `strands`; what was written, in words.
+fn write_strands(path: &Path, format: Format, strands: &Strands) -> Result<String> {
+    let encoded = export::encode(strands, format, true)?;
+    files::write(path, &encoded.bytes)?;
+    let (count, vertices) = (strands.len(), strands.positions.len());
+    let mut said = format!("{}: {count} strands, {vertices} vertices", path.display());
+    for note in &encoded.notes {
+        write!(said, "\n  {note}")?;
+    }
+    Ok(said)
+}
+
+/// The strands of `all` that `scene` draws now. Blocks.
+fn drawn<'a>(scene: &Scene, all: impl IntoIterator<Item = &'a StrandBuffers>) -> Result<Strands> {
+    let (device, queue) = (&scene.gpu.device, &scene.gpu.queue);
     let mut drawn = Strands::default();
-    for (strand, vertices) in strands.iter().zip(vertices.chunks(buffers.vertex_count as usize)) {
-        drawn.push(&vertices.iter().map(|vertex| vertex.position).collect::<Vec<_>>());
-        drawn.radii.extend(vertices.iter().map(|v| strand.radius * unpack_tangent(v.tangent).1));
+    for buffers in all {
+        let vertices: Vec<StrandVertex> = readback::buffer(device, queue, &buffers.vertices)?;
+        let strands: Vec<Strand> = readback::buffer(device, queue, &buffers.strands)?;
+        for (strand, vertices) in strands.iter().zip(vertices.chunks(buffers.vertex_count as usize)) {
+            drawn.push(&vertices.iter().map(|vertex| vertex.position).collect::<Vec<_>>());
+            drawn.radii.extend(vertices.iter().map(|v| strand.radius * unpack_tangent(v.tangent).1));
+        }
     }
     Ok(drawn)
 }

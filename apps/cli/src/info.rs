@@ -8,6 +8,7 @@ use tresses::groom::{
     import::{self, ImportReport},
     lint::{Report, Severity, Spread},
     orient::Placement,
+    rig::Rig,
 };
 
 use crate::orient_args::OrientArgs;
@@ -76,6 +77,12 @@ fn as_json(report: &ImportReport) -> Value {
         "root_distance_m": lint.root_distance.as_ref().map(spread),
         "groom_placement": placement(&report.placement),
         "head_placement": report.head_placement.as_ref().map(placement),
+        "body": report.rig.as_ref().map(|rig| json!({
+            "joints": rig.joints.len(), "nodes": rig.nodes.len(),
+            "animations": rig.animations.iter()
+                .map(|it| json!({"name": it.name, "seconds": it.length})).collect::<Vec<_>>(),
+            "shapes": rig.targets.iter().map(|target| &target.name).collect::<Vec<_>>(),
+        })),
         "findings": lint.findings.iter().map(|f| json!({
             "kind": f.kind.name(), "severity": f.severity.name(), "count": f.count,
             "first_strand": f.first_strand, "detail": f.detail, "action": f.action,
@@ -96,6 +103,9 @@ fn as_text(report: &ImportReport) -> String {
     measures(&mut out, &report.lint);
     if let Some(head) = &report.head_placement {
         orientation(&mut out, "head", head);
+    }
+    if let Some(rig) = &report.rig {
+        bends(&mut out, rig);
     }
     orientation(&mut out, "groom", &report.placement);
     let findings = &report.lint.findings;
@@ -131,6 +141,15 @@ fn measures(out: &mut String, lint: &Report) {
         let values = [d.median, d.p95, d.max].map(|v| format!("{:.2}", v * 1e3)).join(" / ");
         line(out, "root to scalp", format!("{values} mm (median / 95 % / max)"));
     }
+}
+
+/// What moves the body, by the names that `--animation` and `--morph` take.
+fn bends(out: &mut String, rig: &Rig) {
+    line(out, "body", format!("{} joints, {} nodes", rig.joints.len(), rig.nodes.len()));
+    for animation in &rig.animations {
+        line(out, "", format!("animation {}, {:.2} s", animation.name, animation.length));
+    }
+    rig.targets.iter().for_each(|target| line(out, "", format!("shape {}", target.name)));
 }
 
 fn orientation(out: &mut String, what: &str, p: &Placement) {

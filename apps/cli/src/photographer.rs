@@ -79,7 +79,7 @@ impl Photographer {
             }
             let colliders = companions.colliders()?;
             let physics = settings.physics();
-            let in_motion = settings.pipelines_of_motion(character.groom.guides.vertex_count);
+            let in_motion = settings.pipelines_of_motion(&character.guide_vertices());
             let in_motion = moves.then(|| scope.spawn(move || compile(in_motion)));
             let made = pipelines.clone();
             let scene = Scene::new(gpu, made, character, colliders, &physics, &quality, &preparing);

@@ -8,7 +8,7 @@ use crate::{
     progress, say,
     settings_args::SettingsArgs,
 };
-use anyhow::{Result, ensure};
+use anyhow::{Result, bail, ensure};
 use std::path::PathBuf;
 use tresses::{
     views::DebugView,
@@ -119,6 +119,14 @@ fn bend(scene: &mut Photographer, motion: &Motion, args: &Args) -> Result<Option
         );
         return Ok(None);
     };
+    if let Some(name) = &args.animation
+        && living.animations().next().is_none()
+    {
+        bail!(
+            "the body has no animation {name:?}; it has none of its own; --motion has {}",
+            NAMES[1..].join(", ")
+        );
+    }
     living.set_animation(args.animation.as_deref())?;
     keyed.map(|name| living.find_shape(name)).collect::<Result<Vec<_>>>()?;
     for (name, weight) in &args.morphs {

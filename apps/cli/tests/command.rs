@@ -110,7 +110,8 @@ fn unknown_names_list_the_choices() {
     refuses(&["render", "--debug", "all"], "guides, speed, strain, locks, strands, tangents, first-hit");
     refuses(&["render", "--hair-hair", "sticky"], "off, fixed, gradient");
     refuses(&["render", "--avoid", "some"], "off, vertices, strands");
-    refuses(&["render", "--motion", "dance"], "still, nod, turn, shake");
+    refuses(&["render", "--motion", "fly"], "still, nod, turn, shake, walk, dance");
+    refuses(&["render", "--beard", "goatee"], "none, stubble, short, full");
     refuses(&["render", "--color", "green"], "blond, brown, red");
     refuses(&["render", "--style", "beehive"], "long, bob, curly or short");
     refuses(&["demo", "--style", "beehive"], "long, bob, curly or short");

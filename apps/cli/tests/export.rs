@@ -33,12 +33,35 @@ fn strands_and_head_of_a_style_are_written_as_they_are_drawn() {
 }
 
 #[test]
+fn the_character_is_written_with_what_bends_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let style = ["export", "--style", "short", "--strands", "100"];
+    let write = [&style[..], &["--out", "short.hair", "--head-out", "body.glb"]].concat();
+    let (done, said) = tresses(folder.path(), &write);
+    if !done && said.contains("adapter") {
+        assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none(), "{said}");
+        return println!("skipped: {said}");
+    }
+    assert!(done && said.contains("3 joints, 3 shapes, 5 animations"), "{said}");
+    let (done, said) = tresses(folder.path(), &["info", "short.hair", "--head", "body.glb"]);
+    assert!(done && said.contains("3 joints") && said.contains("animation Walk,"), "{said}");
+    assert!(said.contains("shape Jaw"), "{said}");
+    // It moves as it did, and as another's body does.
+    let there = ["render", "short.hair", "--head", "body.glb", "--size", "48x48", "--frames", "2"];
+    let moves = ["--animation", "Dance", "--morph", "Jaw=0.5", "--out", "a.webp"];
+    let (done, said) = tresses(folder.path(), &[&there[..], &moves].concat());
+    assert!(done, "{said}");
+    let (done, said) = tresses(folder.path(), &[&there[..], &["--animation", "Fly"]].concat());
+    assert!(!done && said.contains("Nod, Turn, Shake, Walk, Dance"), "{said}");
+}
+
+#[test]
 fn what_cannot_be_written_is_refused_in_a_sentence() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("bad.tfx"), "none").unwrap();
     for (args, why) in [
         (&["--out", "a.fbx"][..], "a groom is written as"),
-        (&["--out", "a.tfx", "--head-out", "a.glb"], "a head is written as .obj"),
+        (&["--out", "a.tfx", "--head-out", "a.dae"], "a head is written as .obj"),
         (&["bad.tfx", "--out", "a.tfx"], "bad.tfx"),
         (&["--strands", "0", "--out", "a.tfx"], "--strands"),
     ] {

@@ -214,7 +214,7 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready
     let notes = std::mem::take(&mut character.notes);
     // What is compiled already is there at once.
     let mut wanted = settings.pipelines(options);
-    wanted.extend(settings.pipelines_of_motion(character.groom.guides.vertex_count));
+    wanted.extend(settings.pipelines_of_motion(&character.guide_vertices()));
     pipelines.prepare(&wanted, progress).await?;
     let quality = Quality {
         samples: options.samples,

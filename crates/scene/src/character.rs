@@ -1,7 +1,11 @@
 //! A groom on a head, from files or built in: first the [`Base`], which is slow to build, then the
 //! [`Character`] whose strands are grown or restyled on it.
 
-use crate::{colliders::Field, living::Anatomy};
+use crate::{
+    colliders::Field,
+    face::{FaceGroom, FaceHair},
+    living::Anatomy,
+};
 use anyhow::{Context, Result};
 use std::{borrow::Cow, path::PathBuf};
 use tresses::{
@@ -49,6 +53,8 @@ pub struct Styling {
     pub stiffness: Option<ScalpMap>,
     /// Painted levels of detail.
     pub levels: Vec<LodLevel>,
+    /// What grows on a built-in character's face.
+    pub face: FaceHair,
 }
 
 /// A groom on a head, in metres, not yet on the GPU.
@@ -56,6 +62,8 @@ pub struct Styling {
 pub struct Character {
     /// Guides and strands.
     pub groom: Groom,
+    /// What grows on its face.
+    pub face: Vec<FaceGroom>,
     /// What is drawn with the hair.
     pub head: Option<TriMesh>,
     /// What the hair collides with: the head, and all that is one piece with it.
@@ -76,6 +84,12 @@ impl Character {
     /// The distance field of all of it as one piece.
     pub fn whole(&self) -> Option<&SdfGrid> {
         self.rest.as_ref().or(self.field.as_ref())
+    }
+
+    /// Vertices of each guide, of all its grooms.
+    pub fn guide_vertices(&self) -> Vec<u32> {
+        let face = self.face.iter().map(|face| face.groom.guides.vertex_count);
+        std::iter::once(self.groom.guides.vertex_count).chain(face).collect()
     }
 
     /// The middle of the braincase, metres.
@@ -234,6 +248,7 @@ impl Base {
     pub async fn dress(&self, styling: &Styling, progress: &impl Progress) -> Result<Character> {
         let skull = self.neck + SKULL_ABOVE_NECK;
         let mut notes = self.notes.clone();
+        let mut face = Vec::new();
         let (mut groom, field) = match &self.hair {
             Hair::BuiltIn { style, styled, scalp } => {
                 let growth = styling.growth.clone().unwrap_or_else(|| Growth::for_style(style));
@@ -244,6 +259,9 @@ impl Base {
                     Some(guides) => rebound(&groom, guides)?,
                 };
                 notes.extend(note(&growth.curls, &groom));
+                if let Some(head) = &self.head {
+                    face = styling.face.grow(head)?;
+                }
                 (groom, Some(scalp.field.clone()))
             }
             Hair::Imported { strands, field } => {
@@ -279,7 +297,7 @@ impl Base {
             Some(part) => (Some(part), field),
             None => (field, None),
         };
-        Ok(Character { groom, head, field, rest, neck: self.neck, anatomy, levels, notes })
+        Ok(Character { groom, face, head, field, rest, neck: self.neck, anatomy, levels, notes })
     }
 }
 

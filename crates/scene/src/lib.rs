@@ -6,6 +6,7 @@ pub mod camera;
 pub mod character;
 pub mod colliders;
 pub mod companions;
+pub mod face;
 pub mod history;
 pub mod knobs;
 pub mod living;

@@ -6,6 +6,7 @@ use crate::{
     character::Character,
     colliders::Colliders,
     companions::Surroundings,
+    face::Fringe,
     living::Living,
     motion::Gesture,
     settings::{LightSettings, Settings},
@@ -97,6 +98,8 @@ pub struct Scene {
     pub pipelines: Arc<Pipelines>,
     /// The hair.
     pub hair: Hair,
+    /// Brows and lashes, a beard.
+    pub face: Vec<Fringe>,
     /// The head, drawn with it.
     pub body: Option<Body>,
     /// What bends the body, where something does.
@@ -194,6 +197,13 @@ impl Scene {
         let levels = levels.map(Aside::get).unwrap_or_default();
         let body = character.head.as_ref().map(|head| Body::with_levels(device, head, &levels, cells));
         let (mut living, mut roots) = (None, None);
+        let mut face = Vec::new();
+        if let (Some(body), Some(head)) = (&body, &character.head) {
+            for groom in &character.face {
+                let on = (body, head);
+                face.push(Fringe::new((&gpu, &pipelines), groom, physics, &what, on, progress).await?);
+            }
+        }
         if let (Some(anatomy), Some(body), Some(head)) = (character.anatomy, &body, &character.head) {
             if !anatomy.is_rigid {
                 let skin = Skin::from(body);
@@ -204,6 +214,7 @@ impl Scene {
         let mut stage = Self {
             pipelines,
             hair,
+            face,
             body,
             living,
             roots,
@@ -358,7 +369,9 @@ impl Scene {
             strands: self.hair.strands.count,
             vertices_per_strand: self.hair.strands.vertex_count,
             triangles: self.hair.set.triangles(),
-            bytes: self.hair.bytes() + self.view.shaded_bytes(),
+            bytes: self.hair.bytes()
+                + self.face.iter().map(|face| face.hair.bytes()).sum::<u64>()
+                + self.view.shaded_bytes(),
         }
     }
 
@@ -387,6 +400,7 @@ impl Scene {
     /// From the next frame on the hair is at rest, and obstacles are where their motions begin.
     pub fn rewind(&mut self) {
         self.hair.reset();
+        self.face.iter_mut().for_each(|face| face.hair.reset());
         self.time = 0.0;
     }
 
@@ -417,6 +431,9 @@ impl Scene {
         }
         let Gpu { device, queue, .. } = &self.gpu;
         self.hair.set_colliders(device, queue, &self.colliders.list)?;
+        for face in self.face.iter_mut().filter(|face| face.hangs()) {
+            face.hair.set_colliders(device, queue, &self.colliders.list)?;
+        }
         self.make_obstacles();
         Ok(())
     }
@@ -480,7 +497,8 @@ impl Scene {
         let head = self.head;
         if let Some(camera) = &self.watcher {
             let eye = self.eye(camera);
-            self.hair.look_from(&self.gpu.device, &self.gpu.queue, &eye, &head);
+            let all = std::iter::once(&mut self.hair).chain(self.face.iter_mut().map(|face| &mut face.hair));
+            all.for_each(|hair| hair.look_from(&self.gpu.device, &self.gpu.queue, &eye, &head));
         }
         let poses = self.colliders.poses(self.time, &self.parts);
         let frame = Frame { dt: seconds, head, colliders: &poses, simulation: &self.physics };
@@ -489,7 +507,9 @@ impl Scene {
         if let Some(living) = &self.living {
             recorder.bend(&[living.skinning()])?;
         }
-        Ok(recorder.advance(&mut self.hair, &frame)?)
+        recorder.advance(&mut self.hair, &frame)?;
+        let (hair, pose) = (&self.hair, self.pose);
+        self.face.iter_mut().try_for_each(|face| face.advance(&mut recorder, &frame, hair, pose))
     }
 
     /// Records the picture that `camera` sees.
@@ -534,8 +554,10 @@ impl Scene {
         timings: Option<&mut Timings>,
         again: bool,
     ) -> Result<()> {
-        let Self { gpu: Gpu { device, queue, .. }, pipelines, hair, body, obstacles, view, picture, .. } =
-            self;
+        let Self { gpu: Gpu { device, queue, .. }, pipelines, hair, face, .. } = self;
+        let Self { body, obstacles, view, picture, .. } = self;
+        face.iter_mut().for_each(|face| face.dress(&hair.set.material));
+        let hairs: Vec<_> = std::iter::once(&*hair).chain(face.iter().map(|face| &face.hair)).collect();
         let mut bodies = Vec::new();
         for body in body.iter_mut().chain(obstacles) {
             body.pose = self.pose;
@@ -551,7 +573,7 @@ impl Scene {
         };
         let sight = Sight { shows, ..Sight::new(view, picture) };
         let mut recorder = Recorder { pipelines, device, queue, encoder, timings };
-        Ok(recorder.draw(&[hair], &bodies, sight)?)
+        Ok(recorder.draw(&hairs, &bodies, sight)?)
     }
 
     pub(crate) fn submit(&self, encoder: wgpu::CommandEncoder) -> Result<()> {

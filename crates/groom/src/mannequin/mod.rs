@@ -15,6 +15,7 @@
 mod cooked;
 mod ears;
 mod face;
+pub mod facial;
 mod forms;
 mod meshing;
 mod neck;

@@ -7,7 +7,10 @@ use super::{
     value::*,
 };
 use crate::settings::{CURLS, Curl};
-use tresses::groom::grow::{Clumps, Curls, Growth, Unrest};
+use tresses::groom::{
+    grow::{Clumps, Curls, Growth, Unrest},
+    mannequin::facial::Beard,
+};
 
 pub(super) const SECTION: Section = Section {
     key: "style",
@@ -47,6 +50,12 @@ const KNOBS: &[Knob] = rows! { "style";
     "tip_width" "Tip width" [style.growth.tip_width] within(PERCENT, Growth::TIP_WIDTH),
         auto, regrow, flag(flag("tip-width", "SHARE")),
         "Width at the tip relative to the root; small for soft ends, 100 % for a blunt cut.";
+    "beard" "Beard" [style.face.beard] choice::<Beard>(), regrow, flag(flag("beard", "KIND").common()),
+        "What grows on chin and cheeks of the built-in character.";
+    "brows" "Brows" [style.face.brows] Kind::Toggle, regrow,
+        "Whether the built-in character has brows.";
+    "lashes" "Lashes" [style.face.lashes] Kind::Toggle, regrow,
+        "Whether the built-in character has lashes.";
     "guides" "Guides" [style.guides] integer(PLAIN, 1, 1_000_000, 1),
         auto, advanced, regrow, flag(flag("guides", "N|all").common().first(GUIDES)
             .about("Number of strands simulated, which the others follow, or `all`")),

@@ -6,6 +6,7 @@ use tresses::{
     avoid::AvoidMode,
     draw::Coverage,
     glam::Vec3,
+    groom::mannequin::facial::Beard,
     light::{ShadingModel, ShadingRate, ShadowMethod, material},
     lod::LodMode,
     range::Range,
@@ -307,6 +308,12 @@ named! {
         "waves" Waves "loose flat waves that run through the hair";
         "ringlets" Ringlets "round ringlets as wide as a piece of chalk";
         "coils" Coils "tight coils as wide as a pencil; for short hair";
+    }
+    Beard {
+        "none" None "shaved";
+        "stubble" Stubble "some days old, 2 mm";
+        "short" Short "trimmed, a centimetre";
+        "full" Full "half a year old, 4 cm at the chin";
     }
     HairHairMode {
         "off" Off "hairs pass through each other";

@@ -258,11 +258,12 @@ impl Settings {
     }
 
     /// Those that hair in motion needs besides, with guides of `guide_vertices` vertices.
-    pub fn pipelines_of_motion(&self, guide_vertices: u32) -> Vec<Wanted> {
+    pub fn pipelines_of_motion(&self, guide_vertices: &[u32]) -> Vec<Wanted> {
         let SimulationParams { wind, hair_hair, .. } = self.physics();
         let wind = wind.blows();
         let volume = wind || hair_hair.mode != HairHairMode::Off;
-        let mut wanted = vec![Wanted::Motion(Stage::Simulate), Wanted::Step(guide_vertices)];
+        let mut wanted = vec![Wanted::Motion(Stage::Simulate)];
+        wanted.extend(guide_vertices.iter().map(|count| Wanted::Step(*count)));
         wanted.extend(volume.then_some(Wanted::Motion(Stage::Volume)));
         wanted.extend(wind.then_some(Wanted::Motion(Stage::Wind)));
         wanted
@@ -291,6 +292,7 @@ impl Settings {
             restyle: if style.is_none() { self.restyle(maps)? } else { None },
             stiffness: maps.stiffness.clone(),
             levels: maps.levels.clone(),
+            face: self.style.face,
         })
     }
 

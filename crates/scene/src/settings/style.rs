@@ -1,7 +1,7 @@
 //! How strands are grown on a built-in style, or restyled on a groom from files.
 
 use super::Settings;
-use crate::knobs;
+use crate::{face::FaceHair, knobs};
 use tresses::{
     Result,
     groom::{
@@ -65,6 +65,8 @@ pub struct StyleSettings {
     pub curl_stretch: bool,
     /// The share of their length that strands are cut to.
     pub length: f32,
+    /// What grows on the face of the built-in character.
+    pub face: FaceHair,
 }
 
 impl Default for StyleSettings {
@@ -76,6 +78,7 @@ impl Default for StyleSettings {
             curl: Curl::default(),
             curl_stretch: false,
             length: 1.0,
+            face: FaceHair::default(),
         }
     }
 }

@@ -41,10 +41,12 @@ pub struct Places {
     pub interval: f32,
     /// The number of the last moment.
     pub moments: u32,
+    /// The number of colliders. Not with the shapes, which are a uniform: Mesa's software driver puts uniforms that decide
+    /// loops into the program, and where that unrolls a loop of several turns it compiles the program anew, and keeps the
+    /// old one, for every dispatch.
+    pub count: u32,
     /// Unused.
-    pub _pad_a: u32,
-    /// Unused.
-    pub _pad_b: u32,
+    pub _pad: u32,
 }
 
 /// What the places of a frame depend on.

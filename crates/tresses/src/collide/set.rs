@@ -149,8 +149,7 @@ impl ColliderSet {
     ) -> Result<()> {
         let has_head = self.has_head;
         let count = total(has_head, colliders)?;
-        let mut table =
-            Box::new(ShapeTable { count: count as u32, has_head: has_head.into(), ..ShapeTable::zeroed() });
+        let mut table = Box::new(ShapeTable::zeroed());
         let mut anchors = Vec::with_capacity(count);
         let mut spheres = Vec::with_capacity(count);
         let first = usize::from(has_head);
@@ -177,6 +176,8 @@ impl ColliderSet {
             self.group = bind(device, &self.table, &self.places, &self.atlas);
         }
         queue.write_buffer(&self.table, 0, bytemuck::bytes_of(&*table));
+        let count_at = std::mem::offset_of!(Places, count) as u64;
+        queue.write_buffer(&self.places, count_at, bytemuck::bytes_of(&(count as u32)));
         self.track.replace(anchors);
         (self.spheres, self.count) = (spheres, count as u32);
         Ok(())
@@ -203,7 +204,7 @@ impl ColliderSet {
         if !steps.is_empty() {
             let interval = frame.step / frame.substeps as f32;
             let moments = steps.len() as u32 * frame.substeps;
-            let places = Places { interval, moments, ..Places::zeroed() };
+            let places = Places { interval, moments, count: self.count, _pad: 0 };
             queue.write_buffer(&self.places, 0, bytemuck::bytes_of(&places));
             let at = header + size_of_val(&*now) as u64;
             queue.write_buffer(&self.places, at, bytemuck::cast_slice(&list(&self.track.moments)));

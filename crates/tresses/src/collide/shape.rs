@@ -46,15 +46,7 @@ pub struct ShapeData {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct ShapeTable {
-    /// Number of colliders.
-    pub count: u32,
-    /// 1 when the first collider is the head's field.
-    pub has_head: u32,
-    /// Unused.
-    pub _pad_a: u32,
-    /// Unused.
-    pub _pad_b: u32,
-    /// The shapes.
+    /// The shapes; how many there are stands in [`Places`](super::Places).
     pub list: [ShapeData; MAX_COLLIDERS as usize],
 }
 

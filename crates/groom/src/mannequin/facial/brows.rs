@@ -1,0 +1,63 @@
+//! Brows: short hairs along the ridge above each eye.
+
+use super::{grow, in_front, push};
+use crate::{Strands, styles::random::Rng};
+use glam::{Vec2, Vec3};
+
+/// Hairs of a brow. People have 250 to 500 of all ages.
+const HAIRS: u32 = 460;
+const VERTICES: usize = 8;
+const SEED: u32 = 0xb20;
+
+/// Adds both brows, metres; 8 vertices per strand.
+///
+/// The hairs of a brow stand up at its inner end, lie along it from there, and at its upper edge turn down, at the lower up,
+/// so that they meet in a ridge.
+pub fn brows(strands: &mut Strands) {
+    for (side, seed) in [(1.0, SEED), (-1.0, SEED + 1)] {
+        for i in 0..HAIRS {
+            let rng = &mut Rng::new(seed, i);
+            // Evenly along, by chance across.
+            let along = (i as f32 + rng.unit()) / HAIRS as f32;
+            // Denser in the middle than at both ends.
+            let along = along + 0.045 * (std::f32::consts::TAU * along).sin();
+            let across = 0.62 * rng.bell();
+            if across.abs() > 1.0 {
+                continue;
+            }
+            hair(strands, side, along, across, rng);
+        }
+    }
+}
+
+/// The middle of a brow, mm, at a part of its length from the nose; and half its width there.
+fn middle(along: f32) -> (Vec2, f32) {
+    let x = 11.0 + 43.0 * along;
+    // An arch, highest over the outer third of the eye, on the sculpture's ridge.
+    let y =
+        129.4 + 4.2 * (1.0 - ((along - 0.6) / 0.6).powi(2)) - 2.6 * ((along - 0.6).max(0.0) / 0.4).powi(2);
+    let half = 4.4 * (1.0 - 0.2 * along) * (1.0 - along.powi(4)) + 0.5;
+    // The inner end is round.
+    (Vec2::new(x, y), half * (along / 0.06).clamp(0.35, 1.0).sqrt())
+}
+
+fn hair(strands: &mut Strands, side: f32, along: f32, across: f32, rng: &mut Rng) {
+    let (centre, half) = middle(along);
+    let ahead = (middle((along + 0.02).min(1.0)).0 - centre).normalize_or(Vec2::X);
+    let at = centre + Vec2::new(-ahead.y, ahead.x) * (across * half);
+    let root = in_front(side * at.x, at.y);
+    // Straight up by the nose, along the brow from its first quarter on; edges bend towards the middle.
+    let up = 1.25 * (1.0 - along / 0.28).max(0.0).powf(0.8) - 0.42 * across * (0.35 + 0.65 * along) + 0.1;
+    let turn = up + 0.12 * rng.bell();
+    let flat = Vec2::from_angle(turn).rotate(ahead);
+    let bend = -0.35 * across - 0.25 * (1.0 - along) + 0.1 * rng.bell();
+    let lift = rng.range(0.35, 0.6);
+    let long = 5.2 + 4.2 * (std::f32::consts::PI * along.clamp(0.0, 1.0)).sin() + 0.7 * rng.bell();
+    let line = grow(root, long.max(3.0), VERTICES, |t, out| {
+        let flat = Vec2::from_angle(bend * t).rotate(flat);
+        let flat = Vec3::new(side * flat.x, flat.y, 0.0);
+        let flat = (flat - out * flat.dot(out)).normalize_or(flat);
+        flat + out * (lift * (1.0 - 1.25 * t))
+    });
+    push(strands, &line, rng.range(0.065, 0.1), 0.25);
+}
