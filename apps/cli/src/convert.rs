@@ -66,5 +66,10 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     }
     report.placement.doubts.iter().filter(|_| !args.as_is).for_each(|d| println!("  in doubt: {d}"));
     encoded.notes.iter().for_each(|n| println!("  {n}"));
+    if !report.followers.is_empty() {
+        println!(
+            "  the followers that the input asks for are left out; `tresses export` writes strands as they are drawn"
+        );
+    }
     Ok(())
 }

@@ -70,6 +70,7 @@ fn as_json(report: &ImportReport) -> Value {
         })).collect::<Vec<_>>(),
         "strands": lint.strands,
         "vertices": lint.vertices,
+        "with_followers": (!report.followers.is_empty()).then(|| report.with_followers()),
         "vertices_per_strand": spread(&lint.per_strand),
         "length_m": spread(&lint.lengths),
         "radius_m": lint.radii.as_ref().map(spread),
@@ -101,6 +102,10 @@ fn as_text(report: &ImportReport) -> String {
         file.notes.iter().for_each(|n| line(&mut out, "", n.clone()));
     }
     measures(&mut out, &report.lint);
+    if let Some(text) = followers(report) {
+        line(&mut out, "followers", text);
+        line(&mut out, "", "--grow 0 draws the strands alone, --grow N fills them up to N".to_string());
+    }
     if let Some(head) = &report.head_placement {
         orientation(&mut out, "head", head);
     }
@@ -120,6 +125,17 @@ fn as_text(report: &ImportReport) -> String {
         out += &format!("           → {}\n", f.action);
     }
     out
+}
+
+/// The followers that the files ask for, if they do.
+fn followers(report: &ImportReport) -> Option<String> {
+    let all = &report.followers;
+    let most = all.iter().map(|f| f.count).max().filter(|count| *count > 0)?;
+    let least = all.iter().map(|f| f.count).min().unwrap_or(most);
+    let count = if least == most { most.to_string() } else { format!("{least} to {most}") };
+    let radius = all.iter().filter_map(|f| f.radius).reduce(f32::max);
+    let within = radius.map_or(String::new(), |radius| format!(" within {:.2} mm", 1e3 * radius));
+    Some(format!("{count} around each strand{within}: {} are drawn", report.with_followers()))
 }
 
 fn measures(out: &mut String, lint: &Report) {

@@ -101,6 +101,7 @@ mod tests {
     /// Every option with another value than by default, and the knobs that it turns.
     const OPTIONS: &[(&[&str], &[&str])] = &[
         (&["--strands", "500"], &["style.strands"]),
+        (&["--grow", "900"], &["style.grow"]),
         (&["--guides", "30"], &["style.guides"]),
         (&["--guides", "all"], &["style.all_guides"]),
         (&["--curl", "waves,radius=7mm"], &["style.curl", "style.curl_radius"]),

@@ -70,3 +70,37 @@ fn what_cannot_be_written_is_refused_in_a_sentence() {
     }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left behind");
 }
+
+#[test]
+fn followers_and_hair_between_the_strands_of_a_file_are_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let groom = |header: &str| {
+        let mut text = format!("version 2.0\nscale 1.0\n{header}\nnumStrands 40\n");
+        for i in 0..40 {
+            let (x, z) = (0.01 * (i % 8) as f32 - 0.035, 0.01 * (i / 8) as f32);
+            text += &format!("strand {i} numVerts 3 texcoord 0 0\n{x} 1.7 {z}\n{x} 1.75 {z}\n{x} 1.8 {z}\n");
+        }
+        text
+    };
+    let asking = groom("numFollowHairsPerGuideHair 4\nmaxRadiusAroundGuideHair 0.002");
+    std::fs::write(folder.path().join("a.tfx"), asking).unwrap();
+    std::fs::write(folder.path().join("b.tfx"), groom("numFollowHairsPerGuideHair some")).unwrap();
+    let (done, said) = tresses(folder.path(), &["info", "a.tfx", "--unit", "m"]);
+    assert!(done && said.contains("4 around each strand within 2.00 mm: 200 are drawn"), "{said}");
+    let (_, said) = tresses(folder.path(), &["info", "a.tfx", "--json"]);
+    assert_eq!(serde_json::from_str::<serde_json::Value>(&said).unwrap()["with_followers"], 200, "{said}");
+    for (more, strands) in [(&[][..], 200), (&["--grow", "0"], 40), (&["--grow", "700"], 700)] {
+        let args = [&["export", "a.tfx", "--unit", "m", "--out", "out.hair"], more].concat();
+        let (done, said) = tresses(folder.path(), &args);
+        assert!(done && said.contains(&format!("{strands} strands")), "{more:?}: {said}");
+    }
+    for (file, grow, why) in [
+        ("a.tfx", "1000000000", "a whole number from 0 to 4000000"),
+        ("a.tfx", "-1", "a whole number from 0 to 4000000"),
+        ("b.tfx", "9", "should be a count, but is “some”"),
+    ] {
+        let (done, said) = tresses(folder.path(), &["export", file, "--grow", grow, "--out", "none.hair"]);
+        assert!(!done && said.contains(why) && said.trim_end().lines().count() == 1, "{grow}: {said}");
+    }
+    assert!(!folder.path().join("none.hair").exists());
+}

@@ -1,6 +1,6 @@
 //! Imported strands: guides are chosen among them, and every other strand is bound to up to three guides.
 
-use super::{BoundStrands, Groom, Guides, Strands, bound, bound::Influence, curve};
+use super::{BoundStrands, Groom, Guides, Strands, bound, bound::Influence, curve, fill::Filled};
 use crate::{
     Error, MAX_GUIDE_VERTICES, MAX_STRAND_VERTICES, Result,
     bound::{Strand, strand::pack_color},
@@ -53,13 +53,29 @@ const TAPER: f32 = 0.4;
 /// # Errors
 /// [`Error::Unusable`] without strands; [`Error::Parameter`] for counts out of range.
 pub fn bind(strands: &Strands, options: &BindOptions) -> Result<Groom> {
+    bind_any(strands, options, None)
+}
+
+/// The same for a groom that was [filled](crate::fill): guides are chosen among the given strands, and as many
+/// as for all of them; new strands follow the guides of their parents, one to three, and none that runs apart
+/// from them. [`GuideCount::All`] makes every given strand a guide.
+///
+/// # Errors
+/// As [`bind`].
+pub fn bind_filled(filled: &Filled, options: &BindOptions) -> Result<Groom> {
+    // Where a map has left none of the given strands, guides are chosen among all.
+    bind_any(&filled.strands, options, (filled.given > 0).then_some(filled))
+}
+
+fn bind_any(strands: &Strands, options: &BindOptions, filled: Option<&Filled>) -> Result<Groom> {
     if strands.is_empty() {
         return Err(Error::Unusable("the groom has no strands".into()));
     }
     if let Some(i) = (0..strands.len()).find(|i| strands.range(*i).len() < 2) {
         return Err(Error::Unusable(format!("strand {i} has fewer than two vertices")));
     }
-    let typical = typical_vertices(strands);
+    let given = filled.map_or(strands.len(), |filled| filled.given);
+    let typical = typical_vertices(&strands.offsets[..=given]);
     let guide_vertices = options.guide_vertices.unwrap_or(if options.guides == GuideCount::All {
         typical.clamp(8, MAX_GUIDE_VERTICES)
     } else {
@@ -69,18 +85,20 @@ pub fn bind(strands: &Strands, options: &BindOptions) -> Result<Groom> {
     in_range("guide_vertices", guide_vertices, 3, MAX_GUIDE_VERTICES, "3 to 64")?;
     in_range("strand_vertices", strand_vertices, 2, MAX_STRAND_VERTICES, "2 to 64")?;
 
-    let shapes = Shapes::new(strands);
-    let chosen = match options.guides {
-        GuideCount::All => (0..strands.len() as u32).collect(),
+    let shapes = Shapes::new(strands, given);
+    let count = match options.guides {
+        GuideCount::All => given,
         GuideCount::Count(count) => {
             in_range("guides", count, 1, u32::MAX, "at least 1")?;
-            shapes.choose(count as usize)
+            count as usize
         }
         GuideCount::OneIn(n) => {
             in_range("one guide in", n, 1, u32::MAX, "at least 1")?;
-            shapes.choose(strands.len().div_ceil(n as usize))
+            strands.len().div_ceil(n as usize)
         }
     };
+    let all = options.guides == GuideCount::All || (filled.is_some() && count >= given);
+    let chosen: Vec<u32> = if all { (0..given as u32).collect() } else { shapes.choose(count) };
     let mut guides = Guides::new(guide_vertices);
     for &i in &chosen {
         guides.push(strands.strand(i as usize), 1.0, shapes.pinned[i as usize]);
@@ -88,19 +106,26 @@ pub fn bind(strands: &Strands, options: &BindOptions) -> Result<Groom> {
     let lengths: Vec<f32> = (0..guides.len()).map(|i| curve::length(guides.guide(i)).max(1e-9)).collect();
 
     let mut bound = BoundStrands::new(strand_vertices);
-    let all = options.guides == GuideCount::All;
     let finder = Finder::new(&shapes, &chosen);
+    let mut lineage = filled.map(|filled| Lineage::new(filled, &chosen));
     for i in 0..strands.len() {
-        let influences = if all {
+        let influences = if all && i < given {
             vec![Influence { guide: i as u32, weight: 1.0, scale: 1.0 }]
         } else {
             let own = strands.length(i);
-            let mut found = finder.nearest(&shapes, i as u32);
+            let shape = |i: usize| Shapes::of(strands.strand(i));
+            let mut found = match &lineage {
+                Some(lineage) if i >= given => lineage.follow(i, &finder, &shapes, shape),
+                _ => finder.nearest(&shapes, &shapes.points[i], shapes.pinned[i], |_| true),
+            };
             for influence in &mut found {
                 influence.scale = own / lengths[influence.guide as usize];
             }
             found
         };
+        if let Some(lineage) = lineage.as_mut().filter(|_| i < given) {
+            lineage.follows.push(influences.clone());
+        }
         for influence in &influences {
             guides.strands[influence.guide as usize] += influence.weight;
         }
@@ -115,6 +140,60 @@ pub fn bind(strands: &Strands, options: &BindOptions) -> Result<Groom> {
     Ok(Groom { guides, strands: bound })
 }
 
+/// Whom new strands follow: those whom their parents follow.
+struct Lineage<'a> {
+    filled: &'a Filled,
+    chosen: &'a [u32],
+    /// For each strand that was given to be filled, which one it is now, if it is left.
+    now: HashMap<u32, u32>,
+    /// What each given strand follows.
+    follows: Vec<Vec<Influence>>,
+}
+
+impl<'a> Lineage<'a> {
+    fn new(filled: &'a Filled, chosen: &'a [u32]) -> Self {
+        let now = (0u32..).zip(&filled.original).map(|(i, was)| (*was, i)).collect();
+        Self { filled, chosen, now, follows: Vec::with_capacity(filled.given) }
+    }
+
+    /// The guides of new strand `i`; those nearest in shape where none of its parents is left.
+    fn follow(
+        &self,
+        i: usize,
+        finder: &Finder,
+        shapes: &Shapes,
+        shape: impl Fn(usize) -> [Vec3; 3],
+    ) -> Vec<Influence> {
+        let parents = &self.filled.parents[i - self.filled.given];
+        let lead = parents.strands[0];
+        let together = |guide: u32| {
+            let strand = self.filled.original[self.chosen[guide as usize] as usize];
+            self.filled.runs_with(lead, strand)
+        };
+        let mut found: Vec<Influence> = Vec::new();
+        for (parent, share) in parents.iter() {
+            let Some(&now) = self.now.get(&parent) else { continue };
+            for influence in &self.follows[now as usize] {
+                let weight = share * influence.weight;
+                match found.iter_mut().find(|f| f.guide == influence.guide) {
+                    Some(known) => known.weight += weight,
+                    None => found.push(Influence { weight, ..*influence }),
+                }
+            }
+        }
+        found.retain(|influence| together(influence.guide));
+        if found.is_empty() {
+            let pinned = self.filled.strands.tip_pinned.get(i) == Some(&true);
+            return finder.nearest(shapes, &shape(i), pinned, together);
+        }
+        found.sort_by(|a, b| b.weight.total_cmp(&a.weight).then(a.guide.cmp(&b.guide)));
+        found.truncate(3);
+        let sum: f32 = found.iter().map(|f| f.weight).sum();
+        found.iter_mut().for_each(|f| f.weight /= sum);
+        found
+    }
+}
+
 fn in_range(name: &'static str, value: u32, lo: u32, hi: u32, range: &'static str) -> Result<()> {
     if (lo..=hi).contains(&value) {
         Ok(())
@@ -124,8 +203,8 @@ fn in_range(name: &'static str, value: u32, lo: u32, hi: u32, range: &'static st
 }
 
 /// The median number of vertices per strand.
-fn typical_vertices(strands: &Strands) -> u32 {
-    let mut counts: Vec<_> = strands.offsets.windows(2).map(|w| w[1] - w[0]).collect();
+fn typical_vertices(offsets: &[u32]) -> u32 {
+    let mut counts: Vec<_> = offsets.windows(2).map(|w| w[1] - w[0]).collect();
     let middle = counts.len() / 2;
     *counts.select_nth_unstable(middle).1
 }
@@ -175,17 +254,16 @@ struct Shapes {
 }
 
 impl Shapes {
-    fn new(strands: &Strands) -> Self {
-        let points = strands
-            .iter()
-            .map(|s| {
-                let even = curve::resample(s, 3);
-                [even[0], even[1], even[2]]
-            })
-            .collect();
-        let pinned =
-            (0..strands.len()).map(|i| strands.tip_pinned.get(i).copied().unwrap_or(false)).collect();
+    /// Those of the first `count` strands.
+    fn new(strands: &Strands, count: usize) -> Self {
+        let points = strands.iter().take(count).map(Self::of).collect();
+        let pinned = (0..count).map(|i| strands.tip_pinned.get(i).copied().unwrap_or(false)).collect();
         Self { points, pinned }
+    }
+
+    fn of(strand: &[Vec3]) -> [Vec3; 3] {
+        let even = curve::resample(strand, 3);
+        [even[0], even[1], even[2]]
     }
 
     /// Squared distance of two strands' shapes, roots counting most.
@@ -286,10 +364,15 @@ impl Finder {
         found
     }
 
-    /// Up to three guides for strand `i`, with weights by inverse squared distance of shapes.
-    fn nearest(&self, shapes: &Shapes, i: u32) -> Vec<Influence> {
-        let own = &shapes.points[i as usize];
-        let pinned = shapes.pinned[i as usize];
+    /// Up to three guides for a strand, among those that `suits` allows where it allows any nearby, with weights
+    /// by inverse squared distance of shapes.
+    fn nearest(
+        &self,
+        shapes: &Shapes,
+        own: &[Vec3; 3],
+        pinned: bool,
+        suits: impl Fn(u32) -> bool,
+    ) -> Vec<Influence> {
         let mut candidates = Vec::new();
         for reach in [1, 2, 4] {
             candidates = self.around(own[0], reach);
@@ -301,6 +384,9 @@ impl Finder {
         if candidates.is_empty() {
             // A strand far from every guide of its kind: all of them are candidates.
             candidates = (0..self.chosen.len() as u32).collect();
+        }
+        if candidates.iter().any(|g| suits(*g)) {
+            candidates.retain(|g| suits(*g));
         }
         let mut ranked: Vec<(f32, u32)> = candidates
             .into_iter()

@@ -2,9 +2,9 @@
 //! them.
 //!
 //! ```text
-//! files ─► import ─► orient ─► lint, repair ─► bind ──► restyle ─┐
-//!                                                                ├─► Groom
-//! mannequin ─► styles: guides of a recipe ─► grow ───────────────┘
+//! files ─► import ─► orient ─► lint, repair ─► fill ─► bind ──► restyle ─┐
+//!                                                                        ├─► Groom
+//! mannequin ─► styles: guides of a recipe ─► grow ───────────────────────┘
 //! ```
 //!
 //! A mesh that comes with joints, shapes or animations comes with a [`Rig`], which poses it.
@@ -16,6 +16,7 @@ pub mod bind;
 pub mod bound;
 pub mod curve;
 pub mod export;
+pub mod fill;
 pub mod formats;
 pub mod grow;
 pub mod guides;
@@ -36,9 +37,10 @@ pub mod hash;
 pub mod progress;
 mod rice;
 
-pub use bind::{BindOptions, GuideCount, bind};
+pub use bind::{BindOptions, GuideCount, bind, bind_filled};
 pub use bound::{BoundStrands, Groom, Influence};
 pub use error::{Error, Result};
+pub use fill::{Fill, Filled, Followers, Head, fill};
 pub use glam;
 pub use guides::Guides;
 pub use mesh::TriMesh;

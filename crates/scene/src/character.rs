@@ -1,6 +1,10 @@
 //! A groom on a head, from files or built in: first the [`Base`], which is slow to build, then the
 //! [`Character`] whose strands are grown or restyled on it.
 
+mod growing;
+
+pub use growing::Growing;
+
 use crate::{
     colliders::Field,
     face::{FaceGroom, FaceHair},
@@ -15,7 +19,7 @@ use tresses::{
     glam::Vec3,
     gpu::Gpu,
     groom::{
-        BindOptions, Groom, GuideCount, Restyle, SdfGrid, Strands, TriMesh, bind, curve,
+        BindOptions, Groom, GuideCount, Restyle, SdfGrid, Strands, TriMesh, bind, bind_filled, curve,
         grow::{self, Curls, Growth, Paint, ScalpMap},
         import::{self, Given, ImportOptions, ImportReport},
         mannequin,
@@ -43,6 +47,8 @@ pub struct Styling {
     pub growth: Option<Growth>,
     /// How many strands of a file are drawn, at most; `None` for all.
     pub strands: Option<u32>,
+    /// How hair grows between the strands of a file.
+    pub growing: Growing,
     /// How many strands are simulated; `None` for what is usual.
     pub guides: Option<GuideCount>,
     /// The maps that act on a file's strands before they are bound.
@@ -262,6 +268,7 @@ impl Base {
                 if let Some(head) = &self.head {
                     face = styling.face.grow(head)?;
                 }
+                notes.extend(styling.growing.unused());
                 (groom, Some(scalp.field.clone()))
             }
             Hair::Imported { strands, field } => {
@@ -269,15 +276,20 @@ impl Base {
                 if let Some(count) = styling.strands {
                     strands = Cow::Owned(thinned(&strands, count as usize));
                 }
-                if styling.paint != Paint::default() {
+                let filled = self.filled(&strands, styling, progress).await?;
+                if filled.is_none() && styling.paint != Paint::default() {
                     strands = Cow::Owned(styling.paint.apply(&strands, skull, 1)?);
                 }
                 let guides = styling.guides.unwrap_or(BindOptions::default().guides);
                 let restyle = styling.restyle.as_ref();
                 // Curls need as many vertices as there may be.
                 let strand_vertices = restyle.and_then(|r| r.curls.any().then_some(MAX_STRAND_VERTICES));
-                let mut groom =
-                    bind(&strands, &BindOptions { guides, strand_vertices, ..Default::default() })?;
+                let options = BindOptions { guides, strand_vertices, ..Default::default() };
+                let mut groom = match &filled {
+                    Some(filled) => bind_filled(filled, &options)?,
+                    None => bind(&strands, &options)?,
+                };
+                notes.extend(filled.map(|filled| styling.growing.told(&filled)));
                 if let Some(restyle) = restyle {
                     restyle.apply(&mut groom, skull)?;
                     notes.extend(note(&restyle.curls, &groom));

@@ -20,7 +20,7 @@ pub mod settings;
 pub mod words;
 
 pub use camera::{Bounds, Shot, Viewpoint};
-pub use character::{Base, Character, Files, Styling};
+pub use character::{Base, Character, Files, Growing, Styling};
 pub use colliders::Colliders;
 pub use companions::{Companion, Companions, Shelf, Surroundings};
 pub use history::History;

@@ -81,15 +81,28 @@ impl Paint {
     /// # Errors
     /// [`Error::Unusable`] when nothing is left.
     pub fn apply(&self, strands: &Strands, skull: Vec3, seed: u32) -> Result<Strands> {
+        self.apply_kept(strands, skull, seed, strands.len()).map(|(strands, _)| strands)
+    }
+
+    /// The same where only the first `dense` strands are thinned out; also says which strands are left.
+    pub(crate) fn apply_kept(
+        &self,
+        strands: &Strands,
+        skull: Vec3,
+        seed: u32,
+        dense: usize,
+    ) -> Result<(Strands, Vec<u32>)> {
         let all = strands.len();
+        let mut kept = Vec::with_capacity(all);
         let mut out = Strands { offsets: vec![0], ..Strands::default() };
         let covering = covering_radius(all);
         for i in 0..all {
             let line = strands.strand(i);
             let Some(root) = line.first() else { continue };
             let uv = scalp_uv(*root - skull);
-            let chance = Rng::new(seed ^ 0xd09, i as u32).unit();
+            let chance = if i < dense { Rng::new(seed ^ 0xd09, i as u32).unit() } else { -1.0 };
             let Some([length, width]) = self.strand(uv, chance) else { continue };
+            kept.push(i as u32);
             let n = line.len();
             let range = strands.range(i);
             // The same vertices over less of the way.
@@ -127,7 +140,7 @@ impl Paint {
                 "the maps leave no strand: they are black wherever hair is rooted".into(),
             ));
         }
-        Ok(out)
+        Ok((out, kept))
     }
 }
 

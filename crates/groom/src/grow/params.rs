@@ -96,7 +96,7 @@ impl Unrest {
     /// The range of [`flyaway`](Self::flyaway).
     pub const FLYAWAY: Range = range!("flyaway", 0.0 to 1.0, "m"; usually 0.0 to 0.2);
 
-    fn check(&self) -> Result<()> {
+    pub(crate) fn check(&self) -> Result<()> {
         const SHORTER: Range = range!("shortening", 0.0 to 1.0);
         SHORTER.check(self.shorter)?;
         Self::FRIZZ.check(self.frizz)?;

@@ -44,7 +44,7 @@ pub(super) fn read<P: AsRef<Path>>(
     joined.map(|all| (all, reports)).ok_or_else(|| Error::Unusable("no groom file is given".into()))
 }
 
-/// Adds `more`. An attribute lives on only where both have it; pinned tips are joined in any case.
+/// Adds `more`. An attribute lives on only where both have it; pinned tips and followers are joined in any case.
 fn append(all: &mut Raw, more: Raw) -> Vec<String> {
     let mut notes = Vec::new();
     let (a, b) = (&mut all.strands, more.strands);
@@ -59,6 +59,11 @@ fn append(all: &mut Raw, more: Raw) -> Vec<String> {
         a.tip_pinned.resize(before, false);
         a.tip_pinned.extend(b.tip_pinned);
         a.tip_pinned.resize(before + added, false);
+    }
+    if !all.followers.is_empty() || !more.followers.is_empty() {
+        all.followers.resize(before, Default::default());
+        all.followers.extend(more.followers);
+        all.followers.resize(before + added, Default::default());
     }
     all.declared &= more.declared;
     notes

@@ -22,7 +22,7 @@ pub use files::{Given, Kind, kind};
 
 use std::path::{Path, PathBuf};
 
-use super::{Rig, Strands, TriMesh, formats, lint, orient};
+use super::{Followers, Rig, Strands, TriMesh, formats, lint, orient};
 use crate::error::{At, Error, Result};
 
 /// The most vertices a groom may have: 16 bytes each fill the largest buffer that WebGPU can bind.
@@ -71,6 +71,15 @@ pub struct ImportReport {
     pub lint: lint::Report,
     /// What the repair did.
     pub repaired: lint::Repaired,
+    /// The followers that the files ask for, one entry per strand, radii in metres; empty where none do.
+    pub followers: Vec<Followers>,
+}
+
+impl ImportReport {
+    /// How many strands there are with all followers that the files ask for.
+    pub fn with_followers(&self) -> u64 {
+        self.followers.iter().map(|followers| 1 + u64::from(followers.count)).sum()
+    }
 }
 
 /// A head or body from files, in metres, Y up, face +Z.
@@ -91,11 +100,32 @@ pub(crate) struct Raw {
     pub notes: Vec<String>,
     /// Whether the file itself says that it is in metres, Y up, face +Z.
     pub declared: bool,
+    /// The followers of each strand, in the file's unit; empty for none.
+    pub followers: Vec<Followers>,
 }
 
 impl Raw {
     pub fn new(format: &'static str) -> Self {
-        Self { strands: Strands::default(), format, notes: Vec::new(), declared: false }
+        Self {
+            strands: Strands::default(),
+            format,
+            notes: Vec::new(),
+            declared: false,
+            followers: Vec::new(),
+        }
+    }
+
+    /// Gives every strand `count` followers within `radius`, as the header has them.
+    pub fn follow(&mut self, count: u64, radius: Option<f32>) {
+        if count == 0 {
+            return;
+        }
+        // Nothing is within a radius of 0: whoever wrote it did not say.
+        let radius = radius.filter(|radius| *radius > 0.0);
+        let within = radius.map_or(String::new(), |radius| format!(" within {radius} of its unit"));
+        self.notes.push(format!("asks for {count} followers of each strand{within}"));
+        let followers = Followers { count: u32::try_from(count).unwrap_or(u32::MAX), radius };
+        self.followers = vec![followers; self.strands.len()];
     }
 }
 
@@ -215,7 +245,7 @@ fn read_all<P: AsRef<Path>, H: AsRef<Path>>(
     options.orient.check()?;
     options.orient_head.check()?;
     let (raw, files) = join::read(from, paths, options.lenient)?;
-    let mut strands = raw.strands;
+    let (mut strands, mut followers) = (raw.strands, raw.followers);
     let mut head = if heads.is_empty() { None } else { Some(mesh::read_from(from, heads)?) };
     let (placement, head_placement) = match &head {
         Some(head) => {
@@ -225,6 +255,9 @@ fn read_all<P: AsRef<Path>, H: AsRef<Path>>(
         None => (orient::groom(&strands, raw.declared, &options.orient), None),
     };
     placement.apply(&mut strands);
+    for radius in followers.iter_mut().filter_map(|followers| followers.radius.as_mut()) {
+        *radius *= placement.unit.0;
+    }
     if let (Some(head), Some(placement)) = (&mut head, &head_placement) {
         place(head, placement);
     }
@@ -232,14 +265,18 @@ fn read_all<P: AsRef<Path>, H: AsRef<Path>>(
     let lint = lint::check(&strands, head.as_ref());
     let mut repaired = lint::Repaired::default();
     if !options.unrepaired {
-        repaired = lint::repair(&mut strands);
+        let left;
+        (repaired, left) = lint::repair_kept(&mut strands);
+        if !followers.is_empty() {
+            followers = left.iter().map(|i| followers[*i as usize]).collect();
+        }
         if strands.is_empty() {
             let path = paths.first().map(|p| p.as_ref().to_path_buf()).unwrap_or_default();
             let problem = "every strand has zero length or a single vertex, so nothing is left to use".into();
             return Err(Error::File { path, at: At::File, problem });
         }
     }
-    Ok((strands, head, ImportReport { files, placement, head_placement, rig, lint, repaired }))
+    Ok((strands, head, ImportReport { files, placement, head_placement, rig, lint, repaired, followers }))
 }
 
 /// One groom file from its bytes, as it is; `path` decides the format and stands in errors.

@@ -249,3 +249,61 @@ fn the_wrong_kind_of_file_is_told_so() {
     assert!(says("a.tfx", b"").contains("empty"));
     assert!(says("a.glb", b"glTF").contains("head"));
 }
+
+/// The text of a groom with these header lines.
+fn asking(lines: &str) -> Vec<u8> {
+    let mut groom = Strands::default();
+    groom.push(&[Vec3::ZERO, Vec3::Y * 0.1, Vec3::Y * 0.2]);
+    groom.push(&[Vec3::X * 0.01, Vec3::X * 0.01 + Vec3::Y * 0.1]);
+    tfx2(&groom).replace("scale 1.0\n", lines).into_bytes()
+}
+
+#[test]
+fn followers_are_read() {
+    let four = asking("scale 2.0\nnumFollowHairsPerGuideHair 4\nmaxRadiusAroundGuideHair 0.5\n");
+    let raw = parse(Path::new("a.tfx"), &four, false).unwrap();
+    assert_eq!(raw.followers, vec![Followers { count: 4, radius: Some(1.0) }; 2]);
+    assert!(raw.notes.iter().any(|note| note.contains("4 followers")));
+    // The binary version says how many.
+    let mut groom = Strands::default();
+    groom.push(&[Vec3::ZERO, Vec3::Y]);
+    let mut bytes = tfx3(&groom);
+    assert!(parse(Path::new("a.tfx"), &bytes, false).unwrap().followers.is_empty());
+    bytes[12] = 6;
+    let raw = parse(Path::new("a.tfx"), &bytes, false).unwrap();
+    assert_eq!(raw.followers, vec![Followers { count: 6, radius: None }]);
+    // In metres, and one for each strand that is left; files that do not ask have none.
+    let dropped = String::from_utf8(four.clone())
+        .unwrap()
+        .replace("0 0.2 0\n", "0 0 0\n")
+        .replace("0 0.1 0\n", "0 0 0\n");
+    let files = [("a.tfx", four), ("b.tfx", dropped.into_bytes()), ("c.tfx", asking(""))];
+    let files: Vec<Given> = files.map(|(name, bytes)| (name.into(), bytes.into())).into();
+    let orient = orient::Choice { unit: Some(orient::Unit(0.01)), ..Default::default() };
+    let (strands, _, report) = read_given(&files, &ImportOptions { orient, ..Default::default() }).unwrap();
+    assert_eq!((strands.len(), report.followers.len()), (5, 5));
+    assert_eq!(report.followers[2], Followers { count: 4, radius: Some(0.01) });
+    assert_eq!(report.followers[4], Followers::default());
+    assert_eq!(report.with_followers(), 5 + 3 * 4);
+}
+
+#[test]
+fn broken_followers_are_one_sentence_or_none() {
+    for (lines, says) in [
+        ("numFollowHairsPerGuideHair many\n", "should be a count, but is “many”"),
+        ("numFollowHairsPerGuideHair -1\n", "should be a count, but is “-1”"),
+        ("numFollowHairsPerGuideHair\n", "numFollowHairsPerGuideHair is missing"),
+        ("maxRadiusAroundGuideHair nan\n", "should be a finite number, but is “nan”"),
+        ("maxRadiusAroundGuideHair -2\n", "is -2, which no radius can be"),
+    ] {
+        let error = parse(Path::new("a.tfx"), &asking(lines), false).err().unwrap().to_string();
+        assert!(error.contains(says) && error.contains("line 2") && !error.contains('\n'), "{error}");
+    }
+    // However many: there is room for the number, not for the hair, which whoever grows it says.
+    let many = parse(Path::new("a.tfx"), &asking("numFollowHairsPerGuideHair 99999999999\n"), false).unwrap();
+    assert_eq!(many.followers[0].count, u32::MAX);
+    let nowhere = asking("numFollowHairsPerGuideHair 3\nmaxRadiusAroundGuideHair 0\n");
+    assert_eq!(parse(Path::new("a.tfx"), &nowhere, false).unwrap().followers[1].radius, None);
+    let lenient = parse(Path::new("a.tfx"), &asking("maxRadiusAroundGuideHair inf\n"), true).unwrap();
+    assert!(lenient.followers.is_empty());
+}

@@ -1,10 +1,10 @@
 //! `.tfx` versions 3 and 4: little-endian binary, the same number of vertices in every strand.
 //!
 //! Both start with version (f32), strands, vertices per strand; version 3 continues with followers per
-//! guide, a flag that pins every tip and, from byte 144, offsets of positions (3 × f32), thickness, strand
-//! texture coordinates, colours; version 4 has, from byte 12, the offsets of positions (4 × f32, w = 0 for
-//! a pinned vertex), strand texture coordinates, vertex texture coordinates, thickness, colours. An offset
-//! of 0 means absent.
+//! guide (how far around it they are is left to whoever reads it), a flag that pins every tip and, from
+//! byte 144, offsets of positions (3 × f32), thickness, strand texture coordinates, colours; version 4 has,
+//! from byte 12, the offsets of positions (4 × f32, w = 0 for a pinned vertex), strand texture coordinates,
+//! vertex texture coordinates, thickness, colours. An offset of 0 means absent.
 
 use glam::{Vec2, Vec3, Vec4};
 
@@ -69,6 +69,9 @@ pub(super) fn read(source: &Source) -> Result<Raw> {
         }
     }
     raw.strands.offsets = (0..=strands).map(|i| (i * per_strand) as u32).collect();
+    if !four {
+        raw.follow(u64::from(field(12)?), None);
+    }
     if let Some(at) = offset(uvs_at)? {
         let uvs = source.vec2s("strand texture coordinates", at, strands)?;
         if uvs.iter().any(|uv| *uv != Vec2::ZERO) {

@@ -1,7 +1,8 @@
 //! `.tfx` version 2: text.
 //!
 //! Header lines `name value…`, then for each strand `strand I numVerts N texcoord U V` and `N` lines of
-//! three numbers. `bothEndsImmovable 1` pins every tip of the file.
+//! three numbers. `bothEndsImmovable 1` pins every tip of the file, `numFollowHairsPerGuideHair` and
+//! `maxRadiusAroundGuideHair` ask for followers of each strand.
 
 use glam::{EulerRot, Quat, Vec2, Vec3};
 
@@ -13,6 +14,7 @@ pub(super) fn read(source: &Source) -> Result<Raw> {
     let mut raw = Raw::new("tfx 2, text");
     let strands = &mut raw.strands;
     let (mut scale, mut rotation, mut translation) = (1.0, Vec3::ZERO, Vec3::ZERO);
+    let (mut followers, mut radius) = (0, None);
     let (mut both_ends, mut promised, mut wanted) = (false, None, 0u64);
     let mut last = 1;
     strands.offsets.push(0);
@@ -36,6 +38,17 @@ pub(super) fn read(source: &Source) -> Result<Raw> {
             "translation" => translation = source.vec3(line, &mut words, "the translation's")?,
             "bothEndsImmovable" => both_ends = words.next().is_some_and(|w| w != "0"),
             "numStrands" => promised = Some(source.count(line, words.next(), "numStrands")?),
+            "numFollowHairsPerGuideHair" => {
+                followers = source.count(line, words.next(), "numFollowHairsPerGuideHair")?;
+            }
+            "maxRadiusAroundGuideHair" => {
+                let value = source.number(line, words.next(), "maxRadiusAroundGuideHair")?;
+                if value < 0.0 {
+                    let problem = format!("maxRadiusAroundGuideHair is {value}, which no radius can be");
+                    return Err(source.problem(At::Line(line), problem));
+                }
+                radius = Some(value).filter(|value| value.is_finite());
+            }
             "strand" => {
                 let rest: Vec<&str> = words.collect();
                 let after = |key| rest.iter().position(|w| *w == key).map(|i| &rest[i + 1..]);
@@ -52,7 +65,7 @@ pub(super) fn read(source: &Source) -> Result<Raw> {
                     strands.root_uvs.push(Vec2::new(part(0)?, part(1)?));
                 }
             }
-            // `version`, numbers for simulation and for growing followers, `is sorted`: nothing of the shape.
+            // `version`, numbers for simulation, `is sorted`: nothing of the shape.
             _ if first.starts_with(|c: char| c.is_ascii_alphabetic()) => {}
             _ => {
                 return Err(
@@ -90,5 +103,6 @@ pub(super) fn read(source: &Source) -> Result<Raw> {
             "the header's scale, rotation (degrees, x then y then z) and translation are applied".into(),
         );
     }
+    raw.follow(followers, radius.map(|radius| radius * scale.abs()));
     Ok(raw)
 }

@@ -9,6 +9,7 @@ mod repair;
 mod stats;
 
 pub use check::{Finding, Kind, Report, Severity, check};
+pub(crate) use repair::repair_kept;
 pub use repair::{Repaired, repair};
 pub use stats::Spread;
 

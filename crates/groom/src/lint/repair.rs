@@ -19,7 +19,13 @@ pub struct Repaired {
 /// Merges vertices that lie together, drops strands without length and resamples those of too many
 /// vertices. Roots and tips stay where they are, attributes follow. A second repair does nothing.
 pub fn repair(strands: &mut Strands) -> Repaired {
+    repair_kept(strands).0
+}
+
+/// The same, and which strands are left.
+pub(crate) fn repair_kept(strands: &mut Strands) -> (Repaired, Vec<u32>) {
     let mut done = Repaired::default();
+    let mut left = Vec::with_capacity(strands.len());
     let limit = MAX_STRAND_VERTICES as usize;
     let mut out = Strands { offsets: vec![0], ..Default::default() };
     for i in 0..strands.len() {
@@ -34,6 +40,7 @@ pub fn repair(strands: &mut Strands) -> Repaired {
             done.dropped_strands += 1;
             continue;
         }
+        left.push(i as u32);
         done.merged_vertices += range.len() - kept.len();
         let samples: Vec<(usize, usize, f32)> = if kept.len() > limit {
             done.resampled_strands += 1;
@@ -70,7 +77,7 @@ pub fn repair(strands: &mut Strands) -> Repaired {
         out.root_uvs.clear();
     }
     *strands = out;
-    done
+    (done, left)
 }
 
 /// The vertices of a strand that stay: finite, and each at least [`MIN_SEGMENT`] from the one before.

@@ -35,6 +35,9 @@ const KNOBS: &[Knob] = rows! { "style";
     "strands" "Strands" [style.growth.strand_count] integer(PLAIN, 1, Growth::MOST_STRANDS, 1),
         auto, regrow, flag(flag("strands", "N").common()),
         "Number of strands drawn, at most; built-in styles grow exactly as many.";
+    "grow" "Fill up to" [style.grow] integer(PLAIN, 0, Growth::MOST_STRANDS, 1),
+        auto, regrow, flag(flag("grow", "N").common()),
+        "Number of strands that a groom from files is filled up to; 0: its own alone, without followers.";
     "width" "Strand width" [style.growth.diameter] within(MICROMETRES, Growth::DIAMETER).log(),
         auto, regrow, flag(flag("width", "LENGTH").common()),
         "Typical diameter of a drawn strand. Real hair has 50 to 120 µm; fewer strands need more to cover.";
@@ -56,6 +59,8 @@ const KNOBS: &[Knob] = rows! { "style";
         "Whether the built-in character has brows.";
     "lashes" "Lashes" [style.face.lashes] Kind::Toggle, regrow,
         "Whether the built-in character has lashes.";
+    "grow_parting" "Parting angle" [style.grow_parting] number(DEGREES, 0.0, 180.0), advanced, regrow,
+        "Strands of a file that run apart by more than this are not mixed: hair parts between them.";
     "guides" "Guides" [style.guides] integer(PLAIN, 1, 1_000_000, 1),
         auto, advanced, regrow, flag(flag("guides", "N|all").common().first(GUIDES)
             .about("Number of strands simulated, which the others follow, or `all`")),

@@ -287,6 +287,7 @@ impl Settings {
         Ok(Styling {
             growth: style.map(|style| self.growth(style, maps)).transpose()?,
             strands: self.strands(),
+            growing: self.growing(),
             guides: self.guides(),
             paint: self.paint(maps),
             restyle: if style.is_none() { self.restyle(maps)? } else { None },

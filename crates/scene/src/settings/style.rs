@@ -1,11 +1,11 @@
 //! How strands are grown on a built-in style, or restyled on a groom from files.
 
 use super::Settings;
-use crate::{face::FaceHair, knobs};
+use crate::{Growing, face::FaceHair, knobs};
 use tresses::{
     Result,
     groom::{
-        GuideCount, Restyle,
+        Fill, GuideCount, Restyle,
         grow::{CurlCurve, Curls, Growth, Paint, ScalpMap, Unrest},
         styles::Style,
     },
@@ -55,6 +55,10 @@ pub struct Maps {
 pub struct StyleSettings {
     /// Growth as it is given.
     pub(crate) growth: Growth,
+    /// How many strands a file's are filled up to; 0 for none but its own.
+    pub(crate) grow: u32,
+    /// The angle between strands of a file from which on hair between them goes with one, radians.
+    pub grow_parting: f32,
     /// How many are simulated, the others following them.
     pub(crate) guides: u32,
     /// Whether every strand is simulated, whatever `guides` says.
@@ -73,6 +77,8 @@ impl Default for StyleSettings {
     fn default() -> Self {
         Self {
             growth: Growth::default(),
+            grow: 0,
+            grow_parting: Fill::default().parting,
             guides: Style::default().recipe().guides,
             all_guides: false,
             curl: Curl::default(),
@@ -109,6 +115,16 @@ impl Settings {
         match self.style.all_guides {
             true => Some(GuideCount::All),
             false => self.gives("style.guides").then_some(GuideCount::Count(self.style.guides)),
+        }
+    }
+
+    /// How hair grows between the strands of a file.
+    pub(super) fn growing(&self) -> Growing {
+        let plain = Growing::default();
+        Growing {
+            strands: self.gives("style.grow").then_some(self.style.grow),
+            parting: self.style.grow_parting,
+            seed: if self.gives("style.seed") { self.style.growth.seed } else { plain.seed },
         }
     }
 
@@ -217,7 +233,13 @@ impl Settings {
             None => {
                 let Ok(restyle) = self.restyle(&maps) else { return };
                 let restyle = restyle.unwrap_or_else(|| Restyle { seed: 1, ..Restyle::default() });
-                unknown.extend(["style.strands", "style.guides", "style.width", "style.tip_width"]);
+                unknown.extend([
+                    "style.strands",
+                    "style.grow",
+                    "style.guides",
+                    "style.width",
+                    "style.tip_width",
+                ]);
                 unknown.extend(restyle.clumps.is_none().then_some(CLUMPS).into_iter().flatten());
                 let plain = Growth::default();
                 self.over(Growth {

@@ -1,0 +1,212 @@
+//! The given strands taken apart: the path of each, and what it does around its path.
+//!
+//! The mean of two curls is no curl. What is blended between strands is therefore their *path*, the strand
+//! smoothed over a little less than half a turn of its curl, or over a tenth of its length where it has
+//! none; what is left, the *detail*, goes from one strand to the next as it is. A path ends where its strand
+//! ends, so that path and detail together are the strand.
+
+use crate::{SdfGrid, Strands, curve};
+use glam::{Quat, Vec3};
+
+/// Even steps along a strand when it is smoothed.
+const STEPS: usize = 32;
+
+/// Points of each path by which strands are compared, root and tip included.
+pub(super) const KNOTS: usize = 9;
+
+/// The breadth of the smoothing (standard deviation of a bell) against a turn of a curl: 0.45 leaves 2 % of it.
+const BREADTH: f32 = 0.45;
+
+/// The same against the length of a strand without curls.
+const PLAIN: f32 = 0.1;
+
+/// Mean squared slope from which on a strand has curls.
+const SLOPE: f32 = 0.02;
+
+/// The given strands as paths and details; indexed as the strands' vertices.
+pub(super) struct Curves {
+    pub(super) offsets: Vec<u32>,
+    /// The fraction of the strand's length at each vertex.
+    pub(super) along: Vec<f32>,
+    pub(super) path: Vec<Vec3>,
+    pub(super) detail: Vec<Vec3>,
+    /// How the path has turned since the root, by the smallest rotation from edge to edge.
+    pub(super) turn: Vec<Quat>,
+    /// Metres, one per strand.
+    pub(super) length: Vec<f32>,
+    /// The path at equal fractions of the length, `KNOTS` for each strand.
+    pub(super) knots: Vec<Vec3>,
+    /// The distance of each knot from the head, metres; empty without a head.
+    pub(super) clear: Vec<f32>,
+}
+
+impl Curves {
+    pub(super) fn new(strands: &Strands, field: Option<&SdfGrid>) -> Self {
+        let mut curves = Self {
+            offsets: strands.offsets.clone(),
+            along: Vec::with_capacity(strands.positions.len()),
+            path: Vec::with_capacity(strands.positions.len()),
+            detail: Vec::with_capacity(strands.positions.len()),
+            turn: Vec::with_capacity(strands.positions.len()),
+            length: Vec::with_capacity(strands.len()),
+            knots: Vec::with_capacity(strands.len() * KNOTS),
+            clear: Vec::new(),
+        };
+        let mut path = Vec::new();
+        for strand in strands.iter() {
+            let even = curve::resample_chords(strand, STEPS + 1);
+            let length = curve::length(strand).max(1e-9);
+            smooth(&even, breadth(&even, length), &mut path);
+            let mut passed = 0.0;
+            let (mut turn, mut last) = (Quat::IDENTITY, Vec3::ZERO);
+            for (k, &p) in strand.iter().enumerate() {
+                if k > 0 {
+                    passed += strand[k - 1].distance(p);
+                }
+                let s = (passed / length).min(1.0);
+                let on = at(&path, s);
+                let edge =
+                    (at(&path, (s + 0.02).min(1.0)) - at(&path, (s - 0.02).max(0.0))).normalize_or(last);
+                if k > 0 {
+                    turn = (Quat::from_rotation_arc(last, edge) * turn).normalize();
+                }
+                last = edge.normalize_or(Vec3::Y);
+                curves.along.push(s);
+                curves.path.push(on);
+                curves.detail.push(p - on);
+                curves.turn.push(turn);
+            }
+            curves.length.push(length);
+            curves.knots.extend((0..KNOTS).map(|k| at(&path, k as f32 / (KNOTS - 1) as f32)));
+        }
+        if let Some(field) = field {
+            curves.clear = curves.knots.iter().map(|p| field.sample(*p)).collect();
+        }
+        curves
+    }
+
+    /// The vertices of strand `i`.
+    pub(super) fn range(&self, i: u32) -> std::ops::Range<usize> {
+        self.offsets[i as usize] as usize..self.offsets[i as usize + 1] as usize
+    }
+
+    pub(super) fn knots(&self, i: u32) -> &[Vec3] {
+        &self.knots[i as usize * KNOTS..(i as usize + 1) * KNOTS]
+    }
+
+    /// The path of strand `i` at the fraction `s` of its length; `from` is the vertex that the last, smaller
+    /// fraction was behind.
+    pub(super) fn path_at(&self, i: u32, s: f32, from: &mut usize) -> Vec3 {
+        let range = self.range(i);
+        let along = &self.along[range.clone()];
+        while *from + 2 < along.len() && along[*from + 1] < s {
+            *from += 1;
+        }
+        let (a, b) = (along[*from], along[*from + 1]);
+        let t = if b > a { ((s - a) / (b - a)).clamp(0.0, 1.0) } else { 0.0 };
+        self.path[range.start + *from].lerp(self.path[range.start + *from + 1], t)
+    }
+}
+
+/// A polyline of even steps at the fraction `s`.
+fn at(even: &[Vec3], s: f32) -> Vec3 {
+    let x = s * (even.len() - 1) as f32;
+    let i = (x as usize).min(even.len() - 2);
+    even[i].lerp(even[i + 1], x - i as f32)
+}
+
+/// The standard deviation of the smoothing, as a fraction of the length.
+fn breadth(even: &[Vec3], length: f32) -> f32 {
+    // What is left of the directions when their quadratic trend is taken out: a fall, a wave of the whole.
+    let mut slopes = [Vec3::ZERO; STEPS];
+    for (slope, w) in slopes.iter_mut().zip(even.windows(2)) {
+        *slope = (w[1] - w[0]) * (STEPS as f32 / length);
+    }
+    let x = |k: usize| (2.0 * k as f32 + 1.0) / STEPS as f32 - 1.0;
+    // Legendre's polynomials, whose squares have means of 1, 1/3 and 1/5.
+    let basis: [fn(f32) -> f32; 3] = [|_| 1.0, |x| x, |x| 1.5 * x * x - 0.5];
+    for (p, mean) in basis.iter().zip([1.0, 3.0, 5.0]) {
+        let part: Vec3 = (0..STEPS).map(|k| slopes[k] * p(x(k))).sum::<Vec3>() * (mean / STEPS as f32);
+        for (k, slope) in slopes.iter_mut().enumerate() {
+            *slope -= part * p(x(k));
+        }
+    }
+    let energy = slopes.iter().map(|s| s.length_squared()).sum::<f32>() / STEPS as f32;
+    if energy < SLOPE {
+        return PLAIN;
+    }
+    // The number of turns: where the spectrum of the directions is strongest.
+    let power = |turns: f32| -> f32 {
+        let (mut re, mut im) = (Vec3::ZERO, Vec3::ZERO);
+        for (k, slope) in slopes.iter().enumerate() {
+            let (sin, cos) = (turns * std::f32::consts::TAU * (k as f32 + 0.5) / STEPS as f32).sin_cos();
+            re += *slope * cos;
+            im += *slope * sin;
+        }
+        re.length_squared() + im.length_squared()
+    };
+    let turns = (3..=24).map(|k| 0.5 * k as f32).map(|turns| (power(turns), turns));
+    let (_, turns) = turns.fold((0.0, 3.0), |best, at| if at.0 > best.0 { at } else { best });
+    (BREADTH / turns).max(0.5 * PLAIN)
+}
+
+/// `even` smoothed by a bell, its ends held: beyond them it goes on as its own image in the end.
+fn smooth(even: &[Vec3], breadth: f32, out: &mut Vec<Vec3>) {
+    let n = even.len() as isize - 1;
+    let deviation = breadth * n as f32;
+    let reach = ((3.0 * deviation).ceil() as isize).min(n);
+    let weight = |d: isize| (-0.5 * (d as f32 / deviation).powi(2)).exp();
+    let weights: Vec<f32> = (0..=reach).map(weight).collect();
+    let total = weights[0] + 2.0 * weights[1..].iter().sum::<f32>();
+    let get = |i: isize| match i {
+        i if i < 0 => 2.0 * even[0] - even[(-i) as usize],
+        i if i > n => 2.0 * even[n as usize] - even[(2 * n - i) as usize],
+        i => even[i as usize],
+    };
+    out.clear();
+    out.extend((0..=n).map(|i| {
+        (1..=reach).fold(weights[0] * get(i), |sum, d| sum + weights[d as usize] * (get(i - d) + get(i + d)))
+            / total
+    }));
+    // The ends are exact but for rounding.
+    out[0] = even[0];
+    out[n as usize] = even[n as usize];
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A strand of `turns` turns around a falling path, `radius` wide.
+    fn helix(turns: f32, radius: f32) -> Vec<Vec3> {
+        (0..64)
+            .map(|k| {
+                let s = k as f32 / 63.0;
+                let (sin, cos) = (turns * std::f32::consts::TAU * s).sin_cos();
+                Vec3::new(radius * cos + 0.05 * s * s, -0.2 * s, radius * sin)
+            })
+            .collect()
+    }
+
+    #[test]
+    fn paths_have_no_curls_and_details_have_them() {
+        let mut strands = Strands::default();
+        for turns in [2.0, 4.0, 7.0] {
+            strands.push(&helix(turns, 0.006));
+        }
+        strands.push(&helix(0.0, 0.0));
+        let curves = Curves::new(&strands, None);
+        for i in 0..4 {
+            let range = curves.range(i);
+            for v in range.clone() {
+                let sum = curves.path[v] + curves.detail[v];
+                assert!(sum.distance(strands.positions[v]) < 1e-6);
+            }
+            let middle = &curves.detail[range.start + 20..range.end - 20];
+            let radius =
+                (middle.iter().map(|d| d.length_squared()).sum::<f32>() / middle.len() as f32).sqrt();
+            let expected = if i == 3 { 0.0 } else { 0.006 };
+            assert!((radius - expected).abs() < 6e-4, "strand {i}: {radius}");
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! Nearest points in space, by a tree of planes.
+
+use glam::Vec3;
+
+/// Points in a balanced tree: the middle of every part of [`order`](Self::order) divides the rest along the
+/// axis in which that part is widest.
+pub(super) struct Near<'a> {
+    points: &'a [Vec3],
+    order: Vec<u32>,
+    axes: Vec<u8>,
+}
+
+impl<'a> Near<'a> {
+    pub(super) fn new(points: &'a [Vec3]) -> Self {
+        let mut near =
+            Self { points, order: (0..points.len() as u32).collect(), axes: vec![0; points.len()] };
+        let mut parts = Vec::from([(0, points.len())]);
+        while let Some((start, end)) = parts.pop() {
+            let part = start..end;
+            if part.len() < 2 {
+                continue;
+            }
+            let order = &mut near.order[part.clone()];
+            let (lo, hi) = order.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), &i| {
+                let p = points[i as usize];
+                (lo.min(p), hi.max(p))
+            });
+            let axis = (hi - lo).max_position();
+            let middle = order.len() / 2;
+            let key = |i: u32| points[i as usize][axis];
+            order.select_nth_unstable_by(middle, |a, b| key(*a).total_cmp(&key(*b)).then(a.cmp(b)));
+            near.axes[part.start + middle] = axis as u8;
+            parts.push((start, start + middle));
+            parts.push((start + middle + 1, end));
+        }
+        near
+    }
+
+    /// The `count` points nearest to `p` and nearer than `reach` metres, nearest first: squared distances and
+    /// indices, put into `found`.
+    pub(super) fn nearest(&self, p: Vec3, count: usize, reach: f32, found: &mut Vec<(f32, u32)>) {
+        found.clear();
+        let mut most = reach * reach;
+        let mut parts: Vec<(std::ops::Range<usize>, f32)> = vec![(0..self.order.len(), 0.0)];
+        while let Some((part, least)) = parts.pop() {
+            if part.is_empty() || least > most {
+                continue;
+            }
+            let middle = part.start + part.len() / 2;
+            let i = self.order[middle];
+            let q = self.points[i as usize];
+            let d = q.distance_squared(p);
+            if d <= most {
+                let at = found.partition_point(|f| (f.0, f.1) < (d, i));
+                found.insert(at, (d, i));
+                found.truncate(count);
+                if found.len() == count {
+                    most = found[count - 1].0;
+                }
+            }
+            let axis = usize::from(self.axes[middle]);
+            let across = p[axis] - q[axis];
+            let (low, high) = (part.start..middle, middle + 1..part.end);
+            let (near, far) = if across < 0.0 { (low, high) } else { (high, low) };
+            parts.push((far, across * across));
+            parts.push((near, 0.0));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::styles::random::Rng;
+
+    #[test]
+    fn finds_what_brute_force_finds() {
+        let mut rng = Rng::new(4, 1);
+        let points: Vec<Vec3> = (0..500).map(|_| rng.bell3()).collect();
+        let near = Near::new(&points);
+        let mut found = Vec::new();
+        for _ in 0..200 {
+            let p = 1.2 * rng.bell3();
+            let mut all: Vec<(f32, u32)> =
+                (0u32..).zip(&points).map(|(i, q)| (q.distance_squared(p), i)).collect();
+            all.sort_by(|a, b| a.0.total_cmp(&b.0));
+            near.nearest(p, 9, 1.0, &mut found);
+            all.truncate(9);
+            all.retain(|(d, _)| *d <= 1.0);
+            assert_eq!(found, all);
+        }
+        Near::new(&[]).nearest(Vec3::ZERO, 3, 1.0, &mut found);
+        assert!(found.is_empty());
+    }
+}

@@ -1,0 +1,248 @@
+//! Where new strands are rooted: evenly, as densely as the given ones or as a map has it.
+//!
+//! Darts are thrown at the triangles between the given roots, more where roots are denser. One that falls too
+//! near to a root, given or new, is taken back; how near that is follows the density, and where no place is
+//! left it shrinks step by step until there are as many as wanted. What comes out is even in every part
+//! (blue noise), and keeps away from the roots that are there.
+
+use super::surface::{Surface, area_of};
+use crate::styles::{random::Rng, scalp_uv};
+use crate::{Progress, grow::ScalpMap};
+use glam::{IVec3, Vec3};
+use std::{collections::HashMap, f32::consts::TAU};
+
+/// Where a new strand is rooted, before the head is asked.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    /// On the triangle between the given roots.
+    pub(super) root: Vec3,
+    /// The sites around it; a lonely one three times.
+    pub(super) sites: [u32; 3],
+    /// What each counts.
+    pub(super) weights: [f32; 3],
+}
+
+/// The first distance against the largest that so many points could keep from each other.
+const CLOSE: f32 = 0.74;
+
+/// How far roots stray at the rim of the hair at most, metres.
+const FRAYED: f32 = 0.007;
+
+/// What is left of it in the next round.
+const SHRINK: f32 = 0.86;
+
+/// Rounds after which any place is taken.
+const ROUNDS: usize = 16;
+
+/// Darts.
+pub(super) struct Thrower<'a> {
+    surface: &'a Surface,
+    map: Option<(&'a ScalpMap, Vec3)>,
+    seed: u32,
+    /// The weights of triangles, then of lonely sites, summed up.
+    sums: Vec<f64>,
+    /// The greatest density within each triangle, against which darts are taken.
+    peaks: Vec<f32>,
+}
+
+impl<'a> Thrower<'a> {
+    /// `map` is a density over the scalp as seen from the middle of the skull.
+    pub(super) fn new(surface: &'a Surface, map: Option<(&'a ScalpMap, Vec3)>, seed: u32) -> Self {
+        let mut sums = Vec::with_capacity(surface.triangles.len() + surface.lonely.len());
+        let mut peaks = Vec::with_capacity(surface.triangles.len());
+        let mut sum = 0.0;
+        for &t in &surface.triangles {
+            let peak = t.map(|site| surface.density[site as usize]).into_iter().fold(0.0, f32::max);
+            sum += f64::from(peak * area_of(surface.corners(t)));
+            peaks.push(peak);
+            sums.push(sum);
+        }
+        for &(site, _) in &surface.lonely {
+            sum += surface.strands(site).len() as f64;
+            sums.push(sum);
+        }
+        Self { surface, map, seed, sums, peaks }
+    }
+
+    /// The share of the hair that the map leaves at `root`.
+    fn painted(&self, root: Vec3) -> f32 {
+        self.map.map_or(1.0, |(map, skull)| map.sample(scalp_uv(root - skull)).min(1.0))
+    }
+
+    /// The share of the hair that the map leaves, by `tries` darts.
+    pub(super) fn share(&self, tries: u32) -> f32 {
+        if self.map.is_none() {
+            return 1.0;
+        }
+        let darts = (0..tries).filter_map(|i| self.throw(i ^ 0x5a5a_0000));
+        let (count, sum) = darts
+            .fold((0u32, 0.0f32), |(count, sum), (place, ..)| (count + 1, sum + self.painted(place.root)));
+        if count > 0 { sum / count as f32 } else { 0.0 }
+    }
+
+    /// The `i`-th dart: where it falls, and the density there, strands per m², before the map.
+    pub(super) fn throw(&self, i: u32) -> Option<(Place, f32, Rng)> {
+        let mut rng = Rng::new(self.seed ^ 0xda27, i);
+        let total = *self.sums.last()?;
+        // 48 bits: triangles are many.
+        let chance = (f64::from(rng.bits() >> 8) + f64::from(rng.bits() >> 8) / 16_777_216.0) / 16_777_216.0;
+        let at = self.sums.partition_point(|sum| *sum <= chance * total).min(self.sums.len() - 1);
+        let surface = self.surface;
+        if let Some(&sites) = surface.triangles.get(at) {
+            let (x, y) = (rng.unit().sqrt(), rng.unit());
+            let weights = [1.0 - x, x * (1.0 - y), x * y];
+            let density: f32 = (0..3).map(|k| weights[k] * surface.density[sites[k] as usize]).sum();
+            if rng.unit() * self.peaks[at] > density {
+                return None;
+            }
+            let corners = surface.corners(sites);
+            let mut root = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
+            // At the rim roots stray: a hairline is no row of straight edges.
+            let rim: f32 = (0..3).filter(|k| surface.rim[sites[*k] as usize]).map(|k| weights[k]).sum();
+            if rim > 0.5 {
+                let near = sites[(0..3).fold(0, |m, k| if weights[k] > weights[m] { k } else { m })] as usize;
+                let (u, away) = (surface.normals[near].any_orthonormal_vector(), rng.unit() * TAU);
+                let reach = FRAYED.min(0.4 * surface.spacing[near]) * (2.0 * rim - 1.0) * rng.unit();
+                root += (u * away.cos() + surface.normals[near].cross(u) * away.sin()) * reach;
+            }
+            return Some((Place { root, sites, weights }, density, rng));
+        }
+        let (site, radius) = surface.lonely[at - surface.triangles.len()];
+        let normal = surface.normals[site as usize];
+        let u = normal.any_orthonormal_vector();
+        let (sin, cos) = (rng.unit() * TAU).sin_cos();
+        let away = (u * cos + normal.cross(u) * sin) * (radius * rng.unit().sqrt());
+        let place =
+            Place { root: surface.sites[site as usize] + away, sites: [site; 3], weights: [1.0, 0.0, 0.0] };
+        Some((place, surface.density[site as usize], rng))
+    }
+
+    /// `count` places; where the map takes nothing away, all strands are `times` as dense as the given ones.
+    /// Fewer where the map leaves no place at all.
+    pub(super) async fn places(
+        &self,
+        count: usize,
+        times: f32,
+        progress: &impl Progress,
+        task: &'static str,
+    ) -> Vec<Place> {
+        let mut places: Vec<Place> = Vec::with_capacity(count);
+        // As far as so many points could keep from each other.
+        let apart = |density: f32| (2.0 / (3f32.sqrt() * density * times)).sqrt();
+        let mut taken = Taken::new(&self.surface.density, apart, self.map.is_some());
+        for (i, root) in (0u32..).zip(&self.surface.sites) {
+            // As many of the given ones make room as the map takes away.
+            if Rng::new(self.seed ^ 0x9a9, i).unit() < self.painted(*root) {
+                taken.add(*root);
+            }
+        }
+        let mut factor = CLOSE;
+        let mut dart = 0u32;
+        for round in 0..=ROUNDS {
+            let tries = (3 * (count - places.len()) + 64) as u32;
+            // In the last round everything counts; a map may still refuse.
+            let tries = if round == ROUNDS { tries.saturating_mul(64) } else { tries };
+            for k in 0..tries {
+                if places.len() == count {
+                    break;
+                }
+                if k % 1024 == 0 {
+                    progress.step(task, 0.5 * places.len() as f32 / count as f32).await;
+                }
+                let Some((place, density, mut rng)) = self.throw(dart.wrapping_add(k)) else { continue };
+                let painted = self.painted(place.root);
+                if rng.unit() >= painted {
+                    continue;
+                }
+                let radius = factor * apart(density * painted.max(1e-3));
+                if round < ROUNDS && taken.near(place.root, radius) {
+                    continue;
+                }
+                taken.add(place.root);
+                places.push(place);
+            }
+            dart = dart.wrapping_add(tries);
+            if places.len() == count {
+                break;
+            }
+            factor *= SHRINK;
+        }
+        places
+    }
+}
+
+/// Roots in grids of cells, one grid for each power of two that distances between roots have.
+struct Taken {
+    /// The size of the smallest cells, metres.
+    finest: f32,
+    grids: Vec<HashMap<IVec3, Vec<Vec3>, Hasher>>,
+}
+
+impl Taken {
+    fn new(densities: &[f32], apart: impl Fn(f32) -> f32, painted: bool) -> Self {
+        let (lo, hi) = densities
+            .iter()
+            .map(|d| apart(*d))
+            .fold((f32::INFINITY, 0.0f32), |(lo, hi), r| (lo.min(r), hi.max(r)));
+        let finest = lo.max(1e-6);
+        // Where a map thins hair out, roots are farther apart than anywhere without it.
+        let levels = ((hi / finest).log2().ceil() as usize + if painted { 4 } else { 1 }).min(8);
+        Self { finest, grids: vec![HashMap::default(); levels] }
+    }
+
+    fn size(&self, level: usize) -> f32 {
+        self.finest * (1u32 << level) as f32
+    }
+
+    fn add(&mut self, root: Vec3) {
+        for level in 0..self.grids.len() {
+            let cell = (root / self.size(level)).floor().as_ivec3();
+            self.grids[level].entry(cell).or_default().push(root);
+        }
+    }
+
+    /// Whether a root lies nearer than `radius`.
+    fn near(&self, root: Vec3, radius: f32) -> bool {
+        let level = (0..self.grids.len()).find(|l| self.size(*l) >= radius).unwrap_or(self.grids.len() - 1);
+        let size = self.size(level);
+        let radius = radius.min(size);
+        let (lo, hi) = ((root - radius) / size, (root + radius) / size);
+        let (lo, hi) = (lo.floor().as_ivec3(), hi.floor().as_ivec3());
+        for z in lo.z..=hi.z {
+            for y in lo.y..=hi.y {
+                for x in lo.x..=hi.x {
+                    let there = self.grids[level].get(&IVec3::new(x, y, z));
+                    if there.into_iter().flatten().any(|q| q.distance_squared(root) < radius * radius) {
+                        return true;
+                    }
+                }
+            }
+        }
+        false
+    }
+}
+
+/// Cells are hashed as they are met most: often, and by nobody who means harm.
+#[derive(Clone, Copy, Default)]
+struct Hasher;
+
+impl std::hash::BuildHasher for Hasher {
+    type Hasher = Mix;
+    fn build_hasher(&self) -> Mix {
+        Mix(0)
+    }
+}
+
+struct Mix(u64);
+
+impl std::hash::Hasher for Mix {
+    fn finish(&self) -> u64 {
+        self.0 ^ self.0 >> 29
+    }
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|b| self.write_i32(i32::from(*b)));
+    }
+    fn write_i32(&mut self, value: i32) {
+        self.0 = (self.0.rotate_left(23) ^ value as u32 as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    }
+}

@@ -1,0 +1,178 @@
+//! The curve of a new strand.
+
+use super::kin::Kin;
+use super::skin::Skin;
+use crate::SdfGrid;
+use crate::styles::random::{Rng, lerp, smoothstep};
+use glam::{Quat, Vec3};
+
+/// How far along the strand the step from the given roots' surface to the skin is spread, metres.
+const EASE: f32 = 0.03;
+
+/// How far strands keep from the skin where those beside them do, metres.
+const CLEARANCE: f32 = 0.001;
+
+/// How much of the difference in length between its parents and their mean a strand has.
+const OWN: f32 = 0.6;
+
+/// Rounds of pushing out of the head and restoring lengths.
+const ROUNDS: usize = 3;
+
+/// The given strands that a new one is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parents {
+    /// Indices of given strands. The first lends its curls, its number of vertices and its attributes.
+    pub strands: [u32; 3],
+    /// What each counts in the path; the sum is 1. A strand that counts 0 is none.
+    pub weights: [f32; 3],
+}
+
+impl Parents {
+    /// One strand alone.
+    pub(super) fn one(strand: u32) -> Self {
+        Self { strands: [strand; 3], weights: [1.0, 0.0, 0.0] }
+    }
+
+    /// Those that count, with what they count.
+    pub fn iter(&self) -> impl Iterator<Item = (u32, f32)> {
+        self.strands.into_iter().zip(self.weights).filter(|(_, weight)| *weight > 0.0)
+    }
+}
+
+/// Makes curves; holds no state between strands.
+pub(super) struct Shaper<'a> {
+    pub(super) kin: &'a Kin,
+    pub(super) field: Option<&'a SdfGrid>,
+    pub(super) skin: Option<&'a Skin>,
+}
+
+impl Shaper<'_> {
+    /// Puts the vertices of a strand with these parents into `line`. `root` lies on the surface of the
+    /// given roots; `spreads` tells whether its distance from them changes as theirs from each other does.
+    pub(super) fn grow(
+        &self,
+        root: Vec3,
+        parents: &Parents,
+        spreads: bool,
+        rng: &mut Rng,
+        line: &mut Vec<Vec3>,
+    ) {
+        let curves = &self.kin.curves;
+        let lead = parents.strands[0];
+        let range = curves.range(lead);
+        let from: Vec<(u32, f32)> = parents.iter().collect();
+        let (mut length, mut own, mut base) = (0.0, 0.0, Vec3::ZERO);
+        let mut chance = rng.unit();
+        for &(strand, weight) in &from {
+            let reach = curves.length[strand as usize];
+            length += weight * reach;
+            base += weight * curves.knots(strand)[0];
+            if chance >= 0.0 {
+                own = reach;
+            }
+            chance -= weight;
+        }
+        let length = lerp(length, own, OWN);
+        let offset = root - base;
+        let skin = self.skin.and_then(|skin| skin.at(root, from.iter().map(|(strand, _)| *strand)));
+        let lift = skin.map_or(Vec3::ZERO, |skin| skin - root);
+        let ease = EASE.min(0.5 * length);
+
+        // The path, its steps as long as the mean of its parents': the mean of two directions is shorter.
+        line.clear();
+        let mut aside = Vec::with_capacity(range.len());
+        let mut places = [0usize; 3];
+        let mut last: Option<(Vec3, [Vec3; 3])> = None;
+        for k in range.clone() {
+            let s = curves.along[k];
+            let mut on = [Vec3::ZERO; 3];
+            let (mut middle, mut spread) = (Vec3::ZERO, 0.0);
+            for (j, &(strand, weight)) in from.iter().enumerate() {
+                on[j] = curves.path_at(strand, s, &mut places[j]);
+                middle += weight * on[j];
+                spread += weight * if spreads { self.kin.spread(strand, s) } else { 1.0 };
+            }
+            let p = match last {
+                Some((before, parts)) => {
+                    let step: f32 =
+                        from.iter().enumerate().map(|(j, (_, w))| w * on[j].distance(parts[j])).sum();
+                    let was = line[line.len() - 1];
+                    was + (middle - before).normalize_or_zero() * step
+                }
+                None => middle,
+            };
+            last = Some((middle, on));
+            line.push(p);
+            aside.push(curves.turn[k] * offset * spread + lift * (1.0 - smoothstep(0.0, ease, s * length)));
+        }
+        line.iter_mut().zip(&aside).for_each(|(p, aside)| *p += *aside);
+        let n = line.len();
+
+        // What the lead does around its path, turned as the paths differ.
+        let path = &curves.path[range.clone()];
+        let turned: Vec<Vec3> = (0..n)
+            .map(|k| {
+                let (a, b) = (k.saturating_sub(1), (k + 1).min(n - 1));
+                let (u, v) = (path[b] - path[a], line[b] - line[a]);
+                let turn = match (u.try_normalize(), v.try_normalize()) {
+                    (Some(u), Some(v)) => Quat::from_rotation_arc(u, v),
+                    _ => Quat::IDENTITY,
+                };
+                turn * curves.detail[range.start + k]
+            })
+            .collect();
+        line.iter_mut().zip(turned).for_each(|(p, detail)| *p += detail);
+
+        let here = crate::curve::length(line);
+        let first = line[0];
+        if here > 0.0 {
+            line.iter_mut().for_each(|p| *p = first + (*p - first) * (length / here));
+        }
+    }
+
+    /// Moves vertices out of the head, where the strand's parents are not in it, and gives edges the lengths
+    /// they had.
+    pub(super) fn clear(&self, line: &mut [Vec3], parents: &Parents) {
+        let Some(field) = self.field else { return };
+        let along = &self.kin.curves.along[self.kin.curves.range(parents.strands[0])];
+        let lengths = lengths(line);
+        for _ in 0..ROUNDS {
+            let mut moved = false;
+            for (k, p) in line.iter_mut().enumerate().skip(1) {
+                let d = field.sample(*p);
+                if d >= CLEARANCE {
+                    continue;
+                }
+                let usual: f32 = parents.iter().map(|(i, w)| w * self.kin.clear(i, along[k])).sum();
+                let wanted = usual.min(CLEARANCE);
+                if d < wanted - 1e-4 {
+                    *p += field.normal(*p) * (wanted - d);
+                    moved = true;
+                }
+            }
+            if !moved {
+                return;
+            }
+            // Towards where each was pushed: what lies behind stays where it is.
+            for k in 1..line.len() {
+                let edge = (line[k] - line[k - 1]).normalize_or(Vec3::NEG_Y);
+                line[k] = line[k - 1] + edge * lengths[k - 1];
+            }
+        }
+    }
+}
+
+/// The lengths of the edges of `line`.
+pub(super) fn lengths(line: &[Vec3]) -> Vec<f32> {
+    line.windows(2).map(|w| w[0].distance(w[1])).collect()
+}
+
+/// Gives the edges of `line` these lengths again; a vertex takes what is behind it along.
+pub(super) fn restore(line: &mut [Vec3], lengths: &[f32]) {
+    let Some(mut was) = line.first().copied() else { return };
+    for k in 1..line.len() {
+        let edge = (line[k] - was).normalize_or(Vec3::NEG_Y);
+        was = line[k];
+        line[k] = line[k - 1] + edge * lengths[k - 1];
+    }
+}

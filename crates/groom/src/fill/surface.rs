@@ -1,0 +1,306 @@
+//! The scalp between the roots: triangles whose corners are roots.
+//!
+//! Roots lie on a surface, not in a plane, and not all on a head: a tail has its roots on a band, a fur all
+//! over a body. Each root is triangulated with its neighbours in its own tangent plane (its star is that of
+//! its Voronoi cell); a triangle is taken when two of its corners agree on it. Where they do not, one is
+//! missing or overlaps another by a sliver, which hair does not show.
+
+use super::near::Near;
+use crate::SdfGrid;
+use glam::{Vec2, Vec3};
+use std::collections::HashMap;
+
+/// Roots nearer together than this, metres, are one.
+const SAME: f32 = 1e-5;
+
+/// Neighbours that a root is triangulated with.
+const NEIGHBOURS: usize = 32;
+
+/// The largest circle around a triangle against the distance to neighbours: beyond is an edge of the hair.
+const WIDEST: f32 = 2.2;
+
+/// Half the size of the patch around a root that has no neighbours, metres.
+const ALONE: f32 = 0.004;
+
+/// The scalp as the roots have it.
+pub(super) struct Surface {
+    /// Where roots are; several strands may share one.
+    pub(super) sites: Vec<Vec3>,
+    /// Outward, one per site.
+    pub(super) normals: Vec<Vec3>,
+    /// Distance to the neighbours, metres, one per site.
+    pub(super) spacing: Vec<f32>,
+    /// Strands per square metre, one per site.
+    pub(super) density: Vec<f32>,
+    /// Whether hair ends here: one per site.
+    pub(super) rim: Vec<bool>,
+    /// Corners are sites.
+    pub(super) triangles: Vec<[u32; 3]>,
+    /// Sites in no triangle, and the radius of the patch around each, metres.
+    pub(super) lonely: Vec<(u32, f32)>,
+    /// The site of each strand.
+    of: Vec<u32>,
+    /// The strands of site `i` are `members[starts[i]..starts[i + 1]]`.
+    starts: Vec<u32>,
+    members: Vec<u32>,
+}
+
+impl Surface {
+    /// The surface through `roots`; `outward` is where hair goes from each.
+    pub(super) fn new(roots: &[Vec3], outward: &[Vec3], field: Option<&SdfGrid>) -> Self {
+        let (sites, of, starts, members) = gather(roots);
+        let near = Near::new(&sites);
+        let mut surface = Self {
+            normals: Vec::with_capacity(sites.len()),
+            spacing: Vec::with_capacity(sites.len()),
+            density: vec![0.0; sites.len()],
+            rim: vec![false; sites.len()],
+            triangles: Vec::new(),
+            lonely: Vec::new(),
+            of,
+            starts,
+            members,
+            sites: Vec::new(),
+        };
+        let mut found = Vec::new();
+        let mut votes: HashMap<[u32; 3], u8> = HashMap::new();
+        let mut order: Vec<[u32; 3]> = Vec::new();
+        for (i, &site) in sites.iter().enumerate() {
+            near.nearest(site, NEIGHBOURS + 1, f32::INFINITY, &mut found);
+            found.retain(|(_, j)| *j as usize != i);
+            let first = &found[..found.len().min(6)];
+            let spacing = first.iter().map(|(d, _)| d.sqrt()).sum::<f32>() / first.len().max(1) as f32;
+            let way = outward[surface.members[surface.starts[i] as usize] as usize];
+            let normal = normal(site, &found, &sites, way, field);
+            surface.spacing.push(if first.is_empty() { 2.0 * ALONE } else { spacing });
+            surface.normals.push(normal);
+            for [a, b] in star(site, normal, WIDEST * spacing, &found, &sites) {
+                let mut corners = [i as u32, a, b];
+                corners.sort_unstable();
+                let seen = votes.entry(corners).or_default();
+                if *seen == 0 {
+                    order.push(corners);
+                }
+                *seen += 1;
+            }
+        }
+        order.retain(|corners| votes[corners] > 1);
+        surface.triangles = order;
+        surface.sites = sites;
+        surface.weigh();
+        surface
+    }
+
+    /// The strands that are rooted at `site`.
+    pub(super) fn strands(&self, site: u32) -> &[u32] {
+        let i = site as usize;
+        &self.members[self.starts[i] as usize..self.starts[i + 1] as usize]
+    }
+
+    /// Where strand `i` is rooted.
+    pub(super) fn site(&self, i: u32) -> usize {
+        self.of[i as usize] as usize
+    }
+
+    /// The corners of a triangle.
+    pub(super) fn corners(&self, triangle: [u32; 3]) -> [Vec3; 3] {
+        triangle.map(|site| self.sites[site as usize])
+    }
+
+    /// How dense strands are around each site, and which sites have nothing around them.
+    fn weigh(&mut self) {
+        let n = self.sites.len();
+        // The third of each triangle is its corner's; what lies beyond the edge of the hair is nobody's.
+        let (mut area, mut angle) = (vec![0.0f32; n], vec![0.0f32; n]);
+        for &t in &self.triangles {
+            let p = self.corners(t);
+            let third = area_of(p) / 3.0;
+            for k in 0..3 {
+                let (u, v) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
+                area[t[k] as usize] += third;
+                angle[t[k] as usize] += u.angle_between(v);
+            }
+        }
+        self.rim = angle.iter().map(|angle| *angle < 0.9 * std::f32::consts::TAU).collect();
+        let own = |i: usize| {
+            let around = (angle[i] / std::f32::consts::TAU).clamp(0.1, 1.0);
+            (self.strands(i as u32).len() as f32 * around, area[i])
+        };
+        let mut sums: Vec<(f32, f32)> = (0..n).map(own).collect();
+        // Over the neighbours as well: single roots lie by chance.
+        for t in &self.triangles {
+            for k in 0..3 {
+                let (a, b) = (t[k] as usize, t[(k + 1) % 3] as usize);
+                let (x, y) = (own(a), own(b));
+                sums[a] = (sums[a].0 + y.0, sums[a].1 + y.1);
+                sums[b] = (sums[b].0 + x.0, sums[b].1 + x.1);
+            }
+        }
+        self.density = sums.iter().map(|(strands, area)| strands / area.max(1e-12)).collect();
+        for i in (0..n).filter(|i| angle[*i] == 0.0) {
+            let radius = (0.5 * self.spacing[i]).clamp(1e-4, ALONE);
+            self.density[i] = self.strands(i as u32).len() as f32 / (std::f32::consts::PI * radius * radius);
+            self.lonely.push((i as u32, radius));
+        }
+        // No place is so crowded or so empty that nothing else counts.
+        let mut sorted = self.density.clone();
+        sorted.sort_by(f32::total_cmp);
+        let middle = sorted[sorted.len() / 2];
+        for density in &mut self.density {
+            *density = density.clamp(middle / 16.0, middle * 16.0);
+        }
+    }
+}
+
+/// The area of a triangle, m².
+pub(super) fn area_of([a, b, c]: [Vec3; 3]) -> f32 {
+    0.5 * (b - a).cross(c - a).length()
+}
+
+/// Sites, the site of each strand, and the strands of each site: where they start, and which they are.
+fn gather(roots: &[Vec3]) -> (Vec<Vec3>, Vec<u32>, Vec<u32>, Vec<u32>) {
+    // By cells of the size within which roots are one; a pair on a border stays two, which does no harm.
+    let mut cells: HashMap<[i64; 3], u32> = HashMap::new();
+    let mut sites: Vec<Vec3> = Vec::new();
+    let of: Vec<u32> = roots
+        .iter()
+        .map(|&root| {
+            let cell = root.to_array().map(|x| (f64::from(x) / f64::from(SAME)).round() as i64);
+            *cells.entry(cell).or_insert_with(|| {
+                sites.push(root);
+                sites.len() as u32 - 1
+            })
+        })
+        .collect();
+    let mut starts = vec![0u32; sites.len() + 1];
+    of.iter().for_each(|&site| starts[site as usize + 1] += 1);
+    for i in 1..starts.len() {
+        starts[i] += starts[i - 1];
+    }
+    let mut next = starts.clone();
+    let mut members = vec![0u32; roots.len()];
+    for (i, &site) in of.iter().enumerate() {
+        members[next[site as usize] as usize] = i as u32;
+        next[site as usize] += 1;
+    }
+    (sites, of, starts, members)
+}
+
+/// The outward direction at a root: that of the head where there is one, else across its neighbours.
+fn normal(site: Vec3, found: &[(f32, u32)], sites: &[Vec3], way: Vec3, field: Option<&SdfGrid>) -> Vec3 {
+    if let Some(field) = field.filter(|field| field.sample(site).abs() < 0.02) {
+        return field.normal(site);
+    }
+    // The plane through the nearest: the axis along which its equation is best determined.
+    let (mut diagonal, mut mixed) = (Vec3::ZERO, Vec3::ZERO);
+    for (_, j) in &found[..found.len().min(12)] {
+        let d = sites[*j as usize] - site;
+        diagonal += d * d;
+        mixed += Vec3::new(d.y * d.z, d.x * d.z, d.x * d.y);
+    }
+    let Vec3 { x: xx, y: yy, z: zz } = diagonal;
+    let Vec3 { x: yz, y: xz, z: xy } = mixed;
+    let minors = Vec3::new(yy * zz - yz * yz, xx * zz - xz * xz, xx * yy - xy * xy);
+    let plane = match minors.max_position() {
+        0 => Vec3::new(minors.x, xz * yz - xy * zz, xy * yz - xz * yy),
+        1 => Vec3::new(xz * yz - xy * zz, minors.y, xy * xz - yz * xx),
+        _ => Vec3::new(xy * yz - xz * yy, xy * xz - yz * xx, minors.z),
+    };
+    let flat = minors.max_element() > 1e-6 * diagonal.element_sum().powi(2);
+    let plane = if flat { plane.normalize_or(way) } else { way };
+    let plane = plane.normalize_or(Vec3::Y);
+    if plane.dot(way) < 0.0 { -plane } else { plane }
+}
+
+/// The two other corners of each triangle around `site`, in its tangent plane, whose circle is no larger than
+/// `widest`.
+fn star(site: Vec3, normal: Vec3, widest: f32, found: &[(f32, u32)], sites: &[Vec3]) -> Vec<[u32; 2]> {
+    const NOBODY: u32 = u32::MAX;
+    let u = normal.any_orthonormal_vector();
+    let v = normal.cross(u);
+    let corner = |x: f32, y: f32| (Vec2::new(x, y) * widest, NOBODY);
+    // The Voronoi cell: corners in order, each with the neighbour across the side that begins there.
+    let mut cell = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+    let mut cut: Vec<(Vec2, u32)> = Vec::new();
+    for &(squared, j) in found {
+        let away = sites[j as usize] - site;
+        let mut flat = Vec2::new(away.dot(u), away.dot(v));
+        // Neighbours on another sheet, as behind an ear, are none.
+        if flat.length_squared() < 0.25 * squared {
+            continue;
+        }
+        // Four corners of a square have one circle: a hair's breadth decides, the same for all of them.
+        flat *= 1.0 + 1e-4 * (crate::hash::pcg(j) >> 8) as f32 / 16_777_216.0;
+        let half = 0.5 * flat.length_squared();
+        let side = |p: Vec2| p.dot(flat) - half;
+        if cell.iter().all(|(p, _)| side(*p) <= 0.0) {
+            continue;
+        }
+        cut.clear();
+        for k in 0..cell.len() {
+            let ((p, across), (q, _)) = (cell[k], cell[(k + 1) % cell.len()]);
+            let (a, b) = (side(p), side(q));
+            if a <= 0.0 {
+                cut.push((p, across));
+                if b > 0.0 {
+                    cut.push((p.lerp(q, a / (a - b)), j));
+                }
+            } else if b <= 0.0 {
+                cut.push((p.lerp(q, a / (a - b)), across));
+            }
+        }
+        std::mem::swap(&mut cell, &mut cut);
+    }
+    let n = cell.len();
+    let pairs = (0..n).map(|k| [cell[k].1, cell[(k + 1) % n].1]);
+    pairs.filter(|[a, b]| *a != NOBODY && *b != NOBODY && a != b).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::styles::spread_direction;
+
+    #[test]
+    fn a_scalp_is_covered_once() {
+        // Directions spread over the part of a ball that holds a scalp.
+        let roots: Vec<Vec3> = (0..900).map(|i| 0.09 * spread_direction(i, Vec2::new(0.1, 0.4))).collect();
+        let outward: Vec<Vec3> = roots.iter().map(|p| p.normalize()).collect();
+        let surface = Surface::new(&roots, &outward, None);
+        assert!(surface.lonely.is_empty());
+        let normals = surface.normals.iter().zip(&outward).map(|(a, b)| a.dot(*b)).fold(1.0, f32::min);
+        assert!(normals > 0.97, "{normals}");
+        // The cap up to 2.4 radians, less what lies beyond its outermost roots.
+        let area: f32 = surface.triangles.iter().map(|t| area_of(surface.corners(*t))).sum();
+        let cap = std::f32::consts::TAU * 0.09f32.powi(2) * (1.0 - 2.4f32.cos());
+        assert!((0.93..1.01).contains(&(area / cap)), "{}", area / cap);
+        // Each inner side belongs to two triangles.
+        let mut sides: HashMap<[u32; 2], u32> = HashMap::new();
+        for t in &surface.triangles {
+            for k in 0..3 {
+                let (a, b) = (t[k], t[(k + 1) % 3]);
+                *sides.entry([a.min(b), a.max(b)]).or_default() += 1;
+            }
+        }
+        let good = sides.values().filter(|n| **n <= 2).count() as f32 / sides.len() as f32;
+        assert!(good > 0.995, "{good}");
+        let mean = surface.density.iter().sum::<f32>() / 900.0;
+        assert!((mean * cap / 900.0 - 1.0).abs() < 0.1, "{}", mean * cap / 900.0);
+    }
+
+    #[test]
+    fn roots_in_rows_and_on_heaps_are_no_trouble() {
+        let line: Vec<Vec3> = (0..9).map(|i| Vec3::X * i as f32 * 0.01).collect();
+        let up = vec![Vec3::Y; 9];
+        let surface = Surface::new(&line, &up, None);
+        assert_eq!((surface.triangles.len(), surface.lonely.len()), (0, 9));
+        let surface = Surface::new(&[Vec3::X; 5], &up[..5], None);
+        assert_eq!((surface.sites.len(), surface.strands(0)), (1, &[0, 1, 2, 3, 4][..]));
+        // A square grid, where four roots have one circle, is covered without holes.
+        let grid: Vec<Vec3> =
+            (0..100).map(|i| Vec3::new((i % 10) as f32, 0.0, (i / 10) as f32) * 0.01).collect();
+        let surface = Surface::new(&grid, &[Vec3::Y; 100], None);
+        let area: f32 = surface.triangles.iter().map(|t| area_of(surface.corners(*t))).sum();
+        assert!((area / 0.0081 - 1.0).abs() < 0.02, "{area}");
+    }
+}
