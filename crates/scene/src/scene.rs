@@ -501,7 +501,8 @@ impl Scene {
             all.for_each(|hair| hair.look_from(&self.gpu.device, &self.gpu.queue, &eye, &head));
         }
         let poses = self.colliders.poses(self.time, &self.parts);
-        let frame = Frame { dt: seconds, head, colliders: &poses, simulation: &self.physics };
+        let frame =
+            Frame { dt: seconds, head, colliders: &poses, simulation: &self.physics, ..Default::default() };
         let Gpu { device, queue, .. } = &self.gpu;
         let mut recorder = Recorder { pipelines: &self.pipelines, device, queue, encoder, timings };
         if let Some(living) = &self.living {

@@ -145,7 +145,8 @@ async fn picture(path: &str) -> Result<(), Box<dyn std::error::Error>> {
         }
         let (pipelines, device, queue) = (&pipelines, &device, &queue);
         let mut recorder = Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None };
-        let frame = Frame { dt: 1.0 / 60.0, head: stands.after(&head), colliders, simulation };
+        let head = stands.after(&head);
+        let frame = Frame { dt: 1.0 / 60.0, head, colliders, simulation, ..Default::default() };
         let sights = if i == 19 { vec![Sight::new(&view, &picture)] } else { Vec::new() };
         recorder.record(&mut [(&mut hair, frame)], &[&body], sights)?;
         queue.submit([encoder.finish()]);

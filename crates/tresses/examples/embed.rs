@@ -122,7 +122,7 @@ async fn picture() -> tresses::Result<Vec<u8>> {
         encoder: &mut encoder,
         timings: None,
     };
-    let frame = Frame { dt: 1.0 / 60.0, head: Pose::IDENTITY, colliders, simulation };
+    let frame = Frame { dt: 1.0 / 60.0, head: Pose::IDENTITY, colliders, simulation, ..Default::default() };
     let into = Surroundings { color: &color, depth: &depth, projection, geometry: None };
     let sight = Sight { shows: Shows::Over(&embed, into), ..Sight::new(&view, &picture) };
     recorder.record(&mut [(&mut hair, frame)], &[], vec![sight])?;

@@ -50,7 +50,7 @@ impl Show {
         let (Gpu { device, queue, .. }, pipelines) = (&self.gpu, &self.pipelines);
         let mut encoder = device.create_command_encoder(&Default::default());
         let mut recorder = Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None };
-        let frame = Frame { dt: 1.0 / 60.0, head, colliders, simulation };
+        let frame = Frame { dt: 1.0 / 60.0, head, colliders, simulation, ..Default::default() };
         let output = &shown.texture.create_view(&Default::default());
         let sight = Sight { output: Some(output), ..Sight::new(&self.view, &picture) };
         recorder.record(&mut [(&mut self.hair, frame)], &[&self.body], vec![sight])?;

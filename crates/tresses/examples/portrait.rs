@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for i in 0..30 {
         body.pose = Pose::about(middle, Quat::from_rotation_y(0.03 * i as f32));
         let (colliders, simulation) = (&ColliderPoses::default(), &SimulationParams::default());
-        let moment = Frame { dt: 1.0 / 60.0, head: body.pose, colliders, simulation };
+        let moment = Frame { dt: 1.0 / 60.0, head: body.pose, colliders, simulation, ..Default::default() };
         let mut encoder = device.create_command_encoder(&Default::default());
         let mut recorder = Recorder {
             pipelines: &pipelines,

@@ -3,9 +3,10 @@
 //! A frame passes in the time since the last one and the current pose of the head; the result is the fixed
 //! steps to simulate and the interpolation factor of the drawn state between the last two. The head's
 //! motion within the frame is divided among the steps, so that the hair sees the same motion at any frame
-//! rate.
+//! rate. Poses are those of the frame's [`Space`](crate::space::Space): a head that is carried along by it does not
+//! move.
 
-use crate::Pose;
+use crate::{Pose, space::Map};
 
 /// The most fixed steps of one frame.
 pub const MAX_STEPS: u32 = 8;
@@ -95,6 +96,36 @@ impl Clock {
         self.reset = true;
     }
 
+    /// The head's pose at the end of the last step, unless the next frame starts from the rest pose.
+    pub(crate) fn state(&self) -> Option<&Pose> {
+        self.state.as_ref().filter(|_| !self.reset)
+    }
+
+    /// Poses are given in another space from here on, to which `map` leads.
+    pub(crate) fn enter(&mut self, map: &Map) {
+        self.state = self.state.map(|state| map.pose(&state));
+    }
+
+    /// How many steps, of `step` seconds, it is from [`state`](Self::state) to the end of a frame of `dt` seconds.
+    pub(crate) fn steps_to(&self, dt: f64, step: f64) -> f32 {
+        ((self.accumulator + dt) / step).clamp(1.0, MAX_STEPS.into()) as f32
+    }
+
+    /// Whether a head that goes from `at` to `head` in so many steps is teleported.
+    pub(crate) fn jumps(&self, at: &Pose, head: &Pose, steps: f32) -> bool {
+        let distance = at.translation.distance(head.translation);
+        let angle = at.rotation.angle_between(head.rotation);
+        distance > self.teleport_distance * steps
+            || angle > self.teleport_angle * steps
+            || !distance.is_finite()
+    }
+
+    /// How far it is from `at` to `head`, in steps of a head that is nearly teleported.
+    pub(crate) fn way(&self, at: &Pose, head: &Pose) -> f32 {
+        let distance = at.translation.distance(head.translation) / self.teleport_distance;
+        distance.max(at.rotation.angle_between(head.rotation) / self.teleport_angle)
+    }
+
     /// The steps, each `step` seconds, of a frame that came `dt` seconds after the last one with
     /// the head now at `head`. A `dt` that is negative or no number counts as 0, and of one that
     /// is longer than [`MAX_STEPS`] steps the rest is skipped, which [`Ticks::skipped`] says.
@@ -118,13 +149,7 @@ impl Clock {
         let lag = self.accumulator;
         let span = (before + dt - skipped).max(1e-9);
         let mut steps = Vec::with_capacity(count as usize);
-        let (distance, angle) =
-            (at.translation.distance(head.translation), at.rotation.angle_between(head.rotation));
-        let steps_in_span = (span / step).max(1.0) as f32;
-        let jumps = distance > self.teleport_distance * steps_in_span
-            || angle > self.teleport_angle * steps_in_span
-            || !distance.is_finite();
-        if jumps {
+        if self.jumps(&at, head, (span / step).max(1.0) as f32) {
             steps.push(Step { mode: Mode::Carry, begin: at, end: *head, from: 0.0, to: 0.0 });
             self.state = Some(*head);
             self.accumulator = 0.0;

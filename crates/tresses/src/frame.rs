@@ -11,7 +11,7 @@
 //! means nothing.
 
 use crate::{
-    Hair, Pipelines, Pose, Result,
+    Error, Hair, Pipelines, Pose, Result,
     body::Body,
     collide::ColliderPoses,
     draw::{Embed, Surroundings, record::Canvas},
@@ -19,10 +19,12 @@ use crate::{
     light::{HairSet, Seen},
     simulate::SimulationParams,
     skinning::Skinning,
+    space::{Map, Space},
     stage::Stage,
     view::{Picture, View},
     views::{DebugViews, Shown},
 };
+use std::sync::LazyLock;
 
 /// What the motion of a groom depends on besides the hair itself.
 #[derive(Clone, Copy, Debug)]
@@ -33,8 +35,42 @@ pub struct Frame<'a> {
     pub head: Pose,
     /// Where the colliders are now.
     pub colliders: &'a ColliderPoses,
-    /// The physics.
+    /// The physics. Gravity and wind have the axes of the world.
     pub simulation: &'a SimulationParams,
+    /// Where in the world the space is in which `head`, `colliders` and [roots](crate::roots::Roots::pose) are given, and
+    /// how it moves ([`crate::space`]).
+    pub space: Space,
+    /// The space in which hair is drawn, that of cameras, lights and bodies; `None` for `space`. All hair of one view is
+    /// drawn in the same.
+    pub drawn_in: Option<Space>,
+}
+
+impl Default for Frame<'_> {
+    /// A head at rest at the world's origin, without obstacles but its own, with the usual physics; no time passes.
+    fn default() -> Self {
+        static COLLIDERS: ColliderPoses = ColliderPoses { head: None, colliders: Vec::new() };
+        static PHYSICS: LazyLock<SimulationParams> = LazyLock::new(SimulationParams::default);
+        Self {
+            dt: 0.0,
+            head: Pose::IDENTITY,
+            colliders: &COLLIDERS,
+            simulation: &PHYSICS,
+            space: Space::WORLD,
+            drawn_in: None,
+        }
+    }
+}
+
+impl Frame<'_> {
+    /// The space in which it is drawn.
+    pub(crate) fn seen(&self) -> Space {
+        self.drawn_in.unwrap_or(self.space).normalized()
+    }
+
+    /// From the space of its poses to the one in which it is drawn.
+    pub(crate) fn way_to_view(&self) -> Map {
+        self.seen().from(&self.space.normalized())
+    }
 }
 
 /// What is drawn into a view.
@@ -96,7 +132,8 @@ impl Recorder<'_> {
     /// # Errors
     /// [`crate::Error::Parameter`] when a parameter of the physics is out of its range,
     /// [`crate::Error::Colliders`] when there are not as many poses as colliders, [`crate::Error::Limit`] when the
-    /// device cannot hold what a view needs, [`crate::Error::Gpu`] when a pipeline cannot be compiled.
+    /// device cannot hold what a view needs, [`crate::Error::Groom`] when the hair of a view is drawn in several spaces,
+    /// [`crate::Error::Gpu`] when a pipeline cannot be compiled.
     pub fn record(
         &mut self,
         hair: &mut [(&mut Hair, Frame<'_>)],
@@ -139,6 +176,9 @@ impl Recorder<'_> {
     pub fn simulate(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
         let (pipelines, device) = (self.pipelines, self.device);
         let steps = hair.begin(device, self.queue, pipelines, frame)?;
+        if hair.is_shifted() {
+            self.stage(Stage::Simulate, |pass| hair.record_shift(pass, &pipelines.simulate));
+        }
         if hair.roots.is_some() {
             self.stage(Stage::Roots, |pass| hair.record_roots(pass, &pipelines.roots));
         }
@@ -160,7 +200,7 @@ impl Recorder<'_> {
     /// As [`record`](Self::record).
     pub fn follow(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
         let pipelines = self.pipelines;
-        hair.prepare(self.queue, &frame.head, frame.dt);
+        hair.prepare(self.queue, frame);
         self.stage(Stage::Tessellate, |pass| hair.record_tessellate(pass, &pipelines.tessellate));
         self.stage(Stage::Interpolate, |pass| {
             hair.record_interpolate(pass, &pipelines.interpolate, &pipelines.widths)
@@ -174,6 +214,12 @@ impl Recorder<'_> {
     /// # Errors
     /// As [`record`](Self::record).
     pub fn draw(&mut self, hair: &[&Hair], bodies: &[&Body], sight: Sight<'_>) -> Result<()> {
+        let seen = |hair: &Hair| hair.drawn_in;
+        if hair.windows(2).any(|pair| !seen(pair[0]).is_where(&seen(pair[1]))) {
+            let why =
+                "the hair of one view must be drawn in one space: give all of it the same Frame::drawn_in";
+            return Err(Error::unusable(why));
+        }
         let sets: Vec<_> = hair.iter().map(|hair| &hair.set).collect();
         self.picture(&sets, hair, bodies, sight)
     }
@@ -247,6 +293,7 @@ impl Recorder<'_> {
             coverage: view.options().coverage,
             rate: picture.shading,
             geometry: None,
+            space: hair.first().map(|hair| hair.drawn_in).unwrap_or_default(),
         };
         let over = match &shows {
             Shows::Over(embed, into) => Some((*embed, *into)),

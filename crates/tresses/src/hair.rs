@@ -15,8 +15,10 @@ use crate::{
     progress::at_once,
     roots::{RootReport, Roots, Skin},
     simulate::{
-        Forces, Grab, GuideTraits, Ray, RestOptions, RestShape, Simulation, SimulationParams, Target, rest,
+        Forces, Grab, GuideTraits, Ray, RestOptions, RestShape, Shifting, Simulation, SimulationParams,
+        Target, rest,
     },
+    space::{Carrier, Passage, Space},
     strands::{GuideBuffers, GuideSample, Strand, StrandBinding, StrandBuffers},
     tessellate::{Tessellation, rest_samples},
     volume::{Volume, VolumeOptions},
@@ -83,11 +85,21 @@ pub struct Hair {
     grab: Grab,
     pub(crate) simulation: Simulation,
     pub(crate) clock: Clock,
+    /// What carries it along with the space of its frames.
+    carrier: Carrier,
+    /// From that space to the carrier, in this frame.
+    passage: Passage,
+    /// What puts its state before another origin, once it has strayed, and whether this frame does.
+    shifting: Option<Shifting>,
+    shifts: bool,
+    /// Where it is drawn, and the way there from where it is simulated.
+    pub(crate) drawn_in: Space,
+    pub(crate) to_drawn: Pose,
     /// Poses of the head before and after the last step, and the blend between them.
     states: (Pose, Pose, f32),
     /// Length of the last step, s.
     span: f32,
-    /// Where the head is in the frame that is recorded.
+    /// Where the head is drawn in the frame that is recorded.
     pub(crate) head: Pose,
     /// Whether the last frame put the hair somewhere else.
     moved_away: bool,
@@ -225,6 +237,12 @@ impl Hair {
                 &strands,
             )?,
             clock: Clock::default(),
+            carrier: Carrier::default(),
+            passage: Passage::default(),
+            shifting: None,
+            shifts: false,
+            drawn_in: Space::WORLD,
+            to_drawn: Pose::IDENTITY,
             states: (Pose::IDENTITY, Pose::IDENTITY, 1.0),
             span: 0.0,
             moved_away: false,
@@ -292,7 +310,13 @@ impl Hair {
         self.colliders.replace(device, queue, colliders)
     }
 
-    /// Grabs the lock that `ray` (world space, from the eye through the cursor: [`Camera::ray`]) meets
+    /// From where guides are simulated, an origin near the hair that goes along with it ([`crate::space`]), to where hair
+    /// is drawn, as of the last frame: for who reads the state of guides or of a grab.
+    pub fn place(&self) -> Pose {
+        self.to_drawn
+    }
+
+    /// Grabs the lock that `ray` (from the eye through the cursor, in the camera's space: [`Camera::ray`]) meets
     /// first: all of the hair that follows guide vertices within `radius` metres of there, or the nearest one. It
     /// holds it until [`release`](Self::release), until the head jumps or until the hair is
     /// [reset](Self::reset); a ray that meets no hair, or the head before it, holds nothing. See
@@ -304,7 +328,7 @@ impl Hair {
         self.grab.begin(ray, radius)
     }
 
-    /// Where what is grabbed is to be at the next frame. Nothing when nothing is.
+    /// Where what is grabbed is to be at the next frame, in the space that it is drawn in. Nothing when nothing is.
     ///
     /// # Errors
     /// [`Error::Parameter`] for what is not finite.
@@ -323,8 +347,8 @@ impl Hair {
     }
 
     /// The frames from here on are drawn at the level of detail that [`Lod::options`](crate::lod::Lod::options)
-    /// have for what `camera` sees on a head at `head`. Call it before a frame is recorded; without it hair
-    /// is drawn in full detail.
+    /// have for what `camera` sees on a head at `head`, both in the space that hair is drawn in. Call it before a
+    /// frame is recorded; without it hair is drawn in full detail.
     pub fn look_from(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, camera: &Camera, head: &Pose) {
         self.set_detail(device, queue, self.lod.seen(camera, head));
     }
@@ -370,6 +394,7 @@ impl Hair {
             + self.forces.bytes()
             + self.grab.bytes()
             + self.air.as_ref().map_or(0, Air::bytes)
+            + self.shifting.as_ref().map_or(0, Shifting::bytes)
             + self.roots.as_ref().map_or(0, Roots::bytes)
     }
 }

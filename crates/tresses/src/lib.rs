@@ -31,7 +31,7 @@
 //! // Once per frame: the hair moves, then it is drawn.
 //! let picture = Picture { camera: Camera::default(), ..Default::default() };
 //! let (colliders, simulation) = (&ColliderPoses::default(), &SimulationParams::default());
-//! let frame = Frame { dt: 1.0 / 60.0, head: Pose::IDENTITY, colliders, simulation };
+//! let frame = Frame { dt: 1.0 / 60.0, head: Pose::IDENTITY, colliders, simulation, ..Default::default() };
 //! let mut encoder = device.create_command_encoder(&Default::default());
 //! let mut recorder = Recorder {
 //!     pipelines: &pipelines,
@@ -88,6 +88,7 @@ pub mod clock;
 pub mod frame;
 pub mod hair;
 pub mod pipelines;
+pub mod space;
 pub mod stage;
 pub mod view;
 pub mod views;
@@ -105,5 +106,6 @@ pub use groom::{Progress, progress, range};
 pub use hair::{Hair, HairOptions};
 pub use math::pose::Pose;
 pub use pipelines::{Pipelines, Wanted};
+pub use space::Space;
 pub use view::View;
 pub use wgpu;

@@ -113,6 +113,8 @@ fn simulate() {
             forced,
             to,
             _pad,
+            spin,
+            _pad_spin,
         })
     );
 }
@@ -139,8 +141,21 @@ fn grab() {
             moment,
             aside,
             strongest,
+            seen_origin,
+            _pad_a,
+            seen_direction,
+            _pad_b,
+            drawn_origin,
+            _pad_c,
+            drawn_direction,
+            _pad_d,
+            shift,
+            _pad_e,
         })
     );
+    use tresses::simulate::shift::ShiftUniform;
+    let shift = rust_layout!(ShiftUniform { way, count, velocity, faster });
+    assert_eq!(wgsl_layout("simulate::shift::ShiftUniform"), shift);
     let state = rust_layout!(GrabState { hit, held, at, _pad_a, velocity, _pad_b });
     assert_eq!(wgsl_layout("simulate::grab::params::GrabState"), state);
 }
@@ -549,7 +564,15 @@ fn debug_views() {
         wgsl_layout("views::streams::StreamsUniform"),
         rust_layout!(StreamsUniform { seeds, points, step, least })
     );
-    let guides = rust_layout!(GuidesUniform { count, vertex_count, sample_count, quantity });
+    let guides = rust_layout!(GuidesUniform {
+        count,
+        vertex_count,
+        sample_count,
+        quantity,
+        rotation,
+        translation,
+        _pad
+    });
     assert_eq!(wgsl_layout("views::guides::GuidesUniform"), guides);
     let strands = rust_layout!(StrandsUniform { eye, quantity, high, _pad_a, _pad_b, _pad_c });
     assert_eq!(wgsl_layout("views::strands::StrandsUniform"), strands);
@@ -606,6 +629,8 @@ fn wind() {
             one,
             plain,
             _pad,
+            kick,
+            _pad_kick,
             gusts,
         })
     );

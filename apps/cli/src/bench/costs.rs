@@ -154,7 +154,8 @@ impl Rig {
             for ((variant, hair), rows) in variants.iter().zip(&mut hairs).zip(&mut rows) {
                 let poses = variant.colliders.iter().map(|(_, pose)| *pose).collect();
                 let colliders = &ColliderPoses { head: None, colliders: poses };
-                let moment = Frame { dt, head, colliders, simulation: &variant.physics };
+                let moment =
+                    Frame { dt, head, colliders, simulation: &variant.physics, ..Default::default() };
                 let mut encoder = device.create_command_encoder(&Default::default());
                 let mut recorder = Recorder {
                     pipelines: &self.pipelines,

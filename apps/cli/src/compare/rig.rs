@@ -225,6 +225,7 @@ impl Rig {
             head: Pose::default(),
             colliders: &ColliderPoses::default(),
             simulation: &SimulationParams::default(),
+            ..Default::default()
         };
         recorder.advance(&mut self.hair, &frame)?;
         let output = self.output.create_view(&Default::default());

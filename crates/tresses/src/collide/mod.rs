@@ -63,6 +63,7 @@ use crate::{
 use glam::{Quat, Vec3};
 
 pub use build::FieldBuilder;
+pub(crate) use places::Journey;
 pub use places::{Moments, Place, Places};
 pub use set::{ColliderSet, layout};
 pub use shape::{ShapeData, ShapeTable};
@@ -113,7 +114,7 @@ impl Shape {
 /// Whose motion a collider's poses are relative to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Anchor {
-    /// Poses are in the world: a hand, a chair, shoulders with a motion of their own.
+    /// Poses are in the frame's space, by default the world: a hand, a chair, shoulders with a motion of their own.
     #[default]
     World,
     /// Poses are relative to the head: glasses, horns, a hat.

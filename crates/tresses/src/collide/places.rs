@@ -5,6 +5,7 @@ use crate::{
     Error, Pose, Result,
     clock::{Mode, Step},
     math::rotation::nlerp,
+    space::{Map, Passage},
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
@@ -58,7 +59,7 @@ pub struct Moments<'a> {
     pub substeps: u32,
     /// Length of a step, s.
     pub step: f32,
-    /// Where the head is now.
+    /// Where the head is now, as it is drawn.
     pub head: Pose,
     /// How far what is drawn lies from the state before the last step to the one after it.
     pub alpha: f32,
@@ -68,6 +69,15 @@ pub struct Moments<'a> {
 const JUMP: f32 = 0.3;
 /// The same for a turn, radians.
 const JUMP_ANGLE: f32 = 1.0;
+
+/// How what is given in a frame's space gets to where hair is simulated.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Journey {
+    /// Where the head is now, as it is given.
+    pub head: Pose,
+    /// From the space of poses to that of the steps.
+    pub passage: Passage,
+}
 
 /// The motion of a set of colliders from frame to frame.
 #[derive(Clone, Debug, Default)]
@@ -102,11 +112,26 @@ impl Track {
         self.anchors = anchors;
     }
 
+    /// Poses are given in another space from here on, to which `map` leads.
+    pub fn enter(&mut self, map: &Map) {
+        for (pose, anchor) in self.state.iter_mut().flatten().zip(&self.anchors) {
+            if *anchor == Anchor::World {
+                *pose = map.pose(pose);
+            }
+        }
+    }
+
     /// Moves to where `poses` says the colliders are at the end of the frame.
     ///
     /// # Errors
     /// [`Error::Colliders`] when there are not as many poses as colliders, or one is not finite.
-    pub fn advance(&mut self, has_head: bool, poses: &ColliderPoses, frame: &Moments<'_>) -> Result<()> {
+    pub fn advance(
+        &mut self,
+        has_head: bool,
+        poses: &ColliderPoses,
+        frame: &Moments<'_>,
+        journey: &Journey,
+    ) -> Result<()> {
         let own: Vec<_> = has_head
             .then(|| poses.head.unwrap_or(Pose::IDENTITY))
             .into_iter()
@@ -130,7 +155,7 @@ impl Track {
                 state.push(*pose);
                 let relative = match self.anchors[i] {
                     Anchor::Head => *pose,
-                    Anchor::World => frame.head.inverse().after(pose),
+                    Anchor::World => journey.head.inverse().after(pose),
                 };
                 (self.before[i], self.after[i]) = (relative, relative);
             }
@@ -150,7 +175,11 @@ impl Track {
         if let (Some(first), Some(last)) = (frame.steps.first(), frame.steps.last()) {
             let at = |i: usize, f: f32, head: &Pose| {
                 let own = if f >= 1.0 { own[i] } else { start[i].lerp(&own[i], f) };
-                if self.anchors[i] == Anchor::Head { head.after(&own) } else { own }
+                if self.anchors[i] == Anchor::Head {
+                    head.after(&own)
+                } else {
+                    journey.passage.at(f).pose(&own)
+                }
             };
             let all = 0..own.len();
             self.moments.clear();
@@ -175,7 +204,11 @@ impl Track {
                 let to_head = head.inverse();
                 let one = |i: usize| {
                     let own = if f >= 1.0 { own[i] } else { start[i].lerp(&own[i], f) };
-                    if self.anchors[i] == Anchor::Head { own } else { to_head.after(&own) }
+                    if self.anchors[i] == Anchor::Head {
+                        own
+                    } else {
+                        to_head.after(&journey.passage.at(f).pose(&own))
+                    }
                 };
                 all.clone().map(one).collect()
             };
@@ -195,6 +228,13 @@ mod tests {
     use super::*;
     use crate::clock::Clock;
 
+    impl Track {
+        /// Moves on in a space that is the world.
+        fn go(&mut self, has_head: bool, poses: &ColliderPoses, frame: &Moments<'_>) -> Result<()> {
+            self.advance(has_head, poses, frame, &Journey { head: frame.head, passage: Passage::default() })
+        }
+    }
+
     /// Drives a track with a clock at `fps`; calls `see` after each frame.
     fn drive(fps: f32, seconds: f32, mut see: impl FnMut(&Track, &[Step], f32, Pose)) {
         let mut clock = Clock::default();
@@ -208,7 +248,7 @@ mod tests {
             let frame =
                 Moments { steps: &ticks.steps, substeps: 4, step: 1.0 / 60.0, head, alpha: ticks.alpha };
             let hand = Pose { rotation: Quat::from_rotation_z(t), translation: Vec3::Z * t };
-            track.advance(true, &ColliderPoses { head: None, colliders: vec![hand] }, &frame).unwrap();
+            track.go(true, &ColliderPoses { head: None, colliders: vec![hand] }, &frame).unwrap();
             see(&track, &ticks.steps, t, head);
         }
     }
@@ -258,14 +298,14 @@ mod tests {
             head: None,
             colliders: vec![Pose { translation: Vec3::X * x, ..still }],
         };
-        track.advance(false, &at(0.0), &frame).unwrap();
-        track.advance(false, &at(0.1), &frame).unwrap();
+        track.go(false, &at(0.0), &frame).unwrap();
+        track.go(false, &at(0.1), &frame).unwrap();
         assert!((track.moments[1].translation.x - 0.05).abs() < 1e-6);
-        track.advance(false, &at(5.0), &frame).unwrap();
+        track.go(false, &at(5.0), &frame).unwrap();
         assert!(track.moments.iter().all(|p| p.translation.x == 5.0));
-        let error = track.advance(false, &ColliderPoses::default(), &frame).unwrap_err().to_string();
+        let error = track.go(false, &ColliderPoses::default(), &frame).unwrap_err().to_string();
         assert!(error.contains("0 poses do not place 1"), "{error}");
-        assert!(track.advance(false, &at(f32::NAN), &frame).is_err());
+        assert!(track.go(false, &at(f32::NAN), &frame).is_err());
     }
 
     #[test]
@@ -279,16 +319,16 @@ mod tests {
             head: None,
             colliders: places.iter().map(|x| Pose { translation: Vec3::X * *x, ..still }).collect(),
         };
-        track.advance(false, &at(&[0.0]), &frame(&steps)).unwrap();
+        track.go(false, &at(&[0.0]), &frame(&steps)).unwrap();
         track.replace(vec![Anchor::World; 2]);
         // In a frame without steps it is drawn where it is.
-        track.advance(false, &at(&[0.1, 7.0]), &frame(&[])).unwrap();
+        track.go(false, &at(&[0.1, 7.0]), &frame(&[])).unwrap();
         assert_eq!(track.now[1].translation.x, 7.0);
-        track.advance(false, &at(&[0.1, 7.1]), &frame(&steps)).unwrap();
+        track.go(false, &at(&[0.1, 7.1]), &frame(&steps)).unwrap();
         let x: Vec<_> = track.moments.iter().map(|p| p.translation.x).collect();
         assert_eq!(x, [0.0, 7.0, 0.1, 7.1]);
         track.replace(vec![Anchor::World]);
-        track.advance(false, &at(&[0.2]), &frame(&steps)).unwrap();
+        track.go(false, &at(&[0.2]), &frame(&steps)).unwrap();
         assert_eq!(track.moments.iter().map(|p| p.translation.x).collect::<Vec<_>>(), [0.1, 0.2]);
     }
 }

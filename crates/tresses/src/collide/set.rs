@@ -5,13 +5,14 @@ use super::{
     Moments, Place, Places, Shape, ShapeData, ShapeTable,
     atlas::{Atlas, pack},
     build::Plan,
-    places::Track,
+    places::{Journey, Track},
 };
 use crate::{
     Error, Pose, Result,
     clock::{MAX_STEPS, MAX_SUBSTEPS},
     constants::MAX_COLLIDERS,
     gpu::{Binding, bindings},
+    space::{Map, Passage},
     strands::buffers::storage,
 };
 use bytemuck::Zeroable;
@@ -188,9 +189,20 @@ impl ColliderSet {
     /// # Errors
     /// [`Error::Colliders`] when there are not as many poses as colliders, or one is not finite.
     pub fn advance(&mut self, queue: &wgpu::Queue, poses: &ColliderPoses, frame: &Moments<'_>) -> Result<()> {
+        self.journey(queue, poses, frame, &Journey { head: frame.head, passage: Passage::default() })
+    }
+
+    /// [`advance`](Self::advance) where poses are not given in the space of the steps.
+    pub(crate) fn journey(
+        &mut self,
+        queue: &wgpu::Queue,
+        poses: &ColliderPoses,
+        frame: &Moments<'_>,
+        journey: &Journey,
+    ) -> Result<()> {
         let steps = &frame.steps[frame.steps.len().saturating_sub(MAX_STEPS as usize)..];
         let frame = Moments { steps, substeps: frame.substeps.clamp(1, MAX_SUBSTEPS), ..*frame };
-        self.track.advance(self.has_head, poses, &frame)?;
+        self.track.advance(self.has_head, poses, &frame, journey)?;
         if self.count == 0 {
             return Ok(());
         }
@@ -212,6 +224,11 @@ impl ColliderSet {
         Ok(())
     }
 
+    /// Poses are given in another space from here on, to which `map` leads.
+    pub(crate) fn enter(&mut self, map: &Map) {
+        self.track.enter(map);
+    }
+
     /// The group to bind as `@group(1)`.
     pub fn group(&self) -> &wgpu::BindGroup {
         &self.group
@@ -227,13 +244,14 @@ impl ColliderSet {
         self.count == 0
     }
 
-    /// Where to draw the colliders, world space: first the head's field if there is one, then those of the
-    /// descriptor. Hair is drawn one step behind (see the chapter), and so are these.
+    /// Where to draw the colliders, in the space that hair is drawn in: first the head's field if there is one, then
+    /// those of the descriptor. Hair is drawn one step behind (see the chapter), and so are these.
     pub fn drawn(&self) -> &[Pose] {
         &self.track.now
     }
 
-    /// The poses of all moments of the last frame that had steps, collider fastest.
+    /// The poses of all moments of the last frame that had steps, collider fastest, where hair is simulated
+    /// ([`crate::space`]).
     pub fn moments(&self) -> &[Pose] {
         &self.track.moments
     }

@@ -6,6 +6,7 @@ use crate::{
     body::Body,
     gpu::Timings,
     light::{self, Seen, ShadingRate, Sphere},
+    space::Space,
 };
 
 /// What the passes of a picture are recorded with.
@@ -28,6 +29,8 @@ pub(crate) struct Canvas<'a> {
     pub rate: ShadingRate,
     /// Where a scene asks where hair is: the map of depths to its own, see [`super::tiles::geometry::GeometryUniform`].
     pub geometry: Option<[f32; 4]>,
+    /// The space that everything is drawn in.
+    pub space: Space,
 }
 
 impl Canvas<'_> {

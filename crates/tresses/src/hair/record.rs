@@ -3,14 +3,15 @@
 
 use super::Hair;
 use crate::{
-    Pipelines, Pose, Result, avoid,
-    clock::{Mode, Step, Steps},
-    collide::{ColliderPoses, Moments},
+    Pipelines, Result, avoid,
+    clock::{Mode, Steps},
+    collide::{Journey, Moments},
     frame::Frame,
     interpolate,
     lod::Widths,
     roots,
-    simulate::{self, Forces, SimulationParams},
+    simulate::{self, Forces, Shifting, SimulationParams, grab::Sights},
+    space::{Carried, Shift},
     tessellate::{self, TessellateParams},
     volume::{self, HairHairMode},
     wind::{self, Air, HairGrid, Wind},
@@ -26,14 +27,21 @@ impl Hair {
         frame: &Frame<'_>,
     ) -> Result<u32> {
         frame.simulation.check()?;
+        frame.space.check()?;
+        frame.drawn_in.map_or(Ok(()), |space| space.check())?;
         let slow = self.lod.current().step;
         let physics =
             &SimulationParams { step: (frame.simulation.step * slow).min(0.1), ..*frame.simulation };
-        self.windy = physics.wind.blows();
+        let Carried { steps, fields, passage, shift } = self.tick(queue, frame, physics)?;
+        // Whoever moves through the air has wind.
+        let felt = fields.last().map(|field| Wind { velocity: field.wind, ..physics.wind });
+        self.windy = felt.map_or(self.windy, |wind| wind.blows());
         if self.windy {
             self.make_air(device, queue, pipelines, &physics.wind)?;
         }
-        let steps = self.tick(queue, frame.dt, physics, &frame.head, frame.colliders)?;
+        self.passage = passage;
+        let way = shift.map(|shift| shift.way).unwrap_or_default();
+        self.shift(device, queue, pipelines, shift);
         self.forced = self.windy || physics.hair_hair.mode != HairHairMode::Off;
         if self.forced {
             let due = Steps { steps: &steps, length: physics.step, substeps: physics.substeps };
@@ -41,7 +49,7 @@ impl Hair {
             if let Some(air) = self.air.as_mut().filter(|_| self.windy) {
                 let grid = &self.volume.grid;
                 let hair = HairGrid { bias: grid.bias, scale: grid.scale };
-                air.prepare(queue, &physics.wind, physics.diameter, &due, Some(hair));
+                air.prepare_in(queue, &physics.wind, physics.diameter, &due, &fields, Some(hair));
             }
             let air = self.air.as_ref().filter(|_| self.windy);
             self.forces.prepare(queue, physics, air, steps.len());
@@ -51,13 +59,48 @@ impl Hair {
             air.reset();
         }
         let (stage, buffers) = (&pipelines.simulate, (&self.guides, &self.strands));
-        let held = self.grab.prepare(device, queue, stage, physics, &steps, buffers, self.forced)?;
+        let seen = frame.way_to_view();
+        let sights = Sights {
+            to_carrier: passage.at(1.0).after(&seen.inverse()),
+            to_last: self.drawn_in.from(&frame.seen()),
+            shift: way,
+        };
+        let held = self.grab.prepare(device, queue, stage, physics, &steps, buffers, &sights, self.forced)?;
         if let Some(roots) = &mut self.roots {
             let counts = [self.guides.count, self.strands.drawn.count];
             let fresh = steps.first().is_some_and(|step| step.mode == Mode::Reset);
-            roots.prepare(queue, &frame.head, counts, fresh);
+            roots.prepare(queue, (&frame.head, &seen), counts, fresh);
         }
-        self.simulation.prepare(queue, physics, &steps, self.forced || held)
+        self.simulation.prepare_in(queue, physics, &steps, &fields, self.forced || held)
+    }
+
+    /// Prepares that the frame begins from another origin, if it does.
+    fn shift(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        pipelines: &Pipelines,
+        shift: Option<Shift>,
+    ) {
+        self.shifts = shift.is_some();
+        let Some(shift) = shift else { return };
+        let make = || Shifting::new(device, &pipelines.simulate, &self.guides);
+        self.shifting.get_or_insert_with(make).prepare(queue, &shift);
+        if let Some(air) = &mut self.air {
+            air.shift(shift.way);
+        }
+    }
+
+    /// Whether the frame begins from another origin.
+    pub(crate) fn is_shifted(&self) -> bool {
+        self.shifts
+    }
+
+    /// The state from that origin: before the first step.
+    pub(crate) fn record_shift(&self, pass: &mut crate::gpu::ComputePass<'_>, stage: &simulate::Pipelines) {
+        if let Some(shifting) = &self.shifting {
+            shifting.record(stage, pass);
+        }
     }
 
     /// Makes the air for `wind` unless it is there.
@@ -109,53 +152,56 @@ impl Hair {
         self.forced
     }
 
-    /// The fixed steps that are due `dt` seconds after the last frame, the head now at `head` and the
-    /// colliders at `poses`, which are moved.
+    /// What is due in `frame`, where hair is simulated; the colliders are moved.
     ///
     /// # Errors
-    /// What [`ColliderSet::advance`] says.
-    fn tick(
-        &mut self,
-        queue: &wgpu::Queue,
-        dt: f32,
-        params: &SimulationParams,
-        head: &Pose,
-        poses: &ColliderPoses,
-    ) -> Result<Vec<Step>> {
-        let ticks = self.clock.tick(dt, params.step, head);
+    /// What [`ColliderSet::advance`](crate::collide::ColliderSet::advance) says.
+    fn tick(&mut self, queue: &wgpu::Queue, frame: &Frame<'_>, params: &SimulationParams) -> Result<Carried> {
+        let (space, head) = (frame.space.normalized(), &frame.head);
+        let dt = if frame.dt.is_finite() { f64::from(frame.dt.max(0.0)) } else { 0.0 };
+        let times = (dt, f64::from(params.step));
+        if let Some(map) = self.carrier.enter(&space, head, &self.clock, times) {
+            self.clock.enter(&map);
+            self.colliders.enter(&map);
+        }
+        let ticks = self.clock.tick(frame.dt, params.step, head);
+        let carried = self.carrier.carry(&space, (&self.clock, &ticks), times, self.extent.0, params);
         let moments = Moments {
-            steps: &ticks.steps,
+            steps: &carried.steps,
             substeps: params.substeps,
             step: params.step,
-            head: *head,
+            head: frame.way_to_view().pose(head),
             alpha: ticks.alpha,
         };
-        self.colliders.advance(queue, poses, &moments)?;
+        let journey = Journey { head: *head, passage: carried.passage };
+        self.colliders.journey(queue, frame.colliders, &moments, &journey)?;
         self.states.2 = ticks.alpha;
         if !ticks.steps.is_empty() {
             self.span = params.step;
         }
         self.moved_away = ticks.steps.iter().any(|step| step.mode != Mode::Step);
-        for step in &ticks.steps {
+        for step in &carried.steps {
             self.states = match step.mode {
                 Mode::Step => (step.begin, step.end, ticks.alpha),
                 Mode::Carry | Mode::Reset => (step.end, step.end, ticks.alpha),
             };
         }
-        Ok(ticks.steps)
+        Ok(carried)
     }
 
-    /// Writes the uniforms of the stages that follow the guides: the head is at `head`, `dt` seconds
-    /// after the last frame.
-    pub(crate) fn prepare(&mut self, queue: &wgpu::Queue, head: &Pose, dt: f32) {
-        self.head = *head;
+    /// Writes the uniforms of the stages that follow the guides.
+    pub(crate) fn prepare(&mut self, queue: &wgpu::Queue, frame: &Frame<'_>) {
+        let seen = frame.way_to_view();
+        self.head = seen.pose(&frame.head);
+        self.drawn_in = frame.seen();
+        self.to_drawn = seen.after(&self.passage.at(1.0).inverse()).as_pose();
         let (previous, current, blend) = self.states;
-        let params = TessellateParams::new(&self.guides, (&previous, &current, self.span), head, blend);
+        let params = TessellateParams::new(&self.guides, (&previous, &current, self.span), &self.head, blend);
         self.tessellation.prepare(queue, &params);
         self.interpolation.prepare(queue, &self.guides, &self.strands);
         let counts = (&self.guides, &self.strands);
         let fresh = self.lod.begin();
-        self.avoidance.prepare(queue, counts, dt, self.moved_away, fresh);
+        self.avoidance.prepare(queue, counts, frame.dt, self.moved_away, fresh);
     }
 
     /// Step `i` of the guides: what the grids do to them, then the step itself.

@@ -36,6 +36,7 @@ use crate::{
     constants::{GUIDE_WORKGROUP, STRAND_WORKGROUP},
     gpu::{Binding, Kernel, bindings},
     groom::{BoundStrands, Groom, TriMesh},
+    space::Map,
     strands::{
         GuideBuffers, RootMotion, StrandBuffers,
         buffers::{filled, storage},
@@ -95,7 +96,7 @@ impl Pipelines {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct RootsUniform {
-    /// From the surface's space to the world.
+    /// From the surface's space to where hair is drawn.
     pub to_world_rotation: Quat,
     /// From the surface's space to the head's.
     pub to_head_rotation: Quat,
@@ -128,7 +129,8 @@ pub struct RootsUniform {
 /// One groom's share of the stage.
 #[derive(Debug)]
 pub struct Roots {
-    /// Where the surface is: from the space of its vertices to the world. Set it before each frame.
+    /// Where the surface is: from the space of its vertices to that of the frame's poses, by default the world. Set it
+    /// before each frame.
     pub pose: Pose,
     uniform: wgpu::Buffer,
     guides: wgpu::BindGroup,
@@ -200,15 +202,22 @@ impl Roots {
         Ok((roots, report))
     }
 
-    /// Writes what a frame's kernels read: the head is at `head`. With `fresh`, or the first time, hair is where the
-    /// skin is now, whatever was before.
-    pub(crate) fn prepare(&mut self, queue: &wgpu::Queue, head: &Pose, counts: [u32; 2], fresh: bool) {
+    /// Writes what a frame's kernels read: the head is at `head`, and hair is drawn where `seen` leads. With `fresh`, or
+    /// the first time, hair is where the skin is now, whatever was before.
+    pub(crate) fn prepare(
+        &mut self,
+        queue: &wgpu::Queue,
+        (head, seen): (&Pose, &Map),
+        counts: [u32; 2],
+        fresh: bool,
+    ) {
         let to_head = head.inverse().after(&self.pose);
+        let to_world = seen.pose(&self.pose);
         let [position, normal] = self.words;
         let uniform = RootsUniform {
-            to_world_rotation: self.pose.rotation,
+            to_world_rotation: to_world.rotation,
             to_head_rotation: to_head.rotation,
-            to_world: self.pose.translation,
+            to_world: to_world.translation,
             position_first: position.first,
             to_head: to_head.translation,
             position_stride: position.stride,

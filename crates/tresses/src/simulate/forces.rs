@@ -49,7 +49,7 @@ pub struct Forces {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct AirUniforms {
-    /// Corner of the air's grid, world space, metres.
+    /// Corner of the air's grid, metres.
     pub corner: Vec3,
     /// Texture coordinates per metre.
     pub scale: f32,

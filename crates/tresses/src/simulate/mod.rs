@@ -50,13 +50,14 @@
 //! step took no less time and seconds more to compile, hence [`params::StepUniforms::one`].
 //!
 //! **Known limits.** Elimination from tip to root would save a pass, but its rounding error is far larger.
-//! Twist has no stiffness parameter: it is rigid. Positions are single precision in world axes: hair
-//! hundreds of metres from the origin would jitter.
+//! Twist has no stiffness parameter: it is rigid. Positions are single precision from an origin near the hair, which goes
+//! along with the space of the frame's poses ([`crate::space`]).
 
 mod forces;
 pub mod grab;
 pub mod params;
 pub mod rest;
+pub mod shift;
 mod step;
 
 #[cfg(test)]
@@ -72,14 +73,18 @@ use crate::{
     collide::{self, ColliderSet},
     constants::{GUIDE_CAPACITIES, GUIDE_WORKGROUP},
     gpu::Kernel,
+    space::Field,
     strands::GuideBuffers,
+    wind::Wind,
 };
+use glam::Vec3;
 use params::StepUniforms;
 
 pub use forces::{AirUniforms, Forces};
 pub use grab::{Grab, Ray, Target};
 pub use params::{Along, SimulationParams};
 pub use rest::{GuideTraits, RestOptions, RestShape};
+pub(crate) use shift::Shifting;
 
 /// Bytes from one step's uniforms to the next's: a multiple of every adapter's alignment.
 const STRIDE: u64 = 512;
@@ -89,6 +94,7 @@ const STRIDE: u64 = 512;
 pub struct Pipelines {
     /// One per size class of guides.
     steps: [Kernel; GUIDE_CAPACITIES.len()],
+    shift: Kernel,
     pub(crate) forces: forces::ForcesKernel,
     pub(crate) grab: grab::GrabKernels,
 }
@@ -99,6 +105,7 @@ impl Pipelines {
         let colliders = collide::layout(device);
         Self {
             steps: step::MODULES.map(|name| Kernel::beside(device, name, &step::BINDINGS, &[&colliders])),
+            shift: shift::kernel(device),
             forces: forces::ForcesKernel::new(device),
             grab: grab::GrabKernels::new(device),
         }
@@ -117,7 +124,7 @@ impl Pipelines {
         self.step(vertex_count).compile()
     }
 
-    /// All kernels but those of a grab and of single sizes of guides.
+    /// All kernels but those of a grab, of hair that strays, and of single sizes of guides.
     pub(crate) fn kernels(&self) -> Vec<&Kernel> {
         vec![&self.forces.kernel]
     }
@@ -201,6 +208,18 @@ impl Simulation {
         steps: &[Step],
         forced: bool,
     ) -> Result<u32> {
+        self.prepare_in(queue, params, steps, &[], forced)
+    }
+
+    /// The same where hair is simulated elsewhere than in the world: `fields` say what acts in each step.
+    pub(crate) fn prepare_in(
+        &mut self,
+        queue: &wgpu::Queue,
+        params: &SimulationParams,
+        steps: &[Step],
+        fields: &[Field],
+        forced: bool,
+    ) -> Result<u32> {
         params.check()?;
         let steps = &steps[steps.len().saturating_sub(MAX_STEPS as usize)..];
         if steps.is_empty() || self.guide_count == 0 {
@@ -209,8 +228,14 @@ impl Simulation {
         let mut bytes = vec![0u8; STRIDE as usize * steps.len()];
         let slots = bytes.as_chunks_mut::<{ STRIDE as usize }>().0;
         for (i, (step, slot)) in steps.iter().zip(slots).enumerate() {
-            let uniforms =
+            let mut uniforms =
                 StepUniforms { forced: forced.into(), to: step.to, ..self.uniforms(params, step, i as u32) };
+            if let Some(field) = fields.get(i) {
+                let uniform = !Wind { velocity: field.wind, ..params.wind }.blows();
+                // Where the air is a fluid, that turns or does not.
+                let [wind, spin] = [field.wind, field.spin].map(|v| if uniform { v } else { Vec3::ZERO });
+                uniforms = StepUniforms { gravity: field.gravity, wind, spin, ..uniforms };
+            }
             slot[..size_of::<StepUniforms>()].copy_from_slice(bytemuck::bytes_of(&uniforms));
         }
         queue.write_buffer(&self.uniforms, 0, &bytes);

@@ -37,7 +37,7 @@ impl Along {
 /// lock of hairs, which is somewhat stiffer per mass than its hairs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SimulationParams {
-    /// Acceleration of free fall, m/s².
+    /// Acceleration of free fall, axes of the world, m/s².
     pub gravity: Vec3,
     /// Mass of a hair per length, kg/m.
     pub line_density: f32,
@@ -229,6 +229,10 @@ pub struct StepUniforms {
     pub to: f32,
     /// Unused.
     pub _pad: u32,
+    /// How the air turns about the origin, radians per second.
+    pub spin: Vec3,
+    /// Unused.
+    pub _pad_spin: u32,
 }
 
 impl StepUniforms {

@@ -19,8 +19,9 @@ pub struct GuideBuffers {
     pub info: wgpu::Buffer,
     /// [`PackedGuide`].
     pub rest: wgpu::Buffer,
-    /// Three floats, the world position after the last step, and a word: how far the position before it was from
-    /// where this one and the velocity say, by [`pack_lag`](super::guide::pack_lag).
+    /// Three floats, the position after the last step from where hair is simulated ([`crate::Hair::place`]), and a word:
+    /// how far the position before it was from where this one and the velocity say, by
+    /// [`pack_lag`](super::guide::pack_lag).
     pub current: wgpu::Buffer,
     /// Velocity after the last step, metres per second, by [`pack_velocity`](super::guide::pack_velocity).
     pub velocity: wgpu::Buffer,

@@ -2,12 +2,13 @@
 
 use super::{Canvas, LinePoint, constant, scratch::Scratch};
 use crate::{
-    Result,
+    Pose, Result,
     constants::STRAND_WORKGROUP,
     gpu::{Binding, Kernel},
     strands::GuideBuffers,
 };
 use bytemuck::{Pod, Zeroable};
+use glam::{Quat, Vec3};
 
 /// What the colour of a guide stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,6 +33,12 @@ pub struct GuidesUniform {
     pub sample_count: u32,
     /// [`GuideQuantity`].
     pub quantity: u32,
+    /// From where guides are simulated to where hair is drawn.
+    pub rotation: Quat,
+    /// See `rotation`, metres.
+    pub translation: Vec3,
+    /// Unused.
+    pub _pad: u32,
 }
 
 /// The pipeline.
@@ -45,11 +52,13 @@ impl GuidesKernel {
         Self(Kernel::new(device, "views::guides", &entries), Scratch::default())
     }
 
-    /// A point per guide sample, or per vertex after the last step where guides have no samples.
+    /// A point per guide sample, or per vertex after the last step where guides have no samples: those are simulated
+    /// where `place` leads from.
     pub(super) fn record(
         &self,
         canvas: &mut Canvas<'_>,
         guides: &GuideBuffers,
+        place: &Pose,
         quantity: GuideQuantity,
     ) -> Result<wgpu::Buffer> {
         let total = u64::from(guides.count) * u64::from(guides.line_count());
@@ -62,6 +71,9 @@ impl GuidesKernel {
                 vertex_count: guides.vertex_count,
                 sample_count: guides.line_count(),
                 quantity: quantity as u32,
+                rotation: place.rotation,
+                translation: place.translation,
+                _pad: 0,
             },
         );
         let GuideBuffers { samples, rest, current, velocity, info, .. } = guides;

@@ -67,7 +67,7 @@ pub use streams::{Streams, StreamsUniform};
 pub use view::{DebugView, Scale};
 
 use crate::{
-    Camera, Result,
+    Camera, Pose, Result,
     body::{self, Body},
     collide::ColliderSet,
     draw::Coverage,
@@ -93,7 +93,7 @@ pub enum Layer<'a> {
     /// Lines along a grid's vectors, coloured by their length.
     Streams(Grid<'a>, Paint, Streams<'a>),
     /// The guides as they are drawn, after [`crate::frame::Recorder::follow`].
-    Guides(&'a GuideBuffers, Paint, GuideQuantity),
+    Guides(&'a GuideBuffers, Pose, Paint, GuideQuantity),
     /// The distance to the obstacles in the box of a grid, whose texture is not looked at, as slices.
     Distance(&'a ColliderSet, Grid<'a>, [(Paint, Slices); 2]),
     /// One line; a point with an alpha below 0 interrupts it.
@@ -205,8 +205,8 @@ impl DebugStage {
                         self.lines.record(&mut canvas, &points, streams.points.max(2), paint);
                     }
                 }
-                Layer::Guides(guides, paint, quantity) => {
-                    let points = self.guides.record(&mut canvas, guides, *quantity)?;
+                Layer::Guides(guides, place, paint, quantity) => {
+                    let points = self.guides.record(&mut canvas, guides, place, *quantity)?;
                     self.lines.record(&mut canvas, &points, guides.line_count(), paint);
                 }
                 Layer::Distance(colliders, grid, slices) => {

@@ -206,11 +206,11 @@ pub(super) fn grid(view: DebugView, hair: &Hair) -> Option<Grid<'_>> {
             let place = air.now();
             return Some(Grid {
                 texture: &air.view,
-                pose: Pose { translation: place.corner, ..Pose::IDENTITY },
+                pose: hair.to_drawn.after(&Pose { translation: place.corner, ..Pose::IDENTITY }),
                 scale: Vec3::splat(place.scale),
                 bias: Vec3::ZERO,
                 quantity: Quantity::Length,
-                turns: false,
+                turns: true,
             });
         }
         _ => return None,
@@ -231,7 +231,7 @@ fn layers<'a>(
 ) -> Vec<Layer<'a>> {
     let high = paint(1.0).high;
     let column = Slices { panels: Some(panels(camera.size)), ..Default::default() };
-    let guides = |quantity| vec![Layer::Guides(&hair.guides, paint(1.0), quantity)];
+    let guides = |quantity| vec![Layer::Guides(&hair.guides, hair.to_drawn, paint(1.0), quantity)];
     match (view, grid) {
         (DebugView::Guides, _) => guides(GuideQuantity::Guide),
         (DebugView::Speed, _) => guides(GuideQuantity::Speed),

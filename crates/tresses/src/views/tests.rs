@@ -413,7 +413,7 @@ fn guides_carry_their_quantities() {
     gpu.queue.write_buffer(&guides.samples, 0, bytemuck::cast_slice(&sampled));
     let kernel = GuidesKernel::new(&gpu.device);
     for quantity in [GuideQuantity::Speed, GuideQuantity::Strain, GuideQuantity::Guide] {
-        let points = points(gpu, |canvas| kernel.record(canvas, &guides, quantity).unwrap());
+        let points = points(gpu, |canvas| kernel.record(canvas, &guides, &Pose::IDENTITY, quantity).unwrap());
         assert_eq!(points.len(), 21);
         for (i, point) in points.iter().enumerate() {
             let (guide, sample) = ((i / 7) as f32, (i % 7) as f32);

@@ -11,6 +11,7 @@ use crate::{
     clock::{MAX_STEPS, Mode, Step, Steps},
     collide::ColliderSet,
     gpu::{bindings::uniform, grid::grid_texture},
+    space::Field,
 };
 use bytemuck::Zeroable;
 use glam::{DVec3, I64Vec3, IVec3, Vec3};
@@ -23,7 +24,7 @@ const ACROSS: f32 = 3.0 * std::f32::consts::PI / 16.0;
 /// Where in the world a step's air lies: texture coordinate `(x - corner) * scale`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AirPlace {
-    /// The grid's corner, world space, metres.
+    /// The grid's corner, from where hair is simulated (by default the world's origin), metres.
     pub corner: Vec3,
     /// Texture coordinates per metre.
     pub scale: f32,
@@ -77,8 +78,9 @@ pub struct Air {
     /// The wind that `gusts` was made for.
     wind: Option<Wind>,
     gusts: Gusts,
-    /// The corner of the grid in whole cells from the world's origin.
+    /// The corner of the grid in whole cells, and from where they are counted, metres.
     corner: I64Vec3,
+    zero: DVec3,
     /// How far the wind has blown, metres.
     way: DVec3,
     started: bool,
@@ -228,6 +230,7 @@ impl Air {
             wind: None,
             gusts: Gusts::default(),
             corner: I64Vec3::ZERO,
+            zero: DVec3::ZERO,
             way: DVec3::ZERO,
             started: false,
             runs: Vec::new(),
@@ -244,14 +247,27 @@ impl Air {
         self.started = false;
     }
 
-    /// Writes the uniforms of the steps of `frame`, at most [`MAX_STEPS`], in `wind`. `diameter` is that of a hair,
-    /// metres, and `hair` the hair's grid, without which no hair is in the way.
+    /// Writes the uniforms of the steps of `frame`, at most [`MAX_STEPS`], in `wind`, where poses are the world's.
+    /// `diameter` is that of a hair, metres, and `hair` the hair's grid, without which no hair is in the way.
     pub fn prepare(
         &mut self,
         queue: &wgpu::Queue,
         wind: &Wind,
         diameter: f32,
         frame: &Steps<'_>,
+        hair: Option<HairGrid>,
+    ) {
+        self.prepare_in(queue, wind, diameter, frame, &[], hair);
+    }
+
+    /// The same where hair is simulated elsewhere: `fields` say what the air is there in each step.
+    pub(crate) fn prepare_in(
+        &mut self,
+        queue: &wgpu::Queue,
+        wind: &Wind,
+        diameter: f32,
+        frame: &Steps<'_>,
+        fields: &[Field],
         hair: Option<HairGrid>,
     ) {
         let shape = |w: &Wind| (w.gusts == 0.0, w.gust_length, w.seed);
@@ -264,18 +280,19 @@ impl Air {
         let mut bytes = Vec::with_capacity(steps.len() * STRIDE as usize);
         for (i, step) in steps.iter().enumerate() {
             let first = (bytes.len() / STRIDE as usize) as u32;
-            let parts = self.parts(wind, frame.length);
-            let mut uniforms = self.step(wind, step, hair);
+            let field = fields.get(i).copied().unwrap_or(Field::of(Vec3::ZERO, wind.velocity));
+            let parts = self.parts(wind, field.wind, frame.length);
+            let mut uniforms = self.step(&field, step, hair);
             uniforms.moment = (i as u32 + 1) * frame.substeps;
             uniforms.reynolds = diameter / drag::AIR_VISCOSITY;
             self.runs.push(Run { first, parts, fresh: uniforms.reset == 1, place: self.at() });
             for _ in 0..parts {
                 let length = frame.length / parts as f32;
                 uniforms.drag = length * 0.5 * diameter * ACROSS * 1e3;
-                self.blow(wind, &mut uniforms, length);
+                self.blow(wind, &field, &mut uniforms, length);
                 bytes.extend_from_slice(bytemuck::bytes_of(&uniforms));
                 bytes.resize(bytes.len().next_multiple_of(STRIDE as usize), 0);
-                (uniforms.reset, uniforms.shift) = (0, IVec3::ZERO);
+                (uniforms.reset, uniforms.shift, uniforms.kick) = (0, IVec3::ZERO, Vec3::ZERO);
             }
         }
         queue.write_buffer(&self.uniforms, 0, &bytes);
@@ -339,36 +356,47 @@ impl Air {
     }
 
     fn at(&self) -> AirPlace {
-        let corner = (self.corner.as_dvec3() * f64::from(self.cell)).as_vec3();
+        let corner = self.edge().as_vec3();
         AirPlace { corner, scale: 1.0 / (self.cells as f32 * self.cell) }
     }
 
+    /// The grid's corner, metres.
+    fn edge(&self) -> DVec3 {
+        self.corner.as_dvec3() * f64::from(self.cell) + self.zero
+    }
+
+    /// What was at a place is `way` metres from it, from here on: the grid with it.
+    pub(crate) fn shift(&mut self, way: Vec3) {
+        self.zero += way.as_dvec3();
+    }
+
     /// In how many parts a step is computed: air that goes farther than a head at once would leap over it.
-    fn parts(&self, wind: &Wind, step: f32) -> u32 {
-        let way = wind.velocity.length() * (1.0 + wind.gusts) * step;
+    fn parts(&self, wind: &Wind, mean: Vec3, step: f32) -> u32 {
+        let way = mean.length() * (1.0 + wind.gusts) * step;
         let cells = way / self.cell;
         let parts = (way / MAX_WAY).min(cells / COARSE_REACH).max(cells / MAX_REACH);
         (parts.ceil() as u32).clamp(1, MAX_SPLIT)
     }
 
     /// The wind blows on for `dt` seconds.
-    fn blow(&mut self, wind: &Wind, u: &mut WindUniforms, dt: f32) {
+    fn blow(&mut self, wind: &Wind, field: &Field, u: &mut WindUniforms, dt: f32) {
         if u.reset == 0 {
-            self.way += wind.velocity.as_dvec3() * f64::from(dt);
+            self.way += field.own.as_dvec3() * f64::from(dt);
         }
         u.reach = dt / self.cell;
-        let at = self.corner.as_dvec3() * f64::from(self.cell);
-        let deviation = f64::from(wind.gusts * wind.velocity.length());
-        let gusts = self.gusts.at(at, self.way, deviation, self.cell);
+        // Gusts belong to the air's own ground, over which the grid may move.
+        let deviation = f64::from(wind.gusts * field.own.length());
+        let gusts = self.gusts.at(self.edge() + field.at, self.way, deviation, self.cell);
         u.gust_count = gusts.len() as u32;
         u.gusts[..gusts.len()].copy_from_slice(&gusts);
     }
 
     /// The uniforms of one step; the grid moves to where the head is at its end.
-    fn step(&mut self, wind: &Wind, step: &Step, hair: Option<HairGrid>) -> WindUniforms {
+    fn step(&mut self, field: &Field, step: &Step, hair: Option<HairGrid>) -> WindUniforms {
         let cell = f64::from(self.cell);
         // By whole cells, so that nothing is interpolated because the head moves.
-        let middle = step.end.point(self.center).as_dvec3() / cell - 0.5 * f64::from(self.cells);
+        let middle =
+            (step.end.point(self.center).as_dvec3() - self.zero) / cell - 0.5 * f64::from(self.cells);
         let corner = middle.round().as_i64vec3();
         let reset = !self.started || step.mode == Mode::Reset;
         // Teleported hair takes its air along.
@@ -378,10 +406,11 @@ impl Air {
         if reset {
             self.way = DVec3::ZERO;
         }
-        let at = corner.as_dvec3() * cell;
+        let at = self.edge();
         let local = |pose: &Pose| (pose.translation.as_dvec3() - at).as_vec3();
         WindUniforms {
-            mean: wind.velocity,
+            mean: field.wind,
+            kick: field.kick,
             cells: self.cells,
             shift: moved
                 .as_ivec3()
@@ -391,7 +420,7 @@ impl Air {
             cell: self.cell,
             corner: at.as_vec3(),
             reset: u32::from(reset),
-            inflow: inflow(wind.velocity),
+            inflow: inflow(field.wind),
             hair_bias: hair.map_or(Vec3::splat(-1.0), |hair| hair.bias),
             hair_scale: hair.map_or(0.0, |hair| hair.scale),
             one: 1,

@@ -8,8 +8,10 @@ use glam::{IVec3, Vec3};
 /// The wind: what the air does far from the head, and how finely the air around it is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wind {
-    /// Mean velocity of the air far from the head, world axes, m/s. Zero is calm: nothing is
-    /// computed, and hair is only slowed by [`crate::simulate::SimulationParams::drag`].
+    /// Mean velocity of the air far from the head, world axes, m/s; in a space that
+    /// [carries its air](crate::space::Space::carries_air) that of its air, its axes. Where nothing moves through
+    /// it, zero is calm: nothing is computed, and hair is only slowed by
+    /// [`crate::simulate::SimulationParams::drag`].
     pub velocity: Vec3,
     /// Intensity of the gusts: standard deviation of each component of the velocity over the
     /// mean speed. About 0.1 over open water, 0.2 over open land, 0.4 between houses.
@@ -105,7 +107,7 @@ pub struct WindUniforms {
     pub head_at: Vec3,
     /// Edge of a cell, metres.
     pub cell: f32,
-    /// The grid's corner, world space, metres.
+    /// The grid's corner, from where hair is simulated, metres.
     pub corner: Vec3,
     /// The moment of the colliders (see [`crate::collide`]).
     pub moment: u32,
@@ -130,6 +132,10 @@ pub struct WindUniforms {
     pub plain: u32,
     /// Unused.
     pub _pad: u32,
+    /// By how much all air is faster than it was, because the grid is slower, m/s.
+    pub kick: Vec3,
+    /// Unused.
+    pub _pad_kick: u32,
     /// The gusts.
     pub gusts: [GustMode; MAX_GUSTS],
 }

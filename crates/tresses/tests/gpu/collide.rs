@@ -109,6 +109,7 @@ impl Run<'_> {
                 head: head(t),
                 colliders: &poses(t),
                 simulation: &self.params,
+                ..Default::default()
             };
             common::submit(|recorder| recorder.simulate(&mut self.hair, &input));
             let at: Vec<[f32; 4]> = readback::buffer(device, queue, &self.hair.guides.current).unwrap();
@@ -259,7 +260,13 @@ fn moved_by_capsules(gpu: &Gpu, pipelines: &Pipelines, spared: Option<usize>) ->
     // Strands shall know nothing of each other.
     let physics = SimulationParams { hair_hair: HairHair::OFF, ..Default::default() };
     let mut read = |dt: f32| {
-        let frame = Frame { dt, head: Pose::IDENTITY, colliders: &colliders, simulation: &physics };
+        let frame = Frame {
+            dt,
+            head: Pose::IDENTITY,
+            colliders: &colliders,
+            simulation: &physics,
+            ..Default::default()
+        };
         common::submit(|recorder| recorder.simulate(&mut hair, &frame));
         let now: Vec<[f32; 4]> = readback::buffer(device, queue, &hair.guides.current).unwrap();
         now.iter().map(|v| Vec3::from_slice(v)).collect::<Vec<_>>()

@@ -76,7 +76,7 @@ impl Setup {
         simulation: &SimulationParams,
     ) {
         let poses = ColliderPoses { head: None, colliders: colliders.to_vec() };
-        common::advance(hair, &Frame { dt, head, colliders: &poses, simulation });
+        common::advance(hair, &Frame { dt, head, colliders: &poses, simulation, ..Default::default() });
     }
 
     fn still(&self, hair: &mut Hair, frames: u32) {
@@ -90,7 +90,7 @@ impl Setup {
         let list: Vec<[f32; 4]> =
             pollster::block_on(readback::buffer(&self.gpu.device, &self.gpu.queue, &hair.guides.current))
                 .unwrap();
-        list.iter().map(|p| Vec3::new(p[0], p[1], p[2])).collect()
+        list.iter().map(|p| hair.place().point(Vec3::new(p[0], p[1], p[2]))).collect()
     }
 
     fn state(&self, hair: &Hair) -> GrabState {
@@ -342,7 +342,13 @@ fn a_ball_comes_pushes_hair_and_goes() {
     assert!(left < 0.5 * pushed, "hair comes back: {left} of {pushed}");
     // Poses must fit the list.
     let poses = ColliderPoses { head: None, colliders: vec![Pose::IDENTITY] };
-    let frame = Frame { dt: 0.0, head: Pose::IDENTITY, colliders: &poses, simulation: &stage.physics };
+    let frame = Frame {
+        dt: 0.0,
+        head: Pose::IDENTITY,
+        colliders: &poses,
+        simulation: &stage.physics,
+        ..Default::default()
+    };
     let mut encoder = device.create_command_encoder(&Default::default());
     let pipelines = stage.pipelines;
     let mut recorder = Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None };

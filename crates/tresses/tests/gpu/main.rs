@@ -32,6 +32,7 @@ mod second_driver;
 mod shadows;
 mod skinning;
 mod soft;
+mod space;
 mod views;
 mod volume;
 mod wind;

@@ -74,6 +74,7 @@ fn a_frame_is_recorded_on_baseline_webgpu() {
         head: Pose::IDENTITY,
         colliders: &ColliderPoses { head: None, colliders: vec![Pose::IDENTITY; 127] },
         simulation: &SimulationParams { wind: tresses::wind::Wind::new(glam::Vec3::X), ..Default::default() },
+        ..Default::default()
     };
     let mut encoder = device.create_command_encoder(&Default::default());
     let mut recorder = Recorder {

@@ -171,7 +171,7 @@ fn debug_views(format: wgpu::TextureFormat, output: wgpu::TextureFormat) -> Opti
         Layer::Arrows(grid, paint, Arrows::over(&grid, None, 8, 1.0)),
         Layer::Streams(grid, paint, Streams { seeds: &seeds, points: 20, step: 0.01, least: 0.1 }),
         Layer::Streams(grid, paint, Streams { seeds: &[], points: 20, step: 0.01, least: 0.1 }),
-        Layer::Guides(&guides, paint, GuideQuantity::Speed),
+        Layer::Guides(&guides, tresses::Pose::IDENTITY, paint, GuideQuantity::Speed),
         Layer::Lines(&outline, paint),
         Layer::Lines(&[], paint),
     ];

@@ -70,7 +70,13 @@ impl<'a> Stage<'a> {
     /// On by a frame in which the skin comes to lie as `place` says and the head at `head`.
     fn advance(&mut self, head: Pose, dt: f32, place: impl Fn(Vec3) -> Vec3) {
         self.body.move_to(&self.gpu.queue, &moved(&self.rest, place));
-        let frame = Frame { dt, head, colliders: &ColliderPoses::default(), simulation: &stiff() };
+        let frame = Frame {
+            dt,
+            head,
+            colliders: &ColliderPoses::default(),
+            simulation: &stiff(),
+            ..Default::default()
+        };
         common::submit(|recorder| recorder.advance(&mut self.hair, &frame));
         assert!(std::ptr::eq(self.pipelines, common::pipelines().unwrap()));
     }

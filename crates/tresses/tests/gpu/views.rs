@@ -42,7 +42,13 @@ impl Setup {
         let simulation = SimulationParams { wind: Wind::new(Vec3::X * 6.0), ..Default::default() };
         for _ in 0..6 {
             let colliders = &ColliderPoses::default();
-            let frame = Frame { dt: 1.0 / 30.0, head: Pose::IDENTITY, colliders, simulation: &simulation };
+            let frame = Frame {
+                dt: 1.0 / 30.0,
+                head: Pose::IDENTITY,
+                colliders,
+                simulation: &simulation,
+                ..Default::default()
+            };
             common::advance(&mut hair, &frame);
         }
         let camera = Camera::look_at(Vec3::new(0.1, 0.05, 0.8), Vec3::ZERO, 0.45, [120, 96]);

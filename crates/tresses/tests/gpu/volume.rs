@@ -63,7 +63,10 @@ impl Setup {
     }
 
     fn advance(&self, hair: &mut Hair, simulation: &SimulationParams, head: Pose, dt: f32) {
-        common::advance(hair, &Frame { dt, head, colliders: &ColliderPoses::default(), simulation });
+        common::advance(
+            hair,
+            &Frame { dt, head, colliders: &ColliderPoses::default(), simulation, ..Default::default() },
+        );
     }
 
     /// Metres of drawn hair in every voxel, in the head's axes.

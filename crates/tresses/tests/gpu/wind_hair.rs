@@ -46,7 +46,13 @@ impl Setup {
         loop {
             let part = steps.min(8);
             let dt = part as f32 / 60.0;
-            let frame = Frame { dt, head: Pose::IDENTITY, colliders: &colliders, simulation: physics };
+            let frame = Frame {
+                dt,
+                head: Pose::IDENTITY,
+                colliders: &colliders,
+                simulation: physics,
+                ..Default::default()
+            };
             common::submit(|recorder| recorder.simulate(hair, &frame));
             steps -= part;
             if steps == 0 {

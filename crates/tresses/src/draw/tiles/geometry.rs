@@ -4,6 +4,7 @@ use super::texels::Texels;
 use crate::{
     draw::record::{Canvas, clear},
     gpu::{Kernel, bindings::uniform, pass::bytes},
+    space::Space,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, Mat4};
@@ -31,6 +32,8 @@ struct Last {
     /// Strands and vertices of each groom.
     parts: Vec<[u32; 2]>,
     camera: DMat4,
+    /// The space that it was drawn in.
+    space: Space,
 }
 
 /// The texture, and what is kept of the picture before.
@@ -75,7 +78,9 @@ impl Geometry {
         points.keep(canvas.encoder, &self.before);
         let camera = canvas.camera.projection.as_dmat4() * canvas.camera.view.as_dmat4();
         let is_known = self.last.as_ref().is_some_and(|last| last.parts == parts);
-        let last = self.last.replace(Last { parts, camera }).map_or(camera, |last| last.camera);
+        // What stands still in the world stands elsewhere before a camera whose space has moved.
+        let last = self.last.replace(Last { parts, camera, space: canvas.space });
+        let last = last.map_or(camera, |last| last.camera * last.space.from(&canvas.space).matrix());
         let before = (last * camera.inverse()).as_mat4();
         let values = GeometryUniform { before, depth, is_known: is_known.into(), _pad: [0; 3] };
         canvas.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&values));

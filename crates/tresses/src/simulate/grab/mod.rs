@@ -54,6 +54,7 @@ use crate::{
     clock::{MAX_STEPS, MAX_SUBSTEPS, Mode, Step},
     collide::ColliderSet,
     constants::{STRAND_WORKGROUP, VOLUME_WORKGROUP},
+    space::Map,
     strands::{GuideBuffers, StrandBuffers, buffers::storage},
 };
 use bytemuck::{Pod, Zeroable};
@@ -66,7 +67,7 @@ pub const SETTLE: f32 = 0.03;
 /// The strongest pull on a guide vertex, m/s².
 pub const STRONGEST: f32 = 2000.0;
 
-/// A half line, world space.
+/// A half line, in the space in which the next frame is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// Where it begins, metres.
@@ -80,7 +81,7 @@ pub struct Ray {
 pub enum Target {
     /// Where a ray meets the plane through the place that was hit, across the ray of the grab.
     Ray(Ray),
-    /// At a point, world space, metres: there what was hit wants to be.
+    /// At a point of the same space, metres: there what was hit wants to be.
     Point(Vec3),
 }
 
@@ -120,6 +121,37 @@ pub struct GrabUniform {
     pub aside: f32,
     /// [`STRONGEST`], m/s².
     pub strongest: f32,
+    /// Origin of the ray of the grab as obstacles are drawn, metres.
+    pub seen_origin: Vec3,
+    /// Unused.
+    pub _pad_a: u32,
+    /// Its direction, unit.
+    pub seen_direction: Vec3,
+    /// Unused.
+    pub _pad_b: u32,
+    /// The same as strands were drawn last.
+    pub drawn_origin: Vec3,
+    /// Unused.
+    pub _pad_c: u32,
+    /// Its direction, unit.
+    pub drawn_direction: Vec3,
+    /// Unused.
+    pub _pad_d: u32,
+    /// By how much the state moves before the step, metres: the origin is another one.
+    pub shift: Vec3,
+    /// Unused.
+    pub _pad_e: u32,
+}
+
+/// The ways of rays, which are given as the frame is drawn.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sights {
+    /// To where hair is simulated.
+    pub to_carrier: Map,
+    /// To where the last frame was drawn.
+    pub to_last: Map,
+    /// By how much positions move before the first step, metres.
+    pub shift: Vec3,
 }
 
 /// What the GPU remembers of a grab.
@@ -249,6 +281,7 @@ impl Grab {
         physics: &SimulationParams,
         steps: &[Step],
         (guides, strands): (&GuideBuffers, &StrandBuffers),
+        sights: &Sights,
         forced: bool,
     ) -> Result<bool> {
         if steps.iter().any(|step| step.mode != Mode::Step) {
@@ -269,6 +302,9 @@ impl Grab {
             Target::Ray(ray) => (ray.origin, ray.direction),
             Target::Point(point) => (point, Vec3::ZERO),
         };
+        let (seen, drawn) = (ray, sights.to_last.ray(&ray));
+        let ray = sights.to_carrier.ray(&ray);
+        let (target, toward) = (sights.to_carrier.at(target), sights.to_carrier.turned(toward));
         let substeps = physics.substeps.clamp(1, MAX_SUBSTEPS);
         let mut bytes = vec![0u8; STRIDE as usize * steps.len()];
         for (i, (step, slot)) in steps.iter().zip(bytes.chunks_mut(STRIDE as usize)).enumerate() {
@@ -289,6 +325,13 @@ impl Grab {
                 moment: i as u32 * substeps,
                 aside: ASIDE,
                 strongest: STRONGEST,
+                seen_origin: seen.origin,
+                seen_direction: seen.direction,
+                drawn_origin: drawn.origin,
+                drawn_direction: drawn.direction,
+                // What is met in this step is met where it is then.
+                shift: if i == 0 && !self.picks { sights.shift } else { Vec3::ZERO },
+                ..Zeroable::zeroed()
             };
             slot[..size_of::<GrabUniform>()].copy_from_slice(bytemuck::bytes_of(&uniform));
         }

@@ -1,12 +1,11 @@
 //! One device for all tests, and its pipelines, which are compiled once: a software driver takes seconds for all.
 
-use std::sync::{LazyLock, OnceLock};
+use std::sync::OnceLock;
 use tresses::{
     Hair, Pipelines, Pose, Result,
-    collide::ColliderPoses,
     frame::{Frame, Recorder},
     gpu::Gpu,
-    simulate::{self, SimulationParams},
+    simulate,
 };
 
 /// The adapter of all tests; without one, skips (`None`) or, when `TRESSES_REQUIRE_GPU=1`, panics.
@@ -45,9 +44,7 @@ pub fn submit(what: impl FnOnce(&mut Recorder<'_>) -> Result<()>) {
 
 /// A frame of the usual physics, among no obstacles but the head.
 pub fn frame(head: Pose, dt: f32) -> Frame<'static> {
-    static COLLIDERS: ColliderPoses = ColliderPoses { head: None, colliders: Vec::new() };
-    static PHYSICS: LazyLock<SimulationParams> = LazyLock::new(Default::default);
-    Frame { dt, head, colliders: &COLLIDERS, simulation: &PHYSICS }
+    Frame { dt, head, ..Default::default() }
 }
 
 /// Moves a groom on by a frame.

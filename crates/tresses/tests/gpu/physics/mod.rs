@@ -5,6 +5,7 @@
 //! Every comparison is run twice, the second time on an experiment that is wrong by a few per cent,
 //! and must then say so.
 
+mod carried;
 mod grooms;
 mod independence;
 mod lab;

@@ -1,0 +1,75 @@
+//! The guides' state from another origin: the kernel, recorded before a step where the carrier's origin has moved
+//! ([`crate::space`]).
+
+use super::Pipelines;
+use crate::{
+    constants::VOLUME_WORKGROUP,
+    gpu::{Binding, Kernel},
+    space::Shift,
+    strands::GuideBuffers,
+};
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+/// What the kernel reads.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct ShiftUniform {
+    /// Added to positions, metres.
+    pub way: Vec3,
+    /// Number of guide vertices.
+    pub count: u32,
+    /// Added to velocities, m/s.
+    pub velocity: Vec3,
+    /// 1 when that is not zero: velocities are rounded when they are packed.
+    pub faster: u32,
+}
+
+/// The kernel, compiled when hair first strays.
+pub(super) fn kernel(device: &wgpu::Device) -> Kernel {
+    use Binding::{Storage, StorageMut};
+    Kernel::new(device, "simulate::shift", &[Storage, StorageMut, StorageMut])
+}
+
+/// What one groom needs for it, made when it first strays.
+#[derive(Debug)]
+pub(crate) struct Shifting {
+    uniform: wgpu::Buffer,
+    group: wgpu::BindGroup,
+    count: u32,
+}
+
+impl Shifting {
+    pub fn new(device: &wgpu::Device, simulate: &Pipelines, guides: &GuideBuffers) -> Self {
+        let uniform = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("shift"),
+            size: size_of::<ShiftUniform>() as u64,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let buffers = [&uniform, &guides.current, &guides.velocity];
+        let group = simulate.shift.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()));
+        Self { uniform, group, count: guides.count * guides.vertex_count }
+    }
+
+    /// Writes what the kernel reads.
+    pub fn prepare(&self, queue: &wgpu::Queue, shift: &Shift) {
+        let uniform = ShiftUniform {
+            way: shift.way,
+            count: self.count,
+            velocity: shift.velocity,
+            faster: u32::from(shift.velocity != Vec3::ZERO),
+        };
+        queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+    }
+
+    /// Records the dispatch.
+    pub fn record(&self, simulate: &Pipelines, pass: &mut crate::gpu::ComputePass<'_>) {
+        simulate.shift.record(pass, &self.group, &[], self.count.div_ceil(VOLUME_WORKGROUP));
+    }
+
+    /// Bytes of GPU memory.
+    pub fn bytes(&self) -> u64 {
+        self.uniform.size()
+    }
+}
