@@ -4,6 +4,7 @@ mod args;
 mod bench;
 mod compare;
 mod convert;
+mod crowd;
 mod debug;
 mod demo;
 mod export;

@@ -2,7 +2,7 @@
 
 use crate::{
     args::{self, Size},
-    debug,
+    crowd, debug,
     photographer::Photographer,
     picture::{Kind, Output},
     progress, say,
@@ -59,6 +59,8 @@ pub struct Args {
     /// Distance in the last frame: the camera moves by equal factors in equal times
     #[arg(long, value_name = "METRES", value_parser = args::distance, help_heading = "Picture", hide_short_help = true)]
     pub distance_to: Option<f32>,
+    #[command(flatten)]
+    pub crowd: crowd::CrowdArgs,
     /// Output: one .png, a folder of numbered frames, or an animation (.webp, .gif, .apng)
     #[arg(long, value_name = "PATH", default_value = "out/render.png", help_heading = "Picture")]
     pub out: PathBuf,
@@ -93,11 +95,17 @@ pub fn run(args: &Args) -> Result<()> {
         *hair_hair = HairHair { speed: 0.0, friction: 0.0, ..HairHair::default() };
     }
     args.debug.check(&preset.settings.physics())?;
-    let moves = known > 1 || args.animation.is_some();
+    args.crowd.check(args)?;
+    let moves = known > 1 || args.animation.is_some() || args.crowd.is_given();
     let open = if moves { Photographer::open } else { Photographer::open_still };
     let mut scene = open(&preset, args.size)?;
     let period = bend(&mut scene, &motion, args)?.unwrap_or(motion.duration());
     let frames = frames(period)?;
+    if args.crowd.is_given() {
+        let written = crowd::render(&mut scene, &motion, frames, args)?;
+        say!("{written}");
+        return Ok(());
+    }
     scene.show(&args.debug)?;
     let camera = Viewpoint::portrait(args.camera, scene.subject(), args.size.aspect(), args.zoom);
     let camera = args.distance.map_or(camera, |distance| camera.moved(distance));

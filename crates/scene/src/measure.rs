@@ -1,6 +1,11 @@
 //! Measures frames, stage by stage. Blocks, so it is not for a browser.
 
-use crate::{camera::Viewpoint, motion::Gesture, scene::Scene};
+use crate::{
+    camera::Viewpoint,
+    crowd::Crowd,
+    motion::{Gesture, Motion},
+    scene::Scene,
+};
 use anyhow::Result;
 use tresses::gpu::{Clock, Counts, Timings};
 
@@ -59,6 +64,43 @@ impl Scene {
         self.submit(encoder)?;
         self.timings = timings;
         self.read_timings()
+    }
+
+    /// A whole frame of `crowd`, waited for, at `time` of a motion; stage by stage if `staged`, which on a software driver
+    /// takes longer: each part of each head is waited for then.
+    pub fn measured_crowd(
+        &mut self,
+        crowd: &mut Crowd,
+        motion: &Motion,
+        times: (f64, f32),
+        staged: bool,
+    ) -> Result<Measured> {
+        let start = (self.clock)();
+        let mut timings = std::mem::replace(&mut self.timings, Timings::by(self.clock));
+        let mut timed = staged.then_some(&mut timings);
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        crowd.record_advance(self, &mut encoder, timed.as_deref_mut(), motion, times)?;
+        crowd.record_draw(self, &mut encoder, timed)?;
+        if staged {
+            timings.resolve(&mut encoder);
+        }
+        self.submit(encoder)?;
+        let wall = (self.clock)().saturating_sub(start).as_secs_f64() * 1e3;
+        self.timings = timings;
+        let counts = self.timings.counts().to_vec();
+        let stages = if staged { self.read_timings()? } else { Vec::new() };
+        Ok(Measured { wall, stages, counts })
+    }
+
+    /// A whole frame of the one head, waited for as one.
+    pub fn measured_whole(&mut self, gesture: &Gesture, seconds: f32, camera: &Viewpoint) -> Result<f64> {
+        self.watch(camera);
+        let start = (self.clock)();
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        self.record_advance(&mut encoder, None, gesture, seconds)?;
+        self.record_draw(&mut encoder, None, camera)?;
+        self.submit(encoder)?;
+        Ok((self.clock)().saturating_sub(start).as_secs_f64() * 1e3)
     }
 
     /// Bytes of GPU memory that a picture takes per pixel.

@@ -16,7 +16,7 @@ use std::sync::Arc;
 use tresses::{
     Hair, HairOptions, Pipelines, Pose, Progress, View,
     body::Body,
-    collide::{ColliderDescriptor, FieldBuilder},
+    collide::{Collider, ColliderDescriptor, FieldBuilder},
     draw::{Coverage, Targets, targets::PICTURE_FORMAT},
     frame::{Frame, Recorder, Shows, Sight},
     glam::Vec3,
@@ -456,17 +456,40 @@ impl Scene {
     }
 
     /// `camera` as the library has it.
-    fn eye(&self, camera: &Viewpoint) -> tresses::Camera {
+    pub(crate) fn eye(&self, camera: &Viewpoint) -> tresses::Camera {
         let size = self.targets().size;
         tresses::Camera::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, size)
     }
 
     /// Camera and lights: these go with it, as a photographer's do, unless there are others.
-    fn look_from(&mut self, camera: &Viewpoint) {
+    pub(crate) fn look_from(&mut self, camera: &Viewpoint) {
         self.picture.camera = self.eye(camera);
         let back = camera.eye - camera.target;
         let surroundings = self.surroundings.as_ref().map(|(.., lights)| lights);
         self.picture.lights = self.lighting.lights(back.x.atan2(back.z), surroundings);
+    }
+
+    /// The body is as it rests, whatever it did before.
+    ///
+    /// # Errors
+    /// When the body is another's.
+    pub(crate) fn stand_still(&mut self) -> Result<()> {
+        if let (Some(living), Some(body)) = (&mut self.living, &mut self.body) {
+            living.set_animation(None)?;
+            living.pose(&self.gpu, 0.0, &Gesture::default(), body)?;
+            let Gpu { device, queue, .. } = &self.gpu;
+            let mut encoder = device.create_command_encoder(&Default::default());
+            let pipelines = &self.pipelines;
+            let mut recorder = Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None };
+            recorder.bend(&[living.skinning()])?;
+            queue.submit([encoder.finish()]);
+        }
+        Ok(())
+    }
+
+    /// What hair collides with besides the head.
+    pub(crate) fn colliders(&self) -> &[Collider] {
+        &self.colliders.list
     }
 
     /// Records what has the character make a `gesture` in `seconds`, and the hair go with it.

@@ -16,7 +16,7 @@ use crate::{
     collide::ColliderPoses,
     draw::{Embed, Surroundings, record::Canvas},
     gpu::{Timings, kernel},
-    light::{HairSet, Seen},
+    light::{self, HairSet, Part, Seen, Shaded},
     simulate::SimulationParams,
     skinning::Skinning,
     space::{Map, Space},
@@ -24,7 +24,7 @@ use crate::{
     view::{Picture, View},
     views::{DebugViews, Shown},
 };
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 /// What the motion of a groom depends on besides the hair itself.
 #[derive(Clone, Copy, Debug)]
@@ -175,11 +175,12 @@ impl Recorder<'_> {
     /// As [`record`](Self::record).
     pub fn simulate(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
         let (pipelines, device) = (self.pipelines, self.device);
+        hair.make_room(device, self.queue, pipelines)?;
         let steps = hair.begin(device, self.queue, pipelines, frame)?;
         if hair.is_shifted() {
             self.stage(Stage::Simulate, |pass| hair.record_shift(pass, &pipelines.simulate));
         }
-        if hair.roots.is_some() {
+        if hair.roots.is_some() && hair.is_seen() {
             self.stage(Stage::Roots, |pass| hair.record_roots(pass, &pipelines.roots));
         }
         for step in 0..steps {
@@ -200,6 +201,10 @@ impl Recorder<'_> {
     /// As [`record`](Self::record).
     pub fn follow(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
         let pipelines = self.pipelines;
+        hair.make_room(self.device, self.queue, pipelines)?;
+        if hair.is_drawn() {
+            return Ok(());
+        }
         hair.prepare(self.queue, frame);
         self.stage(Stage::Tessellate, |pass| hair.record_tessellate(pass, &pipelines.tessellate));
         self.stage(Stage::Interpolate, |pass| {
@@ -244,11 +249,13 @@ impl Recorder<'_> {
         view: &View,
         picture: &Picture,
     ) -> Result<()> {
-        let shares = view.shares(self.device, self.pipelines, strands)?;
-        let seen: Vec<_> = strands.iter().zip(&shares).map(|(hair, shaded)| Seen { hair, shaded }).collect();
+        let parts = view.parts(picture.focus, [strands.len(), bodies.len()], true);
+        let shares = self.shares(view, strands, &parts)?;
+        let seen = seen(strands, &shares, &parts);
         bodies.iter().for_each(|body| body.prepare(self.queue));
-        let lit = view.prepare(self.queue, picture, &seen);
-        self.cast(view, &lit, &seen, bodies)
+        let lit = view.prepare(self.queue, picture, &seen, &parts);
+        view.made(&parts);
+        self.cast(&parts, &lit, &seen, bodies)
     }
 
     /// The order of the stages that make a picture.
@@ -260,22 +267,28 @@ impl Recorder<'_> {
         sight: Sight<'_>,
     ) -> Result<()> {
         let Sight { view, picture, output, mut shows } = sight;
+        let again = matches!(shows, Shows::Again);
         let inside = match &mut shows {
             Shows::Inside(views, shown) => Some((&mut **views, *shown)),
             _ => None,
         };
         let picture = &inside.as_ref().map_or(*picture, |(_, shown)| shown.picture(picture));
-        let shares = view.shares(self.device, self.pipelines, sets)?;
-        let seen: Vec<_> = sets.iter().zip(&shares).map(|(hair, shaded)| Seen { hair, shaded }).collect();
+        let mut parts = view.parts(picture.focus, [sets.len(), bodies.len()], inside.is_none());
+        if again {
+            parts.iter_mut().for_each(|part| part.fresh &= part.number == 0);
+        }
+        let shares = self.shares(view, sets, &parts)?;
+        let seen = seen(sets, &shares, &parts);
         // A view may leave hair out, which would hide what is to be seen.
         let hides = inside.as_ref().is_some_and(|(_, shown)| shown.view.hides_hair());
         let visible = if hides { &[][..] } else { &seen[..] };
 
         self.start();
         bodies.iter().for_each(|body| body.prepare(self.queue));
-        let lit = view.prepare(self.queue, picture, &seen);
-        if !matches!(shows, Shows::Again) {
-            self.cast(view, &lit, visible, bodies)?;
+        let lit = view.prepare(self.queue, picture, &seen, &parts);
+        if !again {
+            view.made(&parts);
+            self.cast(&parts, &lit, visible, bodies)?;
         }
         let output = output.unwrap_or_else(|| view.targets().picture());
         let draw = &self.pipelines.draw;
@@ -288,6 +301,7 @@ impl Recorder<'_> {
             frame: &view.light.frame,
             eye: view.eye(),
             light: (&self.pipelines.light, &view.light),
+            parts: &parts,
             camera: &picture.camera,
             focus: &picture.focus,
             coverage: view.options().coverage,
@@ -362,21 +376,34 @@ impl Recorder<'_> {
     /// Shadow maps, then light from all sides.
     fn cast(
         &mut self,
-        view: &View,
-        lit: &crate::light::Lit,
+        parts: &[Part<'_>],
+        lit: &[Option<crate::light::Lit>],
         hair: &[Seen<'_>],
         bodies: &[&Body],
     ) -> Result<()> {
         let pipelines = &self.pipelines.light;
-        let timings = self.timings.as_deref_mut();
-        view.light.record_shadows(pipelines, self.encoder, timings, lit, hair, bodies)?;
-        self.lap("shadow");
-        if lit.ambient {
+        let fresh = || parts.iter().zip(lit).filter_map(|(part, lit)| Some((part, lit.as_ref()?)));
+        for (part, lit) in fresh() {
+            let (hair, bodies) = (Part::of(&part.hair, hair), Part::of(&part.bodies, bodies));
             let timings = self.timings.as_deref_mut();
-            view.light.record_ambient(pipelines, self.encoder, timings, hair, bodies);
+            part.light.record_shadows(pipelines, self.encoder, timings, lit, &hair, &bodies)?;
+        }
+        self.lap("shadow");
+        if fresh().any(|(_, lit)| lit.ambient) {
+            for (part, lit) in fresh() {
+                let (hair, bodies) = (Part::of(&part.hair, hair), Part::of(&part.bodies, bodies));
+                let timings = self.timings.as_deref_mut();
+                part.light.record_ambient(pipelines, self.encoder, timings, &hair, (&bodies, lit.every));
+            }
             self.lap("ambient");
         }
         kernel::refused()
+    }
+
+    /// What `view` has of each of `sets`, in the light of its part.
+    fn shares(&self, view: &View, sets: &[&HairSet], parts: &[Part<'_>]) -> Result<Vec<Arc<Shaded>>> {
+        let lights: Vec<_> = (0..sets.len()).map(|i| light_of(i, parts).0).collect();
+        view.shares(self.device, self.pipelines, sets, &lights)
     }
 
     /// A compute pass under the name of a stage.
@@ -409,4 +436,19 @@ impl Recorder<'_> {
             timings.lap(self.device, self.queue, self.encoder, name);
         }
     }
+}
+
+/// The light of groom `i`, and whether it is a zone's: each is in one part.
+fn light_of<'a>(i: usize, parts: &[Part<'a>]) -> (&'a light::State, bool) {
+    let part = parts.iter().find(|part| part.hair.contains(&i)).unwrap_or(&parts[0]);
+    (part.light, part.number > 0)
+}
+
+/// Each of `sets` as a view sees it.
+fn seen<'a>(sets: &[&'a HairSet], shares: &'a [Arc<Shaded>], parts: &[Part<'a>]) -> Vec<Seen<'a>> {
+    let seen = |(i, (hair, shaded)): (usize, (&&'a HairSet, &'a Arc<Shaded>))| {
+        let (light, zoned) = light_of(i, parts);
+        Seen { hair, shaded, light, zoned }
+    };
+    sets.iter().zip(shares).enumerate().map(seen).collect()
 }

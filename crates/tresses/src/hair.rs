@@ -10,7 +10,7 @@ use crate::{
     groom::{BoundStrands, Groom, SdfGrid, TriMesh},
     interpolate::Interpolation,
     light::HairSet,
-    lod::{self, Detail, Lod, LodLevel},
+    lod::{self, Detail, GuideOrder, Lod, LodLevel},
     math::hash::pcg,
     progress::at_once,
     roots::{RootReport, Roots, Skin},
@@ -26,8 +26,12 @@ use crate::{
 };
 
 use glam::Vec3;
+use sleep::{Sleep, sees};
+use std::sync::Arc;
 
 mod record;
+mod share;
+mod sleep;
 
 /// How a groom is brought to the GPU.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,6 +111,13 @@ pub struct Hair {
     interpolation: Interpolation,
     /// The skin that it grows on, where that bends.
     pub roots: Option<Roots>,
+    /// Whether it has room for no more strands than its level of detail draws.
+    fits: bool,
+    /// In which order guides are left out.
+    order: Arc<GuideOrder>,
+    sleep: Sleep,
+    /// Substeps that the last frame asked for, in full detail.
+    substeps: u32,
 }
 
 impl Hair {
@@ -209,6 +220,7 @@ impl Hair {
         let colliders = ColliderSet::new(device, queue, colliders)?;
         let simulation = Simulation::new(device, &pipelines.simulate, &guides);
         let volume = Volume::new(device, &pipelines.volume, &guides, &rest, &options.volume)?;
+        let order = Arc::new(lod::guide_order(groom, rest.info, &arranged));
         let lod = Lod::new(device, queue, &pipelines.widths, arranged, &infos, &strands, progress).await?;
         let mut set = HairSet::new(device, &strands)?;
         set.area = lod.area();
@@ -251,6 +263,10 @@ impl Hair {
             colliders,
             simulation,
             roots: None,
+            fits: false,
+            order,
+            sleep: Sleep::default(),
+            substeps: options.simulation.substeps,
         })
     }
 
@@ -293,6 +309,7 @@ impl Hair {
 
     /// Puts the hair to rest at the next frame, wherever the head is then.
     pub fn reset(&mut self) {
+        self.sleep.wake();
         self.clock.reset();
     }
 
@@ -350,13 +367,51 @@ impl Hair {
     /// have for what `camera` sees on a head at `head`, both in the space that hair is drawn in. Call it before a
     /// frame is recorded; without it hair is drawn in full detail.
     pub fn look_from(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, camera: &Camera, head: &Pose) {
-        self.set_detail(device, queue, self.lod.seen(camera, head));
+        self.look_at(device, queue, camera, head, self.lod.seen(camera, head));
+    }
+
+    /// The same at a level of detail that somebody else has chosen.
+    pub(crate) fn look_at(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        camera: &Camera,
+        head: &Pose,
+        detail: Detail,
+    ) {
+        self.set_detail(device, queue, detail);
+        self.sleep.unseen = self.lod.options.sleep && !self.sees(camera, head);
+    }
+
+    /// Whether `camera` sees anything of it on a head at `head`.
+    pub(crate) fn sees(&self, camera: &Camera, head: &Pose) -> bool {
+        let (middle, radius) = self.lod.sphere;
+        sees(camera, (head.point(middle), radius))
+    }
+
+    /// Whether it was in view when a camera [looked](Self::look_from) last. Hair that is not, and may
+    /// [sleep](crate::lod::LodOptions::sleep), is neither simulated nor drawn.
+    pub fn is_seen(&self) -> bool {
+        !self.sleep.unseen
+    }
+
+    /// Whether it has come to rest and is left as it is.
+    pub fn is_asleep(&self) -> bool {
+        self.sleep.asleep
+    }
+
+    /// How many guides are simulated: all of them but for a [level of detail](crate::lod::LodOptions::guides).
+    pub fn simulated_guides(&self) -> u32 {
+        self.simulation.simulated()
     }
 
     /// The frames from here on are drawn as `detail` says, which comes from [`Lod::detail`](crate::lod::Lod::detail).
     pub fn set_detail(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, detail: Detail) {
+        self.sleep.unseen = false;
         self.lod.set(queue, &mut self.strands, detail);
-        self.set.show(device, &self.strands.drawn);
+        if !self.fits {
+            self.set.show(device, &self.strands.drawn);
+        }
     }
 
     /// Paints levels of detail: at most [`lod::MAX_LEVELS`], their sizes falling; none takes them away.
@@ -379,23 +434,6 @@ impl Hair {
         let mut arranged = groom.strands.clone();
         lod::arrange(&mut arranged);
         self.lod.paint(queue, &arranged, levels, skull)
-    }
-
-    /// Bytes of GPU memory, without what each view has of it ([`View::shaded_bytes`](crate::view::View::shaded_bytes)).
-    pub fn bytes(&self) -> u64 {
-        self.guides.bytes()
-            + self.strands.bytes()
-            + self.set.bytes()
-            + self.lod.bytes()
-            + self.avoidance.bytes()
-            + self.simulation.bytes()
-            + self.colliders.bytes()
-            + self.volume.bytes()
-            + self.forces.bytes()
-            + self.grab.bytes()
-            + self.air.as_ref().map_or(0, Air::bytes)
-            + self.shifting.as_ref().map_or(0, Shifting::bytes)
-            + self.roots.as_ref().map_or(0, Roots::bytes)
     }
 }
 

@@ -6,7 +6,9 @@ use crate::{
     camera::{Camera, CameraUniform, ToneMap},
     draw::{Coverage, Targets, targets::PICTURE_FORMAT},
     gpu::bindings,
-    light::{self, Chosen, HairSet, Lights, Lit, Seen, Shaded, ShadingRate, Shadows, Sphere},
+    light::{
+        self, Chosen, HairSet, Lights, Lit, Part, Seen, Shaded, ShadingRate, Shadows, Sphere, Zone, Zones,
+    },
     present::{self, Background},
 };
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -69,8 +71,9 @@ pub struct View {
     pub light: light::State,
     targets: Targets,
     present: present::State,
-    /// By the strands that they are of.
-    shaded: Mutex<Vec<(wgpu::Buffer, Arc<Shaded>)>>,
+    zones: Zones,
+    /// By the strands that they are of and the light that they are in.
+    shaded: Mutex<Vec<([wgpu::Buffer; 2], Arc<Shaded>)>>,
 }
 
 impl View {
@@ -93,6 +96,7 @@ impl View {
             present: present::State::new(device, &targets, options.coverage, options.output),
             options: *options,
             shaded: Mutex::default(),
+            zones: Zones::default(),
             camera,
             targets,
         })
@@ -167,7 +171,7 @@ impl View {
     /// the light.
     pub fn shaded(&self, hair: &HairSet) -> Option<wgpu::Buffer> {
         let shaded = self.lock();
-        shaded.iter().find(|(of, _)| *of == hair.strands.vertices).map(|(_, shaded)| shaded.colors.clone())
+        shaded.iter().find(|(of, _)| of[0] == hair.strands.vertices).map(|(_, shaded)| shaded.colors.clone())
     }
 
     /// What shades only what the segments of `hair` need whose bits in `seen` are set, each by the number of the vertex that it
@@ -182,10 +186,11 @@ impl View {
         hair: &HairSet,
         seen: &wgpu::Buffer,
     ) -> Result<Chosen> {
-        let shaded = self.lock().iter().find(|(of, _)| *of == hair.strands.vertices).map(|(_, s)| s.clone());
+        let of = [&hair.strands.vertices, &self.light.lights];
+        let shaded = self.lock().iter().find(|(known, _)| known.each_ref() == of).map(|(_, s)| s.clone());
         let shaded = match shaded {
             Some(shaded) => shaded,
-            None => self.shares(device, pipelines, &[hair])?.remove(0),
+            None => self.shares(device, pipelines, &[hair], &[&self.light])?.remove(0),
         };
         Chosen::new(
             device,
@@ -195,6 +200,17 @@ impl View {
             &shaded,
             seen.as_entire_binding(),
         )
+    }
+
+    /// From the next picture on the grooms and bodies of each zone are in its light, all others in that around
+    /// [`Picture::focus`]; none takes zones away. Pictures of [the inside](crate::frame::Shows::Inside) know of no zones.
+    pub fn set_zones(&mut self, device: &wgpu::Device, pipelines: &Pipelines, zones: &[Zone]) {
+        self.zones.set(device, &pipelines.light, &self.camera, zones);
+    }
+
+    /// Bytes of GPU memory of the light of its zones.
+    pub fn zone_bytes(&self) -> u64 {
+        self.zones.bytes()
     }
 
     /// Bytes of GPU memory of the shadow maps.
@@ -212,36 +228,55 @@ impl View {
         self.lock().iter().map(|(_, shaded)| shaded.bytes()).sum()
     }
 
-    fn lock(&self) -> MutexGuard<'_, Vec<(wgpu::Buffer, Arc<Shaded>)>> {
+    fn lock(&self) -> MutexGuard<'_, Vec<([wgpu::Buffer; 2], Arc<Shaded>)>> {
         // What a panic leaves behind is whole.
         self.shaded.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Its share of `hair`, made for those that it has not seen, and let go of those that are not among them.
+    /// The light of these parts is recorded.
+    pub(crate) fn made(&self, parts: &[Part<'_>]) {
+        self.zones.made(parts);
+    }
+
+    /// What a picture of so many grooms and bodies is lit by.
+    pub(crate) fn parts(&self, focus: Sphere, counts: [usize; 2], zoned: bool) -> Vec<Part<'_>> {
+        Zones::parts(zoned.then_some(&self.zones), (&self.light, focus), counts)
+    }
+
+    /// Its share of `hair`, each in the light of `lights`, made for those that it has not seen so, and let go of those that
+    /// are not among them.
     pub(crate) fn shares(
         &self,
         device: &wgpu::Device,
         pipelines: &Pipelines,
         hair: &[&HairSet],
+        lights: &[&light::State],
     ) -> Result<Vec<Arc<Shaded>>> {
         let mut known = self.lock();
-        known.retain(|(of, _)| hair.iter().any(|set| set.strands.vertices == *of));
-        hair.iter()
-            .map(|set| {
-                let of = &set.strands.vertices;
-                if let Some((_, shaded)) = known.iter().find(|(other, _)| other == of) {
-                    return Ok(shaded.clone());
-                }
-                let shaded = Shaded::new(device, &pipelines.light, &self.light, &self.camera, set)?;
-                let shaded = Arc::new(shaded);
-                known.push((of.clone(), shaded.clone()));
-                Ok(shaded)
-            })
-            .collect()
+        let mut before = std::mem::take(&mut *known);
+        let shares = hair.iter().zip(lights).map(|(set, light)| {
+            let of = [set.strands.vertices.clone(), light.lights.clone()];
+            // Hair may be drawn twice.
+            let again = || known.iter().find(|(known, _)| *known == of).map(|(_, shaded)| shaded.clone());
+            let kept = before.iter().position(|(other, _)| *other == of).map(|i| before.swap_remove(i).1);
+            let shaded = match kept.or_else(again) {
+                Some(shaded) => shaded,
+                None => Arc::new(Shaded::new(device, &pipelines.light, light, &self.camera, set)?),
+            };
+            known.push((of, shaded.clone()));
+            Ok(shaded)
+        });
+        shares.collect()
     }
 
-    /// Writes the values of a frame.
-    pub(crate) fn prepare(&self, queue: &wgpu::Queue, picture: &Picture, hair: &[Seen<'_>]) -> Lit {
+    /// Writes the values of a frame: what of each part's light is to be recorded, if it is made anew.
+    pub(crate) fn prepare(
+        &self,
+        queue: &wgpu::Queue,
+        picture: &Picture,
+        hair: &[Seen<'_>],
+        parts: &[Part<'_>],
+    ) -> Vec<Option<Lit>> {
         let camera = picture.camera.uniform(self.targets.samples, self.targets.ssaa);
         queue.write_buffer(&self.camera, 0, bytemuck::bytes_of(&camera));
         self.present.prepare(queue, &picture.background, &picture.tone, &self.targets);
@@ -250,7 +285,17 @@ impl View {
             seen.shaded.prepare(queue, seen.hair, first);
             first += seen.hair.strands.count;
         }
-        self.light.prepare(queue, (&picture.lights, &picture.shadows, &picture.focus), hair)
+        let lit = |part: &Part<'_>| {
+            let own = Part::of(&part.hair, hair);
+            if !part.fresh {
+                // Tables are filled nevertheless.
+                own.iter().for_each(|seen| _ = seen.hair.passes(queue));
+                return None;
+            }
+            let lights = (&picture.lights, &picture.shadows, &part.focus);
+            Some(part.light.prepare(queue, lights, &own, part.number))
+        };
+        parts.iter().map(lit).collect()
     }
 
     /// The uniform of its camera.

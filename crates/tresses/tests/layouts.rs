@@ -112,7 +112,7 @@ fn simulate() {
             moment,
             forced,
             to,
-            _pad,
+            simulated,
             spin,
             _pad_spin,
         })
@@ -438,6 +438,10 @@ fn lights() {
         ambient_scale,
         passes,
         forward,
+        zone,
+        every,
+        _pad_c,
+        _pad_d,
     });
     assert_eq!(wgsl_layout("light::lights::LightsUniform"), rust);
 }
@@ -501,7 +505,7 @@ fn body() {
 
 #[test]
 fn soft() {
-    let rust = rust_layout!(SoftUniform { across, wide, high, _pad });
+    let rust = rust_layout!(SoftUniform { across, wide, high, zone, first, size });
     assert_eq!(wgsl_layout("draw::soft::point::SoftUniform"), rust);
 }
 

@@ -5,6 +5,7 @@
 
 mod appearance;
 mod costs;
+mod crowd;
 mod lod;
 mod recorded;
 mod report;
@@ -55,9 +56,12 @@ pub struct Args {
     /// Measure only what a frame costs at a distance, in full detail and at its level of detail
     #[arg(long, conflicts_with_all = ["costs", "appearance"])]
     pub lod: bool,
+    /// Measure only so many heads with one groom at 2 to 40 m, beside one head in a portrait
+    #[arg(long, value_name = "HEADS", value_parser = clap::value_parser!(u32).range(1..=1000), conflicts_with_all = ["grooms", "costs", "appearance", "lod", "scenes", "preset"])]
+    pub crowd: Option<u32>,
     /// Measure only what each stage must cost at least, by what its shaders do and by what the adapter can do, beside what it
     /// costs: of a preset, or of the built-in long style
-    #[arg(long, conflicts_with_all = ["grooms", "costs", "appearance", "lod", "scenes"])]
+    #[arg(long, conflicts_with_all = ["grooms", "costs", "appearance", "lod", "scenes", "crowd"])]
     pub roofline: bool,
     /// On a software adapter, measure the processor time of all threads: unlike elapsed time it hardly depends on
     /// what else the machine does
@@ -125,6 +129,19 @@ pub fn run(args: &Args) -> Result<()> {
             say!("{}", serde_json::to_string_pretty(&report)?);
         } else {
             say!("{}{}", report.adapter.text(), roofline::text(&roofline).trim_end());
+        }
+        return Ok(());
+    }
+    if let Some(heads) = args.crowd {
+        let bar = progress::frames("measuring", 2 * u64::from(args.frames()));
+        let sitting = Sitting { frames: args.frames(), clock: args.clock().unwrap_or(wall), bar: &bar };
+        let crowd = crowd::measure(heads, sitting)?;
+        bar.finish_and_clear();
+        if args.json {
+            report.crowd = Some(crowd);
+            say!("{}", serde_json::to_string_pretty(&report)?);
+        } else {
+            say!("{}{}", report.adapter.text(), crowd::text(&crowd).trim_end());
         }
         return Ok(());
     }

@@ -3,7 +3,7 @@
 use super::{
     appearance::Look,
     costs::Costs,
-    lod,
+    crowd, lod,
     recorded::{self, Recorded},
     roofline::Roofline,
     statistics::{Summary, line},
@@ -26,6 +26,9 @@ pub struct Report {
     pub looks: Vec<Look>,
     /// Cost against distance.
     pub lod: Vec<lod::Point>,
+    /// What a crowd costs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crowd: Option<crowd::Times>,
     /// What stages must cost at least.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub roofline: Option<Roofline>,

@@ -164,11 +164,45 @@ impl Avoidance {
     ) -> Result<Self> {
         options.check()?;
         let params = bindings::uniform(device, "avoid", size_of::<AvoidParams>());
-        let states = storage::<StrandState>(device, "avoidance", strands.count.into())?;
-        let none = StrandState { hit: NO_HIT, amount: 0.0, at: 0.0, hit_before: 0 };
-        queue.write_buffer(&states, 0, bytemuck::cast_slice(&vec![none; strands.count as usize]));
+        let states = states(device, queue, strands)?;
         let groups = pipelines.bind(device, &params, &states, guides, strands);
         Ok(Self { options, clearance, params, states, groups })
+    }
+
+    /// Of another head with the same groom, which nothing has touched yet.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`].
+    pub(crate) fn another(
+        &self,
+        (device, queue): (&wgpu::Device, &wgpu::Queue),
+        pipelines: &Pipelines,
+        guides: &GuideBuffers,
+        strands: &StrandBuffers,
+    ) -> Result<Self> {
+        let Self { options, clearance, .. } = *self;
+        Self::new(device, queue, pipelines, options, clearance, guides, strands)
+    }
+
+    /// From here on its strands are in `strands`, with other room: those that there is room for in both go on as they
+    /// are.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`].
+    pub(crate) fn move_into(
+        &mut self,
+        (device, queue): (&wgpu::Device, &wgpu::Queue),
+        pipelines: &Pipelines,
+        guides: &GuideBuffers,
+        strands: &StrandBuffers,
+    ) -> Result<()> {
+        let states = states(device, queue, strands)?;
+        let mut encoder = device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(&self.states, 0, &states, 0, states.size().min(self.states.size()));
+        queue.submit([encoder.finish()]);
+        self.groups = pipelines.bind(device, &self.params, &states, guides, strands);
+        self.states = states;
+        Ok(())
     }
 
     /// Writes the uniform of a frame of `dt` seconds; `forget` starts anew, as strands from `fresh` on do.
@@ -235,6 +269,14 @@ impl Avoidance {
     pub fn bytes(&self) -> u64 {
         self.params.size() + self.states.size()
     }
+}
+
+/// Of strands that nothing has touched yet, as many as there is room for.
+fn states(device: &wgpu::Device, queue: &wgpu::Queue, strands: &StrandBuffers) -> Result<wgpu::Buffer> {
+    let states = storage::<StrandState>(device, "avoidance", strands.room.strands.into())?;
+    let none = StrandState { hit: NO_HIT, amount: 0.0, at: 0.0, hit_before: 0 };
+    queue.write_buffer(&states, 0, bytemuck::cast_slice(&vec![none; strands.room.strands as usize]));
+    Ok(states)
 }
 
 /// The rest vertices of `strands`, each with what it rests nearer to the surface of a `field` than `clearance`.

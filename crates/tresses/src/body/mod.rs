@@ -3,6 +3,7 @@
 mod surface;
 
 pub use surface::Surface;
+pub(crate) use surface::points_for;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
@@ -146,6 +147,22 @@ impl Body {
         }
     }
 
+    /// Another body of the same mesh, which both share on the GPU: who bends one bends both.
+    pub fn another(&self, device: &wgpu::Device) -> Self {
+        let uniform = bindings::uniform(device, "body", size_of::<BodyUniform>());
+        let buffers = [&uniform, &self.vertices, &self.surface.buffer].map(wgpu::Buffer::as_entire_binding);
+        Self {
+            surface_group: group(device, "surface", &surface_layout(device), &buffers),
+            surface: self.surface.clone(),
+            vertices: self.vertices.clone(),
+            triangles: self.triangles.clone(),
+            levels: self.levels.clone(),
+            group: group(device, "body", &layout(device), &[uniform.as_entire_binding()]),
+            uniform,
+            ..*self
+        }
+    }
+
     /// Words of a vertex in [`vertices`](Self::vertices): its position, its normal, its colour.
     pub const WORDS: u32 = (size_of::<BodyVertex>() / 4) as u32;
 
@@ -186,6 +203,15 @@ impl Body {
         w.dot(corner.extend(1.0)).max(0.0)
     }
 
+    /// The corners of a box around it, world space.
+    pub(crate) fn corners(&self) -> impl Iterator<Item = Vec3> {
+        let [lo, hi] = self.bounds;
+        (0..8).map(move |i| {
+            let upper = glam::BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0);
+            self.pose.point(Vec3::select(upper, hi, lo))
+        })
+    }
+
     /// Draws it with as few triangles as there are that stray by `stray` metres at most.
     pub(crate) fn record(&self, pass: &mut crate::gpu::RenderPass<'_>, stray: f32) {
         pass.set_bind_group(1, &self.group, &[]);
@@ -202,7 +228,12 @@ impl Body {
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        self.vertices.size() + self.triangles.size() + self.uniform.size() + self.surface.buffer.size()
+        self.uniform.size() + self.shared_bytes()
+    }
+
+    /// Bytes of it that [others](Self::another) of the same mesh share.
+    pub fn shared_bytes(&self) -> u64 {
+        self.vertices.size() + self.triangles.size() + self.surface.buffer.size()
     }
 }
 

@@ -9,7 +9,7 @@ const POINTS: usize = 8192;
 const FINE: usize = 24;
 
 /// Points on the triangles of a mesh. They name vertices, so that they follow those that move.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Surface {
     pub(crate) buffer: wgpu::Buffer,
     /// How many there are.
@@ -36,6 +36,10 @@ impl Surface {
 }
 
 /// How many points a grid of `cells` along each edge needs.
+pub(crate) fn points_for(cells: u32) -> u32 {
+    count(cells) as u32
+}
+
 fn count(cells: u32) -> usize {
     POINTS * (cells as usize).min(FINE).pow(2) / FINE.pow(2)
 }

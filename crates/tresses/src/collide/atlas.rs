@@ -34,7 +34,7 @@ pub(super) fn pack(sizes: &[UVec3]) -> (Vec<UVec3>, UVec3) {
 }
 
 /// The texture.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Atlas {
     pub texture: wgpu::Texture,
     pub size: UVec3,

@@ -135,6 +135,38 @@ impl ColliderSet {
         Ok(set)
     }
 
+    /// Those of another head, `colliders` besides the head's own field: all fields are shared.
+    ///
+    /// # Errors
+    /// As [`replace`](Self::replace).
+    pub(crate) fn another(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        colliders: &[Collider],
+    ) -> Result<Self> {
+        let table = bindings::uniform(device, "collider shapes", size_of::<ShapeTable>());
+        let places = storage::<Place>(device, "collider places", most_places(1))?;
+        let mut set = Self {
+            track: Track::default(),
+            spheres: Vec::new(),
+            has_head: self.has_head,
+            count: 0,
+            tiles: self.tiles.clone(),
+            group: bind(device, &table, &places, &self.atlas),
+            atlas: self.atlas.clone(),
+            table,
+            places,
+        };
+        set.replace(device, queue, colliders)?;
+        Ok(set)
+    }
+
+    /// Bytes of GPU memory that heads share: the fields.
+    pub(crate) fn shared_bytes(&self) -> u64 {
+        self.atlas.bytes()
+    }
+
     /// From the next frame on these are the colliders, besides the head's field: they may be more or
     /// fewer, of other shapes, and show the fields that there are. Each is known by its place in the list: one that
     /// keeps it goes on from where it is, a new one is where its first pose says, without a speed. The frame's

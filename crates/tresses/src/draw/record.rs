@@ -5,7 +5,7 @@ use crate::{
     Camera, Result,
     body::Body,
     gpu::Timings,
-    light::{self, Seen, ShadingRate, Sphere},
+    light::{self, Part, Seen, ShadingRate, Sphere},
     space::Space,
 };
 
@@ -22,6 +22,8 @@ pub(crate) struct Canvas<'a> {
     pub eye: &'a wgpu::Buffer,
     /// The light that it has.
     pub light: (&'a light::Pipelines, &'a light::State),
+    /// What is lit by which maps: one part without zones.
+    pub parts: &'a [Part<'a>],
     pub camera: &'a Camera,
     /// Where pixels are small enough for what is smooth.
     pub focus: &'a Sphere,
@@ -96,11 +98,26 @@ impl Pipelines {
         soft.record(&self.soft, canvas, bodies)?;
         canvas.lap("body");
         let strays: Vec<_> = bodies.iter().map(|body| canvas.stray(body)).collect();
+        let parts = canvas.parts;
         let mut pass = pass(canvas, "body", first);
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(2, &soft.group, &[]);
-        bodies.iter().zip(strays).for_each(|(body, stray)| body.record(&mut pass, stray));
+        canvas_parts(&mut pass, parts, |pass, i| bodies[i].record(pass, strays[i]));
         Ok(())
+    }
+}
+
+/// Records all bodies, each with the light of its part bound.
+pub(super) fn canvas_parts(
+    pass: &mut crate::gpu::RenderPass<'_>,
+    parts: &[Part<'_>],
+    mut record: impl FnMut(&mut crate::gpu::RenderPass<'_>, usize),
+) {
+    for part in parts {
+        if part.number > 0 && !part.bodies.is_empty() {
+            pass.set_bind_group(0, &part.light.frame, &[]);
+        }
+        part.bodies.iter().for_each(|i| record(pass, *i));
     }
 }
 

@@ -1,14 +1,14 @@
 //! A frame's work on one groom: [`begin`](Hair::begin) and [`prepare`](Hair::prepare) write what its
 //! stages read, the rest records them, in the order of [`crate::frame`].
 
-use super::Hair;
+use super::{Hair, sleep::Back};
 use crate::{
     Pipelines, Result, avoid,
     clock::{Mode, Steps},
     collide::{Journey, Moments},
     frame::Frame,
     interpolate,
-    lod::Widths,
+    lod::{Detail, Widths},
     roots,
     simulate::{self, Forces, Shifting, SimulationParams, grab::Sights},
     space::{Carried, Shift},
@@ -29,10 +29,24 @@ impl Hair {
         frame.simulation.check()?;
         frame.space.check()?;
         frame.drawn_in.map_or(Ok(()), |space| space.check())?;
-        let slow = self.lod.current().step;
-        let physics =
-            &SimulationParams { step: (frame.simulation.step * slow).min(0.1), ..*frame.simulation };
-        let Carried { steps, fields, passage, shift } = self.tick(queue, frame, physics)?;
+        self.substeps = frame.simulation.substeps;
+        let back = self.sleep.carried(frame);
+        if self.dozes(frame) {
+            self.shifts = false;
+            return Ok(0);
+        }
+        let physics = &self.coarse(frame.simulation);
+        self.lead(device, queue, pipelines)?;
+        let usual = self.clock.teleport_distance;
+        match back {
+            Back::Here => {}
+            // Any motion of a head that nobody saw is a jump.
+            Back::Moved => self.clock.teleport_distance = -1.0,
+            Back::Elsewhere => self.clock.reset(),
+        }
+        let carried = self.tick(queue, frame, physics);
+        self.clock.teleport_distance = usual;
+        let Carried { steps, fields, passage, shift } = carried?;
         // Whoever moves through the air has wind.
         let felt = fields.last().map(|field| Wind { velocity: field.wind, ..physics.wind });
         self.windy = felt.map_or(self.windy, |wind| wind.blows());
@@ -101,6 +115,71 @@ impl Hair {
         if let Some(shifting) = &self.shifting {
             shifting.record(stage, pass);
         }
+    }
+
+    /// Whether hair is to be left as it is in this frame: nobody sees it, or it has come to rest.
+    fn dozes(&mut self, frame: &Frame<'_>) -> bool {
+        // What a hand, the wind or skin does, the frame does not tell.
+        let may = self.lod.options.sleep
+            && self.roots.is_none()
+            && !self.grab.is_active()
+            && !frame.simulation.wind.blows();
+        if !may {
+            self.sleep.wake();
+        }
+        self.sleep.unseen || (may && self.sleep.rests(frame, self.lod.current().pixel))
+    }
+
+    /// Whether strands are drawn already as they are to be in this frame.
+    pub(crate) fn is_drawn(&mut self) -> bool {
+        let drawn = self.sleep.drawn && self.lod.is_set();
+        self.sleep.drawn = self.sleep.asleep;
+        self.sleep.unseen || drawn
+    }
+
+    /// The physics at the level of detail.
+    fn coarse(&self, physics: &SimulationParams) -> SimulationParams {
+        let Detail { step, substeps, together, .. } = *self.lod.current();
+        let mut hair_hair = physics.hair_hair;
+        if together < 1.0 {
+            hair_hair.speed *= together;
+            hair_hair.friction *= together;
+            hair_hair.fixed *= together;
+            if together <= 0.0 {
+                hair_hair.mode = HairHairMode::Off;
+            }
+        }
+        SimulationParams {
+            step: (physics.step * step).min(0.1),
+            substeps: ((physics.substeps as f32 * substeps).round() as u32).max(1),
+            hair_hair,
+            ..*physics
+        }
+    }
+
+    /// How many guides are to be simulated at `detail`, and with how many substeps.
+    pub(crate) fn motion_at(&self, detail: &Detail) -> [u32; 2] {
+        let guides = match detail.reach {
+            // Roots on skin, and what a hand holds, are each guide's own.
+            reach if reach > 0.0 && self.roots.is_none() && !self.grab.is_active() => {
+                self.order.enough(reach)
+            }
+            _ => self.guides.count,
+        };
+        let substeps = self.substeps as f32 * detail.substeps;
+        [guides, (substeps.round() as u32).max(1)]
+    }
+
+    /// Chooses the guides that are simulated.
+    fn lead(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, pipelines: &Pipelines) -> Result<()> {
+        let [enough, _] = self.motion_at(self.lod.current());
+        if enough < self.guides.count {
+            let tree = self.order.tree(device, queue, &self.guides.info)?;
+            self.simulation.simulate_first(device, &pipelines.simulate, &self.guides, &tree, enough);
+        } else {
+            self.simulation.simulate_all();
+        }
+        Ok(())
     }
 
     /// Makes the air for `wind` unless it is there.

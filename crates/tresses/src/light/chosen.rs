@@ -65,7 +65,7 @@ impl Chosen {
     ) {
         pipelines.choose.record(pass, &self.choose, &[], hair.drawn.count.div_ceil(STRAND_WORKGROUP));
         pass.set_bind_group(1, &pipelines.gap, &[]);
-        pass.set_bind_group(2, &hair.fiber.group, &[]);
+        pass.set_bind_group(2, &hair.fiber().group, &[]);
         let kernels: [&Kernel; 2] = [&pipelines.knots, &pipelines.shade];
         for (i, (kernel, group)) in kernels.into_iter().zip(&self.groups).enumerate() {
             kernel.record_indirect(pass, group, &[], (&self.workgroups, 16 * i as u64));

@@ -11,7 +11,11 @@ use crate::{
     strands::{Drawn, StrandBuffers, buffers::storage, indices::Chunks},
 };
 use glam::Vec3;
-use std::{collections::BTreeMap, ops::Range};
+use std::{
+    collections::BTreeMap,
+    ops::Range,
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+};
 
 /// A groom as light and draw need it, whoever looks at it: its strands, their look, its index lists.
 #[derive(Debug)]
@@ -25,12 +29,13 @@ pub struct HairSet {
     pub drawn: Drawn,
     pub(crate) strands: StrandBuffers,
     /// By their number of vertices, made when a level of detail first asks for it.
-    strips: BTreeMap<u32, Chunks>,
+    strips: Arc<Mutex<BTreeMap<u32, Arc<Chunks>>>>,
     /// Stride and number of the segments in the shadow maps.
     pub(crate) splat: [u32; 2],
     /// Vertices between the knots that shading has along a strand, and number of the spans between them.
     pub(crate) spans: [u32; 2],
-    pub(crate) fiber: FiberTables,
+    /// Those of other heads too, as long as their fibres are alike.
+    fiber: Mutex<Arc<FiberTables>>,
 }
 
 /// What is supposed of a strand whose size nobody has said: 80 µm by 20 cm.
@@ -55,13 +60,42 @@ impl HairSet {
             area: strands.count as f32 * STRAND_AREA,
             drawn: strands.drawn,
             strands: strands.clone(),
-            strips: BTreeMap::new(),
+            strips: Arc::default(),
             splat: [1; 2],
             spans: [1; 2],
-            fiber: FiberTables::new(device),
+            fiber: Mutex::new(Arc::new(FiberTables::new(device))),
         };
         set.show(device, &strands.drawn);
         Ok(set)
+    }
+
+    /// Of another head with the same groom, whose own strands are `strands`: what depends on the groom and on its fibres
+    /// alone is shared.
+    pub(crate) fn another(&self, device: &wgpu::Device, strands: &StrandBuffers) -> Self {
+        let mut set = Self {
+            strands: strands.clone(),
+            strips: self.strips.clone(),
+            fiber: Mutex::new(self.fiber().clone()),
+            ..*self
+        };
+        set.show(device, &strands.drawn);
+        set
+    }
+
+    /// From here on its strands are in `strands`: others of the same groom, or with other room.
+    pub(crate) fn move_into(&mut self, device: &wgpu::Device, strands: &StrandBuffers) {
+        self.strands = strands.clone();
+        self.show(device, &strands.drawn);
+    }
+
+    /// The tables of its fibres.
+    pub(crate) fn fiber(&self) -> MutexGuard<'_, Arc<FiberTables>> {
+        // What a panic leaves behind is whole.
+        self.fiber.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn strips(&self) -> MutexGuard<'_, BTreeMap<u32, Arc<Chunks>>> {
+        self.strips.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// From here on only what `drawn` says of the strands it was made for is shaded, splatted and drawn.
@@ -73,19 +107,23 @@ impl HairSet {
         self.splat = [stride, last.div_ceil(stride)];
         self.spans = spans(drawn.vertex_count, stands_for(self.strands.count, drawn.count));
         let count = self.strands.count;
-        self.strips
+        self.strips()
             .entry(drawn.vertex_count)
-            .or_insert_with(|| Chunks::of(device, count, drawn.vertex_count));
+            .or_insert_with(|| Arc::new(Chunks::of(device, count, drawn.vertex_count)));
     }
 
     /// Fills the tables of its fibres, and says which share of the light that meets one it passes on, and which
     /// share of that meets other hair.
-    pub(super) fn passes(&self, queue: &wgpu::Queue) -> (Vec3, f32) {
+    pub(crate) fn passes(&self, queue: &wgpu::Queue) -> (Vec3, f32) {
         if self.material.model == ShadingModel::Fiber {
             let fiber = &self.material.fiber;
-            self.fiber.fill(queue, &fiber.shape, fiber.density_back);
+            let mut tables = self.fiber();
+            if Arc::strong_count(&tables) > 1 && tables.holds_others(&fiber.shape, fiber.density_back) {
+                *tables = Arc::new(tables.empty());
+            }
+            tables.fill(queue, &fiber.shape, fiber.density_back);
             let absorption = 0.5 * (fiber.root_absorption + fiber.tip_absorption);
-            (self.fiber.passes(absorption), fiber.density_forward.clamp(0.0, 1.0))
+            (tables.passes(absorption), fiber.density_forward.clamp(0.0, 1.0))
         } else {
             (Vec3::splat(1.0 - self.material.opacity.clamp(0.0, 1.0)), 1.0)
         }
@@ -93,7 +131,14 @@ impl HairSet {
 
     /// Bytes of GPU memory, without the strands' own buffers.
     pub fn bytes(&self) -> u64 {
-        self.fiber.bytes() + self.strips.values().map(Chunks::bytes).sum::<u64>()
+        self.fiber().bytes() + self.strips().values().map(|strips| strips.bytes()).sum::<u64>()
+    }
+
+    /// Bytes of GPU memory that it shares with other heads.
+    pub(crate) fn shared_bytes(&self) -> u64 {
+        let fiber = self.fiber();
+        let fiber = if Arc::strong_count(&fiber) > 1 { fiber.bytes() } else { 0 };
+        fiber + self.strips().values().map(|strips| strips.bytes()).sum::<u64>()
     }
 
     /// Triangles of the strips.
@@ -148,14 +193,16 @@ impl Shaded {
         camera: &wgpu::Buffer,
         hair: &HairSet,
     ) -> Result<Self> {
-        let StrandBuffers { count, vertex_count, vertices, strands, widening, .. } = &hair.strands;
-        let colors =
-            storage::<[u32; 2]>(device, "shaded strands", u64::from(*count) * u64::from(*vertex_count))?;
-        // At any level of detail.
+        let StrandBuffers { count, vertex_count, vertices, strands, widening, room, .. } = &hair.strands;
+        let colors = storage::<[u32; 2]>(device, "shaded strands", room.vertices.into())?;
+        // At any level of detail that there is room for.
         let most = (1..=*vertex_count).flat_map(|vertices| {
-            (1..=STRIDE).map(move |of| u64::from(*count / of) * u64::from(spans(vertices, of)[1] + 1))
+            (1..=STRIDE).map(move |of| {
+                let strands = (*count / of).min(room.strands).min(room.vertices / vertices.max(1));
+                u64::from(strands) * u64::from(spans(vertices, of)[1] + 1)
+            })
         });
-        let knots = storage::<[u32; 4]>(device, "knots of strands", most.max().unwrap_or(2))?;
+        let knots = storage::<[u32; 4]>(device, "knots of strands", most.max().unwrap_or(2).max(2))?;
         let uniform = bindings::uniform(device, "hair", size_of::<HairUniform>());
         let own = [&uniform, vertices, strands, &colors].map(wgpu::Buffer::as_entire_binding);
         let maps = state.maps.hair_buffers();
@@ -203,6 +250,10 @@ pub(super) fn shade_resources<'a>(
 pub(crate) struct Seen<'a> {
     pub hair: &'a HairSet,
     pub shaded: &'a Shaded,
+    /// The light that it is in: of the view, or of a zone.
+    pub light: &'a State,
+    /// Whether that is a zone's.
+    pub zoned: bool,
 }
 
 impl Seen<'_> {
@@ -213,9 +264,12 @@ impl Seen<'_> {
 
     /// Records those of some of its strands.
     pub fn record_strips_of(&self, pass: &mut crate::gpu::RenderPass<'_>, strands: Range<u32>) {
+        if self.zoned {
+            pass.set_bind_group(0, &self.light.frame, &[]);
+        }
         pass.set_bind_group(1, &self.shaded.group, &[]);
-        pass.set_bind_group(2, &self.hair.fiber.group, &[]);
-        if let Some(strips) = self.hair.strips.get(&self.hair.drawn.vertex_count) {
+        pass.set_bind_group(2, &self.hair.fiber().group, &[]);
+        if let Some(strips) = self.hair.strips().get(&self.hair.drawn.vertex_count) {
             strips.record(pass, strands);
         }
     }

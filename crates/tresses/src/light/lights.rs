@@ -184,6 +184,14 @@ pub struct LightsUniform {
     pub passes: Vec3,
     /// The share of what is passed on that meets other hair or skin.
     pub forward: f32,
+    /// The number of the [zone](super::Zone) whose light it is, from 1; 0 where a view has no zones.
+    pub zone: u32,
+    /// Every so many points of a body's surface stand for all of them.
+    pub every: u32,
+    /// Unused.
+    pub _pad_c: u32,
+    /// Unused.
+    pub _pad_d: u32,
 }
 
 impl Lights {
@@ -238,6 +246,10 @@ impl Lights {
             ambient_scale: 0.5 / focus.radius,
             passes: Vec3::ZERO,
             forward: 0.0,
+            zone: 0,
+            every: 1,
+            _pad_c: 0,
+            _pad_d: 0,
         }
     }
 }

@@ -49,6 +49,8 @@
 //! **Ambient light** ([`ambient`]): the visibility of the sky within the hair and the light that the body
 //! reflects onto it, propagated through a grid of cells and read by hair and body.
 //!
+//! **Zones** ([`zone`]): heads of a crowd have maps and a grid each, as fine as they are seen.
+//!
 //! Rejected: filters of a few rotated taps (under a turning light they jittered twelve times as much as the
 //! exact shadow), uniform slices (48 of them had hardly less error than these eight). Untried: moments instead
 //! of layers.
@@ -67,6 +69,7 @@ pub mod shadow;
 pub mod shadows;
 pub mod state;
 pub mod terms;
+pub mod zone;
 
 pub use ambient::Ambient;
 pub use chosen::Chosen;
@@ -83,3 +86,5 @@ pub use shadows::{ShadowMethod, Shadows};
 pub(crate) use state::Lit;
 pub use state::State;
 pub use terms::{Term, Terms};
+pub use zone::Zone;
+pub(crate) use zone::{Part, Zones};

@@ -49,7 +49,7 @@ pub struct ShadowMaps {
 impl ShadowMaps {
     /// Maps of `resolution`² texels.
     pub(super) fn new(device: &wgpu::Device, pipelines: &Pipelines, resolution: u32) -> Self {
-        let resolution = resolution.clamp(BLOCK, MOST);
+        let resolution = Self::within(resolution);
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("shadow maps"),
             size: wgpu::Extent3d {
@@ -110,6 +110,11 @@ impl ShadowMaps {
         });
         let view = texture.create_view(&Default::default());
         Self { resolution, view, layers, matrices, layer_group, hair, blocks, comparison }
+    }
+
+    /// Texels along each edge of a map that is asked for with so many.
+    pub(super) fn within(resolution: u32) -> u32 {
+        resolution.clamp(BLOCK, MOST)
     }
 
     /// What shaders need to ask for light: body maps, their sampler, the hair's maps, its blocks.

@@ -19,7 +19,7 @@ use crate::{
 pub struct State {
     pub(super) maps: ShadowMaps,
     pub(super) ambient: Ambient,
-    pub(super) lights: wgpu::Buffer,
+    pub(crate) lights: wgpu::Buffer,
     /// `@group(0)` of everything that is drawn in this light.
     pub(crate) frame: wgpu::BindGroup,
 }
@@ -36,6 +36,8 @@ pub(crate) struct Lit {
     pub stray: f32,
     /// Whether light from all sides is followed.
     pub ambient: bool,
+    /// Every so many points of a body's surface stand for all of them.
+    pub every: u32,
 }
 
 impl State {
@@ -54,6 +56,12 @@ impl State {
         Self { frame: group(device, "frame", &pipelines.frame, &frame), maps, ambient, lights }
     }
 
+    /// Whether it has maps and cells of these sizes.
+    pub(super) fn fits(&self, [resolution, cells]: [u32; 2]) -> bool {
+        self.maps.resolution == ShadowMaps::within(resolution)
+            && self.ambient.cells() == Ambient::within(cells)
+    }
+
     /// Writes the uniforms of a frame. Two of them, the share of light that a fibre passes on and the share of that
     /// which meets other hair, belong to a material: of several grooms they are the means, weighed by the area of
     /// their strands ([`HairSet::area`](super::HairSet::area)). They colour what hair lets through to bodies, and
@@ -63,12 +71,15 @@ impl State {
         queue: &wgpu::Queue,
         (lights, shadows, focus): (&Lights, &Shadows, &Sphere),
         hair: &[Seen<'_>],
+        zone: u32,
     ) -> Lit {
         let resolution = self.maps.resolution;
         let mut uniform = lights.uniform(shadows, focus, resolution);
         if shadows.follows_ambient() {
             uniform.ambient = self.ambient.cells();
         }
+        // Bodies have as many points as fine cells ask for; a zone may have coarser ones.
+        (uniform.zone, uniform.every) = (zone, if zone > 0 { self.ambient.every() } else { 1 });
         let whole: f32 = hair.iter().map(|seen| seen.hair.area).sum();
         for seen in hair {
             let (passes, forward) = seen.hair.passes(queue);
@@ -85,6 +96,7 @@ impl State {
             across: shadows.hair_texels(texel),
             stray: texel.min(super::shadow::STRAY * shadows.bias),
             ambient: shadows.follows_ambient(),
+            every: uniform.every,
         }
     }
 
@@ -108,7 +120,7 @@ impl State {
         encoder: &mut wgpu::CommandEncoder,
         timings: Option<&mut Timings>,
         hair: &[Seen<'_>],
-        bodies: &[&Body],
+        bodies: (&[&Body], u32),
     ) {
         self.ambient.record(&pipelines.ambient, encoder, timings, hair, bodies);
     }
@@ -130,9 +142,9 @@ impl State {
             },
         );
         pass.set_bind_group(1, &pipelines.gap, &[]);
-        for Seen { hair, shaded } in hair {
+        for Seen { hair, shaded, .. } in hair {
             let [count, spans] = [hair.drawn.count, hair.spans[1]];
-            pass.set_bind_group(2, &hair.fiber.group, &[]);
+            pass.set_bind_group(2, &hair.fiber().group, &[]);
             let mut run = |kernel: &Kernel, each: u32| {
                 kernel.record(&mut pass, &shaded.shade, &[], (count * each).div_ceil(STRAND_WORKGROUP));
             };

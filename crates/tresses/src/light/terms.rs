@@ -82,9 +82,9 @@ impl Terms {
             &wgpu::ComputePassDescriptor { label: Some("terms"), ..Default::default() },
         );
         pass.set_bind_group(1, &self.groups[term as usize], &[]);
-        for Seen { hair, shaded } in hair {
+        for Seen { hair, shaded, .. } in hair {
             let workgroups = (hair.drawn.count * hair.drawn.vertex_count).div_ceil(STRAND_WORKGROUP);
-            pass.set_bind_group(2, &hair.fiber.group, &[]);
+            pass.set_bind_group(2, &hair.fiber().group, &[]);
             self.kernel.record(&mut pass, &shaded.shade, &[], workgroups);
         }
     }

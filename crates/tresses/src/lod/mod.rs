@@ -43,13 +43,18 @@
 //! distance. **Why not a random order by hash alone?** The number of strands in each lock would vary as
 //! random numbers do; van der Corput's order keeps it even.
 //!
-//! **Known limits.** All guides are simulated and tessellated at any level. The table of curves is measured
-//! on the rest shape.
+//! **Fewer guides**, where [`LodOptions::CROWD`] or its like asks for it: those are simulated that no other is farther from
+//! than a few pixels, and lead the others ([`crate::simulate`]). Substeps are halved, hair feels less of other hair and
+//! then none, hair that rests or is out of view sleeps.
 //!
-//! **Untried.** Strands with an aggregated BSDF per width; fewer guides.
+//! **Known limits.** All guides are tessellated at any level. The table of curves is measured on the rest shape.
+//!
+//! **Untried.** Strands with an aggregated BSDF per width.
 
+pub mod budget;
 mod cover;
 mod curve;
+mod guides;
 mod later;
 mod lit;
 mod maps;
@@ -57,19 +62,23 @@ mod order;
 mod seen;
 mod widths;
 
+pub use budget::{Budget, Chosen, Costs, HeadChosen, Work};
 pub use cover::{CoverLevel, CoverTable};
 pub use curve::{CurveTable, resample};
+pub(crate) use guides::{GuideOrder, order as guide_order};
 pub use maps::{LodLevel, MAX_LEVELS, MAX_THICKNESS};
 pub use order::{BUCKET_RATIO, arrange, buckets};
 pub use widths::{StrandLod, WidthParams, Widths};
 
 use crate::{
-    Camera, Pose, Progress, Result,
+    Camera, Error, Pose, Progress, Result,
     groom::{BoundStrands, range},
     range::Range,
     strands::{Drawn, Strand, StrandBuffers},
 };
 use glam::Vec3;
+use std::sync::Arc;
+
 use later::Later;
 #[cfg(not(target_arch = "wasm32"))]
 use later::Wanted;
@@ -103,6 +112,14 @@ pub struct LodOptions {
     pub slowest: f32,
     /// The size of a pixel from which on steps grow, metres; at twice that they are twice as long.
     pub slow_pixel: f32,
+    /// Guides are left out until those that are simulated are so far from others, pixels; these are led. 0 simulates all.
+    pub guides: f32,
+    /// The size of a pixel at which half the substeps do, metres; at twice that a quarter. 0 keeps them.
+    pub substep_pixel: f32,
+    /// The size of a pixel from which on hair feels less of other hair, metres; from twice that on nothing. 0 for never.
+    pub alone_pixel: f32,
+    /// Whether hair that has come to rest, or that is out of view, is left as it is.
+    pub sleep: bool,
 }
 
 impl Default for LodOptions {
@@ -114,11 +131,29 @@ impl Default for LodOptions {
             curve_error: 0.15,
             slowest: 2.0,
             slow_pixel: 3e-3,
+            guides: 0.0,
+            substep_pixel: 0.0,
+            alone_pixel: 0.0,
+            sleep: false,
         }
     }
 }
 
 impl LodOptions {
+    /// For one head of many: strands are half as wide again and stray twice as far, and the motion has levels of detail
+    /// as well.
+    pub const CROWD: Self = Self {
+        mode: LodMode::Auto,
+        bias: 0.0,
+        strand_width: 0.3,
+        curve_error: 0.3,
+        slowest: 2.0,
+        slow_pixel: 3e-3,
+        guides: 3.0,
+        substep_pixel: 3e-3,
+        alone_pixel: 4e-3,
+        sleep: true,
+    };
     /// The range of the share of [`LodMode::Fixed`].
     pub const FRACTION: Range = range!("share of the strands", 0.0001 to 1.0);
     /// The range of [`bias`](Self::bias).
@@ -132,6 +167,13 @@ impl LodOptions {
     /// The range of [`slow_pixel`](Self::slow_pixel).
     pub const SLOW_PIXEL: Range = range!("pixel of slower steps", 1e-6 to 10.0, "m"; usually 1e-6 to 1.0);
 
+    /// The range of [`guides`](Self::guides).
+    pub const GUIDES: Range = range!("reach of guides", 0.0 to 100.0, "pixels");
+    /// The range of [`substep_pixel`](Self::substep_pixel).
+    pub const SUBSTEP_PIXEL: Range = range!("pixel of fewer substeps", 0.0 to 10.0, "m"; usually 0.0 to 1.0);
+    /// The range of [`alone_pixel`](Self::alone_pixel).
+    pub const ALONE_PIXEL: Range = range!("pixel of hair alone", 0.0 to 10.0, "m"; usually 0.0 to 1.0);
+
     /// Checks that every value is in its range.
     ///
     /// # Errors
@@ -144,6 +186,9 @@ impl LodOptions {
         Self::STRAND_WIDTH.check(self.strand_width)?;
         Self::CURVE_ERROR.check(self.curve_error)?;
         Self::SLOWEST.check(self.slowest)?;
+        Self::GUIDES.check(self.guides)?;
+        Self::SUBSTEP_PIXEL.check(self.substep_pixel)?;
+        Self::ALONE_PIXEL.check(self.alone_pixel)?;
         Ok(Self::SLOW_PIXEL.check(self.slow_pixel)?)
     }
 }
@@ -170,6 +215,12 @@ pub struct Detail {
     pub segments: f32,
     /// The factor on the length of a fixed step.
     pub step: f32,
+    /// How far a guide that is not simulated may be from one that is, metres; 0 simulates all.
+    pub reach: f32,
+    /// The factor on the number of substeps.
+    pub substeps: f32,
+    /// The factor on what hair does to other hair.
+    pub together: f32,
     /// How much each painted level counts.
     pub levels: [f32; MAX_LEVELS],
 }
@@ -190,19 +241,19 @@ pub struct Lod {
     /// How it is chosen; [`LodOptions::check`] says what is allowed.
     pub options: LodOptions,
     /// What fewer segments cost.
-    pub curve: CurveTable,
+    pub curve: Arc<CurveTable>,
     /// What wider strands cost.
-    cover: Later<CoverTable>,
+    cover: Arc<Later<CoverTable>>,
     /// Around the hair at rest: middle (groom space) and radius, metres.
     pub sphere: (Vec3, f32),
     /// Mean diameter of the strands, metres.
     pub diameter: f32,
     /// How many strands each bucket ends with.
-    ends: Vec<u32>,
+    ends: Arc<[u32]>,
     /// The area of the strands up to there, m².
-    areas: Vec<f64>,
-    strands: Vec<Strand>,
-    painted: Painted,
+    areas: Arc<[f64]>,
+    strands: Arc<[Strand]>,
+    painted: Arc<Painted>,
     segments: u32,
     buffers: WidthBuffers,
     detail: Detail,
@@ -246,11 +297,11 @@ impl Lod {
         }
         let mut lod = Self {
             options: LodOptions::default(),
-            curve: CurveTable::new(&strands),
-            cover: Later::known(CoverTable::none()),
+            curve: CurveTable::new(&strands).into(),
+            cover: Later::known(CoverTable::none()).into(),
             sphere: (0.5 * (lo + hi), 0.5 * lo.distance(hi)),
             diameter: (area / length.max(1e-12)).max(1e-9) as f32,
-            painted: Painted::none(infos.len()),
+            painted: Painted::none(infos.len()).into(),
             segments: strands.vertex_count.saturating_sub(1).max(1),
             buffers: WidthBuffers::new(device, stage, buffers)?,
             detail: Detail {
@@ -263,14 +314,17 @@ impl Lod {
                 deeper: [1.0; 2],
                 segments: (strands.vertex_count.saturating_sub(1).max(1)) as f32,
                 step: 1.0,
+                reach: 0.0,
+                substeps: 1.0,
+                together: 1.0,
                 levels: [1.0, 0.0, 0.0, 0.0],
             },
             before: buffers.count,
             stale: false,
             sets: false,
-            strands: infos.to_vec(),
-            ends,
-            areas,
+            strands: infos.into(),
+            ends: ends.into(),
+            areas: areas.into(),
         };
         let first = span(&lod.ends, 0)[1];
         let levels = cover::levels(first, lod.limit(), &lod.curve, |f| lod.widening(f), |p| lod.segments(p));
@@ -278,17 +332,50 @@ impl Lod {
         #[cfg(not(target_arch = "wasm32"))]
         {
             let _ = progress;
-            lod.cover = Later::start(async move |wanted: &Wanted| {
+            lod.cover = Arc::new(Later::start(async move |wanted: &Wanted| {
                 CoverTable::new(&strands, &infos, sphere, &levels, wanted).await
-            });
+            }));
         }
         #[cfg(target_arch = "wasm32")]
         {
-            lod.cover = Later::known(CoverTable::new(&strands, &infos, sphere, &levels, progress).await);
+            let table = CoverTable::new(&strands, &infos, sphere, &levels, progress).await;
+            lod.cover = Arc::new(Later::known(table));
         }
         lod.buffers.upload(queue, &lod.strands, &lod.ends, &lod.painted);
         lod.buffers.prepare(queue, &lod.detail);
         Ok(lod)
+    }
+
+    /// Of another head with the same groom, whose strands are in `buffers`: all that was measured is shared.
+    pub(crate) fn another(&self, device: &wgpu::Device, stage: &Widths, buffers: &StrandBuffers) -> Self {
+        Self {
+            curve: self.curve.clone(),
+            cover: self.cover.clone(),
+            ends: self.ends.clone(),
+            areas: self.areas.clone(),
+            strands: self.strands.clone(),
+            painted: self.painted.clone(),
+            buffers: self.buffers.another(device, stage, buffers),
+            before: 0,
+            stale: true,
+            sets: false,
+            ..*self
+        }
+    }
+
+    /// From here on strands are in `buffers`, with other room.
+    pub(crate) fn move_into(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        stage: &Widths,
+        buffers: &StrandBuffers,
+    ) {
+        let infos = &self.strands[..self.strands.len().min(buffers.room.strands as usize)];
+        queue.write_buffer(&buffers.strands, 0, bytemuck::cast_slice(infos));
+        self.buffers = self.buffers.another(device, stage, buffers);
+        self.buffers.prepare(queue, &self.detail);
+        self.stale = true;
     }
 
     /// The area of all strands, width times length, m².
@@ -308,6 +395,11 @@ impl Lod {
 
     /// The level of detail of hair that `camera` sees on a head at `head`.
     pub fn seen(&self, camera: &Camera, head: &Pose) -> Detail {
+        self.seen_coarser(camera, head, 0.0)
+    }
+
+    /// The same with `bias` octaves more of [`LodOptions::bias`].
+    pub(crate) fn seen_coarser(&self, camera: &Camera, head: &Pose, bias: f32) -> Detail {
         let (middle, radius) = self.sphere;
         let clip = camera.projection * camera.view;
         let w = (clip * head.point(middle).extend(1.0)).w;
@@ -315,12 +407,16 @@ impl Lod {
         let per_metre = camera.projection.z_axis.w.abs();
         let nearest = if per_metre > 0.0 { (w - radius * per_metre).max(0.01) } else { w };
         let pixel = camera.pixel();
-        self.detail(pixel * nearest, 2.0 * radius / (pixel * w.max(nearest)))
+        let size = 2.0 * radius / (pixel * w.max(nearest));
+        self.with(&self.options.coarser(bias), pixel * nearest, size)
     }
 
     /// The level of detail where a pixel is `pixel` metres high and the hair `size` pixels large.
     pub fn detail(&self, pixel: f32, size: f32) -> Detail {
-        let options = &self.options;
+        self.with(&self.options, pixel, size)
+    }
+
+    fn with(&self, options: &LodOptions, pixel: f32, size: f32) -> Detail {
         let limit = self.limit();
         let (fraction, coarse) = match options.mode {
             LodMode::Off => (1.0, 0.0),
@@ -338,6 +434,16 @@ impl Lod {
         let step = match options.mode {
             LodMode::Auto => (coarse / options.slow_pixel.max(1e-9)).clamp(1.0, options.slowest.max(1.0)),
             LodMode::Off | LodMode::Fixed(_) => 1.0,
+        };
+        let auto = options.mode == LodMode::Auto;
+        let substeps = match options.substep_pixel {
+            from if auto && from > 0.0 && coarse >= 2.0 * from => 0.25,
+            from if auto && from > 0.0 && coarse >= from => 0.5,
+            _ => 1.0,
+        };
+        let together = match options.alone_pixel {
+            from if auto && from > 0.0 => (2.0 - coarse / from).clamp(0.0, 1.0),
+            _ => 1.0,
         };
         let automatic = (limit / pixel.max(1e-12)).min(1.0);
         // In full detail nothing is asked that may not be known yet.
@@ -360,6 +466,9 @@ impl Lod {
             deeper: [before, behind],
             segments,
             step,
+            reach: if auto { options.guides * coarse } else { 0.0 },
+            substeps,
+            together,
             levels,
         }
     }
@@ -406,9 +515,19 @@ impl Lod {
         self.stale |= self.detail != detail;
         self.detail = detail;
         self.buffers.prepare(queue, &detail);
+        buffers.drawn = self.drawn();
+    }
+
+    /// What is drawn at the level of detail that was set last.
+    pub(crate) fn drawn(&self) -> Drawn {
+        let detail = &self.detail;
         let drawn = Drawn::new(detail.strands, self.segments + 1, detail.segments);
-        buffers.drawn =
-            Drawn { area: detail.area, deeper: detail.deeper, single: detail.fraction.sqrt(), ..drawn };
+        Drawn { area: detail.area, deeper: detail.deeper, single: detail.fraction.sqrt(), ..drawn }
+    }
+
+    /// Whether widths are those of the level of detail.
+    pub(crate) fn is_set(&self) -> bool {
+        !self.stale
     }
 
     /// Begins a frame: how many strands the last one drew.
@@ -425,7 +544,10 @@ impl Lod {
         levels: &[LodLevel],
         skull: Vec3,
     ) -> Result<()> {
-        self.painted = Painted::bake(strands, levels, skull)?;
+        if Arc::strong_count(&self.strands) > 1 {
+            return Err(Error::unusable("levels of detail are to be painted before heads share the hair"));
+        }
+        self.painted = Painted::bake(strands, levels, skull)?.into();
         self.buffers.upload(queue, &self.strands, &self.ends, &self.painted);
         self.stale = true;
         Ok(())
@@ -440,6 +562,11 @@ impl Lod {
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
         self.buffers.bytes()
+    }
+
+    /// Bytes of it that heads share.
+    pub(crate) fn shared_bytes(&self) -> u64 {
+        self.buffers.shared_bytes()
     }
 }
 

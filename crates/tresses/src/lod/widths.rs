@@ -75,6 +75,19 @@ impl WidthBuffers {
         Ok(Self { params, lods, group })
     }
 
+    /// For another head's `buffers`: what is constant is shared.
+    pub fn another(&self, device: &wgpu::Device, stage: &Widths, buffers: &StrandBuffers) -> Self {
+        let params = bindings::uniform(device, "widths", size_of::<WidthParams>());
+        let all = [&params, &self.lods, &buffers.strands, &buffers.widening];
+        let group = stage.0.bind(device, &all.map(|buffer| buffer.as_entire_binding()));
+        Self { params, lods: self.lods.clone(), group }
+    }
+
+    /// Bytes of GPU memory that heads share.
+    pub fn shared_bytes(&self) -> u64 {
+        self.lods.size()
+    }
+
     /// Writes what is constant while levels change.
     pub fn upload(&self, queue: &wgpu::Queue, strands: &[Strand], ends: &[u32], painted: &Painted) {
         let mut bucket = 0;

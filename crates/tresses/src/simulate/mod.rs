@@ -55,6 +55,7 @@
 
 mod forces;
 pub mod grab;
+mod lead;
 pub mod params;
 pub mod rest;
 pub mod shift;
@@ -69,7 +70,7 @@ mod reference;
 
 use crate::{
     Result,
-    clock::{MAX_STEPS, Step},
+    clock::{MAX_STEPS, Mode, Step},
     collide::{self, ColliderSet},
     constants::{GUIDE_CAPACITIES, GUIDE_WORKGROUP},
     gpu::Kernel,
@@ -82,6 +83,7 @@ use params::StepUniforms;
 
 pub use forces::{AirUniforms, Forces};
 pub use grab::{Grab, Ray, Target};
+pub(crate) use lead::Tree;
 pub use params::{Along, SimulationParams};
 pub use rest::{GuideTraits, RestOptions, RestShape};
 pub(crate) use shift::Shifting;
@@ -97,6 +99,7 @@ pub struct Pipelines {
     shift: Kernel,
     pub(crate) forces: forces::ForcesKernel,
     pub(crate) grab: grab::GrabKernels,
+    lead: Kernel,
 }
 
 impl Pipelines {
@@ -108,6 +111,7 @@ impl Pipelines {
             shift: shift::kernel(device),
             forces: forces::ForcesKernel::new(device),
             grab: grab::GrabKernels::new(device),
+            lead: lead::kernel(device),
         }
     }
 
@@ -137,6 +141,10 @@ pub struct Simulation {
     group: wgpu::BindGroup,
     guide_count: u32,
     vertex_count: u32,
+    /// What leads guides that are not simulated, once some are not.
+    lead: Option<lead::Lead>,
+    /// How many are simulated from the next frame on, and in each step of this one.
+    simulated: (u32, Vec<u32>),
 }
 
 impl Simulation {
@@ -148,11 +156,7 @@ impl Simulation {
             usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let step = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-            buffer: &uniforms,
-            offset: 0,
-            size: wgpu::BufferSize::new(size_of::<StepUniforms>() as u64),
-        });
+        let step = slot(&uniforms);
         let group = simulate.step(guides.vertex_count).bind(
             device,
             &[
@@ -165,7 +169,39 @@ impl Simulation {
                 guides.roots.as_entire_binding(),
             ],
         );
-        Self { uniforms, group, guide_count: guides.count, vertex_count: guides.vertex_count }
+        Self {
+            uniforms,
+            group,
+            guide_count: guides.count,
+            vertex_count: guides.vertex_count,
+            lead: None,
+            simulated: (guides.count, Vec::new()),
+        }
+    }
+
+    /// From the next frame on only the first `count` guides in the order of `tree` are simulated, which others follow.
+    pub(crate) fn simulate_first(
+        &mut self,
+        device: &wgpu::Device,
+        simulate: &Pipelines,
+        guides: &GuideBuffers,
+        tree: &Tree,
+        count: u32,
+    ) {
+        self.lead.get_or_insert_with(|| {
+            lead::Lead::new(device, &simulate.lead, slot(&self.uniforms), guides, tree)
+        });
+        self.simulated.0 = count.clamp(1, self.guide_count.max(1));
+    }
+
+    /// From the next frame on all guides are simulated.
+    pub(crate) fn simulate_all(&mut self) {
+        self.simulated.0 = self.guide_count;
+    }
+
+    /// How many guides are.
+    pub fn simulated(&self) -> u32 {
+        self.simulated.0
     }
 
     /// Bytes of GPU memory, without the guides.
@@ -225,11 +261,19 @@ impl Simulation {
         if steps.is_empty() || self.guide_count == 0 {
             return Ok(0);
         }
+        // What puts guides elsewhere knows all of them.
+        let (some, all) = (self.simulated.0, self.guide_count);
+        self.simulated.1 =
+            steps.iter().map(|step| if step.mode == Mode::Step { some } else { all }).collect();
         let mut bytes = vec![0u8; STRIDE as usize * steps.len()];
         let slots = bytes.as_chunks_mut::<{ STRIDE as usize }>().0;
         for (i, (step, slot)) in steps.iter().zip(slots).enumerate() {
-            let mut uniforms =
-                StepUniforms { forced: forced.into(), to: step.to, ..self.uniforms(params, step, i as u32) };
+            let mut uniforms = StepUniforms {
+                forced: forced.into(),
+                to: step.to,
+                simulated: self.simulated.1[i],
+                ..self.uniforms(params, step, i as u32)
+            };
             if let Some(field) = fields.get(i) {
                 let uniform = !Wind { velocity: field.wind, ..params.wind }.blows();
                 // Where the air is a fluid, that turns or does not.
@@ -251,8 +295,13 @@ impl Simulation {
         i: u32,
     ) {
         pass.set_bind_group(1, colliders.group(), &[]);
-        let groups = self.guide_count.div_ceil(GUIDE_WORKGROUP);
-        simulate.step(self.vertex_count).record(pass, &self.group, &[i * STRIDE as u32], groups);
+        let simulated = self.simulated.1[i as usize];
+        let offset = i * STRIDE as u32;
+        let groups = simulated.div_ceil(GUIDE_WORKGROUP);
+        simulate.step(self.vertex_count).record(pass, &self.group, &[offset], groups);
+        if let Some(lead) = self.lead.as_ref().filter(|_| simulated < self.guide_count) {
+            lead.record(&simulate.lead, pass, offset, [simulated, self.guide_count]);
+        }
     }
 
     /// The uniforms of the frame's `i`th step.
@@ -261,4 +310,13 @@ impl Simulation {
         let uniforms = StepUniforms::new(params, count, n, step.mode, &step.begin, &step.end);
         StepUniforms { moment: i * uniforms.substeps, ..uniforms }
     }
+}
+
+/// One step's uniforms.
+fn slot(uniforms: &wgpu::Buffer) -> wgpu::BindingResource<'_> {
+    wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+        buffer: uniforms,
+        offset: 0,
+        size: wgpu::BufferSize::new(size_of::<StepUniforms>() as u64),
+    })
 }

@@ -227,8 +227,8 @@ pub struct StepUniforms {
     pub forced: u32,
     /// Where in the frame's motion the step ends ([`crate::clock::Step::to`]).
     pub to: f32,
-    /// Unused.
-    pub _pad: u32,
+    /// How many guides are simulated, the first in the order of [`crate::lod`]; others are led.
+    pub simulated: u32,
     /// How the air turns about the origin, radians per second.
     pub spin: Vec3,
     /// Unused.
@@ -267,6 +267,7 @@ impl StepUniforms {
             stretch: params.gravity.length().max(1.0) / params.stretch,
             guide_count,
             vertex_count,
+            simulated: guide_count,
             mode: mode as u32,
             one: 1,
             ..Self::zeroed()

@@ -57,6 +57,41 @@ pub struct StrandBuffers {
     pub roots: wgpu::Buffer,
     /// What of it is drawn: less than all where level of detail says so.
     pub drawn: Drawn,
+    /// How much `strands`, `vertices` and `widening` have room for: all of it, but for a head that
+    /// [shares its groom](crate::Hair::another).
+    pub room: Room,
+}
+
+/// How many strands, and vertices of them in all, the buffers of one head hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Room {
+    /// Strands.
+    pub strands: u32,
+    /// Their vertices, all together.
+    pub vertices: u32,
+}
+
+impl Room {
+    /// Room for at least so many strands and vertices of theirs, at most for `all`: in steps of half an octave, so that
+    /// a head that comes nearer seldom moves into other buffers.
+    pub fn of([strands, vertices]: [u32; 2], all: Self) -> Self {
+        let step = |least: u32, need: u32, most: u32| {
+            let mut room = f64::from(least);
+            while room < f64::from(need) {
+                room *= std::f64::consts::SQRT_2;
+            }
+            (room.ceil() as u32).min(most)
+        };
+        Self { strands: step(512, strands, all.strands), vertices: step(4096, vertices, all.vertices) }
+    }
+
+    /// The room to move into for so much, where this one is too small or more than three times too large.
+    pub fn another(&self, need: [u32; 2], all: Self) -> Option<Self> {
+        let fits = self.strands >= need[0] && self.vertices >= need[1];
+        let room = Self::of(need, all);
+        let wastes = self.strands / 3 > room.strands || self.vertices / 3 > room.vertices;
+        (!fits || wastes).then_some(room)
+    }
 }
 
 /// The strands and vertices that the stages after the guides work on.
@@ -147,6 +182,34 @@ impl GuideBuffers {
         })
     }
 
+    /// Of another head with the same groom: where guides rest is shared, where they are is its own.
+    ///
+    /// # Errors
+    /// [`Error::Limit`].
+    pub(crate) fn another(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
+        let like = |what, buffer: &wgpu::Buffer| storage::<u8>(device, what, buffer.size());
+        let samples = like("guide samples", &self.samples)?;
+        // Where samples rest stands among what changes.
+        let mut encoder = device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(&self.samples, 0, &samples, 0, samples.size());
+        queue.submit([encoder.finish()]);
+        Ok(Self {
+            info: self.info.clone(),
+            rest: self.rest.clone(),
+            current: like("guide current", &self.current)?,
+            velocity: like("guide velocity", &self.velocity)?,
+            forces: like("guide forces", &self.forces)?,
+            samples,
+            roots: storage::<RootMotion>(device, "guide roots", 1)?,
+            ..*self
+        })
+    }
+
+    /// Bytes of GPU memory that heads share.
+    pub(crate) fn shared_bytes(&self) -> u64 {
+        self.info.size() + self.rest.size()
+    }
+
     /// Points of a line that shows a guide: its samples, or else its vertices.
     pub(crate) fn line_count(&self) -> u32 {
         if self.sample_count == 0 { self.vertex_count } else { self.sample_count }
@@ -178,7 +241,33 @@ impl StrandBuffers {
             widening: storage::<f32>(device, "strand widening", count.into())?,
             roots: storage::<[f32; 4]>(device, "strand roots", 1)?,
             drawn: Drawn::new(count, vertex_count, f32::INFINITY),
+            room: Room { strands: count, vertices: count.saturating_mul(vertex_count) },
         })
+    }
+
+    /// The room for all of it.
+    pub fn whole(&self) -> Room {
+        Room { strands: self.count, vertices: self.count.saturating_mul(self.vertex_count) }
+    }
+
+    /// Of another head with the same groom: what never changes is shared, the rest has `room`.
+    ///
+    /// # Errors
+    /// [`Error::Limit`].
+    pub(crate) fn another(&self, device: &wgpu::Device, room: Room) -> Result<Self> {
+        Ok(Self {
+            strands: storage::<Strand>(device, "strands", room.strands.into())?,
+            vertices: storage::<StrandVertex>(device, "strand vertices", room.vertices.into())?,
+            widening: storage::<f32>(device, "strand widening", room.strands.into())?,
+            roots: storage::<[f32; 4]>(device, "strand roots", 1)?,
+            room,
+            ..self.clone()
+        })
+    }
+
+    /// Bytes of GPU memory that heads share.
+    pub(crate) fn shared_bytes(&self) -> u64 {
+        self.bindings.size() + self.rest.size()
     }
 
     /// Bytes of GPU memory.

@@ -17,7 +17,8 @@ pub struct Guide {
     pub stiffness: f32,
     /// How many drawn strands it stands for; weighs it in the density grid.
     pub strands: f32,
-    /// [`TIP_PINNED`].
+    /// [`TIP_PINNED`], and from the eighth bit on which guide has this one's place in the order of levels of detail, once
+    /// there is one.
     pub flags: u32,
     /// Smallest corner of the rest vertices, groom space, metres.
     pub origin: Vec3,

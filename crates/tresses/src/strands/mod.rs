@@ -29,7 +29,7 @@ pub use crate::groom::bound::{
     binding::{self, PackedRest, StrandBinding},
     strand::{self, Strand},
 };
-pub use buffers::{Drawn, GuideBuffers, StrandBuffers};
+pub use buffers::{Drawn, GuideBuffers, Room, StrandBuffers};
 pub use force::{Force, GuideForce};
 pub use guide::{Guide, GuideRest, GuideSample, GuideShape, PackedGuide};
 pub use rest::RestGuides;

@@ -55,6 +55,8 @@ pub struct Volume {
     rest: wgpu::Buffer,
     blur: wgpu::Buffer,
     rested: wgpu::Buffer,
+    /// The rest of the textures: sums, twice, and density.
+    scratch: [wgpu::TextureView; 3],
     pub(super) groups: Groups,
     /// What does not change from step to step.
     pub(super) base: VolumeUniforms,
@@ -68,6 +70,9 @@ pub struct Volume {
     rest_blur: (Option<u32>, u32),
     written_blur: Option<u32>,
 }
+
+/// What heads share of a grid: their buffers and textures.
+type Scratch<'a> = ([&'a wgpu::Buffer; 4], [&'a wgpu::TextureView; 5]);
 
 #[derive(Debug)]
 pub(super) struct Groups {
@@ -117,54 +122,8 @@ impl Volume {
         let rest_density = storage::<f32>(device, "volume rest", n)?;
         let blur = bindings::uniform(device, "volume blur", size_of::<Blur>());
         let rested = storage::<f32>(device, "volume rested", vertices)?;
-        let step = || slot(&uniforms);
-        let view = wgpu::BindingResource::TextureView;
-        let groups = Groups {
-            obstacles: pipelines.obstacles.bind(device, &[step(), obstacles.as_entire_binding()]),
-            splat: pipelines.splat.bind(
-                device,
-                &[
-                    step(),
-                    guides.info.as_entire_binding(),
-                    guides.rest.as_entire_binding(),
-                    guides.current.as_entire_binding(),
-                    guides.velocity.as_entire_binding(),
-                    rested.as_entire_binding(),
-                    cells.as_entire_binding(),
-                ],
-            ),
-            sum: pipelines.sum.bind(
-                device,
-                &[step(), cells.as_entire_binding(), obstacles.as_entire_binding(), view(&first)],
-            ),
-            blur: [(&pipelines.blur[0], &first, &second), (&pipelines.blur[1], &second, &first)].map(
-                |(kernel, from, to)| {
-                    kernel.bind(device, &[step(), blur.as_entire_binding(), view(from), view(to)])
-                },
-            ),
-            density: pipelines.density.bind(
-                device,
-                &[
-                    step(),
-                    blur.as_entire_binding(),
-                    view(&first),
-                    rest_density.as_entire_binding(),
-                    view(&dense),
-                    view(&hair),
-                ],
-            ),
-            push: pipelines.push.bind(device, &[step(), view(&dense), view(&push)]),
-            settle: pipelines.settle.bind(
-                device,
-                &[
-                    step(),
-                    guides.rest.as_entire_binding(),
-                    rest_density.as_entire_binding(),
-                    rested.as_entire_binding(),
-                    guides.info.as_entire_binding(),
-                ],
-            ),
-        };
+        let shared = ([&cells, &obstacles, &rest_density, &rested], [&hair, &push, &first, &second, &dense]);
+        let groups = groups(device, pipelines, guides, [&uniforms, &blur], shared);
         let base = VolumeUniforms::of(&grid, guides, rest, most_splatted.max(1));
         Ok(Self {
             grid,
@@ -178,6 +137,7 @@ impl Volume {
             rest: rest_density,
             blur,
             rested,
+            scratch: [first, second, dense],
             groups,
             base,
             modes: Vec::new(),
@@ -186,6 +146,57 @@ impl Volume {
             rest_blur: (None, 0),
             written_blur: None,
         })
+    }
+
+    /// Of another head with the same groom: its `guides` are put into the same cells, which hold a head's hair from a step
+    /// of its to the end of that step. The steps of two heads must therefore not be mixed, which
+    /// [`Recorder`](crate::frame::Recorder) sees to.
+    ///
+    /// # Errors
+    /// [`Error::Limit`].
+    pub(crate) fn another(
+        &self,
+        device: &wgpu::Device,
+        pipelines: &Pipelines,
+        guides: &GuideBuffers,
+    ) -> Result<Self> {
+        // Computed once, by the head's own pose and to its last bit: what stays in cells is each head's own.
+        let like = |what, buffer: &wgpu::Buffer| storage::<u8>(device, what, buffer.size());
+        let obstacles = like("volume obstacles", &self.obstacles)?;
+        let rest = like("volume rest", &self.rest)?;
+        let rested = like("volume rested", &self.rested)?;
+        let uniforms = bindings::uniform(device, "volume steps", (STRIDE * (MAX_STEPS + 1)) as usize);
+        let blur = bindings::uniform(device, "volume blur", size_of::<Blur>());
+        let [first, second, dense] = &self.scratch;
+        let shared =
+            ([&self.cells, &obstacles, &rest, &rested], [&self.hair, &self.push, first, second, dense]);
+        Ok(Self {
+            groups: groups(device, pipelines, guides, [&uniforms, &blur], shared),
+            grid: self.grid,
+            hair_texture: self.hair_texture.clone(),
+            hair: self.hair.clone(),
+            push_texture: self.push_texture.clone(),
+            push: self.push.clone(),
+            uniforms,
+            cells: self.cells.clone(),
+            obstacles,
+            rest,
+            blur,
+            rested,
+            scratch: self.scratch.clone(),
+            base: self.base,
+            modes: Vec::new(),
+            obstacles_moved: Vec::new(),
+            obstacles_at: None,
+            rest_blur: (None, 0),
+            written_blur: None,
+        })
+    }
+
+    /// Bytes of GPU memory that heads share.
+    pub(crate) fn shared_bytes(&self) -> u64 {
+        let own = [&self.uniforms, &self.obstacles, &self.rest, &self.blur, &self.rested];
+        self.bytes() - own.iter().map(|buffer| buffer.size()).sum::<u64>()
     }
 
     /// Bytes of GPU memory.
@@ -333,6 +344,63 @@ impl Volume {
             fixed_push: params.fixed,
             ..self.base
         }
+    }
+}
+
+/// Binds the kernels to the `guides` of one head.
+fn groups(
+    device: &wgpu::Device,
+    pipelines: &Pipelines,
+    guides: &GuideBuffers,
+    [uniforms, blur]: [&wgpu::Buffer; 2],
+    ([cells, obstacles, rest, rested], [hair, push, first, second, dense]): Scratch<'_>,
+) -> Groups {
+    let step = || slot(uniforms);
+    let view = wgpu::BindingResource::TextureView;
+    Groups {
+        obstacles: pipelines.obstacles.bind(device, &[step(), obstacles.as_entire_binding()]),
+        splat: pipelines.splat.bind(
+            device,
+            &[
+                step(),
+                guides.info.as_entire_binding(),
+                guides.rest.as_entire_binding(),
+                guides.current.as_entire_binding(),
+                guides.velocity.as_entire_binding(),
+                rested.as_entire_binding(),
+                cells.as_entire_binding(),
+            ],
+        ),
+        sum: pipelines
+            .sum
+            .bind(device, &[step(), cells.as_entire_binding(), obstacles.as_entire_binding(), view(first)]),
+        blur: [(&pipelines.blur[0], first, second), (&pipelines.blur[1], second, first)].map(
+            |(kernel, from, to)| {
+                kernel.bind(device, &[step(), blur.as_entire_binding(), view(from), view(to)])
+            },
+        ),
+        density: pipelines.density.bind(
+            device,
+            &[
+                step(),
+                blur.as_entire_binding(),
+                view(first),
+                rest.as_entire_binding(),
+                view(dense),
+                view(hair),
+            ],
+        ),
+        push: pipelines.push.bind(device, &[step(), view(dense), view(push)]),
+        settle: pipelines.settle.bind(
+            device,
+            &[
+                step(),
+                guides.rest.as_entire_binding(),
+                rest.as_entire_binding(),
+                rested.as_entire_binding(),
+                guides.info.as_entire_binding(),
+            ],
+        ),
     }
 }
 

@@ -11,6 +11,7 @@ mod chosen;
 mod collide;
 mod common;
 mod counts;
+mod crowd;
 mod curls;
 mod draw;
 mod edges;

@@ -20,7 +20,7 @@
 //! Rejected: light at the body's vertices, which are 2 mm apart on one head and 20 on another, and farther once
 //! simplified; asking in the fragment shader where no point lies in the plane, for which lavapipe asks for all.
 
-use super::record::{Canvas, cleared};
+use super::record::{Canvas, canvas_parts, cleared};
 use crate::{
     Camera, Result,
     body::{self, Body},
@@ -34,6 +34,8 @@ use crate::{
     light::{self, Sphere},
 };
 use bytemuck::{Pod, Zeroable};
+use glam::{UVec2, Vec2, Vec3};
+use std::sync::{Mutex, PoisonError};
 
 /// Metres from one point to the next where the picture's focus is.
 const SPACING: f32 = 0.0012;
@@ -44,6 +46,10 @@ const STRAY: f32 = 0.2 * SPACING;
 const ACROSS: [u32; 2] = [2, 8];
 /// Words of a point.
 const WORDS: u64 = 8;
+/// Workgroups that ask, and points that are asked, before any is listed.
+const NONE_ASKED: [u32; 4] = [0, 1, 1, 0];
+/// Where that is in the buffer of a zone, bytes.
+const COUNT_AT: u64 = 32;
 
 const POSITION: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 const NORMAL: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -58,8 +64,12 @@ pub struct SoftUniform {
     pub wide: u32,
     /// Rows.
     pub high: u32,
-    /// Unused.
-    pub _pad: u32,
+    /// The number of the zone whose points are listed and asked; 0 for all.
+    pub zone: u32,
+    /// The first column and row of points that are looked at.
+    pub first: [u32; 2],
+    /// How many columns and rows.
+    pub size: [u32; 2],
 }
 
 /// The pipelines.
@@ -129,6 +139,8 @@ pub(crate) struct Soft {
     asked: wgpu::Buffer,
     /// How many workgroups that takes, and how many points they are.
     count: wgpu::Buffer,
+    /// Of each zone.
+    zones: Mutex<Vec<wgpu::Buffer>>,
     /// For those who draw bodies.
     pub(super) group: wgpu::BindGroup,
 }
@@ -162,7 +174,7 @@ impl Soft {
             })
         };
         let most = u64::from(width) * u64::from(height);
-        let points = buffer("soft points", 4 * WORDS * most, wgpu::BufferUsages::empty());
+        let points = buffer("soft points", 4 * WORDS * most, wgpu::BufferUsages::COPY_DST);
         let uniform = bindings::uniform(device, "soft", size_of::<SoftUniform>());
         let buffers = [&uniform, &points].map(wgpu::Buffer::as_entire_binding);
         Self {
@@ -179,6 +191,7 @@ impl Soft {
             ),
             uniform,
             points,
+            zones: Mutex::default(),
         }
     }
 
@@ -198,7 +211,7 @@ impl Soft {
     ) -> Result<()> {
         let across = Self::across(canvas.camera, canvas.targets.ssaa, canvas.focus);
         let [wide, high] = self.size.map(|side| side.div_ceil(across));
-        let uniform = SoftUniform { across, wide, high, _pad: 0 };
+        let uniform = SoftUniform { across, wide, high, zone: 0, first: [0; 2], size: [wide, high] };
         canvas.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
 
         let surface = pipelines.surface(canvas.device)?;
@@ -225,18 +238,75 @@ impl Soft {
         pass.set_viewport(width, height);
         pass.set_pipeline(&surface);
         pass.set_bind_group(0, canvas.frame, &[]);
-        bodies.iter().zip(strays).for_each(|(body, stray)| body.record(&mut pass, stray));
+        canvas_parts(&mut pass, canvas.parts, |pass, i| bodies[i].record(pass, strays[i]));
         drop(pass);
+        if canvas.parts.iter().any(|part| part.number > 0) {
+            return self.record_zones(pipelines, canvas, bodies, uniform);
+        }
 
-        canvas.queue.write_buffer(&self.count, 0, bytemuck::bytes_of(&[0_u32, 1, 1, 0]));
+        canvas.queue.write_buffer(&self.count, 0, bytemuck::bytes_of(&NONE_ASKED));
+        let light = canvas.light.1;
+        self.ask(pipelines, canvas, (light, &self.uniform, &self.count), wide * high);
+        Ok(())
+    }
+
+    /// Lists and asks the points of one zone after the other: where its bodies can be, in its light.
+    fn record_zones(
+        &self,
+        pipelines: &Pipelines,
+        canvas: &mut Canvas<'_>,
+        bodies: &[&Body],
+        whole: SoftUniform,
+    ) -> Result<()> {
+        crate::gpu::pass::clear(canvas.encoder, &self.points, None);
+        let parts = canvas.parts;
+        // What a panic leaves behind is whole.
+        let mut zones = self.zones.lock().unwrap_or_else(PoisonError::into_inner);
+        while zones.len() < parts.len() {
+            // The uniform, and how many points are asked.
+            zones.push(canvas.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("soft zone"),
+                size: COUNT_AT + 16,
+                usage: wgpu::BufferUsages::STORAGE
+                    | wgpu::BufferUsages::COPY_DST
+                    | wgpu::BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            }));
+        }
+        for (part, buffer) in parts.iter().zip(zones.iter()) {
+            let corners = part.bodies.iter().flat_map(|i| bodies[*i].corners());
+            let Some((first, size)) = square(canvas.camera, corners, [whole.wide, whole.high]) else {
+                continue;
+            };
+            let uniform = SoftUniform { zone: part.number, first, size, ..whole };
+            canvas.queue.write_buffer(buffer, 0, bytemuck::bytes_of(&uniform));
+            canvas.queue.write_buffer(buffer, COUNT_AT, bytemuck::bytes_of(&NONE_ASKED));
+            canvas.encoder.copy_buffer_to_buffer(buffer, COUNT_AT, &self.count, 0, 16);
+            self.ask(pipelines, canvas, (part.light, buffer, &self.count), size[0] * size[1]);
+        }
+        Ok(())
+    }
+
+    /// Looks at so many points, and asks `light` for those that see a body.
+    fn ask(
+        &self,
+        pipelines: &Pipelines,
+        canvas: &mut Canvas<'_>,
+        (light, uniform, count): (&light::State, &wgpu::Buffer, &wgpu::Buffer),
+        looked_at: u32,
+    ) {
         let all = wgpu::Buffer::as_entire_binding;
         let [position, normal] = [&self.position, &self.normal].map(wgpu::BindingResource::TextureView);
-        let (soft, points, asked, count) =
-            (all(&self.uniform), all(&self.points), all(&self.asked), all(&self.count));
-        let listed = [position.clone(), soft.clone(), points.clone(), asked.clone(), count.clone()];
+        let soft = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+            buffer: uniform,
+            offset: 0,
+            size: wgpu::BufferSize::new(size_of::<SoftUniform>() as u64),
+        });
+        let (points, asked, counted) = (all(&self.points), all(&self.asked), all(count));
+        let listed = [position.clone(), soft.clone(), points.clone(), asked.clone(), counted.clone()];
         let listed = pipelines.list.bind(canvas.device, &listed);
-        let light = canvas.light.1.frame_resources(canvas.eye);
-        let lit = [&light[..], &[position, normal, soft, points, asked, count]].concat();
+        let light = light.frame_resources(canvas.eye);
+        let lit = [&light[..], &[position, normal, soft, points, asked, counted]].concat();
         let lit = pipelines.ask.bind(canvas.device, &lit);
         let mut pass = crate::gpu::compute_pass(
             canvas.encoder,
@@ -245,8 +315,33 @@ impl Soft {
                 timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.compute("body")),
             },
         );
-        pipelines.list.record(&mut pass, &listed, &[], (wide * high).div_ceil(STRAND_WORKGROUP));
-        pipelines.ask.record_indirect(&mut pass, &lit, &[], (&self.count, 0));
-        Ok(())
+        pipelines.list.record(&mut pass, &listed, &[], looked_at.div_ceil(STRAND_WORKGROUP));
+        pipelines.ask.record_indirect(&mut pass, &lit, &[], (count, 0));
     }
+}
+
+/// The first column and row of a picture of `size` in which a box with these corners can be seen, and how many; none
+/// where it cannot.
+fn square(
+    camera: &Camera,
+    corners: impl Iterator<Item = Vec3>,
+    size: [u32; 2],
+) -> Option<([u32; 2], [u32; 2])> {
+    let clip = camera.projection * camera.view;
+    let (mut low, mut high, mut behind, mut any) = (Vec2::INFINITY, Vec2::NEG_INFINITY, false, false);
+    for corner in corners {
+        let at = clip * corner.extend(1.0);
+        any = true;
+        behind |= at.w <= 1e-3;
+        let place = Vec2::new(at.x, -at.y) / at.w.max(1e-3) * 0.5 + 0.5;
+        (low, high) = (low.min(place), high.max(place));
+    }
+    if behind {
+        (low, high) = (Vec2::ZERO, Vec2::ONE);
+    }
+    // A point beside what is seen is asked too.
+    let extent = UVec2::from(size).as_vec2();
+    let low = (low * extent - 2.0).max(Vec2::ZERO).floor().min(extent).as_uvec2();
+    let high = (high * extent + 2.0).max(Vec2::ZERO).ceil().min(extent).as_uvec2();
+    (any && low.cmplt(high).all()).then(|| (low.into(), (high - low).into()))
 }

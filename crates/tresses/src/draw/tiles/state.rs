@@ -333,7 +333,7 @@ impl Tiles {
         let mut all = 0u64;
         for seen in hair {
             firsts.push(all as u32);
-            let vertices = u64::from(seen.hair.strands.count) * u64::from(seen.hair.strands.vertex_count);
+            let vertices = u64::from(seen.hair.strands.room.vertices);
             all += vertices.next_multiple_of(u64::from(ALIGN));
         }
         use wgpu::TextureFormat::{R32Uint, Rgba32Float};
@@ -386,9 +386,9 @@ impl Tiles {
                 let offset = u64::from(*first) / 8;
                 let seen =
                     wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: &seen, offset, size: None });
-                let (pipelines, light) = canvas.light;
+                let (pipelines, light) = (canvas.light.0, (own.light, canvas.eye));
                 Ok(Groom {
-                    chosen: Chosen::new(device, pipelines, (light, canvas.eye), own.hair, own.shaded, seen)?,
+                    chosen: Chosen::new(device, pipelines, light, own.hair, own.shaded, seen)?,
                     project: kernels.project.bind(device, &project),
                     tint: kernels.tint.bind(device, &tint),
                     points: 0,

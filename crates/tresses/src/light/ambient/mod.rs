@@ -128,7 +128,7 @@ impl Ambient {
         lights: &wgpu::Buffer,
         shadow: [wgpu::BindingResource<'_>; 4],
     ) -> Self {
-        let cells = wanted.clamp(4, 64);
+        let cells = Self::within(wanted);
         let count = u64::from(cells).pow(3);
         let storage = |label, size| {
             device.create_buffer(&wgpu::BufferDescriptor {
@@ -176,6 +176,16 @@ impl Ambient {
         }
     }
 
+    /// Cells along each edge of a grid that is asked for with so many.
+    pub(super) fn within(wanted: u32) -> u32 {
+        wanted.clamp(4, 64)
+    }
+
+    /// Every so many points of a body made for fine cells are enough for these.
+    pub(super) fn every(&self) -> u32 {
+        body::points_for(u32::MAX).checked_div(body::points_for(self.cells)).unwrap_or(1).max(1)
+    }
+
     /// Cells to an edge.
     pub fn cells(&self) -> u32 {
         self.cells
@@ -204,7 +214,7 @@ impl Ambient {
         encoder: &mut wgpu::CommandEncoder,
         timings: Option<&mut Timings>,
         hair: &[Seen<'_>],
-        bodies: &[&Body],
+        (bodies, every): (&[&Body], u32),
     ) {
         crate::gpu::pass::clear(encoder, &self.sums, None);
         let mut pass = crate::gpu::compute_pass(
@@ -215,7 +225,7 @@ impl Ambient {
             },
         );
         let pass = &mut pass;
-        for Seen { hair, shaded } in hair {
+        for Seen { hair, shaded, .. } in hair {
             let every = (hair.drawn.count / AMBIENT_STRANDS).max(1);
             let strands = u64::from(hair.drawn.count.div_ceil(every));
             let threads = strands * u64::from(hair.drawn.vertex_count.saturating_sub(1));
@@ -228,7 +238,12 @@ impl Ambient {
             let (kernel, group) = [(&pipelines.skin, &self.skin), (&pipelines.glow, &self.glow)][i];
             for body in bodies {
                 pass.set_bind_group(1, &body.surface_group, &[]);
-                kernel.record(pass, group, &[], body.surface.points.div_ceil(STRAND_WORKGROUP));
+                kernel.record(
+                    pass,
+                    group,
+                    &[],
+                    body.surface.points.div_ceil(every).div_ceil(STRAND_WORKGROUP),
+                );
             }
             pipelines.settle.record(pass, &self.settle, &[], cells.div_ceil(STRAND_WORKGROUP));
             for slot in 0..u64::from(self.cells) {

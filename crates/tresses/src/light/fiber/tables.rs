@@ -20,6 +20,7 @@ type Key = (FiberShape, f32);
 /// the fibre's shape changes: tens of milliseconds on the CPU.
 #[derive(Debug)]
 pub struct FiberTables {
+    device: wgpu::Device,
     around: wgpu::Texture,
     mean: wgpu::Texture,
     pub(crate) group: wgpu::BindGroup,
@@ -73,7 +74,18 @@ impl FiberTables {
                 wgpu::BindingResource::Sampler(&bindings::linear(device)),
             ],
         );
-        Self { around, mean, group, filled: Mutex::new(None) }
+        Self { device: device.clone(), around, mean, group, filled: Mutex::new(None) }
+    }
+
+    /// Others, with nothing in them.
+    pub(crate) fn empty(&self) -> Self {
+        Self::new(&self.device)
+    }
+
+    /// Whether they are filled for other fibres than those of `shape`.
+    pub(crate) fn holds_others(&self, shape: &FiberShape, density: f32) -> bool {
+        let filled = self.filled.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        filled.as_ref().is_some_and(|filled| filled.key != (shape.clamped(), density))
     }
 
     /// Fills the tables for fibres of `shape` among which the share `density` (Zinke's d_b) of what is

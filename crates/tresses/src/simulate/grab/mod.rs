@@ -260,6 +260,12 @@ impl Grab {
         self.buffers.as_ref().map(|buffers| &buffers.state)
     }
 
+    /// What the hair's strands are in is other buffers from here on: it lets go.
+    pub(crate) fn forget_buffers(&mut self) {
+        self.buffers = None;
+        self.end();
+    }
+
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
         self.buffers.as_ref().map_or(0, |b| {

@@ -6,7 +6,7 @@ use tresses::{
     Hair,
     glam::Vec3,
     groom::{bind, import, styles::Style},
-    lod::{Detail, LodMode},
+    lod::{Detail, LodMode, LodOptions},
 };
 
 /// The share of a picture that is covered, and its mean light.
@@ -127,6 +127,16 @@ fn coverage_and_luminance_stay_at_any_distance() {
     assert!(thin < -MOST, "{thin}");
     let [_, lit] = errors(stage, hair, 8.0, 2, |detail| detail.area *= 0.7);
     assert!(lit > MOST, "{lit}");
+}
+
+/// With the levels of a crowd, whose strands are half as wide again.
+#[test]
+#[ignore = "proof"]
+fn heads_of_a_crowd_keep_coverage_and_luminance() {
+    let Some(stage) = Setup::open() else { return };
+    let mut hair = [stage.grown(&Style::default(), 5000)];
+    hair[0].lod.options = LodOptions::CROWD;
+    check(stage, "long of a crowd", &mut hair, &[2.0, 4.0, 6.5, 10.0, 16.0, 25.0, 40.0], MOST);
 }
 
 #[test]

@@ -1,0 +1,245 @@
+//! The cost of many heads with one groom, at 2 to 40 m, beside that of one in a portrait.
+
+use super::{
+    Sitting,
+    report::{StageTime, ms, table},
+    statistics::Summary,
+    workload::{self, FPS, WARM_UP},
+};
+use crate::{args::Size, photographer::Photographer};
+use anyhow::{Context, Result};
+use serde::Serialize;
+use tresses::lod::{HeadChosen, LodOptions};
+use tresses_scene::words::grouped;
+use tresses_scene::{Crowd, CrowdOptions, Motion, Viewpoint, camera::Angle, crowd::ROWS};
+
+/// Pixels.
+const SIZE: Size = Size { width: 1280, height: 720 };
+/// Strands of each head in full detail.
+const STRANDS: u32 = 10_000;
+/// A hundred heads are to cost at most so many portraits.
+const GOAL: (u32, f64) = (100, 6.0);
+/// Frames that are measured stage by stage.
+const STAGED: u32 = 2;
+
+/// What a crowd costs.
+#[derive(Debug, Serialize)]
+pub struct Times {
+    /// How many heads.
+    pub heads: u32,
+    /// Milliseconds of a frame of one head in a portrait.
+    pub portrait: Summary,
+    /// Milliseconds of a frame of all.
+    pub crowd: Summary,
+    /// Stage by stage: of the portrait, then of the crowd.
+    pub stages: [Vec<StageTime>; 2],
+    /// Bytes of GPU memory of one head that does not share, and of its view.
+    pub alone: [u64; 2],
+    /// Bytes that heads share, of all heads, and of their view.
+    pub bytes: [u64; 3],
+    /// What is said of rows at the same distance.
+    pub rows: Vec<Row>,
+}
+
+/// Heads that are about as far away.
+#[derive(Debug, Default, Serialize)]
+pub struct Row {
+    /// Metres.
+    pub distance: f32,
+    /// How many.
+    pub heads: u32,
+    /// Of each, the mean: pixels, strands, vertices of a strand, simulated guides, substeps.
+    pub means: [f64; 5],
+    /// Bytes of each that are its own.
+    pub bytes: u64,
+}
+
+/// Measures so many heads of the long style in motion.
+pub fn measure(heads: u32, sitting: Sitting<'_>) -> Result<Times> {
+    let Sitting { frames, bar, .. } = sitting;
+    let preset = workload::style(Some(STRANDS), workload::Edges::default());
+    let mut scene = Photographer::with_samples_at_most(&preset, SIZE).context("a crowd")?;
+    scene.measure_by(sitting.clock);
+    // Heads of a crowd have none.
+    scene.face.clear();
+    let motion = Motion::named("turn").context("a built-in motion")?;
+    let pivot = scene.pivot();
+    let camera = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), SIZE.aspect(), 1.0);
+    let dt = (1.0 / FPS) as f32;
+    let gesture = |frame: u32| motion.gesture(f64::from(frame) / FPS, pivot);
+    scene.watch(&camera);
+    scene.reset(&gesture(0))?;
+    let mut portrait = Vec::new();
+    for frame in 1..=WARM_UP + frames {
+        let wall = scene.measured_whole(&gesture(frame), dt, &camera)?;
+        if frame > WARM_UP {
+            portrait.push(wall);
+            bar.inc(1);
+        }
+    }
+    let alone = [
+        scene.hair.bytes(),
+        scene.view.shadow_bytes()
+            + scene.view.ambient_bytes()
+            + scene.view.shaded_bytes()
+            + scene.targets().bytes(),
+    ];
+    let mut stages = [Vec::new(), Vec::new()];
+    for frame in 1..=STAGED {
+        let measured = scene.measured_frame(&gesture(WARM_UP + frames + frame), dt, &camera)?;
+        gather(&mut stages[0], measured.stages);
+    }
+    let options = CrowdOptions { heads, rows: ROWS, pigments: true };
+    let mut crowd = Crowd::new(&mut scene, &options)?;
+    // The portrait is in full detail.
+    crowd.set_lod(LodOptions::CROWD);
+    let mut all = Vec::new();
+    for frame in 0..=WARM_UP + frames + STAGED {
+        let times = (f64::from(frame) / FPS, if frame == 0 { 0.0 } else { dt });
+        let staged = frame > WARM_UP + frames;
+        let measured = scene.measured_crowd(&mut crowd, &motion, times, staged)?;
+        if staged {
+            gather(&mut stages[1], measured.stages);
+        } else if frame > WARM_UP {
+            all.push(measured.wall);
+            bar.inc(1);
+        }
+    }
+    Ok(Times {
+        heads,
+        portrait: Summary::of(portrait),
+        crowd: Summary::of(all),
+        stages: stages.map(StageTime::all),
+        alone,
+        bytes: crowd.bytes(&scene),
+        rows: rows(&crowd.distances(), &crowd.chosen().heads),
+    })
+}
+
+fn gather(stages: &mut Vec<(&'static str, Vec<f64>)>, measured: Vec<(&'static str, f64)>) {
+    for (name, ms) in measured {
+        match stages.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, values)) => values.push(ms),
+            None => stages.push((name, vec![ms])),
+        }
+    }
+}
+
+/// Heads by how far they are away, in steps of a factor of 1.5.
+fn rows(distances: &[f32], heads: &[HeadChosen]) -> Vec<Row> {
+    let mut rows: Vec<(i32, Row)> = Vec::new();
+    for (distance, head) in distances.iter().zip(heads).filter(|(_, head)| head.seen) {
+        let step = (distance.max(0.1).ln() / 1.5f32.ln()).floor() as i32;
+        let at = rows.binary_search_by_key(&step, |(step, _)| *step).unwrap_or_else(|at| {
+            rows.insert(at, (step, Row::default()));
+            at
+        });
+        let row = &mut rows[at].1;
+        row.heads += 1;
+        row.distance += distance;
+        row.bytes += head.bytes;
+        let values =
+            [head.size, head.strands as f32, head.vertices as f32, head.guides as f32, head.substeps as f32];
+        row.means.iter_mut().zip(values).for_each(|(mean, value)| *mean += f64::from(value));
+    }
+    for (_, row) in &mut rows {
+        row.distance /= row.heads as f32;
+        row.bytes /= u64::from(row.heads);
+        row.means.iter_mut().for_each(|mean| *mean /= f64::from(row.heads));
+    }
+    rows.into_iter().map(|(_, row)| row).collect()
+}
+
+/// As tables, with what is to be said of the goal.
+pub fn text(times: &Times) -> String {
+    let mb = |bytes: u64| format!("{:.1}", bytes as f64 * 1e-6);
+    let head = ["metres", "heads", "pixels", "strands", "vertices each", "guides", "substeps", "MB each"];
+    let mut lines = vec![head.map(String::from).to_vec()];
+    for Row { distance, heads, means: [pixels, strands, vertices, guides, substeps], bytes } in &times.rows {
+        lines.push(vec![
+            format!("{distance:.1}"),
+            heads.to_string(),
+            format!("{pixels:.0}"),
+            grouped(*strands as u64),
+            format!("{vertices:.1}"),
+            format!("{guides:.0}"),
+            format!("{substeps:.1}"),
+            mb(*bytes),
+        ]);
+    }
+    let mut text = format!(
+        "\nA crowd (style long in motion, {} heads of {} strands, {} × {})\n{}",
+        times.heads,
+        grouped(STRANDS.into()),
+        SIZE.width,
+        SIZE.height,
+        table(&lines)
+    );
+    let [one, all] = &times.stages;
+    let mut lines = vec![["stage", "one head in a portrait", "crowd"].map(String::from).to_vec()];
+    let names = one.iter().chain(all).map(|stage| &stage.name);
+    let mut said: Vec<&String> = Vec::new();
+    for name in names {
+        if said.contains(&name) {
+            continue;
+        }
+        said.push(name);
+        let of = |list: &[StageTime]| {
+            list.iter().find(|stage| stage.name == *name).map_or("-".into(), |stage| ms(stage.time.median))
+        };
+        lines.push(vec![name.clone(), of(one), of(all)]);
+    }
+    let (portrait, crowd) = (times.portrait.median, times.crowd.median);
+    lines.push(vec!["whole frame".into(), ms(portrait), ms(crowd)]);
+    text += &table(&lines);
+    let [alone, view] = times.alone;
+    let [shared, own, seen] = times.bytes;
+    text += &format!(
+        "One head alone holds {} MB and its view {} MB; the crowd shares {} MB, its heads hold {} MB, its view {} MB.\n",
+        mb(alone),
+        mb(view),
+        mb(shared),
+        mb(own),
+        mb(seen)
+    );
+    let ratio = crowd / portrait.max(1e-9);
+    text += &format!("{} heads cost {ratio:.2} portraits of one", times.heads);
+    if times.heads == GOAL.0 {
+        let verdict = if ratio <= GOAL.1 { "as wanted, at most" } else { "wanted is at most" };
+        text += &format!("; {verdict} {:.0}", GOAL.1);
+    }
+    text + ".\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_crowd_is_held_against_a_portrait() {
+        let head = |strands| HeadChosen { seen: true, strands, vertices: 10, ..HeadChosen::default() };
+        let unseen = HeadChosen::default();
+        let rows = rows(&[2.0, 2.1, 30.0, 5.0], &[head(3000), head(1000), head(800), unseen]);
+        assert_eq!(rows.iter().map(|row| row.heads).collect::<Vec<_>>(), [2, 1]);
+        assert_eq!(rows[0].means[1], 2000.0);
+        let times = |ms: f64| Times {
+            heads: 100,
+            portrait: Summary { median: 10.0, p95: 10.0 },
+            crowd: Summary { median: ms, p95: ms },
+            stages: [
+                StageTime::all(vec![("shadow", vec![1.0])]),
+                StageTime::all(vec![("shadow", vec![3.0])]),
+            ],
+            alone: [1; 2],
+            bytes: [1; 3],
+            rows: Vec::new(),
+        };
+        assert!(
+            text(&times(50.0)).ends_with("100 heads cost 5.00 portraits of one; as wanted, at most 6.\n")
+        );
+        assert!(text(&times(70.0)).ends_with("7.00 portraits of one; wanted is at most 6.\n"));
+        assert!(
+            text(&times(50.0)).lines().any(|line| line.split_whitespace().eq(["shadow", "1.00", "3.00"]))
+        );
+    }
+}

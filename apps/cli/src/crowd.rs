@@ -1,0 +1,139 @@
+//! Pictures of a crowd: `tresses render --crowd`.
+
+use crate::{
+    photographer::Photographer,
+    picture::{Output, Picture},
+    progress, render,
+};
+use anyhow::{Result, ensure};
+use tresses::lod::Budget;
+use tresses_scene::{Crowd, CrowdOptions, Motion, crowd::ROWS, words::grouped};
+
+/// The most heads of a crowd.
+const MOST: u32 = 1000;
+
+/// The options of a crowd.
+#[derive(clap::Args, Clone, Copy, Debug, Default)]
+pub struct CrowdArgs {
+    /// Heads with the same hair in rows from 2 to 40 m, each with its own pose, phase and pigment, instead of one
+    #[arg(long = "crowd", value_name = "HEADS", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST)), help_heading = "Picture")]
+    crowd: Option<u32>,
+    /// Milliseconds that the hair of a crowd may take in a frame: its levels of detail are chosen so
+    #[arg(
+        long = "crowd-ms",
+        value_name = "MS",
+        requires = "crowd",
+        help_heading = "Picture",
+        hide_short_help = true
+    )]
+    crowd_ms: Option<f32>,
+    /// Megabytes (10^6) of GPU memory that the hair of a crowd may take, likewise
+    #[arg(
+        long = "crowd-mb",
+        value_name = "MB",
+        requires = "crowd",
+        help_heading = "Picture",
+        hide_short_help = true
+    )]
+    crowd_mb: Option<f64>,
+}
+
+impl CrowdArgs {
+    /// Whether there is to be a crowd.
+    pub fn is_given(&self) -> bool {
+        self.crowd.is_some()
+    }
+
+    /// Refuses what a crowd has not.
+    pub fn check(&self, args: &render::Args) -> Result<()> {
+        if !self.is_given() {
+            return Ok(());
+        }
+        let one = args.distance.is_some() || args.distance_to.is_some() || args.zoom != 1.0;
+        ensure!(
+            !one,
+            "a crowd is seen from where all of it is in the picture: leave out --zoom and --distance"
+        );
+        ensure!(args.debug.debug.is_none(), "--debug looks into one head: leave out --crowd");
+        ensure!(
+            args.animation.is_none() && args.morphs.is_empty(),
+            "the heads of a crowd are rigid: leave out --animation and --morph"
+        );
+        ensure!(self.crowd_ms.is_none_or(|ms| ms > 0.0), "--crowd-ms is more than 0");
+        ensure!(self.crowd_mb.is_none_or(|mb| mb > 0.0), "--crowd-mb is more than 0");
+        Ok(())
+    }
+
+    fn budget(&self) -> Budget {
+        let none = Budget::default();
+        Budget {
+            milliseconds: self.crowd_ms.unwrap_or(none.milliseconds),
+            bytes: self.crowd_mb.map_or(none.bytes, |mb| (mb * 1e6) as u64),
+        }
+    }
+}
+
+/// Draws a crowd of the hair of `scene`, and says what was written and at which levels.
+pub fn render(scene: &mut Photographer, motion: &Motion, frames: u32, args: &render::Args) -> Result<String> {
+    let options = CrowdOptions { heads: args.crowd.crowd.unwrap_or(1), rows: ROWS, pigments: true };
+    let mut crowd = Crowd::new(scene, &options)?;
+    crowd.budget = args.crowd.budget();
+    let timed = crowd.budget.milliseconds.is_finite();
+    let mut output = Output::create(&args.out, (args.size.width, args.size.height), frames, args.fps)?;
+    let bar = progress::frames("drawing", u64::from(frames));
+    for frame in 0..frames {
+        let seconds = if frame == 0 { 0.0 } else { 1.0 / args.fps };
+        let time = f64::from(frame) / args.fps;
+        if timed {
+            // Costs are known by frames: the picture itself is drawn once more.
+            let measured = scene.measured_crowd(&mut crowd, motion, (time, seconds as f32), false)?;
+            let work = crowd.chosen().work;
+            crowd.costs.fit(&work, measured.wall);
+        } else {
+            let mut encoder = scene.gpu.device.create_command_encoder(&Default::default());
+            crowd.record_advance(scene, &mut encoder, None, motion, (time, seconds as f32))?;
+            scene.gpu.queue.submit([encoder.finish()]);
+        }
+        if !output.keeps_only_last() || frame + 1 == frames {
+            output.add(picture(scene, &crowd)?)?;
+        }
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let said = said(&crowd, scene);
+    Ok(format!("{}\n{said}", output.finish()?))
+}
+
+/// The picture of the last frame. Blocks.
+fn picture(scene: &mut Photographer, crowd: &Crowd) -> Result<Picture> {
+    loop {
+        let mut encoder = scene.gpu.device.create_command_encoder(&Default::default());
+        crowd.record_draw(scene, &mut encoder, None)?;
+        scene.gpu.queue.submit([encoder.finish()]);
+        if pollster::block_on(scene.is_complete())? {
+            break;
+        }
+    }
+    let rgba = pollster::block_on(scene.targets().read(&scene.gpu.device, &scene.gpu.queue))?;
+    let [width, height] = scene.targets().size;
+    Ok(Picture { width, height, rgba })
+}
+
+/// What was chosen for the last frame, and what it takes.
+pub fn said(crowd: &Crowd, scene: &Photographer) -> String {
+    let chosen = crowd.chosen();
+    let seen = chosen.heads.iter().filter(|head| head.seen).count();
+    let asleep = chosen.heads.iter().filter(|head| head.asleep).count();
+    let sum = |of: &dyn Fn(&tresses::lod::HeadChosen) -> u64| grouped(chosen.heads.iter().map(of).sum());
+    let [shared, own, view] = crowd.bytes(scene).map(|bytes| bytes as f64 * 1e-6);
+    let kept = if chosen.fits { "" } else { ", which is beyond the budget" };
+    format!(
+        "{} heads, {seen} in view, {asleep} asleep: {} strands, {} vertices, {} guides; bias {:.2}{kept}\n\
+         GPU memory: {shared:.1} MB shared, {own:.1} MB of heads, {view:.1} MB of the view",
+        crowd.len(),
+        sum(&|head| head.strands.into()),
+        sum(&|head| u64::from(head.strands) * u64::from(head.vertices)),
+        sum(&|head| head.guides.into()),
+        chosen.bias,
+    )
+}

@@ -1,0 +1,326 @@
+//! A crowd: many heads with the same groom, each with a place, a pose, a phase of the motion and a pigment of its own.
+//!
+//! Each is one piece: they share the body on the GPU, so that none bends on its own. Neck and shoulders, which hair collides
+//! with, go with the head.
+
+use crate::{
+    camera::{VERTICAL_FOV, Viewpoint},
+    motion::Motion,
+    scene::Scene,
+};
+use anyhow::{Result, ensure};
+use tresses::{
+    Hair, Pose,
+    body::Body,
+    collide::ColliderPoses,
+    frame::{Frame, Recorder, Sight},
+    glam::{Quat, Vec3},
+    gpu::{Gpu, Timings},
+    light::{FiberMaterial, HairMaterial, Sphere, Zone},
+    lod::{Budget, Chosen, Costs, LodOptions},
+    math::hash::pcg,
+};
+
+/// Metres from the camera of the first row and of the last.
+pub const ROWS: [f32; 2] = [2.0, 40.0];
+/// Metres between the middles of two heads of a row, at least.
+const APART: f32 = 0.62;
+/// How far the camera is above the heads, per metre of the first row's distance.
+const ABOVE: f32 = 0.22;
+/// Bytes of a view per drawn vertex: of points, lists, colours and shading.
+const VIEW_BYTES: u64 = 71;
+
+/// What a crowd is like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CrowdOptions {
+    /// How many heads.
+    pub heads: u32,
+    /// Metres from the camera of the first row and of the last.
+    pub rows: [f32; 2],
+    /// Whether hair has several pigments, or all that of the settings.
+    pub pigments: bool,
+}
+
+/// One head.
+struct Head {
+    hair: Hair,
+    body: Option<Body>,
+    /// From groom space of a head that looks ahead to where it stands.
+    place: Pose,
+    /// The share of the motion's period by which it is ahead.
+    phase: f64,
+    now: Pose,
+}
+
+/// Many heads with the groom of a scene, and whoever looks at them.
+pub struct Crowd {
+    heads: Vec<Head>,
+    /// Who looks at them.
+    pub camera: Viewpoint,
+    /// What they may cost.
+    pub budget: Budget,
+    /// What work costs.
+    pub costs: Costs,
+    chosen: Chosen,
+    pivot: Vec3,
+    reach: f32,
+}
+
+impl Crowd {
+    /// Heads with the groom and the head of `scene`, in its light.
+    ///
+    /// # Errors
+    /// When there are other obstacles than the body, which all heads would share; when the adapter cannot hold them.
+    pub fn new(scene: &mut Scene, options: &CrowdOptions) -> Result<Self> {
+        ensure!(options.heads > 0, "a crowd has one head at least");
+        ensure!(
+            scene.obstacles.is_none(),
+            "the hair of a crowd knows of no obstacle but its head: leave out colliders"
+        );
+        scene.stand_still()?;
+        let (lo, hi) = scene.subject();
+        let middle = 0.5 * (lo + hi);
+        let rows = rows(options, scene.targets().size);
+        let eye = Vec3::new(0.0, middle.y + ABOVE * options.rows[0] + 0.5 * (hi.y - lo.y), middle.z);
+        // Down so far that both the first row and the last are in the picture.
+        let down = |away: f32| ((eye.y - middle.y) / away).atan();
+        let pitch = 0.5 * (down(options.rows[0]) + down(options.rows[1]));
+        let camera =
+            Viewpoint { eye, target: eye + Vec3::new(0.0, -pitch.sin(), -pitch.cos()) * options.rows[0] };
+        let Gpu { device, queue, .. } = &scene.gpu;
+        let materials = pigments(scene.hair.set.material, options.pigments);
+        let mut heads = Vec::new();
+        for (i, at) in rows.into_iter().enumerate() {
+            let random = |k: u32| pcg(8 * i as u32 + k) as f32 / u32::MAX as f32;
+            let mut hair = scene.hair.another(device, queue, &scene.pipelines, scene.colliders())?;
+            hair.set.material = materials[pcg(i as u32 + 31) as usize % materials.len()];
+            hair.lod.options = of_many(scene.hair.lod.options);
+            hair.avoidance.options = scene.hair.avoidance.options;
+            // Towards the camera, give or take a quarter of a turn.
+            let yaw = (random(0) - 0.5) * 1.6 + (-at.x).atan2(-at.z);
+            let turn = Pose::about(middle, Quat::from_rotation_y(yaw));
+            let place = Pose { translation: turn.translation + at, ..turn };
+            let body = scene.body.as_ref().map(|body| body.another(device));
+            heads.push(Head { hair, body, place, phase: f64::from(random(3)), now: place });
+        }
+        Ok(Self {
+            heads,
+            camera,
+            budget: Budget::default(),
+            costs: Costs::default(),
+            chosen: Chosen::default(),
+            pivot: scene.pivot(),
+            reach: scene.picture.focus.radius,
+        })
+    }
+
+    /// How many heads there are.
+    pub fn len(&self) -> usize {
+        self.heads.len()
+    }
+
+    /// Whether there is none, which never is.
+    pub fn is_empty(&self) -> bool {
+        self.heads.is_empty()
+    }
+
+    /// The levels that were chosen for the last frame.
+    pub fn chosen(&self) -> &Chosen {
+        &self.chosen
+    }
+
+    /// From here on their levels are chosen so.
+    pub fn set_lod(&mut self, options: LodOptions) {
+        self.heads.iter_mut().for_each(|head| head.hair.lod.options = options);
+    }
+
+    /// All hair at rest, where heads are at `time` of the motion, seconds.
+    pub fn reset(&mut self) {
+        self.heads.iter_mut().for_each(|head| head.hair.reset());
+    }
+
+    /// Bytes of GPU memory: what heads share, and of each; then of the view.
+    pub fn bytes(&self, scene: &Scene) -> [u64; 3] {
+        let shared = self
+            .heads
+            .first()
+            .map_or(0, |head| head.hair.shared_bytes() + head.body.as_ref().map_or(0, Body::shared_bytes));
+        let own = self.heads.iter().map(|head| {
+            head.hair.own_bytes() + head.body.as_ref().map_or(0, |body| body.bytes() - body.shared_bytes())
+        });
+        let view = &scene.view;
+        let lit = view.shadow_bytes() + view.ambient_bytes() + view.zone_bytes() + view.shaded_bytes();
+        [shared, own.sum(), lit + view.targets().bytes()]
+    }
+
+    /// Records the motion of a frame `seconds` after the last one, to `time` seconds of `motion`, for which levels of detail
+    /// are chosen.
+    ///
+    /// # Errors
+    /// When the adapter cannot hold what a level needs.
+    pub fn record_advance(
+        &mut self,
+        scene: &mut Scene,
+        encoder: &mut wgpu::CommandEncoder,
+        timings: Option<&mut Timings>,
+        motion: &Motion,
+        (time, seconds): (f64, f32),
+    ) -> Result<()> {
+        let camera = self.camera;
+        scene.look_from(&camera);
+        let eye = scene.eye(&camera);
+        for head in &mut self.heads {
+            let ahead = head.phase * motion.duration();
+            head.now = head.place.after(&motion.pose(time + ahead, self.pivot));
+            if let Some(body) = &mut head.body {
+                body.pose = head.now;
+            }
+        }
+        let Gpu { device, queue, .. } = &scene.gpu;
+        let mut all: Vec<_> = self.heads.iter_mut().map(|head| (&mut head.hair, head.now)).collect();
+        let bias = self.chosen.bias;
+        self.chosen = self.budget.look_from(device, queue, &self.costs, &eye, &mut all, bias, VIEW_BYTES);
+        let (lo, hi) = scene.subject();
+        let middle = 0.5 * (lo + hi);
+        let mut nearest = (f32::INFINITY, scene.picture.focus);
+        let mut zones = Vec::new();
+        for (i, head) in self.heads.iter().enumerate().filter(|(_, head)| head.hair.is_seen()) {
+            // Where the neck stands, so that maps do not move with every turn of the head.
+            let focus = Sphere { center: head.place.point(middle), radius: self.reach };
+            let away = focus.center.distance(camera.eye);
+            if away < nearest.0 {
+                nearest = (away, focus);
+            }
+            let bodies = if head.body.is_some() { vec![i] } else { Vec::new() };
+            zones.push(Zone::seen(focus, &eye, self.chosen.bias, vec![i], bodies));
+        }
+        scene.picture.focus = nearest.1;
+        let pipelines = scene.pipelines.clone();
+        scene.view.set_zones(device, &pipelines, &zones);
+        let mut recorder = Recorder { pipelines: &pipelines, device, queue, encoder, timings };
+        for head in &mut self.heads {
+            // Its neck and shoulders go with it.
+            let colliders = ColliderPoses { head: None, colliders: vec![head.now; scene.colliders().len()] };
+            let frame = Frame {
+                dt: seconds,
+                head: head.now,
+                colliders: &colliders,
+                simulation: &scene.physics,
+                ..Frame::default()
+            };
+            recorder.advance(&mut head.hair, &frame)?;
+        }
+        Ok(())
+    }
+
+    /// Records the picture of that frame into the view of `scene`.
+    ///
+    /// # Errors
+    /// When the adapter cannot hold what the view needs.
+    pub fn record_draw(
+        &self,
+        scene: &Scene,
+        encoder: &mut wgpu::CommandEncoder,
+        timings: Option<&mut Timings>,
+    ) -> Result<()> {
+        let Gpu { device, queue, .. } = &scene.gpu;
+        let mut recorder = Recorder { pipelines: &scene.pipelines, device, queue, encoder, timings };
+        let hair: Vec<_> = self.heads.iter().map(|head| &head.hair).collect();
+        let bodies: Vec<_> = self.heads.iter().filter_map(|head| head.body.as_ref()).collect();
+        recorder.draw(&hair, &bodies, Sight::new(&scene.view, &scene.picture))?;
+        Ok(())
+    }
+
+    /// How far each head is from the camera, metres.
+    pub fn distances(&self) -> Vec<f32> {
+        let of = |head: &Head| head.place.point(self.pivot).distance(self.camera.eye);
+        self.heads.iter().map(of).collect()
+    }
+}
+
+/// Levels of detail of one head of many: what nobody has said is a crowd's.
+fn of_many(own: LodOptions) -> LodOptions {
+    fn said<T: PartialEq>(own: T, one: T, many: T) -> T {
+        if own == one { many } else { own }
+    }
+    let (one, many) = (LodOptions::default(), LodOptions::CROWD);
+    LodOptions {
+        mode: own.mode,
+        bias: own.bias,
+        strand_width: said(own.strand_width, one.strand_width, many.strand_width),
+        curve_error: said(own.curve_error, one.curve_error, many.curve_error),
+        slowest: said(own.slowest, one.slowest, many.slowest),
+        slow_pixel: said(own.slow_pixel, one.slow_pixel, many.slow_pixel),
+        guides: said(own.guides, one.guides, many.guides),
+        substep_pixel: said(own.substep_pixel, one.substep_pixel, many.substep_pixel),
+        alone_pixel: said(own.alone_pixel, one.alone_pixel, many.alone_pixel),
+        sleep: own.sleep || many.sleep,
+    }
+}
+
+/// Where heads stand relative to one under the camera, metres: in rows at equal distances, each as wide as the picture is
+/// there at most.
+fn rows(options: &CrowdOptions, [width, height]: [u32; 2]) -> Vec<Vec3> {
+    let count = options.heads.max(1);
+    let rows = (f64::from(count).sqrt().ceil() as u32).max(1);
+    let [near, far] = options.rows;
+    let aspect = width as f32 / height.max(1) as f32;
+    let mut heads = Vec::new();
+    for row in 0..rows {
+        let left = count - heads.len() as u32;
+        let away = near + (far - near) * if rows > 1 { row as f32 / (rows - 1) as f32 } else { 0.0 };
+        let wide = 1.9 * away * (0.5 * VERTICAL_FOV).tan() * aspect;
+        let fits = ((wide / APART) as u32).max(1);
+        let own = left.div_ceil(rows - row).min(if row + 1 == rows { left } else { fits });
+        let apart = (wide / own.max(1) as f32).clamp(APART, 2.5 * APART + 0.04 * away);
+        for i in 0..own {
+            let random = |k: u32| pcg(4 * heads.len() as u32 + k) as f32 / u32::MAX as f32 - 0.5;
+            // Not in rank and file.
+            let aside = (i as f32 - 0.5 * (own - 1) as f32) * apart + 0.25 * (apart - APART) * random(0);
+            let back = if row == 0 { 0.0 } else { 0.5 * random(1) };
+            heads.push(Vec3::new(aside, 0.12 * random(2), -away + back));
+        }
+    }
+    heads
+}
+
+/// What hair of a crowd looks like: the settings' first.
+fn pigments(own: HairMaterial, several: bool) -> Vec<HairMaterial> {
+    let mut all = vec![own];
+    if several {
+        let named =
+            [HairMaterial::black(), HairMaterial::brown(), HairMaterial::blond(), HairMaterial::red()];
+        // Model, fibre and width stay the settings'.
+        all.extend(named.map(|other| {
+            let HairMaterial { model, file_colors, min_width, .. } = own;
+            let mut material = HairMaterial { model, file_colors, min_width, ..other };
+            material.fiber = FiberMaterial {
+                root_absorption: other.fiber.root_absorption,
+                tip_absorption: other.fiber.tip_absorption,
+                ..own.fiber
+            };
+            material
+        }));
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_hold_all_heads_apart() {
+        for heads in [1, 2, 25, 100, 300] {
+            let options = CrowdOptions { heads, rows: ROWS, pigments: true };
+            let places = rows(&options, [1280, 720]);
+            assert_eq!(places.len() as u32, heads);
+            let far = |p: &Vec3| -p.z;
+            assert!(places.iter().all(|p| (1.9..=41.0).contains(&far(p))));
+            let apart = |a: &Vec3, b: &Vec3| Vec3::new(a.x - b.x, 0.0, a.z - b.z).length();
+            for (i, a) in places.iter().enumerate() {
+                assert!(places[..i].iter().all(|b| apart(a, b) > 0.4), "{heads}: {a} stands in another");
+            }
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! Many heads with the same groom: what never changes is on the GPU once.
+//!
+//! | shared | a head's own |
+//! |---|---|
+//! | where guides rest; bindings and rest curves of strands; tables of levels, measured once | where guides are; their samples |
+//! | the fields of the collider atlas | poses of colliders |
+//! | the cells in which hair meets hair, whose content no step leaves to the next | where obstacles are in them, density at rest |
+//! | index lists; tables of fibres, while their fibres are alike | material, level of detail, drawn vertices |
+//!
+//! A head that shares has room for the strands that its level draws, not for all: drawn vertices, their colours and the
+//! lists of tiles are most of a groom's memory. Before a frame needs more it moves into larger buffers, by half an octave
+//! at a time; nothing is read back.
+
+use super::{Hair, interpolation};
+use crate::{
+    Pipelines, Pose, Result,
+    avoid::StrandState,
+    clock::Clock,
+    collide::Collider,
+    roots::Roots,
+    simulate::{Forces, Grab, Shifting, Simulation},
+    space::{Carrier, Passage, Space},
+    strands::{Room, Strand, StrandVertex},
+    tessellate::Tessellation,
+    wind::Air,
+};
+
+impl Hair {
+    /// Another head with the same groom, at rest, among `colliders` besides the head's field. It has a material, a level
+    /// of detail and options of its own, which begin as they are here. What it draws is, to the bit, what hair would that
+    /// was uploaded for it; skin that bends is [attached](Self::attach) anew.
+    ///
+    /// # Errors
+    /// As [`with_colliders`](Self::with_colliders).
+    pub fn another(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        pipelines: &Pipelines,
+        colliders: &[Collider],
+    ) -> Result<Self> {
+        let guides = self.guides.another(device, queue)?;
+        // Room is made in the first frame, when it is known for what.
+        let mut strands = self.strands.another(device, Room { strands: 1, vertices: 1 })?;
+        strands.drawn.count = 0;
+        let volume = self.volume.another(device, &pipelines.volume, &guides)?;
+        let tessellation = Tessellation::new(device, &pipelines.tessellate, &guides);
+        let interpolation = interpolation(device, pipelines, &guides, &strands, &tessellation);
+        let set = self.set.another(device, &strands);
+        let gpu = (device, queue);
+        let avoidance = self.avoidance.another(gpu, &pipelines.avoid, &guides, &strands)?;
+        let lod = self.lod.another(device, &pipelines.widths, &strands);
+        strands.drawn = self.lod.drawn();
+        Ok(Self {
+            set,
+            lod,
+            head: Pose::IDENTITY,
+            tessellation,
+            interpolation,
+            forces: Forces::new(device, &pipelines.simulate, &guides, &volume, None),
+            air: None,
+            windy: false,
+            extent: self.extent,
+            volume,
+            forced: false,
+            grab: Grab::default(),
+            avoidance,
+            clock: Clock::default(),
+            states: (Pose::IDENTITY, Pose::IDENTITY, 1.0),
+            span: 0.0,
+            moved_away: false,
+            simulation: Simulation::new(device, &pipelines.simulate, &guides),
+            guides,
+            strands,
+            colliders: self.colliders.another(device, queue, colliders)?,
+            carrier: Carrier::default(),
+            passage: Passage::default(),
+            shifting: None,
+            shifts: false,
+            drawn_in: Space::WORLD,
+            to_drawn: Pose::IDENTITY,
+            roots: None,
+            fits: true,
+            order: self.order.clone(),
+            sleep: super::Sleep::default(),
+            substeps: self.substeps,
+        })
+    }
+
+    /// Makes room for what the level of detail draws, where hair has no more than that. Before anything of a frame is
+    /// recorded that knows of strands.
+    pub(crate) fn make_room(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        pipelines: &Pipelines,
+    ) -> Result<()> {
+        let drawn = self.strands.drawn;
+        if self.sleep.unseen {
+            self.set.drawn.count = 0;
+            return Ok(());
+        }
+        if !self.fits {
+            if self.set.drawn.count == 0 {
+                self.set.show(device, &drawn);
+            }
+            return Ok(());
+        }
+        let need = [drawn.count, drawn.count * drawn.vertex_count];
+        let Some(room) = self.strands.room.another(need, self.strands.whole()) else {
+            self.set.show(device, &drawn);
+            return Ok(());
+        };
+        let roots = self.strands.roots.clone();
+        self.strands = crate::strands::StrandBuffers { roots, ..self.strands.another(device, room)? };
+        self.lod.move_into(device, queue, &pipelines.widths, &self.strands);
+        self.avoidance.move_into((device, queue), &pipelines.avoid, &self.guides, &self.strands)?;
+        self.interpolation =
+            interpolation(device, pipelines, &self.guides, &self.strands, &self.tessellation);
+        self.grab.forget_buffers();
+        self.set.move_into(device, &self.strands);
+        Ok(())
+    }
+
+    /// Whether it has room for what its level of detail draws alone.
+    pub(crate) fn shares_room(&self) -> bool {
+        self.fits
+    }
+
+    /// Bytes of GPU memory of this head alone.
+    pub fn own_bytes(&self) -> u64 {
+        self.bytes() - self.shared_bytes()
+    }
+
+    /// Bytes of those that go with its room: strands, their widening, what is remembered of them, their vertices.
+    pub(crate) fn strand_bytes(&self, room: Room) -> u64 {
+        (size_of::<Strand>() + 4 + size_of::<StrandState>()) as u64 * u64::from(room.strands)
+            + size_of::<StrandVertex>() as u64 * u64::from(room.vertices)
+    }
+
+    /// Bytes of its GPU memory that all heads with this groom share: those of `n` heads take this once, and the rest of
+    /// [`bytes`](Self::bytes) each.
+    pub fn shared_bytes(&self) -> u64 {
+        self.guides.shared_bytes()
+            + self.strands.shared_bytes()
+            + self.set.shared_bytes()
+            + self.lod.shared_bytes()
+            + self.colliders.shared_bytes()
+            + self.volume.shared_bytes()
+            + self.order.bytes()
+    }
+
+    /// Bytes of GPU memory, those that it [shares](Self::shared_bytes) included, without what each view has of it
+    /// ([`View::shaded_bytes`](crate::view::View::shaded_bytes)).
+    pub fn bytes(&self) -> u64 {
+        self.guides.bytes()
+            + self.strands.bytes()
+            + self.set.bytes()
+            + self.lod.bytes()
+            + self.avoidance.bytes()
+            + self.simulation.bytes()
+            + self.colliders.bytes()
+            + self.volume.bytes()
+            + self.forces.bytes()
+            + self.grab.bytes()
+            + self.air.as_ref().map_or(0, Air::bytes)
+            + self.shifting.as_ref().map_or(0, Shifting::bytes)
+            + self.roots.as_ref().map_or(0, Roots::bytes)
+            + self.order.bytes()
+    }
+}

@@ -1,0 +1,210 @@
+//! Zones: parts of what a view sees that have shadow maps and a grid of ambient light of their own.
+//!
+//! One set of maps around one [focus](crate::view::Picture::focus) is right for a head, or a few beside each other. In maps
+//! that hold a crowd of 40 m a head is two texels wide, and a cell of the grid is as large as ten of them. So each head has
+//! a zone, a sphere around it, whose maps are as fine as the picture shows it ([`Zone::seen`]). Coarse maps are too dark,
+//! for their texels smooth the front of the hair: by 1.6 % with 256² texels around a head, 5 with 128², 13 with 64². Coarse
+//! cells are not, among a photographer's lights: 12³ and 8³ are as bright in the mean as 24³; by the sky alone 12³ are 4 %
+//! brighter, 8³ some 10 %. What lies in two zones is lit in each by its own.
+//!
+//! ```text
+//! zones ─► for each: shadow maps, ambient light (the same kernels, other buffers)
+//! hair ──► shaded in the light of its zone      bodies ─► asked for (draw::soft) and drawn in theirs
+//! ```
+//!
+//! **In turn.** The light of a far zone is made in every second or fourth picture, each zone's in another, and kept in
+//! between, with all that belongs to it: lights, maps, cells ([`Zone::every`]).
+//!
+//! Zones cast no shadow on each other: what stands in the light of a neighbour is lit all the same.
+//!
+//! **Why not cascades?** They share what is near and blur what is far, along the way from the eye; heads in a crowd are
+//! small things with much air between them, and most of a cascade would be empty. **Why not one atlas?** Every lookup
+//! would clamp to its tile, in every kernel of the stage; buffers of their own cost a few bind groups.
+
+use super::{Pipelines, Sphere, State};
+use crate::Camera;
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, AtomicU32, Ordering},
+};
+
+/// A part of what a view sees.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Zone {
+    /// What its shadow maps and its grid cover.
+    pub focus: Sphere,
+    /// Texels along each edge of a shadow map, brought into 4 to 2048.
+    pub resolution: u32,
+    /// Cells along each edge of the grid of ambient light, brought into 4 to 64.
+    pub cells: u32,
+    /// The grooms in it, by their places among those that are recorded.
+    pub hair: Vec<usize>,
+    /// The bodies in it, likewise.
+    pub bodies: Vec<usize>,
+    /// Its light is made anew in one of so many pictures, and whenever what is in it or its focus has changed: it changes
+    /// less in a picture than a far head shows. 0 and 1 for each picture.
+    pub every: u32,
+}
+
+/// The coarsest and finest maps and grids of [`Zone::seen`].
+const RESOLUTIONS: [u32; 2] = [256, 1024];
+const CELLS: [u32; 3] = [12, 16, 24];
+/// The edge of a cell, pixels.
+const CELL: f32 = 8.0;
+/// Zones of so many pixels have new light in each picture; those of half of it in every second, smaller ones in every
+/// fourth.
+const EACH: f32 = 320.0;
+
+impl Zone {
+    /// Around `focus`, as fine as `camera` sees it: texels of the hair's maps are no larger than two pixels, as long as there
+    /// are enough of them, and cells about eight, of pictures `coarser` octaves coarser. In steps, so that a head that moves
+    /// seldom gets others.
+    pub fn seen(focus: Sphere, camera: &Camera, coarser: f32, hair: Vec<usize>, bodies: Vec<usize>) -> Self {
+        let clip = camera.projection * camera.view;
+        let away = (clip * focus.center.extend(1.0)).w;
+        let per_metre = camera.projection.z_axis.w.abs();
+        let nearest = if per_metre > 0.0 { (away - focus.radius * per_metre).max(0.05) } else { away };
+        let pixels = 2.0 * focus.radius / (camera.pixel() * nearest) * (-coarser).exp2();
+        // Three texels of a depth map are one of the hair's, which is smoothed over three.
+        let octaves = (1.5 * pixels / RESOLUTIONS[0] as f32).max(1.0).log2().ceil();
+        let resolution = (RESOLUTIONS[0] << (octaves as u32).min(16)).min(RESOLUTIONS[1]);
+        let cells = CELLS.into_iter().rev().find(|cells| *cells as f32 * CELL <= pixels).unwrap_or(CELLS[0]);
+        let every = if pixels >= EACH {
+            1
+        } else if pixels >= 0.5 * EACH {
+            2
+        } else {
+            4
+        };
+        Self { focus, resolution, cells, hair, bodies, every }
+    }
+}
+
+/// The zones of a view, each with its light.
+#[derive(Debug, Default)]
+pub(crate) struct Zones {
+    list: Vec<(Zone, Arc<State>, AtomicBool)>,
+    /// In how many pictures light was made.
+    pictures: AtomicU32,
+}
+
+impl Zones {
+    /// These zones from here on, seen by `camera`; light that is as fine as one wants is kept.
+    pub fn set(
+        &mut self,
+        device: &wgpu::Device,
+        pipelines: &Pipelines,
+        camera: &wgpu::Buffer,
+        zones: &[Zone],
+    ) {
+        let mut before: Vec<_> = std::mem::take(&mut self.list).into_iter().map(Some).collect();
+        let mut set = |(i, zone): (usize, &Zone)| {
+            let sizes = [zone.resolution, zone.cells];
+            let kept = before.get_mut(i).and_then(|old| old.take_if(|(_, light, _)| light.fits(sizes)));
+            let Some((old, light, made)) = kept else {
+                let light = Arc::new(State::new(device, pipelines, sizes, camera));
+                return (zone.clone(), light, AtomicBool::new(false));
+            };
+            // Its light may be another's, or lie elsewhere.
+            let same = (old.focus, &old.hair, &old.bodies) == (zone.focus, &zone.hair, &zone.bodies);
+            (zone.clone(), light, AtomicBool::new(same && made.into_inner()))
+        };
+        self.list = zones.iter().enumerate().map(&mut set).collect();
+    }
+
+    /// The light of these parts has been made in a picture.
+    pub fn made(&self, parts: &[Part<'_>]) {
+        for part in parts.iter().filter(|part| part.fresh) {
+            if let Some((.., made)) = (part.number as usize).checked_sub(1).and_then(|i| self.list.get(i)) {
+                made.store(true, Ordering::Relaxed);
+            }
+        }
+        self.pictures.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// What a picture of so many grooms and bodies is lit by: one part for each zone, and the view's own `light` around
+    /// `focus` for those that are in none. Without zones, that alone.
+    pub fn parts<'a>(
+        zones: Option<&'a Self>,
+        (light, focus): (&'a State, Sphere),
+        [hair, bodies]: [usize; 2],
+    ) -> Vec<Part<'a>> {
+        let (all_hair, all_bodies) = ((0..hair).collect(), (0..bodies).collect());
+        let all = Part { number: 0, light, focus, hair: all_hair, bodies: all_bodies, fresh: true };
+        let Some(zones) = zones.filter(|zones| !zones.list.is_empty()) else { return vec![all] };
+        let picture = zones.pictures.load(Ordering::Relaxed);
+        let zones = &zones.list;
+        let mut rest = [vec![true; hair], vec![true; bodies]];
+        let mut parts = Vec::with_capacity(zones.len() + 1);
+        for (zone, light, made) in zones {
+            // One that another zone has, or that is not there, is not this one's.
+            let [own_hair, own_bodies] = [&zone.hair, &zone.bodies].map(|list| list.iter().copied());
+            let own = |list: &mut dyn Iterator<Item = usize>, rest: &mut Vec<bool>| -> Vec<usize> {
+                list.filter(|i| rest.get_mut(*i).is_some_and(std::mem::take)).collect()
+            };
+            let [of_hair, of_bodies] = &mut rest;
+            let number = parts.len() as u32 + 1;
+            // Each in its turn.
+            let due = picture.wrapping_add(number).is_multiple_of(zone.every.max(1));
+            parts.push(Part {
+                number,
+                fresh: due || !made.load(Ordering::Relaxed),
+                light,
+                focus: zone.focus,
+                hair: own(&mut { own_hair }, of_hair),
+                bodies: own(&mut { own_bodies }, of_bodies),
+            });
+        }
+        let [hair, bodies] = rest.map(|rest| {
+            rest.iter().enumerate().filter(|(_, rest)| **rest).map(|(i, _)| i).collect::<Vec<_>>()
+        });
+        if !hair.is_empty() || !bodies.is_empty() {
+            parts.push(Part { number: parts.len() as u32 + 1, hair, bodies, ..all });
+        }
+        parts
+    }
+
+    /// Bytes of GPU memory.
+    pub fn bytes(&self) -> u64 {
+        self.list.iter().map(|(_, light, _)| light.shadow_bytes() + light.ambient_bytes()).sum()
+    }
+}
+
+/// What is lit by the same maps in a picture.
+#[derive(Clone, Debug)]
+pub(crate) struct Part<'a> {
+    /// From 1; 0 where there are no zones.
+    pub number: u32,
+    pub light: &'a State,
+    pub focus: Sphere,
+    pub hair: Vec<usize>,
+    pub bodies: Vec<usize>,
+    /// Whether its light is made anew in this picture.
+    pub fresh: bool,
+}
+
+impl Part<'_> {
+    /// Its own of all grooms or bodies.
+    pub fn of<T: Copy>(list: &[usize], all: &[T]) -> Vec<T> {
+        list.iter().filter_map(|i| all.get(*i).copied()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn zones_are_as_fine_as_they_are_seen() {
+        let focus = Sphere { center: Vec3::ZERO, radius: 0.35 };
+        let zone = |away: f32| {
+            let camera =
+                Camera::look_at(Vec3::Z * away, Vec3::ZERO, std::f32::consts::FRAC_PI_6, [1280, 720]);
+            Zone::seen(focus, &camera, 0.0, vec![0], vec![])
+        };
+        let sizes = [1.0, 2.0, 5.0, 12.0, 20.0, 40.0].map(|away| [zone(away).resolution, zone(away).cells]);
+        assert_eq!(sizes, [[1024, 24], [1024, 24], [512, 24], [256, 12], [256, 12], [256, 12]]);
+        assert_eq!([1.0, 2.0, 5.0, 12.0].map(|away| zone(away).every), [1, 1, 2, 4]);
+    }
+}
