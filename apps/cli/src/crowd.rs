@@ -6,8 +6,8 @@ use crate::{
     progress, render,
 };
 use anyhow::{Result, ensure};
-use tresses::lod::Budget;
-use tresses_scene::{Crowd, CrowdOptions, Motion, crowd::ROWS, words::grouped};
+use tresses::{groom::mannequin::facial::Beard, lod::Budget};
+use tresses_scene::{Crowd, CrowdOptions, Motion, Settings, crowd::ROWS, words::grouped};
 
 /// The most heads of a crowd.
 const MOST: u32 = 1000;
@@ -45,7 +45,7 @@ impl CrowdArgs {
     }
 
     /// Refuses what a crowd has not.
-    pub fn check(&self, args: &render::Args) -> Result<()> {
+    pub fn check(&self, args: &render::Args, settings: &Settings) -> Result<()> {
         if !self.is_given() {
             return Ok(());
         }
@@ -59,6 +59,8 @@ impl CrowdArgs {
             args.animation.is_none() && args.morphs.is_empty(),
             "the heads of a crowd are rigid: leave out --animation and --morph"
         );
+        let shaved = settings.style.face.beard == Beard::None;
+        ensure!(shaved, "nothing grows on the faces of a crowd: leave out --beard");
         ensure!(self.crowd_ms.is_none_or(|ms| ms > 0.0), "--crowd-ms is more than 0");
         ensure!(self.crowd_mb.is_none_or(|mb| mb > 0.0), "--crowd-mb is more than 0");
         Ok(())

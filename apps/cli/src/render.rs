@@ -95,7 +95,7 @@ pub fn run(args: &Args) -> Result<()> {
         *hair_hair = HairHair { speed: 0.0, friction: 0.0, ..HairHair::default() };
     }
     args.debug.check(&preset.settings.physics())?;
-    args.crowd.check(args)?;
+    args.crowd.check(args, &preset.settings)?;
     let moves = known > 1 || args.animation.is_some() || args.crowd.is_given();
     let open = if moves { Photographer::open } else { Photographer::open_still };
     let mut scene = open(&preset, args.size)?;
