@@ -16,7 +16,7 @@ const MOST: u32 = 1000;
 #[derive(clap::Args, Clone, Copy, Debug, Default)]
 pub struct CrowdArgs {
     /// Heads with the same hair in rows from 2 to 40 m, each with its own pose, phase and pigment, instead of one
-    #[arg(long = "crowd", value_name = "HEADS", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST)), help_heading = "Picture")]
+    #[arg(long = "crowd", value_name = "HEADS", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST)), help_heading = "Picture", hide_short_help = true)]
     crowd: Option<u32>,
     /// Milliseconds that the hair of a crowd may take in a frame: its levels of detail are chosen so
     #[arg(
