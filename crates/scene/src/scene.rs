@@ -20,7 +20,7 @@ use tresses::{
     collide::{ColliderDescriptor, FieldBuilder},
     draw::{Coverage, Targets, targets::PICTURE_FORMAT},
     glam::Vec3,
-    gpu::{Gpu, Timings},
+    gpu::Gpu,
     groom::SdfGrid,
     light::{Lights, Sphere},
     lod::{Detail, LodMode, LodOptions},
@@ -125,7 +125,7 @@ pub struct Scene {
     pub field: Option<SdfGrid>,
     /// From timestamps where there are some that mean something, else by the clock.
     #[cfg(not(target_arch = "wasm32"))]
-    pub(crate) timings: Timings,
+    pub(crate) timings: tresses::gpu::Timings,
     /// What else is measured by.
     #[cfg(not(target_arch = "wasm32"))]
     pub(crate) clock: tresses::gpu::Clock,
@@ -185,8 +185,8 @@ impl Scene {
         let view = View::new(device, &pipelines, &quality.view_options(), quality.size, quality.ssaa)?;
         #[cfg(not(target_arch = "wasm32"))]
         let timings = match gpu.tier.timestamps && !gpu.tier.software {
-            true => Timings::new(device, queue),
-            false => Timings::by(tresses::gpu::wall),
+            true => tresses::gpu::Timings::new(device, queue),
+            false => tresses::gpu::Timings::by(tresses::gpu::wall),
         };
         let subject = camera::subject(hair_bounds, head_bounds);
         let mut focus = Sphere::around(subject.0, subject.1);
