@@ -18,7 +18,7 @@ use tresses::{
     lod::LodMode,
     roots::Skin,
     simulate::SimulationParams,
-    volume::HairHair,
+    volume::{HairHair, VolumeOptions},
     wind::Wind,
 };
 
@@ -103,7 +103,12 @@ impl Fringe {
         progress: &impl Progress,
     ) -> Result<Self> {
         let (device, queue) = (&gpu.device, &gpu.queue);
-        let options = HairOptions { simulation: own(physics, face.hangs), ..Default::default() };
+        // Without wind nothing asks the grid of what lies on the skin.
+        let volume = match face.hangs {
+            true => VolumeOptions::default(),
+            false => VolumeOptions { resolution: 8, ..Default::default() },
+        };
+        let options = HairOptions { simulation: own(physics, face.hangs), volume, ..Default::default() };
         let nothing = ColliderDescriptor::default();
         let what = if face.hangs { what } else { &nothing };
         let groom = &face.groom;

@@ -120,6 +120,21 @@ pub struct Hair {
     substeps: u32,
 }
 
+/// What hair is made of that another head does not get in the same way.
+struct Parts {
+    guides: GuideBuffers,
+    strands: StrandBuffers,
+    set: HairSet,
+    avoidance: Avoidance,
+    lod: Lod,
+    colliders: ColliderSet,
+    volume: Volume,
+    extent: (Vec3, f32),
+    order: Arc<GuideOrder>,
+    substeps: u32,
+    fits: bool,
+}
+
 impl Hair {
     /// Brings `groom` to the GPU, at rest, the head at the origin. It collides with the head's
     /// distance field `head` (groom space) alone.
@@ -218,36 +233,52 @@ impl Hair {
         }
 
         let colliders = ColliderSet::new(device, queue, colliders)?;
-        let simulation = Simulation::new(device, &pipelines.simulate, &guides);
         let volume = Volume::new(device, &pipelines.volume, &guides, &rest, &options.volume)?;
         let order = Arc::new(lod::guide_order(groom, rest.info, &arranged));
         let lod = Lod::new(device, queue, &pipelines.widths, arranged, &infos, &strands, progress).await?;
         let mut set = HairSet::new(device, &strands)?;
         set.area = lod.area();
-        let tessellation = Tessellation::new(device, &pipelines.tessellate, &guides);
-        let interpolation = interpolation(device, pipelines, &guides, &strands, &tessellation);
-        Ok(Self {
+        let (avoid, clearance) = (options.avoid, options.clearance);
+        let avoidance = Avoidance::new(device, queue, &pipelines.avoid, avoid, clearance, &guides, &strands)?;
+        let (extent, substeps) = (extent(groom), options.simulation.substeps);
+        let parts = Parts {
+            guides,
+            strands,
             set,
+            avoidance,
             lod,
-            head: Pose::IDENTITY,
-            tessellation,
-            interpolation,
-            forces: Forces::new(device, &pipelines.simulate, &guides, &volume, None),
-            air: None,
-            windy: false,
-            extent: extent(groom),
+            colliders,
             volume,
+            extent,
+            order,
+            substeps,
+            fits: false,
+        };
+        Ok(Self::at_rest(device, pipelines, parts))
+    }
+
+    /// Hair of such parts that has not moved yet.
+    fn at_rest(device: &wgpu::Device, pipelines: &Pipelines, parts: Parts) -> Self {
+        let Parts { guides, strands, set, avoidance, lod, colliders, volume, extent, order, substeps, fits } =
+            parts;
+        let tessellation = Tessellation::new(device, &pipelines.tessellate, &guides);
+        Self {
+            interpolation: interpolation(device, pipelines, &guides, &strands, &tessellation),
+            forces: Forces::new(device, &pipelines.simulate, &guides, &volume, None),
+            simulation: Simulation::new(device, &pipelines.simulate, &guides),
+            tessellation,
+            guides,
+            strands,
+            set,
+            avoidance,
+            lod,
+            colliders,
+            volume,
+            air: None,
+            extent,
+            windy: false,
             forced: false,
             grab: Grab::default(),
-            avoidance: Avoidance::new(
-                device,
-                queue,
-                &pipelines.avoid,
-                options.avoid,
-                options.clearance,
-                &guides,
-                &strands,
-            )?,
             clock: Clock::default(),
             carrier: Carrier::default(),
             passage: Passage::default(),
@@ -257,17 +288,14 @@ impl Hair {
             to_drawn: Pose::IDENTITY,
             states: (Pose::IDENTITY, Pose::IDENTITY, 1.0),
             span: 0.0,
+            head: Pose::IDENTITY,
             moved_away: false,
-            guides,
-            strands,
-            colliders,
-            simulation,
             roots: None,
-            fits: false,
+            fits,
             order,
             sleep: Sleep::default(),
-            substeps: options.simulation.substeps,
-        })
+            substeps,
+        }
     }
 
     /// From the next frame on its roots go with a skin that bends: `mesh` as it is at rest (groom space), `skin` as it is

@@ -11,17 +11,14 @@
 //! lists of tiles are most of a groom's memory. Before a frame needs more it moves into larger buffers, by half an octave
 //! at a time; nothing is read back.
 
-use super::{Hair, interpolation};
+use super::{Hair, Parts, interpolation};
 use crate::{
-    Pipelines, Pose, Result,
+    Pipelines, Result,
     avoid::StrandState,
-    clock::Clock,
     collide::Collider,
     roots::Roots,
-    simulate::{Forces, Grab, Shifting, Simulation},
-    space::{Carrier, Passage, Space},
+    simulate::Shifting,
     strands::{Room, Strand, StrandVertex},
-    tessellate::Tessellation,
     wind::Air,
 };
 
@@ -44,47 +41,27 @@ impl Hair {
         let mut strands = self.strands.another(device, Room { strands: 1, vertices: 1 })?;
         strands.drawn.count = 0;
         let volume = self.volume.another(device, &pipelines.volume, &guides)?;
-        let tessellation = Tessellation::new(device, &pipelines.tessellate, &guides);
-        let interpolation = interpolation(device, pipelines, &guides, &strands, &tessellation);
         let set = self.set.another(device, &strands);
         let gpu = (device, queue);
         let avoidance = self.avoidance.another(gpu, &pipelines.avoid, &guides, &strands)?;
         let lod = self.lod.another(device, &pipelines.widths, &strands);
         strands.drawn = self.lod.drawn();
-        Ok(Self {
-            set,
-            lod,
-            head: Pose::IDENTITY,
-            tessellation,
-            interpolation,
-            forces: Forces::new(device, &pipelines.simulate, &guides, &volume, None),
-            air: None,
-            windy: false,
-            extent: self.extent,
-            volume,
-            forced: false,
-            grab: Grab::default(),
-            avoidance,
-            clock: Clock::default(),
-            states: (Pose::IDENTITY, Pose::IDENTITY, 1.0),
-            span: 0.0,
-            moved_away: false,
-            simulation: Simulation::new(device, &pipelines.simulate, &guides),
+        let colliders = self.colliders.another(device, queue, colliders)?;
+        let (extent, order, substeps) = (self.extent, self.order.clone(), self.substeps);
+        let parts = Parts {
             guides,
             strands,
-            colliders: self.colliders.another(device, queue, colliders)?,
-            carrier: Carrier::default(),
-            passage: Passage::default(),
-            shifting: None,
-            shifts: false,
-            drawn_in: Space::WORLD,
-            to_drawn: Pose::IDENTITY,
-            roots: None,
+            set,
+            avoidance,
+            lod,
+            colliders,
+            volume,
+            extent,
+            order,
+            substeps,
             fits: true,
-            order: self.order.clone(),
-            sleep: super::Sleep::default(),
-            substeps: self.substeps,
-        })
+        };
+        Ok(Self::at_rest(device, pipelines, parts))
     }
 
     /// Makes room for what the level of detail draws, where hair has no more than that. Before anything of a frame is
