@@ -6,6 +6,7 @@
 pub const SHARED: &[(&str, u32)] = &[
     ("GUIDE_WORKGROUP", GUIDE_WORKGROUP),
     ("STRAND_WORKGROUP", STRAND_WORKGROUP),
+    ("HIT_RUN", HIT_RUN),
     ("VOLUME_WORKGROUP", VOLUME_WORKGROUP),
     ("MAX_GUIDE_VERTICES", MAX_GUIDE_VERTICES),
     ("MAX_STRAND_VERTICES", MAX_STRAND_VERTICES),
@@ -44,6 +45,8 @@ pub const VARIANTS: &[(&str, &str, &[u32])] = &[
 pub const GUIDE_WORKGROUP: u32 = 32;
 /// Threads of one workgroup of the passes that run once per strand vertex.
 pub const STRAND_WORKGROUP: u32 = 64;
+/// Vertices of a strand that the search for obstacles looks at together.
+pub const HIT_RUN: u32 = 8;
 /// The most cells along a line that the blur of the hair's grid reads for four.
 pub const MAX_TAPS: u32 = 96;
 /// The most samples that make a pixel.

@@ -6,7 +6,7 @@
 //! interpolation).
 //!
 //! ```text
-//! vertices, rest ─► first_hit (per vertex) ─► states: hit ─► change_over (per strand) ─► vertices
+//! vertices, rest ─► first_hit (8 vertices) ─► states: hit ─► change_over (per strand) ─► vertices
 //! @group(1), obstacles ─┘                     amount, at ◄─┘ samples, bindings, @group(1)
 //! ```
 //!
@@ -14,7 +14,10 @@
 //! when it is nearer to an obstacle than the clearance, or than its rest distance where that is smaller, by
 //! more than a tolerance: hair that rests in the skin stays there. The difference from the rest distance is
 //! a constant of the vertex, eight bits of [`PackedRest`], so that the search reads one distance per
-//! vertex.
+//! vertex. A thread has [`HIT_RUN`](crate::constants::HIT_RUN) vertices in a row: it asks an obstacle for distances only
+//! where the box around what is solid in it is near the sphere around them all, and reads where obstacles are once for
+//! all of them. Strands of a workgroup have the same place along the hair, so that lanes that run in step want the same
+//! obstacle.
 //!
 //! **The change-over.** Beyond the hit the target of a vertex is where its first guide alone (the one with
 //! the largest weight) carries it, with its offset from the guide shortened by the tightness, so that a
@@ -64,8 +67,7 @@
 //! field's normal does not lead out. A strand's own rest distance counts for every collider, not only for
 //! the head that it grows from.
 //!
-//! **Untried.** A tightness that depends on the guide's distance from the obstacle; skipping vertices of
-//! the search that the distance at their neighbour already clears.
+//! **Untried.** A tightness that depends on the guide's distance from the obstacle.
 
 mod options;
 mod pipelines;

@@ -3,7 +3,7 @@
 use super::AvoidMode;
 use crate::{
     collide::{self, ColliderSet},
-    constants::STRAND_WORKGROUP,
+    constants::{HIT_RUN, STRAND_WORKGROUP},
     gpu::{Binding, Kernel},
     strands::{GuideBuffers, StrandBuffers},
 };
@@ -67,7 +67,7 @@ impl Pipelines {
         }
     }
 
-    /// Records the search: one thread per strand vertex.
+    /// Records the search: one thread per run of a strand's vertices.
     pub fn record_first_hit(
         &self,
         pass: &mut crate::gpu::ComputePass<'_>,
@@ -76,8 +76,8 @@ impl Pipelines {
         strands: &StrandBuffers,
     ) {
         pass.set_bind_group(1, colliders.group(), &[]);
-        let vertices = u64::from(strands.drawn.count) * u64::from(strands.drawn.vertex_count);
-        let workgroups = vertices.div_ceil(STRAND_WORKGROUP.into()) as u32;
+        let runs = strands.drawn.vertex_count.div_ceil(HIT_RUN);
+        let workgroups = strands.drawn.count.div_ceil(STRAND_WORKGROUP) * runs;
         self.first_hit.record(pass, &groups.first_hit, &[], workgroups);
     }
 

@@ -32,8 +32,9 @@
 //! there, the normal `(p / r²) / k2`: exact to first order where hair touches, too small far away and never
 //! of the wrong sign.
 //!
-//! **Culling.** Every collider has a world-space bounding sphere in the list of places. `nearest` skips
-//! those farther than the best so far; `simulate` keeps, for every four predicted vertices of a strand, a
+//! **Culling.** Every collider has a world-space bounding sphere in the list of places, a field also a box around what
+//! is solid in it ([`Bounds`]). `nearest` skips those farther than the best so far, or than what the caller wants to know
+//! of (`nearest_within`); `simulate` keeps, for every four predicted vertices of a strand, a
 //! bit per collider whose sphere touches their box, rebuilt in each substep, and tests vertices against
 //! those alone. The masks are exact: contacts are made at predicted positions. Without them, 64 capsules in
 //! the hair cost eight times as much as one; a tree over the colliders would be worth its memory traffic
@@ -67,7 +68,7 @@ pub(crate) use places::Journey;
 pub use places::{Moments, Place, Places};
 pub use set::{ColliderSet, layout};
 pub use shape::{ShapeData, ShapeTable};
-pub use volume::FieldVolume;
+pub use volume::{Bounds, FieldVolume};
 
 /// A distance field of a [`ColliderDescriptor`], by its place in the list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

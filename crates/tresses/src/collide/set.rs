@@ -1,8 +1,8 @@
 //! The colliders of one groom on the GPU.
 
 use super::{
-    Anchor, Collider, ColliderDescriptor, ColliderPoses, FieldBuilder, FieldId, FieldSource, FieldVolume,
-    Moments, Place, Places, Shape, ShapeData, ShapeTable,
+    Anchor, Bounds, Collider, ColliderDescriptor, ColliderPoses, FieldBuilder, FieldId, FieldSource,
+    FieldVolume, Moments, Place, Places, Shape, ShapeData, ShapeTable,
     atlas::{Atlas, pack},
     build::Plan,
     places::{Journey, Track},
@@ -31,7 +31,7 @@ struct Field<'a> {
     size: UVec3,
     bias: Vec3,
     scale: Vec3,
-    sphere: (Vec3, f32),
+    bounds: Bounds,
     texels: Texels<'a>,
 }
 
@@ -50,15 +50,15 @@ impl<'a> Field<'a> {
                     size: volume.size,
                     bias: volume.bias,
                     scale: volume.scale,
-                    sphere: (volume.center, volume.bound),
+                    bounds: volume.bounds,
                     texels: Texels::Ready(volume),
                 }
             }
             FieldSource::Mesh { builder, mesh, options } => {
                 let plan = Plan::new(mesh, options)?;
                 let (bias, scale) = FieldVolume::coordinates(&plan.grid);
-                let (size, sphere) = (plan.grid.size, (plan.center, plan.bound));
-                Self { size, bias, scale, sphere, texels: Texels::Planned(builder, plan) }
+                let (size, bounds) = (plan.grid.size, plan.bounds);
+                Self { size, bias, scale, bounds, texels: Texels::Planned(builder, plan) }
             }
         })
     }
@@ -71,7 +71,7 @@ struct Tile {
     size: UVec3,
     bias: Vec3,
     scale: Vec3,
-    sphere: (Vec3, f32),
+    bounds: Bounds,
 }
 
 /// The colliders of one groom, and their state of motion.
@@ -116,7 +116,7 @@ impl ColliderSet {
             size: field.size,
             bias: field.bias,
             scale: field.scale,
-            sphere: field.sphere,
+            bounds: field.bounds,
         });
         let table = bindings::uniform(device, "collider shapes", size_of::<ShapeTable>());
         let places = storage::<Place>(device, "collider places", most_places(1))?;
@@ -198,7 +198,8 @@ impl ColliderSet {
                 let tile = self.tiles.get(at).ok_or_else(|| {
                     Error::Colliders(format!("there is no field {id}, only {}", self.tiles.len() - first))
                 })?;
-                (data.center, data.bound) = tile.sphere;
+                let Bounds { center, half, radius } = tile.bounds;
+                (data.center, data.size, data.bound) = (center, half, radius);
                 self.atlas.place(data, tile.at, tile.size, tile.bias, tile.scale);
             }
             spheres.push((data.center, data.bound));

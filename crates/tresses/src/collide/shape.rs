@@ -20,7 +20,8 @@ pub struct ShapeData {
     pub center: Vec3,
     /// Radius of the bounding sphere, metres.
     pub bound: f32,
-    /// Capsule: radius, half length, 0. Ellipsoid: half axes. Metres.
+    /// Capsule: radius, half length, 0. Ellipsoid: half axes. Field: half edges of a box, around `center`, beyond which
+    /// nothing is solid. Metres.
     pub size: Vec3,
     /// [`CAPSULE`], [`ELLIPSOID`] or [`FIELD`].
     pub kind: u32,

@@ -13,25 +13,18 @@ pub struct FieldVolume {
     pub bias: Vec3,
     /// Texture coordinates per metre.
     pub scale: Vec3,
-    /// Centre of a sphere around all that is solid, own frame, metres.
-    pub center: Vec3,
-    /// Radius of that sphere, metres.
-    pub bound: f32,
+    /// Where all that is solid is, own frame.
+    pub bounds: Bounds,
     pub(crate) texels: Vec<[f16; 4]>,
 }
 
 impl FieldVolume {
     /// Distances and their gradients at the nodes of `grid`.
     pub fn new(grid: &SdfGrid) -> Self {
-        let texels = (0..grid.size.x * grid.size.y * grid.size.z)
-            .map(|i| {
-                let n = grid.normal(grid.node(i));
-                [n.x, n.y, n.z, grid.distances[i as usize]].map(f16::from_f32)
-            })
-            .collect();
+        let nodes = grid.node_normals().zip(&grid.distances);
+        let texels = nodes.map(|(n, d)| [n.x, n.y, n.z, *d].map(f16::from_f32)).collect();
         let (bias, scale) = Self::coordinates(grid);
-        let (center, bound) = around(grid);
-        Self { size: grid.size, center, bound, bias, scale, texels }
+        Self { size: grid.size, bounds: Bounds::of(grid), bias, scale, texels }
     }
 
     /// Bias and scale of the texture coordinates of `grid`'s texels.
@@ -57,16 +50,34 @@ impl FieldVolume {
     }
 }
 
-/// A sphere around all nodes that are solid or next to it.
-fn around(grid: &SdfGrid) -> (Vec3, f32) {
-    let solid = || {
+/// A box around what is solid, and the sphere of the same centre, metres.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bounds {
+    /// The middle of both.
+    pub center: Vec3,
+    /// Half the lengths of the box's edges.
+    pub half: Vec3,
+    /// Radius of the sphere.
+    pub radius: f32,
+}
+
+impl Bounds {
+    /// Around the points, with a `margin` on all sides.
+    pub(super) fn around(points: impl Iterator<Item = Vec3> + Clone, margin: f32) -> Option<Self> {
+        let first = points.clone().next()?;
+        let (lo, hi) = points.clone().fold((first, first), |(lo, hi), p| (lo.min(p), hi.max(p)));
+        let center = 0.5 * (lo + hi);
+        let radius = points.map(|p| p.distance(center)).fold(0.0, f32::max) + margin;
+        Some(Self { center, half: 0.5 * (hi - lo) + margin, radius })
+    }
+
+    /// Around all nodes that are solid or next to what is, and a cell around them: between nodes outside the box the
+    /// field is nowhere below a cell.
+    fn of(grid: &SdfGrid) -> Self {
         let nodes = grid.distances.iter().enumerate().filter(|(_, d)| **d < grid.cell);
-        nodes.map(|(i, _)| grid.node(i as u32))
-    };
-    let Some(first) = solid().next() else { return (grid.origin, 0.0) };
-    let (lo, hi) = solid().fold((first, first), |(lo, hi), p| (lo.min(p), hi.max(p)));
-    let center = 0.5 * (lo + hi);
-    (center, solid().map(|p| p.distance(center)).fold(0.0, f32::max) + grid.cell)
+        let solid = nodes.map(|(i, _)| grid.node(i as u32));
+        Self::around(solid, grid.cell).unwrap_or(Self { center: grid.origin, ..Self::default() })
+    }
 }
 
 #[cfg(test)]

@@ -29,6 +29,7 @@
 //! **Time.** A browser stops work that takes seconds. Voxels are therefore processed in parts, each a
 //! submission of its own. Nothing is read back, unless [`FieldBuilder::grid`] requests the result.
 
+use super::Bounds;
 use crate::{
     Error, Result,
     constants::BUILD_WORKGROUP,
@@ -91,9 +92,8 @@ pub struct FieldBuilder {
 pub(super) struct Plan {
     /// The grid, without distances.
     pub grid: SdfGrid,
-    /// A sphere around the mesh, metres.
-    pub center: Vec3,
-    pub bound: f32,
+    /// Where the mesh is.
+    pub bounds: Bounds,
     nodes: Vec<TreeNode>,
     corners: Vec<[f32; 4]>,
     sign: f32,
@@ -107,11 +107,10 @@ impl Plan {
     pub fn new(mesh: &TriMesh, options: &SdfOptions) -> Result<Self> {
         let (mesh, grid, inverted) = sdf::prepare(mesh, options)?;
         let (nodes, corners) = Bvh::new(&mesh).flat();
-        let (low, high) = (nodes[0].low, nodes[0].high);
-        let center = 0.5 * (low + high);
-        let far = |c: &[f32; 4]| Vec3::from_slice(c).distance(center);
-        let bound = corners.iter().map(far).fold(0.0, f32::max) + grid.cell;
-        Ok(Self { grid, center, bound, nodes, corners, sign: if inverted { -1.0 } else { 1.0 } })
+        let points = corners.iter().map(|c| Vec3::from_slice(c));
+        // Field and mesh differ by less than a cell.
+        let bounds = Bounds::around(points, 2.0 * grid.cell).unwrap_or_default();
+        Ok(Self { grid, bounds, nodes, corners, sign: if inverted { -1.0 } else { 1.0 } })
     }
 
     fn params(&self, tile: UVec3) -> BuildParams {
