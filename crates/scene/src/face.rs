@@ -127,6 +127,7 @@ impl Fringe {
         pose: Pose,
     ) -> Result<()> {
         self.hair.lod.options = like.lod.options;
+        self.hair.set.share_fibers(&like.set);
         if let Some(roots) = &mut self.hair.roots {
             roots.pose = pose;
         }

@@ -88,6 +88,16 @@ impl HairSet {
         self.show(device, &strands.drawn);
     }
 
+    /// From here on its fibres' tables are those of `other`, as long as both have fibres of one shape, whatever their
+    /// pigments: they are computed once, and kept once.
+    pub fn share_fibers(&self, other: &Self) {
+        let key = |set: &Self| (set.material.fiber.shape, set.material.fiber.density_back);
+        if key(self) == key(other) {
+            let theirs = other.fiber().clone();
+            *self.fiber() = theirs;
+        }
+    }
+
     /// The tables of its fibres.
     pub(crate) fn fiber(&self) -> MutexGuard<'_, Arc<FiberTables>> {
         // What a panic leaves behind is whole.
