@@ -141,6 +141,8 @@ pub struct Lod {
     pub sphere: (Vec3, f32),
     /// Mean diameter of the strands, metres.
     pub diameter: f32,
+    /// See [`Drawn::dense`].
+    dense: f32,
     /// How many strands each bucket ends with.
     ends: Arc<[u32]>,
     /// The area of the strands up to there, m².
@@ -194,6 +196,7 @@ impl Lod {
             cover: Later::known(CoverTable::none()).into(),
             sphere: (0.5 * (lo + hi), 0.5 * lo.distance(hi)),
             diameter: (area / length.max(1e-12)).max(1e-9) as f32,
+            dense: lit::dense(length as f32 / infos.len().max(1) as f32, 0.5 * lo.distance(hi)),
             painted: Painted::none(infos.len()).into(),
             segments: strands.vertex_count.saturating_sub(1).max(1),
             buffers: WidthBuffers::new(device, stage, buffers)?,
@@ -415,7 +418,13 @@ impl Lod {
     pub(crate) fn drawn(&self) -> Drawn {
         let detail = &self.detail;
         let drawn = Drawn::new(detail.strands, self.segments + 1, detail.segments);
-        Drawn { area: detail.area, deeper: detail.deeper, single: detail.fraction.sqrt(), ..drawn }
+        Drawn {
+            area: detail.area,
+            deeper: detail.deeper,
+            single: detail.fraction.sqrt(),
+            dense: self.dense,
+            ..drawn
+        }
     }
 
     /// Whether widths are those of the level of detail.
