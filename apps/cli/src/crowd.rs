@@ -6,11 +6,17 @@ use crate::{
     progress, render,
 };
 use anyhow::{Result, ensure};
-use tresses::{groom::mannequin::facial::Beard, lod::Budget};
+use tresses::{
+    groom::mannequin::facial::Beard,
+    lod::{Budget, budget::COARSEST},
+};
 use tresses_scene::{Crowd, CrowdOptions, Motion, Settings, crowd::ROWS, words::grouped};
 
 /// The most heads of a crowd.
 const MOST: u32 = 1000;
+
+/// Pictures that are drawn before the first one for what they cost.
+const TRIALS: u32 = 4;
 
 /// The options of a crowd.
 #[derive(clap::Args, Clone, Copy, Debug, Default)]
@@ -61,8 +67,10 @@ impl CrowdArgs {
         );
         let shaved = settings.style.face.beard == Beard::None;
         ensure!(shaved, "nothing grows on the faces of a crowd: leave out --beard");
-        ensure!(self.crowd_ms.is_none_or(|ms| ms > 0.0), "--crowd-ms is more than 0");
-        ensure!(self.crowd_mb.is_none_or(|mb| mb > 0.0), "--crowd-mb is more than 0");
+        // Also false for what is no number.
+        let is_some = |value: f64| value > 0.0 && value.is_finite();
+        ensure!(self.crowd_ms.is_none_or(|ms| is_some(ms.into())), "--crowd-ms must be a number above 0");
+        ensure!(self.crowd_mb.is_none_or(is_some), "--crowd-mb must be a number above 0");
         Ok(())
     }
 
@@ -83,6 +91,19 @@ pub fn render(scene: &mut Photographer, motion: &Motion, frames: u32, args: &ren
     let timed = crowd.budget.milliseconds.is_finite();
     let mut output = Output::create(&args.out, (args.size.width, args.size.height), frames, args.fps)?;
     let bar = progress::frames("drawing", u64::from(frames));
+    // What work costs here is not known before some is done: the first levels are found by trying.
+    for trial in 0..if timed { TRIALS } else { 0 } {
+        crowd.choose_anew();
+        let measured = scene.measured_crowd(&mut crowd, motion, (0.0, 0.0), false)?;
+        // The first compiles.
+        if trial > 0 {
+            let work = crowd.chosen().work;
+            crowd.costs.fit(&work, measured.wall);
+        }
+    }
+    if timed {
+        crowd.choose_anew();
+    }
     for frame in 0..frames {
         let seconds = if frame == 0 { 0.0 } else { 1.0 / args.fps };
         let time = f64::from(frame) / args.fps;
@@ -128,10 +149,25 @@ pub fn said(crowd: &Crowd, scene: &Photographer) -> String {
     let asleep = chosen.heads.iter().filter(|head| head.asleep).count();
     let sum = |of: &dyn Fn(&tresses::lod::HeadChosen) -> u64| grouped(chosen.heads.iter().map(of).sum());
     let [shared, own, view] = crowd.bytes(scene).map(|bytes| bytes as f64 * 1e-6);
-    let kept = if chosen.fits { "" } else { ", which is beyond the budget" };
+    let budget = crowd.budget;
+    let kept = if chosen.fits {
+        ""
+    } else if chosen.bias < COARSEST {
+        ", on the way to the levels that the budget asks for, by an eighth of an octave in each frame"
+    } else {
+        ", the coarsest levels, which are beyond the budget"
+    };
+    let mut of = String::new();
+    if budget.milliseconds.is_finite() {
+        of += &format!("\nTime: {:.1} ms expected of {:.1}", chosen.milliseconds, budget.milliseconds);
+    }
+    if budget.bytes < u64::MAX {
+        let [held, all] = [crowd.held(scene), budget.bytes].map(|bytes| bytes as f64 * 1e-6);
+        of += &format!("\nMemory of hair and its light: {held:.1} MB of {all:.1}");
+    }
     format!(
         "{} heads, {seen} in view, {asleep} asleep: {} strands, {} vertices, {} guides; bias {:.2}{kept}\n\
-         GPU memory: {shared:.1} MB shared, {own:.1} MB of heads, {view:.1} MB of the view",
+         GPU memory: {shared:.1} MB shared, {own:.1} MB of heads, {view:.1} MB of the view{of}",
         crowd.len(),
         sum(&|head| head.strands.into()),
         sum(&|head| u64::from(head.strands) * u64::from(head.vertices)),

@@ -131,6 +131,11 @@ fn what_a_crowd_has_not_is_refused() {
     refuses(&["render", "--crowd", "5", "--zoom", "close"], "--zoom");
     refuses(&["render", "--crowd", "5", "--debug", "guides"], "--debug");
     refuses(&["render", "--crowd-mb", "5"], "--crowd");
+    for budget in ["--crowd-ms", "--crowd-mb"] {
+        for absurd in ["0", "NaN", "inf", "much", "-5"] {
+            refuses(&["render", "--crowd", "5", budget, absurd], if absurd == "-5" { "-5" } else { budget });
+        }
+    }
 }
 
 #[test]
@@ -191,6 +196,46 @@ fn the_path_decides_what_is_written() {
     assert!(output.status.success(), "{}", stderr(&output));
     let webp = std::fs::read(folder.path().join("loop.webp")).expect("the animation is there");
     assert_eq!((&webp[..4], &webp[8..12]), (&b"RIFF"[..], &b"WEBP"[..]));
+}
+
+/// The two numbers of the line that begins with `title`: what is, and what was asked for.
+fn asked(text: &str, title: &str) -> Option<[f64; 2]> {
+    let line = text.lines().find_map(|line| line.strip_prefix(title))?;
+    let mut numbers = line.split_whitespace().filter_map(|word| word.parse().ok());
+    Some([numbers.next()?, numbers.next()?])
+}
+
+#[test]
+fn a_crowd_keeps_the_budget_it_is_given_or_says_why_not() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let small = ["render", "--style", "short", "--size", "320x200", "--samples", "1", "--strands", "3000"];
+    let crowd = |more: &[&str]| {
+        let output =
+            tresses(folder.path(), &[&small[..], &["--crowd", "3", "--out", "c.png"], more].concat());
+        has_gpu(&output).then(|| {
+            assert!(output.status.success(), "{more:?}: {}", stderr(&output));
+            String::from_utf8(output.stdout).expect("UTF-8")
+        })
+    };
+    const MEMORY: &str = "Memory of hair and its light:";
+    let Some(plenty) = crowd(&["--crowd-mb", "100000"]) else { return };
+    let [all, _] = asked(&plenty, MEMORY).expect(&plenty);
+    assert!(plenty.contains("bias 0.00") && all > 1.0, "{plenty}");
+    // What it takes is what was asked for, and not much less.
+    let wanted = 0.8 * all;
+    let text = crowd(&["--crowd-mb", &wanted.to_string()]).expect("there was a GPU just now");
+    let [held, of] = asked(&text, MEMORY).expect(&text);
+    assert!((of - wanted).abs() < 0.06 && held < 1.05 * wanted && held > 0.6 * wanted, "{text}");
+    assert!(!text.contains("beyond") && !text.contains("bias 0.00"), "{text}");
+    let text = crowd(&["--crowd-mb", "0.1"]).expect("there was a GPU just now");
+    assert!(text.contains("the coarsest levels, which are beyond the budget"), "{text}");
+    // Time is told as it is expected: how long a frame takes depends on what else the machine does.
+    let text = crowd(&["--crowd-ms", "1e-3"]).expect("there was a GPU just now");
+    assert!(text.contains("bias 6.00") && text.contains("beyond the budget"), "{text}");
+    let [least, _] = asked(&text, "Time:").expect(&text);
+    let text = crowd(&["--crowd-ms", &format!("{}", 20.0 * least)]).expect("there was a GPU just now");
+    let [expected, of] = asked(&text, "Time:").expect(&text);
+    assert!(expected <= of && text.contains(" ms expected of "), "{text}");
 }
 
 #[test]

@@ -17,7 +17,7 @@ use tresses::{
     glam::{Quat, Vec3},
     gpu::{Gpu, Timings},
     light::{FiberMaterial, HairMaterial, Sphere, Zone},
-    lod::{Budget, Chosen, Costs, LodOptions},
+    lod::{Budget, Chosen, Costs, Held, LodOptions},
     math::hash::pcg,
 };
 
@@ -27,8 +27,6 @@ pub const ROWS: [f32; 2] = [2.0, 40.0];
 const APART: f32 = 0.62;
 /// How far the camera is above the heads, per metre of the first row's distance.
 const ABOVE: f32 = 0.22;
-/// Bytes of a view per drawn vertex: of points, lists, colours and shading.
-const VIEW_BYTES: u64 = 71;
 
 /// What a crowd is like.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -129,6 +127,11 @@ impl Crowd {
         &self.chosen
     }
 
+    /// The levels of the next frame are chosen without regard to those of the last: nobody has seen that.
+    pub fn choose_anew(&mut self) {
+        self.chosen = Chosen::default();
+    }
+
     /// From here on their levels are chosen so.
     pub fn set_lod(&mut self, options: LodOptions) {
         self.heads.iter_mut().for_each(|head| head.hair.lod.options = options);
@@ -151,6 +154,14 @@ impl Crowd {
         let view = &scene.view;
         let lit = view.shadow_bytes() + view.ambient_bytes() + view.zone_bytes() + view.shaded_bytes();
         [shared, own.sum(), lit + view.targets().bytes()]
+    }
+
+    /// Bytes of GPU memory that a [budget](Self::budget) is about, after a picture: of heads, and of what a view holds for
+    /// their hair and its light.
+    pub fn held(&self, scene: &Scene) -> u64 {
+        let [shared, own, _] = self.bytes(scene);
+        let view = &scene.view;
+        shared + own + view.zone_bytes() + view.shaded_bytes() + view.targets().hair_bytes()
     }
 
     /// Records the motion of a frame `seconds` after the last one, to `time` seconds of `motion`, for which levels of detail
@@ -177,16 +188,20 @@ impl Crowd {
             }
         }
         let Gpu { device, queue, .. } = &scene.gpu;
-        let mut all: Vec<_> = self.heads.iter_mut().map(|head| (&mut head.hair, head.now)).collect();
-        let bias = self.chosen.bias;
-        self.chosen = self.budget.look_from(device, queue, &self.costs, &eye, &mut all, bias, VIEW_BYTES);
         let (lo, hi) = scene.subject();
         let middle = 0.5 * (lo + hi);
+        // Where the neck stands, so that maps do not move with every turn of the head.
+        let focus = |head: &Head| Sphere { center: head.place.point(middle), radius: self.reach };
+        let foci: Vec<_> = self.heads.iter().map(focus).collect();
+        let light = |i: usize, bias: f32| Zone::seen(foci[i], &eye, bias, Vec::new(), Vec::new()).bytes();
+        let held = Held { vertex: Held::BY_TILES, head: &light };
+        let mut all: Vec<_> = self.heads.iter_mut().map(|head| (&mut head.hair, head.now)).collect();
+        let bias = (!self.chosen.heads.is_empty()).then_some(self.chosen.bias);
+        self.chosen = self.budget.look_from(device, queue, &self.costs, &eye, &mut all, bias, &held);
         let mut nearest = (f32::INFINITY, scene.picture.focus);
         let mut zones = Vec::new();
         for (i, head) in self.heads.iter().enumerate().filter(|(_, head)| head.hair.is_seen()) {
-            // Where the neck stands, so that maps do not move with every turn of the head.
-            let focus = Sphere { center: head.place.point(middle), radius: self.reach };
+            let focus = foci[i];
             let away = focus.center.distance(camera.eye);
             if away < nearest.0 {
                 nearest = (away, focus);

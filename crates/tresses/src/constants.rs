@@ -81,7 +81,7 @@ pub const TILE: u32 = 8;
 /// Bins of depth in a tile; also the threads of the workgroup that puts them in order.
 pub const TILE_BINS: u32 = 64;
 /// Edge of a block of tiles that share the range of depth that bins divide, tiles.
-pub const TILE_BLOCK: u32 = 4;
+pub const TILE_BLOCK: u32 = 2;
 /// Up to so many entries of a bin are compared with each other; with more, a workgroup sorts them.
 pub const TILE_FEW: u32 = 512;
 /// Points in a row of the textures that hold them.

@@ -493,6 +493,10 @@ fn hair() {
         first,
         spans,
         single,
+        dense,
+        _pad_a,
+        _pad_b,
+        _pad_c,
     });
     assert_eq!(wgsl_layout("light::material::HairUniform"), rust);
 }

@@ -1,7 +1,7 @@
 //! Parameters of the level of detail.
 
 use super::{
-    Knob, Section, Value,
+    Kind, Knob, Section, Value,
     flags::{Part, flag, value},
     rows,
     value::*,
@@ -32,6 +32,14 @@ const KNOBS: &[Knob] = rows! { "lod";
         "How much longer the steps of the physics may get at a distance; 1 keeps the rate.";
     "slow_pixel" "Longer steps from" [lod.slow_pixel] within(MILLIMETRES, LodOptions::SLOW_PIXEL).log(), advanced,
         "Size of a pixel at the hair from which steps get longer.";
+    "guides" "Reach of guides" [lod.guides] within(PIXELS, LodOptions::GUIDES).log(), advanced,
+        "Guides nearer than this to one that is simulated go with it; 0 simulates all, in a crowd means 3.";
+    "substep_pixel" "Fewer substeps from" [lod.substep_pixel] within(MILLIMETRES, LodOptions::SUBSTEP_PIXEL).log(), advanced,
+        "Size of a pixel from which half the substeps do, at twice that a quarter; 0 for never, in a crowd for 3.";
+    "alone_pixel" "Alone from" [lod.alone_pixel] within(MILLIMETRES, LodOptions::ALONE_PIXEL).log(), advanced,
+        "Size of a pixel from which hair feels less of other hair, at twice that none; 0: never, in a crowd 4.";
+    "sleep" "Sleep" [lod.sleep] Kind::Toggle, advanced,
+        "Hair that has come to rest or is out of view is left as it is; hair of a crowd always is.";
 };
 
 const LOD: &[Part] =

@@ -158,4 +158,9 @@ impl Targets {
         let tiles = self.tiles.as_ref().map_or(0, Tiles::bytes);
         self.bytes + tiles + soft * u64::from(size.width) * u64::from(size.height)
     }
+
+    /// Bytes of it that are there for the hair of the last picture: of tiles, its points and lists.
+    pub fn hair_bytes(&self) -> u64 {
+        self.tiles.as_ref().map_or(0, Tiles::hair_bytes)
+    }
 }

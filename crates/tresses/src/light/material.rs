@@ -291,6 +291,10 @@ impl HairMaterial {
             first,
             spans: spans[1],
             single: drawn.single,
+            dense: drawn.dense,
+            _pad_a: 0,
+            _pad_b: 0,
+            _pad_c: 0,
         }
     }
 }
@@ -367,4 +371,12 @@ pub struct HairUniform {
     pub spans: u32,
     /// See [`crate::strands::Drawn::single`].
     pub single: f32,
+    /// See [`crate::strands::Drawn::dense`].
+    pub dense: f32,
+    /// Unused.
+    pub _pad_a: u32,
+    /// Unused.
+    pub _pad_b: u32,
+    /// Unused.
+    pub _pad_c: u32,
 }

@@ -133,6 +133,14 @@ impl ShadowMaps {
         depth + self.hair.size() + self.blocks.size() + self.matrices.size()
     }
 
+    /// The same of maps of `resolution`² texels that are not made yet.
+    pub(super) fn bytes_of(resolution: u32) -> u64 {
+        let resolution = Self::within(resolution);
+        let words = map_words(ShadowMethod::DeepOpacity, resolution, DEEP_FINEST)
+            + u64::from(resolution.div_ceil(BLOCK)).pow(2);
+        SHADOW_MAPS as u64 * (4 * u64::from(resolution).pow(2) + 4 * words + STEP)
+    }
+
     /// What the hair leaves in the maps, and the same in blocks of texels.
     pub(super) fn hair_buffers(&self) -> [&wgpu::Buffer; 2] {
         [&self.hair, &self.blocks]

@@ -192,6 +192,11 @@ impl State {
         frame_resources(camera, &self.lights, &self.maps, &self.ambient)
     }
 
+    /// Bytes of GPU memory of maps and cells of these sizes.
+    pub(super) fn bytes_of([resolution, cells]: [u32; 2]) -> u64 {
+        ShadowMaps::bytes_of(resolution) + Ambient::bytes_of(cells)
+    }
+
     /// Bytes of GPU memory of the shadow maps.
     pub fn shadow_bytes(&self) -> u64 {
         self.maps.bytes()

@@ -78,6 +78,11 @@ impl Zone {
         };
         Self { focus, resolution, cells, hair, bodies, every }
     }
+
+    /// Bytes of GPU memory that its light takes.
+    pub fn bytes(&self) -> u64 {
+        State::bytes_of([self.resolution, self.cells])
+    }
 }
 
 /// The zones of a view, each with its light.

@@ -26,7 +26,7 @@
 //!     collide::ColliderPoses,
 //!     frame::{Frame, Recorder, Sight},
 //!     light::{Sphere, Zone},
-//!     lod::{Budget, Chosen, Costs, LodOptions},
+//!     lod::{Budget, Chosen, Costs, Held, LodOptions},
 //!     simulate::SimulationParams,
 //!     view::Picture,
 //! };
@@ -57,7 +57,8 @@
 //!     let (device, queue) = (recorder.device, recorder.queue);
 //!     let budget = Budget { milliseconds: 4.0, bytes: 500_000_000 };
 //!     let mut all: Vec<_> = heads.iter_mut().zip(poses.iter().copied()).collect();
-//!     let chosen = budget.look_from(device, queue, costs, &picture.camera, &mut all, before.bias, 71);
+//!     let held = Held { vertex: Held::BY_TILES, head: &|_, _| 0 };
+//!     let chosen = budget.look_from(device, queue, costs, &picture.camera, &mut all, Some(before.bias), &held);
 //!     // Each head in view has light of its own, as fine as it is seen.
 //!     let seen = (0..heads.len()).filter(|i| chosen.heads[*i].seen);
 //!     let zone = |i: usize| {
@@ -94,6 +95,22 @@ impl Default for Budget {
     fn default() -> Self {
         Self { milliseconds: f32::INFINITY, bytes: u64::MAX }
     }
+}
+
+/// What a view holds on the GPU for heads, bytes.
+pub struct Held<'a> {
+    /// For each drawn vertex, its colours included.
+    pub vertex: u64,
+    /// For the head of this number while it is in view, with so many octaves of bias more: the light of its
+    /// [zone](crate::light::Zone::bytes).
+    pub head: &'a dyn Fn(usize, f32) -> u64,
+}
+
+impl Held<'_> {
+    /// For each vertex that tiles draw: points, lists, colours and shading.
+    pub const BY_TILES: u64 = 71;
+    /// For each vertex of strips: its colours.
+    pub const BY_STRIPS: u64 = 8;
 }
 
 /// The most octaves by which the bias changes in a frame.
@@ -253,8 +270,8 @@ pub struct Chosen {
 
 impl Budget {
     /// Chooses the level of detail of `heads`, each with where its head is, for `camera`: call it instead of
-    /// [`Hair::look_from`], before a frame is recorded. `bias` is that of the frame before ([`Chosen::bias`]), and
-    /// `view_bytes` what a view takes for each drawn vertex: 71 of tiles, 8 of strips.
+    /// [`Hair::look_from`], before a frame is recorded. `before` is the bias of the frame before ([`Chosen::bias`]): `None`
+    /// where there was none, so that nobody sees levels change. `held` says what a view holds for them.
     #[allow(clippy::too_many_arguments)]
     pub fn look_from(
         &self,
@@ -263,16 +280,17 @@ impl Budget {
         costs: &Costs,
         camera: &Camera,
         heads: &mut [(&mut Hair, Pose)],
-        bias: f32,
-        view_bytes: u64,
+        before: Option<f32>,
+        held: &Held<'_>,
     ) -> Chosen {
         let plan = |bias: f32, heads: &[(&mut Hair, Pose)]| -> (Chosen, Vec<Detail>) {
             let mut chosen = Chosen { bias, ..Chosen::default() };
             let mut details = Vec::with_capacity(heads.len());
             chosen.bytes = heads.iter().map(|(hair, _)| hair.shared_bytes()).max().unwrap_or(0);
-            for (hair, pose) in heads {
+            for (i, (hair, pose)) in heads.iter().enumerate() {
                 let detail = hair.lod.seen_coarser(camera, pose, bias);
-                let (head, work) = hair.at(&detail, camera, pose, view_bytes);
+                let (mut head, work) = hair.at(&detail, camera, pose, held.vertex);
+                head.bytes += if head.seen { (held.head)(i, bias) } else { 0 };
                 chosen.bytes += head.bytes;
                 chosen.work.add(&work);
                 chosen.heads.push(head);
@@ -284,7 +302,8 @@ impl Budget {
         };
         let wanted = self.least(|bias| plan(bias, heads).0.fits);
         // Memory is there or is not; time may pass for other reasons.
-        let reachable = wanted.clamp(bias - FASTEST, bias + FASTEST).clamp(0.0, COARSEST);
+        let reachable = before.map_or(wanted, |bias| wanted.clamp(bias - FASTEST, bias + FASTEST));
+        let reachable = reachable.clamp(0.0, COARSEST);
         let (mut chosen, mut details) = plan(reachable, heads);
         if chosen.bytes > self.bytes && wanted > reachable {
             (chosen, details) = plan(wanted, heads);

@@ -36,6 +36,11 @@ pub(super) fn fibers(strips: &[Strip], sphere: (Vec3, f32), wide: f32) -> Vec<[f
     fibers
 }
 
+/// Length of strands over the area of the disc that they lie in, in a sphere of `radius` metres, 1/m.
+pub(super) fn dense(length: f32, radius: f32) -> f32 {
+    length / (std::f32::consts::PI * radius * radius).max(1e-12)
+}
+
 /// Of what each eye sees, how many fibres lie before it towards each light.
 #[derive(Clone, Debug)]
 pub(super) struct Lit {

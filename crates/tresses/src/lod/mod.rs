@@ -58,22 +58,23 @@ mod guides;
 mod later;
 mod lit;
 mod maps;
+mod options;
 mod order;
 mod seen;
 mod widths;
 
-pub use budget::{Budget, Chosen, Costs, HeadChosen, Work};
+pub use budget::{Budget, Chosen, Costs, HeadChosen, Held, Work};
 pub use cover::{CoverLevel, CoverTable};
 pub use curve::{CurveTable, resample};
 pub(crate) use guides::{GuideOrder, order as guide_order};
 pub use maps::{LodLevel, MAX_LEVELS, MAX_THICKNESS};
+pub use options::{LodMode, LodOptions};
 pub use order::{BUCKET_RATIO, arrange, buckets};
 pub use widths::{StrandLod, WidthParams, Widths};
 
 use crate::{
     Camera, Error, Pose, Progress, Result,
-    groom::{BoundStrands, range},
-    range::Range,
+    groom::BoundStrands,
     strands::{Drawn, Strand, StrandBuffers},
 };
 use glam::Vec3;
@@ -84,114 +85,6 @@ use later::Later;
 use later::Wanted;
 use maps::Painted;
 use widths::WidthBuffers;
-
-/// How the level of detail is chosen.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum LodMode {
-    /// Full detail at any distance.
-    Off,
-    /// By the size of a pixel at the hair.
-    #[default]
-    Auto,
-    /// This share of the strands at any distance, above 0 and at most 1, and segments to suit.
-    Fixed(f32),
-}
-
-/// Level of detail, as a user sets it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LodOptions {
-    /// How it is chosen.
-    pub mode: LodMode,
-    /// 1 draws as if the hair were twice as far away, -1 half as far; -8 to 8.
-    pub bias: f32,
-    /// Strands are left out until the others are this wide, pixels.
-    pub strand_width: f32,
-    /// How far strands may stray from their full shape, pixels.
-    pub curve_error: f32,
-    /// The largest factor on the length of a fixed step, 1 to 4; 1 keeps the rate at any distance.
-    pub slowest: f32,
-    /// The size of a pixel from which on steps grow, metres; at twice that they are twice as long.
-    pub slow_pixel: f32,
-    /// Guides are left out until those that are simulated are so far from others, pixels; these are led. 0 simulates all.
-    pub guides: f32,
-    /// The size of a pixel at which half the substeps do, metres; at twice that a quarter. 0 keeps them.
-    pub substep_pixel: f32,
-    /// The size of a pixel from which on hair feels less of other hair, metres; from twice that on nothing. 0 for never.
-    pub alone_pixel: f32,
-    /// Whether hair that has come to rest, or that is out of view, is left as it is.
-    pub sleep: bool,
-}
-
-impl Default for LodOptions {
-    fn default() -> Self {
-        Self {
-            mode: LodMode::Auto,
-            bias: 0.0,
-            strand_width: 0.2,
-            curve_error: 0.15,
-            slowest: 2.0,
-            slow_pixel: 3e-3,
-            guides: 0.0,
-            substep_pixel: 0.0,
-            alone_pixel: 0.0,
-            sleep: false,
-        }
-    }
-}
-
-impl LodOptions {
-    /// For one head of many: strands are half as wide again and stray twice as far, and the motion has levels of detail
-    /// as well.
-    pub const CROWD: Self = Self {
-        mode: LodMode::Auto,
-        bias: 0.0,
-        strand_width: 0.3,
-        curve_error: 0.3,
-        slowest: 2.0,
-        slow_pixel: 3e-3,
-        guides: 3.0,
-        substep_pixel: 3e-3,
-        alone_pixel: 4e-3,
-        sleep: true,
-    };
-    /// The range of the share of [`LodMode::Fixed`].
-    pub const FRACTION: Range = range!("share of the strands", 0.0001 to 1.0);
-    /// The range of [`bias`](Self::bias).
-    pub const BIAS: Range = range!("bias of the level of detail", -8.0 to 8.0);
-    /// The range of [`strand_width`](Self::strand_width).
-    pub const STRAND_WIDTH: Range = range!("least strand width", 0.001 to 10.0, "pixels");
-    /// The range of [`curve_error`](Self::curve_error).
-    pub const CURVE_ERROR: Range = range!("curve error", 0.0 to 100.0, "pixels");
-    /// The range of [`slowest`](Self::slowest).
-    pub const SLOWEST: Range = range!("slowest step", 1.0 to 4.0);
-    /// The range of [`slow_pixel`](Self::slow_pixel).
-    pub const SLOW_PIXEL: Range = range!("pixel of slower steps", 1e-6 to 10.0, "m"; usually 1e-6 to 1.0);
-
-    /// The range of [`guides`](Self::guides).
-    pub const GUIDES: Range = range!("reach of guides", 0.0 to 100.0, "pixels");
-    /// The range of [`substep_pixel`](Self::substep_pixel).
-    pub const SUBSTEP_PIXEL: Range = range!("pixel of fewer substeps", 0.0 to 10.0, "m"; usually 0.0 to 1.0);
-    /// The range of [`alone_pixel`](Self::alone_pixel).
-    pub const ALONE_PIXEL: Range = range!("pixel of hair alone", 0.0 to 10.0, "m"; usually 0.0 to 1.0);
-
-    /// Checks that every value is in its range.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`](crate::Error::Parameter) names the first that is not.
-    pub fn check(&self) -> Result<()> {
-        if let LodMode::Fixed(fraction) = self.mode {
-            Self::FRACTION.check(fraction)?;
-        }
-        Self::BIAS.check(self.bias)?;
-        Self::STRAND_WIDTH.check(self.strand_width)?;
-        Self::CURVE_ERROR.check(self.curve_error)?;
-        Self::SLOWEST.check(self.slowest)?;
-        Self::GUIDES.check(self.guides)?;
-        Self::SUBSTEP_PIXEL.check(self.substep_pixel)?;
-        Self::ALONE_PIXEL.check(self.alone_pixel)?;
-        Ok(Self::SLOW_PIXEL.check(self.slow_pixel)?)
-    }
-}
 
 /// The level of detail of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -248,6 +141,8 @@ pub struct Lod {
     pub sphere: (Vec3, f32),
     /// Mean diameter of the strands, metres.
     pub diameter: f32,
+    /// See [`Drawn::dense`].
+    dense: f32,
     /// How many strands each bucket ends with.
     ends: Arc<[u32]>,
     /// The area of the strands up to there, m².
@@ -301,6 +196,7 @@ impl Lod {
             cover: Later::known(CoverTable::none()).into(),
             sphere: (0.5 * (lo + hi), 0.5 * lo.distance(hi)),
             diameter: (area / length.max(1e-12)).max(1e-9) as f32,
+            dense: lit::dense(length as f32 / infos.len().max(1) as f32, 0.5 * lo.distance(hi)),
             painted: Painted::none(infos.len()).into(),
             segments: strands.vertex_count.saturating_sub(1).max(1),
             buffers: WidthBuffers::new(device, stage, buffers)?,
@@ -522,7 +418,13 @@ impl Lod {
     pub(crate) fn drawn(&self) -> Drawn {
         let detail = &self.detail;
         let drawn = Drawn::new(detail.strands, self.segments + 1, detail.segments);
-        Drawn { area: detail.area, deeper: detail.deeper, single: detail.fraction.sqrt(), ..drawn }
+        Drawn {
+            area: detail.area,
+            deeper: detail.deeper,
+            single: detail.fraction.sqrt(),
+            dense: self.dense,
+            ..drawn
+        }
     }
 
     /// Whether widths are those of the level of detail.

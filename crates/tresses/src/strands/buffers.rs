@@ -110,6 +110,9 @@ pub struct Drawn {
     /// How much of the chance by which single strands are in light or shade is left where each drawn one stands for
     /// several: the root of the share that is drawn.
     pub single: f32,
+    /// The mean length of a strand over the area in which strands lie beside each other, 1/m; 0 where nobody knows. Times the
+    /// strands and the edge of a texel it is how many lie in a texel of a shadow map.
+    pub dense: f32,
 }
 
 impl Drawn {
@@ -118,11 +121,27 @@ impl Drawn {
     pub fn new(count: u32, vertex_count: u32, segments: f32) -> Self {
         let last = vertex_count.saturating_sub(1).max(1);
         if segments >= last as f32 {
-            return Self { count, vertex_count, stride: 1.0, area: 1.0, deeper: [1.0; 2], single: 1.0 };
+            return Self {
+                count,
+                vertex_count,
+                stride: 1.0,
+                area: 1.0,
+                deeper: [1.0; 2],
+                single: 1.0,
+                dense: 0.0,
+            };
         }
         let segments = segments.max(1.0);
         let vertex_count = segments.ceil() as u32 + 1;
-        Self { count, vertex_count, stride: last as f32 / segments, area: 1.0, deeper: [1.0; 2], single: 1.0 }
+        Self {
+            count,
+            vertex_count,
+            stride: last as f32 / segments,
+            area: 1.0,
+            deeper: [1.0; 2],
+            single: 1.0,
+            dense: 0.0,
+        }
     }
 }
 

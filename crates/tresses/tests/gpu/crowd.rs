@@ -13,7 +13,7 @@ use tresses::{
     gpu::{Gpu, readback::blocking as readback},
     groom::{BindOptions, Groom, GuideCount, bind},
     light::{HairMaterial, Sphere, Zone},
-    lod::{Budget, Costs, Detail, LodOptions},
+    lod::{Budget, Costs, Detail, Held, LodOptions},
     strands::StrandVertex,
     view::{Picture, ViewOptions},
 };
@@ -346,13 +346,24 @@ fn a_budget_is_kept_by_levels() {
     let camera = Camera::look_at(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, 0.5, [640, 400]);
     let place = |i: usize| Pose { translation: Vec3::new(0.5 * i as f32 - 0.75, 0.0, 0.0), ..Pose::IDENTITY };
     let costs = Costs::default();
+    let focus = |i: usize| Sphere { center: place(i).translation, radius: 0.35 };
+    let zone = |i: usize, bias: f32| Zone::seen(focus(i), &camera, bias, vec![i], Vec::new());
+    let held = Held { vertex: Held::BY_TILES, head: &|i, bias| zone(i, bias).bytes() };
+    // What a zone is said to hold is what it holds.
+    let options = ViewOptions { shadow_resolution: 64, ambient_cells: 8, ..ViewOptions::default() };
+    let mut view = View::new(&gpu.device, pipelines, &options, SIZE, 1).unwrap();
+    for octaves in [0.0, 2.0] {
+        view.set_zones(&gpu.device, pipelines, &[zone(0, octaves)]);
+        assert_eq!(view.zone_bytes(), zone(0, octaves).bytes());
+    }
+    assert!(zone(0, 0.0).bytes() > zone(0, 2.0).bytes());
     let mut bias = 0.0;
     let mut choose = |budget: &Budget, frames: usize| {
         let mut chosen = None;
         for _ in 0..frames {
             let mut all: Vec<_> = heads.iter_mut().enumerate().map(|(i, hair)| (hair, place(i))).collect();
             let device = (&gpu.device, &gpu.queue);
-            let new = budget.look_from(device.0, device.1, &costs, &camera, &mut all, bias, 71);
+            let new = budget.look_from(device.0, device.1, &costs, &camera, &mut all, Some(bias), &held);
             assert!(
                 (new.bias - bias).abs() <= tresses::lod::budget::FASTEST + 1e-6 || new.bytes <= budget.bytes
             );
@@ -488,3 +499,86 @@ fn a_zone_is_as_bright_as_finer_maps() {
         assert!((sums[0][0] - 1.0).abs() < 0.02, "{away} m: {}", sums[0][0]);
     }
 }
+
+/// Far heads that turn, each with the levels and the zone that a crowd has, against light that is made in each picture: how
+/// bright each is from frame to frame. The figures of docs/appearance/lod.md.
+#[test]
+#[ignore = "proof"]
+fn far_heads_do_not_flicker() {
+    let (Some(gpu), Some(pipelines)) = (common::gpu(), common::pipelines()) else { return };
+    let made = common::character("long", 10_000).expect("there is a GPU");
+    let device = (&gpu.device, &gpu.queue);
+    let options = HairOptions::default();
+    let first = Hair::new(device.0, device.1, pipelines, &made.groom, &options, Some(&made.field)).unwrap();
+    let mut body = Body::new(&gpu.device, &made.mesh);
+    let (lo, hi) = made.groom.bounds().unwrap();
+    let focus = Sphere { center: 0.5 * (lo + hi), radius: 0.62 * lo.distance(hi) };
+    let linear = |byte: u8| f64::from(tresses::light::material::linear(f32::from(byte) / 255.0));
+    let turn = |i: u32| {
+        // 60 degrees to either side in a second.
+        let angle = 1.05 * (std::f32::consts::TAU * i as f32 / 60.0).sin();
+        Pose::about(focus.center, Quat::from_rotation_y(angle))
+    };
+    let mut run = |away: f32, azimuth: f32, every: Option<u32>| -> Vec<f64> {
+        let mut hair = another(gpu, pipelines, &first);
+        hair.lod.options = LodOptions::CROWD;
+        let height = (2.0 * focus.radius / (away * 0.000_744_3)).ceil() as u32;
+        let eye =
+            focus.center + Quat::from_rotation_y(azimuth) * Vec3::new(0.0, 0.02, 1.0).normalize() * away;
+        let camera = Camera::look_at(eye, focus.center, height as f32 * 0.000_744_3, [height; 2]);
+        let scene = Picture {
+            camera,
+            focus,
+            lights: tresses::light::Lights::around(0.0),
+            background: tresses::present::Background::transparent(),
+            tone: tresses::camera::ToneMap { exposure: 1.0, shoulder: 1.0, desaturation: 0.0 },
+            ..Default::default()
+        };
+        let options = ViewOptions { samples: 4, coverage: Coverage::Tiles, ..Default::default() };
+        let mut view = View::new(&gpu.device, pipelines, &options, [height; 2], 1).unwrap();
+        let frames = (0..48u32).map(|i| {
+            hair.look_from(device.0, device.1, &camera, &turn(i));
+            let dt = if i == 0 { 0.0 } else { 1.0 / 60.0 };
+            submit(|recorder| recorder.advance(&mut hair, &frame(turn(i), dt)));
+            body.pose = turn(i);
+            let mut zone = Zone::seen(focus, &camera, 0.0, vec![0], vec![0]);
+            zone.every = every.unwrap_or(zone.every);
+            view.set_zones(&gpu.device, pipelines, &[zone]);
+            let seen = picture(gpu, &view, &[&hair], &[&body], &scene);
+            let pixels = seen.as_chunks::<4>().0.iter();
+            let light =
+                pixels.map(|[r, g, b, _]| 0.2126 * linear(*r) + 0.7152 * linear(*g) + 0.0722 * linear(*b));
+            light.sum::<f64>()
+        });
+        frames.collect()
+    };
+    // What one frame differs by from the middle of its neighbours is no motion of the head: that is even over three frames.
+    let jerk = |frames: &[f64]| -> f64 {
+        let of = |w: &[f64]| (w[1] / (0.5 * (w[0] + w[2])) - 1.0).abs();
+        frames.windows(3).map(of).fold(0.0, f64::max)
+    };
+    for away in [10.0, 25.0, 40.0] {
+        for azimuth in [0.0, 1.3, 2.6] {
+            let [each, seldom, never] = [Some(1), None, Some(1000)].map(|every| run(away, azimuth, every));
+            let ratio = |frames: &[f64]| frames.iter().zip(&each).map(|(a, b)| a / b).collect::<Vec<_>>();
+            let off = |frames: &[f64]| ratio(frames).iter().map(|r| (r - 1.0).abs()).fold(0.0, f64::max);
+            let step = |frames: &[f64]| {
+                ratio(frames).windows(2).map(|w| (w[1] / w[0] - 1.0).abs()).fold(0.0, f64::max)
+            };
+            println!(
+                "{away} m, {azimuth}: off by {:.2} %, steps of that {:.2} %, never made anew {:.2} %; a frame beside its \
+                 neighbours {:.2} %, with new light in each {:.2} %",
+                100.0 * off(&seldom),
+                100.0 * step(&seldom),
+                100.0 * off(&never),
+                100.0 * jerk(&seldom),
+                100.0 * jerk(&each),
+            );
+            assert!(step(&seldom) < STEP, "{away} m: {}", step(&seldom));
+            assert!(off(&never) > 2.0 * off(&seldom), "{away} m: light that is left as it is shows");
+        }
+    }
+}
+
+/// The largest step of brightness from frame to frame that light in turn may add.
+const STEP: f64 = 0.01;

@@ -11,7 +11,7 @@
 //! A segment is the piece of a strand between two of its vertices. It is written into the list of each tile of 8×8
 //! pixels that it reaches, unless bodies hide it there. Lists are made by counting, a prefix sum and a second pass
 //! that writes: no length is guessed. In its tile a segment goes into one of 64 bins by its depth, between the
-//! nearest and the farthest hair of 4×4 tiles, or the farthest body of the tile; in a bin an entry's place is the number
+//! nearest and the farthest hair of 2×2 tiles, or the farthest body of the tile; in a bin an entry's place is the number
 //! of those before it, which a thread counts for four neighbours at once, or a workgroup sorts the bin
 //! where it holds very many. An entry is one word: the place of its depth in the bin, then its number, so that no two
 //! are equal and two runs give the same bits.

@@ -242,7 +242,12 @@ impl Tiles {
             + self.bounds.0.size()
             + self.bounds.1.bytes()
             + pixels * 8
-            + self.bound().as_ref().map_or(0, |bound| bound.bytes)
+            + self.hair_bytes()
+    }
+
+    /// Those of them that are there for hair: points, lists and what is seen of it.
+    pub fn hair_bytes(&self) -> u64 {
+        self.bound().as_ref().map_or(0, |bound| bound.bytes)
     }
 
     /// What [`Canvas::geometry`] asked for in the last picture; none where that had no hair.

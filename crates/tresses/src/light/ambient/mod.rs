@@ -203,8 +203,14 @@ impl Ambient {
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
+        Self::bytes_of(self.cells)
+    }
+
+    /// The same of so many cells to an edge that are not made yet.
+    pub(super) fn bytes_of(cells: u32) -> u64 {
+        let cells = u64::from(Self::within(cells));
         let cell = 4 * CELL_WORDS + SETTLED + 4 + 8 * u64::from(DIRECTIONS) + 8 * u64::from(LAYERS);
-        cell * u64::from(self.cells).pow(3) + STEP * u64::from(self.cells)
+        cell * cells.pow(3) + STEP * cells
     }
 
     /// Records all of it; after the shadow maps.

@@ -139,6 +139,30 @@ fn heads_of_a_crowd_keep_coverage_and_luminance() {
     check(stage, "long of a crowd", &mut hair, &[2.0, 4.0, 6.5, 10.0, 16.0, 25.0, 40.0], MOST);
 }
 
+/// With more strands than the rest of these have.
+fn check_many(stage: &Setup, options: LodOptions) {
+    for strands in [10_000, 30_000] {
+        let mut hair = [stage.grown(&Style::default(), strands)];
+        hair[0].lod.options = options;
+        check(stage, &format!("long of {strands}"), &mut hair, &[4.0, 6.5, 16.0], MOST);
+    }
+}
+
+#[test]
+#[ignore = "proof"]
+fn more_strands_keep_coverage_and_luminance() {
+    let Some(stage) = Setup::open() else { return };
+    check_many(stage, LodOptions::default());
+}
+
+/// docs/appearance/lod.md says what is not reached at 16 m.
+#[test]
+#[ignore = "proof"]
+fn more_strands_of_a_crowd_keep_coverage_and_luminance() {
+    let Some(stage) = Setup::open() else { return };
+    check_many(stage, LodOptions::CROWD);
+}
+
 #[test]
 #[ignore = "proof"]
 fn other_styles_keep_coverage_and_luminance() {
