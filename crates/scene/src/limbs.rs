@@ -63,7 +63,7 @@ pub fn fit(mesh: &TriMesh, triangles: &[[u32; 3]], is_own: impl Fn(u32) -> bool)
     let found = start.iter().filter_map(|axis| search(&points, begin(&points, *axis)));
     let (cost, capsule) = found.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let out = points.iter().filter(|(p, _)| capsule.distance(*p) > STANDS_OUT);
-    let missed = out.map(|(_, weight)| f64::from(*weight)).sum::<f64>() / whole;
+    let missed = out.fold(0.0, |sum, (_, weight)| sum + f64::from(*weight)) / whole;
     Some(Fitted { capsule, off: (cost / whole).sqrt() as f32, missed: missed as f32 })
 }
 
