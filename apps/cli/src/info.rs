@@ -10,6 +10,11 @@ use tresses::groom::{
     orient::Placement,
     rig::Rig,
 };
+use tresses_scene::{
+    Anatomy,
+    limbs::{Capsule, STANDS_OUT},
+    living::{Part, PartForm},
+};
 
 use crate::orient_args::OrientArgs;
 
@@ -36,15 +41,19 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let mut options = strict.clone();
     options.lenient = true;
     options.unrepaired = true;
-    let report = if args.head.is_empty() {
-        import::read(&args.files, &options)?.1
+    let (report, anatomy) = if args.head.is_empty() {
+        (import::read(&args.files, &options)?.1, None)
     } else {
-        import::read_with_head(&args.files, &args.head, &options)?.2
+        let (strands, head, report) = import::read_with_head(&args.files, &args.head, &options)?;
+        // What is wrong with the strands is said below.
+        let of = |rig: &Rig| Anatomy::new(rig.clone(), &head, &strands).ok();
+        let anatomy = report.rig.as_ref().and_then(of);
+        (report, anatomy)
     };
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&as_json(&report))?);
+        println!("{}", serde_json::to_string_pretty(&as_json(&report, anatomy.as_ref()))?);
     } else {
-        print!("{}", as_text(&report));
+        print!("{}", as_text(&report, anatomy.as_ref()));
     }
     if report.lint.findings.iter().any(|f| f.severity == Severity::Error) {
         import::read(&args.files, &strict)?;
@@ -53,7 +62,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn as_json(report: &ImportReport) -> Value {
+fn as_json(report: &ImportReport, anatomy: Option<&Anatomy>) -> Value {
     let spread = |s: &Spread| json!({"min": s.min, "median": s.median, "p95": s.p95, "max": s.max});
     let placement = |p: &Placement| {
         json!({
@@ -83,6 +92,10 @@ fn as_json(report: &ImportReport) -> Value {
             "animations": rig.animations.iter()
                 .map(|it| json!({"name": it.name, "seconds": it.length})).collect::<Vec<_>>(),
             "shapes": rig.targets.iter().map(|target| &target.name).collect::<Vec<_>>(),
+            "hair_goes_with": anatomy.map(|anatomy| anatomy.name(anatomy.head.node)),
+            "parts": anatomy.map(|anatomy| {
+                anatomy.parts.iter().map(|part| part_as_json(anatomy, part)).collect::<Vec<_>>()
+            }),
         })),
         "findings": lint.findings.iter().map(|f| json!({
             "kind": f.kind.name(), "severity": f.severity.name(), "count": f.count,
@@ -91,7 +104,7 @@ fn as_json(report: &ImportReport) -> Value {
     })
 }
 
-fn as_text(report: &ImportReport) -> String {
+fn as_text(report: &ImportReport, anatomy: Option<&Anatomy>) -> String {
     let mut out = String::new();
     for file in &report.files {
         line(
@@ -111,6 +124,7 @@ fn as_text(report: &ImportReport) -> String {
     }
     if let Some(rig) = &report.rig {
         bends(&mut out, rig);
+        anatomy.iter().for_each(|anatomy| parts(&mut out, anatomy));
     }
     orientation(&mut out, "groom", &report.placement);
     let findings = &report.lint.findings;
@@ -166,6 +180,51 @@ fn bends(out: &mut String, rig: &Rig) {
         line(out, "", format!("animation {}, {:.2} s", animation.name, animation.length));
     }
     rig.targets.iter().for_each(|target| line(out, "", format!("shape {}", target.name)));
+}
+
+/// What hair collides with, by the names that a file of colliders takes.
+fn parts(out: &mut String, anatomy: &Anatomy) {
+    let head = anatomy.name(anatomy.head.node);
+    line(out, "colliders", format!("{head}: the field of the head, which hair goes with"));
+    for part in &anatomy.parts {
+        let form = match part.form {
+            PartForm::Field => "field",
+            PartForm::Capsule(_) => "capsule",
+            PartForm::Nothing => "none",
+        };
+        let name = anatomy.name(part.node);
+        line(out, "", format!("{name}: {form}, {} vertices{}", part.vertices, fitted(part)));
+    }
+}
+
+/// The capsule that is most like a part, and how like it is.
+fn fitted(part: &Part) -> String {
+    let Some(fitted) = part.fitted else { return "; no capsule fits".into() };
+    let Capsule { ends: [a, b], radius } = fitted.capsule;
+    let (off, missed, out) = (1e3 * fitted.off, 1e2 * fitted.missed, 1e3 * STANDS_OUT);
+    format!(
+        "; as a capsule {a:.3} to {b:.3} m, radius {:.1} mm: off by {off:.1} mm, {missed:.0} % stands out by {out} mm",
+        1e3 * radius
+    )
+}
+
+fn part_as_json(anatomy: &Anatomy, part: &Part) -> Value {
+    let capsule = |capsule: Capsule| {
+        let [from, to] = capsule.ends.map(|end| end.to_array());
+        json!({"capsule": {"from": from, "to": to, "radius": capsule.radius}})
+    };
+    json!({
+        "joint": anatomy.name(part.node),
+        "shape": match part.form {
+            PartForm::Field => json!("field"),
+            PartForm::Capsule(shape) => capsule(shape),
+            PartForm::Nothing => json!("none"),
+        },
+        "vertices": part.vertices,
+        "fit": part.fitted.map(|fitted| json!({
+            "shape": capsule(fitted.capsule), "off_m": fitted.off, "missed": fitted.missed,
+        })),
+    })
 }
 
 fn orientation(out: &mut String, what: &str, p: &Placement) {

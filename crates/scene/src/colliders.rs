@@ -7,13 +7,21 @@
 //!   {"shape": {"ellipsoid": {"radii": [0.05, 0.08, 0.05]}}, "anchor": "head", "friction": 2,
 //!    "keys": [{"time": 0, "rotation": [0, 20, 0], "translation": [0, 0.2, 0]}]},
 //!   {"shape": {"mesh": {"file": "hand.obj", "resolution": 64}}, "loop": true, "keys": […]}
+//!  ],
+//!  "joints": [
+//!   {"joint": "LeftArm", "shape": {"capsule": {"from": [0.2, 1.4, 0], "to": [0.45, 1.4, 0], "radius": 0.05}}},
+//!   {"joint": "LeftHand", "shape": "fit", "friction": 2}, {"joint": "Tail", "shape": "none"}
 //! ]}
 //! ```
 //! Metres, seconds, degrees (yaw, pitch, roll). Meshes are taken as they are, in metres, Y up, from the folder of the file;
-//! their distance fields are made on the GPU.
+//! their distance fields are made on the GPU. Joints are those of a body that bends, as `tresses info` lists them, and go
+//! with it: a part is its distance `field`, the capsule that is `fit` to it, a capsule that is given (groom space, the body
+//! at rest), or `none`.
 
 use crate::{
     companions::Shelf,
+    limbs::Capsule,
+    living::{Part, PartForm},
     motion::{Key, Motion},
 };
 use anyhow::{Context, Result, ensure};
@@ -30,7 +38,44 @@ use tresses::{
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
-    colliders: Vec<Entry>,
+    colliders: Option<Vec<Entry>>,
+    joints: Option<Vec<Joint>>,
+}
+
+/// What is said of a joint.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Joint {
+    /// Its name, or `#` and the number of its node.
+    pub joint: String,
+    /// What its part is to hair.
+    pub shape: Role,
+    /// Multiplies the coefficient of friction.
+    #[serde(default = "one")]
+    pub friction: f32,
+}
+
+/// What becomes of the part of a body that a joint carries.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "lowercase", deny_unknown_fields)]
+pub enum Role {
+    /// Its distance field.
+    Field,
+    /// The capsule that is most like it.
+    #[serde(rename = "fit")]
+    Fitted,
+    /// A capsule, groom space at rest, metres.
+    Capsule {
+        /// An end of its axis.
+        from: [f32; 3],
+        /// The other end.
+        to: [f32; 3],
+        /// Its radius.
+        radius: f32,
+    },
+    /// Hair passes through it.
+    #[serde(rename = "none")]
+    Nothing,
 }
 
 #[derive(Deserialize)]
@@ -93,10 +138,21 @@ pub struct Colliders {
     pub looks: Vec<TriMesh>,
     motions: Vec<Motion>,
     fields: Vec<Field>,
-    /// How many of the list, behind those of the file, are parts of a body that bends.
-    parts: usize,
+    /// What is said of the joints of a body that bends.
+    joints: Vec<Joint>,
+    /// Those of the list, behind those of the file, that are parts of a body that bends.
+    parts: Vec<Slot>,
     /// The middle of a ball, which is the last of the list, metres.
     ball: Option<Vec3>,
+}
+
+/// A part of a body among the colliders.
+#[derive(Clone, Copy, Debug)]
+enum Slot {
+    /// Which of the fields.
+    Field(usize),
+    /// Where a capsule's own frame is while the body rests.
+    Capsule(Pose),
 }
 
 impl Colliders {
@@ -111,9 +167,18 @@ impl Colliders {
     }
 
     fn parse(text: &[u8], folder: &Path, files: &Shelf) -> Result<Self> {
-        let File { colliders } = serde_json::from_slice(text)?;
-        let mut all = Self::default();
-        for (i, entry) in colliders.into_iter().enumerate() {
+        let File { colliders, joints } = serde_json::from_slice(text)?;
+        ensure!(colliders.is_some() || joints.is_some(), "it has neither colliders nor joints");
+        let joints = joints.unwrap_or_default();
+        for Joint { joint, shape, friction } in &joints {
+            let numbers = match shape {
+                Role::Capsule { from, to, radius } => [from.as_slice(), to, &[*radius, *friction]].concat(),
+                _ => vec![*friction],
+            };
+            ensure!(numbers.iter().all(|x| x.is_finite()), "joint {joint:?} has what is no number");
+        }
+        let mut all = Self { joints, ..Self::default() };
+        for (i, entry) in colliders.into_iter().flatten().enumerate() {
             all.add(entry, folder, files).with_context(|| format!("collider {i}"))?;
         }
         Ok(all)
@@ -153,23 +218,59 @@ impl Colliders {
         Ok(())
     }
 
-    /// Adds parts of a body that bends, in metres: obstacles that are not drawn, for the body is.
-    pub fn add_parts(&mut self, parts: impl IntoIterator<Item = Field>) {
+    /// What the file says of joints.
+    pub fn joints(&self) -> &[Joint] {
+        &self.joints
+    }
+
+    /// Adds parts of a body that bends: obstacles that are not drawn, for the body is.
+    pub fn add_parts<'a>(&mut self, parts: impl IntoIterator<Item = &'a Part>) {
         for part in parts {
-            self.fields.push(part);
-            self.list.push(Collider::new(Shape::Field(FieldId(self.fields.len() as u32 - 1))));
+            let (shape, slot) = match part.form {
+                PartForm::Nothing => continue,
+                PartForm::Capsule(Capsule { ends: [a, b], radius }) => {
+                    let (shape, pose) = Shape::capsule(a, b, radius);
+                    (shape, Slot::Capsule(pose))
+                }
+                PartForm::Field => {
+                    self.fields.push(part.field.clone());
+                    let field = self.fields.len() - 1;
+                    (Shape::Field(FieldId(field as u32)), Slot::Field(field))
+                }
+            };
+            self.list.push(Collider { friction: part.friction, ..Collider::new(shape) });
             self.looks.push(TriMesh::default());
-            self.parts += 1;
+            self.parts.push(slot);
         }
     }
 
     /// The fields of the parts of a body, where they are known.
     pub fn parts(&self) -> impl Iterator<Item = Option<&SdfGrid>> {
-        let first = self.fields.len() - self.parts;
-        self.fields[first..].iter().map(|field| match field {
-            Field::Grid(grid) => Some(grid),
-            Field::Mesh(..) => None,
+        self.parts.iter().map(|slot| match slot {
+            Slot::Field(field) => match &self.fields[*field] {
+                Field::Grid(grid) => Some(grid),
+                Field::Mesh(..) => None,
+            },
+            Slot::Capsule(_) => None,
         })
+    }
+
+    /// Where the parts of a body are whose nodes are at `nodes`.
+    fn placed(&self, nodes: &[Pose]) -> impl Iterator<Item = Pose> {
+        debug_assert_eq!(nodes.len(), self.parts.len());
+        self.parts.iter().zip(nodes).map(|(slot, node)| match slot {
+            Slot::Field(_) => *node,
+            Slot::Capsule(own) => node.after(own),
+        })
+    }
+
+    /// Where all of them are that go with a body as one piece, which is at `pose`.
+    pub fn carried(&self, pose: Pose) -> ColliderPoses {
+        let nodes = vec![pose; self.parts.len()];
+        let own = std::iter::repeat_n(pose, self.motions.len());
+        let ball = self.ball.map(|_| pose);
+        let colliders = own.chain(self.placed(&nodes)).chain(ball).collect();
+        ColliderPoses { head: None, colliders }
     }
 
     /// The distance fields of the meshes.
@@ -200,14 +301,13 @@ impl Colliders {
         true
     }
 
-    /// Where they are at `time`, seconds, and `parts` of a body that bends.
+    /// Where they are at `time`, seconds, and the nodes that carry the parts of a body that bends.
     pub fn poses(&self, time: f64, parts: &[Pose]) -> ColliderPoses {
-        debug_assert_eq!(parts.len(), self.parts);
         let pose = |motion: &Motion| motion.pose(time, Vec3::ZERO);
         let ball = self.ball.map(|at| Pose { translation: at, ..Pose::IDENTITY });
         ColliderPoses {
             head: None,
-            colliders: self.motions.iter().map(pose).chain(parts.iter().copied()).chain(ball).collect(),
+            colliders: self.motions.iter().map(pose).chain(self.placed(parts)).chain(ball).collect(),
         }
     }
 
@@ -312,6 +412,8 @@ mod tests {
     fn nonsense_is_refused() {
         let bad = |text: &str| assert!(parse(text).is_err(), "{text}");
         bad("{}");
+        bad(r#"{"joints": [{"joint": "Arm", "shape": "cone"}]}"#);
+        bad(r#"{"joints": [{"joint": "Arm", "shape": {"capsule": {"from": [0, 0, 0], "radius": 0.1}}}]}"#);
         bad(r#"{"colliders": [{"shape": {"cone": {}}, "keys": [{"time": 0}]}]}"#);
         bad(r#"{"colliders": [{"shape": {"capsule": {"radius": 0.1}}, "keys": []}]}"#);
         bad(

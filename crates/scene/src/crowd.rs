@@ -12,7 +12,6 @@ use anyhow::{Result, ensure};
 use tresses::{
     Hair, Pose,
     body::Body,
-    collide::ColliderPoses,
     frame::{Frame, Recorder, Sight},
     glam::{Quat, Vec3},
     gpu::{Gpu, Timings},
@@ -215,7 +214,7 @@ impl Crowd {
         let mut recorder = Recorder { pipelines: &pipelines, device, queue, encoder, timings };
         for head in &mut self.heads {
             // Its neck and shoulders go with it.
-            let colliders = ColliderPoses { head: None, colliders: vec![head.now; scene.colliders().len()] };
+            let colliders = scene.carried(head.now);
             let frame = Frame {
                 dt: seconds,
                 head: head.now,

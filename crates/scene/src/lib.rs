@@ -10,6 +10,7 @@ pub mod crowd;
 pub mod face;
 pub mod history;
 pub mod knobs;
+pub mod limbs;
 pub mod living;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod measure;

@@ -3,7 +3,9 @@
 //!
 //! The joint that carries most of the roots is the *head*: hair is simulated relative to it, and its part of the body is
 //! the distance field that hair collides with most. Every other joint near the hair carries a part of the body, a distance
-//! field of its own; parts overlap by a ring of triangles where they meet.
+//! field of its own; parts overlap by a ring of triangles where they meet. What is far from the hair while the body rests,
+//! arms, hands and legs, is a capsule each ([`limbs`]): a hand comes near when it is raised, and is thin all the same.
+//! A file of colliders may say otherwise of any joint ([`Anatomy::arrange`]).
 
 use anyhow::{Context, Result, bail};
 use std::collections::HashMap;
@@ -20,10 +22,15 @@ use tresses::{
     skinning::Skinning,
 };
 
-use crate::{colliders::Field, motion::Gesture};
+use crate::{
+    colliders::{Field, Joint, Role},
+    limbs::{self, Capsule, Fitted},
+    motion::Gesture,
+};
 
-/// The most parts besides the head.
+/// The most parts besides the head that are fields, and that are capsules.
 const MOST_PARTS: usize = 24;
+const MOST_CAPSULES: usize = 48;
 /// Nodes along the longest side of a part's field, and the fewest triangles that are worth one.
 const FINE: u32 = 40;
 const LEAST: usize = 12;
@@ -37,6 +44,31 @@ pub struct Part {
     pub node: u32,
     /// Its surface at rest, groom space.
     pub field: Field,
+    /// What hair collides with.
+    pub form: PartForm,
+    /// Multiplies the coefficient of friction.
+    pub friction: f32,
+    /// How many vertices follow the node most.
+    pub vertices: usize,
+    /// The capsule that is most like it, where it is known and there is one.
+    pub fitted: Option<Fitted>,
+}
+
+/// What a part of a body is to hair.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PartForm {
+    /// Its distance field.
+    Field,
+    /// A capsule, groom space at rest.
+    Capsule(Capsule),
+    /// Hair passes through it.
+    Nothing,
+}
+
+impl Part {
+    fn new(node: u32, field: Field, form: PartForm) -> Self {
+        Self { node, field, form, friction: 1.0, vertices: 0, fitted: None }
+    }
 }
 
 /// A body that bends, and how hair sees it.
@@ -46,7 +78,7 @@ pub struct Anatomy {
     pub rig: Rig,
     /// The node that hair goes with, and its part of the body.
     pub head: Part,
-    /// The parts near the hair that others carry.
+    /// The parts that others carry, those near the hair first.
     pub parts: Vec<Part>,
     /// The nodes that turn when the head does, a parent before its children, each with its share of the turn.
     pub turns: Vec<(u32, f32)>,
@@ -59,7 +91,7 @@ impl Anatomy {
     pub fn built_in(mesh: &TriMesh, bust: &SdfGrid) -> Self {
         use mannequin::rig;
         let [torso, neck, head] = rig::parts(bust).map(Field::Grid);
-        let part = |node, field| Part { node, field };
+        let part = |node, field| Part::new(node, field, PartForm::Field);
         Self {
             rig: rig::rig(mesh),
             head: part(2, head),
@@ -94,16 +126,7 @@ impl Anatomy {
             node if on_head[node as usize] => head,
             node => node,
         };
-        let mut triangles: HashMap<u32, Vec<[u32; 3]>> = HashMap::new();
-        for triangle in &mesh.triangles {
-            let mut nodes = triangle.map(of);
-            nodes.sort_unstable();
-            for (i, node) in nodes.iter().enumerate() {
-                if i == 0 || nodes[i - 1] != *node {
-                    triangles.entry(*node).or_default().push(*triangle);
-                }
-            }
-        }
+        let triangles = by_node(mesh, of);
         let reach = strands.iter().map(|strand| strand.windows(2).map(|w| w[0].distance(w[1])).sum::<f32>());
         let reach = reach.fold(0.0f32, f32::max) + 0.05;
         let bounds =
@@ -114,24 +137,119 @@ impl Anatomy {
             let far = apart(bounds, part.bounds());
             if node == head {
                 own = part;
-            } else if triangles.len() >= LEAST && far < reach {
-                parts.push((node, far, part));
+            } else {
+                parts.push((far, triangles, Part::new(node, Field::Mesh(part, fine()), PartForm::Nothing)));
             }
         }
-        parts.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-        parts.truncate(MOST_PARTS);
-        let fine = SdfOptions { resolution: FINE, ..Default::default() };
-        let part = |(node, _, mesh)| Part { node, field: Field::Mesh(mesh, fine.clone()) };
-        let parts = parts.into_iter().map(part).collect();
+        parts.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.node.cmp(&b.2.node)));
+        let (mut fields, mut capsules) = (0, 0);
+        for (far, triangles, part) in &mut parts {
+            let is_own = |vertex: u32| of(vertex) == part.node;
+            part.vertices = (0..holder.len() as u32).filter(|vertex| is_own(*vertex)).count();
+            part.fitted = limbs::fit(mesh, triangles, is_own);
+            let is_worth = triangles.len() >= LEAST;
+            if is_worth && *far < reach && fields < MOST_PARTS {
+                part.form = PartForm::Field;
+                fields += 1;
+            } else if let Some(fitted) = part.fitted.filter(|_| is_worth && capsules < MOST_CAPSULES) {
+                part.form = PartForm::Capsule(fitted.capsule);
+                capsules += 1;
+            }
+        }
+        let parts = parts.into_iter().map(|(.., part)| part).collect();
         let turns = turns(&rig, head);
-        let head = Part { node: head, field: Field::Mesh(own, SdfOptions::default()) };
+        let head = Part::new(head, Field::Mesh(own, SdfOptions::default()), PartForm::Field);
         Ok(Self { rig, head, parts, turns, is_rigid: false })
     }
 
     /// What to collide with besides the head.
-    pub fn fields(&self) -> impl Iterator<Item = Field> + '_ {
-        self.parts.iter().map(|part| part.field.clone())
+    pub fn solids(&self) -> impl Iterator<Item = &Part> {
+        self.parts.iter().filter(|part| part.form != PartForm::Nothing)
     }
+
+    /// What `joints` say becomes of the parts that they name; `mesh` is the body's.
+    ///
+    /// # Errors
+    /// One sentence for a joint that is not there, that holds nothing, or that is the head's.
+    pub fn arrange(&mut self, joints: &[Joint], mesh: &TriMesh) -> Result<()> {
+        for joint in joints {
+            let named = self.named(&joint.joint)?;
+            if named.contains(&self.head.node) {
+                bail!("hair grows on the joint {:?}: its part is always a distance field", joint.joint);
+            }
+            let mut found = false;
+            for part in self.parts.iter_mut().filter(|part| named.contains(&part.node)) {
+                found = true;
+                part.friction = joint.friction;
+                part.form = match joint.shape {
+                    Role::Nothing => PartForm::Nothing,
+                    Role::Field => PartForm::Field,
+                    Role::Capsule { from, to, radius } => {
+                        PartForm::Capsule(Capsule { ends: [from, to].map(Vec3::from), radius })
+                    }
+                    Role::Fitted => {
+                        let rig = &self.rig;
+                        let of = |vertex: u32| holder(rig, &rig.vertices[vertex as usize]);
+                        let own = || by_node(mesh, of).remove(&part.node).unwrap_or_default();
+                        let fit = || limbs::fit(mesh, &own(), |vertex| of(vertex) == part.node);
+                        part.fitted = part.fitted.or_else(fit);
+                        let fitted = part.fitted.with_context(|| {
+                            format!("the joint {:?} holds too little to fit a capsule to", joint.joint)
+                        })?;
+                        PartForm::Capsule(fitted.capsule)
+                    }
+                };
+            }
+            if !found {
+                bail!("the joint {:?} holds nothing", joint.joint);
+            }
+        }
+        Ok(())
+    }
+
+    /// What a node is called: its name, or `#` and its number.
+    pub fn name(&self, node: u32) -> String {
+        match &*self.rig.nodes[node as usize].name {
+            "" => format!("#{node}"),
+            name => name.to_owned(),
+        }
+    }
+
+    /// The nodes of this name, upper and lower case alike if none is exactly so.
+    fn named(&self, name: &str) -> Result<Vec<u32>> {
+        let all = || 0..self.rig.nodes.len() as u32;
+        let mut found: Vec<u32> = all().filter(|node| self.name(*node) == name).collect();
+        if found.is_empty() {
+            let lower = name.to_lowercase();
+            found = all().filter(|node| self.name(*node).to_lowercase() == lower).collect();
+        }
+        if found.is_empty() {
+            let names: Vec<_> = self.parts.iter().map(|part| self.name(part.node)).collect();
+            let there = if names.is_empty() { "none".into() } else { names.join(", ") };
+            bail!("the body has no joint {name:?}; parts are carried by {there}");
+        }
+        Ok(found)
+    }
+}
+
+/// How finely a part's field is made.
+fn fine() -> SdfOptions {
+    SdfOptions { resolution: FINE, ..Default::default() }
+}
+
+/// The triangles of each node: all with a corner that is `of` it.
+fn by_node(mesh: &TriMesh, of: impl Fn(u32) -> u32) -> HashMap<u32, Vec<[u32; 3]>> {
+    let mut triangles: HashMap<u32, Vec<[u32; 3]>> = HashMap::new();
+    for triangle in &mesh.triangles {
+        let mut nodes = triangle.map(&of);
+        nodes.sort_unstable();
+        for (i, node) in nodes.iter().enumerate() {
+            if i == 0 || nodes[i - 1] != *node {
+                triangles.entry(*node).or_default().push(*triangle);
+            }
+        }
+    }
+    triangles
 }
 
 /// The node that carries most of a vertex.
@@ -206,7 +324,7 @@ pub struct Living {
 pub struct Stance {
     /// The head.
     pub head: Pose,
-    /// The other parts.
+    /// What carries the other parts that hair collides with, relative to where it rests.
     pub parts: Vec<Pose>,
 }
 
@@ -332,7 +450,7 @@ impl Living {
             let [now, rest] = [&pose, &self.rest].map(|pose| rig.to_groom * pose.globals[node as usize]);
             moved(&now, &rest)
         };
-        let parts = self.anatomy.parts.iter().map(|part| node(part.node)).collect();
+        let parts = self.anatomy.solids().map(|part| node(part.node)).collect();
         Ok(Stance { head: node(self.anatomy.head.node), parts })
     }
 

@@ -1,5 +1,10 @@
 use super::*;
-use tresses::groom::rig::{Bind, Joint, Node, Transform};
+use crate::{Colliders, Shelf};
+use std::path::Path;
+use tresses::{
+    collide::Shape,
+    groom::rig::{Bind, Joint, Node, Transform},
+};
 
 /// A head on a neck on shoulders, each a ball that a node of its own carries, and an eye that goes with the head.
 fn body() -> (Rig, TriMesh) {
@@ -51,11 +56,61 @@ fn hair_goes_with_what_it_grows_on() {
     assert!((hi.z - 0.12).abs() < 1e-3 && (lo.y - 1.4).abs() < 1e-3, "{lo} {hi}");
     let nodes: Vec<_> = anatomy.parts.iter().map(|part| part.node).collect();
     assert_eq!(nodes, [1, 0], "the nearest first");
-    // Short hair reaches the neck, not the shoulders.
+    assert!(anatomy.solids().count() == 2 && anatomy.solids().all(|part| part.form == PartForm::Field));
+    // Short hair reaches the neck, not the shoulders: those are a capsule.
     let (rig, mesh) = body();
     let short = Anatomy::new(rig, &mesh, &hair(0.2)).unwrap();
-    assert_eq!(short.parts.iter().map(|part| part.node).collect::<Vec<_>>(), [1]);
-    assert_eq!(short.fields().count(), 1);
+    assert_eq!(short.parts.iter().map(|part| part.node).collect::<Vec<_>>(), [1, 0]);
+    assert_eq!(short.parts[0].form, PartForm::Field);
+    let PartForm::Capsule(Capsule { ends: [a, b], radius }) = short.parts[1].form else { panic!("far away") };
+    assert!((radius - 0.2).abs() < 2e-3 && a.distance(b) < 0.01, "{a} {b} {radius}");
+    assert!((0.5 * (a + b)).distance(Vec3::Y) < 2e-3 && short.parts[1].vertices == mesh.positions.len() / 4);
+}
+
+#[test]
+fn a_file_says_what_joints_are_to_hair() {
+    let (mut rig, mesh) = body();
+    rig.nodes[0].name = "Torso".into();
+    let text = |joints: &str| {
+        let path = Path::new("joints.json");
+        let mut files = Shelf::default();
+        files.put(path.to_owned(), format!(r#"{{"joints": [{joints}]}}"#).into_bytes());
+        Colliders::read(path, &files)
+    };
+    let arranged = |joints: &str| {
+        let mut anatomy = Anatomy::new(rig.clone(), &mesh, &hair(0.2)).unwrap();
+        let colliders = text(joints)?;
+        anatomy.arrange(colliders.joints(), &mesh)?;
+        Ok::<_, anyhow::Error>((anatomy, colliders))
+    };
+    let (anatomy, mut colliders) = arranged(
+        r#"{"joint": "torso", "shape": {"capsule": {"from": [0, 1, 0], "to": [0.3, 1, 0], "radius": 0.1}}, "friction": 2},
+           {"joint": "1", "shape": "none"}"#,
+    )
+    .unwrap();
+    colliders.add_parts(anatomy.solids());
+    let [one] = &colliders.list[..] else { panic!("the neck is none") };
+    assert!(one.friction == 2.0 && matches!(one.shape, Shape::Capsule { radius: 0.1, .. }), "{one:?}");
+    // It is where it was given, and goes with its joint.
+    let turn = Pose { rotation: Quat::from_rotation_z(1.0), translation: Vec3::X };
+    for node in [Pose::IDENTITY, turn] {
+        let at = colliders.poses(0.0, &[node]).colliders[0];
+        assert!(at.point(Vec3::Y * 0.15).distance(node.point(Vec3::new(0.3, 1.0, 0.0))) < 1e-6);
+        assert_eq!(colliders.carried(node).colliders, [at]);
+    }
+    let (anatomy, _) =
+        arranged(r#"{"joint": "1", "shape": "fit"}, {"joint": "Torso", "shape": "field"}"#).unwrap();
+    assert!(
+        matches!(anatomy.parts[0].form, PartForm::Capsule(_)) && anatomy.parts[1].form == PartForm::Field
+    );
+    for (joints, why) in [
+        (r#"{"joint": "Tail", "shape": "none"}"#, "no joint \"Tail\"; parts are carried by 1, Torso"),
+        (r#"{"joint": "2", "shape": "none"}"#, "hair grows on"),
+        (r#"{"joint": "1", "shape": "none", "friction": null}"#, "friction"),
+    ] {
+        let error = arranged(joints).err().map(|error| format!("{error:#}")).unwrap_or_default();
+        assert!(error.contains(why) || error.contains("joints.json"), "{joints}: {error}");
+    }
 }
 
 #[test]

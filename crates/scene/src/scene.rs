@@ -12,7 +12,7 @@ use crate::{
     living::Living,
     settings::{LightSettings, Settings},
 };
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use std::sync::Arc;
 use tresses::{
     Hair, HairOptions, Pipelines, Pose, Progress, View,
@@ -154,7 +154,7 @@ impl Scene {
     pub async fn new(
         gpu: Gpu,
         pipelines: Arc<Pipelines>,
-        character: Character,
+        mut character: Character,
         mut colliders: Colliders,
         physics: &SimulationParams,
         quality: &Quality,
@@ -166,8 +166,12 @@ impl Scene {
         // Collapsing edges takes as long as everything else of a small character.
         let levels = character.head.clone().map(|head| Aside::start(move || head.levels()));
         let options = HairOptions { simulation: *physics, ..Default::default() };
-        if let Some(anatomy) = &character.anatomy {
-            colliders.add_parts(anatomy.fields());
+        match (&mut character.anatomy, &character.head) {
+            (Some(anatomy), Some(mesh)) => {
+                anatomy.arrange(colliders.joints(), mesh).context("colliders")?;
+                colliders.add_parts(anatomy.solids());
+            }
+            _ => ensure!(colliders.joints().is_empty(), "colliders of joints need a head whose body bends"),
         }
         let builder = FieldBuilder::new(device);
         let fields = colliders.fields(&builder);

@@ -7,7 +7,8 @@ use crate::{
 };
 use anyhow::{Context, Result};
 use tresses::{
-    collide::Collider,
+    Pose,
+    collide::{Collider, ColliderPoses},
     frame::{Frame, Recorder, Shows, Sight},
     glam::Vec3,
     gpu::{Gpu, Timings},
@@ -113,6 +114,11 @@ impl Scene {
     /// What hair collides with besides the head.
     pub(crate) fn colliders(&self) -> &[Collider] {
         &self.colliders.list
+    }
+
+    /// Where that is on a character that is one piece, whose body is at `pose`.
+    pub(crate) fn carried(&self, pose: Pose) -> ColliderPoses {
+        self.colliders.carried(pose)
     }
 
     /// Records what has the character make a `gesture` in `seconds`, and the hair go with it.
