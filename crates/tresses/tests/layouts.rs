@@ -114,7 +114,7 @@ fn simulate() {
             to,
             simulated,
             spin,
-            _pad_spin,
+            slip,
         })
     );
 }

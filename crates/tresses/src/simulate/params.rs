@@ -231,8 +231,8 @@ pub struct StepUniforms {
     pub simulated: u32,
     /// How the air turns about the origin, radians per second.
     pub spin: Vec3,
-    /// Unused.
-    pub _pad_spin: u32,
+    /// Slip in a substep below which friction is proportional to it, metres: 0 for friction that holds.
+    pub slip: f32,
 }
 
 impl StepUniforms {

@@ -6,10 +6,12 @@
 //! and must then say so.
 
 mod carried;
+mod friction;
 mod grooms;
 mod independence;
 mod lab;
 mod robust;
 mod shapes;
+mod squeeze;
 mod swings;
 mod table;
