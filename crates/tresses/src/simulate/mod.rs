@@ -64,6 +64,7 @@
 mod forces;
 pub mod grab;
 mod lead;
+pub mod links;
 pub mod params;
 pub mod rest;
 pub mod shift;
@@ -92,6 +93,7 @@ use params::StepUniforms;
 pub use forces::{AirUniforms, Forces};
 pub use grab::{Grab, Ray, Target};
 pub(crate) use lead::Tree;
+pub use links::Links;
 pub use params::{Along, SimulationParams};
 pub use rest::{GuideTraits, RestOptions, RestShape};
 pub(crate) use shift::Shifting;
@@ -106,6 +108,7 @@ pub struct Pipelines {
     steps: [Kernel; GUIDE_CAPACITIES.len()],
     shift: Kernel,
     pub(crate) forces: forces::ForcesKernel,
+    pub(crate) links: Kernel,
     pub(crate) grab: grab::GrabKernels,
     lead: Kernel,
 }
@@ -118,6 +121,7 @@ impl Pipelines {
             steps: step::MODULES.map(|name| Kernel::beside(device, name, &step::BINDINGS, &[&colliders])),
             shift: shift::kernel(device),
             forces: forces::ForcesKernel::new(device),
+            links: Kernel::new(device, "simulate::links", &links::BINDINGS),
             grab: grab::GrabKernels::new(device),
             lead: lead::kernel(device),
         }
@@ -136,7 +140,7 @@ impl Pipelines {
         self.step(vertex_count).compile()
     }
 
-    /// All kernels but those of a grab, of hair that strays, and of single sizes of guides.
+    /// All kernels but those of a grab, of links, of hair that strays, and of single sizes of guides.
     pub(crate) fn kernels(&self) -> Vec<&Kernel> {
         vec![&self.forces.kernel]
     }

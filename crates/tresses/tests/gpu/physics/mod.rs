@@ -6,6 +6,7 @@
 //! and must then say so.
 
 mod carried;
+mod cohesion;
 mod friction;
 mod grooms;
 mod independence;
