@@ -12,6 +12,7 @@ pub const SHARED: &[(&str, u32)] = &[
     ("MAX_STRAND_VERTICES", MAX_STRAND_VERTICES),
     ("MAX_COLLIDERS", MAX_COLLIDERS),
     ("MAX_TAPS", MAX_TAPS),
+    ("LINKS", LINKS),
     ("MAX_FOOTPRINT", MAX_FOOTPRINT),
     ("BUILD_WORKGROUP", BUILD_WORKGROUP),
     ("MAX_LIGHTS", MAX_LIGHTS),
@@ -49,6 +50,9 @@ pub const STRAND_WORKGROUP: u32 = 64;
 pub const HIT_RUN: u32 = 8;
 /// The most cells along a line that the blur of the hair's grid reads for four.
 pub const MAX_TAPS: u32 = 96;
+
+/// The most [links](crate::simulate::links) of a guide vertex.
+pub const LINKS: u32 = 4;
 /// The most samples that make a pixel.
 pub const MAX_FOOTPRINT: u32 = 32;
 /// Threads of one workgroup of the passes that run once per cell or guide vertex.

@@ -15,8 +15,8 @@ use crate::{
     progress::at_once,
     roots::{RootReport, Roots, Skin},
     simulate::{
-        Forces, Grab, GuideTraits, Ray, RestOptions, RestShape, Shifting, Simulation, SimulationParams,
-        Target, rest,
+        Forces, Grab, GuideTraits, Links, Ray, RestOptions, RestShape, Shifting, Simulation,
+        SimulationParams, Target, rest,
     },
     space::{Carrier, Passage, Space},
     strands::{GuideBuffers, GuideSample, Strand, StrandBinding, StrandBuffers},
@@ -80,6 +80,8 @@ pub struct Hair {
     /// The air around the head, once the wind has blown.
     pub air: Option<Air>,
     forces: Forces,
+    /// By what neighbouring guides hold each other, where they do.
+    links: Option<Links>,
     /// The box around the hair at rest: its middle (groom space) and its longest side, metres.
     extent: (Vec3, f32),
     /// Whether the wind blows in this frame.
@@ -129,6 +131,7 @@ struct Parts {
     lod: Lod,
     colliders: ColliderSet,
     volume: Volume,
+    links: Option<Links>,
     extent: (Vec3, f32),
     order: Arc<GuideOrder>,
     substeps: u32,
@@ -214,6 +217,10 @@ impl Hair {
             resting,
         )?;
         rest.upload(queue, &guides)?;
+        let hair_hair = &options.simulation.hair_hair;
+        let links = (hair_hair.cohesion > 0.0)
+            .then(|| Links::new(device, queue, &pipelines.simulate, &guides, &rest, hair_hair))
+            .transpose()?;
         if !follows {
             let samples: Vec<_> = (0..groom.guides.len())
                 .flat_map(|i| rest_samples(groom.guides.guide(i), sample_count))
@@ -249,6 +256,7 @@ impl Hair {
             lod,
             colliders,
             volume,
+            links,
             extent,
             order,
             substeps,
@@ -259,8 +267,20 @@ impl Hair {
 
     /// Hair of such parts that has not moved yet.
     fn at_rest(device: &wgpu::Device, pipelines: &Pipelines, parts: Parts) -> Self {
-        let Parts { guides, strands, set, avoidance, lod, colliders, volume, extent, order, substeps, fits } =
-            parts;
+        let Parts {
+            guides,
+            strands,
+            set,
+            avoidance,
+            lod,
+            colliders,
+            volume,
+            links,
+            extent,
+            order,
+            substeps,
+            fits,
+        } = parts;
         let tessellation = Tessellation::new(device, &pipelines.tessellate, &guides);
         Self {
             interpolation: interpolation(device, pipelines, &guides, &strands, &tessellation),
@@ -274,6 +294,7 @@ impl Hair {
             lod,
             colliders,
             volume,
+            links,
             air: None,
             extent,
             windy: false,

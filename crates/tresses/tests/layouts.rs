@@ -114,7 +114,7 @@ fn simulate() {
             to,
             simulated,
             spin,
-            _pad_spin,
+            slip,
         })
     );
 }
@@ -163,6 +163,7 @@ fn grab() {
 #[test]
 fn volume() {
     use tresses::{
+        simulate::links::{Link, LinkUniforms},
         strands::GuideForce,
         volume::params::{Blur, VolumeUniforms},
     };
@@ -170,6 +171,11 @@ fn volume() {
         wgsl_layout("strands::force::GuideForce"),
         rust_layout!(GuideForce { xy, z_rate, tangent, along })
     );
+    assert_eq!(
+        wgsl_layout("simulate::links::LinkUniforms"),
+        rust_layout!(LinkUniforms { vertices, stiffness, limit, reach, span, _pad_a, _pad_b, _pad_c })
+    );
+    assert_eq!(wgsl_layout("simulate::links::Link"), rust_layout!(Link { other, length }));
     assert_eq!(
         wgsl_layout("volume::params::VolumeUniforms"),
         rust_layout!(VolumeUniforms {

@@ -34,6 +34,17 @@ const KNOBS: &[Knob] = rows! { "simulation";
     "hair_hair_friction" "Friction of hair on hair" [simulation.hair_hair.friction]
         within(PER_SECOND, HairHair::FRICTION).log(),
         "Rate at which hair takes on the motion of the hair around it; raise it for hair that moves as one.";
+    "support" "Support" [simulation.support] within(PLAIN, Params::SUPPORT).log(), regrow,
+        "How much stiffer than it must be hair is that stands out; raise it where an afro sways too much.";
+    "cohesion" "Hair holds hair" [simulation.hair_hair.cohesion]
+        within(PER_SECOND_SQUARED, HairHair::COHESION).log(), regrow,
+        "Springs between neighbouring guides, for hair that stands out: afros, buns, ponytails; 0 for none.";
+    "cohesion_limit" "Holds up to" [simulation.hair_hair.cohesion_limit]
+        within(ACCELERATION, HairHair::COHESION_LIMIT).log(), advanced,
+        "The largest acceleration by one such spring; beyond, hair slides along hair.";
+    "cohesion_reach" "Holds within" [simulation.hair_hair.cohesion_reach]
+        within(CENTIMETRES, HairHair::COHESION_REACH).log(), advanced, regrow,
+        "How far apart the guides are that hold each other.";
     "line_density" "Mass per length" [simulation.line_density] within(LINE_DENSITY, Params::LINE_DENSITY).log(), advanced,
         "Heavier hair hangs straighter, swings longer and resists the wind.";
     "bending_root" "Bending at the root" [simulation.bending.root] within(STIFFNESS, Params::BENDING).log(), advanced,

@@ -60,6 +60,8 @@ pub async fn drape(
     let obstacles = ColliderDescriptor { head: field, ..Default::default() };
     let mut colliders = ColliderSet::new(device, queue, &obstacles)?;
     let mut simulation = Simulation::new(device, simulate, &guides);
+    // Where a hair first touches it would stay.
+    simulation.slide();
     let still = Pose::IDENTITY;
     let step = Step { mode: Mode::Step, begin: still, end: still, from: 0.0, to: 1.0 };
     let mut left = (options.seconds.clamp(0.0, 60.0) / params.step).ceil() as u32;

@@ -56,7 +56,10 @@ impl Hair {
         self.passage = passage;
         let way = shift.map(|shift| shift.way).unwrap_or_default();
         self.shift(device, queue, pipelines, shift);
-        self.forced = self.windy || physics.hair_hair.mode != HairHairMode::Off;
+        self.forced = self.windy || physics.hair_hair.mode != HairHairMode::Off || self.links.is_some();
+        if let Some(links) = &self.links {
+            links.prepare(queue, &physics.hair_hair, physics.step);
+        }
         if self.forced {
             let due = Steps { steps: &steps, length: physics.step, substeps: physics.substeps };
             self.volume.prepare(queue, &physics.hair_hair, &due, &self.colliders);
@@ -292,6 +295,9 @@ impl Hair {
     ) {
         if self.forced {
             self.forces.record(stage, pass, i);
+        }
+        if let Some(links) = &self.links {
+            links.record(stage, pass);
         }
         self.grab.record(stage, pass, &self.colliders, i);
         self.simulation.record(stage, pass, &self.colliders, i);

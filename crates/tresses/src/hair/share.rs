@@ -17,7 +17,7 @@ use crate::{
     avoid::StrandState,
     collide::Collider,
     roots::Roots,
-    simulate::Shifting,
+    simulate::{Links, Shifting},
     strands::{Room, Strand, StrandVertex},
     wind::Air,
 };
@@ -41,6 +41,8 @@ impl Hair {
         let mut strands = self.strands.another(device, Room { strands: 1, vertices: 1 })?;
         strands.drawn.count = 0;
         let volume = self.volume.another(device, &pipelines.volume, &guides)?;
+        let link = |links: &Links| links.another(device, &pipelines.simulate, &guides);
+        let links = self.links.as_ref().map(link).transpose()?;
         let set = self.set.another(device, &strands);
         let gpu = (device, queue);
         let avoidance = self.avoidance.another(gpu, &pipelines.avoid, &guides, &strands)?;
@@ -56,6 +58,7 @@ impl Hair {
             lod,
             colliders,
             volume,
+            links,
             extent,
             order,
             substeps,
@@ -124,6 +127,7 @@ impl Hair {
             + self.lod.shared_bytes()
             + self.colliders.shared_bytes()
             + self.volume.shared_bytes()
+            + self.links.as_ref().map_or(0, Links::shared_bytes)
             + self.order.bytes()
     }
 
@@ -139,6 +143,7 @@ impl Hair {
             + self.colliders.bytes()
             + self.volume.bytes()
             + self.forces.bytes()
+            + self.links.as_ref().map_or(0, Links::bytes)
             + self.grab.bytes()
             + self.air.as_ref().map_or(0, Air::bytes)
             + self.shifting.as_ref().map_or(0, Shifting::bytes)

@@ -30,6 +30,14 @@
 //! slack chain folds within a substep and single edges are compressed by up to 82 %, so every edge outside
 //! ±0.8 % is brought back to that limit, root to tip, before the next solve.
 //!
+//! **Contacts** are springs across a surface, a hundred times as stiff as a vertex's inertia in a substep. Friction along it
+//! is as stiff as Coulomb's force allows at the way that the vertex slipped in the last substep, at most a thousand times
+//! as stiff as the contact: what is pulled by less than that force sticks but for micrometres per second, what slips is
+//! braked by just that force, and no sum over iterations decides which. The slip is taken from velocities, as that of
+//! hair at rest is less than the rounding of positions. A vertex that was in contact and is hardly out stays in it for a
+//! substep, else hair at rest would touch in every second substep and slide in the others. In exchange slip begins
+//! slowly: 1 % above the critical slope it takes seconds until it shows.
+//!
 //! **Rounding.** A strand is thousands of times stiffer along an edge than across it. The blocks are
 //! therefore factored (see [`crate::math::ldl`]), not inverted. Kernel and scalar twin differ by 0.01 mm
 //! (16 vertices) to 0.1 mm (32) and 2 mm (64) in four steps of a turning head. Only a strand with a segment
@@ -56,6 +64,7 @@
 mod forces;
 pub mod grab;
 mod lead;
+pub mod links;
 pub mod params;
 pub mod rest;
 pub mod shift;
@@ -84,6 +93,7 @@ use params::StepUniforms;
 pub use forces::{AirUniforms, Forces};
 pub use grab::{Grab, Ray, Target};
 pub(crate) use lead::Tree;
+pub use links::Links;
 pub use params::{Along, SimulationParams};
 pub use rest::{GuideTraits, RestOptions, RestShape};
 pub(crate) use shift::Shifting;
@@ -98,6 +108,7 @@ pub struct Pipelines {
     steps: [Kernel; GUIDE_CAPACITIES.len()],
     shift: Kernel,
     pub(crate) forces: forces::ForcesKernel,
+    pub(crate) links: Kernel,
     pub(crate) grab: grab::GrabKernels,
     lead: Kernel,
 }
@@ -110,6 +121,7 @@ impl Pipelines {
             steps: step::MODULES.map(|name| Kernel::beside(device, name, &step::BINDINGS, &[&colliders])),
             shift: shift::kernel(device),
             forces: forces::ForcesKernel::new(device),
+            links: Kernel::new(device, "simulate::links", &links::BINDINGS),
             grab: grab::GrabKernels::new(device),
             lead: lead::kernel(device),
         }
@@ -128,7 +140,7 @@ impl Pipelines {
         self.step(vertex_count).compile()
     }
 
-    /// All kernels but those of a grab, of hair that strays, and of single sizes of guides.
+    /// All kernels but those of a grab, of links, of hair that strays, and of single sizes of guides.
     pub(crate) fn kernels(&self) -> Vec<&Kernel> {
         vec![&self.forces.kernel]
     }
@@ -145,6 +157,7 @@ pub struct Simulation {
     lead: Option<lead::Lead>,
     /// How many are simulated from the next frame on, and in each step of this one.
     simulated: (u32, Vec<u32>),
+    slip: f32,
 }
 
 impl Simulation {
@@ -176,6 +189,7 @@ impl Simulation {
             vertex_count: guides.vertex_count,
             lead: None,
             simulated: (guides.count, Vec::new()),
+            slip: 0.0,
         }
     }
 
@@ -192,6 +206,11 @@ impl Simulation {
             lead::Lead::new(device, &simulate.lead, slot(&self.uniforms), guides, tree)
         });
         self.simulated.0 = count.clamp(1, self.guide_count.max(1));
+    }
+
+    /// From the next frame on friction brakes, but does not hold: what is pulled slides on, as hair does that is combed.
+    pub(crate) fn slide(&mut self) {
+        self.slip = 1e-6;
     }
 
     /// From the next frame on all guides are simulated.
@@ -271,6 +290,7 @@ impl Simulation {
             let mut uniforms = StepUniforms {
                 forced: forced.into(),
                 to: step.to,
+                slip: self.slip,
                 simulated: self.simulated.1[i],
                 ..self.uniforms(params, step, i as u32)
             };

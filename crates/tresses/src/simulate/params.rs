@@ -61,6 +61,10 @@ pub struct SimulationParams {
     /// How much a strand that hangs by its root is stretched by gravity: the elasticity along the
     /// hair follows from it. Real hair has about 1e-6, which single precision cannot hold.
     pub stretch: f32,
+    /// How much stiffer than it must be in order not to topple a guide is made that does not hang
+    /// ([`rest::support`](super::rest::support)), when hair is made. Hairs that lean on each other bend as one beam: so
+    /// many of them are so many times as stiff as each by itself.
+    pub support: f32,
     /// What hairs do to each other.
     pub hair_hair: HairHair,
     /// Length of one fixed step, s.
@@ -82,6 +86,7 @@ impl Default for SimulationParams {
             wind: Wind::default(),
             friction: 0.4,
             stretch: 5e-4,
+            support: 2.0,
             hair_hair: HairHair::default(),
             step: 1.0 / 60.0,
             substeps: 4,
@@ -116,6 +121,8 @@ impl SimulationParams {
     pub const FRICTION: Range = range!("friction", 0.0 to 100.0; usually 0.0 to 10.0);
     /// The range of [`stretch`](Self::stretch).
     pub const STRETCH: Range = range!("stretch", 1e-5 to 0.1);
+    /// The range of [`support`](Self::support).
+    pub const SUPPORT: Range = range!("support", 1.0 to 1000.0; usually 1.0 to 50.0);
     /// The range of [`step`](Self::step).
     pub const STEP: Range = range!("step", 0.0001 to 0.1, "s"; usually 0.001 to 0.05);
 
@@ -138,6 +145,7 @@ impl SimulationParams {
         Self::DRAG.check(self.drag)?;
         Self::FRICTION.check(self.friction)?;
         Self::STRETCH.check(self.stretch)?;
+        Self::SUPPORT.check(self.support)?;
         self.hair_hair.check()?;
         Self::STEP.check(self.step)?;
         Error::unless_within("substeps", self.substeps as f32, 1.0, MAX_SUBSTEPS as f32, "from 1 to 32")
@@ -231,8 +239,8 @@ pub struct StepUniforms {
     pub simulated: u32,
     /// How the air turns about the origin, radians per second.
     pub spin: Vec3,
-    /// Unused.
-    pub _pad_spin: u32,
+    /// Slip in a substep below which friction is proportional to it, metres: 0 for friction that holds.
+    pub slip: f32,
 }
 
 impl StepUniforms {

@@ -21,8 +21,10 @@ use glam::{Mat3, Quat, Vec3};
 const CONTACT: f32 = 100.0;
 /// The fastest that a vertex is pushed out of an obstacle it is in, m/s.
 const PUSH_OUT: f32 = 0.5;
-/// Slip per substep below which friction is proportional to it, metres.
-const STICK: f32 = 1e-6;
+/// What was inside is kept from leaving slower than this many accelerations of free fall would bring it back.
+const AHEAD: f32 = 2.0;
+/// How much stiffer a contact that sticks is along the surface than across it.
+const STICK: f32 = 1e3;
 /// No edge is longer than this times its rest length after a step, nor shorter by as much.
 const MAX_STRAIN: f32 = 1.008;
 /// Edges shorter than this part of the mean edge are not divided by.
@@ -62,23 +64,26 @@ fn nlerp(a: [f32; 4], b: [f32; 4], t: f32) -> Quat {
     rotation::nlerp(Quat::from_array(a), Quat::from_array(b), t)
 }
 
+/// How far `v` moves when it is turned by `q`.
+fn turned_by(q: Quat, v: Vec3) -> Vec3 {
+    let axis = q.xyz();
+    let t = 2.0 * axis.cross(v);
+    q.w * t + axis.cross(t)
+}
+
 fn outer(a: Vec3, b: Vec3) -> Mat3 {
     Mat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
-/// Adds the contact of a vertex at `y` with an obstacle `d` away in direction `n`; `slip` is the
+/// Adds the contact of a vertex at a depth of `depth` in an obstacle with normal `n`; `slip` is the
 /// way of the vertex relative to the obstacle in this substep.
-#[allow(clippy::too_many_arguments)]
-fn contact(d: f32, n: Vec3, clearance: f32, slip: Vec3, h: f32, friction: f32, m: &mut Mat3, f: &mut Vec3) {
-    let depth = clearance - d;
-    if depth <= 0.0 {
-        return;
-    }
+fn contact(u: &StepUniforms, depth: f32, n: Vec3, slip: Vec3, friction: f32, m: &mut Mat3, f: &mut Vec3) {
+    let h = u.h;
     let k = CONTACT / (h * h);
     let along = n.dot(slip);
     let push = depth.min((-along).max(0.0) + PUSH_OUT * h);
     let tangential = slip - n * along;
-    let kt = friction * k * push / (tangential.length() + STICK);
+    let kt = k * (friction * push.max(0.0) / (tangential.length() + u.slip).max(1e-15)).min(STICK);
     *m += outer(n, n) * (k - kt) + Mat3::from_diagonal(Vec3::splat(kt));
     *f += n * (k * push) - tangential * kt;
 }
@@ -203,7 +208,7 @@ impl Strand {
                 let goal = head * self.rest[i].position + head_at;
                 let mut m = Mat3::from_diagonal(Vec3::splat(1.0 / (h * h) + u.drag / h + kg));
                 let mut f = u.gravity + (u.wind - v[i]) * u.drag + (goal - y) * kg;
-                self.contacts(u, obstacles, i, moment, origin, y - v[i] * h, y, &mut m, &mut f);
+                self.contacts(u, obstacles, i, moment, origin, v[i] * h, y, &mut m, &mut f);
                 if u.forced == 1 {
                     let force = self.forces[i].unpack();
                     let tangent = force.tangent;
@@ -323,7 +328,7 @@ impl Strand {
         i: usize,
         moment: usize,
         origin: Vec3,
-        old: Vec3,
+        way: Vec3,
         y: Vec3,
         m: &mut Mat3,
         f: &mut Vec3,
@@ -338,12 +343,16 @@ impl Strand {
                 Shape::Ellipsoid { radii } => shape::ellipsoid(local, radii),
                 Shape::Field(id) => shape::field(local, &obstacles.volumes[id.0 as usize]),
             };
-            if found.w < clearance {
-                let before = obstacles.places[(moment - 1) * obstacles.colliders.len() + c];
-                let was = before.rotation.conjugate() * (old - (before.translation - origin));
-                let slip = y - (now.rotation * was + now_at);
-                let n = now.rotation * found.truncate();
-                contact(found.w, n, clearance, slip, u.h, u.friction * collider.friction, m, f);
+            let before = obstacles.places[(moment - 1) * obstacles.colliders.len() + c];
+            let still = now.rotation == before.rotation;
+            let turn = if still { Quat::IDENTITY } else { now.rotation * before.rotation.conjugate() };
+            let arm = y - way - (before.translation - origin);
+            let slip = way - (now.translation - before.translation) - turned_by(turn, arm);
+            let n = now.rotation * found.truncate();
+            let depth = clearance - found.w;
+            let ahead = if u.slip > 0.0 { 0.0 } else { AHEAD * u.h * u.h * u.gravity.length() };
+            if depth > 0.0 || (depth + n.dot(slip)).min(depth + ahead) > 0.0 {
+                contact(u, depth, n, slip, u.friction * collider.friction, m, f);
             }
         }
     }

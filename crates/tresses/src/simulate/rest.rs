@@ -34,11 +34,11 @@ pub const MOST_COMPENSATION: f32 = MOST_GIVE;
 /// The compensation up to which a bend comes back by itself when hair is shaken.
 pub const EASY_COMPENSATION: f32 = 0.35;
 
-/// How much stiffer a guide is made than it must be in order not to topple.
-pub const MARGIN: f32 = 2.0;
+/// The margin of [`SimulationParams::support`] for which bends come back by themselves up to [`EASY_COMPENSATION`].
+pub const USUAL_SUPPORT: f32 = 2.0;
 
-/// By how much the stiffness of a guide is raised at most, see [`support`].
-pub const MOST_SUPPORT: f32 = 20.0;
+/// By how much the stiffness of a guide is raised at most, times [`SimulationParams::support`], see [`support`].
+pub const MOST_SUPPORT: f32 = 10.0;
 
 /// What the authored pose means.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -224,19 +224,22 @@ fn loads(n: usize, info: &Guide, params: &SimulationParams) -> impl Iterator<Ite
 }
 
 /// By how much the stiffness of a guide must be raised for its authored pose to be an equilibrium
-/// that stays: 1 where the parameters do, [`MOST_SUPPORT`] at most.
+/// that stays: 1 where the parameters do, [`MOST_SUPPORT`] times [`SimulationParams::support`] at most.
 ///
 /// Hair that stands out or up is stiff, or rests on other hair; a guide alone has neither. Two things
-/// are asked of the pose. No bend needs more compensation than [`EASY_COMPENSATION`] (that it is feasible,
-/// or the stiffness must be raised, is the condition of sag-free rods, Hsu and others, 2022 and 2023).
+/// are asked of the pose. No bend needs more compensation than [`EASY_COMPENSATION`], or less than that by as much as the
+/// margin is above [`USUAL_SUPPORT`] (that it is feasible, or the stiffness must be raised, is the condition of sag-free
+/// rods, Hsu and others, 2022 and 2023).
 /// And the second variation of the energy, `∫ EI φ'² + (F·t) φ²` with the weight `F` below and the tangent
-/// `t`, is positive with [`MARGIN`]: for an upright hair, Greenhill's condition on its height.
+/// `t`, is positive with [`SimulationParams::support`] as a margin: for an upright hair, Greenhill's condition on its height.
 pub fn support(p: &[Vec3], info: &Guide, params: &SimulationParams) -> f32 {
     let n = p.len();
     if n < 3 || info.stiffness <= 0.0 || info.flags & TIP_PINNED != 0 {
         return 1.0;
     }
     let edge = info.length / (n - 1) as f32;
+    let most = MOST_SUPPORT * params.support;
+    let easy = EASY_COMPENSATION * USUAL_SUPPORT / params.support;
     let mut factor = 1.0f32;
     for _ in 0..8 {
         let raised = Guide { stiffness: info.stiffness * factor, ..*info };
@@ -245,16 +248,16 @@ pub fn support(p: &[Vec3], info: &Guide, params: &SimulationParams) -> f32 {
             let e = p[i].distance(p[i + 1]);
             // The direction of an edge of almost no length means nothing.
             if e > 0.05 * edge {
-                need = need.max(s.length() / (EASY_COMPENSATION * e));
+                need = need.max(s.length() / (easy * e));
             }
         });
-        if need <= 1.0 || factor >= MOST_SUPPORT {
+        if need <= 1.0 || factor >= most {
             break;
         }
-        factor = (factor * need.clamp(1.05, 4.0)).min(MOST_SUPPORT);
+        factor = (factor * need.clamp(1.05, 4.0)).min(most);
     }
-    while factor < MOST_SUPPORT && !stands(p, info, params, factor) {
-        factor = (factor * 1.1).min(MOST_SUPPORT);
+    while factor < most && !stands(p, info, params, factor) {
+        factor = (factor * 1.1).min(most);
     }
     factor
 }
@@ -267,7 +270,7 @@ fn stands(p: &[Vec3], info: &Guide, params: &SimulationParams, factor: f32) -> b
     let mut below = 0f32;
     for (i, load) in loads(n, info, params) {
         let (before, e) = (p[i] - p[i - 1], p[i + 1] - p[i]);
-        let rate = params.bending_rate(i, info.stiffness * factor / MARGIN, edge, before, e);
+        let rate = params.bending_rate(i, info.stiffness * factor / params.support, edge, before, e);
         let bend = rate * e.length_squared();
         let pivot = bend + below + load.dot(e);
         if pivot <= 0.0 {
@@ -309,7 +312,7 @@ mod tests {
         };
         for length in [0.05f32, 0.15, 0.2] {
             let gamma = params.line_density * 9.81 * length.powi(3) / 8e-9;
-            let exact = (MARGIN * gamma / 7.837_35).max(1.0);
+            let exact = (params.support * gamma / 7.837_35).max(1.0);
             // The factor is found in steps of a tenth.
             let found = need(length, Vec3::Y);
             assert!(found >= exact * 0.97 && found < exact * 1.13, "{length}: {found}, {exact}");

@@ -39,6 +39,13 @@ pub struct HairHair {
     pub limit: f32,
     /// The magnitude of the push of [`HairHairMode::Fixed`], m/s².
     pub fixed: f32,
+    /// Stiffness of the [links](crate::simulate::links) between neighbouring guides, by which hair holds hair: acceleration
+    /// per distance, 1/s²; 0 for none. Only hair that was [made](crate::HairOptions::simulation) with links has them.
+    pub cohesion: f32,
+    /// The largest acceleration by one link, m/s²: beyond, hair slides along hair.
+    pub cohesion_limit: f32,
+    /// How far apart the guide vertices are that are linked, metres.
+    pub cohesion_reach: f32,
 }
 
 impl Default for HairHair {
@@ -51,6 +58,9 @@ impl Default for HairHair {
             friction: 12.0,
             limit: 50.0,
             fixed: 10.0,
+            cohesion: 0.0,
+            cohesion_limit: 30.0,
+            cohesion_reach: 0.025,
         }
     }
 }
@@ -65,6 +75,9 @@ impl HairHair {
         friction: 0.0,
         limit: 0.0,
         fixed: 0.0,
+        cohesion: 0.0,
+        cohesion_limit: 0.0,
+        cohesion_reach: 0.025,
     };
 
     /// The range of [`speed`](Self::speed).
@@ -79,6 +92,14 @@ impl HairHair {
     pub const LIMIT: Range = range!("hair-hair limit", 0.0 to 1e4, "m/s²"; usually 0.0 to 1000.0);
     /// The range of [`fixed`](Self::fixed).
     pub const FIXED: Range = range!("hair-hair fixed push", 0.0 to 1e4, "m/s²"; usually 0.0 to 1000.0);
+    /// The range of [`cohesion`](Self::cohesion).
+    pub const COHESION: Range = range!("hair-hair cohesion", 0.0 to 1e6, "1/s²"; usually 0.0 to 2000.0);
+    /// The range of [`cohesion_limit`](Self::cohesion_limit).
+    pub const COHESION_LIMIT: Range =
+        range!("hair-hair cohesion limit", 0.0 to 1e4, "m/s²"; usually 0.0 to 1000.0);
+    /// The range of [`cohesion_reach`](Self::cohesion_reach).
+    pub const COHESION_REACH: Range =
+        range!("hair-hair cohesion reach", 0.001 to 1.0, "m"; usually 0.005 to 0.1);
 
     /// Checks that every value is finite and in its range.
     ///
@@ -90,7 +111,10 @@ impl HairHair {
         Self::BLUR.check(self.blur)?;
         Self::FRICTION.check(self.friction)?;
         Self::LIMIT.check(self.limit)?;
-        Ok(Self::FIXED.check(self.fixed)?)
+        Self::FIXED.check(self.fixed)?;
+        Self::COHESION.check(self.cohesion)?;
+        Self::COHESION_LIMIT.check(self.cohesion_limit)?;
+        Ok(Self::COHESION_REACH.check(self.cohesion_reach)?)
     }
 }
 

@@ -54,6 +54,8 @@ pub struct Experiment {
     pub params: SimulationParams,
     pub rest: RestGuides,
     pub n: usize,
+    /// Where the colliders are that it is [among](Self::among).
+    pub obstacles: ColliderPoses,
     guides: GuideBuffers,
     colliders: ColliderSet,
     simulation: Simulation,
@@ -79,7 +81,16 @@ impl Experiment {
         let obstacles = ColliderDescriptor { head: field, ..Default::default() };
         let colliders = ColliderSet::new(device, queue, &obstacles).unwrap();
         let simulation = Simulation::new(device, lab.simulate, &guides);
-        Self { colliders, lab, params, rest, n, guides, simulation, clock: Clock::default() }
+        let (obstacles, clock) = (ColliderPoses::default(), Clock::default());
+        Self { colliders, lab, params, rest, n, obstacles, guides, simulation, clock }
+    }
+
+    /// Among `what`, which is at `obstacles`, instead of the head's field.
+    pub fn among(mut self, what: &ColliderDescriptor<'_>, at: Vec<Pose>) -> Self {
+        let Gpu { device, queue, .. } = self.lab.gpu;
+        self.colliders = ColliderSet::new(device, queue, what).unwrap();
+        self.obstacles.colliders = at;
+        self
     }
 
     pub fn count(&self) -> usize {
@@ -95,7 +106,7 @@ impl Experiment {
                 let mut pass = tresses::gpu::compute_pass(&mut encoder, &Default::default());
                 let (substeps, head) = (self.params.substeps, steps[steps.len() - 1].end);
                 let moments = Moments { steps, substeps, step: self.params.step, head, alpha: 1.0 };
-                self.colliders.advance(queue, &ColliderPoses::default(), &moments).unwrap();
+                self.colliders.advance(queue, &self.obstacles, &moments).unwrap();
                 let (simulate, params) = (self.lab.simulate, &self.params);
                 self.simulation.run(simulate, queue, &mut pass, params, steps, &self.colliders).unwrap();
             }

@@ -6,10 +6,13 @@
 //! and must then say so.
 
 mod carried;
+mod cohesion;
+mod friction;
 mod grooms;
 mod independence;
 mod lab;
 mod robust;
 mod shapes;
+mod squeeze;
 mod swings;
 mod table;

@@ -1,0 +1,417 @@
+//! Hair holds hair: springs between neighbouring guides.
+//!
+//! Hair that stands out, an afro or a teased bun, is not held up by the stiffness of its hairs but by its neighbours:
+//! hairs that lean together cannot slide along each other before friction between them gives way. Bent together, two
+//! hairs at a distance must slide along each other by that distance times the angle; what resists that carries the lock
+//! like a beam. Guides are therefore linked, when hair is made, to what is near them at rest, by springs along the line
+//! between two vertices. They keep distances, so that hair that is turned as a whole feels nothing, at rest no link pulls,
+//! and, as each pulls equally at both its ends, they neither move nor turn hair as a whole.
+//!
+//! **Friction.** A link pulls at most [`cohesion_limit`](crate::volume::HairHair::cohesion_limit): beyond that, hair slides
+//! along hair, as Coulomb's law has it for locks that are pressed together by what they have at rest (curls that hook into
+//! each other, grease). The pull does not remember where hair was held: where the cause ends, hair goes back to where it
+//! was authored. Beyond twice the reach it fades away: hands go through.
+//!
+//! **Which.** Each vertex looks for one vertex of another guide obliquely ahead and one obliquely behind, at 45° to the
+//! strand and `cohesion_reach` away, in a direction around it that changes from vertex to vertex by the golden angle. Links
+//! at right angles to the strands would resist no sliding. A vertex is found by two others at most, so that it has no more
+//! than [`LINKS`] links; each is stored at both ends, and no sum depends on the order of threads.
+//!
+//! **Implicit.** A spring of rate `k` is taken at the end of the step of length `Δt`: `k (x + Δt w)`, with `w` the velocity
+//! by which the ends move apart along the link. Each vertex solves for its own velocity, the others taken to give way as
+//! it does: `(1 + 2 Δt² Σ k n nᵀ) a = Σ n k (x + Δt w)`. No matrix of the whole can be softer than that (a graph's
+//! Laplacian is at most twice its diagonal), so the step is stable whatever the stiffness, which acts up to `1 / 2Δt²` in
+//! all. What moves or turns as a whole has no `w`: links do not make it heavier. Damping comes from it too: `k Δt`. The
+//! strand's own solve then has the result as an acceleration ([`GuideBuffers::forces`]); it needs not know of links.
+//!
+//! **Untried:** links that are found anew in motion, with anchors that slip.
+
+use super::Pipelines;
+#[cfg(test)]
+use crate::math::ldl::Factors;
+use crate::{
+    Result,
+    constants::{LINKS, VOLUME_WORKGROUP},
+    gpu::Binding,
+    strands::{GuideBuffers, RestGuides, buffers::storage},
+    volume::HairHair,
+};
+use bytemuck::{Pod, Zeroable};
+#[cfg(test)]
+use glam::Mat3;
+use glam::{IVec3, Vec3};
+use std::f32::consts::{FRAC_1_SQRT_2, TAU};
+
+/// Bindings of the kernel, in order.
+pub(super) const BINDINGS: [Binding; 5] =
+    [Binding::Storage, Binding::Storage, Binding::Storage, Binding::Storage, Binding::StorageMut];
+
+/// How much farther apart than the reach vertices may be that are linked where hair is sparse.
+const SPARSE: f32 = 2.0;
+
+/// The golden angle, radians.
+const GOLDEN: f32 = 2.399_963;
+
+/// A link of a guide vertex.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Link {
+    /// The vertex it leads to, by its place in the buffers; the vertex itself for none.
+    pub other: u32,
+    /// The distance at rest, metres.
+    pub length: f32,
+}
+
+/// What the kernel reads.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct LinkUniforms {
+    /// Number of guide vertices.
+    pub vertices: u32,
+    /// 1/s².
+    pub stiffness: f32,
+    /// m/s².
+    pub limit: f32,
+    /// By how much longer a link is when it begins to fade, metres.
+    pub reach: f32,
+    /// Length of the step, s.
+    pub span: f32,
+    /// Unused.
+    pub _pad_a: u32,
+    /// Unused.
+    pub _pad_b: u32,
+    /// Unused.
+    pub _pad_c: u32,
+}
+
+impl LinkUniforms {
+    /// Of `vertices` guide vertices in steps of `span` seconds.
+    pub fn new(vertices: u32, params: &HairHair, span: f32) -> Self {
+        Self {
+            vertices,
+            stiffness: params.cohesion,
+            limit: params.cohesion_limit,
+            reach: params.cohesion_reach,
+            span,
+            ..Self::zeroed()
+        }
+    }
+}
+
+/// The links of one head.
+#[derive(Debug)]
+pub struct Links {
+    uniforms: wgpu::Buffer,
+    /// [`Link`], shared by heads with one groom.
+    links: wgpu::Buffer,
+    group: wgpu::BindGroup,
+    vertices: u32,
+}
+
+impl Links {
+    /// Links `guides` that rest as `rest` says.
+    ///
+    /// # Errors
+    /// [`Error::Limit`](crate::Error::Limit).
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        simulate: &Pipelines,
+        guides: &GuideBuffers,
+        rest: &RestGuides,
+        params: &HairHair,
+    ) -> Result<Self> {
+        let vertices = u64::from(guides.count) * u64::from(guides.vertex_count);
+        let links = storage::<Link>(device, "links", vertices * u64::from(LINKS))?;
+        queue.write_buffer(&links, 0, bytemuck::cast_slice(&find(rest, params.cohesion_reach)));
+        Self::of(device, simulate, guides, links)
+    }
+
+    /// Of another head with the same groom.
+    ///
+    /// # Errors
+    /// [`Error::Limit`](crate::Error::Limit).
+    pub(crate) fn another(
+        &self,
+        device: &wgpu::Device,
+        simulate: &Pipelines,
+        guides: &GuideBuffers,
+    ) -> Result<Self> {
+        Self::of(device, simulate, guides, self.links.clone())
+    }
+
+    fn of(
+        device: &wgpu::Device,
+        simulate: &Pipelines,
+        guides: &GuideBuffers,
+        links: wgpu::Buffer,
+    ) -> Result<Self> {
+        let uniforms = storage::<LinkUniforms>(device, "link uniforms", 1)?;
+        let buffers = [&uniforms, &links, &guides.current, &guides.velocity, &guides.forces];
+        let group = simulate.links.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()));
+        Ok(Self { uniforms, links, group, vertices: guides.count * guides.vertex_count })
+    }
+
+    /// Writes what a frame's steps of `span` seconds read.
+    pub fn prepare(&self, queue: &wgpu::Queue, params: &HairHair, span: f32) {
+        let uniforms = LinkUniforms::new(self.vertices, params, span);
+        queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(&uniforms));
+    }
+
+    /// Records a step, after [`Forces`](super::Forces) have written theirs.
+    pub fn record(&self, simulate: &Pipelines, pass: &mut crate::gpu::ComputePass<'_>) {
+        simulate.links.record(pass, &self.group, &[], self.vertices.div_ceil(VOLUME_WORKGROUP));
+    }
+
+    /// Bytes of GPU memory that heads share.
+    pub(crate) fn shared_bytes(&self) -> u64 {
+        self.links.size()
+    }
+
+    /// Bytes of GPU memory, shared ones included.
+    pub fn bytes(&self) -> u64 {
+        self.uniforms.size() + self.links.size()
+    }
+}
+
+/// Twin of the kernel: the acceleration, m/s², of a vertex at `x` with velocity `v`, by links of which each has its length
+/// at rest, and place and velocity of its other end.
+#[cfg(test)]
+fn pull(u: &LinkUniforms, x: Vec3, v: Vec3, links: &[(f32, Vec3, Vec3)]) -> Vec3 {
+    let (mut pull, mut m) = (Vec3::ZERO, Mat3::IDENTITY);
+    for (length, at, velocity) in links {
+        let way = *at - x;
+        let unit = way / way.length().max(1e-6);
+        let longer = way.length() - length;
+        let near = (2.0 - longer / u.reach).clamp(0.0, 1.0);
+        let stiffness = near * u.stiffness.min(u.limit / longer.abs().max(1e-9));
+        let rate = stiffness * u.span;
+        pull += unit * (stiffness * longer + rate * unit.dot(*velocity - v));
+        m += Mat3::from_cols(unit * unit.x, unit * unit.y, unit * unit.z) * (2.0 * rate * u.span);
+    }
+    Factors::new(m).solve(pull)
+}
+
+/// The links of all vertices, the `k`th of vertex `at` at `k * vertices + at`.
+pub(crate) fn find(rest: &RestGuides, reach: f32) -> Vec<Link> {
+    let (count, all) = (rest.info.len(), rest.rest.len());
+    let place = |at: usize| rest.rest[at].position;
+    let none = |at: usize| Link { other: at as u32, length: 0.0 };
+    let mut links: Vec<_> = (0..LINKS as usize * all).map(|slot| none(slot % all)).collect();
+    let near = Near::new(rest, reach);
+    // The first half of a vertex's links are those it has looked for, the others those by which it was found.
+    let own = LINKS as usize / 2;
+    let mut found = vec![0u8; all];
+    for at in 2 * count..all {
+        let (guide, i) = (at % count, at / count);
+        let before = place(at - count);
+        let after = if at + count < all { place(at + count) } else { place(at) };
+        let Some(t) = (after - before).try_normalize() else { continue };
+        let side = t.any_orthonormal_vector();
+        // Where hair is sparse, farther away.
+        let foreign = |other: usize| other % count != guide;
+        let Some(closest) = near.nearest(place(at), SPARSE * reach, foreign) else { continue };
+        let reach = reach.max(1.5 * place(at).distance(place(closest)));
+        let (sine, cosine) = ((guide as f32 * 0.618_034).fract() * TAU + i as f32 * GOLDEN).sin_cos();
+        let around = side * cosine + t.cross(side) * sine;
+        for (k, oblique) in [t + around, -t - around].into_iter().enumerate() {
+            let free = |other: usize| {
+                other % count != guide
+                    && (other < 2 * count || usize::from(found[other]) < LINKS as usize - own)
+            };
+            let way = oblique * (reach * FRAC_1_SQRT_2);
+            let mirrored = way - 2.0 * (way - t * way.dot(t));
+            let target =
+                [way, mirrored].into_iter().find_map(|way| near.nearest(place(at) + way, 0.5 * reach, free));
+            let Some(other) = target else { continue };
+            let length = place(at).distance(place(other));
+            links[k * all + at] = Link { other: other as u32, length };
+            // Roots follow the head, whoever pulls at them.
+            if other >= 2 * count {
+                let slot = own + usize::from(found[other]);
+                links[slot * all + other] = Link { other: at as u32, length };
+                found[other] += 1;
+            }
+        }
+    }
+    links
+}
+
+/// Guide vertices by the cells they are in.
+struct Near<'a> {
+    rest: &'a RestGuides,
+    cell: f32,
+    sorted: Vec<(IVec3, u32)>,
+}
+
+impl<'a> Near<'a> {
+    /// In cells of a few vertices each, but no smaller than an eighth of `reach`.
+    fn new(rest: &'a RestGuides, reach: f32) -> Self {
+        let mut corners = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for r in &rest.rest {
+            corners = (corners.0.min(r.position), corners.1.max(r.position));
+        }
+        let room = (corners.1 - corners.0).max(Vec3::splat(reach)).element_product();
+        let cell = (4.0 * room / rest.rest.len().max(1) as f32).cbrt().clamp(reach / 8.0, reach);
+        let cells = rest.rest.iter().enumerate();
+        let mut sorted: Vec<_> =
+            cells.map(|(i, r)| ((r.position / cell).floor().as_ivec3(), i as u32)).collect();
+        sorted.sort_unstable_by_key(|(cell, i)| (cell.to_array(), *i));
+        Self { rest, cell, sorted }
+    }
+
+    /// The vertex nearest to `x` that is `free`, no farther than `most`.
+    fn nearest(&self, x: Vec3, most: f32, free: impl Fn(usize) -> bool) -> Option<usize> {
+        let middle = (x / self.cell).floor().as_ivec3();
+        let mut best = (most * most, None);
+        // Shell by shell of cells, until none can be nearer.
+        for shell in 0..=(most / self.cell).ceil() as i32 {
+            let within = (shell - 1).max(0) as f32 * self.cell;
+            if within * within > best.0 {
+                break;
+            }
+            for dx in -shell..=shell {
+                for dy in -shell..=shell {
+                    let inner = dx.abs() < shell && dy.abs() < shell;
+                    let sides =
+                        if inner { vec![(-shell, -shell), (shell, shell)] } else { vec![(-shell, shell)] };
+                    for (from, to) in sides {
+                        self.row(middle + IVec3::new(dx, dy, from), middle.z + to, |at| {
+                            let far = self.rest.rest[at].position.distance_squared(x);
+                            if far < best.0 && free(at) {
+                                best = (far, Some(at));
+                            }
+                        });
+                        if shell == 0 {
+                            break;
+                        }
+                    }
+                }
+            }
+        }
+        best.1
+    }
+
+    /// The vertices of the cells along z from `low` to that at `last`, which are neighbours in the order.
+    fn row(&self, low: IVec3, last: i32, mut each: impl FnMut(usize)) {
+        let high = IVec3 { z: last, ..low }.to_array();
+        let begin = self.sorted.partition_point(|(cell, _)| cell.to_array() < low.to_array());
+        let row = self.sorted[begin..].iter().take_while(|(cell, _)| cell.to_array() <= high);
+        row.for_each(|(_, vertex)| each(*vertex as usize));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        gpu::{Gpu, for_tests as gpu, readback::blocking as readback},
+        simulate::{GuideTraits, RestOptions, SimulationParams, rest},
+        strands::{
+            Force, GuideForce,
+            guide::{pack_velocity, unpack_velocity},
+        },
+    };
+
+    /// Upright hairs 1 cm apart, side by side in a square.
+    fn lawn(n: usize) -> RestGuides {
+        let at = |g: usize, i: usize| Vec3::new((g % 6) as f32, i as f32, (g / 6) as f32) * 0.01;
+        let positions: Vec<_> = (0..36).flat_map(|g| (0..n).map(move |i| at(g, i))).collect();
+        let traits = [GuideTraits::default(); 36];
+        let params = SimulationParams::default();
+        rest::guides(&positions, n as u32, &traits, &params, &RestOptions::default(), None).unwrap()
+    }
+
+    /// A number between -1 and 1.
+    fn some(i: usize, k: usize) -> f32 {
+        ((i * 3 + k) as f32 * 0.618_034).fract() * 2.0 - 1.0
+    }
+
+    /// How much kernel and twin differ at most, m/s², where hair is out of place by centimetres; the twin's limit is
+    /// `false_limit` times the kernel's.
+    fn compare(gpu: &Gpu, false_limit: f32) -> f32 {
+        let Gpu { device, queue, .. } = gpu;
+        let rest = lawn(12);
+        let (count, all) = (rest.info.len(), rest.rest.len());
+        let guides = GuideBuffers::new(device, count as u32, 12, 2).unwrap();
+        rest.upload(queue, &guides).unwrap();
+        let vector = |i: usize| Vec3::new(some(i, 0), some(i, 1), some(i, 2));
+        let places: Vec<_> = (0..all).map(|i| rest.rest[i].position + vector(i) * 0.01).collect();
+        let words: Vec<[f32; 4]> = places.iter().map(|p| p.extend(0.0).to_array()).collect();
+        queue.write_buffer(&guides.current, 0, bytemuck::cast_slice(&words));
+        let velocities: Vec<_> = (0..all).map(|i| pack_velocity(vector(i + 7))).collect();
+        queue.write_buffer(&guides.velocity, 0, bytemuck::cast_slice(&velocities));
+        let before = Force { acceleration: Vec3::X, rate: 3.0, tangent: Vec3::Y, along: 2.0 };
+        let forces = vec![GuideForce::pack(&before); all];
+        queue.write_buffer(&guides.forces, 0, bytemuck::cast_slice(&forces));
+        let params =
+            HairHair { cohesion: 900.0, cohesion_limit: 5.0, cohesion_reach: 0.02, ..Default::default() };
+        let simulate = Pipelines::new(device);
+        let links = Links::new(device, queue, &simulate, &guides, &rest, &params).unwrap();
+        links.prepare(queue, &params, 1.0 / 60.0);
+        let mut encoder = device.create_command_encoder(&Default::default());
+        links.record(&simulate, &mut crate::gpu::compute_pass(&mut encoder, &Default::default()));
+        queue.submit([encoder.finish()]);
+        let found: Vec<GuideForce> = readback::buffer(device, queue, &guides.forces).unwrap();
+        let list = find(&rest, params.cohesion_reach);
+        let mut u = LinkUniforms::new(all as u32, &params, 1.0 / 60.0);
+        u.limit *= false_limit;
+        let mut worst = 0f32;
+        for at in 0..all {
+            let own: Vec<_> = (0..LINKS as usize)
+                .map(|k| list[k * all + at])
+                .map(|l| (l.length, places[l.other as usize], unpack_velocity(velocities[l.other as usize])))
+                .collect();
+            let expected = pull(&u, places[at], unpack_velocity(velocities[at]), &own) + before.acceleration;
+            let force = found[at].unpack();
+            assert_eq!((force.rate, force.along), (3.0, 2.0));
+            worst = worst.max(force.acceleration.distance(expected));
+        }
+        worst
+    }
+
+    #[test]
+    fn kernel_and_twin_agree() {
+        let Some(gpu) = gpu() else { return };
+        let (right, wrong) = (compare(gpu, 1.0), compare(gpu, 1.1));
+        println!("differ by {right} m/s², with a wrong limit by {wrong}");
+        assert!(right < 0.02 && wrong > 0.1);
+    }
+
+    #[test]
+    fn links_come_in_pairs_and_go_obliquely() {
+        let rest = lawn(12);
+        let (count, all) = (rest.info.len(), rest.rest.len());
+        let links = find(&rest, 0.02);
+        let of = |at: usize| (0..LINKS as usize).map(move |k| k * all + at);
+        let mut some = 0;
+        for at in 0..all {
+            for link in of(at).map(|slot| links[slot]).filter(|link| link.other != at as u32) {
+                let other = link.other as usize;
+                assert!(at >= 2 * count, "a root is linked");
+                assert_ne!(at % count, other % count, "a guide is linked to itself");
+                let back = of(other).any(|slot| links[slot].other == at as u32);
+                assert!(back || other < 2 * count, "{at} to {other}, not back");
+                let way = rest.rest[other].position - rest.rest[at].position;
+                assert!((way.length() - link.length).abs() < 1e-6);
+                some += usize::from(way.y.abs() > 0.3 * link.length);
+            }
+        }
+        let ends = links.iter().enumerate().filter(|(slot, link)| link.other as usize != slot % all).count();
+        assert!(some * 10 > ends * 9, "{some} of {ends} are oblique");
+        assert!(ends > 2 * (all - 2 * count), "only {ends}");
+    }
+
+    #[test]
+    fn what_moves_as_a_whole_feels_nothing_and_no_step_is_too_long() {
+        let u =
+            LinkUniforms { stiffness: 1e6, limit: 1e9, reach: 0.02, span: 1.0 / 60.0, ..Zeroable::zeroed() };
+        let to = |way: Vec3, v: Vec3| (0.01, way, v);
+        let ways = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::ONE.normalize()].map(|way| way * 0.01);
+        let together = ways.map(|way| to(way, Vec3::ONE));
+        assert!(pull(&u, Vec3::ZERO, Vec3::ONE, &together).length() < 1.0);
+        // Two hairs that approach each other at 1 m/s: neither turns around within the step.
+        let a = pull(&u, Vec3::ZERO, Vec3::X * 0.5, &[to(Vec3::X * 0.01, Vec3::X * -0.5)]);
+        assert!(a.x < 0.0 && a.x * u.span > -0.51, "{a}");
+    }
+}

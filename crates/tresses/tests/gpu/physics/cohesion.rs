@@ -1,0 +1,183 @@
+//! Hair that holds hair: an afro and a ponytail keep their volume when they are shaken.
+
+use super::table::{Row, at_most, judge, near};
+use crate::common;
+
+use std::collections::HashSet;
+use tresses::{
+    Hair, HairOptions, Pose,
+    collide::ColliderPoses,
+    frame::Frame,
+    glam::{IVec3, Quat, Vec3},
+    gpu::{Gpu, readback::blocking as readback},
+    groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind},
+    simulate::SimulationParams,
+    volume::HairHair,
+};
+
+/// Edge of the voxels in which guides are counted, metres.
+const VOXEL: f32 = 0.02;
+/// Seconds that the head shakes.
+const SHAKE: f32 = 3.0;
+/// What it turns about.
+const NECK: Vec3 = Vec3::new(0.0, -0.12, -0.02);
+/// Radius of the head, metres.
+const HEAD: f32 = 0.09;
+
+/// The head's pose in a shake of 30 degrees to both sides, an extreme every 0.3 s.
+fn shaken(t: f32) -> Pose {
+    let t = (t * 3.1 / SHAKE).min(3.1);
+    let smooth = |s: f32| s * s * s * (10.0 + s * (6.0 * s - 15.0));
+    let yaw = if t < 0.2 {
+        smooth(t / 0.2)
+    } else if t < 2.9 {
+        let s = (t - 0.2) / 0.3;
+        let side = if (s as u32).is_multiple_of(2) { 1.0 } else { -1.0 };
+        side * (1.0 - 2.0 * smooth(s.fract()))
+    } else {
+        smooth((t - 2.9) / 0.2) - 1.0
+    };
+    Pose::about(NECK, Quat::from_rotation_y(30f32.to_radians() * yaw))
+}
+
+/// The `i`th of `count` directions that are evenly spread.
+fn direction(i: usize, count: usize) -> Vec3 {
+    let y = 1.0 - 2.0 * (i as f32 + 0.5) / count as f32;
+    let (sine, cosine) = (i as f32 * 2.399_963).sin_cos();
+    let r = (1.0 - y * y).sqrt();
+    Vec3::new(r * cosine, y, r * sine)
+}
+
+/// Hair that stands out in all directions from all of the head but face and neck.
+fn afro(length: f32) -> Groom {
+    let mut strands = Strands::default();
+    for i in 0..800 {
+        let out = direction(i, 800);
+        if out.y > -0.45 && out.z < 0.6 {
+            let line: Vec<_> = (0..16).map(|j| out * (HEAD + length * j as f32 / 15.0)).collect();
+            strands.push(&line);
+        }
+    }
+    bound(&strands)
+}
+
+/// Hair that comes out of a band at the back of the head.
+fn ponytail() -> Groom {
+    let mut strands = Strands::default();
+    for i in 0..150 {
+        let (sine, cosine) = (i as f32 * 2.399_963).sin_cos();
+        let r = ((i as f32 + 0.5) / 150.0).sqrt();
+        let across = Vec3::new(cosine, sine, 0.0) * r;
+        let line: Vec<_> = (0..24)
+            .map(|j| {
+                let s = 0.4 * j as f32 / 23.0;
+                // Out and down in an arc of 6 cm, wider than the band.
+                let angle = (s / 0.06).min(1.3);
+                let arc = Vec3::new(0.0, 0.06 * (angle.cos() - 1.0), -0.06 * angle.sin());
+                let straight = Vec3::new(0.0, -angle.sin(), -angle.cos()) * (s - 0.06 * angle).max(0.0);
+                let wide = 0.012 + 0.02 * (s / 0.1).min(1.0);
+                let turned = Quat::from_rotation_x(-angle) * across;
+                Vec3::new(0.0, 0.03, -HEAD) + arc + straight + turned * wide
+            })
+            .collect();
+        strands.push(&line);
+    }
+    bound(&strands)
+}
+
+fn bound(strands: &Strands) -> Groom {
+    let guides = GuideCount::Count(strands.len() as u32);
+    bind(strands, &BindOptions { guides, ..Default::default() }).unwrap()
+}
+
+/// The voxels through which guides go, in the head's axes.
+fn voxels(positions: &[Vec3], count: usize, head: &Pose) -> f32 {
+    let back = head.inverse();
+    let mut voxels = HashSet::<IVec3>::new();
+    for at in 0..positions.len() - count {
+        let (a, b) = (back.point(positions[at]), back.point(positions[at + count]));
+        voxels.extend((0..8).map(|k| (a.lerp(b, k as f32 / 8.0) / VOXEL).floor().as_ivec3()));
+    }
+    voxels.len() as f32
+}
+
+/// What a shake does.
+#[derive(Debug)]
+struct Shaken {
+    /// Volume in the last second of the shake, and in the second from one second later on, of that at rest.
+    volume: [f32; 2],
+    /// How many tips of a hundred are farther from where they rest than a quarter of the hair's length, two seconds after
+    /// the shake.
+    fallen: f32,
+}
+
+fn shake(gpu: &Gpu, groom: &Groom, simulation: SimulationParams) -> Shaken {
+    let (device, queue) = (&gpu.device, &gpu.queue);
+    let options = HairOptions { simulation, ..Default::default() };
+    let head = SdfGrid::from_fn(Vec3::splat(-0.15), Vec3::splat(0.15), 48, |p| p.length() - HEAD);
+    let mut hair =
+        Hair::new(device, queue, common::pipelines().unwrap(), groom, &options, Some(&head)).unwrap();
+    let count = hair.guides.count as usize;
+    let mut advance = |dt: f32, head: Pose| -> Vec<Vec3> {
+        let poses = ColliderPoses::default();
+        let frame = Frame { dt, head, colliders: &poses, simulation: &simulation, ..Default::default() };
+        common::submit(|recorder| recorder.simulate(&mut hair, &frame));
+        let all: Vec<[f32; 4]> = readback::buffer(device, queue, &hair.guides.current).unwrap();
+        all.iter().map(|v| Vec3::from_slice(v)).collect()
+    };
+    let rest = advance(0.0, shaken(0.0));
+    let full = voxels(&rest, count, &shaken(0.0));
+    let mut sums = [(0.0, 0); 2];
+    let mut now = rest.clone();
+    for i in 1..=300 {
+        let t = i as f32 / 60.0;
+        now = advance(1.0 / 60.0, shaken(t));
+        let when = if t > SHAKE - 1.0 && t <= SHAKE { 0 } else { 1 };
+        if t > SHAKE - 1.0 && !(SHAKE..SHAKE + 1.0).contains(&t) && i % 6 == 0 {
+            sums[when].0 += voxels(&now, count, &shaken(t)) / full;
+            sums[when].1 += 1;
+        }
+    }
+    let length: f32 =
+        (count..rest.len()).map(|at| rest[at].distance(rest[at - count])).sum::<f32>() / count as f32;
+    let tips = rest.len() - count..rest.len();
+    let fallen = tips.filter(|&at| now[at].distance(rest[at]) > 0.25 * length).count();
+    Shaken {
+        volume: sums.map(|(sum, count)| sum / count as f32),
+        fallen: fallen as f32 / count as f32 * 100.0,
+    }
+}
+
+fn held(gpu: &Gpu, fault: bool) -> Vec<Row> {
+    let usual = SimulationParams::default();
+    let support = if fault { usual.support } else { 20.0 };
+    let stands = shake(gpu, &afro(0.2), SimulationParams { support, ..usual });
+    let cohesion = if fault { 0.0 } else { 1000.0 };
+    let hair_hair = HairHair { cohesion, ..usual.hair_hair };
+    let tied = shake(gpu, &ponytail(), SimulationParams { hair_hair, ..usual });
+    vec![
+        near(
+            "afro of 20 cm, support of 20, volume while it is shaken, of that at rest",
+            "",
+            1.0,
+            stands.volume[0],
+            0.1,
+        ),
+        near("the same, a second later", "", 1.0, stands.volume[1], 0.1),
+        at_most("the same, hair that has toppled", "%", 1.0, stands.fallen),
+        near(
+            "ponytail of 40 cm, cohesion of 1,000 1/s², volume while it is shaken",
+            "",
+            1.0,
+            tied.volume[0],
+            0.1,
+        ),
+    ]
+}
+
+#[test]
+#[ignore = "proof"]
+fn hair_that_holds_keeps_its_volume() {
+    let Some(gpu) = common::gpu() else { return };
+    judge("hold", |fault| held(gpu, fault));
+}
