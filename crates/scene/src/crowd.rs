@@ -155,10 +155,11 @@ impl Crowd {
         [shared, own.sum(), lit + view.targets().bytes()]
     }
 
-    /// Bytes of GPU memory that a [budget](Self::budget) is about, after a picture: of heads, and of what a view holds for
-    /// their hair and its light.
+    /// Bytes of GPU memory that a [budget](Self::budget) is about, after a picture: of the hair of all heads, and of what a
+    /// view holds for it and its light.
     pub fn held(&self, scene: &Scene) -> u64 {
-        let [shared, own, _] = self.bytes(scene);
+        let shared = self.heads.first().map_or(0, |head| head.hair.shared_bytes());
+        let own: u64 = self.heads.iter().map(|head| head.hair.own_bytes()).sum();
         let view = &scene.view;
         shared + own + view.zone_bytes() + view.shaded_bytes() + view.targets().hair_bytes()
     }
