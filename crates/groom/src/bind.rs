@@ -50,6 +50,9 @@ const TAPER: f32 = 0.4;
 /// A strand is bound to the guides that are nearest at root, middle and tip together, so that hair
 /// on either side of a parting does not mix.
 ///
+/// Guides that a file marks are taken as they are for [`GuideCount::OneIn`], and what it says of who follows whom;
+/// where other strands are there, guides are not drawn.
+///
 /// # Errors
 /// [`Error::Unusable`] without strands; [`Error::Parameter`] for counts out of range.
 pub fn bind(strands: &Strands, options: &BindOptions) -> Result<Groom> {
@@ -97,8 +100,13 @@ fn bind_any(strands: &Strands, options: &BindOptions, filled: Option<&Filled>) -
             strands.len().div_ceil(n as usize)
         }
     };
-    let all = options.guides == GuideCount::All || (filled.is_some() && count >= given);
-    let chosen: Vec<u32> = if all { (0..given as u32).collect() } else { shapes.choose(count) };
+    let marked = Marked::of(strands, given, options);
+    let all = marked.is_none() && (options.guides == GuideCount::All || (filled.is_some() && count >= given));
+    let chosen: Vec<u32> = match &marked {
+        Some(marked) => marked.guides.clone(),
+        None if all => (0..given as u32).collect(),
+        None => shapes.choose(count),
+    };
     let mut guides = Guides::new(guide_vertices);
     for &i in &chosen {
         guides.push(strands.strand(i as usize), 1.0, shapes.pinned[i as usize]);
@@ -116,6 +124,7 @@ fn bind_any(strands: &Strands, options: &BindOptions, filled: Option<&Filled>) -
             let shape = |i: usize| Shapes::of(strands.strand(i));
             let mut found = match &lineage {
                 Some(lineage) if i >= given => lineage.follow(i, &finder, &shapes, shape),
+                _ if let Some(found) = marked.as_ref().and_then(|marked| marked.follow(strands, i)) => found,
                 _ => finder.nearest(&shapes, &shapes.points[i], shapes.pinned[i], |_| true),
             };
             for influence in &mut found {
@@ -125,6 +134,10 @@ fn bind_any(strands: &Strands, options: &BindOptions, filled: Option<&Filled>) -
         };
         if let Some(lineage) = lineage.as_mut().filter(|_| i < given) {
             lineage.follows.push(influences.clone());
+        }
+        // Where there is other hair, guides only guide.
+        if marked.as_ref().is_some_and(|marked| marked.others && strands.marks[i].guide) {
+            continue;
         }
         for influence in &influences {
             guides.strands[influence.guide as usize] += influence.weight;
@@ -138,6 +151,41 @@ fn bind_any(strands: &Strands, options: &BindOptions, filled: Option<&Filled>) -
         *count = (*count - 1.0).max(1.0);
     }
     Ok(Groom { guides, strands: bound })
+}
+
+/// Guides that the file marks.
+struct Marked {
+    guides: Vec<u32>,
+    /// Which of them has a number.
+    by_id: HashMap<i32, u32>,
+    /// Whether there are strands besides.
+    others: bool,
+}
+
+impl Marked {
+    /// Those among the first `given` strands; none where somebody wants a number of guides of their own.
+    fn of(strands: &Strands, given: usize, options: &BindOptions) -> Option<Self> {
+        let marks = strands.marks.get(..given).filter(|_| matches!(options.guides, GuideCount::OneIn(_)))?;
+        let guides: Vec<u32> = (0u32..).zip(marks).filter(|(_, mark)| mark.guide).map(|(i, _)| i).collect();
+        let by_id = (0u32..).zip(&guides).map(|(k, i)| (marks[*i as usize].id, k)).collect();
+        (!guides.is_empty()).then(|| Self { others: guides.len() < strands.len(), guides, by_id })
+    }
+
+    /// The guides that the file says strand `i` follows, if it says.
+    fn follow(&self, strands: &Strands, i: usize) -> Option<Vec<Influence>> {
+        let mark = strands.marks.get(i)?;
+        let mut found: Vec<Influence> = Vec::new();
+        for (id, weight) in mark.closest.iter().zip(mark.weights).filter(|(_, weight)| *weight > 0.0) {
+            let guide = *self.by_id.get(id)?;
+            match found.iter_mut().find(|known| known.guide == guide) {
+                Some(known) => known.weight += weight,
+                None => found.push(Influence { guide, weight, scale: 1.0 }),
+            }
+        }
+        let sum: f32 = found.iter().map(|influence| influence.weight).sum();
+        found.iter_mut().for_each(|influence| influence.weight /= sum);
+        (sum > 0.0 && sum.is_finite()).then_some(found)
+    }
 }
 
 /// Whom new strands follow: those whom their parents follow.
@@ -409,6 +457,7 @@ impl Finder {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::strands::Mark;
 
     /// Strands on a sphere of 9 cm that hang 10 cm.
     fn groom(count: usize) -> Strands {
@@ -482,6 +531,41 @@ mod tests {
         for (i, b) in groom.strands.bindings.iter().enumerate() {
             assert_eq!(groom.guides.tip_pinned[b.guides[0] as usize], i % 5 == 0);
         }
+    }
+
+    #[test]
+    fn guides_of_a_file_are_the_guides() {
+        let mut strands = groom(200);
+        // Every tenth is a guide; all others but the first follow two, three parts to one, far from them or not.
+        strands.marks = (0..200)
+            .map(|i| Mark {
+                guide: i % 10 == 0,
+                id: 1000 - i,
+                closest: [1000 - 50, 1000 - 150, 0],
+                weights: if i == 1 { [0.0; 3] } else { [3.0, 1.0, 0.0] },
+                ..Default::default()
+            })
+            .collect();
+        let made = bind(&strands, &BindOptions::default()).unwrap();
+        assert_eq!((made.guides.len(), made.strands.len()), (20, 180));
+        let bindings = &made.strands.bindings;
+        for b in &bindings[1..] {
+            assert_eq!((b.guides[0], b.guides[1], b.weight_b, b.weight_c), (5, 15, 0.25, 0.0));
+        }
+        assert_ne!((bindings[0].guides[0], bindings[0].weight_b), (5, 0.25), "one that says nothing");
+        let first = |g: usize| made.guides.guide(g)[0].distance(strands.strand(10 * g)[0]);
+        assert!((0..20).all(|g| first(g) < 1e-6));
+        // Who wants another number gets it, and one that nobody has is not followed.
+        let own = BindOptions { guides: GuideCount::Count(7), ..Default::default() };
+        let other = bind(&strands, &own).unwrap();
+        assert_eq!((other.guides.len(), other.strands.len()), (7, 200));
+        strands.marks.iter_mut().for_each(|mark| mark.closest[1] = 7);
+        let lost = bind(&strands, &BindOptions::default()).unwrap();
+        assert!(lost.strands.bindings.iter().any(|b| b.guides[0] != 5));
+        // Guides alone are drawn.
+        strands.marks.iter_mut().for_each(|mark| mark.guide = true);
+        let alone = bind(&strands, &BindOptions::default()).unwrap();
+        assert_eq!((alone.guides.len(), alone.strands.len()), (200, 200));
     }
 
     #[test]

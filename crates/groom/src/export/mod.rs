@@ -1,9 +1,11 @@
-//! Writers: `.hair`, `.tfx` version 4 and OBJ polylines for strands, GLB for bodies.
+//! Writers: `.hair`, `.tfx` version 4, OBJ polylines and Alembic for strands, GLB for bodies.
 //!
 //! Reading a written file back gives the same strands, bit for bit; what a format cannot hold is listed in
 //! [`Encoded::notes`]. A groom in metres, Y up, face +Z is marked as such in the file, so that nothing
 //! needs to be guessed later.
 
+#[cfg(feature = "alembic")]
+pub mod abc;
 #[cfg(feature = "gltf")]
 pub mod glb;
 mod hair;
@@ -16,6 +18,7 @@ use super::Strands;
 use crate::{
     error::{At, Error, Result},
     formats,
+    orient::Unit,
 };
 
 /// A format that can be written.
@@ -27,6 +30,9 @@ pub enum Format {
     Tfx,
     /// OBJ polylines: positions.
     Obj,
+    /// Alembic: positions, widths, colours, scalp texture coordinates, guides, groups.
+    #[cfg(feature = "alembic")]
+    Abc,
 }
 
 impl Format {
@@ -36,6 +42,8 @@ impl Format {
             "hair" => Ok(Self::Hair),
             "tfx" => Ok(Self::Tfx),
             "obj" => Ok(Self::Obj),
+            #[cfg(feature = "alembic")]
+            "abc" => Ok(Self::Abc),
             _ => Err(Error::File {
                 path: path.to_path_buf(),
                 at: At::File,
@@ -54,6 +62,21 @@ pub struct Encoded {
     pub notes: Vec<String>,
 }
 
+/// [`encode`] in another unit than metres, which Alembic files can be in.
+///
+/// # Errors
+/// As [`encode`], and [`Error::Unusable`] for a format that is written in metres only.
+pub fn encode_in(strands: &Strands, format: Format, unit: Unit) -> Result<Encoded> {
+    match format {
+        _ if unit.0 == 1.0 => encode(strands, format, true),
+        #[cfg(feature = "alembic")]
+        Format::Abc if !strands.is_empty() => {
+            abc::encode(strands, abc::Options { unit, ..Default::default() })
+        }
+        _ => Err(Error::Unusable("only Alembic files are written in other units than metres".into())),
+    }
+}
+
 /// Strands as a file's bytes. `oriented` says that they are in metres, Y up, face +Z.
 pub fn encode(strands: &Strands, format: Format, oriented: bool) -> Result<Encoded> {
     if strands.is_empty() {
@@ -63,6 +86,8 @@ pub fn encode(strands: &Strands, format: Format, oriented: bool) -> Result<Encod
         Format::Hair => hair::encode(strands, oriented),
         Format::Tfx => tfx::encode(strands, oriented),
         Format::Obj => Ok(obj_lines::encode(strands, oriented)),
+        #[cfg(feature = "alembic")]
+        Format::Abc => abc::encode(strands, abc::Options { oriented, ..Default::default() }),
     }
 }
 
