@@ -105,7 +105,7 @@ fn write_strands(path: &Path, format: Format, strands: &Strands) -> Result<Strin
 }
 
 /// The strands of `all` that `scene` draws now. Blocks.
-fn drawn<'a>(scene: &Scene, all: impl IntoIterator<Item = &'a StrandBuffers>) -> Result<Strands> {
+pub fn drawn<'a>(scene: &Scene, all: impl IntoIterator<Item = &'a StrandBuffers>) -> Result<Strands> {
     let (device, queue) = (&scene.gpu.device, &scene.gpu.queue);
     let mut drawn = Strands::default();
     for buffers in all {

@@ -114,4 +114,6 @@ def count(path):
 
 if __name__ == "__main__":
     words = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
-    make(words[1]) if words[0] == "make" else count(words[1])
+    # Blender's exporters may leave the working folder.
+    place = os.path.abspath(words[1])
+    make(place) if words[0] == "make" else count(place)

@@ -1,44 +1,104 @@
-"""A groom as the reference implementation of Alembic writes it: `python reference.py FILE` (module `alembic3d`).
+"""Grooms as the reference implementation of Alembic writes and reads them (Python module `alembic3d`).
 
-Two objects under transforms: strands (B-splines, widths per curve, Unreal's attributes, two frames) and guides."""
+`python reference.py write FILE`: strands (B-splines, widths per curve, two frames) and guides, each under transforms, with
+Unreal's attributes; `crates/groom/src/import/abc/reference.abc` is this file. `python reference.py read FILE`: prints, as
+JSON, what curves a file has."""
+
+import json
 import sys
+
 import imath
 from alembic3d.Abc import *
 from alembic3d.AbcCoreAbstract import *
 from alembic3d.AbcGeom import *
-archive = OArchive(sys.argv[1])
-times = archive.addTimeSampling(TimeSampling(1/24., 1.0))
-def ints(v):
-    a=imath.IntArray(len(v))
-    for i,x in enumerate(v): a[i]=x
-    return a
-def floats(v):
-    a=imath.FloatArray(len(v))
-    for i,x in enumerate(v): a[i]=x
-    return a
-def vecs(v):
-    a=imath.V3fArray(len(v))
-    for i,x in enumerate(v): a[i]=imath.V3f(*x)
-    return a
-def curve(i,frame,guide):
-    return [(i*1.0+0.1*k*k*(i+1), 10.0*k, 0.5*frame*k) for k in range(2 if guide else 6)]
-top = OXform(archive.getTop(),"hair")
-s = XformSample()
-s.addOp(XformOp(XformOperationType.kTranslateOperation,0), imath.V3d(1,2,3))
-s.addOp(XformOp(XformOperationType.kRotateYOperation,0), 90.0)
-s.addOp(XformOp(XformOperationType.kScaleOperation,0), imath.V3d(2,2,2))
-top.getSchema().set(s)
-for name,n,guide in (("strands",5,False),("guides",2,True)):
-    x = OXform(top,name+"_x")
-    xs = XformSample(); xs.addOp(XformOp(XformOperationType.kMatrixOperation,0), imath.M44d(1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,5 if guide else 0,1)); x.getSchema().set(xs)
-    o = OCurves(x,name,times); sch=o.getSchema()
-    for frame in range(2):
-        pts=[p for i in range(n) for p in curve(i,frame,guide)]
-        kw=(vecs(pts), ints([2 if guide else 6]*n), CurveType.kLinear if guide else CurveType.kCubic, CurvePeriodicity.kNonPeriodic)
-        w = OFloatGeomParamSample(floats([0.01*(i+1) for i in range(n)]), GeometryScope.kUniformScope)
-        samp = OCurvesSchemaSample(vecs(pts), ints([2 if guide else 6]*n), CurveType.kLinear if guide else CurveType.kCubic, CurvePeriodicity.kNonPeriodic, w, OV2fGeomParamSample(), ON3fGeomParamSample(), BasisType.kNoBasis if guide else BasisType.kBsplineBasis)
-        sch.set(samp)
-    arb = sch.getArbGeomParams()
-    p=OInt32GeomParam(arb,"groom_id",False,GeometryScope.kUniformScope,1); p.set(OInt32GeomParamSample(ints([100*guide+i for i in range(n)]),GeometryScope.kUniformScope))
-    p=OInt32GeomParam(arb,"groom_guide",False,GeometryScope.kConstantScope,1); p.set(OInt32GeomParamSample(ints([int(guide)]),GeometryScope.kConstantScope))
-    p=OInt32GeomParam(arb,"groom_group_id",False,GeometryScope.kUniformScope,1); p.set(OInt32GeomParamSample(ints([i%2 for i in range(n)]),GeometryScope.kUniformScope))
+
+
+def filled(array, values):
+    for i, value in enumerate(values):
+        array[i] = value
+    return array
+
+
+def ints(values):
+    return filled(imath.IntArray(len(values)), values)
+
+
+def floats(values):
+    return filled(imath.FloatArray(len(values)), values)
+
+
+def vecs(values):
+    return filled(imath.V3fArray(len(values)), [imath.V3f(*value) for value in values])
+
+
+def curve(i, frame, guide):
+    return [(i + 0.1 * k * k * (i + 1), 10.0 * k, 0.5 * frame * k) for k in range(2 if guide else 6)]
+
+
+def attribute(compound, name, values, scope):
+    OInt32GeomParam(compound, name, False, scope, 1).set(OInt32GeomParamSample(ints(values), scope))
+
+
+def write(path):
+    archive = OArchive(path)
+    times = archive.addTimeSampling(TimeSampling(1 / 24.0, 1.0))
+    top = OXform(archive.getTop(), "hair")
+    stack = XformSample()
+    stack.addOp(XformOp(XformOperationType.kTranslateOperation, 0), imath.V3d(1, 2, 3))
+    stack.addOp(XformOp(XformOperationType.kRotateYOperation, 0), 90.0)
+    stack.addOp(XformOp(XformOperationType.kScaleOperation, 0), imath.V3d(2, 2, 2))
+    top.getSchema().set(stack)
+    for name, count, guide in (("strands", 5, False), ("guides", 2, True)):
+        above = OXform(top, name + "_x")
+        matrix = imath.M44d(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 5 if guide else 0, 1)
+        stack = XformSample()
+        stack.addOp(XformOp(XformOperationType.kMatrixOperation, 0), matrix)
+        above.getSchema().set(stack)
+        schema = OCurves(above, name, times).getSchema()
+        for frame in range(2):
+            points = [p for i in range(count) for p in curve(i, frame, guide)]
+            widths = OFloatGeomParamSample(
+                floats([0.01 * (i + 1) for i in range(count)]), GeometryScope.kUniformScope
+            )
+            kind, basis = (
+                (CurveType.kLinear, BasisType.kNoBasis) if guide else (CurveType.kCubic, BasisType.kBsplineBasis)
+            )
+            none = (OV2fGeomParamSample(), ON3fGeomParamSample())
+            counts = ints([2 if guide else 6] * count)
+            schema.set(
+                OCurvesSchemaSample(
+                    vecs(points), counts, kind, CurvePeriodicity.kNonPeriodic, widths, *none, basis
+                )
+            )
+        beside = schema.getArbGeomParams()
+        attribute(beside, "groom_id", [100 * guide + i for i in range(count)], GeometryScope.kUniformScope)
+        attribute(beside, "groom_guide", [int(guide)], GeometryScope.kConstantScope)
+        attribute(beside, "groom_group_id", [i % 2 for i in range(count)], GeometryScope.kUniformScope)
+
+
+def read(path):
+    def walk(item):
+        if ICurves.matches(item.getHeader()):
+            yield ICurves(item.getParent(), item.getName()).getSchema()
+        for i in range(item.getNumChildren()):
+            yield from walk(item.getChild(i))
+
+    archive = IArchive(path)
+    found = {"curves": 0, "points": 0, "attributes": {}, "times": []}
+    for schema in walk(archive.getTop()):
+        sample = schema.getValue()
+        found["curves"] += len(sample.getCurvesNumVertices())
+        found["points"] += len(sample.getPositions())
+        points = schema.getPositionsProperty()
+        found["times"] = [points.getTimeSampling().getSampleTime(i) for i in range(points.getNumSamples())]
+        beside = schema.getArbGeomParams()
+        for i in range(beside.getNumProperties()):
+            name = beside.getPropertyHeader(i).getName()
+            values = IArrayProperty(beside, name).getValue(0)
+            kept = [values[k] for k in range(len(values))]
+            found["attributes"][name] = [v if isinstance(v, (int, float, str)) else list(v) for v in kept]
+    print(json.dumps(found))
+
+
+if __name__ == "__main__":
+    {"write": write, "read": read}[sys.argv[1]](sys.argv[2])

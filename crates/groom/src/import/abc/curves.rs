@@ -107,6 +107,7 @@ struct Habits {
     rational: usize,
     straightened: usize,
     guides: usize,
+    guides_said: bool,
     widths: Vec<&'static str>,
     without_width: usize,
     groups: bool,
@@ -133,7 +134,7 @@ impl Habits {
                 self.straightened
             ),
         );
-        let how = if by_name { "by the names of their objects" } else { "groom_guide" };
+        let how = if by_name && !self.guides_said { "by the names of their objects" } else { "groom_guide" };
         say(self.guides > 0, format!("{} strands are marked as guides ({how})", self.guides));
         say(!self.widths.is_empty(), format!("widths are those of “{}”", self.widths.join("” and “")));
         say(self.without_width > 0 && self.widths.is_empty(), "no widths (Unreal would take 1 cm)".into());
@@ -397,6 +398,7 @@ impl<'a> Reading<'_, '_, 'a> {
             }
         }
         self.habits.groups |= group.is_some();
+        self.habits.guides_said |= guide.is_some();
         self.habits.marked |=
             guide.is_some() || id.is_some() || group.is_some() || closest.is_some() || by_name;
         let names = groom::text(archive, places, "groom_group_name", time)?;
@@ -414,11 +416,11 @@ impl<'a> Reading<'_, '_, 'a> {
                 mark.group = group[i][0] as i32;
             }
             if let Some((width, closest)) = &closest {
-                for k in 0..(*width).min(3) {
-                    mark.closest[k] = closest[i][k] as i32;
-                    // One guide without a weight is followed alone.
-                    mark.weights[k] = if k == 0 { 1.0 } else { 0.0 };
-                }
+                // One guide without a weight is followed alone.
+                mark.weights[0] = 1.0;
+                let named = (*width).min(3);
+                let names = closest[i].iter().take(named);
+                mark.closest.iter_mut().zip(names).for_each(|(id, name)| *id = *name as i32);
                 if let Some((_, weights)) = &weights {
                     mark.weights = weights[i];
                 }

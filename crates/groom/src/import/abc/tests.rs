@@ -62,7 +62,7 @@ fn a_file_of_the_reference_implementation() {
             "2 frames from 1.000 to 1.042 s",
             "2 objects",
             "B-spline",
-            "2 strands are marked as guides",
+            "2 strands are marked as guides (groom_guide)",
             "“width”",
         ] {
             assert!(notes.contains(said), "{said}: {notes}");
