@@ -14,12 +14,12 @@ use crate::{
     orient_args::{MomentArgs, OrientArgs},
 };
 
-/// Convert grooms to .hair, .tfx, .obj or .abc, in metres, Y up, face towards +Z.
+/// Convert grooms to .hair, .tfx, .obj, .abc or .usda, in metres, Y up, face towards +Z.
 #[derive(clap::Args)]
 #[command(override_usage = "tresses convert [OPTIONS] <IN>... <OUT>")]
 pub struct Args {
     /// Groom files (.tfx, .hair, .obj, .abc), several are joined; the last one is the file to write, whose
-    /// extension (.hair, .tfx, .obj, .abc) decides the format.
+    /// extension (.hair, .tfx, .obj, .abc, .usda) decides the format.
     // One list, since two would forbid options between them.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
@@ -29,7 +29,7 @@ pub struct Args {
     /// Keep unit and axes of the input.
     #[arg(long)]
     as_is: bool,
-    /// The unit of the file to write, .abc only: cm for Unreal and Maya [default: m]
+    /// The unit of the file to write, .abc and .usda only: cm for Unreal and Maya [default: m]
     #[arg(long, value_name = "UNIT", conflicts_with = "as_is")]
     out_unit: Option<Unit>,
     #[command(flatten)]

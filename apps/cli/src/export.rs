@@ -24,7 +24,7 @@ use tresses_scene::{Companions, Gesture, Scene, Shelf, motion};
 pub struct Args {
     #[command(flatten)]
     pub settings: SettingsArgs,
-    /// The file for the strands, whose extension (.hair, .tfx, .obj, .abc) decides the format
+    /// The file for the strands, whose extension (.hair, .tfx, .obj, .abc, .usda) decides the format
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
     /// A file for brows, lashes and beard of the built-in character, as for the strands

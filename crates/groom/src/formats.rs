@@ -2,9 +2,15 @@
 
 use std::path::Path;
 
-/// Grooms, read and written. An `.obj` is one when it has lines.
+/// Grooms, read. An `.obj` is one when it has lines.
 pub const GROOMS: &[&str] =
     if cfg!(feature = "alembic") { &["tfx", "hair", "obj", "abc"] } else { &["tfx", "hair", "obj"] };
+/// Grooms, written.
+pub const WRITTEN: &[&str] = if cfg!(feature = "alembic") {
+    &["tfx", "hair", "obj", "abc", "usda"]
+} else {
+    &["tfx", "hair", "obj", "usda"]
+};
 /// Heads and other meshes, read. An `.obj` is one when it has faces, an `.abc` when it has no curves.
 pub const MESHES: &[&str] = if cfg!(feature = "alembic") {
     &["obj", "gltf", "glb", "tfxmesh", "abc"]

@@ -1,4 +1,4 @@
-//! Writers: `.hair`, `.tfx` version 4, OBJ polylines and Alembic for strands, GLB for bodies.
+//! Writers: `.hair`, `.tfx` version 4, OBJ polylines, Alembic and USD (text) for strands, GLB for bodies.
 //!
 //! Reading a written file back gives the same strands, bit for bit; what a format cannot hold is listed in
 //! [`Encoded::notes`]. A groom in metres, Y up, face +Z is marked as such in the file, so that nothing
@@ -11,6 +11,7 @@ pub mod glb;
 mod hair;
 mod obj_lines;
 mod tfx;
+mod usda;
 
 use std::path::Path;
 
@@ -33,6 +34,8 @@ pub enum Format {
     /// Alembic: positions, widths, colours, scalp texture coordinates, guides, groups.
     #[cfg(feature = "alembic")]
     Abc,
+    /// USD as text: what Alembic has.
+    Usda,
 }
 
 impl Format {
@@ -44,10 +47,11 @@ impl Format {
             "obj" => Ok(Self::Obj),
             #[cfg(feature = "alembic")]
             "abc" => Ok(Self::Abc),
+            "usda" => Ok(Self::Usda),
             _ => Err(Error::File {
                 path: path.to_path_buf(),
                 at: At::File,
-                problem: format!("a groom is written as {}", formats::listed(formats::GROOMS, "or")),
+                problem: format!("a groom is written as {}", formats::listed(formats::WRITTEN, "or")),
             }),
         }
     }
@@ -62,7 +66,7 @@ pub struct Encoded {
     pub notes: Vec<String>,
 }
 
-/// [`encode`] in another unit than metres, which Alembic files can be in.
+/// [`encode`] in another unit than metres, which Alembic and USD files can be in.
 ///
 /// # Errors
 /// As [`encode`], and [`Error::Unusable`] for a format that is written in metres only.
@@ -73,7 +77,8 @@ pub fn encode_in(strands: &Strands, format: Format, unit: Unit) -> Result<Encode
         Format::Abc if !strands.is_empty() => {
             abc::encode(strands, abc::Options { unit, ..Default::default() })
         }
-        _ => Err(Error::Unusable("only Alembic files are written in other units than metres".into())),
+        Format::Usda if !strands.is_empty() => Ok(usda::encode(strands, Some(unit))),
+        _ => Err(Error::Unusable("only Alembic and USD files are written in other units than metres".into())),
     }
 }
 
@@ -88,6 +93,7 @@ pub fn encode(strands: &Strands, format: Format, oriented: bool) -> Result<Encod
         Format::Obj => Ok(obj_lines::encode(strands, oriented)),
         #[cfg(feature = "alembic")]
         Format::Abc => abc::encode(strands, abc::Options { oriented, ..Default::default() }),
+        Format::Usda => Ok(usda::encode(strands, oriented.then_some(Unit(1.0)))),
     }
 }
 

@@ -101,7 +101,7 @@ impl<'a> Group<'a> {
         if at == 0 {
             return Ok(Data::default());
         }
-        let length = u64_at(source, what, at)?;
+        let length = u64_at(source, &format!("length of {what}"), at)?;
         Ok(Data {
             bytes: source.array(&format!("bytes of {what}"), at.saturating_add(8), length, 1)?,
             at: at.saturating_add(8),
