@@ -51,7 +51,7 @@ const TAPER: f32 = 0.4;
 /// on either side of a parting does not mix.
 ///
 /// Guides that a file marks are taken as they are for [`GuideCount::OneIn`], and what it says of who follows whom;
-/// where other strands are there, guides are not drawn.
+/// where a file has other strands, its guides are not drawn.
 ///
 /// # Errors
 /// [`Error::Unusable`] without strands; [`Error::Parameter`] for counts out of range.
@@ -158,7 +158,7 @@ struct Marked {
     guides: Vec<u32>,
     /// Which of them has a number.
     by_id: HashMap<i32, u32>,
-    /// Whether there are strands besides.
+    /// Whether the file has strands besides.
     others: bool,
 }
 
@@ -168,7 +168,7 @@ impl Marked {
         let marks = strands.marks.get(..given).filter(|_| matches!(options.guides, GuideCount::OneIn(_)))?;
         let guides: Vec<u32> = (0u32..).zip(marks).filter(|(_, mark)| mark.guide).map(|(i, _)| i).collect();
         let by_id = (0u32..).zip(&guides).map(|(k, i)| (marks[*i as usize].id, k)).collect();
-        (!guides.is_empty()).then(|| Self { others: guides.len() < strands.len(), guides, by_id })
+        (!guides.is_empty()).then(|| Self { others: guides.len() < given, guides, by_id })
     }
 
     /// The guides that the file says strand `i` follows, if it says.

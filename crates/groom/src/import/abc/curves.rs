@@ -1,12 +1,13 @@
 //! Curves as strands.
 
-use std::rc::Rc;
+use std::{collections::HashMap, rc::Rc};
 
 use glam::{DMat4, DVec3, Vec2, Vec3};
 
 use super::{
     Archive,
     groom::{self, Param, Per},
+    habits::Habits,
     property::{Compound, Property},
     tree::{Object, Schema, Tree},
 };
@@ -14,15 +15,12 @@ use crate::{
     error::{At, Result},
     import::{
         Moment, Raw, Source,
-        basis::{Basis, Blend},
+        basis::{Basis, Blend, MOST},
         declared,
     },
     orient::Axis,
     strands::Mark,
 };
-
-/// Vertices that a file may ask for per byte: curves may share their points, but not a few bytes all memory.
-const VERTICES_PER_BYTE: u64 = 16;
 
 /// Reads all curves of a file at one moment.
 pub(in crate::import) fn read(source: &Source, moment: Moment) -> Result<Raw> {
@@ -98,79 +96,6 @@ fn when(archive: &Archive, objects: &[&Object], moment: Moment) -> Result<(f64, 
     Ok((time, told))
 }
 
-/// What was met on the way, to be said once.
-#[derive(Default)]
-struct Habits {
-    moved: usize,
-    curved: Vec<&'static str>,
-    closed: usize,
-    rational: usize,
-    straightened: usize,
-    guides: usize,
-    guides_said: bool,
-    widths: Vec<&'static str>,
-    without_width: usize,
-    groups: bool,
-    /// Whether the file says anything of its strands.
-    marked: bool,
-    misfits: Vec<String>,
-}
-
-impl Habits {
-    fn tell(self, raw: &mut Raw, objects: usize, by_name: bool) {
-        let mut say = |any: bool, note: String| raw.notes.extend(any.then_some(note));
-        say(objects > 1, format!("{objects} objects of curves"));
-        say(self.moved > 0, format!("the transforms above {} of them are applied", self.moved));
-        say(
-            !self.curved.is_empty(),
-            format!("{} curves are cut into straight pieces", self.curved.join(" and ")),
-        );
-        say(self.closed > 0, format!("{} objects have closed curves, which are taken as open", self.closed));
-        say(self.rational > 0, "weights of rational curves are not used".into());
-        say(
-            self.straightened > 0,
-            format!(
-                "{} objects have no knots for their curves: straight from point to point",
-                self.straightened
-            ),
-        );
-        let how = if by_name && !self.guides_said { "by the names of their objects" } else { "groom_guide" };
-        say(self.guides > 0, format!("{} strands are marked as guides ({how})", self.guides));
-        say(!self.widths.is_empty(), format!("widths are those of “{}”", self.widths.join("” and “")));
-        say(self.without_width > 0 && self.widths.is_empty(), "no widths (Unreal would take 1 cm)".into());
-        for misfit in self.misfits {
-            say(true, misfit);
-        }
-        if !self.groups && objects == 1 {
-            raw.group_names.clear();
-        }
-        let strands = &mut raw.strands;
-        if !self.marked && objects == 1 {
-            strands.marks.clear();
-        }
-        // What only some objects have is of no use.
-        let (curves, vertices) = (strands.len(), strands.positions.len());
-        for (what, left_out) in [
-            ("colours", cleared(&mut strands.colors, vertices)),
-            ("widths", cleared(&mut strands.radii, vertices)),
-            ("scalp texture coordinates", cleared(&mut strands.root_uvs, curves)),
-        ] {
-            if left_out {
-                raw.notes.push(format!("not all objects have {what}, so none are used"));
-            }
-        }
-    }
-}
-
-/// Clears what has some entries, but not all; whether it did.
-fn cleared<T>(some: &mut Vec<T>, all: usize) -> bool {
-    let partial = !some.is_empty() && some.len() != all;
-    if partial {
-        some.clear();
-    }
-    partial
-}
-
 /// A file in the making.
 struct Reading<'r, 's, 'a> {
     archive: &'r Archive<'s, 'a>,
@@ -214,7 +139,7 @@ impl<'a> Reading<'_, '_, 'a> {
         let points: Vec<Vec3> = flat.as_chunks().0[..end as usize].iter().map(|p| Vec3::from(*p)).collect();
         let places = groom::places(archive, object, above)?;
         let curves = self.curves(shape, &starts)?;
-        self.budget(&curves, object, shape)?;
+        self.budget(&curves, shape)?;
         let moved = matrix != DMat4::IDENTITY;
         self.habits.moved += usize::from(moved);
         let scale = matrix.determinant().abs().cbrt() as f32;
@@ -257,7 +182,12 @@ impl<'a> Reading<'_, '_, 'a> {
         let straight = kind.is_empty() || code(0) == 1;
         self.habits.closed += usize::from(code(1) == 1);
         self.habits.rational += usize::from(!straight && list("w")?.iter().any(|w| *w != 1.0));
-        let knotted = if straight { None } else { split_knots(starts, &orders, &knots, code(0) == 2) };
+        let knotted = match code(0) {
+            _ if straight => None,
+            2 if knots.is_empty() => clamped(starts, &orders),
+            kind => split_knots(starts, &orders, &knots, kind == 2),
+        };
+        self.habits.clamped += usize::from(knotted.is_some() && knots.is_empty());
         let name = match (code(0), code(2)) {
             _ if straight => None,
             _ if knotted.is_some() => Some("B-spline (with knots)"),
@@ -278,14 +208,19 @@ impl<'a> Reading<'_, '_, 'a> {
             self.habits.curved.push(name);
         }
         let mut all: Vec<Rc<[Blend]>> = Vec::with_capacity(starts.len() - 1);
+        let mut known: HashMap<usize, Rc<[Blend]>> = HashMap::new();
         for (i, pair) in starts.windows(2).enumerate() {
             let count = (pair[1] - pair[0]) as usize;
             let own = knotted.as_ref().map(|knotted| &knotted[i]);
             // Most curves of an object are alike.
-            if let (None, Some(last), true) =
-                (own, all.last(), i > 0 && count == (starts[i] - starts[i - 1]) as usize)
-            {
-                all.push(last.clone());
+            let like = match own {
+                None => known.get(&count),
+                Some(own) => {
+                    all.last().filter(|_| i > 0 && knotted.as_ref().is_some_and(|all| all[i - 1] == *own))
+                }
+            };
+            if let Some(like) = like.cloned() {
+                all.push(like);
                 continue;
             }
             let basis = match (name, own) {
@@ -297,7 +232,11 @@ impl<'a> Reading<'_, '_, 'a> {
                 (None, _) => Basis::Linear,
             };
             match basis.vertices(count) {
-                Ok(vertices) => all.push(vertices.into()),
+                Ok(vertices) => {
+                    let vertices: Rc<[Blend]> = vertices.into();
+                    known.insert(count, vertices.clone());
+                    all.push(vertices);
+                }
                 Err(problem) => return Err(archive.source.problem(self.at(shape)?, problem)),
             }
         }
@@ -309,17 +248,13 @@ impl<'a> Reading<'_, '_, 'a> {
     }
 
     /// Refuses vertices that the file's size does not justify.
-    fn budget(&self, curves: &[Rc<[Blend]>], object: &Object, shape: &Compound<'a>) -> Result<()> {
-        let source = self.archive.source;
-        let count =
-            self.raw.strands.positions.len() as u64 + curves.iter().map(|c| c.len() as u64).sum::<u64>();
-        source.check_vertices(0, count)?;
-        if count > VERTICES_PER_BYTE.saturating_mul(source.bytes.len() as u64) {
-            let problem =
-                format!("{count} vertices up to {}, more than so small a file can mean", object.names[0]);
-            return Err(source.problem(self.at(shape)?, problem));
+    fn budget(&self, curves: &[Rc<[Blend]>], shape: &Compound<'a>) -> Result<()> {
+        let count: u64 = curves.iter().map(|curve| curve.len() as u64).sum();
+        self.archive.source.check_vertices(0, self.raw.strands.positions.len() as u64 + count)?;
+        match self.at(shape)? {
+            At::Byte(at) => self.archive.spend(count, at),
+            _ => self.archive.spend(count, 0),
         }
-        Ok(())
     }
 
     /// One value per control point: `own` names of the shape's properties, `others` of those beside it.
@@ -337,6 +272,10 @@ impl<'a> Reading<'_, '_, 'a> {
         let all = own.iter().map(|name| (beside, name)).chain(others.iter().map(|name| (places, name)));
         for (places, name) in all {
             let Some(param) = Param::find(self.archive, places, &[name], self.time)? else { continue };
+            if let Some(knots) = (width == 1).then(|| param.at_knots(starts)).flatten() {
+                self.habits.widths.push(name);
+                return Ok(Some(knots.into_iter().map(|value| Vec3::new(value, 0.0, 0.0)).collect()));
+            }
             let Some(per) = param.per(width, curves, points) else {
                 self.misfit(name, &param, curves, points);
                 continue;
@@ -440,6 +379,21 @@ impl<'a> Reading<'_, '_, 'a> {
     }
 }
 
+/// Even knots, repeated so that curves begin and end at their outermost points, for files that have orders alone.
+fn clamped(starts: &[u32], orders: &[f32]) -> Option<Vec<(usize, Vec<f32>)>> {
+    let curves = starts.len() - 1;
+    (orders.len() == curves).then(|| {
+        let each = starts.windows(2).zip(orders);
+        each.map(|(w, order)| {
+            let points = (w[1] - w[0]) as usize;
+            let order = (*order as usize).clamp(2, MOST).min(points.max(2));
+            let spans = (points + 1).saturating_sub(order);
+            (order, (0..points + order).map(|k| k.saturating_sub(order - 1).min(spans) as f32).collect())
+        })
+        .collect()
+    })
+}
+
 /// The order and the knots of each curve, if there are as many as the curves need.
 fn split_knots(
     starts: &[u32],
@@ -453,8 +407,9 @@ fn split_knots(
     let curves = starts.len() - 1;
     let order = |i: usize| match orders.len() {
         0 => 4,
-        1 => orders[0] as usize,
-        n if n == curves => orders[i] as usize,
+        // Of eight bits in sound files.
+        1 => orders[0] as u8 as usize,
+        n if n == curves => orders[i] as u8 as usize,
         _ => 0,
     };
     let needs =
@@ -476,4 +431,39 @@ fn split_knots(
         all.push((order(i), own));
     }
     Some(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn knots_are_dealt_out_to_curves() {
+        let starts = [0, 4, 9];
+        // As many as points and order, or, as Maya has them, two fewer.
+        let whole: Vec<f32> = (0..8).chain(0..9).map(|k| k as f32).collect();
+        let split = split_knots(&starts, &[], &whole, false).unwrap();
+        assert_eq!((split[0].0, split[0].1.len(), split[1].1.len()), (4, 8, 9));
+        let fewer: Vec<f32> = (1..7).chain(1..8).map(|k| k as f32).collect();
+        let split = split_knots(&starts, &[4.0], &fewer, true).unwrap();
+        assert_eq!(split[0].1, [1.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 6.0]);
+        let mixed = split_knots(&starts, &[2.0, 4.0], &whole[..15], true).unwrap();
+        assert_eq!((mixed[0].0, mixed[0].1.len(), mixed[1].1.len()), (2, 6, 9));
+        for (orders, knots) in [(&[][..], &whole[..]), (&[4.0], &whole[..5]), (&[4.0, 4.0, 4.0], &whole)] {
+            assert!(split_knots(&starts, orders, knots, true).is_none());
+        }
+    }
+
+    #[test]
+    fn curves_with_orders_alone_reach_their_outermost_points() {
+        let points: Vec<Vec3> = (0..7).map(|k| Vec3::new((k * k) as f32, 1.0 - k as f32, 0.0)).collect();
+        for order in [2.0, 3.0, 4.0, 7.0, 200.0] {
+            let (order, knots) = clamped(&[0, 7], &[order]).unwrap().remove(0);
+            assert_eq!(knots.len(), 7 + order);
+            let line = Basis::Knots { order, knots: &knots }.vertices(7).unwrap();
+            let ends = [line.first(), line.last()].map(|blend| blend.unwrap().of_values(&points));
+            assert!(ends[0].distance(points[0]) + ends[1].distance(points[6]) < 1e-4, "{order}: {ends:?}");
+        }
+        assert!(clamped(&[0, 7], &[]).is_none());
+    }
 }

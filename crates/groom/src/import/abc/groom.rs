@@ -65,7 +65,7 @@ impl Param {
             flat = Vec::new();
             for index in indices.integers(archive, time)? {
                 let at = usize::try_from(index).ok().and_then(|i| i.checked_mul(extent));
-                match at.and_then(|at| known.get(at..at + extent)) {
+                match at.and_then(|at| known.get(at..)?.get(..extent)) {
                     Some(value) => flat.extend_from_slice(value),
                     None => {
                         let problem =
@@ -118,6 +118,25 @@ impl Param {
         Some((0..curves).map(|i| self.value(width, at(i))).collect())
     }
 
+    /// One number per control point, where the file has one for each end of each piece of Bézier curves (`varying`).
+    pub fn at_knots(&self, starts: &[u32]) -> Option<Vec<f32>> {
+        let pieces =
+            |w: &[u32]| ((w[1] - w[0]) as usize).checked_sub(1).filter(|n| *n > 0 && n.is_multiple_of(3));
+        let ends: Option<usize> = starts.windows(2).map(|w| pieces(w).map(|n| n / 3 + 1)).sum();
+        if ends != Some(self.flat.len()) {
+            return None;
+        }
+        let mut first = 0;
+        let mut all = Vec::with_capacity(starts.last().map_or(0, |end| *end as usize));
+        for w in starts.windows(2) {
+            let points = (w[1] - w[0]) as usize;
+            let at = |k: usize| self.flat[first + k.min((points - 1) / 3)];
+            all.extend((0..points).map(|k| at(k / 3) + (at(k / 3 + 1) - at(k / 3)) * (k % 3) as f32 / 3.0));
+            first += (points - 1) / 3 + 1;
+        }
+        Some(all)
+    }
+
     /// How many numbers make one value, if there is one per curve; else as the file has it.
     pub fn width(&self, curves: usize) -> usize {
         match curves {
@@ -163,5 +182,37 @@ pub(super) fn text<'a>(
 impl std::fmt::Display for Param {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{} numbers{}", self.flat.len(), self.at)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn param(flat: &[f32], scope: Option<&str>) -> Param {
+        Param { flat: flat.to_vec(), width: 1, scope: scope.map(str::to_owned), at: At::File }
+    }
+
+    #[test]
+    fn values_belong_to_what_they_are_as_many_as() {
+        // Two curves of four and seven points.
+        let starts = [0, 4, 11];
+        let per = |count: usize, scope| param(&vec![1.0; count], scope).per(1, 2, 11);
+        assert_eq!(
+            [1, 2, 11, 3].map(|n| per(n, None)),
+            [Some(Per::All), Some(Per::Curve), Some(Per::Point), None]
+        );
+        // A scope that does not fit counts for nothing.
+        assert_eq!((per(11, Some("uni")), per(2, Some("uni"))), (Some(Per::Point), Some(Per::Curve)));
+        let knots = param(&[0.0, 3.0, 6.0, 9.0, 0.0], None).at_knots(&starts).unwrap();
+        assert_eq!(knots, [0.0, 1.0, 2.0, 3.0, 6.0, 7.0, 8.0, 9.0, 6.0, 3.0, 0.0]);
+        assert_eq!(param(&[0.0; 4], None).at_knots(&starts), None);
+        assert_eq!(param(&[0.0; 5], None).at_knots(&[0, 4, 10]), None);
+        let firsts = param(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0], None);
+        assert_eq!(firsts.per_curve::<1>(1, &starts), Some(vec![[0.0], [4.0]]));
+        assert_eq!(
+            param(&[1.0, 2.0, 3.0, 4.0], None).per_curve::<2>(2, &starts),
+            Some(vec![[1.0, 2.0], [3.0, 4.0]])
+        );
     }
 }

@@ -30,6 +30,7 @@ pub(in crate::import) fn read(source: &Source) -> Result<TriMesh> {
             false => matrix.transform_point3(DVec3::from(Vec3::from(*p))).as_vec3(),
         };
         let base = mesh.positions.len() as u64;
+        archive.spend(points.count(&archive)? + corners.count(&archive)?, 0)?;
         mesh.positions.extend(points.floats(&archive, 0.0)?.as_chunks().0.iter().map(moved));
         source.check_vertices(0, mesh.positions.len() as u64)?;
         let indices = corners.integers(&archive, 0.0)?;

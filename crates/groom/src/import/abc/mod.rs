@@ -15,6 +15,7 @@
 
 mod curves;
 mod groom;
+mod habits;
 mod mesh;
 mod ogawa;
 mod property;
@@ -27,11 +28,17 @@ mod xform;
 pub(super) use curves::read;
 pub(super) use mesh::read as read_mesh;
 
+use std::cell::Cell;
+
 use super::Source;
 use crate::error::{At, Result};
 use ogawa::{Data, Group, Reader};
 use property::entry;
 use time::Sampling;
+
+/// Properties and vertices that a file may ask for per byte: curves may share their points, but not a few bytes all
+/// memory.
+const READS_PER_BYTE: u64 = 16;
 
 /// An open file.
 pub(super) struct Archive<'s, 'a> {
@@ -43,6 +50,8 @@ pub(super) struct Archive<'s, 'a> {
     shared: Vec<&'a str>,
     /// What the file says of itself.
     about: &'a str,
+    /// How much more is read of it: parts of a file may be named again and again, but not without end.
+    left: Cell<u64>,
 }
 
 impl<'s, 'a> Archive<'s, 'a> {
@@ -64,11 +73,25 @@ impl<'s, 'a> Archive<'s, 'a> {
             top: root.group(source, 2, "the top object")?,
             samplings: time::read(source, root.data(source, 4, "the time samplings")?)?,
             shared,
+            left: Cell::new(READS_PER_BYTE.saturating_mul(source.bytes.len() as u64)),
             about: text(
                 root.data(source, 3, "what the file says of itself")?,
                 "what the file says of itself",
             )?,
         })
+    }
+
+    /// Takes note that `count` more are read of what lies at `at`.
+    fn spend(&self, count: u64, at: u64) -> Result<()> {
+        match self.left.get().checked_sub(count) {
+            Some(left) => {
+                self.left.set(left);
+                Ok(())
+            }
+            None => Err(self
+                .source
+                .problem(At::Byte(at), "the same is named more often than so small a file can mean")),
+        }
     }
 
     /// A shared text by its number.

@@ -104,6 +104,7 @@ impl<'a> Compound<'a> {
         let mut reader = Reader::new(source, data, "a compound's properties");
         let mut headers = Vec::new();
         while !reader.done() {
+            archive.spend(1, group.at)?;
             headers.push(Header::read(archive, &mut reader)?);
         }
         Ok(Self { headers, group })
@@ -242,6 +243,11 @@ impl<'a> Property<'a> {
         let data = self.group.data(archive.source, child, &header.name)?;
         let bytes = data.bytes.get(DIGEST..).unwrap_or_default();
         Ok(Data { bytes, at: data.at + DIGEST as u64 })
+    }
+
+    /// How many numbers its first sample has.
+    pub fn count(&self, archive: &Archive<'_, 'a>) -> Result<u64> {
+        Ok((self.bytes(archive, 0.0)?.bytes.len() / self.header.pod.size().max(1)) as u64)
     }
 
     /// The numbers of the sample nearest to `time`, as `f64`, in one row.
