@@ -121,6 +121,10 @@ fn hair_from_blender_is_upright_and_complete() {
     );
     let width = opened[0]["width"].as_f64().unwrap();
     assert!((width - 7e-5).abs() < 1e-7, "mean of 100 and 40 µm: {width}");
+    tresses(folder, &["convert", "curves.abc", "ours.usda"]);
+    let Some(usd) = found(folder, "ours.usda") else { return };
+    assert_eq!(usd[0]["curves"].as_u64(), Some(STRANDS));
+    assert!(same(ours, &usd[0]["sum"], STRANDS * POINTS), "{ours:?} {usd}");
 }
 
 #[test]

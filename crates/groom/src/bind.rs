@@ -168,7 +168,7 @@ impl Marked {
         let marks = strands.marks.get(..given).filter(|_| matches!(options.guides, GuideCount::OneIn(_)))?;
         let guides: Vec<u32> = (0u32..).zip(marks).filter(|(_, mark)| mark.guide).map(|(i, _)| i).collect();
         let by_id = (0u32..).zip(&guides).map(|(k, i)| (marks[*i as usize].id, k)).collect();
-        (!guides.is_empty()).then(|| Self { others: guides.len() < given, guides, by_id })
+        (!guides.is_empty()).then_some(Self { others: guides.len() < given, guides, by_id })
     }
 
     /// The guides that the file says strand `i` follows, if it says.
