@@ -69,7 +69,7 @@ impl Strands {
         self.strand(i).windows(2).map(|w| w[0].distance(w[1])).sum()
     }
 
-    /// Whether some strands are guides of others: marked as such, where others are not.
+    /// Whether some strands are marked as guides.
     pub fn has_guides(&self) -> bool {
         self.marks.iter().any(|mark| mark.guide)
     }
