@@ -9,14 +9,17 @@ use tresses::groom::{
     orient::{Axis, Choice, Unit},
 };
 
-use crate::{files, orient_args::OrientArgs};
+use crate::{
+    files,
+    orient_args::{MomentArgs, OrientArgs},
+};
 
-/// Convert grooms to .hair, .tfx or .obj, in metres, Y up, face towards +Z.
+/// Convert grooms to .hair, .tfx, .obj, .abc or .usda, in metres, Y up, face towards +Z.
 #[derive(clap::Args)]
 #[command(override_usage = "tresses convert [OPTIONS] <IN>... <OUT>")]
 pub struct Args {
-    /// Groom files (.tfx, .hair, .obj), several are joined; the last one is the file to write, whose
-    /// extension (.hair, .tfx, .obj) decides the format.
+    /// Groom files (.tfx, .hair, .obj, .abc), several are joined; the last one is the file to write, whose
+    /// extension (.hair, .tfx, .obj, .abc, .usda) decides the format.
     // One list, since two would forbid options between them.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
@@ -26,6 +29,11 @@ pub struct Args {
     /// Keep unit and axes of the input.
     #[arg(long)]
     as_is: bool,
+    /// The unit of the file to write, .abc and .usda only: cm for Unreal and Maya [default: m]
+    #[arg(long, value_name = "UNIT", conflicts_with = "as_is")]
+    out_unit: Option<Unit>,
+    #[command(flatten)]
+    moment: MomentArgs,
     #[command(flatten)]
     orient: OrientArgs,
 }
@@ -37,6 +45,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     };
     let format = Format::of(output)?;
     let mut options = args.orient.options();
+    options.moment = args.moment.moment();
     if args.as_is {
         options.orient =
             Choice { unit: Some(Unit(1.0)), up: Some(Axis::Y), front: Some(Axis::Z), mirror: Some(false) };
@@ -49,7 +58,10 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         let (strands, _, report) = import::read_with_head(inputs, &args.head, &options)?;
         (strands, report)
     };
-    let encoded = export::encode(&strands, format, !args.as_is)?;
+    let encoded = match args.out_unit {
+        Some(unit) => export::encode_in(&strands, format, unit)?,
+        None => export::encode(&strands, format, !args.as_is)?,
+    };
     files::write(output, &encoded.bytes)?;
     let done = report.repaired;
     println!(

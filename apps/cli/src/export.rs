@@ -24,7 +24,7 @@ use tresses_scene::{Companions, Gesture, Scene, Shelf, motion};
 pub struct Args {
     #[command(flatten)]
     pub settings: SettingsArgs,
-    /// The file for the strands, whose extension (.hair, .tfx, .obj) decides the format
+    /// The file for the strands, whose extension (.hair, .tfx, .obj, .abc, .usda) decides the format
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
     /// A file for brows, lashes and beard of the built-in character, as for the strands
@@ -105,7 +105,7 @@ fn write_strands(path: &Path, format: Format, strands: &Strands) -> Result<Strin
 }
 
 /// The strands of `all` that `scene` draws now. Blocks.
-fn drawn<'a>(scene: &Scene, all: impl IntoIterator<Item = &'a StrandBuffers>) -> Result<Strands> {
+pub fn drawn<'a>(scene: &Scene, all: impl IntoIterator<Item = &'a StrandBuffers>) -> Result<Strands> {
     let (device, queue) = (&scene.gpu.device, &scene.gpu.queue);
     let mut drawn = Strands::default();
     for buffers in all {

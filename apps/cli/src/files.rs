@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use std::{
-    io::Write,
+    io::{BufWriter, Write},
     path::{Path, PathBuf},
     sync::{Mutex, MutexGuard, PoisonError},
 };
@@ -67,6 +67,19 @@ pub fn probe(folder: &Path) -> Result<()> {
 pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     let temporary = Temporary::new(path.parent().unwrap_or(Path::new("")));
     temporary.and_then(|file| file.complete(bytes, path)).with_context(|| path.display().to_string())
+}
+
+/// What a file is written through, piece by piece.
+pub type Pieces<'a> = BufWriter<&'a mut tempfile::NamedTempFile>;
+
+/// Writes to `path` what `write` makes piece by piece, replacing what is there once it is done.
+pub fn stream(path: &Path, write: impl FnOnce(Pieces<'_>) -> Result<()>) -> Result<()> {
+    let name = || path.display().to_string();
+    let mut temporary = Temporary::new(path.parent().unwrap_or(Path::new(""))).with_context(name)?;
+    if let Some(file) = &mut temporary.file {
+        write(BufWriter::new(file))?;
+    }
+    temporary.complete(&[], path).with_context(name)
 }
 
 /// Removes what is not complete, and ends the program with `code`. Until it has ended no file is begun or completed.

@@ -16,27 +16,30 @@ use tresses_scene::{
     living::{Part, PartForm},
 };
 
-use crate::orient_args::OrientArgs;
+use crate::orient_args::{MomentArgs, OrientArgs};
 
 /// Report what a groom holds, how it is oriented, and what is odd about it.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Groom files (.tfx, .hair, .obj); several are one groom.
+    /// Groom files (.tfx, .hair, .obj, .abc); several are one groom.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// The mesh that the groom grows on (.obj, .gltf, .glb, .tfxmesh); several are one head.
+    /// The mesh that the groom grows on (.obj, .gltf, .glb, .tfxmesh, .abc); several are one head.
     #[arg(long, value_name = "MESH")]
     head: Vec<PathBuf>,
     /// Print JSON instead of text.
     #[arg(long)]
     json: bool,
     #[command(flatten)]
+    moment: MomentArgs,
+    #[command(flatten)]
     orient: OrientArgs,
 }
 
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
-    let strict = args.orient.options();
+    let mut strict = args.orient.options();
+    strict.moment = args.moment.moment();
     // A number that is not finite is a finding here, and afterwards the error it is elsewhere.
     let mut options = strict.clone();
     options.lenient = true;
@@ -83,6 +86,14 @@ fn as_json(report: &ImportReport, anatomy: Option<&Anatomy>) -> Value {
         "vertices_per_strand": spread(&lint.per_strand),
         "length_m": spread(&lint.lengths),
         "radius_m": lint.radii.as_ref().map(spread),
+        "has": {
+            "widths": report.attributes.widths, "colours": report.attributes.colors,
+            "root_uvs": report.attributes.root_uvs, "ids": report.attributes.ids,
+            "guides": report.attributes.guides, "bound_to_guides": report.attributes.bound,
+        },
+        "groups": report.groups.iter().map(|group| json!({
+            "id": group.id, "name": group.name, "strands": group.strands, "guides": group.guides,
+        })).collect::<Vec<_>>(),
         "bounds_m": lint.bounds.map(|(lo, hi)| [lo.to_array(), hi.to_array()]),
         "root_distance_m": lint.root_distance.as_ref().map(spread),
         "groom_placement": placement(&report.placement),
@@ -115,6 +126,7 @@ fn as_text(report: &ImportReport, anatomy: Option<&Anatomy>) -> String {
         file.notes.iter().for_each(|n| line(&mut out, "", n.clone()));
     }
     measures(&mut out, &report.lint);
+    attributes(&mut out, report);
     if let Some(text) = followers(report) {
         line(&mut out, "followers", text);
         line(&mut out, "", "--grow 0 draws the strands alone, --grow N fills them up to N".to_string());
@@ -140,6 +152,44 @@ fn as_text(report: &ImportReport, anatomy: Option<&Anatomy>) -> String {
     }
     out
 }
+
+/// What strands have besides their shape.
+fn attributes(out: &mut String, report: &ImportReport) {
+    let has = &report.attributes;
+    let all = [
+        ("widths", has.widths),
+        ("colours", has.colors),
+        ("scalp coordinates", has.root_uvs),
+        ("strand numbers", has.ids),
+    ];
+    let list = |there: bool| {
+        let some: Vec<_> = all.iter().filter(|(_, has)| *has == there).map(|(name, _)| *name).collect();
+        if some.is_empty() { "none".into() } else { some.join(", ") }
+    };
+    line(out, "has", format!("{} (not there: {})", list(true), list(false)));
+    if has.guides > 0 {
+        let bound = match has.bound {
+            0 => String::new(),
+            count => format!("; {count} strands say which of them they follow"),
+        };
+        line(out, "guides", format!("{} of the strands{bound}", has.guides));
+    }
+    for (i, group) in report.groups.iter().enumerate() {
+        // A file may have as many groups as strands.
+        if i == MOST_GROUPS {
+            line(out, "", format!("and {} more", report.groups.len() - i));
+            break;
+        }
+        let label = if i == 0 { "groups" } else { "" };
+        let guides =
+            if group.guides > 0 { format!(", {} of them guides", group.guides) } else { String::new() };
+        let name = if group.name.is_empty() { String::new() } else { format!(" {}", group.name) };
+        line(out, label, format!("{}{name}: {} strands{guides}", group.id, group.strands));
+    }
+}
+
+/// Groups that are listed one by one.
+const MOST_GROUPS: usize = 12;
 
 /// The followers that the files ask for, if they do.
 fn followers(report: &ImportReport) -> Option<String> {

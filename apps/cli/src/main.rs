@@ -1,6 +1,7 @@
 //! The `tresses` command: grooms in, pictures of moving hair out.
 
 mod args;
+mod bake;
 mod bench;
 mod compare;
 mod convert;
@@ -54,6 +55,8 @@ enum Command {
     Convert(convert::Args),
     /// Write the strands of a groom or a built-in style as they are drawn at rest
     Export(Box<export::Args>),
+    /// Simulate hair and write it as an Alembic cache, frame by frame
+    Bake(Box<bake::Args>),
     /// Print the result of all options as a preset
     Preset(Box<preset::Args>),
     /// List every parameter with its range and what it does
@@ -80,6 +83,7 @@ fn main() -> ExitCode {
         Command::Info(args) => info::run(args),
         Command::Convert(args) => convert::run(args),
         Command::Export(args) => export::run(&args),
+        Command::Bake(args) => bake::run(&args),
         Command::Preset(args) => preset::run(&args),
         Command::Knobs(args) => knobs::run(&args),
         Command::Bench(args) => bench::run(&args),

@@ -1,7 +1,7 @@
 //! Options for a file's unit and axes, flattened into several commands.
 
 use tresses::groom::{
-    import::ImportOptions,
+    import::{ImportOptions, Moment},
     orient::{Axis, Unit},
 };
 
@@ -57,6 +57,28 @@ pub struct OrientArgs {
         hide_short_help = true
     )]
     head_front: Option<Axis>,
+}
+
+/// Which moment of an animated groom is read.
+#[derive(clap::Args, Clone, Debug, Default)]
+pub struct MomentArgs {
+    /// The frame of an animated groom (.abc) that is read, from 0 on [default: the first]
+    #[arg(long, value_name = "N", conflicts_with = "seconds")]
+    frame: Option<u32>,
+    /// The time of an animated groom whose nearest frame is read, seconds
+    #[arg(long, value_name = "S", allow_hyphen_values = true)]
+    seconds: Option<f64>,
+}
+
+impl MomentArgs {
+    /// As the library takes it.
+    pub fn moment(&self) -> Moment {
+        match (self.frame, self.seconds) {
+            (Some(frame), _) => Moment::Frame(frame),
+            (None, Some(seconds)) => Moment::Seconds(seconds),
+            (None, None) => Moment::First,
+        }
+    }
 }
 
 impl OrientArgs {

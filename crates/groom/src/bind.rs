@@ -1,5 +1,7 @@
 //! Imported strands: guides are chosen among them, and every other strand is bound to up to three guides.
 
+mod marked;
+
 use super::{BoundStrands, Groom, Guides, Strands, bound, bound::Influence, curve, fill::Filled};
 use crate::{
     Error, MAX_GUIDE_VERTICES, MAX_STRAND_VERTICES, Result,
@@ -7,6 +9,7 @@ use crate::{
     hash,
 };
 use glam::{UVec3, Vec3};
+use marked::Marked;
 use std::collections::HashMap;
 
 /// How many of the strands are simulated.
@@ -49,6 +52,9 @@ const TAPER: f32 = 0.4;
 /// into runs of equal size, and of each run the strand nearest to the run's mean shape is taken.
 /// A strand is bound to the guides that are nearest at root, middle and tip together, so that hair
 /// on either side of a parting does not mix.
+///
+/// Guides that a file marks are taken as they are for [`GuideCount::OneIn`], and what it says of who follows whom;
+/// where a file has other strands, its guides are not drawn.
 ///
 /// # Errors
 /// [`Error::Unusable`] without strands; [`Error::Parameter`] for counts out of range.
@@ -97,8 +103,13 @@ fn bind_any(strands: &Strands, options: &BindOptions, filled: Option<&Filled>) -
             strands.len().div_ceil(n as usize)
         }
     };
-    let all = options.guides == GuideCount::All || (filled.is_some() && count >= given);
-    let chosen: Vec<u32> = if all { (0..given as u32).collect() } else { shapes.choose(count) };
+    let marked = Marked::of(strands, given, options);
+    let all = marked.is_none() && (options.guides == GuideCount::All || (filled.is_some() && count >= given));
+    let chosen: Vec<u32> = match &marked {
+        Some(marked) => marked.guides.clone(),
+        None if all => (0..given as u32).collect(),
+        None => shapes.choose(count),
+    };
     let mut guides = Guides::new(guide_vertices);
     for &i in &chosen {
         guides.push(strands.strand(i as usize), 1.0, shapes.pinned[i as usize]);
@@ -116,6 +127,7 @@ fn bind_any(strands: &Strands, options: &BindOptions, filled: Option<&Filled>) -
             let shape = |i: usize| Shapes::of(strands.strand(i));
             let mut found = match &lineage {
                 Some(lineage) if i >= given => lineage.follow(i, &finder, &shapes, shape),
+                _ if let Some(found) = marked.as_ref().and_then(|marked| marked.follow(strands, i)) => found,
                 _ => finder.nearest(&shapes, &shapes.points[i], shapes.pinned[i], |_| true),
             };
             for influence in &mut found {
@@ -125,6 +137,10 @@ fn bind_any(strands: &Strands, options: &BindOptions, filled: Option<&Filled>) -
         };
         if let Some(lineage) = lineage.as_mut().filter(|_| i < given) {
             lineage.follows.push(influences.clone());
+        }
+        // Where there is other hair, guides only guide.
+        if marked.as_ref().is_some_and(|marked| marked.others && strands.marks[i].guide) {
+            continue;
         }
         for influence in &influences {
             guides.strands[influence.guide as usize] += influence.weight;
@@ -407,87 +423,4 @@ impl Finder {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Strands on a sphere of 9 cm that hang 10 cm.
-    fn groom(count: usize) -> Strands {
-        let mut strands = Strands::default();
-        for i in 0..count {
-            let y = 1.0 - i as f32 / count as f32;
-            let angle = i as f32 * 2.399_963;
-            let out = Vec3::new((1.0 - y * y).sqrt() * angle.cos(), y, (1.0 - y * y).sqrt() * angle.sin());
-            let curve: Vec<_> = (0..16)
-                .map(|j| {
-                    let s = j as f32 / 15.0;
-                    out * (0.09 + 0.03 * s.sqrt()) - Vec3::Y * 0.1 * s * s
-                })
-                .collect();
-            strands.push(&curve);
-        }
-        strands
-    }
-
-    #[test]
-    fn weights_sum_to_one_and_counts_are_as_asked() {
-        let strands = groom(3000);
-        for (guides, expected) in
-            [(GuideCount::OneIn(16), 188), (GuideCount::Count(100), 100), (GuideCount::All, 3000)]
-        {
-            let groom = bind(&strands, &BindOptions { guides, ..Default::default() }).unwrap();
-            assert_eq!(groom.guides.len(), expected);
-            assert_eq!(groom.strands.len(), 3000);
-            assert_eq!(groom.strands.vertex_count, 31);
-            for b in &groom.strands.bindings {
-                assert!(b.weight_b >= 0.0 && b.weight_c >= 0.0 && b.weight_b + b.weight_c <= 0.667);
-                assert!(b.guides.iter().all(|g| (*g as usize) < expected));
-            }
-            let stood_for: f32 = groom.guides.strands.iter().sum();
-            assert!((stood_for - 3000.0).abs() < 5.0, "{stood_for}");
-        }
-    }
-
-    #[test]
-    fn guides_are_well_spread() {
-        let strands = groom(4000);
-        let groom =
-            bind(&strands, &BindOptions { guides: GuideCount::Count(250), ..Default::default() }).unwrap();
-        let reach = |p: Vec3| {
-            (0..groom.guides.len())
-                .map(|g| groom.guides.guide(g)[0].distance(p))
-                .fold(f32::INFINITY, f32::min)
-        };
-        let farthest = strands.iter().map(|s| reach(s[0])).fold(0.0, f32::max);
-        // A perfect triangular grid of 250 points on this half sphere leaves none farther than 9 mm.
-        assert!(farthest < 0.02, "{farthest}");
-    }
-
-    #[test]
-    fn rest_positions_survive_within_a_tenth_of_a_millimetre() {
-        let strands = groom(500);
-        let groom = bind(&strands, &BindOptions::default()).unwrap();
-        for (i, strand) in strands.iter().enumerate() {
-            let rest: Vec<_> = groom.strands.rest_positions(i).collect();
-            for (j, p) in strand.iter().enumerate() {
-                assert!(rest[2 * j].distance(*p) < 1e-5);
-            }
-        }
-    }
-
-    #[test]
-    fn tips_that_are_pinned_keep_their_own_guides() {
-        let mut strands = groom(1000);
-        strands.tip_pinned = (0..1000).map(|i| i % 5 == 0).collect();
-        let groom = bind(&strands, &BindOptions::default()).unwrap();
-        for (i, b) in groom.strands.bindings.iter().enumerate() {
-            assert_eq!(groom.guides.tip_pinned[b.guides[0] as usize], i % 5 == 0);
-        }
-    }
-
-    #[test]
-    fn nonsense_is_refused() {
-        assert!(bind(&Strands::default(), &BindOptions::default()).is_err());
-        let options = BindOptions { guide_vertices: Some(1000), ..Default::default() };
-        assert!(bind(&groom(10), &options).unwrap_err().to_string().contains("guide_vertices is 1000"));
-    }
-}
+mod tests;

@@ -2,10 +2,23 @@
 
 use std::path::Path;
 
-/// Grooms, read and written. An `.obj` is one when it has lines.
-pub const GROOMS: &[&str] = &["tfx", "hair", "obj"];
-/// Heads and other meshes, read. An `.obj` is one when it has faces.
-pub const MESHES: &[&str] = &["obj", "gltf", "glb", "tfxmesh"];
+/// Grooms, read. An `.obj` is one when it has lines.
+pub const GROOMS: &[&str] =
+    if cfg!(feature = "alembic") { &["tfx", "hair", "obj", "abc"] } else { &["tfx", "hair", "obj"] };
+/// Grooms, written.
+pub const WRITTEN: &[&str] = if cfg!(feature = "alembic") {
+    &["tfx", "hair", "obj", "abc", "usda"]
+} else {
+    &["tfx", "hair", "obj", "usda"]
+};
+/// Heads and other meshes, read. An `.obj` is one when it has faces, an `.abc` when it has no curves.
+pub const MESHES: &[&str] = if cfg!(feature = "alembic") {
+    &["obj", "gltf", "glb", "tfxmesh", "abc"]
+} else {
+    &["obj", "gltf", "glb", "tfxmesh"]
+};
+/// Grooms that may move.
+pub const ANIMATED: &[&str] = if cfg!(feature = "alembic") { &["abc"] } else { &[] };
 /// What meshes may need beside them.
 pub const COMPANIONS: &[&str] = &["mtl", "bin"];
 
@@ -30,8 +43,7 @@ mod tests {
 
     #[test]
     fn extensions_make_a_sentence() {
-        assert_eq!(listed(GROOMS, "or"), ".tfx, .hair or .obj");
-        assert_eq!(listed(MESHES, "or"), ".obj, .gltf, .glb or .tfxmesh");
+        assert_eq!(listed(&["tfx", "hair", "obj"], "or"), ".tfx, .hair or .obj");
         assert_eq!(listed(&["png"], "or"), ".png");
         assert_eq!(extension(Path::new("a/B.GLTF")), "gltf");
     }

@@ -19,6 +19,23 @@ pub struct Strands {
     pub root_uvs: Vec<Vec2>,
     /// One per strand: whether the tip is fixed to the head as the root is; or empty for none.
     pub tip_pinned: Vec<bool>,
+    /// What a file says of each strand besides, one per strand, or empty.
+    pub marks: Vec<Mark>,
+}
+
+/// What a file says of a strand besides its shape.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Mark {
+    /// Whether it is a guide, which others follow.
+    pub guide: bool,
+    /// Its number, by which others name it.
+    pub id: i32,
+    /// The number of its group.
+    pub group: i32,
+    /// The numbers of the guides that it follows.
+    pub closest: [i32; 3],
+    /// How far it follows each; all 0 where the file does not say.
+    pub weights: [f32; 3],
 }
 
 impl Strands {
@@ -50,6 +67,11 @@ impl Strands {
     /// The length of strand `i` along its segments, metres.
     pub fn length(&self, i: usize) -> f32 {
         self.strand(i).windows(2).map(|w| w[0].distance(w[1])).sum()
+    }
+
+    /// Whether some strands are marked as guides.
+    pub fn has_guides(&self) -> bool {
+        self.marks.iter().any(|mark| mark.guide)
     }
 
     /// Adds a strand without attributes.

@@ -384,6 +384,7 @@ fn thinned(strands: &Strands, count: usize) -> Strands {
         few.colors.extend(strands.colors.get(range).into_iter().flatten());
         few.root_uvs.extend(strands.root_uvs.get(i));
         few.tip_pinned.extend(strands.tip_pinned.get(i));
+        few.marks.extend(strands.marks.get(i));
     }
     few
 }

@@ -184,7 +184,7 @@ fn groom_and_head_turned_and_scaled_together_come_back() {
             let mut head = import::mesh::RawMesh { mesh: mesh.clone(), declared: false, rig: None };
             groom.positions.iter_mut().for_each(|p| *p = turn * *p);
             head.mesh.positions.iter_mut().for_each(|p| *p = turn * *p);
-            let (own, of_head) = orient::pair(&groom, false, &head, &options);
+            let (own, of_head) = orient::pair(&groom, &orient::Choice::default(), &head, &options);
             assert_eq!((own.up, own.front, own.mirrored), (up, front, false), "{own:?}");
             assert_eq!((of_head.up, of_head.front, of_head.unit), (up, front, orient::Unit(0.01)));
         }

@@ -69,7 +69,7 @@ impl Rig {
         let unit = view.groom.unit()?;
         let orient =
             Choice { unit: Some(Unit(unit)), up: Some(Axis::Y), front: Some(Axis::Z), mirror: Some(false) };
-        let options = ImportOptions { orient, orient_head: orient, lenient: false, unrepaired: true };
+        let options = ImportOptions { orient, orient_head: orient, unrepaired: true, ..Default::default() };
         let (strands, _) = import::read(&[view.groom.strands(folders)?], &options)?;
         let strands = curves(&strands, view.groom, unit);
         let vertices = strands.range(0).len() as u32;

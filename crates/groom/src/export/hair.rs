@@ -37,5 +37,6 @@ pub(super) fn encode(strands: &Strands, oriented: bool) -> Result<Encoded> {
     let mut notes = Vec::new();
     lost(&mut notes, !strands.root_uvs.is_empty(), "scalp texture coordinates");
     lost(&mut notes, strands.tip_pinned.contains(&true), "the pinned tips");
+    lost(&mut notes, strands.has_guides(), "the marks of guides");
     Ok(Encoded { bytes, notes })
 }

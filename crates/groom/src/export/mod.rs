@@ -1,14 +1,17 @@
-//! Writers: `.hair`, `.tfx` version 4 and OBJ polylines for strands, GLB for bodies.
+//! Writers: `.hair`, `.tfx` version 4, OBJ polylines, Alembic and USD (text) for strands, GLB for bodies.
 //!
 //! Reading a written file back gives the same strands, bit for bit; what a format cannot hold is listed in
 //! [`Encoded::notes`]. A groom in metres, Y up, face +Z is marked as such in the file, so that nothing
 //! needs to be guessed later.
 
+#[cfg(feature = "alembic")]
+pub mod abc;
 #[cfg(feature = "gltf")]
 pub mod glb;
 mod hair;
 mod obj_lines;
 mod tfx;
+mod usda;
 
 use std::path::Path;
 
@@ -16,6 +19,7 @@ use super::Strands;
 use crate::{
     error::{At, Error, Result},
     formats,
+    orient::Unit,
 };
 
 /// A format that can be written.
@@ -27,6 +31,11 @@ pub enum Format {
     Tfx,
     /// OBJ polylines: positions.
     Obj,
+    /// Alembic: positions, widths, colours, scalp texture coordinates, guides, groups.
+    #[cfg(feature = "alembic")]
+    Abc,
+    /// USD as text: what Alembic has.
+    Usda,
 }
 
 impl Format {
@@ -36,10 +45,13 @@ impl Format {
             "hair" => Ok(Self::Hair),
             "tfx" => Ok(Self::Tfx),
             "obj" => Ok(Self::Obj),
+            #[cfg(feature = "alembic")]
+            "abc" => Ok(Self::Abc),
+            "usda" => Ok(Self::Usda),
             _ => Err(Error::File {
                 path: path.to_path_buf(),
                 at: At::File,
-                problem: format!("a groom is written as {}", formats::listed(formats::GROOMS, "or")),
+                problem: format!("a groom is written as {}", formats::listed(formats::WRITTEN, "or")),
             }),
         }
     }
@@ -54,6 +66,22 @@ pub struct Encoded {
     pub notes: Vec<String>,
 }
 
+/// [`encode`] in another unit than metres, which Alembic and USD files can be in.
+///
+/// # Errors
+/// As [`encode`], and [`Error::Unusable`] for a format that is written in metres only.
+pub fn encode_in(strands: &Strands, format: Format, unit: Unit) -> Result<Encoded> {
+    match format {
+        _ if unit.0 == 1.0 => encode(strands, format, true),
+        #[cfg(feature = "alembic")]
+        Format::Abc if !strands.is_empty() => {
+            abc::encode(strands, abc::Options { unit, ..Default::default() })
+        }
+        Format::Usda if !strands.is_empty() => Ok(usda::encode(strands, Some(unit))),
+        _ => Err(Error::Unusable("only Alembic and USD files are written in other units than metres".into())),
+    }
+}
+
 /// Strands as a file's bytes. `oriented` says that they are in metres, Y up, face +Z.
 pub fn encode(strands: &Strands, format: Format, oriented: bool) -> Result<Encoded> {
     if strands.is_empty() {
@@ -63,6 +91,9 @@ pub fn encode(strands: &Strands, format: Format, oriented: bool) -> Result<Encod
         Format::Hair => hair::encode(strands, oriented),
         Format::Tfx => tfx::encode(strands, oriented),
         Format::Obj => Ok(obj_lines::encode(strands, oriented)),
+        #[cfg(feature = "alembic")]
+        Format::Abc => abc::encode(strands, abc::Options { oriented, ..Default::default() }),
+        Format::Usda => Ok(usda::encode(strands, oriented.then_some(Unit(1.0)))),
     }
 }
 

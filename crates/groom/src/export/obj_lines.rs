@@ -28,5 +28,6 @@ pub(super) fn encode(strands: &Strands, oriented: bool) -> Encoded {
     lost(&mut notes, !strands.colors.is_empty(), "colours");
     lost(&mut notes, !strands.root_uvs.is_empty(), "scalp texture coordinates");
     lost(&mut notes, strands.tip_pinned.contains(&true), "the pinned tips");
+    lost(&mut notes, strands.has_guides(), "the marks of guides");
     Encoded { bytes: text.into_bytes(), notes }
 }

@@ -53,6 +53,7 @@ pub(super) fn encode(strands: &Strands, oriented: bool) -> Result<Encoded> {
     }
     let mut notes = Vec::new();
     lost(&mut notes, !strands.radii.is_empty(), "widths");
+    lost(&mut notes, strands.has_guides(), "the marks of guides");
     if strands.iter().any(|s| s.len() < per_strand) {
         notes.push(format!(
             "the format has one number of vertices per strand, so shorter strands repeat their tip up to {per_strand} (reading merges them again)"

@@ -43,7 +43,9 @@ pub use shape::Parents;
 
 use crate::grow::{Growth, Paint, ScalpMap, Unrest};
 use crate::styles::random::Rng;
-use crate::{Error, Progress, Result, SdfGrid, Strands, TriMesh, hash::pcg, progress::at_once};
+use crate::{
+    Error, Progress, Result, SdfGrid, Strands, TriMesh, hash::pcg, progress::at_once, strands::Mark,
+};
 use crate::{range, range::Range};
 use curves::Curves;
 use glam::Vec3;
@@ -300,6 +302,8 @@ impl Grown {
         strands.colors.extend(given.colors.get(range).into_iter().flatten());
         strands.root_uvs.extend(given.root_uvs.get(lead));
         strands.tip_pinned.extend(given.tip_pinned.get(lead));
+        // New hair is of the group it grows in, and no guide.
+        strands.marks.extend(given.marks.get(lead).map(|mark| Mark { guide: false, ..*mark }));
         self.parents.push(parents);
     }
 

@@ -132,6 +132,7 @@ impl Paint {
                 out.colors.extend(strands.colors.get(range).into_iter().flatten());
             }
             out.root_uvs.extend(strands.root_uvs.get(i));
+            out.marks.extend(strands.marks.get(i));
             // A strand that is cut lets go of what held its tip.
             out.tip_pinned.extend(strands.tip_pinned.get(i).map(|pinned| *pinned && length >= 1.0));
         }

@@ -72,6 +72,11 @@ pub fn kind(name: &Path, bytes: &[u8]) -> Option<Kind> {
     let extension = formats::extension(name);
     let is = |all: &[&str]| all.contains(&extension.as_str());
     match (is(formats::GROOMS), is(formats::MESHES)) {
+        (true, true) if extension == "abc" => {
+            // The names of schemas are shared texts, so they stand in the file as they are.
+            let curves = bytes.windows(14).any(|window| window == b"AbcGeom_Curve_");
+            Some(if curves { Kind::Groom } else { Kind::Mesh })
+        }
         (true, true) => {
             let mut elements = bytes.split(|b| *b == b'\n').filter_map(|line| {
                 let line = line.trim_ascii_start();

@@ -5,11 +5,13 @@
 
 use glam::Vec3;
 
-use super::{Raw, source::Source};
+use super::{Raw, declared, source::Source};
 use crate::error::{At, Result};
 
 /// What the writer puts into the header's text: these files need no guess.
 pub(crate) const MARK: &str = "metres, Y up, face +Z";
+/// The same for files in centimetres.
+pub(crate) const CENTIMETRES: &str = "centimetres, Y up, face +Z";
 /// Array flags.
 pub(crate) const SEGMENTS: u32 = 1;
 pub(crate) const POINTS: u32 = 2;
@@ -85,6 +87,6 @@ pub(super) fn read(source: &Source) -> Result<Raw> {
             out.colors = vec![color; points as usize];
         }
     }
-    raw.declared = header[40..].windows(MARK.len()).any(|w| w == MARK.as_bytes());
+    raw.declared = declared(&String::from_utf8_lossy(&header[40..]));
     Ok(raw)
 }

@@ -2,20 +2,23 @@
 
 use std::path::Path;
 
-use super::{FileReport, Files, Raw, parse};
-use crate::error::{Error, Result};
+use super::{FileReport, Files, ImportOptions, Raw, parse_at};
+use crate::{
+    error::{Error, Result},
+    strands::Mark,
+};
 
 /// Reads and joins files that share one unit and one set of axes.
 pub(super) fn read<P: AsRef<Path>>(
     files: Files<'_>,
     paths: &[P],
-    lenient: bool,
+    options: &ImportOptions,
 ) -> Result<(Raw, Vec<FileReport>)> {
     let mut reports: Vec<FileReport> = Vec::new();
     let mut joined: Option<Raw> = None;
     for path in paths {
         let path = path.as_ref();
-        let raw = parse(path, &files.load(path)?, lenient)?;
+        let raw = parse_at(path, &files.load(path)?, options.lenient, options.moment)?;
         reports.push(FileReport {
             path: path.to_path_buf(),
             format: raw.format,
@@ -65,7 +68,21 @@ fn append(all: &mut Raw, more: Raw) -> Vec<String> {
         all.followers.extend(more.followers);
         all.followers.resize(before + added, Default::default());
     }
-    all.declared &= more.declared;
+    if !a.marks.is_empty() || !b.marks.is_empty() {
+        // Each file counts its strands for itself.
+        let free = a.marks.iter().map(|mark| mark.id).max().map_or(0, |most| most.saturating_add(1));
+        a.marks.resize(before, Mark::default());
+        a.marks.extend(b.marks.into_iter().map(|mark| Mark {
+            id: mark.id.saturating_add(free),
+            closest: mark.closest.map(|id| id.saturating_add(free)),
+            ..mark
+        }));
+        a.marks.resize(before + added, Mark::default());
+    }
+    for (group, name) in more.group_names {
+        all.group_names.entry(group).or_insert(name);
+    }
+    all.declared = all.declared.shared(more.declared);
     notes
 }
 

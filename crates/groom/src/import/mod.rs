@@ -5,6 +5,10 @@
 //! uses each to orient the other. A file is first read whole, and no size in its header is trusted before
 //! it fits into the bytes that are there.
 
+#[cfg(feature = "alembic")]
+mod abc;
+#[cfg(feature = "alembic")]
+mod basis;
 mod files;
 mod hair;
 mod join;
@@ -14,19 +18,34 @@ mod source;
 mod tfx_binary;
 mod tfx_text;
 
-pub(crate) use hair::{COLORS, MARK, POINTS, SEGMENTS, THICKNESS};
+pub(crate) use hair::{CENTIMETRES, COLORS, MARK, POINTS, SEGMENTS, THICKNESS};
 pub(crate) use source::Source;
 
 use files::Files;
 pub use files::{Given, Kind, kind};
 
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
 use super::{Followers, Rig, Strands, TriMesh, formats, lint, orient};
 use crate::error::{At, Error, Result};
 
 /// The most vertices a groom may have: 16 bytes each fill the largest buffer that WebGPU can bind.
 pub const MAX_VERTICES: u64 = 1 << 28;
+
+/// Which moment of an animated file is read.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Moment {
+    /// Its first frame.
+    #[default]
+    First,
+    /// A frame by its number, from 0 on.
+    Frame(u32),
+    /// The frame nearest to this time, seconds.
+    Seconds(f64),
+}
 
 /// How files are read.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -39,6 +58,8 @@ pub struct ImportOptions {
     pub lenient: bool,
     /// Whether the groom is left as the files have it, without [`lint::repair`].
     pub unrepaired: bool,
+    /// Which moment of an animated file is read.
+    pub moment: Moment,
 }
 
 /// What one file held.
@@ -73,6 +94,70 @@ pub struct ImportReport {
     pub repaired: lint::Repaired,
     /// The followers that the files ask for, one entry per strand, radii in metres; empty where none do.
     pub followers: Vec<Followers>,
+    /// The groups that the files sort their strands into, by number; empty where they do not.
+    pub groups: Vec<Group>,
+    /// What attributes the files have of each strand or vertex.
+    pub attributes: Attributes,
+}
+
+/// Strands that belong together.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Group {
+    /// Its number.
+    pub id: i32,
+    /// Its name, where the file has one.
+    pub name: String,
+    /// Strands in it, guides among them.
+    pub strands: usize,
+    /// Guides in it.
+    pub guides: usize,
+}
+
+/// Which attributes there are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Attributes {
+    /// A width at each vertex.
+    pub widths: bool,
+    /// A colour at each vertex.
+    pub colors: bool,
+    /// Scalp texture coordinates.
+    pub root_uvs: bool,
+    /// Strands have numbers.
+    pub ids: bool,
+    /// Strands that are guides.
+    pub guides: usize,
+    /// Strands that say which guides they follow.
+    pub bound: usize,
+}
+
+impl Attributes {
+    fn of(strands: &Strands) -> Self {
+        Self {
+            widths: !strands.radii.is_empty(),
+            colors: !strands.colors.is_empty(),
+            root_uvs: !strands.root_uvs.is_empty(),
+            ids: !strands.marks.is_empty(),
+            guides: strands.marks.iter().filter(|mark| mark.guide).count(),
+            bound: strands.marks.iter().filter(|mark| mark.weights != [0.0; 3]).count(),
+        }
+    }
+}
+
+/// The groups of `strands`.
+fn groups(strands: &Strands, names: &BTreeMap<i32, String>) -> Vec<Group> {
+    let mut all: BTreeMap<i32, Group> = BTreeMap::new();
+    for mark in &strands.marks {
+        let name = || names.get(&mark.group).cloned().unwrap_or_default();
+        let group = all.entry(mark.group).or_insert_with(|| Group {
+            id: mark.group,
+            name: name(),
+            ..Default::default()
+        });
+        group.strands += 1;
+        group.guides += usize::from(mark.guide);
+    }
+    // One nameless group is none.
+    if all.len() == 1 && names.is_empty() { Vec::new() } else { all.into_values().collect() }
 }
 
 impl ImportReport {
@@ -98,10 +183,23 @@ pub(crate) struct Raw {
     pub strands: Strands,
     pub format: &'static str,
     pub notes: Vec<String>,
-    /// Whether the file itself says that it is in metres, Y up, face +Z.
-    pub declared: bool,
+    /// What the file itself says of its unit and axes.
+    pub declared: orient::Choice,
     /// The followers of each strand, in the file's unit; empty for none.
     pub followers: Vec<Followers>,
+    /// The names of groups, by number.
+    pub group_names: BTreeMap<i32, String>,
+}
+
+/// What a text in a file says of its unit and axes: what the writer puts there.
+pub(crate) fn declared(text: &str) -> orient::Choice {
+    match text {
+        _ if text.contains(CENTIMETRES) => {
+            orient::Choice { unit: Some(orient::Unit(0.01)), ..orient::Choice::METRES }
+        }
+        _ if text.contains(MARK) => orient::Choice::METRES,
+        _ => orient::Choice::default(),
+    }
 }
 
 impl Raw {
@@ -110,8 +208,9 @@ impl Raw {
             strands: Strands::default(),
             format,
             notes: Vec::new(),
-            declared: false,
+            declared: orient::Choice::default(),
             followers: Vec::new(),
+            group_names: BTreeMap::new(),
         }
     }
 
@@ -244,15 +343,15 @@ fn read_all<P: AsRef<Path>, H: AsRef<Path>>(
 ) -> Result<(Strands, Option<TriMesh>, ImportReport)> {
     options.orient.check()?;
     options.orient_head.check()?;
-    let (raw, files) = join::read(from, paths, options.lenient)?;
+    let (raw, files) = join::read(from, paths, options)?;
     let (mut strands, mut followers) = (raw.strands, raw.followers);
     let mut head = if heads.is_empty() { None } else { Some(mesh::read_from(from, heads)?) };
     let (placement, head_placement) = match &head {
         Some(head) => {
-            let (groom, head) = orient::pair(&strands, raw.declared, head, options);
+            let (groom, head) = orient::pair(&strands, &raw.declared, head, options);
             (groom, Some(head))
         }
-        None => (orient::groom(&strands, raw.declared, &options.orient), None),
+        None => (orient::groom(&strands, &raw.declared, &options.orient), None),
     };
     placement.apply(&mut strands);
     for radius in followers.iter_mut().filter_map(|followers| followers.radius.as_mut()) {
@@ -262,6 +361,7 @@ fn read_all<P: AsRef<Path>, H: AsRef<Path>>(
         place(head, placement);
     }
     let (head, rig) = head.map_or((None, None), |h| (Some(h.mesh), h.rig));
+    let (groups, attributes) = (groups(&strands, &raw.group_names), Attributes::of(&strands));
     let lint = lint::check(&strands, head.as_ref());
     let mut repaired = lint::Repaired::default();
     if !options.unrepaired {
@@ -276,11 +376,18 @@ fn read_all<P: AsRef<Path>, H: AsRef<Path>>(
             return Err(Error::File { path, at: At::File, problem });
         }
     }
-    Ok((strands, head, ImportReport { files, placement, head_placement, rig, lint, repaired, followers }))
+    let report =
+        ImportReport { files, placement, head_placement, rig, lint, repaired, followers, groups, attributes };
+    Ok((strands, head, report))
 }
 
 /// One groom file from its bytes, as it is; `path` decides the format and stands in errors.
 pub(crate) fn parse(path: &Path, bytes: &[u8], lenient: bool) -> Result<Raw> {
+    parse_at(path, bytes, lenient, Moment::First)
+}
+
+/// The same at one moment, where the file is animated.
+pub(crate) fn parse_at(path: &Path, bytes: &[u8], lenient: bool, moment: Moment) -> Result<Raw> {
     // Grooms have no companions.
     let source = Source { path, bytes, files: Files::Given(&[]), lenient };
     let raw = match formats::extension(path).as_str() {
@@ -289,6 +396,8 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], lenient: bool) -> Result<Raw> {
         "tfx" => tfx_binary::read(&source)?,
         "hair" => hair::read(&source)?,
         "obj" => obj_lines::read(&source)?,
+        #[cfg(feature = "alembic")]
+        "abc" => abc::read(&source, moment)?,
         mesh if formats::MESHES.contains(&mesh) => {
             return Err(source.problem(At::File, "a mesh, not a groom; it can be the head of one"));
         }
@@ -297,6 +406,9 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], lenient: bool) -> Result<Raw> {
             return Err(source.problem(At::File, format!("a groom is a {grooms} file")));
         }
     };
+    if !matches!(moment, Moment::First) && !formats::ANIMATED.contains(&formats::extension(path).as_str()) {
+        return Err(source.problem(At::File, "a format without frames, so none can be chosen"));
+    }
     if raw.strands.is_empty() {
         return Err(source.problem(At::File, "the file holds no strands"));
     }

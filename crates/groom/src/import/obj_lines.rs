@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 
-use super::{Raw, hair::MARK, source::Source};
+use super::{Raw, declared, source::Source};
 use crate::error::{At, Result};
 
 /// Reads the whole file.
@@ -28,7 +28,7 @@ pub(super) fn read(source: &Source) -> Result<Raw> {
                 elements.push((line, element));
             }
             Some("f") => faces += 1,
-            Some("#") => raw.declared |= text.contains(MARK),
+            Some("#") => raw.declared = raw.declared.or(declared(text)),
             _ => {}
         }
     }

@@ -110,7 +110,7 @@ proptest! {
         for (format, name) in [(Format::Hair, "a.hair"), (Format::Tfx, "a.tfx"), (Format::Obj, "a.obj")] {
             let bytes = encode(&groom, format, true).unwrap().bytes;
             let raw = parse(Path::new(name), &bytes, false).unwrap();
-            prop_assert!(raw.declared);
+            prop_assert_eq!(raw.declared, orient::Choice::METRES);
             let mut back = raw.strands;
             let mut expected = groom.clone();
             if format != Format::Hair {

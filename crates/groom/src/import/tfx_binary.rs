@@ -8,7 +8,7 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
-use super::{Raw, hair::MARK, source::Source};
+use super::{Raw, declared, source::Source};
 use crate::error::{At, Result};
 
 /// Reads the whole file.
@@ -82,7 +82,7 @@ pub(super) fn read(source: &Source) -> Result<Raw> {
         let colors = source.floats::<4>("vertex colours", at, vertices)?;
         raw.strands.colors = colors.into_iter().map(|c| Vec3::new(c[0], c[1], c[2])).collect();
     }
-    raw.declared = source.bytes[32..160].windows(MARK.len()).any(|w| w == MARK.as_bytes());
+    raw.declared = declared(&String::from_utf8_lossy(&source.bytes[32..160]));
     if offset(thickness_at)?.is_some() {
         raw.notes.push("thickness coefficients have no unit and are not used".into());
     }

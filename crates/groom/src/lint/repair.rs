@@ -65,6 +65,7 @@ pub(crate) fn repair_kept(strands: &mut Strands) -> (Repaired, Vec<u32>) {
         out.offsets.push(out.positions.len() as u32);
         out.root_uvs.extend(strands.root_uvs.get(i));
         out.tip_pinned.extend(strands.tip_pinned.get(i));
+        out.marks.extend(strands.marks.get(i));
     }
     // Widths that no strand can have are no widths, and colours and coordinates must be numbers.
     if out.radii.iter().any(|r| !r.is_finite() || *r < 0.0) || out.radii.iter().all(|r| *r == 0.0) {

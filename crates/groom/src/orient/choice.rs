@@ -132,6 +132,35 @@ pub struct Choice {
 }
 
 impl Choice {
+    /// A file in metres, Y up, face +Z.
+    pub const METRES: Self =
+        Self { unit: Some(Unit(1.0)), up: Some(Axis::Y), front: Some(Axis::Z), mirror: Some(false) };
+
+    /// What both know alike.
+    pub(crate) fn shared(self, other: Self) -> Self {
+        Self {
+            unit: self.unit.filter(|_| self.unit == other.unit),
+            up: self.up.filter(|_| self.up == other.up),
+            front: self.front.filter(|_| self.front == other.front),
+            mirror: self.mirror.filter(|_| self.mirror == other.mirror),
+        }
+    }
+
+    /// This, and what a file says where this says nothing. A file's axis that cannot go with a given one counts
+    /// for nothing.
+    pub(crate) fn or(self, file: Self) -> Self {
+        let across = |axis: &Axis, given: Option<Axis>| {
+            given.is_none_or(|given| given.vector().dot(axis.vector()) == 0.0)
+        };
+        let up = self.up.or(file.up.filter(|up| across(up, self.front)));
+        Self {
+            unit: self.unit.or(file.unit),
+            up,
+            front: self.front.or(file.front.filter(|front| across(front, up))),
+            mirror: self.mirror.or(file.mirror),
+        }
+    }
+
     /// That up and front can both be so.
     pub fn check(&self) -> Result<()> {
         match (self.up, self.front) {

@@ -30,17 +30,9 @@ use super::{Strands, TriMesh, import::mesh::RawMesh, mesh::bvh::Bvh};
 const DOUBT: f32 = 0.1;
 
 impl Choice {
-    /// What is left to guess of a file that says it is in metres, Y up, face +Z.
-    fn declared(self, declared: bool) -> Self {
-        if !declared {
-            return self;
-        }
-        Self {
-            unit: self.unit.or(Some(Unit(1.0))),
-            up: self.up.or(Some(Axis::Y)),
-            front: self.front.or(Some(Axis::Z)),
-            mirror: self.mirror.or(Some(false)),
-        }
+    /// What a file that says it is in metres, Y up, face +Z leaves to guess: nothing; any other, all.
+    fn stated(declared: bool) -> Self {
+        if declared { Self::METRES } else { Self::default() }
     }
 
     fn allows(&self, frame: Frame) -> bool {
@@ -59,15 +51,21 @@ fn best_frame(choice: &Choice, score: impl Fn(Frame) -> f32) -> (Frame, f32, Opt
     (best.1, next.map_or(f32::INFINITY, |n| best.0 - n.0), next.map(|n| n.1))
 }
 
-/// What is said about the axes.
-fn explain_axes(placement: &mut Placement, choice: &Choice, declared: bool, why: &str) {
+/// What is said about the axes: `given` by hand, `file` by the file.
+fn explain_axes(placement: &mut Placement, given: &Choice, file: &Choice, why: &str) {
     let (up, front) = (placement.up.name(), placement.front.name());
-    placement.reasons.push(match (choice.up, choice.front) {
-        (Some(_), Some(_)) if declared => format!("up {up}, face {front}: the file says so"),
-        (Some(_), Some(_)) => format!("up {up}, face {front}: given"),
-        (Some(_), None) => format!("up {up}: given; face {front}: {why}"),
-        (None, Some(_)) => format!("face {front}: given; up {up}: {why}"),
-        (None, None) => format!("up {up}, face {front}: {why}"),
+    let source = |given: Option<Axis>, file: Option<Axis>| match (given, file) {
+        (Some(_), _) => "given",
+        (None, Some(_)) => "the file says so",
+        (None, None) => why,
+    };
+    let whole = given.or(*file);
+    let of_up = source(given.up, file.up.filter(|up| whole.up == Some(*up)));
+    let of_front = source(given.front, file.front.filter(|front| whole.front == Some(*front)));
+    placement.reasons.push(match of_up == of_front {
+        true => format!("up {up}, face {front}: {of_up}"),
+        false if of_up == why => format!("face {front}: {of_front}; up {up}: {why}"),
+        false => format!("up {up}: {of_up}; face {front}: {of_front}"),
     });
 }
 
@@ -81,10 +79,9 @@ fn explain_doubt(placement: &mut Placement, lead: f32, next: Option<Frame>) {
     }
 }
 
-/// How a groom without a head comes into metres, Y up, face +Z. `declared` says that its files say
-/// they already are.
-pub fn groom(strands: &Strands, declared: bool, choice: &Choice) -> Placement {
-    let choice = choice.declared(declared);
+/// How a groom without a head comes into metres, Y up, face +Z. `declared` is what its files say of it.
+pub fn groom(strands: &Strands, declared: &Choice, given: &Choice) -> Placement {
+    let choice = given.or(*declared);
     let mut placement = Placement { mirrored: choice.mirror.unwrap_or(false), ..Default::default() };
     let Some(facts) = HairFacts::of(strands) else {
         placement.unit = choice.unit.unwrap_or(Unit(1.0));
@@ -95,9 +92,9 @@ pub fn groom(strands: &Strands, declared: bool, choice: &Choice) -> Placement {
     };
     let (frame, lead, next) = best_frame(&choice, |f| facts.score(f) + f.habit());
     (placement.up, placement.front) = (frame.up, frame.front);
-    explain_axes(&mut placement, &choice, declared, "roots lie on top and behind, hair falls");
+    explain_axes(&mut placement, given, declared, "roots lie on top and behind, hair falls");
     explain_doubt(&mut placement, lead, next);
-    unit_of_hair(&mut placement, &facts, &choice, declared);
+    unit_of_hair(&mut placement, &facts, &choice, given.unit.is_none());
     placement
 }
 
@@ -139,14 +136,15 @@ fn explain_unit(placement: &mut Placement, known: bool, seen: &str) {
 
 /// How a head without a groom comes into metres, Y up, face +Z.
 pub fn head(head: &RawMesh, choice: &Choice) -> Placement {
-    let choice = choice.declared(head.declared);
+    let (given, stated) = (choice, Choice::stated(head.declared));
+    let choice = given.or(stated);
     let mut placement = Placement { mirrored: choice.mirror.unwrap_or(false), ..Default::default() };
     let facts = MeshFacts::of(&head.mesh, &Bvh::new(&head.mesh));
     // Habit counts for more: a mesh says less than hair.
     let (frame, lead, next) = best_frame(&choice, |f| facts.score(f) + 2.0 * f.habit());
     (placement.up, placement.front) = (frame.up, frame.front);
     let why = "a head's profile and symmetry, and where the vertices are dense";
-    explain_axes(&mut placement, &choice, head.declared, why);
+    explain_axes(&mut placement, given, &stated, why);
     explain_doubt(&mut placement, lead, next);
     unit_of_head(&mut placement, &head.mesh, None, &choice, head.declared);
     placement

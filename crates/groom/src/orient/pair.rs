@@ -24,12 +24,13 @@ const SCALES: [f32; 9] = [1.0, 0.01, 100.0, 0.1, 10.0, 0.001, 1000.0, 0.0254, 39
 /// How a groom and its head come into metres, Y up, face +Z: the groom's placement, then the head's.
 pub fn pair(
     strands: &Strands,
-    declared: bool,
+    declared: &Choice,
     raw: &RawMesh,
     options: &ImportOptions,
 ) -> (Placement, Placement) {
-    let choice = options.orient.declared(declared);
-    let choice_head = options.orient_head.declared(raw.declared);
+    let stated = Choice::stated(raw.declared);
+    let choice = options.orient.or(*declared);
+    let choice_head = options.orient_head.or(stated);
     let bvh = Bvh::new(&raw.mesh);
     let alone = || (groom(strands, declared, &options.orient), head(raw, &options.orient_head));
     let Some(facts) = HairFacts::of(strands) else { return alone() };
@@ -60,7 +61,7 @@ pub fn pair(
         return (own, head);
     };
     let why = "a head's profile and symmetry; roots lie on top and behind, hair falls";
-    explain_axes(&mut upright, &choice_head, raw.declared, why);
+    explain_axes(&mut upright, &options.orient_head, &stated, why);
     // A unit given for one of the two files gives the other's.
     let given = choice_head.unit.or(choice.unit.map(|u| Unit(u.0 / relation.unit.0)));
     let side = relation.axes().transpose() * upright.up.vector().cross(upright.front.vector());

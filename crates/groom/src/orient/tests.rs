@@ -33,7 +33,7 @@ proptest! {
     ) {
         let mut groom_ = Strands::default();
         strands.iter().for_each(|s| groom_.push(s));
-        let alone = groom(&groom_, false, &Choice::default());
+        let alone = groom(&groom_, &Choice::default(), &Choice::default());
         prop_assert!(usable(&alone), "{:?}", alone);
         let corners: Vec<Vec3> = corners.into_iter().filter(|c| c.is_finite()).collect();
         let triangles: Vec<[u32; 3]> =
@@ -46,7 +46,7 @@ proptest! {
         let raw = RawMesh { mesh, declared: false, rig: None };
         let body = head(&raw, &Choice::default());
         prop_assert!(usable(&body), "{:?}", body);
-        let (own, body) = pair(&groom_, false, &raw, &ImportOptions::default());
+        let (own, body) = pair(&groom_, &Choice::default(), &raw, &ImportOptions::default());
         prop_assert!(usable(&own) && usable(&body), "{:?} {:?}", own, body);
     }
 }
@@ -58,4 +58,32 @@ fn contradicting_axes_are_refused() {
     assert!(Choice { front: Some(Axis::X), ..choice }.check().is_ok());
     assert!("w".parse::<Axis>().is_err() && "-z".parse::<Axis>().is_ok_and(|a| a == Axis::NegZ));
     assert!("0".parse::<Unit>().is_err() && "cm".parse::<Unit>().is_ok_and(|u| u.0 == 0.01));
+}
+
+#[test]
+fn what_a_file_says_in_part_leaves_the_rest_to_guess() {
+    let file = Choice { unit: Some(Unit(0.01)), up: Some(Axis::Z), ..Default::default() };
+    let both = Choice::default().or(file);
+    assert_eq!((both.unit, both.up, both.front), (Some(Unit(0.01)), Some(Axis::Z), None));
+    // What is given counts for more, and takes with it what cannot go with it.
+    let given = Choice { front: Some(Axis::NegZ), unit: Some(Unit(1.0)), ..Default::default() };
+    assert_eq!(given.or(file), Choice { mirror: None, up: None, ..given });
+    assert_eq!(Choice::METRES.shared(file), Choice::default());
+    assert_eq!(Choice::METRES.shared(Choice { mirror: None, ..Choice::METRES }).up, Some(Axis::Y));
+    // A dome of hair, Z up: what stands for reasons is who said it.
+    let mut dome = Strands::default();
+    for i in 0..200 {
+        let (a, h) = (i as f32 * 2.4, i as f32 / 200.0);
+        let out = Vec3::new(a.cos() * (1.0 - h * h).sqrt(), a.sin() * (1.0 - h * h).sqrt(), h);
+        dome.push(&[out * 8.0, out * 9.0, out * 10.0 - Vec3::Z]);
+    }
+    let placed = groom(&dome, &file, &Choice::default());
+    assert_eq!((placed.up, placed.unit), (Axis::Z, Unit(0.01)));
+    let reasons = placed.reasons.join("; ");
+    assert!(
+        reasons.contains("up z: the file says so; face") && reasons.contains("0.01 m: the file"),
+        "{reasons}"
+    );
+    let told = groom(&dome, &file, &Choice { up: Some(Axis::X), ..Default::default() }).reasons.join("; ");
+    assert!(told.contains("up x: given; face"), "{told}");
 }

@@ -1,4 +1,4 @@
-//! Triangle meshes from OBJ, glTF/GLB and TressFX's text `.tfxmesh`.
+//! Triangle meshes from OBJ, glTF/GLB, Alembic and TressFX's text `.tfxmesh`.
 
 #[cfg(feature = "gltf")]
 mod gltf;
@@ -84,6 +84,8 @@ fn parse(files: Files<'_>, path: &Path, bytes: &[u8]) -> Result<RawMesh> {
         _ if bytes.is_empty() => return Err(source.problem(At::Byte(0), "the file is empty")),
         "obj" => RawMesh { mesh: obj::read(&source)?, declared: false, rig: None },
         "tfxmesh" => RawMesh { mesh: tfxmesh::read(&source)?, declared: false, rig: None },
+        #[cfg(feature = "alembic")]
+        "abc" => RawMesh { mesh: super::abc::read_mesh(&source)?, declared: false, rig: None },
         #[cfg(feature = "gltf")]
         "gltf" | "glb" => {
             let (mesh, rig) = gltf::read(&source)?;

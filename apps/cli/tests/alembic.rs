@@ -1,0 +1,195 @@
+//! Alembic against programs that we did not write: Blender and the reference implementation.
+//!
+//! `TRESSES_BPY` is a Python with the module `bpy` (Debian's Blender is built without Alembic), `TRESSES_ALEMBIC` one
+//! with the module `alembic3d`; without them Blender is looked for, and what is not there is skipped.
+
+use std::{
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use serde_json::Value;
+
+const STRANDS: u64 = 600;
+const POINTS: u64 = 9;
+
+fn tresses(folder: &Path, args: &[&str]) -> String {
+    let out = Command::new(env!("CARGO_BIN_EXE_tresses")).current_dir(folder).args(args).output().unwrap();
+    assert!(out.status.success(), "{args:?}: {}", String::from_utf8_lossy(&out.stderr));
+    String::from_utf8_lossy(&out.stdout).into_owned()
+}
+
+fn info(folder: &Path, args: &[&str]) -> Value {
+    serde_json::from_str(&tresses(folder, &[&["info", "--json"], args].concat())).unwrap()
+}
+
+fn script(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join(name)
+}
+
+/// What the script prints in Blender, if there is one that has Alembic.
+fn blender(folder: &Path, words: &[&str]) -> Option<String> {
+    let script = script("blender_grooms.py");
+    let mut run = match std::env::var_os("TRESSES_BPY") {
+        Some(python) => {
+            let mut run = Command::new(python);
+            run.arg(script);
+            run
+        }
+        None => {
+            let mut run = Command::new("blender");
+            run.args(["--background", "--factory-startup", "--python"]).arg(script).arg("--");
+            run
+        }
+    };
+    let out = run.current_dir(folder).args(words).output().ok()?;
+    let said = String::from_utf8_lossy(&[out.stdout, out.stderr].concat()).into_owned();
+    if said.contains("alembic_export\" could not be found")
+        || said.contains("alembic_import\" could not be found")
+    {
+        return None;
+    }
+    assert!(out.status.success(), "{said}");
+    Some(said)
+}
+
+/// What Blender finds in a file: curves, points and the sum of all coordinates, of three frames.
+fn found(folder: &Path, file: &str) -> Option<Value> {
+    let said = blender(folder, &["count", file])?;
+    let line = said.lines().find_map(|line| line.strip_prefix("FOUND ")).unwrap_or_else(|| panic!("{said}"));
+    Some(serde_json::from_str(line).unwrap())
+}
+
+/// The sum of all coordinates of the lines in an `.obj`.
+fn sum(obj: &Path) -> [f64; 3] {
+    let text = std::fs::read_to_string(obj).unwrap();
+    let mut sum = [0.0; 3];
+    for line in text.lines().filter_map(|line| line.strip_prefix("v ")) {
+        for (sum, word) in sum.iter_mut().zip(line.split(' ')) {
+            *sum += word.parse::<f64>().unwrap();
+        }
+    }
+    sum
+}
+
+/// Whether two sums of `points` positions are those of the same curves, to a micrometre each.
+fn same(a: [f64; 3], b: &Value, points: u64) -> bool {
+    a.iter().enumerate().all(|(k, a)| (a - b[k].as_f64().unwrap()).abs() < 1e-6 * points as f64)
+}
+
+#[test]
+#[ignore = "proof"]
+fn hair_from_blender_is_upright_and_complete() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    if blender(folder, &["make", "."]).is_none() {
+        return println!("skipped: no Blender with Alembic");
+    }
+    let curves = info(folder, &["curves.abc"]);
+    assert_eq!((&curves["strands"], &curves["vertices"]), (&STRANDS.into(), &(STRANDS * POINTS).into()));
+    assert_eq!(curves["groom_placement"]["up"], "y");
+    assert_eq!(curves["groom_placement"]["front"], "z");
+    assert_eq!(curves["groom_placement"]["metres_per_unit"], 1.0);
+    // Radii of 50 µm at the root, 20 at the tip.
+    let radius = |which: &str| curves["radius_m"][which].as_f64().unwrap();
+    assert!((radius("max") - 5e-5).abs() < 1e-8 && (radius("min") - 2e-5).abs() < 1e-8, "{curves}");
+    // The same with the head of the same file.
+    let with_head = info(folder, &["curves.abc", "--head", "curves.abc"]);
+    assert!(with_head["root_distance_m"]["median"].as_f64().unwrap() < 5e-4, "{with_head}");
+    assert_eq!(with_head["groom_placement"]["up"], "y");
+    let particles = info(folder, &["particles.abc", "--head", "particles.abc"]);
+    assert_eq!(particles["strands"], 3000, "300 hairs of 10 children each");
+    assert_eq!(particles["has"]["root_uvs"], true);
+    assert_eq!(
+        (&particles["groom_placement"]["up"], &particles["groom_placement"]["front"]),
+        (&"y".into(), &"z".into())
+    );
+    let last = info(folder, &["particles.abc", "--frame", "2"]);
+    assert_eq!(last["strands"], 3000);
+
+    // And back: what we write is what Blender opens.
+    tresses(folder, &["convert", "curves.abc", "ours.abc"]);
+    tresses(folder, &["convert", "curves.abc", "ours.obj"]);
+    let Some(opened) = found(folder, "ours.abc") else { return };
+    let (count, points) = (opened[0]["curves"].as_u64(), opened[0]["points"].as_u64());
+    assert_eq!((count, points), (Some(STRANDS), Some(STRANDS * POINTS)));
+    let ours = sum(&folder.join("ours.obj"));
+    assert!(same(ours, &opened[0]["sum"], STRANDS * POINTS), "{ours:?} {opened}");
+    assert!(
+        !same([ours[0] + 0.01, ours[1], ours[2]], &opened[0]["sum"], STRANDS * POINTS),
+        "tells what differs"
+    );
+    let width = opened[0]["width"].as_f64().unwrap();
+    assert!((width - 7e-5).abs() < 1e-7, "mean of 100 and 40 µm: {width}");
+    tresses(folder, &["convert", "curves.abc", "ours.usda"]);
+    let Some(usd) = found(folder, "ours.usda") else { return };
+    assert_eq!(usd[0]["curves"].as_u64(), Some(STRANDS));
+    assert!(same(ours, &usd[0]["sum"], STRANDS * POINTS), "{ours:?} {usd}");
+}
+
+#[test]
+#[ignore = "proof"]
+fn a_cache_moves_in_blender_as_it_was_simulated() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    // Half a metre per second: frames differ by far more than a micrometre.
+    let args = [
+        "bake",
+        "--style",
+        "bob",
+        "--strands",
+        "500",
+        "--motion",
+        "shake",
+        "--frames",
+        "4",
+        "--out",
+        "a.abc",
+    ];
+    let out = Command::new(env!("CARGO_BIN_EXE_tresses")).current_dir(folder).args(args).output().unwrap();
+    let said = String::from_utf8_lossy(&[out.stdout, out.stderr].concat()).into_owned();
+    if said.contains("adapter") && std::env::var_os("TRESSES_REQUIRE_GPU").is_none() {
+        return println!("skipped: {said}");
+    }
+    assert!(said.contains("4 frames of 500 strands"), "{said}");
+    let bits = std::fs::read(folder.join("a.abc")).unwrap();
+    tresses(folder, &args);
+    assert!(bits == std::fs::read(folder.join("a.abc")).unwrap(), "two runs are one file");
+    let frame = |number: &str| {
+        tresses(folder, &["convert", "a.abc", "a.obj", "--as-is", "--frame", number]);
+        sum(&folder.join("a.obj"))
+    };
+    let frames = ["0", "1", "2"].map(frame);
+    let Some(opened) = found(folder, "a.abc") else { return println!("skipped: no Blender with Alembic") };
+    for (i, sum) in frames.iter().enumerate() {
+        let points = opened[i]["points"].as_u64().unwrap();
+        assert!(same(*sum, &opened[i]["sum"], points), "frame {i}: {sum:?} {opened}");
+        assert!(!same(*sum, &opened[(i + 1) % 3]["sum"], points), "frames differ");
+    }
+}
+
+#[test]
+#[ignore = "proof"]
+fn the_reference_implementation_reads_what_we_write() {
+    let Some(python) = std::env::var_os("TRESSES_ALEMBIC") else {
+        return println!("skipped: TRESSES_ALEMBIC is not set");
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let run = |name: &str, args: &[&str]| {
+        let out = Command::new(&python).arg(script(name)).current_dir(folder).args(args).output().unwrap();
+        assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+        String::from_utf8_lossy(&out.stdout).into_owned()
+    };
+    run("reference.py", &["write", "theirs.abc"]);
+    tresses(folder, &["convert", "theirs.abc", "ours.abc", "--unit", "cm", "--up", "y", "--out-unit", "cm"]);
+    let read: Value = serde_json::from_str(&run("reference.py", &["read", "ours.abc"])).unwrap();
+    assert_eq!(read["curves"], 7);
+    let attributes = &read["attributes"];
+    assert_eq!(attributes["groom_guide"], serde_json::json!([0, 0, 0, 0, 0, 1, 1]));
+    assert_eq!(attributes["groom_id"], serde_json::json!([0, 1, 2, 3, 4, 100, 101]));
+    assert_eq!(attributes["groom_group_id"], serde_json::json!([0, 1, 0, 1, 0, 0, 1]));
+    assert_eq!(attributes["groom_version_minor"], serde_json::json!([5]));
+    assert_eq!(attributes["groom_width"].as_array().unwrap().len() as u64, read["points"].as_u64().unwrap());
+    assert_eq!(read["times"], serde_json::json!([0.0]));
+}

@@ -1,0 +1,108 @@
+//! The container, written as it comes: leaves first, each group behind its children, the root's place last.
+
+use std::collections::HashMap;
+use std::io::{Result, Seek, SeekFrom, Write};
+
+use super::digest::digest;
+
+/// The top bit of a place: data, not a group.
+const DATA: u64 = 1 << 63;
+
+/// A file in the making.
+pub(super) struct Ogawa<W> {
+    out: W,
+    /// Where the next byte goes.
+    next: u64,
+    /// Samples that are there already, by digest and length.
+    known: HashMap<([u8; 16], usize), u64>,
+    /// Texts that many objects and properties share.
+    shared: Vec<String>,
+}
+
+/// Where something lies, as its parent names it.
+pub(super) type Place = u64;
+
+impl<W: Write + Seek> Ogawa<W> {
+    pub fn new(mut out: W) -> Result<Self> {
+        // Neither finished nor rooted, until it is.
+        out.write_all(b"Ogawa\0\0\x01\0\0\0\0\0\0\0\0")?;
+        Ok(Self { out, next: 16, known: HashMap::new(), shared: Vec::new() })
+    }
+
+    fn put(&mut self, bytes: &[u8]) -> Result<()> {
+        self.out.write_all(bytes)?;
+        self.next += bytes.len() as u64;
+        Ok(())
+    }
+
+    /// A leaf.
+    pub fn data(&mut self, bytes: &[u8]) -> Result<Place> {
+        if bytes.is_empty() {
+            return Ok(DATA);
+        }
+        let place = self.next | DATA;
+        self.put(&(bytes.len() as u64).to_le_bytes())?;
+        self.put(bytes)?;
+        Ok(place)
+    }
+
+    /// A leaf with the digest of its numbers, which have `size` bytes each; one that is there already is used
+    /// again.
+    pub fn sample(&mut self, bytes: &[u8], size: u32) -> Result<Place> {
+        let digest = digest(bytes, size);
+        if let Some(place) = self.known.get(&(digest, bytes.len())) {
+            return Ok(*place);
+        }
+        let place = self.next | DATA;
+        self.put(&(16 + bytes.len() as u64).to_le_bytes())?;
+        self.put(&digest)?;
+        self.put(bytes)?;
+        self.known.insert((digest, bytes.len()), place);
+        Ok(place)
+    }
+
+    pub fn group(&mut self, children: &[Place]) -> Result<Place> {
+        if children.is_empty() {
+            return Ok(0);
+        }
+        let place = self.next;
+        self.put(&(children.len() as u64).to_le_bytes())?;
+        for child in children {
+            self.put(&child.to_le_bytes())?;
+        }
+        Ok(place)
+    }
+
+    /// The number of a shared text; `None` where it must stand where it is used.
+    pub fn share(&mut self, text: &str) -> Option<u8> {
+        if text.is_empty() {
+            return Some(0);
+        }
+        let known = self.shared.iter().position(|known| known == text);
+        let index = match known {
+            Some(index) => index,
+            None if text.len() < 256 && self.shared.len() < 254 => {
+                self.shared.push(text.to_owned());
+                self.shared.len() - 1
+            }
+            None => return None,
+        };
+        u8::try_from(index + 1).ok()
+    }
+
+    /// All shared texts, each behind its length.
+    pub fn shared(&self) -> Vec<u8> {
+        self.shared.iter().flat_map(|text| std::iter::once(text.len() as u8).chain(text.bytes())).collect()
+    }
+
+    /// Ends the file.
+    pub fn finish(mut self, root: Place) -> Result<W> {
+        self.out.seek(SeekFrom::Start(8))?;
+        self.out.write_all(&root.to_le_bytes())?;
+        self.out.seek(SeekFrom::Start(5))?;
+        self.out.write_all(&[0xff])?;
+        self.out.seek(SeekFrom::End(0))?;
+        self.out.flush()?;
+        Ok(self.out)
+    }
+}

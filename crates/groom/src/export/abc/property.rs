@@ -1,0 +1,168 @@
+//! Properties as bytes: samples in a group, a description in the list of the compound.
+
+use std::io::{Result, Seek, Write};
+
+use super::ogawa::{Ogawa, Place};
+
+/// What a value is made of: its number in the format, its bytes, its name.
+#[derive(Clone, Copy)]
+pub(super) struct Pod {
+    code: u32,
+    pub size: u32,
+    name: &'static str,
+}
+
+pub(super) const BOOL: Pod = Pod { code: 0, size: 1, name: "bool_t" };
+pub(super) const U8: Pod = Pod { code: 1, size: 1, name: "uint8_t" };
+pub(super) const I16: Pod = Pod { code: 4, size: 2, name: "int16_t" };
+pub(super) const I32: Pod = Pod { code: 6, size: 4, name: "int32_t" };
+pub(super) const F32: Pod = Pod { code: 10, size: 4, name: "float32_t" };
+pub(super) const F64: Pod = Pod { code: 11, size: 8, name: "float64_t" };
+pub(super) const TEXT: Pod = Pod { code: 12, size: 1, name: "string" };
+
+/// A compound in the making.
+#[derive(Default)]
+pub(super) struct Compound {
+    children: Vec<Place>,
+    list: Vec<u8>,
+}
+
+/// A property whose samples come one by one.
+pub(super) struct Sampled {
+    name: &'static str,
+    meta: String,
+    pod: Pod,
+    extent: u32,
+    array: bool,
+    places: Vec<Place>,
+}
+
+impl Sampled {
+    /// Alone, `extent` numbers.
+    pub fn scalar(name: &'static str, meta: &str, pod: Pod, extent: u32) -> Self {
+        Self { name, meta: meta.to_owned(), pod, extent, array: false, places: Vec::new() }
+    }
+
+    /// Many, `extent` numbers each.
+    pub fn array(name: &'static str, meta: &str, pod: Pod, extent: u32) -> Self {
+        Self { array: true, ..Self::scalar(name, meta, pod, extent) }
+    }
+
+    /// Values beside the shape, of one scope: `con`, `uni` or `vtx`.
+    pub fn param(name: &'static str, pod: Pod, extent: u32, scope: &str, interpretation: &str) -> Self {
+        let interpretation = match interpretation {
+            "" => String::new(),
+            name => format!("interpretation={name};"),
+        };
+        let pod_name = pod.name;
+        let meta = format!(
+            "arrayExtent=1;geoScope={scope};{interpretation}isGeomParam=true;podExtent={extent};podName={pod_name}"
+        );
+        Self::array(name, &meta, pod, extent)
+    }
+
+    /// One more sample. Text has its number of texts beside it.
+    pub fn push<W: Write + Seek>(&mut self, out: &mut Ogawa<W>, bytes: &[u8]) -> Result<()> {
+        let place = out.sample(bytes, self.pod.size)?;
+        self.places.push(place);
+        if self.array {
+            let texts = bytes.iter().filter(|byte| **byte == 0).count() as u64;
+            let counts = if self.pod.code == TEXT.code { texts.to_le_bytes().to_vec() } else { Vec::new() };
+            let place = out.data(&counts)?;
+            self.places.push(place);
+        }
+        Ok(())
+    }
+}
+
+impl Compound {
+    /// Ends a property; `sampling` is that of several samples.
+    pub fn close<W: Write + Seek>(
+        &mut self,
+        out: &mut Ogawa<W>,
+        property: Sampled,
+        sampling: u32,
+    ) -> Result<()> {
+        let Sampled { name, meta, pod, extent, array, mut places } = property;
+        let each = if array { 2 } else { 1 };
+        let count = (places.len() / each) as u32;
+        let constant = places.chunks_exact(each).all(|sample| sample[0] == places[0]);
+        if constant {
+            places.truncate(each);
+        }
+        let mut info = if array { 2 } else { 1 };
+        info |= pod.code << 4 | extent << 12 | 0x400;
+        info |= if constant { 0x800 } else { 0 };
+        let sampling = if count > 1 { sampling } else { 0 };
+        info |= if sampling > 0 { 0x100 } else { 0 };
+        let mut numbers = vec![count];
+        numbers.extend((sampling > 0).then_some(sampling));
+        let group = out.group(&places)?;
+        self.entry(out, group, info, &numbers, name, &meta);
+        Ok(())
+    }
+
+    /// One sample that holds at all times.
+    pub fn constant<W: Write + Seek>(
+        &mut self,
+        out: &mut Ogawa<W>,
+        mut property: Sampled,
+        bytes: &[u8],
+    ) -> Result<()> {
+        property.push(out, bytes)?;
+        self.close(out, property, 0)
+    }
+
+    /// A compound inside.
+    pub fn inside<W: Write + Seek>(
+        &mut self,
+        out: &mut Ogawa<W>,
+        name: &str,
+        meta: &str,
+        inner: Self,
+    ) -> Result<()> {
+        let group = inner.finish(out)?;
+        self.entry(out, group, 0, &[], name, meta);
+        Ok(())
+    }
+
+    fn entry<W: Write + Seek>(
+        &mut self,
+        out: &mut Ogawa<W>,
+        group: Place,
+        mut info: u32,
+        numbers: &[u32],
+        name: &str,
+        meta: &str,
+    ) {
+        let index = out.share(meta);
+        let longest =
+            numbers.iter().copied().chain([name.len() as u32, meta.len() as u32]).max().unwrap_or(0);
+        let (hint, size) = match longest {
+            0..256 => (0, 1),
+            256..65536 => (1, 2),
+            _ => (2, 4),
+        };
+        info |= hint << 2 | u32::from(index.unwrap_or(0xff)) << 20;
+        self.children.push(group);
+        self.list.extend(info.to_le_bytes());
+        let mut put = |value: u32| self.list.extend(&value.to_le_bytes()[..size]);
+        numbers.iter().for_each(|number| put(*number));
+        put(name.len() as u32);
+        self.list.extend(name.bytes());
+        if index.is_none() {
+            self.list.extend(&(meta.len() as u32).to_le_bytes()[..size]);
+            self.list.extend(meta.bytes());
+        }
+    }
+
+    /// Writes the group.
+    pub fn finish<W: Write + Seek>(self, out: &mut Ogawa<W>) -> Result<Place> {
+        if self.children.is_empty() {
+            return Ok(0);
+        }
+        let mut children = self.children;
+        children.push(out.data(&self.list)?);
+        out.group(&children)
+    }
+}

@@ -1,0 +1,159 @@
+//! The objects of a file.
+
+use std::collections::HashSet;
+
+use glam::DMat4;
+
+use super::{
+    Archive,
+    ogawa::{Group, Reader},
+    property::{Compound, entry},
+    xform,
+};
+use crate::error::{At, Result};
+
+/// Objects inside each other, at most.
+const DEEPEST: usize = 200;
+
+/// What an object is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Schema {
+    Curves,
+    Mesh,
+}
+
+/// An object with a shape.
+pub(super) struct Object<'a> {
+    /// Its own name, and its parent's where that is a transform.
+    pub names: [String; 2],
+    pub schema: Schema,
+    /// Its properties.
+    pub shape: Compound<'a>,
+    /// Its index among the transforms.
+    parent: Option<usize>,
+}
+
+/// All objects with shapes, and the transforms above them.
+#[derive(Default)]
+pub(super) struct Tree<'a> {
+    pub objects: Vec<Object<'a>>,
+    transforms: Vec<(Compound<'a>, Option<usize>)>,
+}
+
+/// Where in the tree somebody is.
+#[derive(Clone, Default)]
+struct Place {
+    depth: usize,
+    transform: Option<usize>,
+    name: String,
+}
+
+impl<'a> Tree<'a> {
+    pub fn read(archive: &Archive<'_, 'a>) -> Result<Self> {
+        let mut tree = Self::default();
+        let mut seen = HashSet::new();
+        let mut rest = vec![(archive.top, Place::default())];
+        while let Some((group, place)) = rest.pop() {
+            let before = rest.len();
+            tree.children(archive, group, &place, &mut seen, &mut rest)?;
+            // In the order of the file.
+            rest[before..].reverse();
+        }
+        Ok(tree)
+    }
+
+    /// The objects below one.
+    fn children(
+        &mut self,
+        archive: &Archive<'_, 'a>,
+        group: Group<'a>,
+        place: &Place,
+        seen: &mut HashSet<u64>,
+        rest: &mut Vec<(Group<'a>, Place)>,
+    ) -> Result<()> {
+        let source = archive.source;
+        if group.len() == 0 {
+            return Ok(());
+        }
+        if place.depth > DEEPEST || !seen.insert(group.at) {
+            return Err(source.problem(At::Byte(group.at), "objects that contain each other"));
+        }
+        let mut data = group.data(source, group.len() - 1, "an object's list of children")?;
+        // Behind the list are two digests.
+        data.bytes = &data.bytes[..data.bytes.len().saturating_sub(32)];
+        let mut reader = Reader::new(source, data, "an object's children");
+        let mut child = 0;
+        while !reader.done() {
+            let length = reader.number(4)?;
+            let name = reader.text(length)?.to_owned();
+            let meta = match reader.number(1)? as usize {
+                0xff => {
+                    let length = reader.number(4)?;
+                    reader.text(length)?.to_owned()
+                }
+                index => archive.meta(&reader, index)?,
+            };
+            child += 1;
+            let group = group.group(source, child, "an object")?;
+            let mut inner = Place { depth: place.depth + 1, transform: place.transform, name: name.clone() };
+            self.object(archive, group, &meta, [name, place.name.clone()], &mut inner)?;
+            rest.push((group, inner));
+        }
+        Ok(())
+    }
+
+    /// Keeps an object if it is of a known schema.
+    fn object(
+        &mut self,
+        archive: &Archive<'_, 'a>,
+        group: Group<'a>,
+        meta: &str,
+        names: [String; 2],
+        place: &mut Place,
+    ) -> Result<()> {
+        let schema = entry(meta, "schema").unwrap_or_default();
+        let (kind, holder) = match schema {
+            _ if schema.starts_with("AbcGeom_Curve_") => (Some(Schema::Curves), ".geom"),
+            _ if schema.starts_with("AbcGeom_PolyMesh_") => (Some(Schema::Mesh), ".geom"),
+            _ if schema.starts_with("AbcGeom_Xform_") => (None, ".xform"),
+            _ => return Ok(()),
+        };
+        if group.len() == 0 {
+            return Ok(());
+        }
+        let properties = Compound::read(archive, group.group(archive.source, 0, "an object's properties")?)?;
+        let Some(shape) = properties.compound(archive, holder)? else { return Ok(()) };
+        match kind {
+            Some(schema) => {
+                self.objects.push(Object { names, schema, shape, parent: place.transform });
+            }
+            None => {
+                self.transforms.push((shape, place.transform));
+                place.transform = Some(self.transforms.len() - 1);
+            }
+        }
+        Ok(())
+    }
+
+    /// From each transform's space to the file's, at `time`.
+    pub fn matrices(&self, archive: &Archive<'_, 'a>, time: f64) -> Result<Vec<DMat4>> {
+        let mut all: Vec<DMat4> = Vec::with_capacity(self.transforms.len());
+        for (transform, parent) in &self.transforms {
+            let (own, inherits) = xform::matrix(archive, transform, time)?;
+            // Parents come before their children.
+            let above = parent.filter(|_| inherits).map_or(DMat4::IDENTITY, |parent| all[parent]);
+            all.push(above * own);
+        }
+        Ok(all)
+    }
+
+    /// The transform right above an object.
+    pub fn above(&self, object: &Object) -> Option<&Compound<'a>> {
+        object.parent.map(|parent| &self.transforms[parent].0)
+    }
+
+    /// The matrix of an object among those.
+    pub fn of(object: &Object, matrices: &[DMat4]) -> DMat4 {
+        object.parent.map_or(DMat4::IDENTITY, |parent| matrices[parent])
+    }
+}
