@@ -207,7 +207,8 @@ impl Crowd {
                 nearest = (away, focus);
             }
             let bodies = if head.body.is_some() { vec![i] } else { Vec::new() };
-            zones.push(Zone::seen(focus, &eye, self.chosen.bias, vec![i], bodies));
+            let zone = Zone::seen(focus, &eye, self.chosen.bias, vec![i], bodies);
+            zones.push(Zone { pose: head.now, ..zone });
         }
         scene.picture.focus = nearest.1;
         let pipelines = scene.pipelines.clone();

@@ -69,7 +69,7 @@ impl Stage {
             Self::Wind => "cell",
             Self::Simulate | Self::Tessellate => "guide",
             Self::Interpolate => "strand",
-            Self::Avoid => "strand vertex, strand",
+            Self::Avoid => "eight strand vertices, strand",
             Self::Light => "strand vertex",
             Self::Draw => "strip vertex and pixel",
             Self::Present => "pixel",

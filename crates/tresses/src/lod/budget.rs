@@ -63,7 +63,7 @@
 //!     let seen = (0..heads.len()).filter(|i| chosen.heads[*i].seen);
 //!     let zone = |i: usize| {
 //!         let focus = Sphere { center: poses[i].point(heads[i].lod.sphere.0), radius: 0.4 };
-//!         Zone::seen(focus, &picture.camera, chosen.bias, vec![i], vec![])
+//!         Zone { pose: poses[i], ..Zone::seen(focus, &picture.camera, chosen.bias, vec![i], vec![]) }
 //!     };
 //!     let zones: Vec<_> = seen.map(zone).collect();
 //!     view.set_zones(device, recorder.pipelines, &zones);
