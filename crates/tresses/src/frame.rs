@@ -273,10 +273,7 @@ impl Recorder<'_> {
             _ => None,
         };
         let picture = &inside.as_ref().map_or(*picture, |(_, shown)| shown.picture(picture));
-        let mut parts = view.parts(picture.focus, [sets.len(), bodies.len()], inside.is_none());
-        if again {
-            parts.iter_mut().for_each(|part| part.fresh &= part.number == 0);
-        }
+        let parts = view.parts(picture.focus, [sets.len(), bodies.len()], inside.is_none());
         let shares = self.shares(view, sets, &parts)?;
         let seen = seen(sets, &shares, &parts);
         // A view may leave hair out, which would hide what is to be seen.
@@ -377,20 +374,19 @@ impl Recorder<'_> {
     fn cast(
         &mut self,
         parts: &[Part<'_>],
-        lit: &[Option<crate::light::Lit>],
+        lit: &[crate::light::Lit],
         hair: &[Seen<'_>],
         bodies: &[&Body],
     ) -> Result<()> {
         let pipelines = &self.pipelines.light;
-        let fresh = || parts.iter().zip(lit).filter_map(|(part, lit)| Some((part, lit.as_ref()?)));
-        for (part, lit) in fresh() {
+        for (part, lit) in parts.iter().zip(lit) {
             let (hair, bodies) = (Part::of(&part.hair, hair), Part::of(&part.bodies, bodies));
             let timings = self.timings.as_deref_mut();
             part.light.record_shadows(pipelines, self.encoder, timings, lit, &hair, &bodies)?;
         }
         self.lap("shadow");
-        if fresh().any(|(_, lit)| lit.ambient) {
-            for (part, lit) in fresh() {
+        if lit.iter().any(|lit| lit.ambient) {
+            for (part, lit) in parts.iter().zip(lit).filter(|(_, lit)| lit.ambient) {
                 let (hair, bodies) = (Part::of(&part.hair, hair), Part::of(&part.bodies, bodies));
                 let timings = self.timings.as_deref_mut();
                 part.light.record_ambient(pipelines, self.encoder, timings, &hair, (&bodies, lit.every));

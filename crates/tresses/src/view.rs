@@ -269,14 +269,14 @@ impl View {
         shares.collect()
     }
 
-    /// Writes the values of a frame: what of each part's light is to be recorded, if it is made anew.
+    /// Writes the values of a frame: what of each part's light is to be recorded.
     pub(crate) fn prepare(
         &self,
         queue: &wgpu::Queue,
         picture: &Picture,
         hair: &[Seen<'_>],
         parts: &[Part<'_>],
-    ) -> Vec<Option<Lit>> {
+    ) -> Vec<Lit> {
         let camera = picture.camera.uniform(self.targets.samples, self.targets.ssaa);
         queue.write_buffer(&self.camera, 0, bytemuck::bytes_of(&camera));
         self.present.prepare(queue, &picture.background, &picture.tone, &self.targets);
@@ -286,14 +286,10 @@ impl View {
             first += seen.hair.strands.count;
         }
         let lit = |part: &Part<'_>| {
-            let own = Part::of(&part.hair, hair);
-            if !part.fresh {
-                // Tables are filled nevertheless.
-                own.iter().for_each(|seen| _ = seen.hair.passes(queue));
-                return None;
-            }
             let lights = (&picture.lights, &picture.shadows, &part.focus);
-            Some(part.light.prepare(queue, lights, &own, part.number))
+            let mut lit = part.light.prepare(queue, lights, &Part::of(&part.hair, hair), part.number);
+            lit.ambient &= part.fresh;
+            lit
         };
         parts.iter().map(lit).collect()
     }

@@ -34,7 +34,7 @@ pub(crate) struct Lit {
     pub across: u32,
     /// How far bodies that cast shadows may stray from those that are drawn, metres.
     pub stray: f32,
-    /// Whether light from all sides is followed.
+    /// Whether light from all sides is followed, and made anew.
     pub ambient: bool,
     /// Every so many points of a body's surface stand for all of them.
     pub every: u32,

@@ -12,12 +12,10 @@
 //! hair ──► shaded in the light of its zone      bodies ─► asked for (draw::soft) and drawn in theirs
 //! ```
 //!
-//! **In turn.** The light of a far zone is made in every second or fourth picture, each zone's in another, and kept in
-//! between, with all that belongs to it: lights, maps, cells ([`Zone::every`]), as long as what is in it stays where it is
-//! ([`Zone::pose`]). Maps know where each strand lies: what has moved by a few texels lies behind what was in front
-//! of it then, and is up to 28 % too dark.
-//!
-//! **Untried.** Asking maps where a head was when they were made: heads that turn would be lit in turn too.
+//! **In turn.** Light from all sides of a far zone is made in every second or third picture, each zone's in another, and
+//! kept in between ([`Zone::every`]) while the head has turned by less than a cell ([`Zone::pose`]); the grid goes with
+//! the focus. Shadow maps are made in every picture: they know where each strand lies, and what has moved by a few texels
+//! lies behind what was in front of it then, up to 28 % too dark.
 //!
 //! Zones cast no shadow on each other: what stands in the light of a neighbour is lit all the same.
 //!
@@ -45,10 +43,10 @@ pub struct Zone {
     pub hair: Vec<usize>,
     /// The bodies in it, likewise.
     pub bodies: Vec<usize>,
-    /// Where what is in it is and how it is turned: its light is made anew when that has changed by half a texel.
+    /// Where what is in it is and how it is turned. Let the focus go with it.
     pub pose: Pose,
-    /// Its light is made anew in one of so many pictures, and whenever what is in it, its focus or its pose has changed.
-    /// 0 and 1 for each picture.
+    /// Its light from all sides is made anew in one of so many pictures, and whenever what is in it has changed, or has
+    /// moved against the focus by a cell. 0 and 1 for each picture.
     pub every: u32,
 }
 
@@ -57,10 +55,10 @@ const RESOLUTIONS: [u32; 2] = [256, 1024];
 const CELLS: [u32; 3] = [12, 16, 24];
 /// The edge of a cell, pixels.
 const CELL: f32 = 8.0;
-/// How far anything in a zone may have moved since its light was made, texels of its maps.
-const STRAY: f32 = 0.5;
-/// Zones of so many pixels have new light in each picture; those of half of it in every second, smaller ones in every
-/// fourth.
+/// How far anything in a zone may have moved against the focus since its light from all sides was made, cells.
+const STRAY: f32 = 1.0;
+/// Zones of so many pixels have new light from all sides in each picture; those of half of it in every second, smaller
+/// ones in every third.
 const EACH: f32 = 320.0;
 
 impl Zone {
@@ -82,20 +80,23 @@ impl Zone {
         } else if pixels >= 0.5 * EACH {
             2
         } else {
-            4
+            3
         };
         Self { focus, resolution, cells, hair, bodies, every, pose: Pose::IDENTITY }
     }
 
-    /// Whether light that was made with what is in it at `then` is its light still.
-    fn keeps(&self, then: &Pose) -> bool {
-        let texel = 2.0 * self.focus.radius / self.resolution.max(1) as f32;
-        let turn = self.pose.rotation * then.rotation.conjugate();
+    /// Whether light from all sides that was made for `then` is its light still.
+    fn keeps(&self, then: &Self) -> bool {
+        if (self.focus.radius, &self.hair, &self.bodies) != (then.focus.radius, &then.hair, &then.bodies) {
+            return false;
+        }
+        let turn = self.pose.rotation * then.pose.rotation.conjugate();
         // Around an axis through the focus: twice the sine of half the angle, times the radius.
         let swing = 2.0 * self.focus.radius * turn.xyz().length();
-        let middle = |pose: &Pose| pose.rotation.conjugate() * (self.focus.center - pose.translation);
-        let shift = middle(&self.pose).distance(middle(then));
-        swing + shift <= STRAY * texel
+        let middle =
+            |zone: &Self| zone.pose.rotation.conjugate() * (zone.focus.center - zone.pose.translation);
+        let cell = 2.0 * self.focus.radius / self.cells.max(1) as f32;
+        swing + middle(self).distance(middle(then)) <= STRAY * cell
     }
 
     /// Bytes of GPU memory that its light takes.
@@ -109,12 +110,12 @@ impl Zone {
 struct Kept {
     zone: Zone,
     light: Arc<State>,
-    /// Where what is in it was when its light was made; nothing where it must be made anew.
-    made: Mutex<Option<Pose>>,
+    /// What its light from all sides was made for; nothing where it must be made anew.
+    made: Mutex<Option<Zone>>,
 }
 
 impl Kept {
-    fn made(&self) -> MutexGuard<'_, Option<Pose>> {
+    fn made(&self) -> MutexGuard<'_, Option<Zone>> {
         // What a panic leaves behind is whole.
         self.made.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -145,20 +146,18 @@ impl Zones {
                 let light = Arc::new(State::new(device, pipelines, sizes, camera));
                 return Kept { zone: zone.clone(), light, made: Mutex::default() };
             };
-            // Its light may be another's, or lie elsewhere.
-            let old = &kept.zone;
-            let same = (old.focus, &old.hair, &old.bodies) == (zone.focus, &zone.hair, &zone.bodies);
-            let made = kept.made().filter(|then| same && zone.keeps(then));
+            // What was made may be another's.
+            let made = kept.made().take().filter(|then| zone.keeps(then));
             Kept { zone: zone.clone(), light: kept.light, made: made.into() }
         };
         self.list = zones.iter().enumerate().map(&mut set).collect();
     }
 
-    /// The light of these parts has been made in a picture.
+    /// Light from all sides of these parts has been made in a picture.
     pub fn made(&self, parts: &[Part<'_>]) {
         for part in parts.iter().filter(|part| part.fresh) {
             if let Some(kept) = (part.number as usize).checked_sub(1).and_then(|i| self.list.get(i)) {
-                *kept.made() = Some(kept.zone.pose);
+                *kept.made() = Some(kept.zone.clone());
             }
         }
         self.pictures.fetch_add(1, Ordering::Relaxed);
@@ -222,7 +221,7 @@ pub(crate) struct Part<'a> {
     pub focus: Sphere,
     pub hair: Vec<usize>,
     pub bodies: Vec<usize>,
-    /// Whether its light is made anew in this picture.
+    /// Whether its light from all sides is made anew in this picture.
     pub fresh: bool,
 }
 
@@ -248,6 +247,6 @@ mod tests {
         };
         let sizes = [1.0, 2.0, 5.0, 12.0, 20.0, 40.0].map(|away| [zone(away).resolution, zone(away).cells]);
         assert_eq!(sizes, [[1024, 24], [1024, 24], [512, 24], [256, 12], [256, 12], [256, 12]]);
-        assert_eq!([1.0, 2.0, 5.0, 12.0].map(|away| zone(away).every), [1, 1, 2, 4]);
+        assert_eq!([1.0, 2.0, 5.0, 12.0].map(|away| zone(away).every), [1, 1, 2, 3]);
     }
 }
