@@ -208,6 +208,22 @@ impl View {
         self.zones.set(device, &pipelines.light, &self.camera, zones);
     }
 
+    /// From the next picture on its light is as fine as `picture` shows it, for all of `counts` grooms and bodies: as it was
+    /// made, or coarser where they are few pixels across, of pictures `coarser` octaves coarser. In place of zones of
+    /// one's own; before each picture.
+    pub fn fit_light(
+        &mut self,
+        device: &wgpu::Device,
+        pipelines: &Pipelines,
+        (picture, coarser): (&Picture, f32),
+        counts: [usize; 2],
+    ) {
+        let finest = [self.options.shadow_resolution, self.options.ambient_cells];
+        let Picture { focus, camera, .. } = picture;
+        let zone = Zone::far(*focus, (camera, coarser), finest, self.zones.first(), counts);
+        self.set_zones(device, pipelines, zone.as_slice());
+    }
+
     /// Bytes of GPU memory of the light of its zones.
     pub fn zone_bytes(&self) -> u64 {
         self.zones.bytes()

@@ -12,6 +12,7 @@ use tresses::{
     frame::{Frame, Recorder, Shows, Sight},
     glam::Vec3,
     gpu::{Gpu, Timings},
+    lod::LodMode,
 };
 
 impl Scene {
@@ -224,6 +225,15 @@ impl Scene {
             }
             _ => Shows::Hair,
         };
+        // What is drawn again is lit already.
+        if !again {
+            let lod = &hair.lod.options;
+            let counts = [hairs.len(), bodies.len()];
+            match lod.mode {
+                LodMode::Auto => view.fit_light(device, pipelines, (picture, lod.bias), counts),
+                LodMode::Off | LodMode::Fixed(_) => view.set_zones(device, pipelines, &[]),
+            }
+        }
         let sight = Sight { shows, ..Sight::new(view, picture) };
         let mut recorder = Recorder { pipelines, device, queue, encoder, timings };
         Ok(recorder.draw(&hairs, &bodies, sight)?)

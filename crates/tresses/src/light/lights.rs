@@ -4,6 +4,7 @@ use super::{
     environment::Environment,
     shadows::{ShadowMethod, Shadows},
 };
+use crate::Camera;
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3, Vec4};
 
@@ -110,6 +111,15 @@ impl Sphere {
     /// The sphere around a box.
     pub fn around(lo: Vec3, hi: Vec3) -> Self {
         Self { center: 0.5 * (lo + hi), radius: 0.5 * lo.distance(hi) }
+    }
+
+    /// How many pixels of `camera` it is across, by those at its near side.
+    pub(crate) fn pixels(&self, camera: &Camera) -> f32 {
+        let clip = camera.projection * camera.view;
+        let away = (clip * self.center.extend(1.0)).w;
+        let per_metre = camera.projection.z_axis.w.abs();
+        let nearest = if per_metre > 0.0 { (away - self.radius * per_metre).max(0.05) } else { away };
+        2.0 * self.radius / (camera.pixel() * nearest)
     }
 }
 

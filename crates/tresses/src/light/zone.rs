@@ -4,8 +4,8 @@
 //! that hold a crowd of 40 m a head is two texels wide, and a cell of the grid is as large as ten of them. So each head has
 //! a zone, a sphere around it, whose maps are as fine as the picture shows it ([`Zone::seen`]). Coarse maps are too dark,
 //! for their texels smooth the front of the hair: by 1.6 % with 256² texels around a head, 5 with 128², 13 with 64². Coarse
-//! cells are not, among a photographer's lights: 12³ and 8³ are as bright in the mean as 24³; by the sky alone 12³ are 4 %
-//! brighter, 8³ some 10 %. What lies in two zones is lit in each by its own.
+//! cells are not, among a photographer's lights: 12³ and 8³ are as bright in the mean as 24³; by the sky alone a head
+//! is up to 3.5 % brighter with 12³. What lies in two zones is lit in each by its own.
 //!
 //! ```text
 //! zones ─► for each: shadow maps, ambient light (the same kernels, other buffers)
@@ -16,6 +16,10 @@
 //! kept in between ([`Zone::every`]) while the head has turned by less than a cell ([`Zone::pose`]); the grid goes with
 //! the focus. Shadow maps are made in every picture: they know where each strand lies, and what has moved by a few texels
 //! lies behind what was in front of it then, up to 28 % too dark.
+//!
+//! **Far.** A picture of one head, or of a few beside each other, that is small is lit as one zone with a quarter of the
+//! texels and three fifths of the cells ([`View::fit_light`](crate::View::fit_light)): what maps and grid cost does not fall
+//! with the pixels. Light is made in every picture there, so that a picture does not depend on those before it.
 //!
 //! Zones cast no shadow on each other: what stands in the light of a neighbour is lit all the same.
 //!
@@ -61,16 +65,19 @@ const STRAY: f32 = 1.0;
 /// ones in every third.
 const EACH: f32 = 320.0;
 
+/// Texels and cells of the only zone of a picture that is fewer pixels across than this: as with [`Zone::seen`], texels of
+/// the hair's maps are smaller than two pixels. With 16 cells hair without a body is 3.3 % brighter by the sky alone.
+const FAR: [u32; 2] = [512, 20];
+const SMALL: f32 = 128.0;
+/// Finer ones come back where it is so much larger.
+const AGAIN: f32 = 1.1;
+
 impl Zone {
     /// Around `focus`, as fine as `camera` sees it: texels of the hair's maps are no larger than two pixels, as long as there
     /// are enough of them, and cells about eight, of pictures `coarser` octaves coarser. In steps, so that a head that moves
     /// seldom gets others.
     pub fn seen(focus: Sphere, camera: &Camera, coarser: f32, hair: Vec<usize>, bodies: Vec<usize>) -> Self {
-        let clip = camera.projection * camera.view;
-        let away = (clip * focus.center.extend(1.0)).w;
-        let per_metre = camera.projection.z_axis.w.abs();
-        let nearest = if per_metre > 0.0 { (away - focus.radius * per_metre).max(0.05) } else { away };
-        let pixels = 2.0 * focus.radius / (camera.pixel() * nearest) * (-coarser).exp2();
+        let pixels = focus.pixels(camera) * (-coarser).exp2();
         // Three texels of a depth map are one of the hair's, which is smoothed over three.
         let octaves = (1.5 * pixels / RESOLUTIONS[0] as f32).max(1.0).log2().ceil();
         let resolution = (RESOLUTIONS[0] << (octaves as u32).min(16)).min(RESOLUTIONS[1]);
@@ -83,6 +90,25 @@ impl Zone {
             3
         };
         Self { focus, resolution, cells, hair, bodies, every, pose: Pose::IDENTITY }
+    }
+
+    /// What all of `counts` grooms and bodies around `focus` are in where a `camera`, of pictures `coarser` octaves
+    /// coarser, sees them from so far away that fewer texels and cells than the `finest` do. Nothing where they do not.
+    /// `before` is what this was in the picture before: a head on the line keeps the light that it has.
+    pub(crate) fn far(
+        focus: Sphere,
+        (camera, coarser): (&Camera, f32),
+        finest: [u32; 2],
+        before: Option<&Self>,
+        counts: [usize; 2],
+    ) -> Option<Self> {
+        let sizes @ [resolution, cells] = [0, 1].map(|i| FAR[i].min(finest[i]));
+        let had = before.is_some_and(|zone| [zone.resolution, zone.cells] == sizes);
+        let line = if had { AGAIN * SMALL } else { SMALL };
+        let is_far = focus.pixels(camera) * (-coarser).exp2() < line;
+        let [hair, bodies] = counts.map(|count| (0..count).collect());
+        let zone = Self { focus, resolution, cells, hair, bodies, every: 1, pose: Pose::IDENTITY };
+        (is_far && sizes != finest).then_some(zone)
     }
 
     /// Whether light from all sides that was made for `then` is its light still.
@@ -151,6 +177,11 @@ impl Zones {
             Kept { zone: zone.clone(), light: kept.light, made: made.into() }
         };
         self.list = zones.iter().enumerate().map(&mut set).collect();
+    }
+
+    /// The first of them.
+    pub fn first(&self) -> Option<&Zone> {
+        self.list.first().map(|kept| &kept.zone)
     }
 
     /// Light from all sides of these parts has been made in a picture.
@@ -248,5 +279,30 @@ mod tests {
         let sizes = [1.0, 2.0, 5.0, 12.0, 20.0, 40.0].map(|away| [zone(away).resolution, zone(away).cells]);
         assert_eq!(sizes, [[1024, 24], [1024, 24], [512, 24], [256, 12], [256, 12], [256, 12]]);
         assert_eq!([1.0, 2.0, 5.0, 12.0].map(|away| zone(away).every), [1, 1, 2, 3]);
+    }
+
+    #[test]
+    fn only_what_is_far_has_coarser_light() {
+        let focus = Sphere { center: Vec3::ZERO, radius: 0.35 };
+        let far = |away: f32, coarser: f32, finest: [u32; 2], before: Option<&Zone>| {
+            let camera =
+                Camera::look_at(Vec3::Z * away, Vec3::ZERO, std::f32::consts::FRAC_PI_6, [1280, 720]);
+            Zone::far(focus, (&camera, coarser), finest, before, [2, 1])
+        };
+        let finest = [1024, 24];
+        assert_eq!([0.6, 2.0, 7.0].map(|away| far(away, 0.0, finest, None)), [const { None }; 3]);
+        let zone = far(15.0, 0.0, finest, None).unwrap();
+        assert_eq!([zone.resolution, zone.cells, zone.every], [512, 20, 1]);
+        assert_eq!((&zone.hair[..], &zone.bodies[..]), (&[0, 1][..], &[0][..]));
+        // The line is at 7.7 m; who comes from afar crosses it at 7.1.
+        assert_eq!(far(7.4, 0.0, finest, Some(&zone)).as_ref(), Some(&zone));
+        assert_eq!(far(7.0, 0.0, finest, Some(&zone)), None);
+        // Pictures that are half as fine, and light that is no finer.
+        assert!(far(4.2, 1.0, finest, None).is_some());
+        assert_eq!(far(15.0, 0.0, [512, 12], None).map(|zone| [zone.resolution, zone.cells]), None);
+        assert_eq!(
+            far(15.0, 0.0, [256, 24], None).map(|zone| [zone.resolution, zone.cells]),
+            Some([256, 20])
+        );
     }
 }

@@ -6,6 +6,7 @@ use tresses::{
     Hair,
     glam::Vec3,
     groom::{bind, import, styles::Style},
+    light::{Directional, Lights, Sky},
     lod::{Detail, LodMode, LodOptions},
 };
 
@@ -112,6 +113,39 @@ fn coverage_and_luminance_stay_at_a_distance() {
     // The comparer sees strands that are not widened.
     let [thin, _] = errors(stage, hair, 16.0, 2, |detail| detail.width = 1.0);
     assert!(thin < -MOST, "{thin}");
+}
+
+/// Fewer texels and cells of light change little, under a photographer's lights and by the sky alone.
+#[test]
+fn coarser_light_is_as_bright_from_afar() {
+    let Some(stage) = Setup::open() else { return };
+    let (groom, _) = Setup::style("long", 3000);
+    let mut hair = stage.hair(&groom, None);
+    let mut mean = |is_sky: bool, fits: bool, area: f32| -> f32 {
+        let luminance = |azimuth: f32| {
+            let mut shot = Shot::new(16.0, Vec3::new(azimuth.sin(), 0.1, azimuth.cos()));
+            shot.lights = Lights::around(azimuth);
+            shot.fits = fits;
+            if is_sky {
+                shot.lights.directional.fill(Directional::OFF);
+                let Sky { zenith, horizon, ground } = &mut shot.lights.sky;
+                [zenith, horizon, ground].into_iter().for_each(|light| *light *= 4.0);
+            }
+            let mut detail = shot.detail(&hair);
+            detail.area *= area;
+            let size = shot.size(hair.lod.sphere.1);
+            measure(&stage.picture(&mut hair, detail, &shot, size, 1))[1]
+        };
+        [0.3, 2.4, 4.5].map(luminance).iter().sum()
+    };
+    for is_sky in [false, true] {
+        let fine = mean(is_sky, false, 1.0);
+        let coarse = mean(is_sky, true, 1.0) / fine - 1.0;
+        // The comparer sees light that meets less hair.
+        let less = mean(is_sky, true, 0.7) / fine - 1.0;
+        println!("sky alone {is_sky}: {:+.2} %, with less hair {:+.2} %", 100.0 * coarse, 100.0 * less);
+        assert!(coarse != 0.0 && coarse.abs() < 0.02 && less > 0.02, "{is_sky}: {coarse} {less}");
+    }
 }
 
 /// The table of docs/appearance/lod.md.

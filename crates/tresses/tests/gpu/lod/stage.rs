@@ -88,7 +88,7 @@ impl Setup {
         self.advance(hair, Pose::IDENTITY, 0.0);
         // As the command draws.
         let options = ViewOptions { samples: 1, coverage: Coverage::Tiles, ..Default::default() };
-        let view = View::new(device, self.pipelines, &options, [size; 2], ssaa).unwrap();
+        let mut view = View::new(device, self.pipelines, &options, [size; 2], ssaa).unwrap();
         let eye = middle + shot.direction.normalize() * shot.distance;
         let scene = Picture {
             camera: Camera::look_at(eye, middle, shot.fov(radius), [size; 2]),
@@ -99,6 +99,9 @@ impl Setup {
             tone: ToneMap { exposure: EXPOSURE, shoulder: 1.0, desaturation: 0.0 },
             ..Default::default()
         };
+        if shot.fits {
+            view.fit_light(device, self.pipelines, (&scene, 0.0), [1, 0]);
+        }
         common::submit(|recorder| recorder.draw(&[&*hair], &[], Sight::new(&view, &scene)));
         let linear = |byte: u8| linear(f32::from(byte) / 255.0);
         let bytes = pollster::block_on(view.targets().read(device, queue)).unwrap();
@@ -112,11 +115,13 @@ pub struct Shot {
     pub distance: f32,
     pub direction: Vec3,
     pub lights: Lights,
+    /// Whether light is as fine as it is seen ([`View::fit_light`]).
+    pub fits: bool,
 }
 
 impl Shot {
     pub fn new(distance: f32, direction: Vec3) -> Self {
-        Self { distance, direction, lights: Lights::default() }
+        Self { distance, direction, lights: Lights::default(), fits: true }
     }
 
     /// The field of view that the hair fills.
