@@ -185,6 +185,8 @@ impl Recorder<'_> {
         }
         for step in 0..steps {
             if hair.uses_volume() {
+                self.start();
+                hair.volume.clear(self.encoder);
                 self.stage(Stage::Volume, |pass| hair.record_volume(pass, &pipelines.volume, step));
             }
             if hair.uses_wind() {
