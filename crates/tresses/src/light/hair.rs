@@ -3,7 +3,7 @@
 use super::{
     Pipelines, State,
     fiber::FiberTables,
-    material::{HairMaterial, HairUniform, ShadingModel},
+    material::{HairMaterial, HairUniform, ShadingModel, ShadingRate},
 };
 use crate::{
     Error, Result,
@@ -188,8 +188,16 @@ const STRIDE: u32 = 3;
 /// The most spans of a strand: `choose` keeps a bit for each and for the knot behind the last.
 const SPANS: u32 = 31;
 
+/// Words that shading leaves at a vertex.
+fn words_for(rate: ShadingRate) -> u64 {
+    match rate {
+        ShadingRate::PerVertex => 1,
+        ShadingRate::PerPixel => 2,
+    }
+}
+
 /// Bytes of a knot.
-const KNOT: u64 = 16;
+const KNOT: u64 = 8;
 
 /// The most knots of `count` strands of so many vertices, at any level of detail that there is `room` for.
 fn most_knots([count, vertex_count]: [u32; 2], room: &Room) -> u64 {
@@ -235,9 +243,11 @@ impl Shaded {
         state: &State,
         camera: &wgpu::Buffer,
         hair: &HairSet,
+        rate: ShadingRate,
     ) -> Result<Self> {
         let StrandBuffers { count, vertex_count, vertices, strands, widening, room, .. } = &hair.strands;
-        let colors = storage::<[u32; 2]>(device, "shaded strands", room.vertices.into())?;
+        let words = words_for(rate) * u64::from(room.vertices);
+        let colors = storage::<u32>(device, "shaded strands", words)?;
         let most_knots = most_knots([*count, *vertex_count], room);
         let lent = hair.scratch.clone().filter(|scratch| scratch.size() >= most_knots * KNOT);
         let own = || storage::<u8>(device, "knots of strands", most_knots * KNOT);
@@ -267,6 +277,11 @@ impl Shaded {
         let uniform =
             hair.material.uniform(&hair.drawn, hair.strands.vertex_count, [hair.splat, hair.spans], first);
         queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+    }
+
+    /// Whether it has room for what is left of strands at `rate`.
+    pub(crate) fn holds(&self, hair: &HairSet, rate: ShadingRate) -> bool {
+        self.colors.size() >= 4 * words_for(rate) * u64::from(hair.strands.room.vertices)
     }
 
     /// Bytes of GPU memory, without what is the groom's.
