@@ -16,7 +16,7 @@ use crate::{
     collide::ColliderPoses,
     draw::{Embed, Surroundings, record::Canvas},
     gpu::{Timings, kernel},
-    light::{self, HairSet, Part, Seen, Shaded},
+    light::{self, HairSet, Part, Seen, Shaded, ShadingRate},
     simulate::SimulationParams,
     skinning::Skinning,
     space::{Map, Space},
@@ -185,6 +185,8 @@ impl Recorder<'_> {
         }
         for step in 0..steps {
             if hair.uses_volume() {
+                self.start();
+                hair.volume.clear(self.encoder);
                 self.stage(Stage::Volume, |pass| hair.record_volume(pass, &pipelines.volume, step));
             }
             if hair.uses_wind() {
@@ -250,7 +252,7 @@ impl Recorder<'_> {
         picture: &Picture,
     ) -> Result<()> {
         let parts = view.parts(picture.focus, [strands.len(), bodies.len()], true);
-        let shares = self.shares(view, strands, &parts)?;
+        let shares = self.shares(view, strands, &parts, picture.shading)?;
         let seen = seen(strands, &shares, &parts);
         bodies.iter().for_each(|body| body.prepare(self.queue));
         let lit = view.prepare(self.queue, picture, &seen, &parts);
@@ -274,7 +276,7 @@ impl Recorder<'_> {
         };
         let picture = &inside.as_ref().map_or(*picture, |(_, shown)| shown.picture(picture));
         let parts = view.parts(picture.focus, [sets.len(), bodies.len()], inside.is_none());
-        let shares = self.shares(view, sets, &parts)?;
+        let shares = self.shares(view, sets, &parts, picture.shading)?;
         let seen = seen(sets, &shares, &parts);
         // A view may leave hair out, which would hide what is to be seen.
         let hides = inside.as_ref().is_some_and(|(_, shown)| shown.view.hides_hair());
@@ -397,9 +399,15 @@ impl Recorder<'_> {
     }
 
     /// What `view` has of each of `sets`, in the light of its part.
-    fn shares(&self, view: &View, sets: &[&HairSet], parts: &[Part<'_>]) -> Result<Vec<Arc<Shaded>>> {
+    fn shares(
+        &self,
+        view: &View,
+        sets: &[&HairSet],
+        parts: &[Part<'_>],
+        rate: ShadingRate,
+    ) -> Result<Vec<Arc<Shaded>>> {
         let lights: Vec<_> = (0..sets.len()).map(|i| light_of(i, parts).0).collect();
-        view.shares(self.device, self.pipelines, sets, &lights)
+        view.shares(self.device, self.pipelines, sets, &lights, rate)
     }
 
     /// A compute pass under the name of a stage.

@@ -9,7 +9,7 @@ use crate::{
     collide::{Collider, ColliderDescriptor, ColliderSet},
     groom::{BoundStrands, Groom, SdfGrid, TriMesh},
     interpolate::Interpolation,
-    light::HairSet,
+    light::{HairSet, hair::knot_bytes},
     lod::{self, Detail, GuideOrder, Lod, LodLevel},
     math::hash::pcg,
     progress::at_once,
@@ -19,7 +19,7 @@ use crate::{
         SimulationParams, Target, rest,
     },
     space::{Carrier, Passage, Space},
-    strands::{GuideBuffers, GuideSample, Strand, StrandBinding, StrandBuffers},
+    strands::{GuideBuffers, GuideSample, Strand, StrandBinding, StrandBuffers, buffers::storage},
     tessellate::{Tessellation, rest_samples},
     volume::{Volume, VolumeOptions},
     wind::Air,
@@ -198,8 +198,11 @@ impl Hair {
         let single = |binding: &StrandBinding| binding.weight_b == 0.0 && binding.weight_c == 0.0;
         let follows = groom.guides.len() >= groom.strands.len() && groom.strands.bindings.iter().all(single);
         let sample_count = if follows { 0 } else { vertex_count.max(groom.strands.vertex_count) };
-        let guides = GuideBuffers::new(device, count(groom.guides.len())?, vertex_count, sample_count)?;
+        let mut guides = GuideBuffers::new(device, count(groom.guides.len())?, vertex_count, sample_count)?;
         let strands = StrandBuffers::new(device, count(groom.strands.len())?, groom.strands.vertex_count)?;
+
+        let scratch = scratch(device, &guides, &strands, &options.volume)?;
+        guides.forces = scratch.clone();
 
         let traits: Vec<_> = (0..groom.guides.len())
             .map(|i| GuideTraits {
@@ -240,10 +243,11 @@ impl Hair {
         }
 
         let colliders = ColliderSet::new(device, queue, colliders)?;
-        let volume = Volume::new(device, &pipelines.volume, &guides, &rest, &options.volume)?;
+        let volume =
+            Volume::within(device, &pipelines.volume, &guides, &rest, &options.volume, scratch.clone())?;
         let order = Arc::new(lod::guide_order(groom, rest.info, &arranged));
         let lod = Lod::new(device, queue, &pipelines.widths, arranged, &infos, &strands, progress).await?;
-        let mut set = HairSet::new(device, &strands)?;
+        let mut set = HairSet::new(device, &strands)?.within(&scratch);
         set.area = lod.area();
         let (avoid, clearance) = (options.avoid, options.clearance);
         let avoidance = Avoidance::new(device, queue, &pipelines.avoid, avoid, clearance, &guides, &strands)?;
@@ -499,6 +503,18 @@ fn interpolation(
     } else {
         Interpolation::new(device, &pipelines.interpolate, guides, strands)
     }
+}
+
+/// Memory that a groom needs for a while only: in a step the cells of its grid, then the forces on its guides; in a picture
+/// the knots of its shading. None of them is read after another is written, in whatever order heads and views come.
+fn scratch(
+    device: &wgpu::Device,
+    guides: &GuideBuffers,
+    strands: &StrandBuffers,
+    volume: &VolumeOptions,
+) -> Result<wgpu::Buffer> {
+    let knots = knot_bytes([strands.count, strands.vertex_count]);
+    storage::<u8>(device, "scratch of a groom", knots.max(volume.cell_bytes()?).max(guides.forces.size()))
 }
 
 /// The box around the guides at rest: its middle and its longest side, metres.

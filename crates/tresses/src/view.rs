@@ -166,9 +166,8 @@ impl View {
         &self.targets
     }
 
-    /// The shaded colours of `hair` in the last picture: what `light::shade` wrote, four half floats per strand
-    /// vertex, radiance and the radius in millimetres, or, when pixels are shaded, eight bytes of what arrives of
-    /// the light.
+    /// The shaded colours of `hair` in the last picture: what `light::shade` wrote, a word per strand vertex
+    /// ([`light::unpack_radiance`]), or, when pixels are shaded, eight bytes of what arrives of the light.
     pub fn shaded(&self, hair: &HairSet) -> Option<wgpu::Buffer> {
         let shaded = self.lock();
         shaded.iter().find(|(of, _)| of[0] == hair.strands.vertices).map(|(_, shaded)| shaded.colors.clone())
@@ -190,7 +189,9 @@ impl View {
         let shaded = self.lock().iter().find(|(known, _)| known.each_ref() == of).map(|(_, s)| s.clone());
         let shaded = match shaded {
             Some(shaded) => shaded,
-            None => self.shares(device, pipelines, &[hair], &[&self.light])?.remove(0),
+            None => {
+                self.shares(device, pipelines, &[hair], &[&self.light], ShadingRate::PerVertex)?.remove(0)
+            }
         };
         Chosen::new(
             device,
@@ -267,6 +268,7 @@ impl View {
         pipelines: &Pipelines,
         hair: &[&HairSet],
         lights: &[&light::State],
+        rate: ShadingRate,
     ) -> Result<Vec<Arc<Shaded>>> {
         let mut known = self.lock();
         let mut before = std::mem::take(&mut *known);
@@ -275,9 +277,9 @@ impl View {
             // Hair may be drawn twice.
             let again = || known.iter().find(|(known, _)| *known == of).map(|(_, shaded)| shaded.clone());
             let kept = before.iter().position(|(other, _)| *other == of).map(|i| before.swap_remove(i).1);
-            let shaded = match kept.or_else(again) {
+            let shaded = match kept.or_else(again).filter(|shaded| shaded.holds(set, rate)) {
                 Some(shaded) => shaded,
-                None => Arc::new(Shaded::new(device, &pipelines.light, light, &self.camera, set)?),
+                None => Arc::new(Shaded::new(device, &pipelines.light, light, &self.camera, set, rate)?),
             };
             known.push((of, shaded.clone()));
             Ok(shaded)

@@ -4,9 +4,25 @@ use super::{FieldVolume, ShapeData};
 use crate::{Error, Result};
 use glam::{UVec3, Vec3};
 
-/// Where the tiles of `sizes` lie, and the size of the whole: rows along x, layers of rows along y, stacked
-/// along z, about as wide as high.
+/// Where the tiles of `sizes` lie, and the size of the whole: stacked along whichever axis wastes least.
 pub(super) fn pack(sizes: &[UVec3]) -> (Vec<UVec3>, UVec3) {
+    const TURNS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+    let turned = |[x, y, z]: [usize; 3]| {
+        let there = |v: &UVec3| UVec3::new(v[x], v[y], v[z]);
+        let back = |v: UVec3| {
+            let mut turned = UVec3::ZERO;
+            (turned[x], turned[y], turned[z]) = (v.x, v.y, v.z);
+            turned
+        };
+        let (tiles, whole) = stack(&sizes.iter().map(there).collect::<Vec<_>>());
+        (tiles.into_iter().map(back).collect(), back(whole))
+    };
+    let ways = TURNS.into_iter().map(turned);
+    ways.min_by_key(|(_, whole)| whole.as_u64vec3().element_product()).unwrap_or_default()
+}
+
+/// The same in rows along x, layers of rows along y, stacked along z, about as wide as high.
+fn stack(sizes: &[UVec3]) -> (Vec<UVec3>, UVec3) {
     let volume: f64 = sizes.iter().map(|s| s.as_dvec3().element_product()).sum();
     let most = |axis: usize| sizes.iter().map(|s| s[axis]).max().unwrap_or(1);
     let side = volume.cbrt().ceil() as u32;
@@ -122,6 +138,9 @@ mod tests {
         let used: u64 = sizes.iter().map(|s| s.as_u64vec3().element_product()).sum();
         assert!(whole.as_u64vec3().element_product() < 3 * used, "{whole}");
         assert_eq!(pack(&[]).1, UVec3::ONE);
+        // The built-in character's.
+        let parts = [UVec3::new(50, 59, 47), UVec3::new(82, 32, 46), UVec3::new(86, 46, 41)];
+        assert!(pack(&parts).1.element_product() * 10 < stack(&parts).1.element_product() * 9);
         assert_eq!(pack(&[UVec3::new(71, 96, 80)]), (vec![UVec3::ZERO], UVec3::new(71, 96, 80)));
     }
 }

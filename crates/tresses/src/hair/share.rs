@@ -4,7 +4,7 @@
 //! |---|---|
 //! | where guides rest; bindings and rest curves of strands; tables of levels, measured once | where guides are; their samples |
 //! | the fields of the collider atlas | poses of colliders |
-//! | the cells in which hair meets hair, whose content no step leaves to the next | where obstacles are in them, density at rest |
+//! | the grids in which hair meets hair, forces on guides and knots of shading, of which nothing is left for later | where obstacles are in them, density at rest |
 //! | index lists; tables of fibres, while their fibres are alike | material, level of detail, drawn vertices |
 //!
 //! A head that shares has room for the strands that its level draws, not for all: drawn vertices, their colours and the

@@ -29,7 +29,7 @@ impl Chosen {
         seen: wgpu::BindingResource<'_>,
     ) -> Result<Self> {
         // As many knots as there are room for.
-        let most = 1 + shaded.knots.size() / 16;
+        let most = 1 + shaded.most_knots;
         let lists =
             [storage::<u32>(device, "chosen knots", most)?, storage::<u32>(device, "chosen spans", most)?];
         let workgroups = device.create_buffer(&wgpu::BufferDescriptor {

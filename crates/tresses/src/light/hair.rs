@@ -3,12 +3,12 @@
 use super::{
     Pipelines, State,
     fiber::FiberTables,
-    material::{HairMaterial, HairUniform, ShadingModel},
+    material::{HairMaterial, HairUniform, ShadingModel, ShadingRate},
 };
 use crate::{
     Error, Result,
     gpu::bindings,
-    strands::{Drawn, StrandBuffers, buffers::storage, indices::Chunks},
+    strands::{Drawn, Room, StrandBuffers, buffers::storage, indices::Chunks},
 };
 use glam::Vec3;
 use std::{
@@ -36,6 +36,8 @@ pub struct HairSet {
     pub(crate) spans: [u32; 2],
     /// Those of other heads too, as long as their fibres are alike.
     fiber: Mutex<Arc<FiberTables>>,
+    /// Memory in which the knots of every view may lie, since nobody needs them once a groom is shaded.
+    scratch: Option<wgpu::Buffer>,
 }
 
 /// What is supposed of a strand whose size nobody has said: 80 µm by 20 cm.
@@ -64,9 +66,15 @@ impl HairSet {
             splat: [1; 2],
             spans: [1; 2],
             fiber: Mutex::new(Arc::new(FiberTables::new(device))),
+            scratch: None,
         };
         set.show(device, &strands.drawn);
         Ok(set)
+    }
+
+    /// The same, whose knots lie in `scratch` while it is shaded, where there is room for them.
+    pub(crate) fn within(self, scratch: &wgpu::Buffer) -> Self {
+        Self { scratch: Some(scratch.clone()), ..self }
     }
 
     /// Of another head with the same groom, whose own strands are `strands`: what depends on the groom and on its fibres
@@ -76,6 +84,7 @@ impl HairSet {
             strands: strands.clone(),
             strips: self.strips.clone(),
             fiber: Mutex::new(self.fiber().clone()),
+            scratch: self.scratch.clone(),
             ..*self
         };
         set.show(device, &strands.drawn);
@@ -179,12 +188,44 @@ const STRIDE: u32 = 3;
 /// The most spans of a strand: `choose` keeps a bit for each and for the knot behind the last.
 const SPANS: u32 = 31;
 
+/// Words that shading leaves at a vertex.
+fn words_for(rate: ShadingRate) -> u64 {
+    match rate {
+        ShadingRate::PerVertex => 1,
+        ShadingRate::PerPixel => 2,
+    }
+}
+
+/// Bytes of a knot.
+const KNOT: u64 = 8;
+
+/// The most knots of `count` strands of so many vertices, at any level of detail that there is `room` for.
+fn most_knots([count, vertex_count]: [u32; 2], room: &Room) -> u64 {
+    let most = (1..=vertex_count).flat_map(|vertices| {
+        (1..=STRIDE).map(move |of| {
+            let strands = (count / of).min(room.strands).min(room.vertices / vertices.max(1));
+            u64::from(strands) * u64::from(spans(vertices, of)[1] + 1)
+        })
+    });
+    most.max().unwrap_or(2).max(2)
+}
+
+/// Bytes of the knots of `count` strands of so many vertices.
+pub(crate) fn knot_bytes([count, vertex_count]: [u32; 2]) -> u64 {
+    let room = Room { strands: count, vertices: count.saturating_mul(vertex_count) };
+    most_knots([count, vertex_count], &room) * KNOT
+}
+
 /// A groom as one view sees it: its shaded colours, which depend on eye and lights.
 #[derive(Debug)]
 pub struct Shaded {
     pub(crate) uniform: wgpu::Buffer,
     pub(crate) colors: wgpu::Buffer,
     pub(super) knots: wgpu::Buffer,
+    /// For how many knots there is room.
+    pub(super) most_knots: u64,
+    /// Whether they lie in memory of the groom.
+    lent: bool,
     pub(crate) group: wgpu::BindGroup,
     pub(super) shade: wgpu::BindGroup,
     pub(super) splat: wgpu::BindGroup,
@@ -202,17 +243,15 @@ impl Shaded {
         state: &State,
         camera: &wgpu::Buffer,
         hair: &HairSet,
+        rate: ShadingRate,
     ) -> Result<Self> {
         let StrandBuffers { count, vertex_count, vertices, strands, widening, room, .. } = &hair.strands;
-        let colors = storage::<[u32; 2]>(device, "shaded strands", room.vertices.into())?;
-        // At any level of detail that there is room for.
-        let most = (1..=*vertex_count).flat_map(|vertices| {
-            (1..=STRIDE).map(move |of| {
-                let strands = (*count / of).min(room.strands).min(room.vertices / vertices.max(1));
-                u64::from(strands) * u64::from(spans(vertices, of)[1] + 1)
-            })
-        });
-        let knots = storage::<[u32; 4]>(device, "knots of strands", most.max().unwrap_or(2).max(2))?;
+        let words = words_for(rate) * u64::from(room.vertices);
+        let colors = storage::<u32>(device, "shaded strands", words)?;
+        let most_knots = most_knots([*count, *vertex_count], room);
+        let lent = hair.scratch.clone().filter(|scratch| scratch.size() >= most_knots * KNOT);
+        let own = || storage::<u8>(device, "knots of strands", most_knots * KNOT);
+        let (lent, knots) = (lent.is_some(), lent.map_or_else(own, Ok)?);
         let uniform = bindings::uniform(device, "hair", size_of::<HairUniform>());
         let own = [&uniform, vertices, strands, &colors].map(wgpu::Buffer::as_entire_binding);
         let maps = state.maps.hair_buffers();
@@ -227,6 +266,8 @@ impl Shaded {
             uniform,
             colors,
             knots,
+            most_knots,
+            lent,
         })
     }
 
@@ -238,9 +279,14 @@ impl Shaded {
         queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
     }
 
-    /// Bytes of GPU memory.
+    /// Whether it has room for what is left of strands at `rate`.
+    pub(crate) fn holds(&self, hair: &HairSet, rate: ShadingRate) -> bool {
+        self.colors.size() >= 4 * words_for(rate) * u64::from(hair.strands.room.vertices)
+    }
+
+    /// Bytes of GPU memory, without what is the groom's.
     pub fn bytes(&self) -> u64 {
-        self.uniform.size() + self.colors.size() + self.knots.size()
+        self.uniform.size() + self.colors.size() + if self.lent { 0 } else { self.knots.size() }
     }
 }
 

@@ -33,9 +33,9 @@
 //! would be lit by a tenth more), two texels to a column, which takes half the atomic additions of four about each step.
 //!
 //! **Shade**: what arrives of the lights, ambient light and what other fibres scatter vary slowly along a strand and are
-//! evaluated at its *knots*, eight spans or every third vertex (`knots.wesl`, 16 bytes each), up to three times as many
+//! evaluated at its *knots*, eight spans or every third vertex (`knots.wesl`, 8 bytes each), up to three times as many
 //! where strands stand for others at a level of detail; highlights and colours do not: `shade.wesl` adds them vertex by
-//! vertex. Eight bytes per vertex. With [`Chosen`] only what is seen is shaded: `choose.wesl` lists knots and spans, and
+//! vertex. Four bytes per vertex ([`radiance`]). With [`Chosen`] only what is seen is shaded: `choose.wesl` lists knots and spans, and
 //! both kernels run over the lists. Where shading is per pixel, `arrive.wesl` looks up the shadows of every vertex instead.
 //!
 //! **Shading** (`shading.wesl`): two models, chosen by [`ShadingModel`], from the same fibre, eye, light and
@@ -65,6 +65,7 @@ pub mod lights;
 pub mod material;
 mod pipelines;
 pub mod probe;
+pub mod radiance;
 pub mod shadow;
 pub mod shadows;
 pub mod state;
@@ -81,6 +82,7 @@ pub use material::{FiberMaterial, HairMaterial, ShadingModel, ShadingRate};
 pub(crate) use pipelines::FRAME;
 pub use pipelines::Pipelines;
 pub use probe::{Shadow, ShadowProbe};
+pub use radiance::unpack_radiance;
 pub use shadow::ShadowMaps;
 pub use shadows::{ShadowMethod, Shadows};
 pub(crate) use state::Lit;

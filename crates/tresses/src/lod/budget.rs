@@ -108,9 +108,9 @@ pub struct Held<'a> {
 
 impl Held<'_> {
     /// For each vertex that tiles draw: points, lists, colours and shading.
-    pub const BY_TILES: u64 = 71;
+    pub const BY_TILES: u64 = 63;
     /// For each vertex of strips: its colours.
-    pub const BY_STRIPS: u64 = 8;
+    pub const BY_STRIPS: u64 = 4;
 }
 
 /// The most octaves by which the bias changes in a frame.

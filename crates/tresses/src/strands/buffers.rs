@@ -25,7 +25,8 @@ pub struct GuideBuffers {
     pub current: wgpu::Buffer,
     /// Velocity after the last step, metres per second, by [`pack_velocity`](super::guide::pack_velocity).
     pub velocity: wgpu::Buffer,
-    /// [`GuideForce`]: what acts from outside in the next step.
+    /// [`GuideForce`]: what acts from outside in the next step. Nobody needs it between steps: a groom's
+    /// [scratch](crate::Hair) may lie in the same memory, and be larger.
     pub forces: wgpu::Buffer,
     /// [`GuideSample`], indexed `guide * sample_count + sample`.
     pub samples: wgpu::Buffer,
@@ -201,7 +202,8 @@ impl GuideBuffers {
         })
     }
 
-    /// Of another head with the same groom: where guides rest is shared, where they are is its own.
+    /// Of another head with the same groom: where guides rest is shared, and what nobody needs between steps; where they are
+    /// is its own.
     ///
     /// # Errors
     /// [`Error::Limit`].
@@ -217,7 +219,7 @@ impl GuideBuffers {
             rest: self.rest.clone(),
             current: like("guide current", &self.current)?,
             velocity: like("guide velocity", &self.velocity)?,
-            forces: like("guide forces", &self.forces)?,
+            forces: self.forces.clone(),
             samples,
             roots: storage::<RootMotion>(device, "guide roots", 1)?,
             ..*self
@@ -226,7 +228,7 @@ impl GuideBuffers {
 
     /// Bytes of GPU memory that heads share.
     pub(crate) fn shared_bytes(&self) -> u64 {
-        self.info.size() + self.rest.size()
+        self.info.size() + self.rest.size() + self.forces.size()
     }
 
     /// Points of a line that shows a guide: its samples, or else its vertices.

@@ -21,8 +21,8 @@ impl Pipelines {
     /// Builds the pipelines.
     pub fn new(device: &wgpu::Device) -> Self {
         use Binding::{
-            Storage as Read, StorageMut as Write, Texels3d, Uniform as Always, UniformDynamic as Uniform,
-            Words3d, Write3d, WriteFull3d, WriteWords3d,
+            Storage as Read, StorageMut as Write, Uniform as Always, UniformDynamic as Uniform, Words3d,
+            Write3d, WriteWords3d,
         };
         let kernel = |name, entries: &[Binding]| Kernel::new(device, name, entries);
         let colliders = collide::layout(device);
@@ -32,8 +32,8 @@ impl Pipelines {
             sum: kernel("volume::sum", &[Uniform, Write, Read, WriteWords3d]),
             blur: ["volume::blur_x", "volume::blur_y"]
                 .map(|name| kernel(name, &[Uniform, Always, Words3d, WriteWords3d])),
-            density: kernel("volume::density", &[Uniform, Always, Words3d, Write, WriteFull3d, Write3d]),
-            push: kernel("volume::push", &[Uniform, Texels3d, Write3d]),
+            density: kernel("volume::density", &[Uniform, Always, Words3d, Write, WriteWords3d, Write3d]),
+            push: kernel("volume::push", &[Uniform, Words3d, Write3d]),
             settle: kernel("volume::settle", &[Uniform, Read, Read, Write, Read]),
         }
     }

@@ -36,6 +36,25 @@ impl Default for VolumeOptions {
     }
 }
 
+impl VolumeOptions {
+    /// How many cells there are.
+    fn cells(&self) -> Result<u32> {
+        if !(8..=96).contains(&self.resolution) {
+            return Err(Error::Parameter {
+                name: "grid resolution",
+                value: self.resolution.to_string(),
+                range: "from 8 to 96 cells",
+            });
+        }
+        Ok(self.resolution.pow(3))
+    }
+
+    /// Bytes that the hair of a step is splatted into.
+    pub(crate) fn cell_bytes(&self) -> Result<u64> {
+        Ok(u64::from(self.cells()?) * CHANNELS * size_of::<i32>() as u64)
+    }
+}
+
 /// The grid of one groom.
 #[derive(Debug)]
 pub struct Volume {
@@ -51,12 +70,14 @@ pub struct Volume {
     pub push: wgpu::TextureView,
     uniforms: wgpu::Buffer,
     pub(super) cells: wgpu::Buffer,
+    /// Whether the cells lie in memory that others use between steps.
+    lent: bool,
     obstacles: wgpu::Buffer,
     rest: wgpu::Buffer,
     blur: wgpu::Buffer,
     rested: wgpu::Buffer,
-    /// The rest of the textures: sums, twice, and density.
-    scratch: [wgpu::TextureView; 3],
+    /// The rest of the textures: sums, twice; the second also holds densities.
+    scratch: [wgpu::TextureView; 2],
     pub(super) groups: Groups,
     /// What does not change from step to step.
     pub(super) base: VolumeUniforms,
@@ -72,7 +93,7 @@ pub struct Volume {
 }
 
 /// What heads share of a grid: their buffers and textures.
-type Scratch<'a> = ([&'a wgpu::Buffer; 4], [&'a wgpu::TextureView; 5]);
+type Scratch<'a> = ([&'a wgpu::Buffer; 4], [&'a wgpu::TextureView; 4]);
 
 #[derive(Debug)]
 pub(super) struct Groups {
@@ -98,31 +119,35 @@ impl Volume {
         rest: &RestGuides,
         options: &VolumeOptions,
     ) -> Result<Self> {
+        let cells = storage::<i32>(device, "volume cells", u64::from(options.cells()?) * CHANNELS)?;
+        Ok(Self { lent: false, ..Self::within(device, pipelines, guides, rest, options, cells)? })
+    }
+
+    /// The same in cells that others use between steps: [`clear`](Self::clear) belongs before each.
+    pub(crate) fn within(
+        device: &wgpu::Device,
+        pipelines: &Pipelines,
+        guides: &GuideBuffers,
+        rest: &RestGuides,
+        options: &VolumeOptions,
+        cells: wgpu::Buffer,
+    ) -> Result<Self> {
         let VolumeOptions { resolution, most_splatted } = *options;
-        if !(8..=96).contains(&resolution) {
-            return Err(Error::Parameter {
-                name: "grid resolution",
-                value: resolution.to_string(),
-                range: "from 8 to 96 cells",
-            });
-        }
+        let n = u64::from(options.cells()?);
         let grid = Grid::around(rest.rest.iter().map(|r| r.position), resolution);
-        let n = u64::from(resolution).pow(3);
         let vertices = u64::from(guides.count) * u64::from(guides.vertex_count);
         let texture = |label, format| grid_texture(device, label, format, [resolution; 3]);
-        use wgpu::TextureFormat::{Rgba16Float, Rgba32Float, Rgba32Uint};
+        use wgpu::TextureFormat::{Rgba16Float, Rgba32Uint};
         let (hair_texture, hair) = texture("volume hair", Rgba16Float);
         let (push_texture, push) = texture("volume push", Rgba16Float);
         let [(_, first), (_, second)] =
             [texture("volume sums a", Rgba32Uint), texture("volume sums b", Rgba32Uint)];
-        let (_, dense) = texture("volume density", Rgba32Float);
         let uniforms = bindings::uniform(device, "volume steps", (STRIDE * (MAX_STEPS + 1)) as usize);
-        let cells = storage::<i32>(device, "volume cells", n * CHANNELS)?;
         let obstacles = storage::<f32>(device, "volume obstacles", n)?;
         let rest_density = storage::<f32>(device, "volume rest", n)?;
         let blur = bindings::uniform(device, "volume blur", size_of::<Blur>());
         let rested = storage::<f32>(device, "volume rested", vertices)?;
-        let shared = ([&cells, &obstacles, &rest_density, &rested], [&hair, &push, &first, &second, &dense]);
+        let shared = ([&cells, &obstacles, &rest_density, &rested], [&hair, &push, &first, &second]);
         let groups = groups(device, pipelines, guides, [&uniforms, &blur], shared);
         let base = VolumeUniforms::of(&grid, guides, rest, most_splatted.max(1));
         Ok(Self {
@@ -133,11 +158,12 @@ impl Volume {
             push,
             uniforms,
             cells,
+            lent: true,
             obstacles,
             rest: rest_density,
             blur,
             rested,
-            scratch: [first, second, dense],
+            scratch: [first, second],
             groups,
             base,
             modes: Vec::new(),
@@ -167,9 +193,8 @@ impl Volume {
         let rested = like("volume rested", &self.rested)?;
         let uniforms = bindings::uniform(device, "volume steps", (STRIDE * (MAX_STEPS + 1)) as usize);
         let blur = bindings::uniform(device, "volume blur", size_of::<Blur>());
-        let [first, second, dense] = &self.scratch;
-        let shared =
-            ([&self.cells, &obstacles, &rest, &rested], [&self.hair, &self.push, first, second, dense]);
+        let [first, second] = &self.scratch;
+        let shared = ([&self.cells, &obstacles, &rest, &rested], [&self.hair, &self.push, first, second]);
         Ok(Self {
             groups: groups(device, pipelines, guides, [&uniforms, &blur], shared),
             grid: self.grid,
@@ -179,6 +204,7 @@ impl Volume {
             push: self.push.clone(),
             uniforms,
             cells: self.cells.clone(),
+            lent: self.lent,
             obstacles,
             rest,
             blur,
@@ -199,12 +225,21 @@ impl Volume {
         self.bytes() - own.iter().map(|buffer| buffer.size()).sum::<u64>()
     }
 
-    /// Bytes of GPU memory.
+    /// Bytes of GPU memory, without cells that are lent.
     pub fn bytes(&self) -> u64 {
-        let buffers = [&self.uniforms, &self.cells, &self.obstacles, &self.rest, &self.blur, &self.rested];
-        // Hair and push, twice the sums, the density.
-        let texels = (2 * 8 + 2 * 16 + 16) * u64::from(self.grid.resolution).pow(3);
-        buffers.iter().map(|buffer| buffer.size()).sum::<u64>() + texels
+        let buffers = [&self.uniforms, &self.obstacles, &self.rest, &self.blur, &self.rested];
+        // Hair and push, twice the sums.
+        let texels = (2 * 8 + 2 * 16) * u64::from(self.grid.resolution).pow(3);
+        let cells = if self.lent { 0 } else { self.cells.size() };
+        buffers.iter().map(|buffer| buffer.size()).sum::<u64>() + cells + texels
+    }
+
+    /// Empties cells that others have used since the last step; before a step, outside of passes.
+    pub(crate) fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
+        if self.lent {
+            let bytes = u64::from(self.grid.resolution).pow(3) * CHANNELS * size_of::<i32>() as u64;
+            crate::gpu::pass::clear(encoder, &self.cells, Some(bytes));
+        }
     }
 
     /// Mean density of the groom, weighted by hair, km/m³.
@@ -353,7 +388,7 @@ fn groups(
     pipelines: &Pipelines,
     guides: &GuideBuffers,
     [uniforms, blur]: [&wgpu::Buffer; 2],
-    ([cells, obstacles, rest, rested], [hair, push, first, second, dense]): Scratch<'_>,
+    ([cells, obstacles, rest, rested], [hair, push, first, second]): Scratch<'_>,
 ) -> Groups {
     let step = || slot(uniforms);
     let view = wgpu::BindingResource::TextureView;
@@ -386,11 +421,11 @@ fn groups(
                 blur.as_entire_binding(),
                 view(first),
                 rest.as_entire_binding(),
-                view(dense),
+                view(second),
                 view(hair),
             ],
         ),
-        push: pipelines.push.bind(device, &[step(), view(dense), view(push)]),
+        push: pipelines.push.bind(device, &[step(), view(second), view(push)]),
         settle: pipelines.settle.bind(
             device,
             &[

@@ -11,6 +11,7 @@ use tresses::{
         Directional, Environment, FiberMaterial, HairMaterial, HairSet, Lights, MAX_LIGHTS, ShadingModel,
         ShadowMethod, Shadows, Sky, Sphere,
         fiber::{FarField, FiberShape, bsdf},
+        unpack_radiance,
     },
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
     view::{Picture, ViewOptions},
@@ -159,10 +160,8 @@ fn on_gpu(gpu: &Gpu, view: &View1, material: FiberMaterial) -> Vec<Vec3> {
         ..Default::default()
     };
     common::picture(gpu, (pipelines, &eye), &picture, &[&hair], &[]);
-    let shaded: Vec<[u32; 2]> =
-        readback::buffer(device, queue, &eye.shaded(&hair).unwrap()).expect("read back");
-    let half = |bits: u32| half::f16::from_bits(bits as u16).to_f32();
-    shaded.iter().step_by(2).map(|[rg, b]| Vec3::new(half(*rg), half(rg >> 16), half(*b))).collect()
+    let shaded: Vec<u32> = readback::buffer(device, queue, &eye.shaded(&hair).unwrap()).expect("read back");
+    shaded.into_iter().step_by(2).map(unpack_radiance).collect()
 }
 
 /// Only the fibre itself, without what hair around it would throw back.
@@ -255,9 +254,8 @@ fn upright(gpu: &Gpu, places: &[Vec3], density_back: f32, strand_by_strand: f32)
     let options = ViewOptions { samples: 1, shadow_resolution: 256, ..Default::default() };
     let eye = View::new(device, pipelines, &options, [16, 16], 1).expect("fits");
     common::picture(gpu, (pipelines, &eye), &picture, &[&hair], &[]);
-    let shaded: Vec<[u32; 2]> =
-        readback::buffer(device, queue, &eye.shaded(&hair).unwrap()).expect("read back");
-    shaded.iter().map(|[rg, _]| half::f16::from_bits((rg >> 16) as u16).to_f32()).collect()
+    let shaded: Vec<u32> = readback::buffer(device, queue, &eye.shaded(&hair).unwrap()).expect("read back");
+    shaded.into_iter().map(|word| unpack_radiance(word).y).collect()
 }
 
 /// So many strands before each other over a width of 10 cm and a depth of 6 that a ray meets `fibers` of them; the

@@ -28,6 +28,7 @@ mod physics;
 mod pipelines;
 mod pipelines_draw;
 mod present;
+mod radiance;
 mod roots;
 mod second_driver;
 mod shadows;

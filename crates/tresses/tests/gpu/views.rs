@@ -2,7 +2,6 @@
 
 use crate::common;
 
-use half::f16;
 use tresses::{
     Camera, Hair, HairOptions, Pose, View,
     body::Body,
@@ -11,7 +10,7 @@ use tresses::{
     glam::Vec3,
     gpu::{Gpu, readback},
     groom::{BindOptions, bind},
-    light::{Lights, ShadingModel, Sphere, Term},
+    light::{Lights, ShadingModel, Sphere, Term, unpack_radiance},
     simulate::SimulationParams,
     view::{Picture, ViewOptions},
     views::{DebugView, DebugViews, Shown},
@@ -68,8 +67,8 @@ impl Setup {
         let sight = Sight { shows, ..Sight::new(&self.view, &self.scene) };
         common::submit(|recorder| recorder.draw(&[&self.hair], &[&self.body], sight));
         let shaded = self.view.shaded(&self.hair.set).unwrap();
-        let shaded: Vec<[f16; 4]> = pollster::block_on(readback::buffer(device, queue, &shaded)).unwrap();
-        let colors = shaded.iter().map(|v| Vec3::new(v[0].to_f32(), v[1].to_f32(), v[2].to_f32())).collect();
+        let shaded: Vec<u32> = pollster::block_on(readback::buffer(device, queue, &shaded)).unwrap();
+        let colors = shaded.into_iter().map(unpack_radiance).collect();
         (pollster::block_on(self.view.targets().read(device, queue)).unwrap(), colors)
     }
 
@@ -116,7 +115,7 @@ fn terms_add_up() {
         let whole = off(&sum(&[direct, sky]), &all);
         let parts = off(&sum(&[reflection, transmission, inner, multiple]), direct);
         println!("{model:?}: direct and sky off by {whole:.1e}, lobes by {parts:.1e}");
-        assert!(whole < 2e-3 && parts < 2e-3, "{model:?}: {whole} {parts}");
+        assert!(whole < 4e-3 && parts < 4e-3, "{model:?}: {whole} {parts}");
         // A term that is missing is seen, whichever it is.
         for missing in 0..4 {
             let rest: Vec<_> = (0..4).filter(|i| *i != missing).map(|i| terms[i].as_slice()).collect();

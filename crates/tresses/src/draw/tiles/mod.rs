@@ -54,8 +54,6 @@
 pub mod geometry;
 mod pipelines;
 pub mod state;
-#[cfg(test)]
-mod tests;
 mod texels;
 
 pub(crate) use pipelines::Pipelines;

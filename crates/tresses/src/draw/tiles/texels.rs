@@ -85,12 +85,6 @@ impl Texels {
         wgpu::BindingResource::TextureView(&self.view)
     }
 
-    /// Its bytes.
-    #[cfg(test)]
-    pub async fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<u8>> {
-        crate::gpu::readback::texture(device, queue, &self.texture).await
-    }
-
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
         pass::bytes(&self.texture)

@@ -6,7 +6,7 @@ use tresses::{
     draw::Coverage,
     glam::{DVec2, DVec3, Vec3},
     gpu::readback::blocking as readback,
-    light::{HairMaterial, HairSet, ShadingModel, ShadingRate, Sphere},
+    light::{HairMaterial, HairSet, ShadingModel, ShadingRate, Sphere, unpack_radiance},
     math::hash::pcg,
     present::Background,
     view::Picture,
@@ -181,14 +181,9 @@ fn more_layers_come_nearer_to_sorted_strands() {
         let picture = studio.picture(&scene, &hair);
         if exact.is_empty() {
             // What each end of each strand looks like is not what is tested here.
-            let shaded: Vec<half::f16> =
-                readback::buffer::<u16>(&gpu.device, &gpu.queue, &studio.shaded(&hair))
-                    .expect("values")
-                    .into_iter()
-                    .map(half::f16::from_bits)
-                    .collect();
-            let colors: Vec<_> =
-                shaded.chunks(4).map(|v| DVec3::new(v[0].to_f64(), v[1].to_f64(), v[2].to_f64())).collect();
+            let shaded: Vec<u32> =
+                readback::buffer(&gpu.device, &gpu.queue, &studio.shaded(&hair)).expect("values");
+            let colors: Vec<_> = shaded.into_iter().map(|word| unpack_radiance(word).as_dvec3()).collect();
             let brightest = colors.iter().map(|c| c.max_element()).fold(0.0, f64::max);
             assert!((0.2..0.98).contains(&brightest), "{brightest}");
             let (pixels, most) = sorted(&groom, &colors);
