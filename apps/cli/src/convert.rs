@@ -14,12 +14,12 @@ use crate::{
     orient_args::{MomentArgs, OrientArgs},
 };
 
-/// Convert grooms to .hair, .tfx, .obj, .abc or .usda, in metres, Y up, face towards +Z.
+/// Convert grooms to .hair, .tfx, .obj, .data, .ply, .abc or .usda, in metres, Y up, face towards +Z.
 #[derive(clap::Args)]
 #[command(override_usage = "tresses convert [OPTIONS] <IN>... <OUT>")]
 pub struct Args {
-    /// Groom files (.tfx, .hair, .obj, .abc), several are joined; the last one is the file to write, whose
-    /// extension (.hair, .tfx, .obj, .abc, .usda) decides the format.
+    /// Groom files (.tfx, .hair, .obj, .data, .ply, .abc), several are joined; the last one is the file to write, whose
+    /// extension (.hair, .tfx, .obj, .data, .ply, .abc, .usda) decides the format.
     // One list, since two would forbid options between them.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,

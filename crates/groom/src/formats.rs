@@ -3,13 +3,16 @@
 use std::path::Path;
 
 /// Grooms, read. An `.obj` is one when it has lines.
-pub const GROOMS: &[&str] =
-    if cfg!(feature = "alembic") { &["tfx", "hair", "obj", "abc"] } else { &["tfx", "hair", "obj"] };
+pub const GROOMS: &[&str] = if cfg!(feature = "alembic") {
+    &["tfx", "hair", "obj", "data", "ply", "abc"]
+} else {
+    &["tfx", "hair", "obj", "data", "ply"]
+};
 /// Grooms, written.
 pub const WRITTEN: &[&str] = if cfg!(feature = "alembic") {
-    &["tfx", "hair", "obj", "abc", "usda"]
+    &["tfx", "hair", "obj", "data", "ply", "abc", "usda"]
 } else {
-    &["tfx", "hair", "obj", "usda"]
+    &["tfx", "hair", "obj", "data", "ply", "usda"]
 };
 /// Heads and other meshes, read. An `.obj` is one when it has faces, an `.abc` when it has no curves.
 pub const MESHES: &[&str] = if cfg!(feature = "alembic") {

@@ -1,15 +1,18 @@
-//! Writers: `.hair`, `.tfx` version 4, OBJ polylines, Alembic and USD (text) for strands, GLB for bodies.
+//! Writers: `.hair`, `.tfx` version 4, OBJ polylines, `.data`, PLY lines, Alembic and USD (text) for strands, GLB for
+//! bodies.
 //!
 //! Reading a written file back gives the same strands, bit for bit; what a format cannot hold is listed in
 //! [`Encoded::notes`]. A groom in metres, Y up, face +Z is marked as such in the file, so that nothing
-//! needs to be guessed later.
+//! needs to be guessed later; only `.data` has no place for that.
 
 #[cfg(feature = "alembic")]
 pub mod abc;
+mod data;
 #[cfg(feature = "gltf")]
 pub mod glb;
 mod hair;
 mod obj_lines;
+mod ply;
 mod tfx;
 mod usda;
 
@@ -31,6 +34,10 @@ pub enum Format {
     Tfx,
     /// OBJ polylines: positions.
     Obj,
+    /// Strands as USC-HairSalon has them: positions.
+    Data,
+    /// PLY lines: positions, widths.
+    Ply,
     /// Alembic: positions, widths, colours, scalp texture coordinates, guides, groups.
     #[cfg(feature = "alembic")]
     Abc,
@@ -45,6 +52,8 @@ impl Format {
             "hair" => Ok(Self::Hair),
             "tfx" => Ok(Self::Tfx),
             "obj" => Ok(Self::Obj),
+            "data" => Ok(Self::Data),
+            "ply" => Ok(Self::Ply),
             #[cfg(feature = "alembic")]
             "abc" => Ok(Self::Abc),
             "usda" => Ok(Self::Usda),
@@ -91,6 +100,8 @@ pub fn encode(strands: &Strands, format: Format, oriented: bool) -> Result<Encod
         Format::Hair => hair::encode(strands, oriented),
         Format::Tfx => tfx::encode(strands, oriented),
         Format::Obj => Ok(obj_lines::encode(strands, oriented)),
+        Format::Data => data::encode(strands, oriented),
+        Format::Ply => Ok(ply::encode(strands, oriented)),
         #[cfg(feature = "alembic")]
         Format::Abc => abc::encode(strands, abc::Options { oriented, ..Default::default() }),
         Format::Usda => Ok(usda::encode(strands, oriented.then_some(Unit(1.0)))),

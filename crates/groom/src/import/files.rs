@@ -59,7 +59,7 @@ impl<'a> Source<'a> {
 /// What a file is, as its name and its first lines have it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Strands: `.tfx`, `.hair`, or `.obj` with line elements.
+    /// Strands: `.tfx`, `.hair`, `.data`, `.ply`, or `.obj` with line elements.
     Groom,
     /// A mesh: `.gltf`, `.glb`, `.tfxmesh`, or `.obj` with faces.
     Mesh,

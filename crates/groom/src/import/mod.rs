@@ -9,11 +9,13 @@
 mod abc;
 #[cfg(feature = "alembic")]
 mod basis;
+mod data;
 mod files;
 mod hair;
 mod join;
 pub mod mesh;
 mod obj_lines;
+mod ply;
 mod source;
 mod tfx_binary;
 mod tfx_text;
@@ -396,6 +398,8 @@ pub(crate) fn parse_at(path: &Path, bytes: &[u8], lenient: bool, moment: Moment)
         "tfx" => tfx_binary::read(&source)?,
         "hair" => hair::read(&source)?,
         "obj" => obj_lines::read(&source)?,
+        "data" => data::read(&source)?,
+        "ply" => ply::read(&source)?,
         #[cfg(feature = "alembic")]
         "abc" => abc::read(&source, moment)?,
         mesh if formats::MESHES.contains(&mesh) => {

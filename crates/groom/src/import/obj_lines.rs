@@ -70,7 +70,7 @@ fn index(source: &Source, line: u64, word: &str, so_far: usize) -> Result<usize>
 
 /// Joins elements end to end. An element of more than two vertices keeps its direction; where all
 /// have two, a strand starts at its end with the lower index.
-fn chain(elements: Vec<Vec<usize>>, vertices: usize) -> Vec<Vec<usize>> {
+pub(super) fn chain(elements: Vec<Vec<usize>>, vertices: usize) -> Vec<Vec<usize>> {
     let mut ends: Vec<Vec<usize>> = vec![Vec::new(); vertices];
     for (i, e) in elements.iter().enumerate() {
         for end in [e[0], e[e.len() - 1]] {

@@ -47,9 +47,28 @@ fn files(groom: &Strands) -> Vec<(&'static str, Vec<u8>)> {
         ("a.hair", encoded(Format::Hair)),
         ("a.tfx", encoded(Format::Tfx)),
         ("a.obj", encoded(Format::Obj)),
+        ("a.data", encoded(Format::Data)),
+        ("a.ply", encoded(Format::Ply)),
+        ("b.ply", ply_text(groom).into_bytes()),
         ("b.tfx", tfx3(groom)),
         ("c.tfx", tfx2(groom).into_bytes()),
     ]
+}
+
+/// What others write: text, faces of no use, colours, numbers of several types, edges in no order.
+fn ply_text(groom: &Strands) -> String {
+    let (vertices, strands) = (groom.positions.len(), groom.len());
+    let edges = vertices - strands;
+    let mut text = format!(
+        "ply\r\nformat ascii 1.0\nelement vertex {vertices}\nproperty uchar red\nproperty double z\nproperty float x\nproperty float y\nelement face 1\nproperty list uchar int vertex_indices\nelement edge {edges}\nproperty int vertex2\nproperty uint vertex1\nend_header\n"
+    );
+    groom.positions.iter().for_each(|p| text += &format!("255 {} {} {}\n", p.z, p.x, p.y));
+    text += "3 0 1 0\n";
+    for i in (0..strands).rev() {
+        let range = groom.range(i);
+        (range.start + 1..range.end).for_each(|v| text += &format!("{v} {}\n", v - 1));
+    }
+    text
 }
 
 fn tfx3(groom: &Strands) -> Vec<u8> {
@@ -107,16 +126,25 @@ proptest! {
 
     #[test]
     fn written_grooms_read_back_bit_for_bit(groom in grooms()) {
-        for (format, name) in [(Format::Hair, "a.hair"), (Format::Tfx, "a.tfx"), (Format::Obj, "a.obj")] {
+        let formats = [
+            (Format::Hair, "a.hair"),
+            (Format::Tfx, "a.tfx"),
+            (Format::Obj, "a.obj"),
+            (Format::Data, "a.data"),
+            (Format::Ply, "a.ply"),
+        ];
+        for (format, name) in formats {
             let bytes = encode(&groom, format, true).unwrap().bytes;
             let raw = parse(Path::new(name), &bytes, false).unwrap();
-            prop_assert_eq!(raw.declared, orient::Choice::METRES);
+            if format != Format::Data {
+                prop_assert_eq!(raw.declared, orient::Choice::METRES);
+            }
             let mut back = raw.strands;
             let mut expected = groom.clone();
-            if format != Format::Hair {
+            if !matches!(format, Format::Hair | Format::Ply) {
                 expected.radii.clear();
             }
-            if format == Format::Obj {
+            if !matches!(format, Format::Hair | Format::Tfx) {
                 expected.colors.clear();
             }
             if format != Format::Tfx {
@@ -142,6 +170,9 @@ proptest! {
         prop_assert_eq!(&text.offsets, &groom.offsets);
         prop_assert_eq!(text.tip_pinned.len(), if groom.tip_pinned.is_empty() { 0 } else { groom.len() });
         prop_assert_eq!(text.root_uvs[0], Vec2::new(0.5, 1.0));
+        let lines = parse(Path::new("b.ply"), ply_text(&groom).as_bytes(), false).unwrap().strands;
+        prop_assert_eq!(&lines.positions, &groom.positions);
+        prop_assert_eq!(&lines.offsets, &groom.offsets);
         let three = parse(Path::new("b.tfx"), &tfx3(&groom), false).unwrap().strands;
         prop_assert_eq!(three.strand(0), groom.strand(0));
     }
@@ -152,7 +183,7 @@ proptest! {
             let cut = &bytes[..(bytes.len() as f64 * share) as usize];
             survives(name, cut)?;
             // A text may end early at a number that is shorter but whole.
-            let binary = name == "a.hair" || bytes[0] < 32;
+            let binary = ["a.hair", "a.ply"].contains(&name) || bytes[0] < 32;
             prop_assert!(!binary || parse(Path::new(name), cut, false).is_err(), "{} {}", name, cut.len());
         }
     }
@@ -183,7 +214,7 @@ proptest! {
 
     #[test]
     fn noise_does_no_harm(bytes in prop::collection::vec(any::<u8>(), 0..600)) {
-        for name in ["a.hair", "a.tfx", "a.obj", "a.xyz"] {
+        for name in ["a.hair", "a.tfx", "a.obj", "a.data", "a.ply", "a.xyz"] {
             survives(name, &bytes)?;
         }
     }
@@ -213,6 +244,8 @@ fn not_a_number_is_named_with_its_place() {
         (Format::Hair, "a.hair", "at byte 144"),
         (Format::Tfx, "a.tfx", "at byte 180"),
         (Format::Obj, "a.obj", "at line 3"),
+        (Format::Data, "a.data", "at byte 24"),
+        (Format::Ply, "a.ply", "at byte 206"),
     ] {
         let bytes = encode(&groom, format, false).unwrap().bytes;
         let error = parse(Path::new(name), &bytes, false).err().map(|e| e.to_string()).unwrap_or_default();
@@ -247,6 +280,16 @@ fn the_wrong_kind_of_file_is_told_so() {
     assert!(says("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").contains("head"));
     assert!(says("a.obj", b"v 0 0 0\nl 1 2\n").contains("line 2"));
     assert!(says("a.tfx", b"").contains("empty"));
+    assert!(says("a.data", &[0xff; 8]).contains("below zero"));
+    assert!(says("a.data", &[9, 0, 0, 0, 1, 0, 0, 0]).contains("ends here"));
+    let header = |lines: &str| format!("ply\nformat ascii 1.0\n{lines}end_header\n0 0 0\n");
+    let vertex = "element vertex 1\nproperty float x\nproperty float y\nproperty float z\n";
+    assert!(says("a.ply", b"plot\n").contains("starts with"));
+    assert!(says("a.ply", header(vertex).as_bytes()).contains("points without edges"));
+    assert!(says("a.ply", header(&vertex[..34]).as_bytes()).contains("no y"));
+    let edges = format!("{vertex}element edge 1\nproperty int vertex1\nproperty int vertex2\n");
+    assert!(says("a.ply", (header(&edges) + "0 1\n").as_bytes()).contains("at line 12"));
+    assert!(says("a.ply", header("element edge 9\n").as_bytes()).contains("no properties"));
     assert!(says("a.glb", b"glTF").contains("head"));
 }
 

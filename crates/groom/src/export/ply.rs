@@ -1,0 +1,38 @@
+//! `.ply`, binary; what stands in it is described in `import/ply.rs`.
+
+use std::fmt::Write;
+
+use super::{Encoded, lost, put};
+use crate::{Strands, import::MARK};
+
+pub(super) fn encode(strands: &Strands, oriented: bool) -> Encoded {
+    let edges = strands.iter().map(|strand| strand.len().saturating_sub(1)).sum::<usize>();
+    let mut header = String::from("ply\nformat binary_little_endian 1.0\ncomment Tresses groom\n");
+    // Writing into a string cannot fail.
+    if oriented {
+        let _ = writeln!(header, "comment {MARK}");
+    }
+    let _ = writeln!(header, "element vertex {}", strands.positions.len());
+    for name in ["x", "y", "z", "radius"].iter().take(if strands.radii.is_empty() { 3 } else { 4 }) {
+        let _ = writeln!(header, "property float {name}");
+    }
+    let _ = writeln!(header, "element edge {edges}\nproperty int vertex1\nproperty int vertex2\nend_header");
+    let mut bytes = header.into_bytes();
+    for (i, p) in strands.positions.iter().enumerate() {
+        put(&mut bytes, p.to_array());
+        strands.radii.get(i).into_iter().for_each(|radius| put(&mut bytes, [*radius]));
+    }
+    for i in 0..strands.len() {
+        let range = strands.range(i);
+        for v in range.start..range.end.saturating_sub(1) {
+            bytes.extend([v as u32, v as u32 + 1].iter().flat_map(|end| end.to_le_bytes()));
+        }
+    }
+    let mut notes = Vec::new();
+    lost(&mut notes, strands.iter().any(|strand| strand.len() < 2), "strands of one vertex");
+    lost(&mut notes, !strands.colors.is_empty(), "colours");
+    lost(&mut notes, !strands.root_uvs.is_empty(), "scalp texture coordinates");
+    lost(&mut notes, strands.tip_pinned.contains(&true), "the pinned tips");
+    lost(&mut notes, strands.has_guides(), "the marks of guides");
+    Encoded { bytes, notes }
+}
