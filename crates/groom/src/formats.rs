@@ -3,22 +3,32 @@
 use std::path::Path;
 
 /// Grooms, read. An `.obj` is one when it has lines.
-pub const GROOMS: &[&str] =
-    if cfg!(feature = "alembic") { &["tfx", "hair", "obj", "abc"] } else { &["tfx", "hair", "obj"] };
+pub const GROOMS: &[&str] = match (cfg!(feature = "alembic"), cfg!(feature = "usd")) {
+    (true, true) => &["tfx", "hair", "obj", "abc", "usd", "usda", "usdc", "usdz"],
+    (true, false) => &["tfx", "hair", "obj", "abc"],
+    (false, true) => &["tfx", "hair", "obj", "usd", "usda", "usdc", "usdz"],
+    (false, false) => &["tfx", "hair", "obj"],
+};
 /// Grooms, written.
 pub const WRITTEN: &[&str] = if cfg!(feature = "alembic") {
     &["tfx", "hair", "obj", "abc", "usda"]
 } else {
     &["tfx", "hair", "obj", "usda"]
 };
-/// Heads and other meshes, read. An `.obj` is one when it has faces, an `.abc` when it has no curves.
-pub const MESHES: &[&str] = if cfg!(feature = "alembic") {
-    &["obj", "gltf", "glb", "tfxmesh", "abc"]
-} else {
-    &["obj", "gltf", "glb", "tfxmesh"]
+/// Heads and other meshes, read. An `.obj` is one when it has faces, an `.abc` or `.usd` when it has no curves.
+pub const MESHES: &[&str] = match (cfg!(feature = "alembic"), cfg!(feature = "usd")) {
+    (true, true) => &["obj", "gltf", "glb", "tfxmesh", "abc", "usd", "usda", "usdc", "usdz"],
+    (true, false) => &["obj", "gltf", "glb", "tfxmesh", "abc"],
+    (false, true) => &["obj", "gltf", "glb", "tfxmesh", "usd", "usda", "usdc", "usdz"],
+    (false, false) => &["obj", "gltf", "glb", "tfxmesh"],
 };
 /// Grooms that may move.
-pub const ANIMATED: &[&str] = if cfg!(feature = "alembic") { &["abc"] } else { &[] };
+pub const ANIMATED: &[&str] = match (cfg!(feature = "alembic"), cfg!(feature = "usd")) {
+    (true, true) => &["abc", "usd", "usda", "usdc", "usdz"],
+    (true, false) => &["abc"],
+    (false, true) => &["usd", "usda", "usdc", "usdz"],
+    (false, false) => &[],
+};
 /// What meshes may need beside them.
 pub const COMPANIONS: &[&str] = &["mtl", "bin"];
 

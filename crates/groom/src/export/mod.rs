@@ -13,6 +13,9 @@ mod obj_lines;
 mod tfx;
 mod usda;
 
+#[cfg(feature = "usd")]
+pub(crate) use usda::DOC as USD_DOC;
+
 use std::path::Path;
 
 use super::Strands;
