@@ -235,6 +235,7 @@ fn usd_from_blender_is_upright_and_complete() {
     let particles = info(folder, &["particles.usda", "--head", "particles.usda"]);
     assert_eq!(particles["strands"], 300);
     assert_eq!(particles["groom_placement"]["up"], "z");
+    assert_eq!(particles["groom_placement"]["metres_per_unit"], 1.0, "{particles}");
 }
 
 #[test]

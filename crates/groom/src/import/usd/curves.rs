@@ -170,7 +170,10 @@ impl<'r> Reading<'r> {
             return Ok((all, false));
         }
         let (kind, basis, wrap) = (word("type")?, word("basis")?, word("wrap")?);
-        let pinned = wrap == "pinned";
+        // Its particles are splines that do not say that they begin at their roots.
+        let unsaid = wrap.is_empty() && basis == "bspline" && self.scene.of_blender()?;
+        self.groom.habits.clamped += usize::from(unsaid);
+        let pinned = unsaid || wrap == "pinned";
         let (basis, name) = match (kind.as_str(), basis.as_str()) {
             ("linear", _) => (Basis::Linear, None),
             ("" | "cubic", "" | "bezier") => (Basis::Bezier, Some("Bézier")),

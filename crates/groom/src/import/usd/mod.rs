@@ -81,12 +81,19 @@ impl<'s, 'a> Scene<'s, 'a> {
         Ok(())
     }
 
+    /// A text that is said of the whole scene.
+    fn text(&self, field: &str) -> Result<Option<String>> {
+        Ok(self.say(self.stage.stage_metadata(field))?.as_ref().and_then(value::text))
+    }
+
+    /// Whether Blender wrote it.
+    fn of_blender(&self) -> Result<bool> {
+        Ok(self.text("documentation")?.is_some_and(|doc| doc.starts_with("Blender")))
+    }
+
     /// What is said of unit and axes.
     fn declared(&self) -> Result<Choice> {
-        let text = |field: &str| -> Result<Option<String>> {
-            Ok(self.say(self.stage.stage_metadata(field))?.as_ref().and_then(value::text))
-        };
-        let up = text("upAxis")?.and_then(|axis| match axis.as_str() {
+        let up = self.text("upAxis")?.and_then(|axis| match axis.as_str() {
             "X" => Some(Axis::X),
             "Y" => Some(Axis::Y),
             "Z" => Some(Axis::Z),
@@ -95,7 +102,7 @@ impl<'s, 'a> Scene<'s, 'a> {
         let metres = self.say(self.stage.stage_metadata("metersPerUnit"))?;
         let metres = metres.as_ref().and_then(value::number).map(|metres| metres as f32);
         let unit = metres.filter(|metres| metres.is_finite() && *metres > 0.0).map(Unit);
-        let ours = text("documentation")?.as_deref() == Some(crate::export::USD_DOC);
+        let ours = self.text("documentation")?.as_deref() == Some(crate::export::USD_DOC);
         // What we write says its unit only where it is upright.
         if ours && up == Some(Axis::Y) && unit.is_some() {
             return Ok(Choice { unit, ..Choice::METRES });

@@ -149,6 +149,9 @@ fn every_basis_and_every_place_of_values() {
     assert!((first(bspline) - 1.0).abs() < 1e-6 && (first(catmull) - 1.0).abs() < 1e-6);
     assert!(first(&format!("{bspline}{pinned}")).abs() < 1e-6);
     assert!(first(&format!("{catmull}{pinned}")).abs() < 1e-6);
+    // Blender means hair from root to tip.
+    let blender = format!("( doc = \"Blender v4.2.0\" )\n{}", curves("a", bspline, &[7]));
+    assert!(text(&blender).unwrap().strands.positions[0].x.abs() < 1e-6);
     // Widths at points, at ends of pieces, for curves, for all.
     let widths = |basis: &str, list: &str, kind: &str| {
         let more = format!("{basis} float[] widths = {list} (interpolation = \"{kind}\")");
