@@ -18,7 +18,7 @@ use crate::{
 #[derive(clap::Args)]
 #[command(override_usage = "tresses convert [OPTIONS] <IN>... <OUT>")]
 pub struct Args {
-    /// Groom files (.tfx, .hair, .obj, .data, .ply, .abc), several are joined; the last one is the file to write, whose
+    /// Groom files (.tfx, .hair, .obj, .data, .ply, .abc, .usd), several are joined; the last one is the file to write, whose
     /// extension (.hair, .tfx, .obj, .data, .ply, .abc, .usda) decides the format.
     // One list, since two would forbid options between them.
     #[arg(required = true, value_name = "FILE")]

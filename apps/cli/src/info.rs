@@ -21,10 +21,10 @@ use crate::orient_args::{MomentArgs, OrientArgs};
 /// Report what a groom holds, how it is oriented, and what is odd about it.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Groom files (.tfx, .hair, .obj, .data, .ply, .abc); several are one groom.
+    /// Groom files (.tfx, .hair, .obj, .data, .ply, .abc, .usd); several are one groom.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// The mesh that the groom grows on (.obj, .gltf, .glb, .tfxmesh, .abc); several are one head.
+    /// The mesh that the groom grows on (.obj, .gltf, .glb, .tfxmesh, .abc, .usd); several are one head.
     #[arg(long, value_name = "MESH")]
     head: Vec<PathBuf>,
     /// Print JSON instead of text.

@@ -62,7 +62,7 @@ pub struct OrientArgs {
 /// Which moment of an animated groom is read.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct MomentArgs {
-    /// The frame of an animated groom (.abc) that is read, from 0 on [default: the first]
+    /// The frame of an animated groom (.abc, .usd) that is read, from 0 on [default: the first]
     #[arg(long, value_name = "N", conflicts_with = "seconds")]
     frame: Option<u32>,
     /// The time of an animated groom whose nearest frame is read, seconds

@@ -77,6 +77,7 @@ def make(folder):
     settings.child_type, settings.rendered_child_count, settings.child_percent = "INTERPOLATED", 10, 10
     bpy.context.view_layer.update()
     bpy.ops.wm.alembic_export(filepath=os.path.join(folder, "particles.abc"), export_hair=True)
+    bpy.ops.wm.usd_export(filepath=os.path.join(folder, "particles.usda"), export_hair=True)
 
 
 def count(path):

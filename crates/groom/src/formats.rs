@@ -3,10 +3,11 @@
 use std::path::Path;
 
 /// Grooms, read. An `.obj` is one when it has lines.
-pub const GROOMS: &[&str] = if cfg!(feature = "alembic") {
-    &["tfx", "hair", "obj", "data", "ply", "abc"]
-} else {
-    &["tfx", "hair", "obj", "data", "ply"]
+pub const GROOMS: &[&str] = match (cfg!(feature = "alembic"), cfg!(feature = "usd")) {
+    (true, true) => &["tfx", "hair", "obj", "data", "ply", "abc", "usd", "usda", "usdc", "usdz"],
+    (true, false) => &["tfx", "hair", "obj", "data", "ply", "abc"],
+    (false, true) => &["tfx", "hair", "obj", "data", "ply", "usd", "usda", "usdc", "usdz"],
+    (false, false) => &["tfx", "hair", "obj", "data", "ply"],
 };
 /// Grooms, written.
 pub const WRITTEN: &[&str] = if cfg!(feature = "alembic") {
@@ -14,14 +15,20 @@ pub const WRITTEN: &[&str] = if cfg!(feature = "alembic") {
 } else {
     &["tfx", "hair", "obj", "data", "ply", "usda"]
 };
-/// Heads and other meshes, read. An `.obj` is one when it has faces, an `.abc` when it has no curves.
-pub const MESHES: &[&str] = if cfg!(feature = "alembic") {
-    &["obj", "gltf", "glb", "tfxmesh", "abc"]
-} else {
-    &["obj", "gltf", "glb", "tfxmesh"]
+/// Heads and other meshes, read. An `.obj` is one when it has faces, an `.abc` or `.usd` when it has no curves.
+pub const MESHES: &[&str] = match (cfg!(feature = "alembic"), cfg!(feature = "usd")) {
+    (true, true) => &["obj", "gltf", "glb", "tfxmesh", "abc", "usd", "usda", "usdc", "usdz"],
+    (true, false) => &["obj", "gltf", "glb", "tfxmesh", "abc"],
+    (false, true) => &["obj", "gltf", "glb", "tfxmesh", "usd", "usda", "usdc", "usdz"],
+    (false, false) => &["obj", "gltf", "glb", "tfxmesh"],
 };
 /// Grooms that may move.
-pub const ANIMATED: &[&str] = if cfg!(feature = "alembic") { &["abc"] } else { &[] };
+pub const ANIMATED: &[&str] = match (cfg!(feature = "alembic"), cfg!(feature = "usd")) {
+    (true, true) => &["abc", "usd", "usda", "usdc", "usdz"],
+    (true, false) => &["abc"],
+    (false, true) => &["usd", "usda", "usdc", "usdz"],
+    (false, false) => &[],
+};
 /// What meshes may need beside them.
 pub const COMPANIONS: &[&str] = &["mtl", "bin"];
 

@@ -181,7 +181,8 @@ fn groom_and_head_turned_and_scaled_together_come_back() {
         for front in Axis::ALL.into_iter().filter(|f| f.vector().dot(up.vector()) == 0.0) {
             let turn = orient::Placement { up, front, ..Default::default() }.axes().transpose() * 100.0;
             let mut groom = strands.clone();
-            let mut head = import::mesh::RawMesh { mesh: mesh.clone(), declared: false, rig: None };
+            let mut head =
+                import::mesh::RawMesh { mesh: mesh.clone(), declared: Default::default(), rig: None };
             groom.positions.iter_mut().for_each(|p| *p = turn * *p);
             head.mesh.positions.iter_mut().for_each(|p| *p = turn * *p);
             let (own, of_head) = orient::pair(&groom, &orient::Choice::default(), &head, &options);
@@ -237,7 +238,7 @@ fn human_heads_turned_any_way_stand_up_again() {
         for up in Axis::ALL {
             for front in Axis::ALL.into_iter().filter(|f| f.vector().dot(up.vector()) == 0.0) {
                 let turn = orient::Placement { up, front, ..Default::default() }.axes().transpose();
-                let mut head = import::mesh::RawMesh { declared: false, ..whole.clone() };
+                let mut head = import::mesh::RawMesh { declared: Default::default(), ..whole.clone() };
                 head.mesh.positions.iter_mut().for_each(|p| *p = turn * *p);
                 let found = orient::head(&head, &orient::Choice::default());
                 assert_eq!((found.up, found.front), (up, front), "{file}: {found:?}");

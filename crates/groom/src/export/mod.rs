@@ -16,6 +16,9 @@ mod ply;
 mod tfx;
 mod usda;
 
+#[cfg(feature = "usd")]
+pub(crate) use usda::DOC as USD_DOC;
+
 use std::path::Path;
 
 use super::Strands;

@@ -6,13 +6,15 @@ use std::fmt::{Display, Write};
 use super::{Encoded, lost};
 use crate::{Strands, orient::Unit};
 
+/// What the file says of itself.
+pub(crate) const DOC: &str = "Tresses groom";
 /// Where every attribute stands.
 const INDENT: &str = "        ";
 
 /// `unit` is that of the file, where the strands are in metres, Y up; `None` says nothing of either.
 pub(super) fn encode(strands: &Strands, unit: Option<Unit>) -> Encoded {
     let scale = unit.map_or(1.0, |unit| unit.0);
-    let mut text = String::from("#usda 1.0\n(\n    defaultPrim = \"groom\"\n    doc = \"Tresses groom\"\n");
+    let mut text = format!("#usda 1.0\n(\n    defaultPrim = \"groom\"\n    doc = \"{DOC}\"\n");
     if let Some(unit) = unit {
         // Writing into a string cannot fail.
         let _ = write!(text, "    metersPerUnit = {}\n    upAxis = \"Y\"\n", unit.0);

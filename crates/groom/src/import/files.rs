@@ -59,9 +59,9 @@ impl<'a> Source<'a> {
 /// What a file is, as its name and its first lines have it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Strands: `.tfx`, `.hair`, `.data`, `.ply`, or `.obj` with line elements.
+    /// Strands: `.tfx`, `.hair`, `.data`, `.ply`, or `.obj`, `.abc`, `.usd` and the like with lines or curves.
     Groom,
-    /// A mesh: `.gltf`, `.glb`, `.tfxmesh`, or `.obj` with faces.
+    /// A mesh: `.gltf`, `.glb`, `.tfxmesh`, or `.obj`, `.abc`, `.usd` and the like without.
     Mesh,
     /// What a mesh may need beside it: `.mtl`, `.bin`.
     Companion,
@@ -76,6 +76,10 @@ pub fn kind(name: &Path, bytes: &[u8]) -> Option<Kind> {
             // The names of schemas are shared texts, so they stand in the file as they are.
             let curves = bytes.windows(14).any(|window| window == b"AbcGeom_Curve_");
             Some(if curves { Kind::Groom } else { Kind::Mesh })
+        }
+        #[cfg(feature = "usd")]
+        (true, true) if extension.starts_with("usd") => {
+            Some(if super::usd::holds_curves(name, bytes) { Kind::Groom } else { Kind::Mesh })
         }
         (true, true) => {
             let mut elements = bytes.split(|b| *b == b'\n').filter_map(|line| {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{FileReport, Files, ImportOptions, Raw, parse_at};
+use super::{FileReport, Files, ImportOptions, Raw, Source, parse_source};
 use crate::{
     error::{Error, Result},
     strands::Mark,
@@ -18,7 +18,10 @@ pub(super) fn read<P: AsRef<Path>>(
     let mut joined: Option<Raw> = None;
     for path in paths {
         let path = path.as_ref();
-        let raw = parse_at(path, &files.load(path)?, options.lenient, options.moment)?;
+        let raw = {
+            let bytes = files.load(path)?;
+            parse_source(&Source { path, bytes: &bytes, files, lenient: options.lenient }, options.moment)?
+        };
         reports.push(FileReport {
             path: path.to_path_buf(),
             format: raw.format,

@@ -7,8 +7,10 @@
 
 #[cfg(feature = "alembic")]
 mod abc;
-#[cfg(feature = "alembic")]
+#[cfg(any(feature = "alembic", feature = "usd"))]
 mod basis;
+#[cfg(any(feature = "alembic", feature = "usd"))]
+mod curves;
 mod data;
 mod files;
 mod hair;
@@ -19,6 +21,8 @@ mod ply;
 mod source;
 mod tfx_binary;
 mod tfx_text;
+#[cfg(feature = "usd")]
+mod usd;
 
 pub(crate) use hair::{CENTIMETRES, COLORS, MARK, POINTS, SEGMENTS, THICKNESS};
 pub(crate) use source::Source;
@@ -390,18 +394,24 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], lenient: bool) -> Result<Raw> {
 
 /// The same at one moment, where the file is animated.
 pub(crate) fn parse_at(path: &Path, bytes: &[u8], lenient: bool, moment: Moment) -> Result<Raw> {
-    // Grooms have no companions.
-    let source = Source { path, bytes, files: Files::Given(&[]), lenient };
+    parse_source(&Source { path, bytes, files: Files::Given(&[]), lenient }, moment)
+}
+
+/// The same, and what it refers to beside it.
+fn parse_source(source: &Source, moment: Moment) -> Result<Raw> {
+    let Source { path, bytes, .. } = *source;
     let raw = match formats::extension(path).as_str() {
         _ if bytes.is_empty() => return Err(source.problem(At::Byte(0), "the file is empty")),
-        "tfx" if starts_with_word(bytes) => tfx_text::read(&source)?,
-        "tfx" => tfx_binary::read(&source)?,
-        "hair" => hair::read(&source)?,
-        "obj" => obj_lines::read(&source)?,
-        "data" => data::read(&source)?,
-        "ply" => ply::read(&source)?,
+        "tfx" if starts_with_word(bytes) => tfx_text::read(source)?,
+        "tfx" => tfx_binary::read(source)?,
+        "hair" => hair::read(source)?,
+        "obj" => obj_lines::read(source)?,
+        "data" => data::read(source)?,
+        "ply" => ply::read(source)?,
         #[cfg(feature = "alembic")]
-        "abc" => abc::read(&source, moment)?,
+        "abc" => abc::read(source, moment)?,
+        #[cfg(feature = "usd")]
+        "usd" | "usda" | "usdc" | "usdz" => usd::read(source, moment)?,
         mesh if formats::MESHES.contains(&mesh) => {
             return Err(source.problem(At::File, "a mesh, not a groom; it can be the head of one"));
         }

@@ -42,6 +42,17 @@ impl<'a> Source<'a> {
         }
     }
 
+    /// Refuses numbers that are not finite, unless it is lenient; `what` names them.
+    #[cfg(feature = "usd")]
+    pub fn check_finite(&self, at: At, numbers: &[f32], what: &str) -> Result<()> {
+        match numbers.iter().find(|number| !number.is_finite()) {
+            Some(value) if !self.lenient => {
+                Err(self.problem(at, format!("{value} among the {what}, which must be finite")))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Refuses more vertices than any GPU takes, before they are counted in 32 bits.
     pub fn check_vertices(&self, at: u64, count: u64) -> Result<()> {
         if count <= super::MAX_VERTICES {

@@ -30,11 +30,6 @@ use super::{Strands, TriMesh, import::mesh::RawMesh, mesh::bvh::Bvh};
 const DOUBT: f32 = 0.1;
 
 impl Choice {
-    /// What a file that says it is in metres, Y up, face +Z leaves to guess: nothing; any other, all.
-    fn stated(declared: bool) -> Self {
-        if declared { Self::METRES } else { Self::default() }
-    }
-
     fn allows(&self, frame: Frame) -> bool {
         self.up.is_none_or(|up| up == frame.up) && self.front.is_none_or(|front| front == frame.front)
     }
@@ -136,7 +131,7 @@ fn explain_unit(placement: &mut Placement, known: bool, seen: &str) {
 
 /// How a head without a groom comes into metres, Y up, face +Z.
 pub fn head(head: &RawMesh, choice: &Choice) -> Placement {
-    let (given, stated) = (choice, Choice::stated(head.declared));
+    let (given, stated) = (choice, head.declared);
     let choice = given.or(stated);
     let mut placement = Placement { mirrored: choice.mirror.unwrap_or(false), ..Default::default() };
     let facts = MeshFacts::of(&head.mesh, &Bvh::new(&head.mesh));
@@ -146,7 +141,7 @@ pub fn head(head: &RawMesh, choice: &Choice) -> Placement {
     let why = "a head's profile and symmetry, and where the vertices are dense";
     explain_axes(&mut placement, given, &stated, why);
     explain_doubt(&mut placement, lead, next);
-    unit_of_head(&mut placement, &head.mesh, None, &choice, head.declared);
+    unit_of_head(&mut placement, &head.mesh, None, &choice, stated.unit.is_some() && given.unit.is_none());
     placement
 }
 

@@ -28,7 +28,7 @@ pub fn pair(
     raw: &RawMesh,
     options: &ImportOptions,
 ) -> (Placement, Placement) {
-    let stated = Choice::stated(raw.declared);
+    let stated = raw.declared;
     let choice = options.orient.or(*declared);
     let choice_head = options.orient_head.or(stated);
     let bvh = Bvh::new(&raw.mesh);
@@ -67,7 +67,13 @@ pub fn pair(
     let side = relation.axes().transpose() * upright.up.vector().cross(upright.front.vector());
     let breadth = facts.half_breadth(side) * relation.unit.0;
     let sized = Choice { unit: given, ..choice_head };
-    unit_of_head(&mut upright, &raw.mesh, Some(breadth), &sized, raw.declared && choice_head.unit == given);
+    unit_of_head(
+        &mut upright,
+        &raw.mesh,
+        Some(breadth),
+        &sized,
+        raw.declared.unit.is_some() && choice_head.unit == given,
+    );
     let mut own = compose(&upright, relation);
     let median = cost * facts.sphere.radius * own.unit.0;
     explain_relation(&mut own, relation, median);

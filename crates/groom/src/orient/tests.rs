@@ -43,7 +43,7 @@ proptest! {
         }
         let normals = vec![Vec3::Y; corners.len()];
         let mesh = TriMesh { positions: corners, normals, colors: vec![], triangles };
-        let raw = RawMesh { mesh, declared: false, rig: None };
+        let raw = RawMesh { mesh, declared: Choice::default(), rig: None };
         let body = head(&raw, &Choice::default());
         prop_assert!(usable(&body), "{:?}", body);
         let (own, body) = pair(&groom_, &Choice::default(), &raw, &ImportOptions::default());

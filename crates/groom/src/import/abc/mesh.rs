@@ -9,7 +9,7 @@ use super::{
 use crate::{
     TriMesh,
     error::{At, Result},
-    import::Source,
+    import::{Source, mesh::fan},
 };
 
 /// Reads all meshes of a file at their first sample. Normals are left to whoever needs them.
@@ -33,30 +33,12 @@ pub(in crate::import) fn read(source: &Source) -> Result<TriMesh> {
         archive.spend(points.count(&archive)? + corners.count(&archive)?, 0)?;
         mesh.positions.extend(points.floats(&archive, 0.0)?.as_chunks().0.iter().map(moved));
         source.check_vertices(0, mesh.positions.len() as u64)?;
-        let indices = corners.integers(&archive, 0.0)?;
         let have = mesh.positions.len() as u64 - base;
-        if let Some(index) = indices.iter().find(|index| !(0..have as i64).contains(index)) {
-            let problem = format!("vertex {index} does not exist, there are {have}");
-            return Err(source.problem(corners.at(), problem));
-        }
-        let mut rest = indices.as_slice();
-        for count in counts.integers(&archive, 0.0)? {
-            let Some((face, more)) =
-                usize::try_from(count).ok().and_then(|count| rest.split_at_checked(count))
-            else {
-                let problem = format!("a face of {count} corners where {} are left", rest.len());
-                return Err(source.problem(counts.at(), problem));
-            };
-            rest = more;
-            // Below 2^28 in all.
-            let corner = |k: usize| (base + face[k] as u64) as u32;
-            // Faces go round the other way here.
-            let turned = matrix.determinant() < 0.0;
-            mesh.triangles.extend((2..face.len()).map(|k| match turned {
-                true => [corner(0), corner(k - 1), corner(k)],
-                false => [corner(0), corner(k), corner(k - 1)],
-            }));
-        }
+        let (counts, indices) = (counts.integers(&archive, 0.0)?, corners.integers(&archive, 0.0)?);
+        // Faces go round the other way here. Below 2^28 in all.
+        let turned = matrix.determinant() >= 0.0;
+        fan(&counts, &indices, have as usize, base as u32, turned, &mut mesh.triangles)
+            .map_err(|problem| source.problem(corners.at(), problem))?;
     }
     Ok(mesh)
 }

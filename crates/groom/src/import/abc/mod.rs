@@ -15,7 +15,6 @@
 
 mod curves;
 mod groom;
-mod habits;
 mod mesh;
 mod ogawa;
 mod property;

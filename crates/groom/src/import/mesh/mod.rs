@@ -1,4 +1,4 @@
-//! Triangle meshes from OBJ, glTF/GLB, Alembic and TressFX's text `.tfxmesh`.
+//! Triangle meshes from OBJ, glTF/GLB, Alembic, USD and TressFX's text `.tfxmesh`.
 
 #[cfg(feature = "gltf")]
 mod gltf;
@@ -13,6 +13,7 @@ use crate::{
     TriMesh,
     error::{At, Error, Result},
     formats,
+    orient::Choice,
     rig::Rig,
 };
 
@@ -21,8 +22,8 @@ use crate::{
 pub struct RawMesh {
     /// In the file's own unit and axes. Skins and shapes are at rest.
     pub mesh: TriMesh,
-    /// Whether the format itself prescribes metres, Y up, face +Z.
-    pub declared: bool,
+    /// What the file or its format says of unit and axes.
+    pub declared: Choice,
     /// What bends the mesh, with the same vertices in the same order: where a file has a skin, shapes to
     /// blend or an animation.
     pub rig: Option<Rig>,
@@ -68,7 +69,7 @@ pub(super) fn read_from<P: AsRef<Path>>(files: Files<'_>, paths: &[P]) -> Result
                     rig.append(more).map_err(|e| at_file(path, e))?;
                 }
                 append(&mut all.mesh, part.mesh);
-                all.declared &= part.declared;
+                all.declared = all.declared.shared(part.declared);
                 all
             }
         });
@@ -82,14 +83,19 @@ fn parse(files: Files<'_>, path: &Path, bytes: &[u8]) -> Result<RawMesh> {
     let source = Source { path, bytes, files, lenient: false };
     let mut raw = match formats::extension(path).as_str() {
         _ if bytes.is_empty() => return Err(source.problem(At::Byte(0), "the file is empty")),
-        "obj" => RawMesh { mesh: obj::read(&source)?, declared: false, rig: None },
-        "tfxmesh" => RawMesh { mesh: tfxmesh::read(&source)?, declared: false, rig: None },
+        "obj" => RawMesh { mesh: obj::read(&source)?, declared: Choice::default(), rig: None },
+        "tfxmesh" => RawMesh { mesh: tfxmesh::read(&source)?, declared: Choice::default(), rig: None },
         #[cfg(feature = "alembic")]
-        "abc" => RawMesh { mesh: super::abc::read_mesh(&source)?, declared: false, rig: None },
+        "abc" => RawMesh { mesh: super::abc::read_mesh(&source)?, declared: Choice::default(), rig: None },
+        #[cfg(feature = "usd")]
+        "usd" | "usda" | "usdc" | "usdz" => {
+            let (mesh, declared) = super::usd::read_mesh(&source)?;
+            RawMesh { mesh, declared, rig: None }
+        }
         #[cfg(feature = "gltf")]
         "gltf" | "glb" => {
             let (mesh, rig) = gltf::read(&source)?;
-            RawMesh { mesh, declared: true, rig }
+            RawMesh { mesh, declared: Choice::METRES, rig }
         }
         _ => {
             let meshes = formats::listed(formats::MESHES, "or");
@@ -109,6 +115,37 @@ fn parse(files: Files<'_>, path: &Path, bytes: &[u8]) -> Result<RawMesh> {
         }
     }
     Ok(raw)
+}
+
+/// Faces of `counts` corners each as fans of triangles: counterclockwise as they are listed, or `turned`. `corners`
+/// count `points` from 0, which begin at `base` in the mesh.
+#[cfg(any(feature = "alembic", feature = "usd"))]
+pub(super) fn fan(
+    counts: &[i64],
+    corners: &[i64],
+    points: usize,
+    base: u32,
+    turned: bool,
+    triangles: &mut Vec<[u32; 3]>,
+) -> Result<(), String> {
+    if let Some(index) = corners.iter().find(|index| !(0..points as i64).contains(index)) {
+        return Err(format!("vertex {index} does not exist, there are {points}"));
+    }
+    let mut rest = corners;
+    for count in counts {
+        let split = usize::try_from(*count).ok().and_then(|count| rest.split_at_checked(count));
+        let Some((face, more)) = split else {
+            return Err(format!("a face of {count} corners where {} are left", rest.len()));
+        };
+        rest = more;
+        // Below 2^28 in all.
+        let corner = |k: usize| base + face[k] as u32;
+        triangles.extend((2..face.len()).map(|k| match turned {
+            false => [corner(0), corner(k - 1), corner(k)],
+            true => [corner(0), corner(k), corner(k - 1)],
+        }));
+    }
+    Ok(())
 }
 
 /// The same error as one of a file.

@@ -74,7 +74,7 @@ fn a_tfxmesh_is_read() {
 #[test]
 fn a_glb_has_its_transform_and_colour() {
     let raw = parse(Files::Disk, Path::new("a.glb"), &glb()).unwrap();
-    assert!(raw.declared);
+    assert_eq!(raw.declared, crate::orient::Choice::METRES);
     let mesh = raw.mesh;
     assert_eq!(mesh.positions, vec![Vec3::ZERO, Vec3::X * 2.0, Vec3::Y * 2.0]);
     assert_eq!(mesh.normals, vec![Vec3::Z; 3]);

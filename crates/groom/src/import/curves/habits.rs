@@ -4,7 +4,7 @@ use crate::import::Raw;
 
 /// What was met on the way, to be said once.
 #[derive(Default)]
-pub(super) struct Habits {
+pub(in crate::import) struct Habits {
     pub moved: usize,
     pub curved: Vec<&'static str>,
     pub closed: usize,
@@ -23,7 +23,7 @@ pub(super) struct Habits {
 
 impl Habits {
     /// Says all of it, and leaves out what only a part of the strands has.
-    pub fn tell(self, raw: &mut Raw, objects: usize, by_name: bool) {
+    pub fn tell(self, raw: &mut Raw, objects: usize, how: &str) {
         let mut say = |any: bool, note: String| raw.notes.extend(any.then_some(note));
         say(objects > 1, format!("{objects} objects of curves"));
         say(self.moved > 0, format!("the transforms above {} of them are applied", self.moved));
@@ -47,7 +47,7 @@ impl Habits {
                 self.straightened
             ),
         );
-        let how = if by_name && !self.guides_said { "by the names of their objects" } else { "groom_guide" };
+        let how = if self.guides_said { "groom_guide" } else { how };
         say(self.guides > 0, format!("{} strands are marked as guides ({how})", self.guides));
         say(!self.widths.is_empty(), format!("widths are those of “{}”", self.widths.join("” and “")));
         say(self.without_width > 0 && self.widths.is_empty(), "no widths (Unreal would take 1 cm)".into());
