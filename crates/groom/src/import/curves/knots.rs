@@ -1,8 +1,10 @@
 //! Knots of curves that bring their own.
 
+#[cfg(feature = "alembic")]
 use crate::import::basis::MOST;
 
 /// Even knots, repeated so that curves begin and end at their outermost points, for files that have orders alone.
+#[cfg(feature = "alembic")]
 pub(in crate::import) fn clamped(starts: &[u32], orders: &[f32]) -> Option<Vec<(usize, Vec<f32>)>> {
     let curves = starts.len() - 1;
     (orders.len() == curves).then(|| {
@@ -58,9 +60,11 @@ pub(in crate::import) fn split_knots(
 
 #[cfg(test)]
 mod tests {
+    #[cfg(feature = "alembic")]
     use glam::Vec3;
 
     use super::*;
+    #[cfg(feature = "alembic")]
     use crate::import::basis::Basis;
 
     #[test]
@@ -81,6 +85,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg(feature = "alembic")]
     fn curves_with_orders_alone_reach_their_outermost_points() {
         let points: Vec<Vec3> = (0..7).map(|k| Vec3::new((k * k) as f32, 1.0 - k as f32, 0.0)).collect();
         for order in [2.0, 3.0, 4.0, 7.0, 200.0] {

@@ -8,7 +8,9 @@ mod knots;
 mod param;
 
 pub(super) use habits::Habits;
-pub(super) use knots::{clamped, split_knots};
+#[cfg(feature = "alembic")]
+pub(super) use knots::clamped;
+pub(super) use knots::split_knots;
 pub(super) use param::{Param, Per};
 
 use std::{collections::HashMap, rc::Rc};
