@@ -23,7 +23,7 @@ ifeq ($(XDG_RUNTIME_DIR),)
 export NODEVICE_SELECT ?= 1
 endif
 
-.PHONY: help setup setup-tests demo test proof truth bench web web-serve clean
+.PHONY: help setup setup-tests demo test proof truth bench web web-serve python clean
 
 help: ## Show this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 14
@@ -58,6 +58,20 @@ proof: setup-tests ## The docs of the code, the library alone for browsers, and 
 	$(LINTED) test --workspace --lib --bins --tests --no-fail-fast -- --ignored --show-output || failed=1; \
 	$(LINTED) test --workspace --test gpu physics:: -- --show-output || failed=1; \
 	exit $$failed
+
+# A virtual environment with the wheel in it, and the command to compare with.
+PYTHON := target/python
+
+python: setup ## Build the wheel for Python into dist/python/, install it in target/python and test it there
+	test -x $(PYTHON)/bin/python || python3 -m venv $(PYTHON)
+	$(PYTHON)/bin/pip install --quiet maturin==1.16.0 numpy pillow pytest
+	rm -rf dist/python
+	$(LINTED) build --bin tresses
+	RUSTC_WORKSPACE_WRAPPER=clippy-driver CARGO_BUILD_WARNINGS=deny $(PYTHON)/bin/maturin build --release --strip \
+		--manifest-path bindings/python/Cargo.toml --interpreter $(PYTHON)/bin/python --out dist/python
+	$(PYTHON)/bin/pip install --quiet --force-reinstall --no-deps dist/python/*.whl
+	TRESSES_COMMAND=$(CURDIR)/target/debug/tresses TRESSES_WHEEL=$$(echo dist/python/*.whl) \
+		$(PYTHON)/bin/python -m pytest -q -p no:cacheprovider bindings/python/tests
 
 truth: setup ## Path-trace 36 views of hair with Mitsuba, half an hour, and compare ours with them (docs/appearance/truth.md)
 	test -d target/truth/python || python3 -m venv target/truth/python

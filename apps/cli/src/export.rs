@@ -9,13 +9,13 @@ use std::{
 };
 use tresses::{
     Pipelines,
-    gpu::{Gpu, readback::blocking as readback},
+    gpu::Gpu,
     groom::{
         Strands, TriMesh,
         export::{self, Format},
     },
     lod::{LodMode, LodOptions},
-    strands::{Strand, StrandBuffers, StrandVertex, vertex::unpack_tangent},
+    strands::StrandBuffers,
 };
 use tresses_scene::{Companions, Gesture, Scene, Shelf, motion};
 
@@ -24,7 +24,7 @@ use tresses_scene::{Companions, Gesture, Scene, Shelf, motion};
 pub struct Args {
     #[command(flatten)]
     pub settings: SettingsArgs,
-    /// The file for the strands, whose extension (.hair, .tfx, .obj, .abc, .usda) decides the format
+    /// The file for the strands, whose extension (.hair, .tfx, .obj, .data, .ply, .abc, .usda) decides the format
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
     /// A file for brows, lashes and beard of the built-in character, as for the strands
@@ -106,17 +106,7 @@ fn write_strands(path: &Path, format: Format, strands: &Strands) -> Result<Strin
 
 /// The strands of `all` that `scene` draws now. Blocks.
 pub fn drawn<'a>(scene: &Scene, all: impl IntoIterator<Item = &'a StrandBuffers>) -> Result<Strands> {
-    let (device, queue) = (&scene.gpu.device, &scene.gpu.queue);
-    let mut drawn = Strands::default();
-    for buffers in all {
-        let vertices: Vec<StrandVertex> = readback::buffer(device, queue, &buffers.vertices)?;
-        let strands: Vec<Strand> = readback::buffer(device, queue, &buffers.strands)?;
-        for (strand, vertices) in strands.iter().zip(vertices.chunks(buffers.vertex_count as usize)) {
-            drawn.push(&vertices.iter().map(|vertex| vertex.position).collect::<Vec<_>>());
-            drawn.radii.extend(vertices.iter().map(|v| strand.radius * unpack_tangent(v.tangent).1));
-        }
-    }
-    Ok(drawn)
+    pollster::block_on(scene.drawn(all))
 }
 
 /// A mesh as an OBJ file.

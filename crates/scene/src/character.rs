@@ -2,6 +2,7 @@
 //! [`Character`] whose strands are grown or restyled on it.
 
 mod growing;
+mod open;
 
 pub use growing::Growing;
 
@@ -10,7 +11,7 @@ use crate::{
     face::{FaceGroom, FaceHair},
     living::Anatomy,
 };
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use std::{borrow::Cow, path::PathBuf};
 use tresses::{
     Progress,
@@ -19,10 +20,10 @@ use tresses::{
     glam::Vec3,
     gpu::Gpu,
     groom::{
-        BindOptions, Groom, GuideCount, Restyle, SdfGrid, Strands, TriMesh, bind, bind_filled, curve,
+        BindOptions, Groom, GuideCount, Restyle, Rig, SdfGrid, Strands, TriMesh, bind, bind_filled, curve,
         grow::{self, Curls, Growth, Paint, ScalpMap},
         import::{self, Given, ImportOptions, ImportReport},
-        mannequin,
+        lint, mannequin,
         mesh::sdf::{self, SdfOptions},
         orient::Placement,
         styles::{self, GridScalp, Style, StyledGuides},
@@ -208,7 +209,45 @@ impl Base {
             }
             Files::Given(files) => import::read_given(files, options)?,
         };
-        let anatomy = match (report.rig.take(), &head) {
+        let mut base = Self::of(strands, head, report.rig.take(), &files.head_name(), progress).await?;
+        // The same may be in doubt of both.
+        let doubts = |what: String, placement: &Placement| -> Vec<String> {
+            placement.doubts.iter().map(|doubt| format!("{what}: {doubt}")).collect()
+        };
+        base.notes = doubts(format!("groom {}", files.groom_name()), &report.placement);
+        if let Some(placement) = &report.head_placement {
+            base.notes.extend(doubts(format!("head {}", files.head_name()), placement));
+        }
+        base.report = Some(report);
+        Ok(base)
+    }
+
+    /// The groom of `strands`, in metres, Y up, face towards +Z, on their head if they have one; they are repaired.
+    ///
+    /// # Errors
+    /// One sentence, when they make no sense.
+    pub async fn given(
+        mut strands: Strands,
+        head: Option<TriMesh>,
+        progress: &impl Progress,
+    ) -> Result<Self> {
+        lint::repair(&mut strands);
+        ensure!(
+            !strands.is_empty(),
+            "every strand has zero length or a single vertex, so nothing is left to use"
+        );
+        Self::of(strands, head, None, "the head", progress).await
+    }
+
+    /// Of strands that are fit for use; `name` is the head's.
+    async fn of(
+        strands: Strands,
+        head: Option<TriMesh>,
+        rig: Option<Rig>,
+        name: &str,
+        progress: &impl Progress,
+    ) -> Result<Self> {
+        let anatomy = match (rig, &head) {
             (Some(rig), Some(head)) => Some(Anatomy::new(rig, head, &strands)?),
             _ => None,
         };
@@ -217,26 +256,22 @@ impl Base {
             Some(Field::Mesh(mesh, _)) => Some(mesh),
             _ => head.as_ref(),
         };
-        let field =
-            match rigid {
-                Some(head) => {
-                    let built = sdf::build_with(head, &SdfOptions::default(), progress).await;
-                    Some(built.with_context(|| {
-                        format!("{}, {} high as it is read", files.head_name(), high(head))
-                    })?)
-                }
-                None => None,
-            };
-        let neck = neck(&strands, head.as_ref());
-        // The same may be in doubt of both.
-        let doubts = |what: String, placement: &Placement| -> Vec<String> {
-            placement.doubts.iter().map(|doubt| format!("{what}: {doubt}")).collect()
+        let field = match rigid {
+            Some(head) => {
+                let built = sdf::build_with(head, &SdfOptions::default(), progress).await;
+                Some(built.with_context(|| format!("{name}, {} high as it is read", high(head)))?)
+            }
+            None => None,
         };
-        let mut notes = doubts(format!("groom {}", files.groom_name()), &report.placement);
-        if let Some(placement) = &report.head_placement {
-            notes.extend(doubts(format!("head {}", files.head_name()), placement));
-        }
-        Ok(Self { head, neck, anatomy, hair: Hair::Imported { strands, field }, notes, report: Some(report) })
+        let neck = neck(&strands, head.as_ref());
+        Ok(Self {
+            head,
+            neck,
+            anatomy,
+            hair: Hair::Imported { strands, field },
+            notes: Vec::new(),
+            report: None,
+        })
     }
 
     /// The built-in style, if it is one.

@@ -1,6 +1,9 @@
 //! A character on the GPU, ready to be animated and drawn; [`frames`] alone calls the library's frame.
 
 mod frames;
+mod outputs;
+
+pub use outputs::{Asked, Captured};
 
 use crate::{
     aside::Aside,
@@ -282,6 +285,18 @@ impl Scene {
         // Parts of a body are seen already.
         let seen = Some(self.colliders.mesh(&poses)).filter(|mesh| !mesh.triangles.is_empty());
         self.obstacles = seen.map(|mesh| Body::with_levels(device, &mesh, &[], cells));
+    }
+
+    /// Pictures are sampled as `quality` says from here on.
+    ///
+    /// # Errors
+    /// As [`View::set_options`].
+    pub fn set_quality(&mut self, quality: &Quality) -> Result<()> {
+        self.view.set_options(&self.gpu.device, &self.pipelines, &quality.view_options())?;
+        match self.targets().size == quality.size && self.targets().ssaa == quality.ssaa {
+            true => Ok(()),
+            false => self.resample(quality.size, quality.ssaa),
+        }
     }
 
     /// What lights the scene; `None` for a photographer, as the settings have it.

@@ -39,6 +39,7 @@ pub const VARIANTS: &[(&str, &str, &[u32])] = &[
     ("simulate::step", "GUIDE_CAPACITY", &GUIDE_CAPACITIES),
     ("draw::tiles::see", "SURFACES", &[1, 2]),
     ("draw::tiles::geometry", "SURFACES", &[1, 2]),
+    ("draw::tiles::label", "SURFACES", &[1, 2]),
     ("draw::tiles::blend", "SURFACES", &[1, 2]),
 ];
 

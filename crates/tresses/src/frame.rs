@@ -85,6 +85,11 @@ pub struct Sight<'a> {
     pub output: Option<&'a wgpu::TextureView>,
     /// What is shown.
     pub shows: Shows<'a>,
+    /// Whether the targets are asked where hair is and which strand each pixel shows, of bodies and hair
+    /// ([`Shows::Hair`]) or once more ([`Shows::Again`]): [`Targets::geometry`](crate::draw::Targets::geometry),
+    /// [`Targets::labels`](crate::draw::Targets::labels). Only hair by [`Coverage::Tiles`](crate::draw::Coverage::Tiles)
+    /// knows.
+    pub asks: bool,
 }
 
 /// What a view shows.
@@ -106,7 +111,7 @@ pub enum Shows<'a> {
 impl<'a> Sight<'a> {
     /// Bodies and hair into the view's own picture.
     pub fn new(view: &'a View, picture: &'a Picture) -> Self {
-        Self { view, picture, output: None, shows: Shows::Hair }
+        Self { view, picture, output: None, shows: Shows::Hair, asks: false }
     }
 }
 
@@ -268,7 +273,7 @@ impl Recorder<'_> {
         bodies: &[&Body],
         sight: Sight<'_>,
     ) -> Result<()> {
-        let Sight { view, picture, output, mut shows } = sight;
+        let Sight { view, picture, output, mut shows, asks } = sight;
         let again = matches!(shows, Shows::Again);
         let inside = match &mut shows {
             Shows::Inside(views, shown) => Some((&mut **views, *shown)),
@@ -305,7 +310,8 @@ impl Recorder<'_> {
             focus: &picture.focus,
             coverage: view.options().coverage,
             rate: picture.shading,
-            geometry: None,
+            geometry: Embed::known(view.options().coverage, asks)?,
+            labels: asks,
             space: hair.first().map(|hair| hair.drawn_in).unwrap_or_default(),
         };
         let over = match &shows {

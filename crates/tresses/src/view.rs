@@ -147,6 +147,23 @@ impl View {
         Ok(())
     }
 
+    /// Records what the targets hold of the last picture into another output of the same size, of any `format`, before
+    /// `background` and with `tone`: the same radiance, shown otherwise.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the pipeline for it cannot be made.
+    pub fn present_into(
+        &self,
+        (pipelines, device, queue): (&Pipelines, &wgpu::Device, &wgpu::Queue),
+        encoder: &mut wgpu::CommandEncoder,
+        (output, format): (&wgpu::TextureView, wgpu::TextureFormat),
+        (background, tone): (&Background, &ToneMap),
+    ) -> Result<()> {
+        let present = present::State::new(device, &self.targets, self.options.coverage, format);
+        present.prepare(queue, background, tone, &self.targets);
+        present.record(&pipelines.present, encoder, None, &self.targets, output)
+    }
+
     /// Whether the last picture, which has been submitted, holds all of the hair. Where hair is
     /// [drawn by tiles](Coverage::Tiles), a close-up may need lists so much longer than those before it that some
     /// tiles of the first picture stay without hair; then the lists have grown, and it is to be drawn again. True

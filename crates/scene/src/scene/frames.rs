@@ -1,6 +1,6 @@
 //! Frames of a scene: the character moves, then it is drawn.
 
-use super::Scene;
+use super::{Asked, Scene};
 use crate::{
     camera::{self, Viewpoint},
     motion::Gesture,
@@ -177,7 +177,7 @@ impl Scene {
         camera: &Viewpoint,
     ) -> Result<()> {
         self.look_from(camera);
-        self.record_picture(encoder, timings, false)
+        self.record_picture(encoder, timings, false, Asked::default())
     }
 
     /// Whether the picture that has been submitted holds all of the hair, or is to be drawn again
@@ -199,21 +199,23 @@ impl Scene {
         encoder: &mut wgpu::CommandEncoder,
         timings: Option<&mut Timings>,
     ) -> Result<()> {
-        self.record_picture(encoder, timings, true)
+        self.record_picture(encoder, timings, true, Asked::default())
     }
 
-    fn record_picture(
+    /// The picture, `again` as it is lit already.
+    pub(super) fn record_picture(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         timings: Option<&mut Timings>,
         again: bool,
+        asked: Asked,
     ) -> Result<()> {
         let Self { gpu: Gpu { device, queue, .. }, pipelines, hair, face, .. } = self;
         let Self { body, obstacles, view, picture, .. } = self;
         face.iter_mut().for_each(|face| face.dress(&hair.set.material));
         let hairs: Vec<_> = std::iter::once(&*hair).chain(face.iter().map(|face| &face.hair)).collect();
         let mut bodies = Vec::new();
-        for body in body.iter_mut().chain(obstacles) {
+        for body in body.iter_mut().chain(obstacles).filter(|_| !asked.bare) {
             body.pose = self.pose;
             bodies.push(&*body);
         }
@@ -234,7 +236,7 @@ impl Scene {
                 LodMode::Off | LodMode::Fixed(_) => view.set_zones(device, pipelines, &[]),
             }
         }
-        let sight = Sight { shows, ..Sight::new(view, picture) };
+        let sight = Sight { shows, asks: asked.hair, ..Sight::new(view, picture) };
         let mut recorder = Recorder { pipelines, device, queue, encoder, timings };
         Ok(recorder.draw(&hairs, &bodies, sight)?)
     }

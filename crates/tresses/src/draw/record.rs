@@ -31,6 +31,8 @@ pub(crate) struct Canvas<'a> {
     pub rate: ShadingRate,
     /// Where a scene asks where hair is: the map of depths to its own, see [`super::tiles::geometry::GeometryUniform`].
     pub geometry: Option<[f32; 4]>,
+    /// Whether somebody asks which strand each pixel shows.
+    pub labels: bool,
     /// The space that everything is drawn in.
     pub space: Space,
 }

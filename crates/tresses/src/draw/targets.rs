@@ -1,6 +1,11 @@
 //! The textures that a picture is drawn into.
 
-use super::{Coverage, soft::Soft, strips::Layers, tiles::Tiles};
+use super::{
+    Coverage,
+    soft::Soft,
+    strips::Layers,
+    tiles::{Label, Tiles},
+};
 use crate::{Error, Result, gpu::readback};
 use std::sync::OnceLock;
 
@@ -149,6 +154,45 @@ impl Targets {
     /// [`Error::Gpu`] when the device is lost.
     pub async fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<u8>> {
         readback::texture(device, queue, &self.picture).await
+    }
+
+    /// Where hair is in the last picture, if that was [asked](crate::frame::Sight::asks) and had hair: of each texel
+    /// how far what is seen of hair there has moved since the view's last picture (x to the right and y down, texels),
+    /// its depth as the camera's projection has it, and how opaque it is; see
+    /// [`Surroundings::geometry`](super::Surroundings::geometry). There are [`ssaa`](Self::ssaa)² texels per pixel.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] when the device is lost.
+    pub async fn geometry(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+    ) -> Result<Option<Vec<[f32; 4]>>> {
+        let Some(known) = self.tiles.as_ref().and_then(Tiles::geometry) else { return Ok(None) };
+        let bytes = readback::texture(device, queue, known.texture()).await?;
+        Ok(Some(bytemuck::pod_collect_to_vec(&bytes)))
+    }
+
+    /// Whether [`geometry`](Self::geometry) tells how hair moved: the picture before had the same strands, and was asked
+    /// too. Otherwise hair counts as standing still before the camera that moved.
+    pub fn knows_motion(&self) -> bool {
+        self.tiles.as_ref().is_some_and(Tiles::knows_motion)
+    }
+
+    /// Which strand each texel shows most of, where that is known as [`geometry`](Self::geometry) is; of equals the one
+    /// in front.
+    ///
+    /// # Errors
+    /// As there.
+    pub async fn labels(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+    ) -> Result<Option<Vec<Option<Label>>>> {
+        let Some(labels) = self.tiles.as_ref().and_then(Tiles::labels) else { return Ok(None) };
+        let bytes = readback::texture(device, queue, labels.texture.texture()).await?;
+        let texels: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
+        Ok(Some(texels.into_iter().map(|texel| Label::read(texel, &labels.owners)).collect()))
     }
 
     /// Bytes of GPU memory.

@@ -45,8 +45,8 @@ const REMEDY: &str = if cfg!(target_arch = "wasm32") {
     "on Linux without a GPU, scripts/setup installs Mesa's software Vulkan driver"
 };
 
-/// An adapter, its device and its queue, for programs that have none yet.
-#[derive(Debug)]
+/// An adapter, its device and its queue, for programs that have none yet. A clone names the same ones.
+#[derive(Clone, Debug)]
 pub struct Gpu {
     /// The adapter that it is of.
     pub adapter: wgpu::Adapter,

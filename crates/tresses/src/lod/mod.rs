@@ -69,7 +69,7 @@ pub use curve::{CurveTable, resample};
 pub(crate) use guides::{GuideOrder, order as guide_order};
 pub use maps::{LodLevel, MAX_LEVELS, MAX_THICKNESS};
 pub use options::{LodMode, LodOptions};
-pub use order::{BUCKET_RATIO, arrange, buckets};
+pub use order::{BUCKET_RATIO, arrange, buckets, order};
 pub use widths::{StrandLod, WidthParams, Widths};
 
 use crate::{

@@ -36,8 +36,8 @@ pub fn arrange(strands: &mut BoundStrands) {
     strands.rest = order.iter().flat_map(vertices).copied().collect();
 }
 
-/// For each place in the new order the index of the strand that takes it.
-fn order(strands: &BoundStrands) -> Vec<u32> {
+/// For each place in the order of [`arrange`] the index of the strand that takes it.
+pub fn order(strands: &BoundStrands) -> Vec<u32> {
     let count = strands.len() as u32;
     let key = |i: &u32| {
         let binding = &strands.bindings[*i as usize];

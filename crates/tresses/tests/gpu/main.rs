@@ -22,6 +22,7 @@ mod golden;
 mod grab;
 mod grooms;
 mod interpolate;
+mod labels;
 mod lod;
 mod moving;
 mod physics;

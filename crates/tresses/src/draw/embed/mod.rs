@@ -175,17 +175,24 @@ impl Embed {
         group(device, "embed", layout, &[self.uniform.as_entire_binding(), texture])
     }
 
+    /// The map of depths to themselves, if a picture without a scene is asked where hair is.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] where hair is not drawn by tiles.
+    pub(crate) fn known(coverage: Coverage, asks: bool) -> Result<Option<[f32; 4]>> {
+        if asks && !coverage.is_tiled() {
+            return Err(unknown("the geometry of hair", coverage));
+        }
+        Ok(asks.then_some([1.0, 0.0, 0.0, 1.0]))
+    }
+
     /// The map of depths to those of the scene, if that asks where hair is.
     ///
     /// # Errors
     /// [`Error::Parameter`] where hair is not drawn by tiles.
     pub(crate) fn asked(coverage: Coverage, of: Mat4, into: &Surroundings<'_>) -> Result<Option<[f32; 4]>> {
         if into.geometry.is_some() && !coverage.is_tiled() {
-            return Err(Error::Parameter {
-                name: "the geometry of hair in a scene",
-                value: format!("with {coverage:?}"),
-                range: "with tiles",
-            });
+            return Err(unknown("the geometry of hair in a scene", coverage));
         }
         Ok(into.geometry.map(|_| EmbedUniform::map(of, into.projection)))
     }
@@ -247,6 +254,11 @@ impl Embed {
             pass.draw(0..3, 0..1);
         }
     }
+}
+
+/// What only tiles know.
+fn unknown(name: &'static str, coverage: Coverage) -> Error {
+    Error::Parameter { name, value: format!("with {coverage:?}"), range: "with tiles" }
 }
 
 #[cfg(test)]

@@ -44,6 +44,8 @@ pub(super) struct Geometry {
     uniform: wgpu::Buffer,
     before: wgpu::Texture,
     last: Option<Last>,
+    /// Whether the points of the picture before were known in the last one.
+    pub knows_motion: bool,
 }
 
 impl Geometry {
@@ -56,7 +58,8 @@ impl Geometry {
         round: wgpu::BindingResource<'_>,
     ) -> Self {
         let device = canvas.device;
-        let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::STORAGE_BINDING;
+        use wgpu::TextureUsages as Usages;
+        let usage = Usages::TEXTURE_BINDING | Usages::STORAGE_BINDING | Usages::COPY_SRC;
         let texture = canvas.targets.texture(device)(("hair's geometry", FORMAT, usage));
         let texture = texture.create_view(&Default::default());
         let before = points.like(device, "points before");
@@ -69,7 +72,7 @@ impl Geometry {
             wgpu::BindingResource::TextureView(&texture),
         ];
         let group = kernel.bind(device, &of_rows.iter().cloned().chain(own).collect::<Vec<_>>());
-        Self { texture, group, uniform, before, last: None }
+        Self { texture, group, uniform, before, last: None, knows_motion: false }
     }
 
     /// Keeps the points of the picture before, which those of this one are about to replace, and clears the texture.
@@ -79,12 +82,18 @@ impl Geometry {
         let camera = canvas.camera.projection.as_dmat4() * canvas.camera.view.as_dmat4();
         let is_known = self.last.as_ref().is_some_and(|last| last.parts == parts);
         // What stands still in the world stands elsewhere before a camera whose space has moved.
+        self.knows_motion = is_known;
         let last = self.last.replace(Last { parts, camera, space: canvas.space });
         let last = last.map_or(camera, |last| last.camera * last.space.from(&canvas.space).matrix());
         let before = (last * camera.inverse()).as_mat4();
         let values = GeometryUniform { before, depth, is_known: is_known.into(), _pad: [0; 3] };
         canvas.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&values));
         clear(canvas.encoder, "no geometry", &self.texture);
+    }
+
+    /// Whether the last picture asked.
+    pub fn is_asked(&self) -> bool {
+        self.last.is_some()
     }
 
     /// Bytes of GPU memory.

@@ -23,9 +23,9 @@
 //!
 //! Most entries of a tile are in a few of its rows: `touch` tells which, in a bit for each row and entry. `see` follows
 //! those without colours, marks what it meets, of which only the vertices are shaded, and leaves only those bits.
-//! `blend` follows these with colours, and `geometry`, where a scene asks, with depths and motion
-//! ([`embed`](super::embed)). Of bodies with several samples per pixel, a pixel keeps two depths and their shares, and what gets
-//! through to either (`present::tiled`).
+//! `blend` follows these with colours, and where somebody asks `geometry` with depths and motion
+//! ([`embed`](super::embed)) and `label` with numbers ([`Label`]). Of bodies with several samples per pixel, a pixel keeps
+//! two depths and their shares, and what gets through to either (`present::tiled`).
 //!
 //! **Depth.** Half of a portrait's entries, and most of a dense groom's, lie where nothing shows through. What a tile needed
 //! in the picture before, and a quarter more, is its *front*: only that is put in order, touched and seen. Tiles in which
@@ -52,10 +52,12 @@
 //! Untried: two segments as one entry, half floats.
 
 pub mod geometry;
+pub mod labels;
 mod pipelines;
 pub mod state;
 mod texels;
 
+pub use labels::Label;
 pub(crate) use pipelines::Pipelines;
 pub(crate) use state::Tiles;
 
@@ -199,7 +201,7 @@ impl Pipelines {
             self.tint.record(&mut pass, &groom.tint, &[], threads(groom.points));
         }
         drop(pass);
-        let asked = canvas.geometry.is_some();
+        let (asked, labelled) = (canvas.geometry.is_some(), canvas.labels);
         for round in Round::all(&tiles.control) {
             let mut pass = compute(canvas, "hair");
             let of = |field| (Asked::Whole, field);
@@ -209,6 +211,9 @@ impl Pipelines {
             round.run(&mut pass, &self.touch, &bound.touch, of(offset_of!(Control, bins_again)));
             if let Some(geometry) = bound.geometry.as_ref().filter(|_| asked) {
                 round.run(&mut pass, &self.geometry[many], &geometry.group, of(offset_of!(Control, rows)));
+            }
+            if let Some(labels) = bound.labels.as_ref().filter(|_| labelled) {
+                round.run(&mut pass, &self.label[many], &labels.group, of(offset_of!(Control, rows)));
             }
             round.run(&mut pass, &self.blend[many], &bound.blend, of(offset_of!(Control, rows)));
         }

@@ -30,6 +30,8 @@ pub(crate) struct Pipelines {
     pub tint: Kernel,
     /// As `see`; compiled where a scene asks.
     pub geometry: [Kernel; 2],
+    /// As `geometry`.
+    pub label: [Kernel; 2],
     /// As `see`.
     pub blend: [Kernel; 2],
 }
@@ -45,6 +47,7 @@ impl Pipelines {
         let see = [&lists[..], &[StorageMut, StorageMut, StorageMut, UniformDynamic, StorageMut]].concat();
         let of_rows = [&lists[..], &[StorageMut, StorageMut]].concat();
         let geometry = [&of_rows[..], &[Texels2d, UniformDynamic, Storage, WriteFloats2d]].concat();
+        let label = [&of_rows[..], &[WriteFloats2d, UniformDynamic]].concat();
         let blend = [&lists[..], &[StorageMut, StorageMut, Words2d, UniformDynamic, Write2d]].concat();
         Self {
             surface: [
@@ -73,6 +76,7 @@ impl Pipelines {
             see: ["draw::tiles::see::1", "draw::tiles::see::2"].map(|module| kernel(module, &see)),
             geometry: ["draw::tiles::geometry::1", "draw::tiles::geometry::2"]
                 .map(|module| kernel(module, &geometry)),
+            label: ["draw::tiles::label::1", "draw::tiles::label::2"].map(|module| kernel(module, &label)),
             deepen: kernel("draw::tiles::deepen", &[StorageMut, Storage, UniformDynamic]),
             tint: kernel("draw::tiles::tint", &[Storage, Storage, Storage, WriteWords2d]),
             blend: ["draw::tiles::blend::1", "draw::tiles::blend::2"].map(|module| kernel(module, &blend)),

@@ -1,6 +1,11 @@
 //! The buffers of the stage: some of a picture's size, some of the hair's.
 
-use super::{Pipelines, geometry::Geometry, texels::Texels};
+use super::{
+    Pipelines,
+    geometry::Geometry,
+    labels::{Labels, Owner},
+    texels::Texels,
+};
 use crate::{
     Result,
     constants::{TILE, TILE_BINS, TILE_BLOCK, TILE_ROUNDS},
@@ -160,6 +165,8 @@ pub(super) struct Bound {
     pub blend: wgpu::BindGroup,
     /// Where a scene asks.
     pub geometry: Option<Geometry>,
+    /// Likewise.
+    pub labels: Option<Labels>,
 }
 
 /// A groom among others.
@@ -252,13 +259,29 @@ impl Tiles {
 
     /// What [`Canvas::geometry`] asked for in the last picture; none where that had no hair.
     pub fn geometry(&self) -> Option<wgpu::TextureView> {
-        self.bound().as_ref()?.geometry.as_ref().map(|geometry| geometry.texture.clone())
+        let bound = self.bound();
+        let geometry = bound.as_ref()?.geometry.as_ref()?;
+        geometry.is_asked().then(|| geometry.texture.clone())
+    }
+
+    /// Whether that tells how hair moved.
+    pub fn knows_motion(&self) -> bool {
+        self.bound()
+            .as_ref()
+            .and_then(|bound| bound.geometry.as_ref())
+            .is_some_and(|known| known.knows_motion)
+    }
+
+    /// What [`Canvas::labels`] asked for in the last picture, and whose points its numbers are of.
+    pub fn labels(&self) -> Option<Labels> {
+        self.bound().as_ref()?.labels.clone().filter(|labels| !labels.owners.is_empty())
     }
 
     /// The picture has no hair: where that of the one before was is not to be told of this one.
     pub(super) fn forget(&self) {
         if let Some(bound) = self.bound().as_mut() {
             bound.geometry = None;
+            bound.labels = None;
         }
     }
 
@@ -282,7 +305,8 @@ impl Tiles {
             .collect();
         let asked = canvas.geometry.is_some();
         let fits = |bound: &Bound| {
-            bound.of == of && bound.grid.window >= entries && (!asked || bound.geometry.is_some())
+            let has = (!asked || bound.geometry.is_some()) && (!canvas.labels || bound.labels.is_some());
+            bound.of == of && bound.grid.window >= entries && has
         };
         if !bound.as_ref().is_some_and(fits) {
             // The old one goes first: the two need not be there at once.
@@ -412,15 +436,18 @@ impl Tiles {
         let hair_texture = wgpu::BindingResource::TextureView(&self.hair);
         let asked = [&g, &control, &busy, &d, &round];
         let lists = [&g, &control, &busy, &list_texels, &points_texels];
-        let geometry = canvas.geometry.map(|_| {
-            let of_rows = [&lists[..], &[&surfaces, &t]].concat().into_iter().cloned().collect::<Vec<_>>();
-            Geometry::new(&kernels.geometry[many], canvas, &points, &of_rows, round.clone())
-        });
+        let of_rows = [&lists[..], &[&surfaces, &t]].concat().into_iter().cloned().collect::<Vec<_>>();
+        let geometry = canvas
+            .geometry
+            .map(|_| Geometry::new(&kernels.geometry[many], canvas, &points, &of_rows, round.clone()));
+        let label = &kernels.label[many];
+        let labels = canvas.labels.then(|| Labels::new(label, canvas, &of_rows, round.clone()));
         let bytes = [&points, &colors, &list].map(Texels::bytes).iter().sum::<u64>()
             + unsorted.size()
             + seen.size()
             + touches.size()
-            + geometry.as_ref().map_or(0, Geometry::bytes);
+            + geometry.as_ref().map_or(0, Geometry::bytes)
+            + labels.as_ref().map_or(0, Labels::bytes);
         Ok(Bound {
             surface: bind(&kernels.surface[many], &surface),
             bound: bind(&kernels.bound, &[&g, &farthest, &ranges, &b]),
@@ -442,6 +469,7 @@ impl Tiles {
                 &[&lists[..], &[&surfaces, &t, &colors_texels, &round, &hair_texture]].concat(),
             ),
             geometry,
+            labels,
             of,
             grid,
             firsts,
@@ -466,6 +494,15 @@ fn window_of(points: u64) -> u64 {
 impl Bound {
     /// Before the points of a picture replace those of the one before: what tells how they moved.
     pub fn begin(&mut self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>]) {
+        if let Some(labels) = &mut self.labels {
+            let owner = |(seen, first): (&Seen<'_>, &u32)| Owner {
+                first: *first,
+                count: seen.hair.drawn.count,
+                vertex_count: seen.hair.drawn.vertex_count,
+            };
+            let asked = if canvas.labels { hair } else { &[] };
+            labels.begin(canvas, asked.iter().zip(&self.firsts).map(owner).collect());
+        }
         let Some(geometry) = &mut self.geometry else { return };
         match canvas.geometry {
             Some(depth) => {

@@ -1,0 +1,96 @@
+//! Arrays of NumPy in and out. What comes in may be anything that NumPy makes an array of.
+
+use crate::TressesError;
+use bytemuck::Pod;
+use numpy::{Element, IntoPyArray, PyArrayDyn, PyReadonlyArrayDyn, PyUntypedArrayMethods, ndarray::ArrayD};
+use pyo3::{intern, prelude::*};
+use tresses::glam::{Vec2, Vec3};
+
+/// An array of `shape` with `values`.
+pub fn array<'py, T: Element>(
+    py: Python<'py>,
+    shape: &[usize],
+    values: Vec<T>,
+) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+    let wrong =
+        |error: numpy::ndarray::ShapeError| TressesError::new_err(format!("an array does not fit: {error}"));
+    Ok(ArrayD::from_shape_vec(shape.to_vec(), values).map_err(wrong)?.into_pyarray(py))
+}
+
+/// Vectors or matrices as an array whose last axes are theirs.
+pub fn floats<'py, T: Pod>(
+    py: Python<'py>,
+    shape: &[usize],
+    values: &[T],
+) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+    array(py, shape, bytemuck::cast_slice(values).to_vec())
+}
+
+/// Numbers and their shape, as `dtype` of NumPy, C order; `what` names them in an error.
+fn given<T: Element + Copy>(
+    of: &Bound<'_, PyAny>,
+    what: &str,
+    dtype: &str,
+) -> PyResult<(Vec<usize>, Vec<T>)> {
+    let py = of.py();
+    let numpy = py.import(intern!(py, "numpy"))?;
+    let refuse = |error: PyErr| {
+        if error.is_instance_of::<pyo3::exceptions::PyKeyboardInterrupt>(py) {
+            return error;
+        }
+        TressesError::new_err(format!("{what} are not an array of numbers: {}", error.value(py)))
+    };
+    let array = numpy.call_method1(intern!(py, "asarray"), (of, dtype, "C")).map_err(refuse)?;
+    let array: PyReadonlyArrayDyn<'_, T> = array.extract()?;
+    Ok((array.shape().to_vec(), array.as_array().iter().copied().collect()))
+}
+
+/// Single-precision numbers and their shape.
+pub fn given_floats(of: &Bound<'_, PyAny>, what: &str) -> PyResult<(Vec<usize>, Vec<f32>)> {
+    given(of, what, "float32")
+}
+
+/// Whole numbers and their shape.
+pub fn given_integers(of: &Bound<'_, PyAny>, what: &str) -> PyResult<(Vec<usize>, Vec<i64>)> {
+    given(of, what, "int64")
+}
+
+/// Points of an array whose last axis has three numbers, and the lengths of the axes before it.
+pub fn given_points(of: &Bound<'_, PyAny>, what: &str) -> PyResult<(Vec<usize>, Vec<Vec3>)> {
+    let (mut shape, values) = given_floats(of, what)?;
+    if shape.pop() != Some(3) {
+        return Err(TressesError::new_err(format!("{what} must have 3 numbers along their last axis")));
+    }
+    Ok((shape, bytemuck::pod_collect_to_vec::<f32, Vec3>(&values)))
+}
+
+/// `count` points, or one for all.
+pub fn given_points_for(of: &Bound<'_, PyAny>, what: &str, count: usize) -> PyResult<Vec<Vec3>> {
+    let (shape, points) = given_points(of, what)?;
+    match points.len() {
+        n if n == count && !shape.is_empty() => Ok(points),
+        1 if shape.is_empty() => Ok(vec![points[0]; count]),
+        n => Err(TressesError::new_err(format!("there are {n} {what}, but must be {count}, or one for all"))),
+    }
+}
+
+/// `count` numbers, or one for all.
+pub fn given_numbers_for(of: &Bound<'_, PyAny>, what: &str, count: usize) -> PyResult<Vec<f32>> {
+    let (shape, numbers) = given_floats(of, what)?;
+    match numbers.len() {
+        n if n == count && !shape.is_empty() => Ok(numbers),
+        1 if shape.is_empty() => Ok(vec![numbers[0]; count]),
+        n => Err(TressesError::new_err(format!("there are {n} {what}, but must be {count}, or one for all"))),
+    }
+}
+
+/// `count` pairs.
+pub fn given_pairs(of: &Bound<'_, PyAny>, what: &str, count: usize) -> PyResult<Vec<Vec2>> {
+    let (shape, values) = given_floats(of, what)?;
+    if shape != [count, 2] {
+        return Err(TressesError::new_err(format!(
+            "{what} have the shape {shape:?}, but must have [{count}, 2]"
+        )));
+    }
+    Ok(bytemuck::pod_collect_to_vec::<f32, Vec2>(&values))
+}

@@ -1,0 +1,258 @@
+//! Grooms: strands and the guides that they follow, on a head or on none.
+
+use crate::{
+    arrays::{array, floats},
+    device::Device,
+    mesh::Mesh,
+    raised,
+    reading::{Orientation, paths, unknown},
+    settings::{self, settings_of},
+    strands::Strands,
+    work::run,
+};
+use numpy::PyArrayDyn;
+use pyo3::{prelude::*, types::PyDict};
+use std::path::PathBuf;
+use tresses::{groom, groom::import::ImportOptions, lod};
+use tresses_scene::{
+    Base, Character, Companions, Preset, Shelf, companions, preset::Source, settings::Settings,
+};
+
+/// Hair, ready to be simulated: guides, which are simulated, and strands, which are drawn and follow them; on a head, or on
+/// none. Made by `built_in`, `read`, `of` or `preset`.
+#[pyclass(frozen, module = "tresses")]
+pub struct Groom {
+    /// With its strands in the order in which they are drawn.
+    pub character: Character,
+    /// The files beside it.
+    pub source: Source,
+    /// With what it was made.
+    pub settings: Settings,
+    /// Which of the strands that it was made of each is.
+    order: Vec<u32>,
+}
+
+/// Puts the files that keywords name into `source`.
+fn companions_of(source: &mut Source, files: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+    for (key, file) in files.into_iter().flatten() {
+        let key: String = key.extract()?;
+        let companion = companions::companion(&key)
+            .ok_or_else(|| unknown(&key, companions::COMPANIONS.iter().map(|companion| companion.key)))?;
+        let file: PathBuf = file.extract()?;
+        companion.set(source, Some(file.to_string_lossy().into_owned()));
+    }
+    Ok(())
+}
+
+impl Groom {
+    fn new(mut character: Character, preset: Preset) -> Self {
+        let strands = &mut character.groom.strands;
+        // As the GPU has them; to order what is in order changes nothing.
+        let order = lod::order(strands);
+        lod::arrange(strands);
+        Self { character, source: preset.source, settings: preset.settings, order }
+    }
+
+    fn open(py: Python<'_>, preset: Preset, progress: Option<Py<PyAny>>) -> PyResult<Self> {
+        let character = run(py, progress, async |teller| {
+            let Device { gpu, pipelines } = Device::open()?;
+            Character::open(&preset, &gpu, &pipelines.simulate, teller).await
+        })?;
+        Ok(Self::new(character, preset))
+    }
+}
+
+#[pymethods]
+impl Groom {
+    /// A built-in hairstyle on the built-in character.
+    ///
+    /// Parameters
+    /// ----------
+    /// style : str
+    ///     ``"long"``, ``"bob"``, ``"curly"`` or ``"short"``.
+    /// settings : dict or Settings, optional
+    ///     How hair grows, and what `Simulation` begins with; ``style.strands`` says how many strands, ``style.seed`` which.
+    /// progress : callable, optional
+    ///     Is called with what goes on (str) and how much of it is done (0 to 1).
+    /// **files : path
+    ///     Files beside it: density_map, thickness_map, length_map, curl_map, stiffness_map, color_map, curl_curve, lod_maps,
+    ///     colliders, environment.
+    #[staticmethod]
+    #[pyo3(signature = (style="long", settings=None, *, progress=None, **files))]
+    fn built_in(
+        py: Python<'_>,
+        style: &str,
+        settings: Option<&Bound<'_, PyAny>>,
+        progress: Option<Py<PyAny>>,
+        files: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let style: groom::styles::Style = style.parse().map_err(raised)?;
+        let mut source = Source { style: Some(style.name().to_owned()), ..Default::default() };
+        companions_of(&mut source, files)?;
+        Self::open(py, Preset { name: None, source, settings: settings_of(settings)? }, progress)
+    }
+
+    /// The groom of files, on the head of files.
+    ///
+    /// Parameters
+    /// ----------
+    /// files : path or list of paths
+    ///     The groom, `formats()["grooms"]`.
+    /// head : path or list of paths, optional
+    ///     The mesh that it grows on; one with joints, shapes or animations bends.
+    /// settings, progress, **files
+    ///     As for `built_in`.
+    /// unit, up, front, mirror : optional
+    ///     What is known of the groom's unit and axes; the rest is guessed.
+    #[staticmethod]
+    #[pyo3(signature = (files, head=None, settings=None, *, unit=None, up=None, front=None, mirror=None, progress=None,
+        **beside))]
+    #[allow(clippy::too_many_arguments)] // Keywords.
+    fn read(
+        py: Python<'_>,
+        files: &Bound<'_, PyAny>,
+        head: Option<&Bound<'_, PyAny>>,
+        settings: Option<&Bound<'_, PyAny>>,
+        unit: Option<String>,
+        up: Option<String>,
+        front: Option<String>,
+        mirror: Option<bool>,
+        progress: Option<Py<PyAny>>,
+        beside: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let orient = Orientation { unit, up, front, mirror }.choice()?;
+        let mut source = Source {
+            grooms: paths(files)?,
+            heads: head.map(paths).transpose()?.unwrap_or_default(),
+            orientation: ImportOptions { orient, ..Default::default() },
+            ..Default::default()
+        };
+        companions_of(&mut source, beside)?;
+        Self::open(py, Preset { name: None, source, settings: settings_of(settings)? }, progress)
+    }
+
+    /// The groom of strands from arrays, in metres, Y up, face towards +Z, on a head or on none. What cannot be used is
+    /// repaired as by `Strands.repaired`; widths and colours are those of the strands.
+    #[staticmethod]
+    #[pyo3(signature = (strands, head=None, settings=None, *, progress=None, **files))]
+    fn of(
+        py: Python<'_>,
+        strands: &Strands,
+        head: Option<&Mesh>,
+        settings: Option<&Bound<'_, PyAny>>,
+        progress: Option<Py<PyAny>>,
+        files: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let mut source = Source::default();
+        companions_of(&mut source, files)?;
+        let settings = settings_of(settings)?;
+        let character = run(py, progress, async |teller| {
+            let maps = Companions::of(&source, Shelf::default()).maps()?;
+            let base = Base::given(strands.0.clone(), head.map(|head| head.0.clone()), teller).await?;
+            base.dress(&settings.styling(None, &maps)?, teller).await
+        })?;
+        Ok(Self::new(character, Preset { name: None, source, settings }))
+    }
+
+    /// What a preset file (.toml) says: hair, head, files beside it, and settings; those given here win.
+    #[staticmethod]
+    #[pyo3(signature = (file, settings=None, *, progress=None))]
+    fn preset(
+        py: Python<'_>,
+        file: PathBuf,
+        settings: Option<&Bound<'_, PyAny>>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let mut preset = Preset::open(&file).map_err(raised)?;
+        if let Some(values) = settings {
+            let mut all = settings::Settings(preset.settings);
+            all.update(values)?;
+            preset.settings = all.0;
+        }
+        preset.settings.check().map_err(raised)?;
+        Self::open(py, preset, progress)
+    }
+
+    /// The strands at rest, as they are drawn, in the order in which `Simulation.strands` has them: Strands with widths, and
+    /// colours where the groom has some.
+    fn strands(&self, py: Python<'_>) -> Strands {
+        py.detach(|| {
+            let bound = &self.character.groom.strands;
+            let each = bound.vertex_count as usize;
+            let mut out = groom::Strands { offsets: vec![0], ..Default::default() };
+            for i in 0..bound.len() {
+                let (strand, binding) = (&bound.strands[i], &bound.bindings[i]);
+                let rest = bound.rest[i * each..(i + 1) * each].iter().map(|rest| rest.unpack(binding));
+                let (line, shares): (Vec<_>, Vec<_>) = rest.unzip();
+                out.push(&line);
+                out.radii.extend(shares.iter().map(|share| share * strand.radius));
+            }
+            Strands(out)
+        })
+    }
+
+    /// Which of the strands that it was made of each is, after what could not be used had been left out: int32 [n]. Hair
+    /// that grew between given strands, or on a style, has numbers of its own.
+    #[getter]
+    fn order<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<i32>>> {
+        array(py, &[self.order.len()], self.order.iter().map(|i| *i as i32).collect())
+    }
+
+    /// The guides at rest, metres: float32 [g, v, 3].
+    #[getter]
+    fn guides<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        let guides = &self.character.groom.guides;
+        floats(py, &[guides.len(), guides.vertex_count as usize, 3], &guides.positions)
+    }
+
+    /// How strands follow guides: a dict of ``guides`` (int32 [n, 3], the heaviest first), ``weights`` (float32 [n, 3], whose
+    /// sum is 1) and ``scales`` (float32 [n, 3], how far along each guide, 0 to 1, the strand's tip hangs).
+    #[getter]
+    fn binding<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let bindings = &self.character.groom.strands.bindings;
+        let shape = [bindings.len(), 3];
+        let dict = PyDict::new(py);
+        let guides = bindings.iter().flat_map(|binding| binding.guides).map(|guide| guide as i32).collect();
+        dict.set_item("guides", array(py, &shape, guides)?)?;
+        let weights = |binding: &groom::bound::StrandBinding| {
+            [1.0 - binding.weight_b - binding.weight_c, binding.weight_b, binding.weight_c]
+        };
+        dict.set_item(
+            "weights",
+            array(py, &shape, bindings.iter().flat_map(weights).collect::<Vec<f32>>())?,
+        )?;
+        dict.set_item(
+            "scales",
+            array(py, &shape, bindings.iter().flat_map(|b| b.scale).collect::<Vec<f32>>())?,
+        )?;
+        Ok(dict)
+    }
+
+    /// What is drawn with the hair, a Mesh, or None.
+    #[getter]
+    fn head(&self) -> Option<Mesh> {
+        self.character.head.clone().map(Mesh)
+    }
+
+    /// What one should know of it: a list of str.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.character.notes.clone()
+    }
+
+    /// With what it was made.
+    #[getter]
+    fn settings(&self) -> settings::Settings {
+        settings::Settings(self.settings.clone())
+    }
+
+    fn __len__(&self) -> usize {
+        self.character.groom.strands.len()
+    }
+
+    fn __repr__(&self) -> String {
+        let (strands, guides) = (self.character.groom.strands.len(), self.character.groom.guides.len());
+        let head = if self.character.head.is_some() { "on a head" } else { "without a head" };
+        format!("Groom({strands} strands, {guides} guides, {head})")
+    }
+}

@@ -1,0 +1,159 @@
+//! What pictures give, as arrays.
+
+use crate::{TressesError, arrays::array, pose::vector};
+use numpy::PyArrayDyn;
+use pyo3::{prelude::*, types::PyDict};
+use tresses::{
+    glam::{Mat4, Vec3},
+    groom::Strands,
+};
+use tresses_scene::{
+    Viewpoint,
+    camera::{Angle, Bounds},
+    scene::{Asked, Captured},
+};
+
+/// The outputs, in the order in which the documentation has them.
+pub const OUTPUTS: [&str; 10] =
+    ["color", "linear", "coverage", "depth", "motion", "strand", "groom", "share", "along", "tangent"];
+
+/// Which outputs a caller wants.
+pub struct Wanted(Vec<String>);
+
+impl Wanted {
+    /// Those of a list of names.
+    pub fn new(names: Vec<String>) -> PyResult<Self> {
+        if let Some(name) = names.iter().find(|name| !OUTPUTS.contains(&name.as_str())) {
+            let all = OUTPUTS.join(", ");
+            return Err(TressesError::new_err(format!("there is no output {name}; there are {all}")));
+        }
+        Ok(Self(names))
+    }
+
+    fn has(&self, name: &str) -> bool {
+        self.0.iter().any(|wanted| wanted == name)
+    }
+
+    /// What a scene is to be asked.
+    pub fn asked(&self) -> Asked {
+        Asked {
+            linear: self.has("linear"),
+            hair: OUTPUTS[2..].iter().any(|name| self.has(name)),
+            bare: false,
+        }
+    }
+
+    /// Whether strands are needed.
+    pub fn needs_strands(&self) -> bool {
+        self.has("tangent") || self.has("along")
+    }
+}
+
+/// Where a caller's camera is: an angle by its name, or the eye and what it looks at.
+pub fn viewpoint(
+    camera: &Bound<'_, PyAny>,
+    subject: Bounds,
+    size: [u32; 2],
+    zoom: f32,
+    distance: Option<f32>,
+) -> PyResult<Viewpoint> {
+    let view = match camera.extract::<String>() {
+        Ok(name) => {
+            let angle = Angle::ALL.iter().find(|(_, known)| *known == name).map(|(angle, _)| *angle);
+            let all = Angle::ALL.map(|(_, name)| name).join(", ");
+            let none = || {
+                TressesError::new_err(format!(
+                    "there is no camera {name}; there are {all}, and (eye, target)"
+                ))
+            };
+            if !(zoom.is_finite() && zoom > 0.0) {
+                return Err(TressesError::new_err(format!("zoom is {zoom}, but must be above 0")));
+            }
+            Viewpoint::portrait(angle.ok_or_else(none)?, subject, size[0] as f32 / size[1] as f32, zoom)
+        }
+        Err(_) => {
+            let pair: (Bound<'_, PyAny>, Bound<'_, PyAny>) = camera.extract().map_err(|_| {
+                TressesError::new_err("camera must be the name of an angle, or (eye, target)")
+            })?;
+            Viewpoint {
+                eye: vector(&pair.0, "the camera's eye")?,
+                target: vector(&pair.1, "the camera's target")?,
+            }
+        }
+    };
+    if view.distance().is_nan() || view.distance() < 1e-4 {
+        return Err(TressesError::new_err("the camera's eye is where it looks at"));
+    }
+    match distance {
+        None => Ok(view),
+        Some(distance) if distance.is_finite() && distance > 0.0 => Ok(view.moved(distance)),
+        Some(distance) => Err(TressesError::new_err(format!("distance is {distance}, but must be above 0"))),
+    }
+}
+
+/// A matrix as an array [4, 4] of rows.
+pub fn matrix<'py>(py: Python<'py>, matrix: Mat4) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+    array(py, &[4, 4], matrix.transpose().to_cols_array().to_vec())
+}
+
+/// The outputs of a picture of `size` as a dict of arrays; `projection` is its camera's, `strands` the strands of each
+/// groom in it, if they are needed.
+pub fn outputs<'py>(
+    py: Python<'py>,
+    wanted: &Wanted,
+    captured: Captured,
+    ([width, height], projection): ([u32; 2], Mat4),
+    strands: &[Strands],
+) -> PyResult<Bound<'py, PyDict>> {
+    let (w, h) = (width as usize, height as usize);
+    let dict = PyDict::new(py);
+    let Captured { color, linear, geometry, knows_motion, labels } = captured;
+    for name in &wanted.0 {
+        let plane = [h, w];
+        let one =
+            |of: &dyn Fn(usize) -> f32| array(py, &plane, (0..w * h).map(of).collect()).map(Bound::into_any);
+        let whole =
+            |of: &dyn Fn(usize) -> i32| array(py, &plane, (0..w * h).map(of).collect()).map(Bound::into_any);
+        let value = match name.as_str() {
+            "color" => array(py, &[h, w, 4], color.clone())?.into_any(),
+            "linear" => array(py, &[h, w, 4], linear.as_flattened().to_vec())?.into_any(),
+            "coverage" => one(&|i| geometry[i][3])?,
+            "depth" => {
+                let back = projection.inverse();
+                one(&|i| match geometry[i] {
+                    [.., opacity] if opacity <= 0.0 => f32::INFINITY,
+                    [.., depth, _] => -back.project_point3(Vec3::new(0.0, 0.0, depth)).z,
+                })?
+            }
+            "motion" => {
+                let moved = geometry
+                    .iter()
+                    .flat_map(|[x, y, ..]| if knows_motion { [*x, *y] } else { [f32::NAN; 2] });
+                array(py, &[h, w, 2], moved.collect())?.into_any()
+            }
+            "strand" => whole(&|i| labels[i].map_or(-1, |label| label.strand as i32))?,
+            "groom" => whole(&|i| labels[i].map_or(-1, |label| label.groom as i32))?,
+            "share" => one(&|i| labels[i].map_or(0.0, |label| label.share))?,
+            "along" => one(&|i| {
+                let place = labels[i].and_then(|label| {
+                    let segments = strands.get(label.groom as usize)?.range(label.strand as usize).len() - 1;
+                    Some((label.vertex as f32 + label.along) / segments as f32)
+                });
+                place.unwrap_or(f32::NAN)
+            })?,
+            _ => {
+                let tangent = |i: usize| {
+                    let direction = labels[i].and_then(|label| {
+                        let line = strands.get(label.groom as usize)?.strand(label.strand as usize);
+                        let vertex = label.vertex as usize;
+                        Some((*line.get(vertex + 1)? - *line.get(vertex)?).normalize_or_zero())
+                    });
+                    direction.unwrap_or_default().to_array()
+                };
+                array(py, &[h, w, 3], (0..w * h).flat_map(tangent).collect())?.into_any()
+            }
+        };
+        dict.set_item(name, value)?;
+    }
+    Ok(dict)
+}

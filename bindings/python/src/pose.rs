@@ -1,0 +1,66 @@
+//! Rigid poses: 4 × 4 matrices, or a translation and a quaternion.
+
+use crate::{TressesError, arrays::given_floats};
+use pyo3::prelude::*;
+use tresses::{
+    Pose,
+    glam::{Mat3, Mat4, Quat, Vec3},
+};
+
+/// How far a matrix may be from a rotation, or a quaternion from length 1.
+const TOLERANCE: f32 = 1e-3;
+
+/// A pose as Python has it: translation (metres) and quaternion (x, y, z, w), to the bit.
+pub type Told = ([f32; 3], [f32; 4]);
+
+/// For Python.
+pub fn told(pose: &Pose) -> Told {
+    (pose.translation.to_array(), pose.rotation.to_array())
+}
+
+/// A pose that Python gives; `what` names it in an error.
+pub fn pose(of: &Bound<'_, PyAny>, what: &str) -> PyResult<Pose> {
+    let refuse = |why: &str| TressesError::new_err(format!("{what} {why}"));
+    let pair = of.extract::<(Bound<'_, PyAny>, Bound<'_, PyAny>)>();
+    let pose = match pair {
+        Ok((translation, rotation)) => {
+            let (shape, numbers) = given_floats(&rotation, what)?;
+            let rotation = Quat::from_array(<[f32; 4]>::try_from(numbers).unwrap_or([f32::NAN; 4]));
+            if shape != [4] || !rotation.is_finite() || (rotation.length() - 1.0).abs() > TOLERANCE {
+                return Err(refuse("has no quaternion (x, y, z, w) of length 1"));
+            }
+            let unit = rotation.normalize();
+            // What this program told comes back to the bit.
+            let rotation = if (rotation.length_squared() - 1.0).abs() < 1e-6 { rotation } else { unit };
+            Pose { rotation, translation: vector(&translation, what)? }
+        }
+        Err(_) => {
+            let (shape, values) = given_floats(of, what)?;
+            let rows = <[f32; 16]>::try_from(values).ok().filter(|_| shape == [4, 4]);
+            let rows = rows.ok_or_else(|| {
+                refuse("must be a matrix [4, 4], or a translation of 3 and a quaternion of 4 numbers (x, y, z, w)")
+            })?;
+            let matrix = Mat4::from_cols_array(&rows).transpose();
+            let turn = Mat3::from_mat4(matrix);
+            let square = turn * turn.transpose() - Mat3::IDENTITY;
+            let off = square.to_cols_array().iter().fold(0.0, |most: f32, v| most.max(v.abs()));
+            let last = (matrix.row(3) - tresses::glam::Vec4::W).abs().max_element();
+            let is_rigid = off < TOLERANCE && last < TOLERANCE && turn.determinant() > 0.0;
+            if !is_rigid {
+                return Err(refuse("is a matrix that does more than turn and move"));
+            }
+            Pose { rotation: Quat::from_mat3(&turn).normalize(), translation: matrix.w_axis.truncate() }
+        }
+    };
+    if pose.translation.is_finite() { Ok(pose) } else { Err(refuse("has a translation that is not finite")) }
+}
+
+/// A point or direction that Python gives.
+pub fn vector(of: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec3> {
+    let (shape, values) = given_floats(of, what)?;
+    let vector = Vec3::from_array(<[f32; 3]>::try_from(values).unwrap_or([f32::NAN; 3]));
+    if shape == [3] && vector.is_finite() {
+        return Ok(vector);
+    }
+    Err(TressesError::new_err(format!("{what} must be 3 finite numbers")))
+}

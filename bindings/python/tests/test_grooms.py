@@ -1,0 +1,181 @@
+"""Strands, meshes, grooms and files."""
+
+import numpy as np
+import pytest
+
+import tresses
+
+
+def lines(count=6, vertices=5):
+    """Strands that stand on a plane, 10 cm high, of unequal numbers of vertices."""
+    out = []
+    for i in range(count):
+        n = vertices + i % 3
+        line = np.zeros((n, 3), np.float32)
+        line[:, 0] = 0.01 * i
+        line[:, 1] = np.linspace(1.5, 1.6, n)
+        line[:, 2] = 0.02 * np.linspace(0, 1, n) ** 2
+        out.append(line)
+    return out
+
+
+def test_arrays_come_back():
+    given = lines()
+    count = sum(map(len, given))
+    widths = np.linspace(5e-5, 9e-5, count, dtype=np.float32)
+    strands = tresses.Strands(
+        np.concatenate(given), np.cumsum([0] + [len(line) for line in given]), widths, colors=[0.1, 0.2, 0.3]
+    )
+    assert len(strands) == 6 and strands.offsets.dtype == np.int64
+    assert np.array_equal(strands.widths, widths) and strands.colors.shape == (count, 3)
+    for i, line in enumerate(given):
+        assert np.array_equal(strands[i], line) and np.array_equal(strands.lines()[i], line)
+    assert np.array_equal(strands[-1], given[-1])
+    assert np.array_equal(tresses.Strands.of(given).positions, strands.positions)
+    assert strands.lengths == pytest.approx([np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in given])
+    with pytest.raises(tresses.TressesError, match="differ"):
+        strands.grid()
+    grid = np.random.default_rng(1).random((4, 7, 3))
+    assert np.array_equal(tresses.Strands(grid).grid(), grid.astype(np.float32))
+
+
+@pytest.mark.parametrize(
+    "values, clause",
+    [
+        (dict(positions=np.zeros((4, 2))), "3 numbers"),
+        (dict(positions=np.zeros((4, 3))), "offsets"),
+        (dict(positions=np.zeros((4, 3)), offsets=[0, 5]), "end with 4"),
+        (dict(positions=np.zeros((4, 3)), offsets=[0, 3, 2, 4]), "never fall"),
+        (dict(positions=np.zeros((4, 3)), offsets=[0, -1, 4]), "never fall"),
+        (dict(positions=np.zeros((2, 2, 3)), widths=[1.0, 2.0]), "widths"),
+        (dict(positions="hair"), "not an array of numbers"),
+    ],
+)
+def test_arrays_that_make_no_sense_are_refused(values, clause):
+    with pytest.raises(tresses.TressesError, match=clause):
+        tresses.Strands(**values)
+
+
+@pytest.mark.parametrize("ending", ["hair", "obj", "data", "ply", "abc", "npz"])
+def test_files_hold_what_was_written(tmp_path, ending):
+    assert ending == "npz" or ending in tresses.formats()["written"]
+    given = tresses.Strands.of(lines())
+    given = tresses.Strands(given.positions, given.offsets, widths=7e-5)
+    file = tmp_path / f"a.{ending}"
+    if ending == "npz":
+        tresses.save_npz(file, given)
+        back = tresses.load_npz(file)
+    else:
+        notes = given.write(file)
+        assert ("widths" in " ".join(notes)) == (ending in ("obj", "data"))
+        # What a .data file is in stands nowhere in it.
+        known = dict(unit="m", up="y", front="z", mirror=False) if ending == "data" else {}
+        back = tresses.read(file, **known).strands
+    assert np.array_equal(back.positions, given.positions) and np.array_equal(back.offsets, given.offsets)
+    if ending in ("hair", "ply", "abc", "npz"):
+        assert np.array_equal(back.widths, given.widths)
+
+
+def test_data_files_are_those_of_hair_salon(tmp_path):
+    file = tmp_path / "strands00001.data"
+    with open(file, "wb") as target:
+        np.array([3], "<i4").tofile(target)
+        for count in (100, 1, 4):
+            np.array([count], "<i4").tofile(target)
+            points = np.zeros((count, 3), "<f4")
+            points[:, 1] = np.linspace(1.7, 1.4, count)
+            points.tofile(target)
+    raw = tresses.read(file, unit="m", up="y", front="z", repair=False)
+    assert list(np.diff(raw.strands.offsets)) == [100, 1, 4]
+    assert [f.kind for f in raw.findings if f.count] and raw.strands.lint()
+    repaired, done = raw.strands.repaired()
+    assert done["dropped_strands"] == 1 and len(repaired) == 2 == len(tresses.read(file).strands)
+
+
+def test_broken_files_are_one_sentence(tmp_path):
+    for name, content in [
+        ("a.data", b"\x09\0\0\0\x01\0\0\0"),
+        ("a.ply", b"ply\nformat ascii 1.0\nend_header\n"),
+        ("a.hair", b"HAIL" * 40),
+        ("a.npz", b"PK nothing"),
+        ("a.xyz", b"1 2 3"),
+    ]:
+        file = tmp_path / name
+        file.write_bytes(content)
+        read = tresses.load_npz if name.endswith(".npz") else tresses.read
+        with pytest.raises(tresses.TressesError) as error:
+            read(file)
+        assert name in str(error.value) and "\n" not in str(error.value)
+    with pytest.raises(tresses.TressesError, match="nowhere.hair"):
+        tresses.read(tmp_path / "nowhere.hair")
+    with pytest.raises(tresses.TressesError, match="written as"):
+        tresses.Strands.of(lines()).write(tmp_path / "a.xyz")
+
+
+def test_lint_finds_what_is_odd():
+    given = lines()
+    given[2][3] = np.nan
+    given[4][:] = given[4][0]
+    strands = tresses.Strands.of(given)
+    found = {finding.kind: finding for finding in strands.lint()}
+    assert found["numbers that are not finite"].severity == "error"
+    assert found["numbers that are not finite"].first_strand == 2
+    assert found["zero-length strands"].count == 1
+    assert not any(f.severity == "error" for f in strands.repaired()[0].lint())
+
+
+def test_meshes_are_checked(tmp_path):
+    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    mesh = tresses.Mesh(corners, [[0, 1, 2]])
+    assert np.allclose(mesh.normals, [0, 0, 1]) and mesh.colors is None and mesh.triangles.tolist() == [[0, 1, 2]]
+    with pytest.raises(tresses.TressesError):
+        tresses.Mesh(corners, [[0, 1, 3]])
+    with pytest.raises(tresses.TressesError):
+        tresses.Mesh(corners, [[0, 1, -1]])
+    mesh.write(tmp_path / "a.glb")
+    back = tresses.Mesh.read(tmp_path / "a.glb", unit="m", up="y", front="z", mirror=False)
+    assert np.allclose(back.positions, mesh.positions)
+
+
+def test_a_built_in_groom_tells_all_of_itself(groom):
+    strands, guides, binding = groom.strands(), groom.guides, groom.binding
+    assert len(groom) == len(strands) == 400 and strands.grid().shape[0] == 400
+    assert guides.ndim == 3 and guides.shape[2] == 3 and np.isfinite(guides).all()
+    assert binding["guides"].shape == (400, 3) and binding["guides"].max() < len(guides)
+    assert np.allclose(binding["weights"].sum(axis=1), 1, atol=1e-5)
+    assert np.all(np.diff(binding["weights"], axis=1) <= 1e-6)
+    assert sorted(groom.order) == list(range(400))
+    assert groom.head.positions.shape[1] == 3 and groom.settings["style.strands"] == 400
+    # Hair of real width, on a bust of real height.
+    assert 2e-5 < strands.widths.mean() < 2e-3 and 0.3 < np.ptp(groom.head.positions[:, 1]) < 0.8
+
+
+def test_the_same_seed_is_the_same_hair():
+    def grown(seed):
+        return tresses.Groom.built_in("short", {"style.strands": 200, "style.seed": seed}).strands().positions
+
+    assert np.array_equal(grown(3), grown(3))
+    assert not np.array_equal(grown(3), grown(4))
+
+
+def test_a_groom_of_arrays_keeps_its_strands():
+    root = np.stack([0.05 * np.cos(np.arange(40)), 1.6 + 0 * np.arange(40), 0.05 * np.sin(np.arange(40))], axis=1)
+    down = np.linspace(0, 0.2, 17)
+    lines = root[:, None] + np.stack([0.3 * down, -down, 0 * down], axis=1)[None]
+    groom = tresses.Groom.of(tresses.Strands(lines, widths=8e-5), settings={"style.all_guides": True})
+    ours = groom.strands().grid()
+    # 16 bits of the box of a strand.
+    assert np.abs(ours[:, [0, -1]] - lines[groom.order][:, [0, -1]]).max() < 5e-6
+    assert len(groom.guides) == 40 and groom.head is None
+    with pytest.raises(tresses.TressesError, match="nothing is left"):
+        tresses.Groom.of(tresses.Strands(np.zeros((3, 4, 3))))
+
+
+def test_arrays_are_what_the_command_exports(tmp_path, command, groom):
+    file = tmp_path / "a.hair"
+    command("export", "--style", "bob", "--strands", "400", "--out", file)
+    theirs = tresses.read(file)
+    ours = tresses.Simulation(groom).strands()
+    assert np.array_equal(ours.positions, theirs.strands.positions)
+    assert np.array_equal(ours.widths, theirs.strands.widths)
+    assert np.array_equal(ours.offsets, theirs.strands.offsets)

@@ -1,0 +1,132 @@
+"""Pictures and labels."""
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import tresses
+
+SIZE = (160, 120)
+LABELS = ["color", "linear", "coverage", "depth", "motion", "strand", "groom", "share", "along", "tangent"]
+
+
+def encoded(linear):
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055)
+
+
+def test_pictures_are_those_of_the_command(tmp_path, command, sim):
+    file = tmp_path / "a.png"
+    words = ["--style", "bob", "--strands", "400", "--lod", "off", "--camera", "front", "--size", "160x120"]
+    command("render", *words, "--out", file)
+    ours = sim.render("front", SIZE)["color"]
+    assert ours.shape == (120, 160, 4) and ours.dtype == np.uint8
+    assert np.array_equal(ours[..., :3], np.asarray(Image.open(file).convert("RGB")))
+    assert not np.array_equal(sim.render("side", SIZE)["color"], ours)
+
+
+def test_linear_radiance_is_what_is_tone_mapped(sim):
+    # Dark enough that nothing is bent.
+    sim.apply({"lights.exposure": 0.1})
+    out = sim.render("front", SIZE, ["color", "linear"], background="transparent")
+    assert out["linear"].dtype == np.float32 and np.isfinite(out["linear"]).all()
+    assert out["linear"][..., :3].max() > 0.2
+    expected = 255 * encoded(0.1 * out["linear"][..., :3])
+    assert np.abs(expected - out["color"][..., :3]).max() < 1.01
+    assert np.abs(255 * out["linear"][..., 3] - out["color"][..., 3]).max() < 1.01
+    # The comparer sees a factor.
+    assert np.abs(255 * encoded(0.2 * out["linear"][..., :3]) - out["color"][..., :3]).max() > 3
+
+
+def test_labels_are_of_the_strands_that_are_there(sim):
+    out = sim.render("front", SIZE, LABELS)
+    again = sim.render("front", SIZE, LABELS)
+    hair = out["strand"] >= 0
+    assert 500 < hair.sum() < hair.size
+    for name in LABELS:
+        assert out[name].shape[:2] == (120, 160)
+        if name != "motion":
+            assert np.array_equal(out[name], again[name], equal_nan=True), name
+    assert np.array_equal(hair, out["groom"] >= 0) and np.array_equal(hair, out["share"] > 0)
+    assert np.all(out["share"] <= out["coverage"] + 1e-3)
+    assert np.array_equal(np.isfinite(out["depth"]), out["coverage"] > 0)
+    assert np.allclose(np.linalg.norm(out["tangent"][hair], axis=1), 1, atol=1e-3)
+    assert np.all(out["tangent"][~hair] == 0)
+
+    # The point of the strand that a pixel shows is projected into that pixel, and is as far away as hair is there.
+    camera = sim.camera("front", SIZE)
+    grooms = [sim.strands(), *sim.face()]
+    rows, columns = np.nonzero(hair & (out["share"] > 0.3))
+    assert len(rows) > 200
+    beside, far = [], []
+    for row, column in zip(rows, columns):
+        line = grooms[out["groom"][row, column]][out["strand"][row, column]]
+        at = out["along"][row, column] * (len(line) - 1)
+        vertex = min(int(at), len(line) - 2)
+        point = line[vertex] + (at - vertex) * (line[vertex + 1] - line[vertex])
+        view = camera["view"] @ [*point, 1]
+        clip = camera["projection"] @ view
+        place = (clip[:2] / clip[3] * [0.5, -0.5] + 0.5) * SIZE
+        beside.append(np.abs(place - [column + 0.5, row + 0.5]).max())
+        far.append(abs(-view[2] - out["depth"][row, column]))
+    assert np.quantile(beside, 0.95) < 1.5, np.quantile(beside, 0.95)
+    assert np.quantile(far, 0.9) < 0.02, np.quantile(far, 0.9)
+    # Labels of other strands fail that.
+    wrong = grooms[0].grid()[(out["strand"][rows, columns] + 7) % 400].mean(axis=1)
+    clip = np.c_[wrong, np.ones(len(wrong))] @ (camera["projection"] @ camera["view"]).T
+    place = (clip[:, :2] / clip[:, 3:] * [0.5, -0.5] + 0.5) * SIZE
+    assert np.quantile(np.abs(place - np.c_[columns, rows]).max(axis=1), 0.5) > 3
+
+
+def test_motion_is_known_from_the_second_picture_on(sim):
+    first = sim.render("front", SIZE, ["motion", "depth"])
+    assert np.isnan(first["motion"]).all()
+    still = sim.render("front", SIZE, ["motion"])["motion"]
+    assert np.abs(still).max() < 1e-3
+    by = 0.004
+    sim.reset(body=([by, 0, 0], [0, 0, 0, 1]))
+    out = sim.render("front", SIZE, ["motion", "depth", "coverage"])
+    hair = out["coverage"] > 0.3
+    pixels = by * SIZE[1] / (2 * out["depth"][hair] * np.tan(np.radians(15)))
+    assert np.abs(out["motion"][hair][:, 0] - pixels).max() < 0.05
+    assert np.abs(out["motion"][hair][:, 1]).max() < 0.05
+
+
+def test_hair_without_a_head_shows_what_was_hidden(sim):
+    behind = sim.render("front", SIZE, ["coverage"])["coverage"]
+    alone = sim.render("front", SIZE, ["coverage"], head=False)["coverage"]
+    assert alone.sum() > 1.1 * behind.sum()
+    assert np.array_equal(sim.render("front", SIZE, ["coverage"])["coverage"], behind)
+
+
+def test_cameras_and_backgrounds(sim):
+    named = sim.render("front", SIZE)["color"]
+    view = sim.camera("front", SIZE)["view"]
+    eye = -view[:3, :3].T @ view[:3, 3]
+    given = sim.render((eye, eye - view[2, :3]), SIZE)["color"]
+    assert np.abs(named.astype(int) - given).mean() < 1
+    clear = sim.render("front", SIZE, background="transparent")["color"]
+    assert clear[0, 0].tolist() == [0, 0, 0, 0] and named[0, 0, 3] == 255
+    red = sim.render("front", SIZE, background=[1, 0, 0])["color"]
+    assert red[0, 0, 0] > 150 and red[0, 0, 1] < 80
+    far = sim.render("front", SIZE, ["depth"], distance=3.0)["depth"]
+    assert 2.7 < far[np.isfinite(far)].mean() < 3.1
+
+
+def test_what_makes_no_sense_is_refused(sim):
+    for words, clause in [
+        (dict(outputs=["normals"]), "no output normals"),
+        (dict(camera="above"), "no camera above"),
+        (dict(camera=([0, 0, 0], [0, 0, 0])), "where it looks"),
+        (dict(size=(0, 10)), "has none"),
+        (dict(size=(100000, 10)), "size"),
+        (dict(zoom=-1.0), "zoom"),
+        (dict(distance=float("nan")), "distance"),
+    ]:
+        with pytest.raises(tresses.TressesError, match=clause):
+            sim.render(**{"size": SIZE, **words})
+    sim.apply({"edges.coverage": "mask"})
+    assert sim.render("front", SIZE)["color"].any()
+    with pytest.raises(tresses.TressesError, match="tiles"):
+        sim.render("front", SIZE, ["depth"])
+    sim.apply({"edges.coverage": "tiles"})
+    assert np.isfinite(sim.render("front", SIZE, ["depth"])["depth"]).any()

@@ -1,0 +1,161 @@
+//! Where hair is in a whole picture, which strand each pixel shows, and the same picture in another output.
+
+use crate::common;
+
+use half::f16;
+use tresses::{
+    Camera, Error, Hair, Pose, Result, View,
+    camera::ToneMap,
+    draw::Coverage,
+    frame::{Recorder, Sight},
+    glam::{Vec2, Vec3},
+    gpu::{Gpu, readback::blocking as readback},
+    groom::bind,
+    light::{Lights, Sphere},
+    present::Background,
+    strands::StrandVertex,
+    view::{Picture, ViewOptions},
+    wgpu::{self, TextureFormat, TextureUsages},
+};
+
+const SIZE: [u32; 2] = [96, 80];
+
+struct Setup<'a> {
+    gpu: &'a Gpu,
+    hair: Hair,
+    view: View,
+    scene: Picture,
+}
+
+impl<'a> Setup<'a> {
+    fn new(gpu: &'a Gpu, samples: u32, coverage: Coverage) -> Self {
+        let Gpu { device, queue, .. } = gpu;
+        let pipelines = common::pipelines().expect("there is a GPU");
+        let groom = bind(&common::hanging(300, 16, 0.12), &Default::default()).unwrap();
+        let field = common::ball(0.085, 32);
+        let mut hair =
+            Hair::new(device, queue, pipelines, &groom, &Default::default(), Some(&field)).unwrap();
+        common::advance(&mut hair, &common::frame(Pose::IDENTITY, 0.0));
+        let options = ViewOptions { samples, coverage, shadow_resolution: 64, ..Default::default() };
+        let scene = Picture {
+            camera: Camera::look_at(Vec3::Z * 0.8, Vec3::ZERO, 0.5, SIZE),
+            focus: Sphere { center: Vec3::ZERO, radius: 0.3 },
+            lights: Lights::around(0.3),
+            ..Default::default()
+        };
+        Self { view: View::new(device, pipelines, &options, SIZE, 1).unwrap(), gpu, hair, scene }
+    }
+
+    /// The picture, asked for more or not.
+    fn drawn(&self, asks: bool) -> Result<Vec<u8>> {
+        let Gpu { device, queue, .. } = self.gpu;
+        let pipelines = common::pipelines().expect("there is a GPU");
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let sight = Sight { asks, ..Sight::new(&self.view, &self.scene) };
+        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }.draw(
+            &[&self.hair],
+            &[],
+            sight,
+        )?;
+        queue.submit([encoder.finish()]);
+        pollster::block_on(self.view.targets().read(device, queue))
+    }
+}
+
+#[test]
+fn labels_are_of_the_strand_that_is_there() {
+    let Some(gpu) = common::gpu() else { return };
+    let Gpu { device, queue, .. } = gpu;
+    for samples in [1, 4] {
+        let stage = Setup::new(gpu, samples, Coverage::Tiles);
+        let targets = stage.view.targets();
+        let plain = stage.drawn(false).unwrap();
+        assert_eq!(pollster::block_on(targets.labels(device, queue)).unwrap(), None, "nobody asked");
+        assert_eq!(stage.drawn(true).unwrap(), plain, "a picture that is asked is the same");
+        assert!(!targets.knows_motion());
+        let known = pollster::block_on(targets.geometry(device, queue)).unwrap().unwrap();
+        let labels = pollster::block_on(targets.labels(device, queue)).unwrap().unwrap();
+        stage.drawn(true).unwrap();
+        assert!(targets.knows_motion());
+        stage.drawn(false).unwrap();
+        assert_eq!(pollster::block_on(targets.labels(device, queue)).unwrap(), None, "nobody asked again");
+        assert_eq!(pollster::block_on(targets.geometry(device, queue)).unwrap(), None);
+
+        let vertices: Vec<StrandVertex> =
+            readback::buffer(device, queue, &stage.hair.strands.vertices).unwrap();
+        let Camera { view, projection, .. } = stage.scene.camera;
+        let place = |strand: u32, vertex: u32, along: f32| {
+            let at = (strand * stage.hair.set.drawn.vertex_count + vertex) as usize;
+            let point = vertices[at].position.lerp(vertices[at + 1].position, along);
+            let seen = projection.project_point3(view.transform_point3(point));
+            (
+                Vec2::new(0.5 + 0.5 * seen.x, 0.5 - 0.5 * seen.y) * Vec2::new(SIZE[0] as f32, SIZE[1] as f32),
+                seen.z,
+            )
+        };
+        let (mut count, mut wrong) = (0, 0);
+        for (i, (label, [.., depth, opacity])) in labels.iter().zip(&known).enumerate() {
+            let Some(label) = label else {
+                assert_eq!(*opacity, 0.0, "there is hair, but no strand");
+                continue;
+            };
+            assert!(label.groom == 0 && label.share <= opacity + 1e-3, "{label:?} of {opacity}");
+            if label.share < 0.2 {
+                continue;
+            }
+            let pixel = Vec2::new((i as u32 % SIZE[0]) as f32, (i as u32 / SIZE[0]) as f32) + 0.5;
+            let (at, z) = place(label.strand, label.vertex, label.along);
+            assert!((at - pixel).abs().max_element() < 1.0, "{label:?} is at {at}, not {pixel}");
+            // What most of the pixel is of is about as deep as its mean.
+            assert!(label.share < 0.6 || (z / depth - 1.0).abs() < 0.1, "{z} {depth}");
+            // Another strand is elsewhere.
+            let (other, _) = place((label.strand + 1) % 300, label.vertex, label.along);
+            wrong += usize::from((other - pixel).abs().max_element() > 1.0);
+            count += 1;
+        }
+        assert!(count > 300 && wrong > count * 9 / 10, "{count} {wrong}");
+    }
+    let refused = Setup::new(gpu, 4, Coverage::SampleMask).drawn(true);
+    assert!(matches!(refused, Err(Error::Parameter { .. })), "masks do not know");
+}
+
+#[test]
+fn a_picture_is_the_same_in_another_output() {
+    let Some(gpu) = common::gpu() else { return };
+    let Gpu { device, queue, .. } = gpu;
+    let pipelines = common::pipelines().expect("there is a GPU");
+    for (samples, coverage) in [(1, Coverage::Tiles), (4, Coverage::Tiles), (4, Coverage::SampleMask)] {
+        let stage = Setup::new(gpu, samples, coverage);
+        let plain = stage.drawn(false).unwrap();
+        let into = |tone: &ToneMap| -> Vec<[f32; 4]> {
+            let texture = device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("another output"),
+                size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: TextureFormat::Rgba16Float,
+                usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
+                view_formats: &[],
+            });
+            let output = (&texture.create_view(&Default::default()), TextureFormat::Rgba16Float);
+            let mut encoder = device.create_command_encoder(&Default::default());
+            let background: &Background = &stage.scene.background;
+            let on = (pipelines, device, queue);
+            stage.view.present_into(on, &mut encoder, output, (background, tone)).unwrap();
+            queue.submit([encoder.finish()]);
+            let texels: Vec<[f16; 4]> =
+                bytemuck::pod_collect_to_vec(&readback::texture(device, queue, &texture).unwrap());
+            texels.iter().map(|texel| texel.map(f16::to_f32)).collect()
+        };
+        let off = |other: &[[f32; 4]]| {
+            let pairs = other.as_flattened().iter().zip(&plain);
+            pairs.map(|(a, b)| (255.0 * a - f32::from(*b)).abs()).fold(0.0, f32::max)
+        };
+        // Half a step of rounding, half a step of dither, and the coarseness of half floats.
+        let same = off(&into(&stage.scene.tone));
+        assert!(same < 1.2, "{coverage:?}: {same} of 255");
+        let brighter = ToneMap { exposure: 1.2 * stage.scene.tone.exposure, ..stage.scene.tone };
+        assert!(off(&into(&brighter)) > 3.0, "the comparer sees a factor");
+    }
+}
