@@ -38,7 +38,7 @@ impl<'a> Setup<'a> {
         common::advance(&mut hair, &common::frame(Pose::IDENTITY, 0.0));
         let options = ViewOptions { samples, coverage, shadow_resolution: 64, ..Default::default() };
         let scene = Picture {
-            camera: Camera::look_at(Vec3::Z * 0.8, Vec3::ZERO, 0.5, SIZE),
+            camera: Camera::look_at(Vec3::Z * 0.8, Vec3::ZERO, 0.15, SIZE),
             focus: Sphere { center: Vec3::ZERO, radius: 0.3 },
             lights: Lights::around(0.3),
             ..Default::default()
