@@ -56,6 +56,7 @@ const SETTINGS: &[&str] = &[
     "strays",
     "style",
     "thickness-map",
+    "ties",
     "tip-width",
     "unit",
     "up",

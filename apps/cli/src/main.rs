@@ -17,6 +17,7 @@ mod info;
 mod interrupt;
 mod knobs;
 mod load;
+mod manuals;
 mod orient_args;
 mod photographer;
 mod picture;
@@ -35,7 +36,7 @@ use std::process::ExitCode;
 
 /// Real-time hair: grooms in, moving shaded hair out.
 #[derive(Parser)]
-#[command(version, arg_required_else_help = true, max_term_width = 100)]
+#[command(name = "tresses", version, arg_required_else_help = true, max_term_width = 100)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -65,6 +66,10 @@ enum Command {
     Bench(bench::Args),
     /// Compare pictures with path-traced ones of the same hair, camera and lights
     Compare(compare::Args),
+    /// Print what a shell runs to complete this command's words: bash, elvish, fish, powershell, zsh
+    Completions(manuals::CompletionArgs),
+    /// Write manual pages into a folder
+    Man(manuals::ManArgs),
 }
 
 fn main() -> ExitCode {
@@ -88,6 +93,8 @@ fn main() -> ExitCode {
         Command::Knobs(args) => knobs::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Completions(args) => manuals::completions(&args),
+        Command::Man(args) => manuals::man(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

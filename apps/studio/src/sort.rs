@@ -37,7 +37,7 @@ pub fn files(mut files: Vec<Read>, in_memory: bool) -> Vec<Answer> {
             Some(companion) => put(companion, list, named, in_memory),
             None => {
                 let name = list.0.display();
-                Answer::Failed(format!("{name} is neither a list of colliders nor one of painted levels"))
+                Answer::Failed(format!("{name} is no list of colliders, ties or painted levels"))
             }
         });
     }
@@ -83,7 +83,7 @@ fn surroundings() -> &'static Companion {
 /// Which list a .json file is.
 fn what(bytes: &[u8]) -> Option<&'static Companion> {
     let list: serde_json::Value = serde_json::from_slice(bytes).ok()?;
-    [("colliders", "colliders"), ("levels", "lod_maps")]
+    [("colliders", "colliders"), ("joints", "colliders"), ("ties", "ties"), ("levels", "lod_maps")]
         .into_iter()
         .find(|(field, _)| list.get(field).is_some())
         .and_then(|(_, key)| companion(key))

@@ -30,6 +30,7 @@ use tresses::{
     },
     lod::LodLevel,
     simulate,
+    simulate::Tie,
 };
 
 /// How far the joint that a head nods and turns about lies below and behind the crown, metres.
@@ -60,6 +61,8 @@ pub struct Styling {
     pub stiffness: Option<ScalpMap>,
     /// Painted levels of detail.
     pub levels: Vec<LodLevel>,
+    /// What holds the hair.
+    pub ties: Vec<Tie>,
     /// What grows on a built-in character's face.
     pub face: FaceHair,
 }
@@ -83,6 +86,8 @@ pub struct Character {
     pub anatomy: Option<Anatomy>,
     /// Painted levels of detail.
     pub levels: Vec<LodLevel>,
+    /// What holds the hair.
+    pub ties: Vec<Tie>,
     /// What the user should know, a sentence each.
     pub notes: Vec<String>,
 }
@@ -336,6 +341,7 @@ impl Base {
             groom.guides.stiffen(map, skull);
         }
         let (head, levels, anatomy) = (self.head.clone(), styling.levels.clone(), self.anatomy.clone());
+        let ties = styling.ties.clone();
         let part = anatomy.as_ref().and_then(|anatomy| match &anatomy.head.field {
             Field::Grid(part) => Some(part.clone()),
             Field::Mesh(..) => None,
@@ -344,7 +350,7 @@ impl Base {
             Some(part) => (Some(part), field),
             None => (field, None),
         };
-        Ok(Character { groom, face, head, field, rest, neck: self.neck, anatomy, levels, notes })
+        Ok(Character { groom, face, head, field, rest, neck: self.neck, anatomy, levels, ties, notes })
     }
 }
 

@@ -218,6 +218,7 @@ impl Scene {
             }
             living = Some(Living::new(&gpu, &pipelines, anatomy, body)?);
         }
+        hair.tie(device, queue, &pipelines, groom, &character.ties).context("ties")?;
         let mut stage = Self {
             pipelines,
             hair,

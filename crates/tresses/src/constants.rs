@@ -13,6 +13,7 @@ pub const SHARED: &[(&str, u32)] = &[
     ("MAX_COLLIDERS", MAX_COLLIDERS),
     ("MAX_TAPS", MAX_TAPS),
     ("LINKS", LINKS),
+    ("TIE_WORKGROUP", TIE_WORKGROUP),
     ("MAX_FOOTPRINT", MAX_FOOTPRINT),
     ("BUILD_WORKGROUP", BUILD_WORKGROUP),
     ("MAX_LIGHTS", MAX_LIGHTS),
@@ -52,6 +53,8 @@ pub const HIT_RUN: u32 = 8;
 /// The most cells along a line that the blur of the hair's grid reads for four.
 pub const MAX_TAPS: u32 = 96;
 
+/// Threads that hold one ring of a [tie](crate::simulate::ties) together.
+pub const TIE_WORKGROUP: u32 = 64;
 /// The most [links](crate::simulate::links) of a guide vertex.
 pub const LINKS: u32 = 4;
 /// The most samples that make a pixel.

@@ -15,8 +15,8 @@ use crate::{
     progress::at_once,
     roots::{RootReport, Roots, Skin},
     simulate::{
-        Forces, Grab, GuideTraits, Links, Ray, RestOptions, RestShape, Shifting, Simulation,
-        SimulationParams, Target, rest,
+        Forces, Grab, GuideTraits, Links, RestOptions, RestShape, Shifting, Simulation, SimulationParams,
+        rest,
     },
     space::{Carrier, Passage, Space},
     strands::{GuideBuffers, GuideSample, Strand, StrandBinding, StrandBuffers, buffers::storage},
@@ -29,6 +29,7 @@ use glam::Vec3;
 use sleep::{Sleep, sees};
 use std::sync::Arc;
 
+mod hold;
 mod record;
 mod share;
 mod sleep;
@@ -353,7 +354,9 @@ impl Hair {
         let (roots, report) =
             Roots::new(device, queue, &pipelines.roots, (groom, &arranged), buffers, mesh, skin, reach)?;
         self.roots = Some(roots);
-        self.simulation = Simulation::new(device, &pipelines.simulate, &self.guides);
+        let untied = Simulation::new(device, &pipelines.simulate, &self.guides);
+        let before = std::mem::replace(&mut self.simulation, untied);
+        self.simulation.tie_as((device, queue), &pipelines.simulate, &self.guides, &before)?;
         self.tessellation = Tessellation::new(device, &pipelines.tessellate, &self.guides);
         self.interpolation =
             interpolation(device, pipelines, &self.guides, &self.strands, &self.tessellation);
@@ -384,36 +387,6 @@ impl Hair {
     /// is drawn, as of the last frame: for who reads the state of guides or of a grab.
     pub fn place(&self) -> Pose {
         self.to_drawn
-    }
-
-    /// Grabs the lock that `ray` (from the eye through the cursor, in the camera's space: [`Camera::ray`]) meets
-    /// first: all of the hair that follows guide vertices within `radius` metres of there, or the nearest one. It
-    /// holds it until [`release`](Self::release), until the head jumps or until the hair is
-    /// [reset](Self::reset); a ray that meets no hair, or the head before it, holds nothing. See
-    /// [`crate::simulate::grab`].
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] for a ray without a direction, and a radius that is not from 1 mm to 1 m.
-    pub fn grab(&mut self, ray: &Ray, radius: f32) -> Result<()> {
-        self.grab.begin(ray, radius)
-    }
-
-    /// Where what is grabbed is to be at the next frame, in the space that it is drawn in. Nothing when nothing is.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] for what is not finite.
-    pub fn drag_to(&mut self, target: &Target) -> Result<()> {
-        self.grab.drag(target)
-    }
-
-    /// Lets go of what is grabbed.
-    pub fn release(&mut self) {
-        self.grab.end();
-    }
-
-    /// The hand: whether it holds, and what the GPU knows of it.
-    pub fn grabbed(&self) -> &Grab {
-        &self.grab
     }
 
     /// The frames from here on are drawn at the level of detail that [`Lod::options`](crate::lod::Lod::options)

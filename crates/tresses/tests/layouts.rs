@@ -164,6 +164,7 @@ fn grab() {
 fn volume() {
     use tresses::{
         simulate::links::{Link, LinkUniforms},
+        simulate::ties::{Member, Ring},
         strands::GuideForce,
         volume::params::{Blur, VolumeUniforms},
     };
@@ -176,6 +177,11 @@ fn volume() {
         rust_layout!(LinkUniforms { vertices, stiffness, limit, reach, span, _pad_a, _pad_b, _pad_c })
     );
     assert_eq!(wgsl_layout("simulate::links::Link"), rust_layout!(Link { other, length }));
+    assert_eq!(wgsl_layout("simulate::ties::Ring"), rust_layout!(Ring { first, count }));
+    assert_eq!(
+        wgsl_layout("simulate::ties::Member"),
+        rust_layout!(Member { rests, mass, vertex, _pad_a, _pad_b, _pad_c })
+    );
     assert_eq!(
         wgsl_layout("volume::params::VolumeUniforms"),
         rust_layout!(VolumeUniforms {

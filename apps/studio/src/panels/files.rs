@@ -30,7 +30,11 @@ const GROUPS: [(&str, &str, &[Kind]); 4] = [
         &[Kind::Map, Kind::Colors],
     ),
     ("Strands", "Drawn curls and painted levels of detail", &[Kind::Curve, Kind::Levels]),
-    ("Collisions", "What hair collides with besides the head", &[Kind::Colliders]),
+    (
+        "Collisions and ties",
+        "What hair collides with besides the head, and what holds it",
+        &[Kind::Colliders, Kind::Ties],
+    ),
 ];
 
 /// What a person wants of a row.

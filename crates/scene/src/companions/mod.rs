@@ -1,4 +1,4 @@
-//! Files beside groom and head: maps on the scalp, a drawn curl, painted levels of detail, obstacles and
+//! Files beside groom and head: maps on the scalp, a drawn curl, painted levels of detail, obstacles, ties and
 //! environments. A [`Source`] names them; here they are read, from the disk or,
 //! in a browser, from a [`Shelf`] of bytes.
 
@@ -6,11 +6,13 @@ mod levels;
 mod maps;
 mod shelf;
 mod surroundings;
+mod ties;
 
 pub use levels::levels;
 pub use maps::{ColorSource, MapSource};
 pub use shelf::Shelf;
 pub use surroundings::Surroundings;
+pub use ties::ties;
 
 use crate::{Colliders, preset::Source, settings::Maps};
 use anyhow::{Error, Result};
@@ -33,6 +35,8 @@ pub enum Kind {
     Levels,
     /// A list of obstacles.
     Colliders,
+    /// A list of bands and pins.
+    Ties,
     /// An equirectangular picture.
     Surroundings,
 }
@@ -43,7 +47,7 @@ impl Kind {
         match self {
             Self::Map | Self::Colors => &["png"],
             Self::Curve => formats::GROOMS,
-            Self::Levels | Self::Colliders => &["json"],
+            Self::Levels | Self::Colliders | Self::Ties => &["json"],
             Self::Surroundings => &["hdr", "exr"],
         }
     }
@@ -112,7 +116,7 @@ macro_rules! companion {
 }
 
 /// All of them, in the order in which presets have them.
-pub static COMPANIONS: [Companion; 10] = [
+pub static COMPANIONS: [Companion; 11] = [
     companion!(
         density_map,
         "density-map",
@@ -157,6 +161,13 @@ pub static COMPANIONS: [Companion; 10] = [
         Colliders,
         "Obstacles",
         "What hair collides with besides the head: capsules, ellipsoids and meshes that move"
+    ),
+    companion!(
+        ties,
+        "ties",
+        Ties,
+        "Ties",
+        "Bands, braids and pins that hold the hair, where they are at rest"
     ),
     companion!(
         environment,
@@ -237,7 +248,7 @@ impl Companions {
         self.files != other.files
     }
 
-    /// The maps, the drawn curl and the painted levels.
+    /// The maps, the drawn curl, the painted levels and the ties.
     ///
     /// # Errors
     /// One sentence, for the first that cannot be read.
@@ -293,6 +304,10 @@ fn maps(source: &Source, files: &Shelf) -> Result<Maps> {
         curl: source.curl_curve.as_ref().map(curve).transpose()?,
         levels: match &source.lod_maps {
             Some(path) => levels(Path::new(path), files)?,
+            None => Vec::new(),
+        },
+        ties: match &source.ties {
+            Some(path) => ties(Path::new(path), files)?,
             None => Vec::new(),
         },
     })

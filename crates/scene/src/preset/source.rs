@@ -38,6 +38,8 @@ pub struct Source {
     pub lod_maps: Option<String>,
     /// Obstacles.
     pub colliders: Option<String>,
+    /// Bands and pins.
+    pub ties: Option<String>,
     /// A picture of the surroundings.
     pub environment: Option<String>,
 }
@@ -104,6 +106,7 @@ pub(super) const TEXTS: &[Text] = &[
     file!(curl_curve),
     file!(lod_maps),
     file!(colliders),
+    file!(ties),
     file!(environment),
 ];
 

@@ -293,6 +293,7 @@ impl Settings {
             restyle: if style.is_none() { self.restyle(maps)? } else { None },
             stiffness: maps.stiffness.clone(),
             levels: maps.levels.clone(),
+            ties: maps.ties.clone(),
             face: self.style.face,
         })
     }

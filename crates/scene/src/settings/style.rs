@@ -10,6 +10,7 @@ use tresses::{
         styles::Style,
     },
     lod::LodLevel,
+    simulate::Tie,
 };
 
 /// The curls that others are varied from.
@@ -48,6 +49,8 @@ pub struct Maps {
     pub curl: Option<CurlCurve>,
     /// Painted levels of detail.
     pub levels: Vec<LodLevel>,
+    /// What holds the hair.
+    pub ties: Vec<Tie>,
 }
 
 /// Strands. Most parameters are automatic: their fields count where [`Settings::gives`] them.

@@ -56,7 +56,10 @@ impl Hair {
         self.passage = passage;
         let way = shift.map(|shift| shift.way).unwrap_or_default();
         self.shift(device, queue, pipelines, shift);
-        self.forced = self.windy || physics.hair_hair.mode != HairHairMode::Off || self.links.is_some();
+        self.forced = self.windy
+            || physics.hair_hair.mode != HairHairMode::Off
+            || self.links.is_some()
+            || self.simulation.ties().is_some();
         if let Some(links) = &self.links {
             links.prepare(queue, &physics.hair_hair, physics.step);
         }

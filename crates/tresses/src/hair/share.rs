@@ -17,7 +17,7 @@ use crate::{
     avoid::StrandState,
     collide::Collider,
     roots::Roots,
-    simulate::{Links, Shifting},
+    simulate::{Links, Shifting, Ties},
     strands::{Room, Strand, StrandVertex},
     wind::Air,
 };
@@ -64,7 +64,9 @@ impl Hair {
             substeps,
             fits: true,
         };
-        Ok(Self::at_rest(device, pipelines, parts))
+        let mut other = Self::at_rest(device, pipelines, parts);
+        other.simulation.tie_as(gpu, &pipelines.simulate, &other.guides, &self.simulation)?;
+        Ok(other)
     }
 
     /// Makes room for what the level of detail draws, where hair has no more than that. Before anything of a frame is
@@ -128,6 +130,7 @@ impl Hair {
             + self.colliders.shared_bytes()
             + self.volume.shared_bytes()
             + self.links.as_ref().map_or(0, Links::shared_bytes)
+            + self.simulation.ties().map_or(0, Ties::shared_bytes)
             + self.order.bytes()
     }
 

@@ -69,6 +69,7 @@ pub mod params;
 pub mod rest;
 pub mod shift;
 mod step;
+pub mod ties;
 
 #[cfg(test)]
 mod gpu_tests;
@@ -83,6 +84,7 @@ use crate::{
     collide::{self, ColliderSet},
     constants::{GUIDE_CAPACITIES, GUIDE_WORKGROUP},
     gpu::Kernel,
+    groom::Guides,
     space::Field,
     strands::GuideBuffers,
     wind::Wind,
@@ -97,6 +99,7 @@ pub use links::Links;
 pub use params::{Along, SimulationParams};
 pub use rest::{GuideTraits, RestOptions, RestShape};
 pub(crate) use shift::Shifting;
+pub use ties::{Held, Tie, TieReport, Ties};
 
 /// Bytes from one step's uniforms to the next's: a multiple of every adapter's alignment.
 const STRIDE: u64 = 512;
@@ -111,6 +114,8 @@ pub struct Pipelines {
     pub(crate) links: Kernel,
     pub(crate) grab: grab::GrabKernels,
     lead: Kernel,
+    ties: Kernel,
+    pins: Kernel,
 }
 
 impl Pipelines {
@@ -124,6 +129,8 @@ impl Pipelines {
             links: Kernel::new(device, "simulate::links", &links::BINDINGS),
             grab: grab::GrabKernels::new(device),
             lead: lead::kernel(device),
+            ties: Kernel::new(device, "simulate::ties", &ties::BINDINGS),
+            pins: Kernel::new(device, "simulate::pins", &ties::PIN_BINDINGS),
         }
     }
 
@@ -140,7 +147,7 @@ impl Pipelines {
         self.step(vertex_count).compile()
     }
 
-    /// All kernels but those of a grab, of links, of hair that strays, and of single sizes of guides.
+    /// All kernels but those of a grab, of links and ties, of hair that strays, and of single sizes of guides.
     pub(crate) fn kernels(&self) -> Vec<&Kernel> {
         vec![&self.forces.kernel]
     }
@@ -155,6 +162,8 @@ pub struct Simulation {
     vertex_count: u32,
     /// What leads guides that are not simulated, once some are not.
     lead: Option<lead::Lead>,
+    /// What holds guides together or to the head.
+    ties: Option<Ties>,
     /// How many are simulated from the next frame on, and in each step of this one.
     simulated: (u32, Vec<u32>),
     slip: f32,
@@ -188,6 +197,7 @@ impl Simulation {
             guide_count: guides.count,
             vertex_count: guides.vertex_count,
             lead: None,
+            ties: None,
             simulated: (guides.count, Vec::new()),
             slip: 0.0,
         }
@@ -208,6 +218,47 @@ impl Simulation {
         self.simulated.0 = count.clamp(1, self.guide_count.max(1));
     }
 
+    /// From the next frame on `ties` hold the guides, which rest as `rest` says, instead of those that did; without any, none.
+    ///
+    /// # Errors
+    /// [`crate::Error::Parameter`] for a tie that makes no sense, [`crate::Error::Unusable`] for one that holds nothing
+    /// and for more than [`ties::MAX_RINGS`]; [`crate::Error::Limit`].
+    pub fn tie(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        simulate: &Pipelines,
+        guides: &GuideBuffers,
+        rest: &Guides,
+        ties: &[Tie],
+    ) -> Result<TieReport> {
+        let step = &slot(&self.uniforms);
+        let make = || Ties::new(device, queue, simulate, step, guides, rest, ties);
+        self.ties = (!ties.is_empty()).then(make).transpose()?;
+        Ok(self.ties.as_ref().map(Ties::report).unwrap_or_default())
+    }
+
+    /// From the next frame on what holds the guides of `other`, of the same groom, holds these.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`].
+    pub(crate) fn tie_as(
+        &mut self,
+        gpu: (&wgpu::Device, &wgpu::Queue),
+        simulate: &Pipelines,
+        guides: &GuideBuffers,
+        other: &Self,
+    ) -> Result<()> {
+        let step = &slot(&self.uniforms);
+        self.ties = other.ties.as_ref().map(|ties| ties.another(gpu, simulate, step, guides)).transpose()?;
+        Ok(())
+    }
+
+    /// What holds guides together or to the head.
+    pub fn ties(&self) -> Option<&Ties> {
+        self.ties.as_ref()
+    }
+
     /// From the next frame on friction brakes, but does not hold: what is pulled slides on, as hair does that is combed.
     pub(crate) fn slide(&mut self) {
         self.slip = 1e-6;
@@ -225,7 +276,7 @@ impl Simulation {
 
     /// Bytes of GPU memory, without the guides.
     pub fn bytes(&self) -> u64 {
-        self.uniforms.size()
+        self.uniforms.size() + self.ties.as_ref().map_or(0, Ties::bytes)
     }
 
     /// Records the `steps` of a frame into `pass`, at most [`MAX_STEPS`]; with none, nothing.
@@ -318,6 +369,9 @@ impl Simulation {
         let simulated = self.simulated.1[i as usize];
         let offset = i * STRIDE as u32;
         let groups = simulated.div_ceil(GUIDE_WORKGROUP);
+        if let Some(ties) = &self.ties {
+            ties.record(simulate, pass, offset);
+        }
         simulate.step(self.vertex_count).record(pass, &self.group, &[offset], groups);
         if let Some(lead) = self.lead.as_ref().filter(|_| simulated < self.guide_count) {
             lead.record(&simulate.lead, pass, offset, [simulated, self.guide_count]);

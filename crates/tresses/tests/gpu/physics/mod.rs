@@ -16,3 +16,4 @@ mod shapes;
 mod squeeze;
 mod swings;
 mod table;
+mod ties;

@@ -13,7 +13,7 @@ use tresses::{
 const G: f32 = 9.81;
 
 /// The mean time between upward zero crossings of `samples`.
-fn period(samples: &[f32], dt: f32) -> f32 {
+pub fn period(samples: &[f32], dt: f32) -> f32 {
     let crossings: Vec<f32> = samples
         .windows(2)
         .enumerate()

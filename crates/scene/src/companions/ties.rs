@@ -1,0 +1,122 @@
+//! Files of bands, braids and pins.
+//!
+//! ```json
+//! {"ties": [
+//!   {"at": [0, 1.62, -0.11], "radius": 0.02},
+//!   {"from": [0, 1.5, -0.16], "to": [0, 1.3, -0.16], "radius": 0.025},
+//!   {"at": [0.07, 1.66, 0.02], "radius": 0.012, "held": "to-head"},
+//!   {"at": [0, 1.55, -0.13], "radius": 0.08, "gather": 0.25}
+//! ]}
+//! ```
+//! Metres, groom space, the hair at rest: a band at a place, a braid along a line, a pin that holds hair to the head, a band
+//! that draws loose hair together to a quarter. What they do is [`tresses::simulate::ties`].
+
+use super::Shelf;
+use anyhow::{Context, Result, ensure};
+use serde::Deserialize;
+use std::path::Path;
+use tresses::simulate::{Held, Tie};
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    ties: Vec<Entry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Entry {
+    at: Option<[f32; 3]>,
+    from: Option<[f32; 3]>,
+    to: Option<[f32; 3]>,
+    radius: f32,
+    #[serde(default)]
+    held: How,
+    #[serde(default = "all")]
+    gather: f32,
+}
+
+fn all() -> f32 {
+    1.0
+}
+
+#[derive(Clone, Copy, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum How {
+    #[default]
+    Together,
+    ToHead,
+}
+
+impl Entry {
+    fn tie(&self) -> Result<Tie> {
+        let (from, to) = match (self.at, self.from, self.to) {
+            (Some(at), None, None) => (at, at),
+            (None, Some(from), Some(to)) => (from, to),
+            _ => anyhow::bail!("a tie has either \"at\" or \"from\" and \"to\""),
+        };
+        let held = match self.held {
+            How::Together => Held::Together,
+            How::ToHead => Held::ToHead,
+        };
+        let tie = Tie { from: from.into(), to: to.into(), radius: self.radius, held, gather: self.gather };
+        tie.check()?;
+        Ok(tie)
+    }
+}
+
+/// The ties that the .json file at `path` lists.
+///
+/// # Errors
+/// One sentence that names the file, when it cannot be read or a tie makes no sense.
+pub fn ties(path: &Path, files: &Shelf) -> Result<Vec<Tie>> {
+    let text = files.load(path)?;
+    let read = || -> Result<Vec<Tie>> {
+        let file: File = serde_json::from_slice(&text)?;
+        ensure!(!file.ties.is_empty(), "the list of ties is empty");
+        file.ties.iter().map(Entry::tie).collect()
+    };
+    read().with_context(|| path.display().to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tresses::glam::Vec3;
+
+    fn read(text: &str) -> Result<Vec<Tie>> {
+        let mut files = Shelf::default();
+        files.put("ties.json".into(), text.as_bytes());
+        ties(Path::new("ties.json"), &files)
+    }
+
+    #[test]
+    fn bands_braids_and_pins_are_read() {
+        let found = read(
+            r#"{"ties": [{"at": [0, 1, 2], "radius": 0.02}, {"from": [0, 1, 0], "to": [0, 2, 0], "radius": 0.01},
+                {"at": [1, 1, 1], "radius": 0.01, "held": "to-head", "gather": 0.3}]}"#,
+        )
+        .unwrap();
+        let at = Vec3::new(0.0, 1.0, 2.0);
+        assert_eq!(found[0], Tie { from: at, to: at, radius: 0.02, held: Held::Together, gather: 1.0 });
+        assert_eq!(found[2].gather, 0.3);
+        assert_eq!((found[1].from.y, found[1].to.y, found[2].held), (1.0, 2.0, Held::ToHead));
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_said() {
+        for (text, clause) in [
+            (r#"{"ties": []}"#, "empty"),
+            (r#"{"ties": [{"radius": 0.02}]}"#, "either"),
+            (r#"{"ties": [{"at": [0, 1, 2], "to": [0, 0, 0], "radius": 0.02}]}"#, "either"),
+            (r#"{"ties": [{"at": [0, 1, 2], "radius": -1}]}"#, "radius of a tie"),
+            (r#"{"ties": [{"at": [0, 1, 2], "radius": 0.1, "held": "up"}]}"#, "to-head"),
+            (r#"{"ties": [{"at": [0, 1], "radius": 0.1}]}"#, "length 2"),
+            (r#"{"ties": [{"at": [0, 1, 2], "radius": 0.1, "gather": 0}]}"#, "gather of a tie"),
+            ("{", "EOF"),
+        ] {
+            let error = format!("{:#}", read(text).unwrap_err());
+            assert!(error.contains("ties.json") && error.contains(clause), "{text}: {error}");
+        }
+    }
+}

@@ -1,0 +1,182 @@
+use super::*;
+use crate::{
+    Pose,
+    clock::{Mode, Step},
+    gpu::{Gpu, for_tests as gpu, readback::blocking as readback},
+    groom::Guides,
+    simulate::{GuideTraits, RestOptions, Simulation, SimulationParams, rest},
+    strands::{
+        Force, GuideForce,
+        guide::{pack_velocity, unpack_velocity},
+    },
+};
+use glam::{Mat3, Quat};
+
+/// Vertices of a hair of the tests.
+const N: usize = 12;
+
+/// Upright hairs 1 cm apart, six by six, 11 cm long.
+fn lawn() -> Guides {
+    let mut guides = Guides::new(N as u32);
+    for g in 0..36 {
+        guides.positions.extend((0..N).map(|i| Vec3::new((g % 6) as f32, i as f32, (g / 6) as f32) * 0.01));
+        guides.stiffness.push(1.0);
+        guides.strands.push(1.0);
+        guides.tip_pinned.push(false);
+    }
+    guides
+}
+
+fn tie(from: Vec3, to: Vec3, radius: f32, held: Held) -> Tie {
+    Tie { from, to, radius, held, gather: 1.0 }
+}
+
+/// A number between -1 and 1.
+fn some(i: usize, k: usize) -> f32 {
+    ((i * 3 + k) as f32 * 0.618_034).fract() * 2.0 - 1.0
+}
+
+fn vector(i: usize) -> Vec3 {
+    Vec3::new(some(i, 0), some(i, 1), some(i, 2))
+}
+
+/// Twin of the kernel: the accelerations, m/s², that make members (where they rest, mass, place, velocity) one rigid piece
+/// within `span` seconds.
+fn hold(members: &[(Vec3, f32, Vec3, Vec3)], span: f32) -> Vec<Vec3> {
+    let center: Vec3 = members.iter().map(|(_, m, x, _)| *x * *m).sum();
+    let drift: Vec3 = members.iter().map(|(_, m, _, v)| *v * *m).sum();
+    let outer = |a: Vec3, b: Vec3| Mat3::from_cols(a * b.x, a * b.y, a * b.z);
+    let (mut a, mut inertia, mut momentum) = (Mat3::ZERO, Mat3::ZERO, Vec3::ZERO);
+    for (rests, m, x, v) in members {
+        let way = *x - center;
+        a += outer(way, *rests) * *m;
+        inertia += (Mat3::from_diagonal(Vec3::splat(way.length_squared())) - outer(way, way)) * *m;
+        momentum += way.cross(*v - drift) * *m;
+    }
+    let spin = inertia.inverse() * momentum;
+    // By Newton's iteration for the polar decomposition, not as the kernel does.
+    let mut r = a;
+    for _ in 0..60 {
+        r = (r + r.inverse().transpose()) * 0.5;
+    }
+    members
+        .iter()
+        .map(|(rests, _, x, v)| {
+            let way = *x - center;
+            ((r * *rests - way) / span - (*v - drift - spin.cross(way))) / span
+        })
+        .collect()
+}
+
+/// What the kernel does to a lawn that is turned, thrown and shaken up: how far it is from the twin, and what is left of
+/// force and torque on the whole (all m/s², torque at its radius of gyration, of the twin's mean). The twin's masses are
+/// `false_mass` times the kernel's at every second member.
+fn kernel(gpu: &Gpu, false_mass: f32) -> [f32; 3] {
+    let Gpu { device, queue, .. } = gpu;
+    let hairs = lawn();
+    let count = hairs.len();
+    let params = SimulationParams::default();
+    let traits = vec![GuideTraits::default(); count];
+    let rest =
+        rest::guides(&hairs.positions, N as u32, &traits, &params, &RestOptions::default(), None).unwrap();
+    let guides = GuideBuffers::new(device, count as u32, N as u32, 2).unwrap();
+    rest.upload(queue, &guides).unwrap();
+    let turn = Quat::from_rotation_z(0.7) * Quat::from_rotation_x(-0.4);
+    let place = |at: usize| turn * rest.rest[at].position + Vec3::new(0.3, 1.5, -0.2) + vector(at) * 0.002;
+    let speed = |at: usize| Vec3::new(1.0, -2.0, 0.5) + Vec3::Y.cross(place(at)) * 3.0 + vector(at + 5);
+    let places: Vec<_> = (0..count * N).map(place).collect();
+    let speeds: Vec<_> = (0..count * N).map(|at| pack_velocity(speed(at))).collect();
+    let words: Vec<[f32; 4]> = places.iter().map(|p| p.extend(0.0).to_array()).collect();
+    queue.write_buffer(&guides.current, 0, bytemuck::cast_slice(&words));
+    queue.write_buffer(&guides.velocity, 0, bytemuck::cast_slice(&speeds));
+    let before = Force { acceleration: Vec3::X, rate: 3.0, tangent: Vec3::Y, along: 2.0 };
+    queue.write_buffer(&guides.forces, 0, bytemuck::cast_slice(&vec![GuideForce::pack(&before); count * N]));
+    let simulate = Pipelines::new(device);
+    let mut simulation = Simulation::new(device, &simulate, &guides);
+    let middle = Vec3::new(0.025, 0.05, 0.025);
+    let band = tie(middle, middle, 0.03, Held::Together);
+    let report = simulation.tie(device, queue, &simulate, &guides, &hairs, &[band]).unwrap();
+    assert_eq!(report.rings, 1);
+    let head = Pose { rotation: Quat::from_rotation_y(0.1), ..Pose::IDENTITY };
+    let step = Step { mode: Mode::Step, begin: head, end: head, from: 0.0, to: 1.0 };
+    simulation.prepare(queue, &params, &[step], true).unwrap();
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let ties = simulation.ties().unwrap();
+    ties.record(&simulate, &mut crate::gpu::compute_pass(&mut encoder, &Default::default()), 0);
+    queue.submit([encoder.finish()]);
+    let forces: Vec<GuideForce> = readback::buffer(device, queue, &guides.forces).unwrap();
+    let found = Found::of(&hairs, &[band]).unwrap();
+    let at = |m: &Member| m.vertex as usize;
+    let weigh = |i: usize, m: &Member| if i.is_multiple_of(2) { m.mass } else { m.mass * false_mass };
+    let all: f32 = found.members.iter().enumerate().map(|(i, m)| weigh(i, m)).sum();
+    let members: Vec<_> = found
+        .members
+        .iter()
+        .enumerate()
+        .map(|(i, m)| (m.rests, weigh(i, m) / all, places[at(m)], unpack_velocity(speeds[at(m)])))
+        .collect();
+    let expected = hold(&members, params.step);
+    let center: Vec3 = members.iter().map(|(_, m, x, _)| *x * *m).sum();
+    let (mut worst, mut sum, mut torque, mut mean, mut gyration) = (0f32, Vec3::ZERO, Vec3::ZERO, 0.0, 0.0);
+    for ((m, (_, _, x, _)), expected) in found.members.iter().zip(&members).zip(&expected) {
+        let force = forces[at(m)].unpack();
+        assert!((force.rate - 3.0).abs() < 1e-6 && force.along == 2.0);
+        let a = force.acceleration - before.acceleration;
+        worst = worst.max(a.distance(*expected));
+        sum += a * m.mass;
+        torque += (*x - center).cross(a) * m.mass;
+        mean += expected.length() * m.mass;
+        gyration += x.distance_squared(center) * m.mass;
+    }
+    let held: Vec<usize> = found.members.iter().map(at).collect();
+    for at in (0..count * N).filter(|at| !held.contains(at)) {
+        assert_eq!(forces[at], GuideForce::pack(&before), "{at} is not tied");
+    }
+    [worst / mean, sum.length() / mean, torque.length() / gyration.sqrt() / mean]
+}
+
+#[test]
+fn kernel_and_twin_agree_and_nothing_is_pushed_as_a_whole() {
+    let Some(gpu) = gpu() else { return };
+    let (right, wrong) = (kernel(gpu, 1.0), kernel(gpu, 1.3));
+    println!("differ by {right:?}, with wrong masses by {wrong:?} of the mean");
+    // Forces are half floats.
+    assert!(right[0] < 3e-3 && right[1] < 5e-4 && right[2] < 5e-4, "{right:?}");
+    assert!(wrong[0] > 1e-2, "{wrong:?}");
+}
+
+#[test]
+fn what_passes_through_is_held() {
+    let hairs = lawn();
+    let middle = Vec3::new(0.025, 0.05, 0.025);
+    // A ball of 1.6 cm between four hairs: of each of these three vertices are within.
+    let found = Found::of(&hairs, &[tie(middle, middle, 0.0125, Held::Together)]).unwrap();
+    assert_eq!(found.report(), TieReport { rings: 1, together: 12, to_head: 0 });
+    let mass: f32 = found.members.iter().map(|m| m.mass).sum();
+    let center: Vec3 = found.members.iter().map(|m| m.rests * m.mass).sum();
+    assert!((mass - 1.0).abs() < 1e-5 && center.length() < 1e-6, "{mass} {center}");
+    // A band around all hairs, 6 cm long, in three rings; the second tie finds nothing that is free.
+    let long = tie(Vec3::new(0.025, 0.04, 0.025), Vec3::new(0.025, 0.1, 0.025), 0.01, Held::Together);
+    let found = Found::of(&hairs, &[long]).unwrap();
+    assert_eq!(found.rings.len(), 3);
+    assert!(found.rings.iter().all(|ring| ring.count >= 4), "{:?}", found.rings);
+    assert!(Found::of(&hairs, &[long, long]).is_err());
+    // A hair that passes between two of its vertices.
+    let beside = Vec3::new(0.0, 0.055, 0.0);
+    let found = Found::of(&hairs, &[tie(beside, beside, 0.002, Held::ToHead)]).unwrap();
+    assert_eq!(found.report().to_head, 1);
+    assert_eq!(found.pins[0].rests.x, 0.0);
+}
+
+#[test]
+fn ties_that_make_no_sense_are_refused() {
+    let hairs = lawn();
+    let sentence = |tie: Tie| Found::of(&hairs, &[tie]).unwrap_err().to_string();
+    let far = Vec3::splat(3.0);
+    assert!(sentence(tie(far, far, 0.01, Held::ToHead)).contains("tie 1 holds nothing: no guide"));
+    let one = Vec3::new(0.0, 0.05, 0.0);
+    assert!(sentence(tie(one, one, 0.004, Held::Together)).contains("fewer than two guides"));
+    assert!(sentence(tie(one, one, 0.0, Held::Together)).contains("radius of a tie"));
+    assert!(sentence(tie(one, one, f32::NAN, Held::Together)).contains("radius of a tie"));
+    assert!(sentence(tie(one, Vec3::NAN, 0.01, Held::Together)).contains("place of a tie"));
+}
