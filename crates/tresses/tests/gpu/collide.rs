@@ -200,7 +200,15 @@ fn sweep(gpu: &Gpu, pipelines: &Pipelines, character: &Character, speed: f32) ->
         translation: neck + Vec3::new(0.25, -0.02, -0.5 * way + (speed * (t - 0.1).max(0.0)).min(way)),
     };
     let poses = |t| ColliderPoses { head: None, colliders: vec![hand(t)] };
-    let distance = |x: Vec3, t: f32| shape::capsule(hand(t).inverse().point(x), HAND, 0.15).w;
+    // Beside the neck the forearm sinks into the head by up to 2 cm: between the two there is no room for hair.
+    let room = |x: Vec3, t: f32| {
+        let along = hand(t).inverse().point(x).y.clamp(-0.15, 0.15);
+        character.field.sample(hand(t).point(Vec3::Y * along)) - HAND
+    };
+    let distance = |x: Vec3, t: f32| match room(x, t) {
+        room if room < 2.0 * HairOptions::default().clearance => 1.0,
+        _ => shape::capsule(hand(t).inverse().point(x), HAND, 0.15).w,
+    };
     // As the hand sees it, the vertex has passed its axis nearer than half its radius.
     let through = |before: Vec3, after: Vec3, t: f32| {
         let (a, b) = (hand(t - 1.0 / 60.0).inverse().point(before), hand(t).inverse().point(after));
