@@ -76,7 +76,7 @@ impl Groom {
     ///     Is called with what goes on (str) and how much of it is done (0 to 1).
     /// **files : path
     ///     Files beside it: density_map, thickness_map, length_map, curl_map, stiffness_map, color_map, curl_curve, lod_maps,
-    ///     colliders, environment.
+    ///     colliders, ties, environment.
     #[staticmethod]
     #[pyo3(signature = (style="long", settings=None, *, progress=None, **files))]
     fn built_in(
