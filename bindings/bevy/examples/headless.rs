@@ -16,7 +16,8 @@ use bevy::{
     winit::WinitPlugin,
 };
 use bevy_tresses::{
-    Hair3d, HairGroom, HairMaterial3d, TressesPlugin, groom::styles::Style, tresses::light::HairMaterial,
+    Hair3d, HairGroom, HairMaterial3d, HairReady, TressesPlugin, groom::styles::Style,
+    tresses::light::HairMaterial,
 };
 use std::time::Duration;
 
@@ -80,6 +81,10 @@ fn main() -> Result<(), BevyError> {
     world.spawn((DirectionalLight { illuminance: 6_000.0, ..Default::default() }, towards(-0.5, 0.7, 0.7)));
     world.spawn((DirectionalLight { illuminance: 3_000.0, ..Default::default() }, towards(0.8, 0.3, -0.5)));
 
+    // It takes a moment until the hair is there.
+    while !app.world_mut().query::<&HairReady>().iter(app.world()).all(HairReady::get) {
+        app.update();
+    }
     for frame in 0..30 {
         let turn = Quat::from_rotation_y(0.7 * (0.1 * frame as f32).sin());
         app.world_mut().entity_mut(head).insert(Transform::from_rotation(turn));

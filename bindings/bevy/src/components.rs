@@ -6,6 +6,10 @@ use bevy::{
     prelude::*,
     shape::{Capsule3d, Sphere},
 };
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, Ordering},
+};
 use tresses::{
     collide::{Collider, Shape},
     light::HairMaterial,
@@ -21,7 +25,7 @@ use tresses::{
 /// has. While the groom is being loaded or brought to the GPU nothing is drawn; when the asset changes, the hair before is
 /// shown until the new one is there.
 #[derive(Component, Clone, Debug, Default, PartialEq, Eq)]
-#[require(Transform, Visibility, HairMaterial3d, HairPhysics, HairDetail)]
+#[require(Transform, Visibility, HairMaterial3d, HairPhysics, HairDetail, HairReady)]
 pub struct Hair3d(pub Handle<HairGroom>);
 
 impl AsAssetId for Hair3d {
@@ -29,6 +33,18 @@ impl AsAssetId for Hair3d {
 
     fn as_asset_id(&self) -> AssetId<HairGroom> {
         self.0.id()
+    }
+}
+
+/// Whether hair is on the GPU as the groom of its [`Hair3d`] has it now, so that it is drawn: for who waits before a fade
+/// or a picture.
+#[derive(Component, Debug, Default)]
+pub struct HairReady(pub(crate) Arc<AtomicBool>);
+
+impl HairReady {
+    /// Whether it is, as of the last frame that was rendered.
+    pub fn get(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
     }
 }
 

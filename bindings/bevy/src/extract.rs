@@ -1,14 +1,15 @@
 //! What of the main world the next frame of hair needs.
 
 use crate::{
-    GlobalHairWind, Hair3d, HairCollider, HairDetail, HairGroom, HairMaterial3d, HairPhysics, HairView,
-    HairWind, NoHair,
+    GlobalHairWind, Hair3d, HairCollider, HairDetail, HairGroom, HairMaterial3d, HairPhysics, HairReady,
+    HairView, HairWind, NoHair,
     lights::{SceneLight, rgb},
 };
 use bevy::{
     camera::visibility::RenderLayers, ecs::entity::EntityHashMap, light::GlobalAmbientLight, prelude::*,
     render::Extract,
 };
+use std::sync::{Arc, atomic::AtomicBool};
 use tresses::{
     Pose, collide::Collider, light::HairMaterial, lod::LodOptions, simulate::SimulationParams,
     view::ViewOptions,
@@ -39,6 +40,8 @@ pub(crate) struct SceneHair {
     pub detail: LodOptions,
     pub layers: RenderLayers,
     pub visible: bool,
+    /// Whether it is there, to be told.
+    pub ready: Arc<AtomicBool>,
 }
 
 /// What a camera sees hair with.
@@ -62,6 +65,7 @@ type Hairs<'a> = (
     &'a HairMaterial3d,
     &'a HairPhysics,
     &'a HairDetail,
+    &'a HairReady,
     &'a GlobalTransform,
     &'a InheritedVisibility,
     Option<&'a HairWind>,
@@ -81,7 +85,7 @@ pub(crate) fn extract_hair(
 ) {
     scene.dt = time.delta_secs();
     scene.hair.clear();
-    for (entity, hair, material, physics, detail, place, visible, own, layers) in &hair {
+    for (entity, hair, material, physics, detail, ready, place, visible, own, layers) in &hair {
         let wind = own.map_or(wind.0, |wind| wind.0);
         scene.hair.push(SceneHair {
             entity,
@@ -92,6 +96,7 @@ pub(crate) fn extract_hair(
             detail: detail.0,
             layers: layers.cloned().unwrap_or_default(),
             visible: visible.get(),
+            ready: ready.0.clone(),
         });
     }
     scene.hair.sort_by_key(|hair| hair.entity);

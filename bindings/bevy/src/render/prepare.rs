@@ -11,12 +11,13 @@ use bevy::{
     render::renderer::{RenderDevice, RenderQueue},
     tasks::{AsyncComputeTaskPool, Task, futures::check_ready},
 };
-use std::sync::Arc;
+use std::sync::{Arc, atomic::Ordering};
 use tresses::{
     Hair, HairOptions, Pipelines, Result,
     body::Body,
     collide::{Collider, ColliderDescriptor},
     simulate::SimulationParams,
+    wgpu,
 };
 
 /// Hair on the GPU, and what it grows on.
@@ -31,6 +32,9 @@ pub(crate) struct Worn {
     pub moves: bool,
     made_for: Made,
 }
+
+/// Hair, and what it grows on.
+type Dressed = (Hair, Option<Body>);
 
 /// What hair was made for.
 #[derive(Clone, Debug)]
@@ -51,7 +55,7 @@ impl Made {
 struct Place {
     worn: Option<Worn>,
     /// What is being made, for whom.
-    coming: Option<(Made, Task<Result<(Hair, Option<Body>)>>)>,
+    coming: Option<(Made, Task<Result<Dressed>>)>,
     /// What could not be made.
     failed: Option<Made>,
 }
@@ -99,30 +103,34 @@ pub(crate) fn prepare(
         let Some(groom) = &hair.groom else { continue };
         let place = places.entry(hair.entity).or_default();
         place.take(complaints);
-        if place.has(groom) {
-            continue;
-        }
-        let made = Made { groom: groom.clone(), physics: hair.physics };
-        // Heads with the same groom share what does not change.
-        let twin =
-            places.values().find_map(|place| place.worn.as_ref().filter(|worn| worn.made_for.is_twin(&made)));
-        let another = twin.map(|worn| {
-            let (device, body) = (device.wgpu_device(), &worn.body);
-            let hair = worn.hair.another(device, &queue, pipelines, &[])?;
-            Ok((hair, body.as_ref().map(|body| body.another(device))))
-        });
-        let awaited = || places.values().any(|p| p.coming.as_ref().is_some_and(|(m, _)| m.is_twin(&made)));
-        let task = match another {
-            Some(result) => {
+        if !place.has(groom) {
+            let made = Made { groom: groom.clone(), physics: hair.physics };
+            let gpu = (device.wgpu_device(), &**queue, &*pipelines);
+            // Heads with the same groom share what does not change.
+            if let Some(result) = twin(places, &made, gpu) {
                 places.entry(hair.entity).or_default().arrive(made, result, complaints);
-                continue;
+            } else if !places.values().any(|place| place.awaits(&made)) {
+                let task = make(&made, gpu);
+                places.entry(hair.entity).or_default().coming = Some((made, task));
             }
-            // It comes as a twin of that.
-            None if awaited() => continue,
-            None => make(&made, device.wgpu_device().clone(), (**queue).clone(), pipelines.clone()),
-        };
-        places.entry(hair.entity).or_default().coming = Some((made, task));
+        }
+        let worn = places.get(&hair.entity).and_then(|place| place.worn.as_ref());
+        hair.ready.store(worn.is_some_and(|worn| worn.made_for.is(groom)), Ordering::Relaxed);
     }
+}
+
+type Gpu<'a> = (&'a wgpu::Device, &'a wgpu::Queue, &'a Arc<Pipelines>);
+
+/// Hair for `made` from hair that is worn already, if there is such.
+fn twin(
+    places: &EntityHashMap<Place>,
+    made: &Made,
+    (device, queue, pipelines): Gpu<'_>,
+) -> Option<Result<Dressed>> {
+    let worn =
+        places.values().filter_map(|place| place.worn.as_ref()).find(|worn| worn.made_for.is_twin(made))?;
+    let hair = worn.hair.another(device, queue, pipelines, &[]);
+    Some(hair.map(|hair| (hair, worn.body.as_ref().map(|body| body.another(device)))))
 }
 
 impl Made {
@@ -150,6 +158,11 @@ impl Place {
         }
     }
 
+    /// Whether hair that can be shared with `made` is coming.
+    fn awaits(&self, made: &Made) -> bool {
+        self.coming.as_ref().is_some_and(|(coming, _)| coming.is_twin(made))
+    }
+
     /// Takes what is ready.
     fn take(&mut self, complaints: &mut Complaints) {
         if let Some(result) = self.coming.as_mut().and_then(|(_, task)| check_ready(task))
@@ -159,7 +172,7 @@ impl Place {
         }
     }
 
-    fn arrive(&mut self, made: Made, result: Result<(Hair, Option<Body>)>, complaints: &mut Complaints) {
+    fn arrive(&mut self, made: Made, result: Result<Dressed>, complaints: &mut Complaints) {
         self.failed = None;
         match result {
             Ok((hair, body)) => {
@@ -175,12 +188,8 @@ impl Place {
 }
 
 /// Makes hair, on a task: to measure its level of detail takes a while.
-fn make(
-    made: &Made,
-    device: tresses::wgpu::Device,
-    queue: tresses::wgpu::Queue,
-    pipelines: Arc<Pipelines>,
-) -> Task<Result<(Hair, Option<Body>)>> {
+fn make(made: &Made, (device, queue, pipelines): Gpu<'_>) -> Task<Result<Dressed>> {
+    let (device, queue, pipelines) = (device.clone(), queue.clone(), pipelines.clone());
     let Made { groom, physics } = made.clone();
     AsyncComputeTaskPool::get().spawn(async move {
         let options = HairOptions { simulation: physics, ..groom.options };

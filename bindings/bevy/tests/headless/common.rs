@@ -3,9 +3,11 @@
 use bevy::{
     app::PluginsState,
     camera::RenderTarget,
+    log::LogPlugin,
     prelude::*,
     render::{
-        RenderApp,
+        RenderApp, RenderPlugin,
+        pipelined_rendering::PipelinedRenderingPlugin,
         render_asset::RenderAssets,
         render_resource::{TextureFormat, TextureUsages},
         renderer::{RenderDevice, RenderQueue},
@@ -16,7 +18,7 @@ use bevy::{
     winit::WinitPlugin,
 };
 use bevy_tresses::{
-    HairGroom, TressesPlugin,
+    HairGroom, HairReady, TressesPlugin,
     groom::{Strands, TriMesh},
 };
 use std::time::Duration;
@@ -33,7 +35,15 @@ pub fn app(assets: &str) -> App {
     let window =
         WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..Default::default() };
     let files = AssetPlugin { file_path: assets.into(), ..Default::default() };
-    let plugins = DefaultPlugins.build().set(window).set(files).disable::<WinitPlugin>();
+    // Frame by frame, so that a picture is that of the update before.
+    let plugins = DefaultPlugins
+        .build()
+        .set(window)
+        .set(files)
+        .disable::<WinitPlugin>()
+        .disable::<LogPlugin>()
+        .disable::<PipelinedRenderingPlugin>()
+        .set(RenderPlugin { synchronous_pipeline_compilation: true, ..Default::default() });
     app.add_plugins((plugins, TressesPlugin::default()))
         .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_micros(16_667)))
         .insert_resource(ClearColor(Color::BLACK));
@@ -103,6 +113,19 @@ pub fn camera(app: &mut App) -> (Entity, Handle<Image>) {
 pub fn light(app: &mut App) -> Entity {
     let place = Transform::from_xyz(0.3, 0.5, 1.0).looking_at(Vec3::ZERO, Vec3::Y);
     app.world_mut().spawn((DirectionalLight::default(), place)).id()
+}
+
+/// Updates until all hair is there.
+pub fn wait(app: &mut App) {
+    for _ in 0..2000 {
+        app.update();
+        let mut hair = app.world_mut().query::<&HairReady>();
+        if hair.iter(app.world()).all(HairReady::get) {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    panic!("hair does not come");
 }
 
 /// What is in an image after `frames` more frames.

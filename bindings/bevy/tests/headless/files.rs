@@ -1,9 +1,9 @@
 //! Grooms come from files, and anew when these change.
 
-use crate::common::{after, app, camera, fan, light, middle};
+use crate::common::{after, app, camera, fan, light, middle, wait};
 use bevy::prelude::*;
 use bevy_tresses::{Hair3d, HairGroom, HairGroomSettings};
-use std::{fs, path::Path};
+use std::{fs, path::Path, time::Duration};
 use tresses::groom::{
     Strands,
     export::{self, Format},
@@ -32,13 +32,8 @@ fn a_groom_is_loaded_and_loaded_again() {
         let groom: Handle<HairGroom> = server.load(name);
         let hair = app.world_mut().spawn(Hair3d(groom.clone())).id();
         // Reading is a task of its own.
-        let mut full = bare.clone();
-        for _ in 0..200 {
-            full = after(&mut app, 1, &image);
-            if !full.is(&bare) {
-                break;
-            }
-        }
+        wait(&mut app);
+        let full = after(&mut app, 3, &image);
         let strands = |app: &App| {
             let grooms = app.world().resource::<Assets<HairGroom>>();
             grooms.get(&groom).map(|groom| groom.groom.strands.len())
@@ -51,11 +46,13 @@ fn a_groom_is_loaded_and_loaded_again() {
         server.reload(name);
         for _ in 0..200 {
             app.update();
+            std::thread::sleep(Duration::from_millis(5));
             if strands(&app) == Some(300) {
                 break;
             }
         }
         assert_eq!((name, strands(&app)), (name, Some(300)));
+        wait(&mut app);
         // A third is left, at the bottom.
         let lower = after(&mut app, 4, &image).changed(&bare);
         let [all, low] = [&seen, &lower].map(|pixels| middle(pixels).y);
@@ -72,6 +69,7 @@ fn a_groom_is_loaded_and_loaded_again() {
     let broken: Handle<HairGroom> = server.load("broken.tfx");
     for _ in 0..200 {
         app.update();
+        std::thread::sleep(Duration::from_millis(5));
         if server.is_loaded(&groom) && server.load_state(&broken).is_failed() {
             break;
         }

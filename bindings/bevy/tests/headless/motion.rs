@@ -1,6 +1,6 @@
 //! Hair goes with its entity, and what pushes it moves it.
 
-use crate::common::{Picture, after, app, camera, groom, light, middle};
+use crate::common::{Picture, after, app, camera, groom, light, middle, wait};
 use bevy::prelude::*;
 use bevy_tresses::{GlobalHairWind, Hair3d, HairCollider, HairGroom, HairMaterial3d};
 use tresses::{light::HairMaterial, wind::Wind};
@@ -20,6 +20,7 @@ fn hair_goes_with_joints_and_gives_way() {
     // A joint turns the head, whose hair is its child.
     let joint = app.world_mut().spawn((Transform::default(), Visibility::default())).id();
     let hair = app.world_mut().spawn((Hair3d(groom), ChildOf(joint))).id();
+    wait(&mut app);
     let rest = seen(&mut app, 4, &image, &bare);
     assert!(rest.len() > 400, "{} pixels of hair", rest.len());
 

@@ -1,8 +1,8 @@
 //! Hair among what Bevy draws: hidden by it, over it, in several cameras, gone with its entity.
 
-use crate::common::{after, app, camera, groom, image, light, middle};
+use crate::common::{after, app, camera, groom, image, light, middle, wait};
 use bevy::{
-    camera::{RenderTarget, Viewport},
+    camera::{RenderTarget, ScalingMode, Viewport, visibility::RenderLayers},
     prelude::*,
 };
 use bevy_tresses::{Hair3d, HairGroom, NoHair};
@@ -10,9 +10,11 @@ use bevy_tresses::{Hair3d, HairGroom, NoHair};
 /// Frames after which everything that was asked for is there.
 const ALL: usize = 4;
 
-fn wear(app: &mut App) -> Entity {
+fn wear(app: &mut App, at: Vec3) -> Entity {
     let groom = app.world_mut().resource_mut::<Assets<HairGroom>>().add(groom());
-    app.world_mut().spawn(Hair3d(groom)).id()
+    let hair = app.world_mut().spawn((Hair3d(groom), Transform::from_translation(at))).id();
+    wait(app);
+    hair
 }
 
 /// A cube of `color` at `z`, which the sides of a picture see nothing beside if it is `large`.
@@ -33,7 +35,7 @@ fn hair_is_among_what_bevy_draws() {
     let bare = after(&mut app, ALL, &picture);
     assert!(after(&mut app, 2, &picture).is(&bare), "a scene without hair stands still");
 
-    let hair = wear(&mut app);
+    let hair = wear(&mut app, Vec3::ZERO);
     let dressed = after(&mut app, ALL, &picture);
     dressed.keep("dressed");
     let covered = dressed.changed(&bare);
@@ -69,6 +71,20 @@ fn hair_is_among_what_bevy_draws() {
     }
 
     app.world_mut().entity_mut(camera).insert(Msaa::Off);
+    // Of parallel rays it covers as much as of those that meet where it is.
+    let parallel = OrthographicProjection {
+        scaling_mode: ScalingMode::FixedVertical { viewport_height: 0.4228 },
+        ..OrthographicProjection::default_3d()
+    };
+    app.world_mut().entity_mut(camera).insert(Projection::from(parallel));
+    let seen = after(&mut app, ALL, &picture).changed(&bare);
+    let [near, share] =
+        [(middle(&seen) - middle(&covered)).length(), seen.len() as f32 / covered.len() as f32];
+    assert!(near < 2.0 && (share - 1.0).abs() < 0.2, "{near} pixels away, {share} times as large");
+    let perspective = PerspectiveProjection { fov: 0.8, ..Default::default() };
+    app.world_mut().entity_mut(camera).insert((Projection::from(perspective), RenderLayers::layer(2)));
+    assert!(after(&mut app, ALL, &picture).changed(&dressed).len() > 400, "hair of another layer is seen");
+    app.world_mut().entity_mut(camera).remove::<RenderLayers>();
     app.world_mut().entity_mut(hair).insert(Visibility::Hidden);
     assert!(after(&mut app, ALL, &picture).is(&bare), "hidden hair is seen");
     app.world_mut().entity_mut(hair).insert(Visibility::Visible);
@@ -103,7 +119,7 @@ fn each_camera_sees_hair_from_where_it_is() {
     part(0, 0.5, 1);
     part(128, -0.5, 2);
     let [bare, bare_split] = [(&front), (&split)].map(|image| after(&mut app, ALL, image));
-    wear(&mut app);
+    wear(&mut app, Vec3::ZERO);
     let seen = after(&mut app, ALL, &front).changed(&bare);
     let both = after(&mut app, 0, &split);
     both.keep("split");
@@ -120,4 +136,34 @@ fn each_camera_sees_hair_from_where_it_is() {
     assert!((middle(&seen) - middle(&left)).length() < 1.0, "{} {}", middle(&seen), middle(&left));
     let mirrored = Vec2::new(256.0 + 127.0 - 128.0 - middle(&left).x, middle(&left).y);
     assert!((middle(&right) - mirrored).length() < 2.0, "{} {mirrored}", middle(&right));
+}
+
+#[test]
+fn heads_share_a_groom_and_have_their_own_place() {
+    let mut app = app("assets");
+    light(&mut app);
+    let (_, picture) = camera(&mut app);
+    let bare = after(&mut app, ALL, &picture);
+    // Away from each other, so that each has a zone of light.
+    let first = wear(&mut app, Vec3::NEG_X * 0.25);
+    let groom = app.world().get::<Hair3d>(first).cloned().expect("it wears hair");
+    let alone = after(&mut app, ALL, &picture);
+    let seen = alone.changed(&bare);
+    let turn = Quat::from_rotation_y(std::f32::consts::PI);
+    let second = app.world_mut().spawn((groom, Transform::from_xyz(0.25, 0.0, 0.0).with_rotation(turn))).id();
+    wait(&mut app);
+    let pair = after(&mut app, ALL, &picture);
+    pair.keep("pair");
+    let (left, right): (Vec<_>, Vec<_>) = pair.changed(&bare).into_iter().partition(|[x, _]| *x < 64);
+    let mirrored = Vec2::new(127.0 - middle(&seen).x, middle(&seen).y);
+    assert!(seen.len() > 400 && (middle(&left) - middle(&seen)).length() < 0.5, "{}", middle(&left));
+    assert!((middle(&right) - mirrored).length() < 1.0, "{} {mirrored}", middle(&right));
+    // The first is lit as if it were alone; the second is seen from behind.
+    let [both, one] = [pair.brightness(&left), alone.brightness(&seen)];
+    assert!((both / one - 1.0).abs() < 0.05, "{both} {one}");
+    app.world_mut().despawn(first);
+    let left = after(&mut app, ALL, &picture).changed(&bare);
+    assert!(!left.is_empty() && (middle(&left) - mirrored).length() < 1.0, "{} {mirrored}", middle(&left));
+    app.world_mut().despawn(second);
+    assert!(after(&mut app, ALL, &picture).is(&bare));
 }
