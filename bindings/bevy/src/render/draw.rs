@@ -2,7 +2,7 @@
 //!
 //! After Bevy's main pass, so that the scene's depth is complete, and before what Bevy does to the finished picture: bloom
 //! and tone mapping see hair as everything else. Hair goes over the colour of one sample per pixel that the main pass has
-//! left, behind the farthest of the depths that it has left of each pixel ([`Surroundings`]).
+//! left, hidden by all the depths that it has left of each pixel ([`Surroundings`]).
 
 use super::{
     Complaints, Wardrobe,

@@ -9,7 +9,9 @@
 //! carried over from its projection to that of the [`Camera`](crate::Camera), pixel by pixel, before the hair
 //! is drawn with as many samples as its view has. What these cover is blended over the scene's colour of one sample, the
 //! resolved one of a scene that has several, so that thin hair stays thin. Of several depths in a pixel the farthest
-//! counts: the nearest would leave an outline of what is behind the hair around whatever is in front of it.
+//! counts: the nearest would leave an outline of what is behind the hair around whatever is in front of it. Hair by
+//! [`Coverage::Tiles`], whose depth is known, is then only as strong as the share of the samples that it is in front of:
+//! edges before it stay smooth.
 //!  The scene's depth is not written, but a scene that asks is told how far what is seen of hair is
 //! in each pixel, how it moved and how opaque it is ([`Surroundings::geometry`]), for fog, depth of field and temporal
 //! antialiasing; transparent surfaces drawn later, in front of hair or behind it, blend as if there were no hair.
@@ -101,6 +103,8 @@ pub struct Embed {
     composite: wgpu::RenderPipeline,
     geometry: wgpu::RenderPipeline,
     composite_layout: wgpu::BindGroupLayout,
+    /// In place of `composite` for hair by tiles, where depth has several samples.
+    edges: Option<(wgpu::RenderPipeline, wgpu::BindGroupLayout)>,
     geometry_layout: wgpu::BindGroupLayout,
     uniform: wgpu::Buffer,
 }
@@ -128,7 +132,8 @@ impl Embed {
             });
         }
         use wgpu::{BlendFactor::*, ShaderStages as Stages};
-        let layout = |label, texture| layout(device, label, Stages::FRAGMENT, &[Binding::Uniform, texture]);
+        let bound = |label, entries: &[Binding]| layout(device, label, Stages::FRAGMENT, entries);
+        let layout = |label, texture| bound(label, &[Binding::Uniform, texture]);
         // Tiles leave hair in a texture of its own, one sample per pixel.
         let many = samples > 1 && !coverage.is_tiled();
         let hdr = if many { Binding::TextureMultisampled } else { Binding::Texture2d };
@@ -174,8 +179,22 @@ impl Embed {
             targets: &[blended(format, One, OneMinusSrcAlpha)],
             ..Recipe::PLAIN
         };
+        let edges = || {
+            use Binding::{DepthMultisampled, Texels2d, Texture2d, Uniform};
+            let layout = bound("embed edges", &[Uniform, Texture2d, Texels2d, DepthMultisampled]);
+            let module = "draw::embed::edges";
+            let recipe = Recipe {
+                vertex: (module, "edges_vertex"),
+                fragment: Some((module, "edges_fragment")),
+                layouts: &[&layout],
+                ..composite
+            };
+            Ok::<_, Error>((recipe.build(device)?, layout))
+        };
+        let edges = coverage.is_tiled().then(edges).transpose()?;
         Ok(Self {
             depths,
+            edges,
             composite: composite.build(device)?,
             geometry: geometry.build(device)?,
             composite_layout,
@@ -213,14 +232,16 @@ impl Embed {
         if into.geometry.is_some() && !coverage.is_tiled() {
             return Err(unknown("the geometry of hair in a scene", coverage));
         }
-        Ok(into.geometry.map(|_| EmbedUniform::map(of, into.projection)))
+        // Where hair is says also which samples of the scene it is in front of.
+        let asks = into.geometry.is_some() || (coverage.is_tiled() && has_samples(into.depth));
+        Ok(asks.then(|| EmbedUniform::map(of, into.projection)))
     }
 
     /// Records the scene's depth into the targets, seen with the projection `to`: before the hair.
     pub(crate) fn record_depth(&self, canvas: &mut Canvas<'_>, to: Mat4, into: &Surroundings<'_>) {
         let values = EmbedUniform::new(into, to, canvas.targets);
         canvas.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&values));
-        let (pipeline, layout) = &self.depths[usize::from(into.depth.texture().sample_count() > 1)];
+        let (pipeline, layout) = &self.depths[usize::from(has_samples(into.depth))];
         let group = self.bind(canvas.device, layout, into.depth);
         let mut pass = pass(canvas, "embed", true);
         pass.set_pipeline(pipeline);
@@ -230,8 +251,17 @@ impl Embed {
 
     /// Records what the targets have of hair over the scene's colour.
     pub(crate) fn record(&self, canvas: &mut Canvas<'_>, into: &Surroundings<'_>) {
-        let hair = canvas.targets.tiles.as_ref().map_or(&canvas.targets.hdr, |tiles| &tiles.hair);
-        let group = self.bind(canvas.device, &self.composite_layout, hair);
+        let tiles = canvas.targets.tiles.as_ref();
+        let hair = tiles.map_or(&canvas.targets.hdr, |tiles| &tiles.hair);
+        let known = tiles.filter(|_| has_samples(into.depth)).and_then(|tiles| tiles.geometry());
+        let (pipeline, group) = match (&self.edges, known) {
+            (Some((pipeline, layout)), Some(known)) => {
+                let [hair, known, depth] = [hair, &known, into.depth].map(wgpu::BindingResource::TextureView);
+                let entries = [self.uniform.as_entire_binding(), hair, known, depth];
+                (pipeline, group(canvas.device, "embed edges", layout, &entries))
+            }
+            _ => (&self.composite, self.bind(canvas.device, &self.composite_layout, hair)),
+        };
         let mut pass = crate::gpu::render_pass(
             canvas.encoder,
             &wgpu::RenderPassDescriptor {
@@ -248,7 +278,7 @@ impl Embed {
         );
         let [origin, size] = [into.origin, canvas.targets.size].map(|pixels| pixels.map(|n| n as f32));
         pass.set_viewport(origin, size);
-        pass.set_pipeline(&self.composite);
+        pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &group, &[]);
         pass.draw(0..3, 0..1);
         drop(pass);
@@ -276,6 +306,11 @@ impl Embed {
             pass.draw(0..3, 0..1);
         }
     }
+}
+
+/// Whether a scene's depth has several samples.
+fn has_samples(depth: &wgpu::TextureView) -> bool {
+    depth.texture().sample_count() > 1
 }
 
 /// What only tiles know.
