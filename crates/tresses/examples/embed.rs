@@ -123,7 +123,7 @@ async fn picture() -> tresses::Result<Vec<u8>> {
         timings: None,
     };
     let frame = Frame { dt: 1.0 / 60.0, head: Pose::IDENTITY, colliders, simulation, ..Default::default() };
-    let into = Surroundings { color: &color, depth: &depth, projection, geometry: None };
+    let into = Surroundings { color: &color, depth: &depth, origin: [0; 2], projection, geometry: None };
     let sight = Sight { shows: Shows::Over(&embed, into), ..Sight::new(&view, &picture) };
     recorder.record(&mut [(&mut hair, frame)], &[], vec![sight])?;
     queue.submit([encoder.finish()]);

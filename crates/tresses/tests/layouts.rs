@@ -555,7 +555,7 @@ fn embed() {
     use tresses::draw::embed::EmbedUniform;
     assert_eq!(
         wgsl_layout("draw::embed::scene::EmbedUniform"),
-        rust_layout!(EmbedUniform { depth, samples, ssaa, _pad })
+        rust_layout!(EmbedUniform { depth, samples, ssaa, origin, size, _pad })
     );
 }
 

@@ -193,9 +193,9 @@ impl RenderPass<'_> {
         self.pass.set_index_buffer(indices, format);
     }
 
-    /// A viewport of depths from 0 to 1 at the corner of the target.
-    pub fn set_viewport(&mut self, width: f32, height: f32) {
-        self.pass.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
+    /// A viewport of depths from 0 to 1, from its upper left corner on.
+    pub fn set_viewport(&mut self, [x, y]: [f32; 2], [width, height]: [f32; 2]) {
+        self.pass.set_viewport(x, y, width, height, 0.0, 1.0);
     }
 
     /// As of wgpu's pass.

@@ -34,6 +34,10 @@ struct Setup<'a> {
     scene: Picture,
     /// The scene has hair in it.
     grown: bool,
+    /// Where the picture begins in the scene, which ends as far to the right of it and below.
+    origin: [u32; 2],
+    /// Samples of the scene's depth in each pixel, and those that are infinitely far whatever else is there.
+    samples: (u32, u64),
 }
 
 impl<'a> Setup<'a> {
@@ -59,6 +63,8 @@ impl<'a> Setup<'a> {
             hair,
             scene,
             grown: true,
+            origin: [0; 2],
+            samples: (1, 0),
             gpu,
         }
     }
@@ -71,22 +77,25 @@ impl<'a> Setup<'a> {
     /// The same, and where the hair is if `asked`.
     fn drawn(&self, color: Vec4, projection: Mat4, depth: f32, asked: bool) -> Result<[Vec<Vec4>; 2]> {
         let Gpu { device, queue, .. } = self.gpu;
-        let texture = |format, usage| {
+        let ([width, height], [left, top]) = (SIZE, self.origin);
+        let whole = [width + 2 * left, height + 2 * top];
+        let texture = |format, usage, sample_count, [width, height]: [u32; 2]| {
             device.create_texture(&wgpu::TextureDescriptor {
                 label: Some("scene"),
-                size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
                 mip_level_count: 1,
-                sample_count: 1,
+                sample_count,
                 dimension: wgpu::TextureDimension::D2,
                 format,
                 usage: usage | TextureUsages::RENDER_ATTACHMENT,
                 view_formats: &[],
             })
         };
-        let picture = texture(TextureFormat::Rgba16Float, TextureUsages::COPY_SRC);
+        let picture = texture(TextureFormat::Rgba16Float, TextureUsages::COPY_SRC, 1, whole);
         let picture_view = picture.create_view(&Default::default());
-        let depths = texture(TextureFormat::Depth32Float, TextureUsages::TEXTURE_BINDING)
-            .create_view(&Default::default());
+        let depths =
+            texture(TextureFormat::Depth32Float, TextureUsages::TEXTURE_BINDING, self.samples.0, whole)
+                .create_view(&Default::default());
         let [r, g, b, a] = color.to_array().map(f64::from);
         let mut encoder = device.create_command_encoder(&Default::default());
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -100,6 +109,10 @@ impl<'a> Setup<'a> {
                     store: wgpu::StoreOp::Store,
                 },
             })],
+            ..Default::default()
+        });
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("scene's depth"),
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &depths,
                 depth_ops: Some(wgpu::Operations {
@@ -110,10 +123,16 @@ impl<'a> Setup<'a> {
             }),
             ..Default::default()
         });
-        let known = texture(Embed::GEOMETRY, TextureUsages::COPY_SRC);
+        if self.samples.1 != 0 {
+            pass.set_pipeline(&far_away(device, self.samples, projection));
+            pass.draw(0..3, 0..1);
+        }
+        drop(pass);
+        let known = texture(Embed::GEOMETRY, TextureUsages::COPY_SRC, 1, SIZE);
         let known_view = known.create_view(&Default::default());
         let geometry = asked.then_some(&known_view);
-        let into = Surroundings { color: &picture_view, depth: &depths, projection, geometry };
+        let into =
+            Surroundings { color: &picture_view, depth: &depths, origin: self.origin, projection, geometry };
         let sight = Sight { shows: Shows::Over(&self.embed, into), ..Sight::new(&self.view, &self.scene) };
         Recorder { pipelines: self.pipelines, device, queue, encoder: &mut encoder, timings: None }.draw(
             &[&self.hair][..usize::from(self.grown)],
@@ -141,6 +160,42 @@ impl<'a> Setup<'a> {
     fn wall(&self, color: Vec4, projection: Mat4, distance: f32) -> Vec<Vec4> {
         self.over(color, projection, projection.project_point3(Vec3::NEG_Z * distance).z)
     }
+}
+
+/// Puts `samples.1` of `samples.0` of each pixel at the far end of `projection`.
+fn far_away(device: &wgpu::Device, samples: (u32, u64), projection: Mat4) -> wgpu::RenderPipeline {
+    let far = projection.project_point3(Vec3::NEG_Z * 20.0).z;
+    let code = format!(
+        "@vertex fn corner(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {{
+            return vec4(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, {far:?}, 1.0);
+        }}"
+    );
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("far away"),
+        source: wgpu::ShaderSource::Wgsl(code.into()),
+    });
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("far away"),
+        layout: None,
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("corner"),
+            compilation_options: Default::default(),
+            buffers: &[],
+        },
+        primitive: Default::default(),
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: TextureFormat::Depth32Float,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(wgpu::CompareFunction::Always),
+            stencil: Default::default(),
+            bias: Default::default(),
+        }),
+        multisample: wgpu::MultisampleState { count: samples.0, mask: samples.1, ..Default::default() },
+        fragment: None,
+        multiview_mask: None,
+        cache: None,
+    })
 }
 
 /// How many pixels are not `color`.
@@ -191,6 +246,62 @@ fn hair_is_hidden_by_what_is_in_front_of_it() {
         let z = usual.project_point3(Vec3::NEG_Z * DISTANCE).z;
         let wrong = stage.over(blue, orthographic(-1.0, 1.0, -1.0, 1.0, 0.05, 50.0), z);
         assert!(wrong.iter().zip(&halved).filter(|(a, b)| a != b).count() > some / 20);
+    }
+}
+
+#[test]
+fn a_picture_may_be_a_part_of_the_scene() {
+    let Some(gpu) = common::gpu() else { return };
+    let blue = Vec4::new(0.125, 0.25, 0.5, 1.0);
+    let usual = perspective(FOV, SIZE[0] as f32 / SIZE[1] as f32, 0.05, 50.0);
+    for (samples, ssaa, coverage) in [(4, 1, Coverage::SampleMask), (1, 2, Coverage::Tiles)] {
+        let options = ViewOptions { samples, coverage, shadow_resolution: 64, ..Default::default() };
+        let mut stage = Setup::new(gpu, &options, ssaa);
+        let alone = stage.wall(blue, usual, DISTANCE);
+        stage.origin = [13, 7];
+        let [width, height] = [SIZE[0] + 26, SIZE[1] + 14];
+        let whole = stage.wall(blue, usual, DISTANCE);
+        let part = |left: u32, top: u32| {
+            let rows = (top..top + SIZE[1]).flat_map(|y| (left..left + SIZE[0]).map(move |x| [x, y]));
+            rows.map(|[x, y]| whole[(y * width + x) as usize]).collect::<Vec<_>>()
+        };
+        assert_eq!(whole.len(), (width * height) as usize);
+        assert!(part(13, 7) == alone, "{coverage:?}: the part is not the picture");
+        assert!(part(12, 7) != alone, "the comparer sees no difference");
+        let hair = covered(&alone, blue);
+        assert!(hair > 400, "{hair} pixels of hair");
+        assert_eq!(covered(&whole, blue), hair, "there is hair beside the picture");
+    }
+}
+
+#[test]
+fn of_several_depths_in_a_pixel_those_behind_hair_count() {
+    let Some(gpu) = common::gpu() else { return };
+    let blue = Vec4::new(0.125, 0.25, 0.5, 1.0);
+    let aspect = SIZE[0] as f32 / SIZE[1] as f32;
+    for projection in [perspective(FOV, aspect, 0.05, 50.0), Camera::perspective(FOV, aspect, 0.02)] {
+        for (samples, coverage) in [(4, Coverage::SampleMask), (1, Coverage::Tiles)] {
+            let options = ViewOptions { samples, coverage, shadow_resolution: 64, ..Default::default() };
+            let mut stage = Setup::new(gpu, &options, 1);
+            let [free, halved] = [20.0, DISTANCE].map(|at| stage.wall(blue, projection, at));
+            stage.samples = (4, 0);
+            assert!(stage.wall(blue, projection, DISTANCE) == halved, "four equal samples are one");
+            assert_eq!(covered(&stage.wall(blue, projection, 0.3), blue), 0, "hair shines through a wall");
+            for mask in [0b0001u64, 0b1010] {
+                stage.samples = (4, mask);
+                let part = stage.wall(blue, projection, 0.3);
+                // Tiles know that the other samples are in front of hair.
+                let share = if coverage == Coverage::Tiles { mask.count_ones() as f32 / 4.0 } else { 1.0 };
+                let expected: Vec<Vec4> = free.iter().map(|texel| blue.lerp(*texel, share)).collect();
+                let error = difference(&part, &expected);
+                assert!(error < 4e-3, "{coverage:?}, samples {mask:04b} lie behind the hair: {error}");
+                assert!(
+                    share == 1.0 || difference(&free, &expected) > 0.1,
+                    "the comparer sees no difference"
+                );
+            }
+            assert!(free != halved, "the comparer sees no difference");
+        }
     }
 }
 

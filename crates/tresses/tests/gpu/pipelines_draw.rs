@@ -93,6 +93,7 @@ fn embedded(samples: u32, format: wgpu::TextureFormat, color: wgpu::TextureForma
     let into = Surroundings {
         color: &texture(color, wgpu::TextureUsages::RENDER_ATTACHMENT),
         depth: &texture(wgpu::TextureFormat::Depth24Plus, wgpu::TextureUsages::TEXTURE_BINDING),
+        origin: [0; 2],
         projection: Camera::perspective(0.5, 1.6, 0.01),
         geometry: geometry.as_ref(),
     };

@@ -5,10 +5,14 @@
 //! scene's depth ─► depth, in the library's own terms ─► strips ─► HDR ─► composite ─► scene's colour
 //! ```
 //!
-//! The scene keeps its format, its number of samples (one) and its way of writing depth: depths are
+//! The scene keeps its format, its number of samples and its way of writing depth: depths are
 //! carried over from its projection to that of the [`Camera`](crate::Camera), pixel by pixel, before the hair
-//! is drawn with as many samples as its view has. What these cover is blended over the scene, so that
-//! thin hair stays thin. The scene's depth is not written, but a scene that asks is told how far what is seen of hair is
+//! is drawn with as many samples as its view has. What these cover is blended over the scene's colour of one sample, the
+//! resolved one of a scene that has several, so that thin hair stays thin. Of several depths in a pixel the farthest
+//! counts: the nearest would leave an outline of what is behind the hair around whatever is in front of it. Hair by
+//! [`Coverage::Tiles`], whose depth is known, is then only as strong as the share of the samples that it is in front of:
+//! edges before it stay smooth.
+//!  The scene's depth is not written, but a scene that asks is told how far what is seen of hair is
 //! in each pixel, how it moved and how opaque it is ([`Surroundings::geometry`]), for fog, depth of field and temporal
 //! antialiasing; transparent surfaces drawn later, in front of hair or behind it, blend as if there were no hair.
 //!
@@ -42,14 +46,19 @@ pub struct EmbedUniform {
     pub samples: u32,
     /// Texels of the hair per pixel, along each axis.
     pub ssaa: u32,
+    /// [`Surroundings::origin`].
+    pub origin: [u32; 2],
+    /// Width and height of the picture, pixels.
+    pub size: [u32; 2],
     /// Unused.
     pub _pad: [u32; 2],
 }
 
 impl EmbedUniform {
-    fn new(from: Mat4, to: Mat4, targets: &Targets) -> Self {
-        let depth = Self::map(from, to);
-        Self { depth, samples: targets.samples, ssaa: targets.ssaa, _pad: [0; 2] }
+    fn new(into: &Surroundings<'_>, to: Mat4, targets: &Targets) -> Self {
+        let Targets { samples, ssaa, size, .. } = *targets;
+        let depth = Self::map(into.projection, to);
+        Self { depth, samples, ssaa, origin: into.origin, size, _pad: [0; 2] }
     }
 
     /// From the depths of the projection `from` to those of `to`.
@@ -69,8 +78,11 @@ impl EmbedUniform {
 pub struct Surroundings<'a> {
     /// Its linear colour, of the format that [`Embed`] was built for: hair is blended over it.
     pub color: &'a wgpu::TextureView,
-    /// Its depth, with `TEXTURE_BINDING`, one sample per pixel, of the size of the picture.
+    /// Its depth, with `TEXTURE_BINDING`, of any number of samples per pixel.
     pub depth: &'a wgpu::TextureView,
+    /// Where the picture begins in both, pixels from their left and upper edge: of a split screen each part is a picture.
+    /// They hold all of it.
+    pub origin: [u32; 2],
     /// The projection that it was drawn with: of the camera and field of view of
     /// [`Picture::camera`](crate::view::Picture::camera), but with any planes and any direction of depth from 0 to 1.
     pub projection: Mat4,
@@ -86,11 +98,13 @@ pub struct Surroundings<'a> {
 /// What puts the hair of one view into a scene.
 #[derive(Debug)]
 pub struct Embed {
-    depth: wgpu::RenderPipeline,
+    /// For depth of one sample and of several.
+    depths: [(wgpu::RenderPipeline, wgpu::BindGroupLayout); 2],
     composite: wgpu::RenderPipeline,
     geometry: wgpu::RenderPipeline,
-    depth_layout: wgpu::BindGroupLayout,
     composite_layout: wgpu::BindGroupLayout,
+    /// In place of `composite` for hair by tiles, where depth has several samples.
+    edges: Option<(wgpu::RenderPipeline, wgpu::BindGroupLayout)>,
     geometry_layout: wgpu::BindGroupLayout,
     uniform: wgpu::Buffer,
 }
@@ -118,8 +132,8 @@ impl Embed {
             });
         }
         use wgpu::{BlendFactor::*, ShaderStages as Stages};
-        let layout = |label, texture| layout(device, label, Stages::FRAGMENT, &[Binding::Uniform, texture]);
-        let depth_layout = layout("embed depth", Binding::Depth);
+        let bound = |label, entries: &[Binding]| layout(device, label, Stages::FRAGMENT, entries);
+        let layout = |label, texture| bound(label, &[Binding::Uniform, texture]);
         // Tiles leave hair in a texture of its own, one sample per pixel.
         let many = samples > 1 && !coverage.is_tiled();
         let hdr = if many { Binding::TextureMultisampled } else { Binding::Texture2d };
@@ -133,16 +147,27 @@ impl Embed {
             targets: &[Some(Self::GEOMETRY.into())],
             ..Recipe::PLAIN
         };
-        let module = "draw::embed::depth";
-        let depth = Recipe {
-            vertex: (module, "depth_vertex"),
-            fragment: Some((module, "depth_fragment")),
-            layouts: &[&depth_layout],
-            targets: &[Some(HDR_FORMAT.into())],
-            depth: Some((true, wgpu::CompareFunction::Always)),
-            samples,
-            ..Recipe::PLAIN
+        let depth = |module, [vertex, fragment]: [&'static str; 2], texture| {
+            let layout = layout("embed depth", texture);
+            let recipe = Recipe {
+                vertex: (module, vertex),
+                fragment: Some((module, fragment)),
+                layouts: &[&layout],
+                targets: &[Some(HDR_FORMAT.into())],
+                depth: Some((true, wgpu::CompareFunction::Always)),
+                samples,
+                ..Recipe::PLAIN
+            };
+            Ok::<_, Error>((recipe.build(device)?, layout))
         };
+        let depths = [
+            depth("draw::embed::depth", ["depth_vertex", "depth_fragment"], Binding::Depth)?,
+            depth(
+                "draw::embed::farthest",
+                ["farthest_vertex", "farthest_fragment"],
+                Binding::DepthMultisampled,
+            )?,
+        ];
         let (module, entry) = match many {
             true => ("draw::embed::many", ["many_vertex", "many_fragment"]),
             false => ("draw::embed::one", ["one_vertex", "one_fragment"]),
@@ -154,11 +179,24 @@ impl Embed {
             targets: &[blended(format, One, OneMinusSrcAlpha)],
             ..Recipe::PLAIN
         };
+        let edges = || {
+            use Binding::{DepthMultisampled, Texels2d, Texture2d, Uniform};
+            let layout = bound("embed edges", &[Uniform, Texture2d, Texels2d, DepthMultisampled]);
+            let module = "draw::embed::edges";
+            let recipe = Recipe {
+                vertex: (module, "edges_vertex"),
+                fragment: Some((module, "edges_fragment")),
+                layouts: &[&layout],
+                ..composite
+            };
+            Ok::<_, Error>((recipe.build(device)?, layout))
+        };
+        let edges = coverage.is_tiled().then(edges).transpose()?;
         Ok(Self {
-            depth: depth.build(device)?,
+            depths,
+            edges,
             composite: composite.build(device)?,
             geometry: geometry.build(device)?,
-            depth_layout,
             composite_layout,
             geometry_layout,
             uniform: uniform(device, "embed", size_of::<EmbedUniform>()),
@@ -194,24 +232,36 @@ impl Embed {
         if into.geometry.is_some() && !coverage.is_tiled() {
             return Err(unknown("the geometry of hair in a scene", coverage));
         }
-        Ok(into.geometry.map(|_| EmbedUniform::map(of, into.projection)))
+        // Where hair is says also which samples of the scene it is in front of.
+        let asks = into.geometry.is_some() || (coverage.is_tiled() && has_samples(into.depth));
+        Ok(asks.then(|| EmbedUniform::map(of, into.projection)))
     }
 
     /// Records the scene's depth into the targets, seen with the projection `to`: before the hair.
     pub(crate) fn record_depth(&self, canvas: &mut Canvas<'_>, to: Mat4, into: &Surroundings<'_>) {
-        let values = EmbedUniform::new(into.projection, to, canvas.targets);
+        let values = EmbedUniform::new(into, to, canvas.targets);
         canvas.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&values));
-        let group = self.bind(canvas.device, &self.depth_layout, into.depth);
+        let (pipeline, layout) = &self.depths[usize::from(has_samples(into.depth))];
+        let group = self.bind(canvas.device, layout, into.depth);
         let mut pass = pass(canvas, "embed", true);
-        pass.set_pipeline(&self.depth);
+        pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &group, &[]);
         pass.draw(0..3, 0..1);
     }
 
     /// Records what the targets have of hair over the scene's colour.
     pub(crate) fn record(&self, canvas: &mut Canvas<'_>, into: &Surroundings<'_>) {
-        let hair = canvas.targets.tiles.as_ref().map_or(&canvas.targets.hdr, |tiles| &tiles.hair);
-        let group = self.bind(canvas.device, &self.composite_layout, hair);
+        let tiles = canvas.targets.tiles.as_ref();
+        let hair = tiles.map_or(&canvas.targets.hdr, |tiles| &tiles.hair);
+        let known = tiles.filter(|_| has_samples(into.depth)).and_then(|tiles| tiles.geometry());
+        let (pipeline, group) = match (&self.edges, known) {
+            (Some((pipeline, layout)), Some(known)) => {
+                let [hair, known, depth] = [hair, &known, into.depth].map(wgpu::BindingResource::TextureView);
+                let entries = [self.uniform.as_entire_binding(), hair, known, depth];
+                (pipeline, group(canvas.device, "embed edges", layout, &entries))
+            }
+            _ => (&self.composite, self.bind(canvas.device, &self.composite_layout, hair)),
+        };
         let mut pass = crate::gpu::render_pass(
             canvas.encoder,
             &wgpu::RenderPassDescriptor {
@@ -226,7 +276,9 @@ impl Embed {
                 ..Default::default()
             },
         );
-        pass.set_pipeline(&self.composite);
+        let [origin, size] = [into.origin, canvas.targets.size].map(|pixels| pixels.map(|n| n as f32));
+        pass.set_viewport(origin, size);
+        pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &group, &[]);
         pass.draw(0..3, 0..1);
         drop(pass);
@@ -254,6 +306,11 @@ impl Embed {
             pass.draw(0..3, 0..1);
         }
     }
+}
+
+/// Whether a scene's depth has several samples.
+fn has_samples(depth: &wgpu::TextureView) -> bool {
+    depth.texture().sample_count() > 1
 }
 
 /// What only tiles know.

@@ -235,7 +235,7 @@ impl Soft {
         );
         // The middle of a point's pixel is that of its square, also where the last squares reach beyond the picture.
         let [width, height] = self.size.map(|side| side as f32 / across as f32);
-        pass.set_viewport(width, height);
+        pass.set_viewport([0.0; 2], [width, height]);
         pass.set_pipeline(&surface);
         pass.set_bind_group(0, canvas.frame, &[]);
         canvas_parts(&mut pass, canvas.parts, |pass, i| bodies[i].record(pass, strays[i]));

@@ -1,0 +1,148 @@
+//! A character to play with: its head turns on a neck, a ball pushes its hair, the wind blows.
+//!
+//! `cargo run --release --example character`
+//!
+//! | keys | |
+//! |---|---|
+//! | A, D, W, S | turn and nod the head |
+//! | arrow keys | walk |
+//! | I, K, J, L, U, O | move the ball: up and down, left and right, near and far |
+//! | V | wind on and off |
+//! | H | next colour of hair |
+//! | M | several samples per pixel, or one |
+
+use bevy::{
+    prelude::*,
+    render::renderer::{RenderDevice, RenderQueue},
+};
+use bevy_tresses::{
+    GlobalHairWind, Hair3d, HairCollider, HairGroom, HairMaterial3d, TressesPlugin,
+    groom::{mannequin::NECK_JOINT, styles::Style},
+    tresses::{light::HairMaterial, wind::Wind},
+};
+
+/// Radius of the ball, metres.
+const BALL: f32 = 0.05;
+
+fn main() {
+    App::new()
+        .add_plugins((DefaultPlugins, TressesPlugin::default()))
+        .insert_resource(ClearColor(Color::srgb(0.12, 0.13, 0.15)))
+        .insert_resource(GlobalAmbientLight { brightness: 300.0, ..Default::default() })
+        .add_systems(Startup, (dress, furnish))
+        .add_systems(Update, (walk, turn, push, blow, dye, smooth))
+        .run();
+}
+
+/// All of the character.
+#[derive(Component)]
+struct Body;
+
+/// What turns on it.
+#[derive(Component)]
+struct Neck;
+
+/// What is pushed into the hair.
+#[derive(Component)]
+struct Ball;
+
+fn dress(
+    mut commands: Commands,
+    mut grooms: ResMut<Assets<HairGroom>>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+    (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
+) -> Result {
+    let groom = HairGroom::character(&device, &queue, &Style::Long(Default::default()), Some(15_000))?;
+    let head = meshes.add(groom.head_mesh().ok_or("the character has a head")?);
+    let skin = materials.add(StandardMaterial {
+        base_color: Color::linear_rgb(0.5, 0.36, 0.28),
+        perceptual_roughness: 0.6,
+        ..Default::default()
+    });
+    // The neck is where the joint is; head and hair are around the groom's origin.
+    let from_joint = Transform::from_translation(-NECK_JOINT);
+    commands.spawn((
+        Body,
+        Transform::default(),
+        Visibility::default(),
+        children![(
+            Neck,
+            Transform::from_translation(NECK_JOINT),
+            Visibility::default(),
+            children![
+                (Mesh3d(head), MeshMaterial3d(skin), from_joint),
+                (Hair3d(grooms.add(groom)), HairMaterial3d(HairMaterial::brown()), from_joint),
+            ],
+        )],
+    ));
+    Ok(())
+}
+
+fn furnish(
+    mut commands: Commands,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+) {
+    commands.spawn((
+        Ball,
+        HairCollider::sphere(BALL),
+        Mesh3d(meshes.add(Sphere::new(BALL))),
+        MeshMaterial3d(materials.add(Color::srgb(0.8, 0.25, 0.15))),
+        Transform::from_xyz(0.25, -0.05, 0.05),
+    ));
+    commands.spawn((
+        Camera3d::default(),
+        Transform::from_xyz(0.25, 0.16, 1.1).looking_at(Vec3::new(0.0, 0.02, 0.0), Vec3::Y),
+    ));
+    let towards = |x, y, z| Transform::from_xyz(x, y, z).looking_at(Vec3::ZERO, Vec3::Y);
+    commands
+        .spawn((DirectionalLight { illuminance: 6_000.0, ..Default::default() }, towards(-0.5, 0.7, 0.7)));
+    commands
+        .spawn((DirectionalLight { illuminance: 3_000.0, ..Default::default() }, towards(0.8, 0.3, -0.5)));
+}
+
+/// -1, 0 or 1: which of two keys is held.
+fn axis(keys: &ButtonInput<KeyCode>, less: KeyCode, more: KeyCode) -> f32 {
+    f32::from(keys.pressed(more)) - f32::from(keys.pressed(less))
+}
+
+fn walk(keys: Res<ButtonInput<KeyCode>>, time: Res<Time>, mut body: Single<&mut Transform, With<Body>>) {
+    use KeyCode::{ArrowDown, ArrowLeft, ArrowRight, ArrowUp};
+    let way = Vec3::new(axis(&keys, ArrowLeft, ArrowRight), 0.0, axis(&keys, ArrowUp, ArrowDown));
+    body.translation += 0.8 * time.delta_secs() * way.normalize_or_zero();
+}
+
+fn turn(keys: Res<ButtonInput<KeyCode>>, time: Res<Time>, mut neck: Single<&mut Transform, With<Neck>>) {
+    use KeyCode::{KeyA, KeyD, KeyS, KeyW};
+    // The head follows quickly, as one does that is shaken.
+    let wanted = Quat::from_rotation_y(1.1 * axis(&keys, KeyA, KeyD))
+        * Quat::from_rotation_x(0.5 * axis(&keys, KeyW, KeyS));
+    neck.rotation = neck.rotation.slerp(wanted, 1.0 - (-9.0 * time.delta_secs()).exp());
+}
+
+fn push(keys: Res<ButtonInput<KeyCode>>, time: Res<Time>, mut ball: Single<&mut Transform, With<Ball>>) {
+    use KeyCode::{KeyI, KeyJ, KeyK, KeyL, KeyO, KeyU};
+    let way = Vec3::new(axis(&keys, KeyJ, KeyL), axis(&keys, KeyK, KeyI), axis(&keys, KeyU, KeyO));
+    ball.translation += 0.4 * time.delta_secs() * way;
+}
+
+fn blow(keys: Res<ButtonInput<KeyCode>>, mut wind: ResMut<GlobalHairWind>) {
+    if keys.just_pressed(KeyCode::KeyV) {
+        wind.0 = if wind.0.blows() { Wind::default() } else { Wind::new(Vec3::new(-6.0, 0.0, -2.0)) };
+    }
+}
+
+fn dye(keys: Res<ButtonInput<KeyCode>>, mut hair: Single<&mut HairMaterial3d>, mut count: Local<usize>) {
+    if keys.just_pressed(KeyCode::KeyH) {
+        *count += 1;
+        let colors = [HairMaterial::brown, HairMaterial::blond, HairMaterial::red, HairMaterial::black];
+        hair.0 = colors[*count % colors.len()]();
+    }
+}
+
+fn smooth(keys: Res<ButtonInput<KeyCode>>, mut samples: Single<&mut Msaa>) {
+    if keys.just_pressed(KeyCode::KeyM) {
+        **samples = if **samples == Msaa::Off { Msaa::Sample4 } else { Msaa::Off };
+    }
+}

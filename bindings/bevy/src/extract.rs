@@ -1,0 +1,145 @@
+//! What of the main world the next frame of hair needs.
+
+use crate::{
+    GlobalHairWind, Hair3d, HairCollider, HairDetail, HairGroom, HairMaterial3d, HairPhysics, HairReady,
+    HairView, HairWind, NoHair,
+    lights::{SceneLight, rgb},
+};
+use bevy::{
+    camera::visibility::RenderLayers, ecs::entity::EntityHashMap, light::GlobalAmbientLight, prelude::*,
+    render::Extract,
+};
+use std::sync::{Arc, atomic::AtomicBool};
+use tresses::{
+    Pose, collide::Collider, light::HairMaterial, lod::LodOptions, simulate::SimulationParams,
+    view::ViewOptions,
+};
+
+/// All of it.
+#[derive(Resource, Debug, Default)]
+pub(crate) struct Scene {
+    /// Seconds since the last frame.
+    pub dt: f32,
+    /// By the order of entities, so that a frame does not depend on that of Bevy's storage.
+    pub hair: Vec<SceneHair>,
+    /// By the order of entities.
+    pub colliders: Vec<(Entity, Collider, Pose)>,
+    pub lights: Vec<SceneLight>,
+    pub cameras: EntityHashMap<Eye>,
+}
+
+/// An entity's hair.
+#[derive(Clone, Debug)]
+pub(crate) struct SceneHair {
+    pub entity: Entity,
+    /// Nothing while it is being loaded.
+    pub groom: Option<HairGroom>,
+    pub pose: Pose,
+    pub material: HairMaterial,
+    pub physics: SimulationParams,
+    pub detail: LodOptions,
+    pub layers: RenderLayers,
+    pub visible: bool,
+    /// Whether it is there, to be told.
+    pub ready: Arc<AtomicBool>,
+}
+
+/// What a camera sees hair with.
+#[derive(Clone, Debug)]
+pub(crate) struct Eye {
+    pub layers: RenderLayers,
+    /// Candela per square metre, from everywhere.
+    pub ambient: Vec3,
+    pub options: Option<ViewOptions>,
+}
+
+/// Position and rotation of an entity, without its scale.
+fn pose(place: &GlobalTransform) -> Pose {
+    let (_, rotation, translation) = place.to_scale_rotation_translation();
+    Pose { rotation: rotation.normalize(), translation }
+}
+
+type Hairs<'a> = (
+    Entity,
+    &'a Hair3d,
+    &'a HairMaterial3d,
+    &'a HairPhysics,
+    &'a HairDetail,
+    &'a HairReady,
+    &'a GlobalTransform,
+    &'a InheritedVisibility,
+    Option<&'a HairWind>,
+    Option<&'a RenderLayers>,
+);
+
+type Placed<'a, L> = (&'a L, &'a GlobalTransform, &'a InheritedVisibility, Option<&'a RenderLayers>);
+
+/// Hair, colliders and time.
+pub(crate) fn extract_hair(
+    mut scene: ResMut<Scene>,
+    time: Extract<Res<Time>>,
+    wind: Extract<Res<GlobalHairWind>>,
+    grooms: Extract<Res<Assets<HairGroom>>>,
+    hair: Extract<Query<Hairs<'static>>>,
+    colliders: Extract<Query<(Entity, &'static HairCollider, &'static GlobalTransform)>>,
+) {
+    scene.dt = time.delta_secs();
+    scene.hair.clear();
+    for (entity, hair, material, physics, detail, ready, place, visible, own, layers) in &hair {
+        let wind = own.map_or(wind.0, |wind| wind.0);
+        scene.hair.push(SceneHair {
+            entity,
+            groom: grooms.get(&hair.0).cloned(),
+            pose: pose(place),
+            material: material.0,
+            physics: SimulationParams { wind, ..physics.0 },
+            detail: detail.0,
+            layers: layers.cloned().unwrap_or_default(),
+            visible: visible.get(),
+            ready: ready.0.clone(),
+        });
+    }
+    scene.hair.sort_by_key(|hair| hair.entity);
+    scene.colliders.clear();
+    let placed = colliders.iter().map(|(entity, collider, place)| (entity, collider.collider(), pose(place)));
+    scene.colliders.extend(placed);
+    scene.colliders.sort_by_key(|(entity, ..)| *entity);
+}
+
+/// Lights and eyes.
+pub(crate) fn extract_light(
+    mut scene: ResMut<Scene>,
+    distant: Extract<Query<Placed<'static, DirectionalLight>>>,
+    points: Extract<Query<Placed<'static, PointLight>>>,
+    spots: Extract<Query<Placed<'static, SpotLight>>>,
+    everywhere: Extract<Res<GlobalAmbientLight>>,
+    cameras: Extract<
+        Query<
+            (Entity, Option<&'static AmbientLight>, Option<&'static RenderLayers>, Option<&'static HairView>),
+            (With<Camera3d>, Without<NoHair>),
+        >,
+    >,
+) {
+    fn shining<'a, L: Component>(
+        lights: &'a Query<Placed<'static, L>>,
+        make: fn(&L, &GlobalTransform, RenderLayers) -> SceneLight,
+    ) -> impl Iterator<Item = SceneLight> + 'a {
+        lights
+            .iter()
+            .filter(|(_, _, visible, _)| visible.get())
+            .map(move |(light, place, _, layers)| make(light, place, layers.cloned().unwrap_or_default()))
+    }
+    scene.lights.clear();
+    scene.lights.extend(shining(&distant, SceneLight::directional));
+    scene.lights.extend(shining(&points, SceneLight::point));
+    scene.lights.extend(shining(&spots, SceneLight::spot));
+    scene.cameras.clear();
+    for (camera, ambient, layers, view) in &cameras {
+        let ambient = match ambient {
+            Some(light) => rgb(light.color) * light.brightness,
+            None => rgb(everywhere.color) * everywhere.brightness,
+        };
+        let layers = layers.cloned().unwrap_or_default();
+        scene.cameras.insert(camera, Eye { layers, ambient, options: view.map(|view| view.0) });
+    }
+}

@@ -1,0 +1,104 @@
+//! Grooms as assets.
+
+use bevy::{
+    asset::RenderAssetUsages,
+    color::{ColorToComponents, LinearRgba},
+    mesh::{Indices, PrimitiveTopology},
+    prelude::*,
+    render::renderer::{RenderDevice, RenderQueue},
+};
+use std::sync::Arc;
+use tresses::{
+    HairOptions, drape,
+    groom::{BindOptions, Groom, SdfGrid, Strands, TriMesh, bind, mesh::sdf, styles::Style},
+    simulate,
+};
+
+/// A groom, and the head that it grows on. Cheap to clone: what is large is shared.
+///
+/// Hair is made anew when `groom` or `head` become others, so change them as wholes.
+#[derive(Asset, TypePath, Clone, Debug)]
+pub struct HairGroom {
+    /// Guides and strands, in metres, Y up, the face towards +Z.
+    pub groom: Arc<Groom>,
+    /// The distance field of what the hair grows on, in the groom's space: it collides with that.
+    pub head: Option<Arc<SdfGrid>>,
+    /// The mesh of what it grows on, in the groom's space: its shadow falls on the hair, and light that it reflects. Bevy
+    /// draws it where an entity has [`head_mesh`](Self::head_mesh).
+    pub mesh: Option<Arc<TriMesh>>,
+    /// How it is brought to the GPU; `simulation` is the entity's [`HairPhysics`](crate::HairPhysics).
+    pub options: HairOptions,
+}
+
+impl HairGroom {
+    /// Hair without a head.
+    pub fn new(groom: Groom) -> Self {
+        Self { groom: Arc::new(groom), head: None, mesh: None, options: HairOptions::default() }
+    }
+
+    /// Guides chosen among `strands`, which all others follow.
+    ///
+    /// # Errors
+    /// As [`bind()`].
+    pub fn from_strands(strands: &Strands, options: &BindOptions) -> tresses::groom::Result<Self> {
+        bind(strands, options).map(Self::new)
+    }
+
+    /// The same hair on `head`, a closed mesh in the groom's space, which it collides with.
+    ///
+    /// # Errors
+    /// As [`sdf::build`].
+    pub fn with_head(mut self, head: TriMesh) -> tresses::groom::Result<Self> {
+        self.head = Some(Arc::new(sdf::build(&head, &Default::default())?));
+        self.mesh = Some(Arc::new(head));
+        Ok(self)
+    }
+
+    /// The built-in character with hair of `style`; `strands` for the style's own number. A style that is not one of the
+    /// defaults falls into place on the GPU first, a second or so.
+    ///
+    /// # Errors
+    /// As [`drape::character`].
+    pub fn character(
+        device: &RenderDevice,
+        queue: &RenderQueue,
+        style: &Style,
+        strands: Option<u32>,
+    ) -> tresses::Result<Self> {
+        let device = device.wgpu_device();
+        let simulate = simulate::Pipelines::new(device);
+        let made = pollster::block_on(drape::character(device, queue, &simulate, style, strands))?;
+        Ok(Self {
+            groom: Arc::new(made.groom),
+            head: Some(Arc::new(made.field)),
+            mesh: Some(Arc::new(made.mesh)),
+            options: HairOptions::default(),
+        })
+    }
+
+    /// The mesh of what it grows on, for Bevy to draw.
+    pub fn head_mesh(&self) -> Option<Mesh> {
+        let TriMesh { positions, normals, colors, triangles } = &**self.mesh.as_ref()?;
+        let all = |vectors: &[Vec3]| vectors.iter().map(Vec3::to_array).collect::<Vec<_>>();
+        let mut mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+            .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, all(positions))
+            .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, all(normals))
+            .with_inserted_indices(Indices::U32(triangles.as_flattened().to_vec()));
+        if !colors.is_empty() {
+            let linear = |color: &Vec3| LinearRgba::from_vec3(*color).to_f32_array();
+            mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, colors.iter().map(linear).collect::<Vec<_>>());
+        }
+        Some(mesh)
+    }
+
+    /// Whether it is the same as `other`, in the same memory.
+    pub(crate) fn is(&self, other: &Self) -> bool {
+        fn same<T>(a: &Option<Arc<T>>, b: &Option<Arc<T>>) -> bool {
+            a.as_ref().map(Arc::as_ptr) == b.as_ref().map(Arc::as_ptr)
+        }
+        Arc::ptr_eq(&self.groom, &other.groom)
+            && same(&self.head, &other.head)
+            && same(&self.mesh, &other.mesh)
+            && self.options == other.options
+    }
+}

@@ -1,0 +1,44 @@
+//! Real-time hair for Bevy.
+//!
+//! A groom is an [asset](HairGroom), from a file or grown on the built-in character. An entity with [`Hair3d`] wears it:
+//! the hair follows the entity's [`GlobalTransform`](bevy::prelude::GlobalTransform), and so the head that the entity is
+//! part of. It is simulated once per frame by Bevy's [`Time`](bevy::prelude::Time), and drawn into every 3D camera after
+//! what Bevy draws itself and before tone mapping, hidden by the scene's depth and lit by the scene's lights.
+//!
+//! ```no_run
+//! use bevy::{prelude::*, render::renderer::{RenderDevice, RenderQueue}};
+//! use bevy_tresses::{Hair3d, HairGroom, TressesPlugin, groom::styles::Style};
+//!
+//! fn dress(
+//!     mut commands: Commands,
+//!     mut grooms: ResMut<Assets<HairGroom>>,
+//!     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
+//! ) -> Result {
+//!     let groom = HairGroom::character(&device, &queue, &Style::Bob(Default::default()), Some(8_000))?;
+//!     commands.spawn((Hair3d(grooms.add(groom)), Transform::from_xyz(0.0, 1.0, 0.0)));
+//!     commands.spawn((Camera3d::default(), Transform::from_xyz(0.0, 1.0, 1.0)));
+//!     commands.spawn(DirectionalLight::default());
+//!     Ok(())
+//! }
+//! # let _ = |app: &mut App| { app.add_plugins(TressesPlugin::default()).add_systems(Startup, dress); };
+//! ```
+//!
+//! Units are Bevy's and the library's alike: metres, Y up, right-handed. A groom's face is towards +Z, so a character
+//! that looks along Bevy's forward (-Z) is turned by half a turn about Y.
+
+mod components;
+mod extract;
+mod groom_asset;
+mod lights;
+mod loader;
+mod plugin;
+mod render;
+
+pub use components::{
+    ColliderShape, GlobalHairWind, Hair3d, HairCollider, HairDetail, HairMaterial3d, HairPhysics, HairReady,
+    HairView, HairWind, NoHair,
+};
+pub use groom_asset::HairGroom;
+pub use loader::{HairGroomLoader, HairGroomSettings};
+pub use plugin::TressesPlugin;
+pub use tresses::{self, groom};

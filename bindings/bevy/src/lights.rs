@@ -1,0 +1,173 @@
+//! Bevy's lights as the library has them: four directional lights and a sky.
+//!
+//! Hair is a few decimetres large, so a point or spot light is as good as parallel there: it becomes a directional light
+//! from where it is, with the irradiance that Bevy's own shaders have at the middle of the hair, fading and cone included.
+//! Of more than four lights the strongest are taken.
+
+use bevy::{camera::visibility::RenderLayers, prelude::*};
+use tresses::light::{Directional, Lights, Sky, lights::MAX_LIGHTS};
+
+/// Below this squared distance Bevy's lights become no stronger, m².
+const NEAREST: f32 = 1e-4;
+
+/// Where light comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Source {
+    /// From afar, out of this direction.
+    Distant(Vec3),
+    /// From a place, as far as `range` metres.
+    Point { at: Vec3, range: f32 },
+    /// From a place along `axis`, within a cone: the share is `scale` times the cosine plus `offset`, squared.
+    Spot { at: Vec3, range: f32, axis: Vec3, scale: f32, offset: f32 },
+}
+
+/// A light of the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct SceneLight {
+    pub source: Source,
+    /// Illuminance (lux) of a distant light, else luminous intensity (candela), by its colour.
+    pub strength: Vec3,
+    pub layers: RenderLayers,
+}
+
+impl SceneLight {
+    pub fn directional(light: &DirectionalLight, place: &GlobalTransform, layers: RenderLayers) -> Self {
+        let strength = rgb(light.color) * light.illuminance;
+        Self { source: Source::Distant(place.back().into()), strength, layers }
+    }
+
+    pub fn point(light: &PointLight, place: &GlobalTransform, layers: RenderLayers) -> Self {
+        let source = Source::Point { at: place.translation(), range: light.range };
+        Self { source, strength: rgb(light.color) * candela(light.intensity), layers }
+    }
+
+    pub fn spot(light: &SpotLight, place: &GlobalTransform, layers: RenderLayers) -> Self {
+        let outer = light.outer_angle.cos();
+        let scale = 1.0 / (light.inner_angle.cos() - outer).max(1e-4);
+        let source = Source::Spot {
+            at: place.translation(),
+            range: light.range,
+            axis: place.forward().into(),
+            scale,
+            offset: -outer * scale,
+        };
+        Self { source, strength: rgb(light.color) * candela(light.intensity), layers }
+    }
+
+    /// What arrives of it at `place`, through an `exposure`.
+    fn at(&self, place: Vec3, exposure: f32) -> Directional {
+        let (direction, share) = match self.source {
+            Source::Distant(direction) => (direction, 1.0),
+            Source::Point { at, range } => arriving(at - place, range),
+            Source::Spot { at, range, axis, scale, offset } => {
+                let (direction, share) = arriving(at - place, range);
+                let cone = (scale * axis.dot(-direction) + offset).clamp(0.0, 1.0);
+                (direction, share * cone * cone)
+            }
+        };
+        Directional { direction, irradiance: self.strength * share * exposure }
+    }
+}
+
+/// The direction of a light that is `way` away, and its irradiance over its intensity: by the square of the distance, and
+/// fading to nothing at `range`.
+fn arriving(way: Vec3, range: f32) -> (Vec3, f32) {
+    let square = way.length_squared();
+    let spent = square / (range * range);
+    let left = (1.0 - spent * spent).clamp(0.0, 1.0);
+    (way.normalize_or(Vec3::Y), left * left / square.max(NEAREST))
+}
+
+/// Lumens of a light that shines into all directions as candela; Bevy takes those of a spot light so, too.
+fn candela(lumens: f32) -> f32 {
+    lumens / (4.0 * std::f32::consts::PI)
+}
+
+/// Linear red, green and blue.
+pub(crate) fn rgb(color: Color) -> Vec3 {
+    color.to_linear().to_vec3()
+}
+
+/// The light at `place` of those of `lights` that are among `layers`, and of an `ambient` radiance (candela per square
+/// metre) from everywhere, through an `exposure`.
+pub(crate) fn at(
+    place: Vec3,
+    lights: &[SceneLight],
+    layers: &RenderLayers,
+    ambient: Vec3,
+    exposure: f32,
+) -> Lights {
+    let seen = lights.iter().filter(|light| light.layers.intersects(layers));
+    let mut arriving: Vec<_> = seen
+        .map(|light| light.at(place, exposure))
+        .filter(|light| light.irradiance.max_element() > 0.0)
+        .collect();
+    arriving.sort_by(|a, b| b.irradiance.element_sum().total_cmp(&a.irradiance.element_sum()));
+    let mut directional = [Directional::OFF; MAX_LIGHTS];
+    for (slot, light) in directional.iter_mut().zip(arriving) {
+        *slot = light;
+    }
+    let everywhere = ambient * exposure;
+    let sky = Sky { zenith: everywhere, horizon: everywhere, ground: everywhere };
+    Lights { directional, sky, environment: Default::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn near(a: Vec3, b: Vec3) -> bool {
+        (a - b).length() <= 1e-3 * b.length()
+    }
+
+    fn seen(lights: &[SceneLight], place: Vec3) -> Vec<Directional> {
+        at(place, lights, &RenderLayers::default(), Vec3::ZERO, 1.0).active().copied().collect()
+    }
+
+    #[test]
+    fn light_falls_with_the_square_of_the_distance_and_ends() {
+        let light = PointLight { intensity: 4.0 * std::f32::consts::PI * 100.0, range: 1e6, ..default() };
+        let lamp = SceneLight::point(&light, &GlobalTransform::from_xyz(0.0, 2.0, 0.0), default());
+        let [near_by, far] =
+            [Vec3::Y, Vec3::NEG_Y * 8.0].map(|place| seen(std::slice::from_ref(&lamp), place)[0]);
+        assert!(near(near_by.direction, Vec3::Y) && near(near_by.irradiance, Vec3::splat(100.0)));
+        assert!(near(far.irradiance, Vec3::ONE), "{}", far.irradiance);
+        assert!(!near(far.irradiance, near_by.irradiance), "the comparer sees no difference");
+        let short = SceneLight { source: Source::Point { at: Vec3::Y * 2.0, range: 9.0 }, ..lamp };
+        assert!(seen(&[short], Vec3::NEG_Y * 8.0).is_empty(), "beyond its range");
+    }
+
+    #[test]
+    fn a_spot_light_shines_into_its_cone() {
+        let light = SpotLight { inner_angle: 0.2, outer_angle: 0.4, range: 1e6, ..default() };
+        // Above the origin, looking down.
+        let place = Transform::from_xyz(0.0, 1.0, 0.0).looking_at(Vec3::ZERO, Vec3::Z);
+        let spot = [SceneLight::spot(&light, &place.into(), default())];
+        let share = |angle: f32| {
+            let place = Vec3::Y + Quat::from_rotation_x(angle) * Vec3::NEG_Y;
+            seen(&spot, place).first().map_or(0.0, |light| light.irradiance.x)
+        };
+        let full = candela(light.intensity);
+        assert!((share(0.0) / full - 1.0).abs() < 1e-3 && (share(0.19) / full - 1.0).abs() < 1e-3);
+        assert!(share(0.3) > 0.05 * full && share(0.3) < 0.6 * full, "{}", share(0.3) / full);
+        assert_eq!(share(0.41), 0.0);
+    }
+
+    #[test]
+    fn the_strongest_four_of_the_right_layers_are_taken() {
+        let sun = |lux: f32, layer: usize| {
+            let light = DirectionalLight { illuminance: lux, ..default() };
+            let place = Transform::default().looking_to(Vec3::NEG_Y, Vec3::Z);
+            SceneLight::directional(&light, &place.into(), RenderLayers::layer(layer))
+        };
+        let lights = [sun(1.0, 0), sun(50.0, 1), sun(5.0, 0), sun(3.0, 0), sun(4.0, 0), sun(2.0, 0)];
+        let taken: Vec<_> = seen(&lights, Vec3::ZERO).iter().map(|light| light.irradiance.x).collect();
+        assert_eq!(taken, [5.0, 4.0, 3.0, 2.0]);
+        assert!(
+            near(seen(&lights, Vec3::ZERO)[0].direction, Vec3::Y),
+            "light comes from where it does not go"
+        );
+        let dim = at(Vec3::ZERO, &lights, &default(), Vec3::splat(8.0), 0.5);
+        assert_eq!((dim.directional[0].irradiance.x, dim.sky.ground.x), (2.5, 4.0));
+    }
+}

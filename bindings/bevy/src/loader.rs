@@ -1,0 +1,93 @@
+//! Grooms from files.
+
+use crate::HairGroom;
+use bevy::{
+    asset::{AssetLoader, AssetPath, LoadContext, io::Reader},
+    prelude::*,
+};
+use serde::{Deserialize, Serialize};
+use std::{borrow::Cow, path::PathBuf, sync::Arc};
+use tresses::{
+    HairOptions,
+    groom::{
+        BindOptions, Fill, GuideCount, Head, bind, bind_filled, fill, formats,
+        import::{self, Given},
+        mesh::sdf,
+    },
+};
+
+/// How a groom is loaded.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct HairGroomSettings {
+    /// Files that belong to it, relative to its own: the meshes of its head, what those need (`.mtl`, `.bin`), further
+    /// parts of the groom.
+    pub beside: Vec<String>,
+    /// Grows strands between those of the files until there are so many; `None` for those of the files.
+    pub strands: Option<u32>,
+    /// How many strands are simulated; `None` for one in sixteen, or those that the file marks as guides.
+    pub guides: Option<u32>,
+}
+
+/// Loads a [`HairGroom`] from every format that [`import`] reads. Unit and axes are guessed where files do not say them.
+#[derive(Debug, Default, TypePath)]
+pub struct HairGroomLoader;
+
+/// Why a groom could not be loaded.
+#[derive(Debug)]
+struct Unreadable(String);
+
+impl std::fmt::Display for Unreadable {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Unreadable {}
+
+impl AssetLoader for HairGroomLoader {
+    type Asset = HairGroom;
+    type Settings = HairGroomSettings;
+    type Error = BevyError;
+
+    async fn load(
+        &self,
+        reader: &mut dyn Reader,
+        settings: &HairGroomSettings,
+        context: &mut LoadContext<'_>,
+    ) -> Result<HairGroom> {
+        let mut bytes = Vec::new();
+        reader.read_to_end(&mut bytes).await?;
+        let path = context.path().clone();
+        let mut files: Vec<Given<'_>> = vec![(path.path().to_path_buf(), Cow::Owned(bytes))];
+        for name in &settings.beside {
+            let beside: AssetPath<'static> = path.resolve_embed_str(name)?;
+            let bytes = context.read_asset_bytes(beside.clone()).await;
+            let bytes = bytes.map_err(|error| Unreadable(format!("{path} needs {name}: {error}")))?;
+            files.push((PathBuf::from(beside.path()), Cow::Owned(bytes)));
+        }
+        let (strands, mesh, report) = import::read_given(&files, &Default::default())?;
+        for note in report.files.iter().flat_map(|file| &file.notes) {
+            info!("{path}: {note}");
+        }
+        let head = mesh.as_ref().map(|mesh| sdf::build(mesh, &Default::default())).transpose()?;
+        let guides = settings.guides.map_or(BindOptions::default().guides, GuideCount::Count);
+        let options = BindOptions { guides, ..Default::default() };
+        let groom = match settings.strands {
+            Some(count) => {
+                let on = Head { mesh: mesh.as_ref(), field: head.as_ref() };
+                bind_filled(&fill(&strands, on, &Fill { strands: count, ..Default::default() })?, &options)?
+            }
+            None => bind(&strands, &options)?,
+        };
+        Ok(HairGroom {
+            groom: Arc::new(groom),
+            head: head.map(Arc::new),
+            mesh: mesh.map(Arc::new),
+            options: HairOptions::default(),
+        })
+    }
+
+    fn extensions(&self) -> &[&str] {
+        formats::GROOMS
+    }
+}

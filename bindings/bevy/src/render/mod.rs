@@ -1,0 +1,31 @@
+//! Hair in the render world.
+//!
+//! ```text
+//! Render       prepare: grooms come to the GPU, on a task each
+//! RenderGraph  simulate: all hair moves, once per frame
+//! Core3d       draw: hair into this camera's colour, by its depth
+//! ```
+
+mod draw;
+mod prepare;
+mod simulate;
+
+pub(crate) use draw::{DefaultView, Eyes, draw, read_depth};
+pub(crate) use prepare::{Wardrobe, prepare};
+pub(crate) use simulate::simulate;
+
+use bevy::log::error;
+use std::collections::BTreeSet;
+
+/// Says what went wrong, each thing once: what fails in one frame fails in the next.
+#[derive(Debug, Default)]
+pub(crate) struct Complaints(BTreeSet<String>);
+
+impl Complaints {
+    pub fn say(&mut self, what: String) {
+        if !self.0.contains(&what) {
+            error!("{what}");
+            self.0.insert(what);
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! Hair moves, once per frame.
+
+use super::{Complaints, Wardrobe, prepare::Worn};
+use crate::extract::{Eye, Scene, SceneHair};
+use bevy::{
+    prelude::*,
+    render::{
+        camera::ExtractedCamera,
+        renderer::{RenderContext, RenderDevice, RenderQueue},
+        sync_world::MainEntity,
+        view::ExtractedView,
+    },
+};
+use tresses::{
+    Camera, Result,
+    collide::{Collider, ColliderPoses},
+    frame::{Frame, Recorder},
+    wgpu,
+};
+
+/// A camera of Bevy's: its depth runs from 1 to 0 as well.
+pub(crate) fn camera(view: &ExtractedView) -> Camera {
+    Camera {
+        view: view.world_from_view.to_matrix().inverse(),
+        projection: view.clip_from_view,
+        size: [view.viewport.z, view.viewport.w],
+    }
+}
+
+/// Moves all hair by a frame, and so finely as the nearest camera sees it.
+pub(crate) fn simulate(
+    scene: Res<Scene>,
+    mut wardrobe: ResMut<Wardrobe>,
+    (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
+    views: Query<(MainEntity, &ExtractedView), With<ExtractedCamera>>,
+    mut complaints: Local<Complaints>,
+    mut context: RenderContext,
+) {
+    let Some(pipelines) = wardrobe.pipelines() else { return };
+    let eyes: Vec<_> = views
+        .iter()
+        .filter_map(|(entity, view)| Some((camera(view), scene.cameras.get(&entity.entity())?)))
+        .collect();
+    let device = device.wgpu_device();
+    for hair in &scene.hair {
+        let Some(worn) = wardrobe.worn_mut(hair.entity) else { continue };
+        if !hair.visible {
+            // It is at rest when it is shown again, wherever that is.
+            worn.hair.reset();
+            worn.moves = false;
+            continue;
+        }
+        let mut encoder =
+            device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("hair") });
+        let recorder =
+            Recorder { pipelines: &pipelines, device, queue: &queue, encoder: &mut encoder, timings: None };
+        match worn.advance(recorder, hair, &scene, &eyes) {
+            Ok(()) => {
+                worn.moves = true;
+                context.add_command_buffer(encoder.finish());
+            }
+            Err(error) => {
+                worn.moves = false;
+                complaints.say(format!("hair of entity {} cannot move: {error}", hair.entity));
+            }
+        }
+    }
+}
+
+impl Worn {
+    fn advance(
+        &mut self,
+        mut recorder: Recorder<'_>,
+        hair: &SceneHair,
+        scene: &Scene,
+        eyes: &[(Camera, &Eye)],
+    ) -> Result<()> {
+        let Recorder { device, queue, .. } = recorder;
+        self.push_against(device, queue, scene)?;
+        hair.detail.check()?;
+        self.hair.set.material = hair.material;
+        self.hair.lod.options = hair.detail;
+        if let Some(body) = &mut self.body {
+            body.pose = hair.pose;
+        }
+        let seen = eyes.iter().filter(|(_, eye)| eye.layers.intersects(&hair.layers));
+        let large = seen.map(|(camera, _)| (self.hair.lod.seen(camera, &hair.pose).size, camera));
+        if let Some((_, camera)) = large.max_by(|(a, _), (b, _)| a.total_cmp(b)) {
+            self.hair.look_from(device, queue, camera, &hair.pose);
+        }
+        let poses = scene.colliders.iter().map(|(_, _, pose)| *pose).collect();
+        let colliders = ColliderPoses { head: None, colliders: poses };
+        let frame = Frame {
+            dt: scene.dt,
+            head: hair.pose,
+            colliders: &colliders,
+            simulation: &hair.physics,
+            ..Default::default()
+        };
+        recorder.advance(&mut self.hair, &frame)
+    }
+
+    /// Makes the scene's colliders those of the hair.
+    fn push_against(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene) -> Result<()> {
+        let now = |(entity, collider, _): &(Entity, Collider, _)| (*entity, *collider);
+        let wanted: Vec<_> = scene.colliders.iter().map(now).collect();
+        if wanted == self.colliders {
+            return Ok(());
+        }
+        // Who keeps its place goes on from where it is. Others are not to fly over from the place of one that is gone.
+        let kept = wanted.iter().zip(&self.colliders).take_while(|(new, old)| new.0 == old.0).count();
+        let all: Vec<_> = wanted.iter().map(|(_, collider)| *collider).collect();
+        self.hair.set_colliders(device, queue, &all[..kept])?;
+        self.hair.set_colliders(device, queue, &all)?;
+        self.colliders = wanted;
+        Ok(())
+    }
+}

@@ -1,0 +1,200 @@
+//! A Bevy app without a window, and pictures of what its cameras see.
+
+use bevy::{
+    app::PluginsState,
+    camera::RenderTarget,
+    log::LogPlugin,
+    prelude::*,
+    render::{
+        RenderApp, RenderPlugin,
+        pipelined_rendering::PipelinedRenderingPlugin,
+        render_asset::RenderAssets,
+        render_resource::{TextureFormat, TextureUsages},
+        renderer::{RenderDevice, RenderQueue},
+        texture::GpuImage,
+    },
+    time::TimeUpdateStrategy,
+    window::ExitCondition,
+    winit::WinitPlugin,
+};
+use bevy_tresses::{
+    HairGroom, HairReady, TressesPlugin,
+    groom::{Strands, TriMesh},
+};
+use std::time::Duration;
+use tresses::gpu::readback;
+
+/// Width and height of pictures.
+pub const SIZE: [u32; 2] = [128, 96];
+/// Radius of the head, metres.
+pub const HEAD: f32 = 0.08;
+
+/// An app that reads assets from `assets`; each update is a sixtieth of a second.
+pub fn app(assets: &str) -> App {
+    let mut app = App::new();
+    let window =
+        WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..Default::default() };
+    let files = AssetPlugin { file_path: assets.into(), ..Default::default() };
+    // Frame by frame, so that a picture is that of the update before.
+    let plugins = DefaultPlugins
+        .build()
+        .set(window)
+        .set(files)
+        .disable::<WinitPlugin>()
+        .disable::<LogPlugin>()
+        .disable::<PipelinedRenderingPlugin>()
+        .set(RenderPlugin { synchronous_pipeline_compilation: true, ..Default::default() });
+    app.add_plugins((plugins, TressesPlugin::default()))
+        .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_micros(16_667)))
+        .insert_resource(ClearColor(Color::BLACK));
+    while app.plugins_state() == PluginsState::Adding {
+        bevy::tasks::tick_global_task_pools_on_main_thread();
+    }
+    app.finish();
+    app.cleanup();
+    app
+}
+
+/// Straight strands of a fan to the right (+X) of a ball, in the plane that a camera on +Z looks at.
+pub fn fan(count: usize) -> Strands {
+    let mut strands = Strands::default();
+    for i in 0..count {
+        let share = i as f32 / count as f32;
+        let angle = (share - 0.5) * 1.6;
+        // Some depth, so that there is hair before and behind the middle.
+        let aside = 0.02 * ((i * 7 % 11) as f32 / 5.0 - 1.0);
+        let way = Vec3::new(angle.cos(), angle.sin(), aside / HEAD).normalize();
+        strands.push(&(0..12).map(|j| way * (HEAD + 0.1 * j as f32 / 11.0)).collect::<Vec<_>>());
+    }
+    strands
+}
+
+/// The fan as a groom, on a ball.
+pub fn groom() -> HairGroom {
+    let ball = Sphere::new(HEAD).mesh().uv(24, 16);
+    let vectors = |attribute| match ball.attribute(attribute) {
+        Some(bevy::mesh::VertexAttributeValues::Float32x3(all)) => {
+            all.iter().map(|v| Vec3::from_array(*v)).collect()
+        }
+        other => panic!("{other:?}"),
+    };
+    let indices: Vec<_> = ball.indices().expect("a ball has triangles").iter().map(|i| i as u32).collect();
+    let head = TriMesh {
+        positions: vectors(Mesh::ATTRIBUTE_POSITION),
+        normals: vectors(Mesh::ATTRIBUTE_NORMAL),
+        colors: Vec::new(),
+        triangles: indices.as_chunks::<3>().0.to_vec(),
+    };
+    let hair = HairGroom::from_strands(&fan(1500), &Default::default()).expect("strands are sound");
+    hair.with_head(head).expect("a ball is closed")
+}
+
+/// Adds an image for a camera to draw into.
+pub fn image(app: &mut App, [width, height]: [u32; 2]) -> Handle<Image> {
+    let mut image = Image::new_target_texture(width, height, TextureFormat::Rgba8UnormSrgb, None);
+    image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
+    app.world_mut().resource_mut::<Assets<Image>>().add(image)
+}
+
+/// A camera half a metre before the origin, and its image.
+pub fn camera(app: &mut App) -> (Entity, Handle<Image>) {
+    let image = image(app, SIZE);
+    let camera = (
+        Camera3d::default(),
+        Msaa::Off,
+        Transform::from_xyz(0.0, 0.0, 0.5).looking_at(Vec3::ZERO, Vec3::Y),
+        Projection::from(PerspectiveProjection { fov: 0.8, ..Default::default() }),
+        RenderTarget::from(image.clone()),
+    );
+    (app.world_mut().spawn(camera).id(), image)
+}
+
+/// A light from the front.
+pub fn light(app: &mut App) -> Entity {
+    let place = Transform::from_xyz(0.3, 0.5, 1.0).looking_at(Vec3::ZERO, Vec3::Y);
+    app.world_mut().spawn((DirectionalLight::default(), place)).id()
+}
+
+/// Updates until all hair is there.
+pub fn wait(app: &mut App) {
+    for _ in 0..2000 {
+        app.update();
+        let mut hair = app.world_mut().query::<&HairReady>();
+        if hair.iter(app.world()).all(HairReady::get) {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    panic!("hair does not come");
+}
+
+/// What is in an image after `frames` more frames.
+pub fn after(app: &mut App, frames: usize, image: &Handle<Image>) -> Picture {
+    for _ in 0..frames {
+        app.update();
+    }
+    let world = app.sub_app(RenderApp).world();
+    let images = world.resource::<RenderAssets<GpuImage>>();
+    let texture = &images.get(image).expect("the image is on the GPU").texture;
+    let (device, queue) = (world.resource::<RenderDevice>(), world.resource::<RenderQueue>());
+    let bytes =
+        readback::blocking::texture(device.wgpu_device(), queue, texture).expect("the device is there");
+    Picture { width: texture.width(), pixels: bytes.as_chunks::<4>().0.to_vec() }
+}
+
+/// A picture, row by row from above.
+#[derive(Clone)]
+pub struct Picture {
+    pub width: u32,
+    pub pixels: Vec<[u8; 4]>,
+}
+
+impl Picture {
+    /// Where it differs from `other` by more than rounding.
+    pub fn changed(&self, other: &Self) -> Vec<[u32; 2]> {
+        assert_eq!(self.pixels.len(), other.pixels.len());
+        let differ = |(a, b): (&[u8; 4], &[u8; 4])| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 3);
+        let all = self.pixels.iter().zip(&other.pixels).enumerate();
+        let width = self.width;
+        all.filter(|(_, pair)| differ(*pair)).map(|(i, _)| [i as u32 % width, i as u32 / width]).collect()
+    }
+
+    /// Whether it is `other`, up to rounding.
+    pub fn is(&self, other: &Self) -> bool {
+        self.changed(other).is_empty()
+    }
+
+    /// The mean of all channels of some pixels, 0 to 255.
+    pub fn brightness(&self, of: &[[u32; 2]]) -> f32 {
+        let value = |[x, y]: &[u32; 2]| {
+            let [r, g, b, _] = self.pixels[(y * self.width + x) as usize].map(f32::from);
+            (r + g + b) / 3.0
+        };
+        of.iter().map(value).sum::<f32>() / of.len().max(1) as f32
+    }
+
+    /// Writes it to a file beside the test's other results, to be looked at.
+    pub fn keep(&self, name: &str) {
+        let Some(folder) = std::env::var_os("TRESSES_PICTURES") else { return };
+        let size = bevy::render::render_resource::Extent3d {
+            width: self.width,
+            height: self.pixels.len() as u32 / self.width,
+            depth_or_array_layers: 1,
+        };
+        let image = Image::new(
+            size,
+            bevy::render::render_resource::TextureDimension::D2,
+            self.pixels.as_flattened().to_vec(),
+            TextureFormat::Rgba8UnormSrgb,
+            Default::default(),
+        );
+        let path = std::path::Path::new(&folder).join(format!("{name}.png"));
+        image.try_into_dynamic().expect("it is a picture").to_rgb8().save(path).expect("the folder is there");
+    }
+}
+
+/// The mean place of pixels.
+pub fn middle(pixels: &[[u32; 2]]) -> Vec2 {
+    let sum: Vec2 = pixels.iter().map(|[x, y]| Vec2::new(*x as f32, *y as f32)).sum();
+    sum / pixels.len().max(1) as f32
+}

@@ -1,0 +1,6 @@
+//! Apps with Bevy's renderer and no window: what their cameras see of hair. One binary, as linking Bevy takes a while.
+
+mod common;
+mod files;
+mod motion;
+mod scene;

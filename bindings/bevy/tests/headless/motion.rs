@@ -1,0 +1,78 @@
+//! Hair goes with its entity, and what pushes it moves it.
+
+use crate::common::{Picture, after, app, camera, groom, light, middle, wait};
+use bevy::prelude::*;
+use bevy_tresses::{GlobalHairWind, Hair3d, HairCollider, HairGroom, HairMaterial3d};
+use tresses::{light::HairMaterial, wind::Wind};
+
+/// Where hair is.
+fn seen(app: &mut App, frames: usize, image: &Handle<Image>, bare: &Picture) -> Vec<[u32; 2]> {
+    after(app, frames, image).changed(bare)
+}
+
+#[test]
+fn hair_goes_with_joints_and_gives_way() {
+    let mut app = app("assets");
+    let light = light(&mut app);
+    let (_, image) = camera(&mut app);
+    let bare = after(&mut app, 3, &image);
+    let groom = app.world_mut().resource_mut::<Assets<HairGroom>>().add(groom());
+    // A joint turns the head, whose hair is its child.
+    let joint = app.world_mut().spawn((Transform::default(), Visibility::default())).id();
+    let hair = app.world_mut().spawn((Hair3d(groom), ChildOf(joint))).id();
+    wait(&mut app);
+    let rest = seen(&mut app, 4, &image, &bare);
+    assert!(rest.len() > 400, "{} pixels of hair", rest.len());
+
+    // A rod along the view comes from below and lifts it.
+    let at = |y: f32| {
+        Transform::from_xyz(0.13, y, 0.0).with_rotation(Quat::from_rotation_x(std::f32::consts::FRAC_PI_2))
+    };
+    let rod = HairCollider::from(Capsule3d::new(0.03, 0.4));
+    let rod = app.world_mut().spawn((rod, at(-0.2))).id();
+    for step in 0..24 {
+        app.world_mut().entity_mut(rod).insert(at(-0.2 + 0.008 * step as f32));
+        app.update();
+    }
+    let lifted = seen(&mut app, 1, &image, &bare);
+    assert!(
+        middle(&rest).y - middle(&lifted).y > 2.0,
+        "lifted from {} to {}",
+        middle(&rest),
+        middle(&lifted)
+    );
+    app.world_mut().despawn(rod);
+    let fallen = seen(&mut app, 60, &image, &bare);
+    assert!((middle(&rest) - middle(&fallen)).length() < 2.0, "{} {}", middle(&rest), middle(&fallen));
+
+    // Wind from the right blows it back and up.
+    app.world_mut().resource_mut::<GlobalHairWind>().0 = Wind::new(Vec3::new(-12.0, 6.0, 0.0));
+    let blown = seen(&mut app, 25, &image, &bare);
+    assert!((middle(&rest) - middle(&blown)).length() > 2.0, "{} {}", middle(&rest), middle(&blown));
+    app.world_mut().resource_mut::<GlobalHairWind>().0 = Wind::default();
+
+    // The joint turns by half a turn, in a second: what was on the right is on the left, then hangs as before.
+    for step in 1..=60 {
+        let turn = Quat::from_rotation_y(std::f32::consts::PI * step as f32 / 60.0);
+        app.world_mut().entity_mut(joint).insert(Transform::from_rotation(turn));
+        app.update();
+    }
+    let turned = seen(&mut app, 60, &image, &bare);
+    let mirrored = Vec2::new(127.0 - middle(&rest).x, middle(&rest).y);
+    assert!((middle(&turned) - mirrored).length() < 3.0, "{} {mirrored}", middle(&turned));
+    assert!((middle(&rest) - mirrored).length() > 20.0, "the comparer sees no difference");
+
+    // It is lit by the scene's lights, and as its material says.
+    let brightness = |app: &mut App| after(app, 2, &image).brightness(&turned);
+    let brown = brightness(&mut app);
+    app.world_mut().entity_mut(hair).insert(HairMaterial3d(HairMaterial::blond()));
+    let blond = brightness(&mut app);
+    app.world_mut().entity_mut(light).insert(Visibility::Hidden);
+    let dark = brightness(&mut app);
+    app.world_mut().spawn((
+        PointLight { intensity: 200_000.0, ..Default::default() },
+        Transform::from_xyz(0.0, 0.5, 1.0),
+    ));
+    let lamp = brightness(&mut app);
+    assert!(blond > 1.5 * brown && dark < 0.5 * blond && lamp > 2.0 * dark, "{brown} {blond} {dark} {lamp}");
+}
