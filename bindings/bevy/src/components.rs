@@ -11,7 +11,8 @@ use std::sync::{
     atomic::{AtomicBool, Ordering},
 };
 use tresses::{
-    collide::{Collider, Shape},
+    collide::{Collider, FieldId, Shape},
+    groom::{SdfGrid, TriMesh, mesh::sdf},
     light::HairMaterial,
     lod::LodOptions,
     simulate::SimulationParams,
@@ -87,7 +88,7 @@ pub struct HairView(pub ViewOptions);
 pub struct NoHair;
 
 /// The form of a [`HairCollider`], in its entity's space, metres. The entity's scale is left out.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum ColliderShape {
     /// A ball.
     Sphere {
@@ -106,12 +107,14 @@ pub enum ColliderShape {
         /// Half axes along the entity's X, Y and Z axes.
         radii: Vec3,
     },
+    /// What a distance field has inside. Hair is made anew, at rest, when another field comes or one goes.
+    Field(Arc<SdfGrid>),
 }
 
 /// An obstacle for all hair, where its entity is: a hand, a shoulder, a ball. At most 127 of them.
 ///
 /// The head of a groom needs none, it has its distance field ([`HairGroom::head`]).
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Clone, Debug)]
 #[require(Transform)]
 pub struct HairCollider {
     /// Its form.
@@ -122,22 +125,38 @@ pub struct HairCollider {
 
 impl HairCollider {
     /// One of this form, with the friction that the hair has.
-    pub const fn new(shape: ColliderShape) -> Self {
+    pub fn new(shape: ColliderShape) -> Self {
         Self { shape, friction: 1.0 }
     }
 
     /// A ball of `radius` metres.
-    pub const fn sphere(radius: f32) -> Self {
+    pub fn sphere(radius: f32) -> Self {
         Self::new(ColliderShape::Sphere { radius })
     }
 
-    pub(crate) fn collider(&self) -> Collider {
-        let shape = match self.shape {
-            ColliderShape::Sphere { radius } => Shape::sphere(radius),
-            ColliderShape::Capsule { half_length, radius } => Shape::Capsule { half_length, radius },
-            ColliderShape::Ellipsoid { radii } => Shape::Ellipsoid { radii },
+    /// What `mesh` encloses, in the entity's space ([`tri_mesh`](crate::tri_mesh) makes one of Bevy's). To compute its
+    /// field takes a while: clones of one share it.
+    ///
+    /// # Errors
+    /// As [`sdf::build`].
+    pub fn mesh(mesh: &TriMesh) -> tresses::groom::Result<Self> {
+        Ok(Self::new(ColliderShape::Field(Arc::new(sdf::build(mesh, &Default::default())?))))
+    }
+
+    /// For hair that knows these fields; nothing where its own is not among them.
+    pub(crate) fn collider(&self, fields: &[Arc<SdfGrid>]) -> Option<Collider> {
+        let shape = match &self.shape {
+            ColliderShape::Sphere { radius } => Shape::sphere(*radius),
+            ColliderShape::Capsule { half_length, radius } => {
+                Shape::Capsule { half_length: *half_length, radius: *radius }
+            }
+            ColliderShape::Ellipsoid { radii } => Shape::Ellipsoid { radii: *radii },
+            ColliderShape::Field(field) => {
+                let place = fields.iter().position(|other| Arc::ptr_eq(field, other))?;
+                Shape::Field(FieldId(place as u32))
+            }
         };
-        Collider { friction: self.friction, ..Collider::new(shape) }
+        Some(Collider { friction: self.friction, ..Collider::new(shape) })
     }
 }
 

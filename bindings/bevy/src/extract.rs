@@ -1,8 +1,8 @@
 //! What of the main world the next frame of hair needs.
 
 use crate::{
-    GlobalHairWind, Hair3d, HairCollider, HairDetail, HairGroom, HairMaterial3d, HairPhysics, HairReady,
-    HairView, HairWind, NoHair,
+    ColliderShape, GlobalHairWind, Hair3d, HairCollider, HairDetail, HairGroom, HairMaterial3d, HairPhysics,
+    HairReady, HairView, HairWind, NoHair,
     lights::{SceneLight, rgb},
 };
 use bevy::{
@@ -11,8 +11,7 @@ use bevy::{
 };
 use std::sync::{Arc, atomic::AtomicBool};
 use tresses::{
-    Pose, collide::Collider, light::HairMaterial, lod::LodOptions, simulate::SimulationParams,
-    view::ViewOptions,
+    Pose, groom::SdfGrid, light::HairMaterial, lod::LodOptions, simulate::SimulationParams, view::ViewOptions,
 };
 
 /// All of it.
@@ -23,7 +22,9 @@ pub(crate) struct Scene {
     /// By the order of entities, so that a frame does not depend on that of Bevy's storage.
     pub hair: Vec<SceneHair>,
     /// By the order of entities.
-    pub colliders: Vec<(Entity, Collider, Pose)>,
+    pub colliders: Vec<(Entity, HairCollider, Pose)>,
+    /// Those of the colliders, each once.
+    pub fields: Vec<Arc<SdfGrid>>,
     pub lights: Vec<SceneLight>,
     pub cameras: EntityHashMap<Eye>,
 }
@@ -101,9 +102,18 @@ pub(crate) fn extract_hair(
     }
     scene.hair.sort_by_key(|hair| hair.entity);
     scene.colliders.clear();
-    let placed = colliders.iter().map(|(entity, collider, place)| (entity, collider.collider(), pose(place)));
+    let placed = colliders.iter().map(|(entity, collider, place)| (entity, collider.clone(), pose(place)));
     scene.colliders.extend(placed);
     scene.colliders.sort_by_key(|(entity, ..)| *entity);
+    let Scene { colliders, fields, .. } = &mut *scene;
+    fields.clear();
+    for (_, collider, _) in colliders {
+        if let ColliderShape::Field(field) = &collider.shape
+            && !fields.iter().any(|other| Arc::ptr_eq(field, other))
+        {
+            fields.push(field.clone());
+        }
+    }
 }
 
 /// Lights and eyes.

@@ -1,9 +1,7 @@
 //! Grooms as assets.
 
+use crate::meshes;
 use bevy::{
-    asset::RenderAssetUsages,
-    color::{ColorToComponents, LinearRgba},
-    mesh::{Indices, PrimitiveTopology},
     prelude::*,
     render::renderer::{RenderDevice, RenderQueue},
 };
@@ -44,7 +42,8 @@ impl HairGroom {
         bind(strands, options).map(Self::new)
     }
 
-    /// The same hair on `head`, a closed mesh in the groom's space, which it collides with.
+    /// The same hair on `head`, a closed mesh in the groom's space, which it collides with ([`tri_mesh`](crate::tri_mesh) makes
+    /// one of Bevy's).
     ///
     /// # Errors
     /// As [`sdf::build`].
@@ -78,17 +77,7 @@ impl HairGroom {
 
     /// The mesh of what it grows on, for Bevy to draw.
     pub fn head_mesh(&self) -> Option<Mesh> {
-        let TriMesh { positions, normals, colors, triangles } = &**self.mesh.as_ref()?;
-        let all = |vectors: &[Vec3]| vectors.iter().map(Vec3::to_array).collect::<Vec<_>>();
-        let mut mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-            .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, all(positions))
-            .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, all(normals))
-            .with_inserted_indices(Indices::U32(triangles.as_flattened().to_vec()));
-        if !colors.is_empty() {
-            let linear = |color: &Vec3| LinearRgba::from_vec3(*color).to_f32_array();
-            mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, colors.iter().map(linear).collect::<Vec<_>>());
-        }
-        Some(mesh)
+        self.mesh.as_deref().map(meshes::mesh)
     }
 
     /// Whether it is the same as `other`, in the same memory.

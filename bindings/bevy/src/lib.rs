@@ -31,6 +31,7 @@ mod extract;
 mod groom_asset;
 mod lights;
 mod loader;
+mod meshes;
 mod plugin;
 mod render;
 
@@ -40,5 +41,6 @@ pub use components::{
 };
 pub use groom_asset::HairGroom;
 pub use loader::{HairGroomLoader, HairGroomSettings};
+pub use meshes::tri_mesh;
 pub use plugin::TressesPlugin;
 pub use tresses::{self, groom};

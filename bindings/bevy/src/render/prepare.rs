@@ -2,7 +2,7 @@
 
 use super::Complaints;
 use crate::{
-    HairGroom,
+    HairCollider, HairGroom,
     extract::{Scene, SceneHair},
 };
 use bevy::{
@@ -13,9 +13,10 @@ use bevy::{
 };
 use std::sync::{Arc, atomic::Ordering};
 use tresses::{
-    Hair, HairOptions, Pipelines, Result,
+    Hair, HairOptions, Pipelines, Pose, Result,
     body::Body,
-    collide::{Collider, ColliderDescriptor},
+    collide::{Collider, ColliderDescriptor, FieldSource},
+    groom::SdfGrid,
     simulate::SimulationParams,
     wgpu,
 };
@@ -42,11 +43,14 @@ struct Made {
     groom: HairGroom,
     /// Those of the rest shape.
     physics: SimulationParams,
+    /// Those of the colliders that it can have.
+    fields: Vec<Arc<SdfGrid>>,
 }
 
 impl Made {
-    fn is(&self, groom: &HairGroom) -> bool {
-        self.groom.is(groom)
+    fn is(&self, groom: &HairGroom, fields: &[Arc<SdfGrid>]) -> bool {
+        let same = |(a, b): (&Arc<SdfGrid>, _)| Arc::ptr_eq(a, b);
+        self.groom.is(groom) && self.fields.len() == fields.len() && self.fields.iter().zip(fields).all(same)
     }
 }
 
@@ -103,8 +107,8 @@ pub(crate) fn prepare(
         let Some(groom) = &hair.groom else { continue };
         let place = places.entry(hair.entity).or_default();
         place.take(complaints);
-        if !place.has(groom) {
-            let made = Made { groom: groom.clone(), physics: hair.physics };
+        if !place.has(groom, &scene.fields) {
+            let made = Made { groom: groom.clone(), physics: hair.physics, fields: scene.fields.clone() };
             let gpu = (device.wgpu_device(), &**queue, &*pipelines);
             // Heads with the same groom share what does not change.
             if let Some(result) = twin(places, &made, gpu) {
@@ -115,7 +119,7 @@ pub(crate) fn prepare(
             }
         }
         let worn = places.get(&hair.entity).and_then(|place| place.worn.as_ref());
-        hair.ready.store(worn.is_some_and(|worn| worn.made_for.is(groom)), Ordering::Relaxed);
+        hair.ready.store(worn.is_some_and(|worn| worn.made_for.is(groom, &scene.fields)), Ordering::Relaxed);
     }
 }
 
@@ -133,10 +137,21 @@ fn twin(
     Some(hair.map(|hair| (hair, worn.body.as_ref().map(|body| body.another(device)))))
 }
 
+impl Worn {
+    /// The colliders of the scene that it can have. While another field is on its way into hair that is being made, this
+    /// hair goes on without that.
+    pub fn pushed_by(&self, scene: &Scene) -> Vec<(Entity, Collider, Pose)> {
+        let known = |(entity, collider, pose): &(Entity, HairCollider, Pose)| {
+            Some((*entity, collider.collider(&self.made_for.fields)?, *pose))
+        };
+        scene.colliders.iter().filter_map(known).collect()
+    }
+}
+
 impl Made {
     /// Whether hair for one is hair for the other.
     fn is_twin(&self, other: &Self) -> bool {
-        self.groom.is(&other.groom) && rest(&self.physics) == rest(&other.physics)
+        self.is(&other.groom, &other.fields) && rest(&self.physics) == rest(&other.physics)
     }
 }
 
@@ -147,8 +162,8 @@ fn rest(physics: &SimulationParams) -> SimulationParams {
 
 impl Place {
     /// Whether this groom is worn, coming or known to be impossible.
-    fn has(&self, groom: &HairGroom) -> bool {
-        let is = |made: &Made| made.is(groom);
+    fn has(&self, groom: &HairGroom, fields: &[Arc<SdfGrid>]) -> bool {
+        let is = |made: &Made| made.is(groom, fields);
         match &self.coming {
             Some((coming, _)) => is(coming),
             None => {
@@ -190,10 +205,12 @@ impl Place {
 /// Makes hair, on a task: to measure its level of detail takes a while.
 fn make(made: &Made, (device, queue, pipelines): Gpu<'_>) -> Task<Result<Dressed>> {
     let (device, queue, pipelines) = (device.clone(), queue.clone(), pipelines.clone());
-    let Made { groom, physics } = made.clone();
+    let Made { groom, physics, fields } = made.clone();
     AsyncComputeTaskPool::get().spawn(async move {
         let options = HairOptions { simulation: physics, ..groom.options };
-        let colliders = ColliderDescriptor { head: groom.head.as_deref(), ..Default::default() };
+        let fields: Vec<_> = fields.iter().map(|field| FieldSource::Grid(field)).collect();
+        let colliders =
+            ColliderDescriptor { head: groom.head.as_deref(), fields: &fields, ..Default::default() };
         let hair =
             Hair::with_progress(&device, &queue, &pipelines, &groom.groom, &options, &colliders, &()).await?;
         let body = groom.mesh.as_ref().map(|mesh| Body::new(&device, mesh));

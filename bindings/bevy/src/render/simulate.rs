@@ -12,7 +12,7 @@ use bevy::{
     },
 };
 use tresses::{
-    Camera, Result,
+    Camera, Pose, Result,
     collide::{Collider, ColliderPoses},
     frame::{Frame, Recorder},
     wgpu,
@@ -76,7 +76,8 @@ impl Worn {
         eyes: &[(Camera, &Eye)],
     ) -> Result<()> {
         let Recorder { device, queue, .. } = recorder;
-        self.push_against(device, queue, scene)?;
+        let pushing = self.pushed_by(scene);
+        self.push_against(device, queue, &pushing)?;
         hair.detail.check()?;
         self.hair.set.material = hair.material;
         self.hair.lod.options = hair.detail;
@@ -88,7 +89,7 @@ impl Worn {
         if let Some((_, camera)) = large.max_by(|(a, _), (b, _)| a.total_cmp(b)) {
             self.hair.look_from(device, queue, camera, &hair.pose);
         }
-        let poses = scene.colliders.iter().map(|(_, _, pose)| *pose).collect();
+        let poses = pushing.iter().map(|(_, _, pose)| *pose).collect();
         let colliders = ColliderPoses { head: None, colliders: poses };
         let frame = Frame {
             dt: scene.dt,
@@ -100,10 +101,15 @@ impl Worn {
         recorder.advance(&mut self.hair, &frame)
     }
 
-    /// Makes the scene's colliders those of the hair.
-    fn push_against(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene) -> Result<()> {
+    /// Makes these its colliders.
+    fn push_against(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        pushing: &[(Entity, Collider, Pose)],
+    ) -> Result<()> {
         let now = |(entity, collider, _): &(Entity, Collider, _)| (*entity, *collider);
-        let wanted: Vec<_> = scene.colliders.iter().map(now).collect();
+        let wanted: Vec<_> = pushing.iter().map(now).collect();
         if wanted == self.colliders {
             return Ok(());
         }

@@ -17,10 +17,7 @@ use bevy::{
     window::ExitCondition,
     winit::WinitPlugin,
 };
-use bevy_tresses::{
-    HairGroom, HairReady, TressesPlugin,
-    groom::{Strands, TriMesh},
-};
+use bevy_tresses::{HairGroom, HairReady, TressesPlugin, groom::Strands, tri_mesh};
 use std::time::Duration;
 use tresses::gpu::readback;
 
@@ -71,20 +68,7 @@ pub fn fan(count: usize) -> Strands {
 
 /// The fan as a groom, on a ball.
 pub fn groom() -> HairGroom {
-    let ball = Sphere::new(HEAD).mesh().uv(24, 16);
-    let vectors = |attribute| match ball.attribute(attribute) {
-        Some(bevy::mesh::VertexAttributeValues::Float32x3(all)) => {
-            all.iter().map(|v| Vec3::from_array(*v)).collect()
-        }
-        other => panic!("{other:?}"),
-    };
-    let indices: Vec<_> = ball.indices().expect("a ball has triangles").iter().map(|i| i as u32).collect();
-    let head = TriMesh {
-        positions: vectors(Mesh::ATTRIBUTE_POSITION),
-        normals: vectors(Mesh::ATTRIBUTE_NORMAL),
-        colors: Vec::new(),
-        triangles: indices.as_chunks::<3>().0.to_vec(),
-    };
+    let head = tri_mesh(&Sphere::new(HEAD).mesh().uv(24, 16)).expect("a ball has triangles");
     let hair = HairGroom::from_strands(&fan(1500), &Default::default()).expect("strands are sound");
     hair.with_head(head).expect("a ball is closed")
 }

@@ -2,7 +2,7 @@
 
 use crate::common::{Picture, after, app, camera, groom, light, middle, wait};
 use bevy::prelude::*;
-use bevy_tresses::{GlobalHairWind, Hair3d, HairCollider, HairGroom, HairMaterial3d};
+use bevy_tresses::{GlobalHairWind, Hair3d, HairCollider, HairGroom, HairMaterial3d, tri_mesh};
 use tresses::{light::HairMaterial, wind::Wind};
 
 /// Where hair is.
@@ -44,6 +44,29 @@ fn hair_goes_with_joints_and_gives_way() {
     app.world_mut().despawn(rod);
     let fallen = seen(&mut app, 60, &image, &bare);
     assert!((middle(&rest) - middle(&fallen)).length() < 2.0, "{} {}", middle(&rest), middle(&fallen));
+
+    // So does a box: hair is made anew with its field, and then goes around it.
+    let beam: Mesh = Cuboid::new(0.06, 0.06, 0.5).into();
+    let beam = HairCollider::mesh(&tri_mesh(&beam).expect("a box has triangles")).expect("a box is closed");
+    let beam = app.world_mut().spawn((beam, Transform::from_xyz(0.13, -0.2, 0.0))).id();
+    app.update();
+    wait(&mut app);
+    for step in 0..24 {
+        app.world_mut().entity_mut(beam).insert(Transform::from_xyz(0.13, -0.2 + 0.008 * step as f32, 0.0));
+        app.update();
+    }
+    let lifted = seen(&mut app, 1, &image, &bare);
+    assert!(
+        middle(&rest).y - middle(&lifted).y > 2.0,
+        "lifted from {} to {}",
+        middle(&rest),
+        middle(&lifted)
+    );
+    app.world_mut().despawn(beam);
+    app.update();
+    wait(&mut app);
+    let again = seen(&mut app, 4, &image, &bare);
+    assert!((middle(&rest) - middle(&again)).length() < 1.0, "{} {}", middle(&rest), middle(&again));
 
     // Wind from the right blows it back and up.
     app.world_mut().resource_mut::<GlobalHairWind>().0 = Wind::new(Vec3::new(-12.0, 6.0, 0.0));
