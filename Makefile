@@ -23,7 +23,7 @@ ifeq ($(XDG_RUNTIME_DIR),)
 export NODEVICE_SELECT ?= 1
 endif
 
-.PHONY: help setup setup-tests demo test proof truth bench web web-serve python bevy clean
+.PHONY: help setup setup-tests demo test proof truth bench web web-serve python bevy release clean
 
 help: ## Show this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 14
@@ -72,6 +72,9 @@ python: setup ## Build the wheel for Python into dist/python/, install it in tar
 	$(PYTHON)/bin/pip install --quiet --force-reinstall --no-deps dist/python/*.whl
 	TRESSES_COMMAND=$(CURDIR)/target/debug/tresses TRESSES_WHEEL=$$(echo dist/python/*.whl) \
 		$(PYTHON)/bin/python -m pytest -q -p no:cacheprovider bindings/python/tests
+
+release: setup ## Pack the command for this machine into dist/
+	@scripts/release
 
 bevy: setup ## Check the plugin for Bevy and run its tests, without a window
 	cd bindings/bevy && $(CARGO) fmt --check && TRESSES_REQUIRE_GPU=1 $(LINTED) test
