@@ -53,6 +53,8 @@ fn absurd_options_are_refused() {
     refuses(&["render", "--debug", "push", "--hair-hair", "off"], "--hair-hair is off");
     refuses(&["render", "--debug", "wind"], "there is no wind");
     refuses(&["render", "--curl", "spirals"], "waves, ringlets, coils");
+    refuses(&["render", "--ties", "nowhere.json"], "nowhere.json");
+    refuses(&["completions", "tcsh"], "bash, elvish, fish");
     refuses(&["render", "--curl", "radius=800"], "from 0 to 100 mm");
     refuses(&["render", "--curl", "turns=9"], "wavelength");
     refuses(&["render", "--clump", "7"], "from 0 to 1");

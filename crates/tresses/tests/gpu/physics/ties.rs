@@ -309,3 +309,29 @@ fn ties_hold_from_the_first_frame_on() {
     assert!(pinned.slip < 0.5 && free.slip > 2.0, "{pinned:?} {free:?}");
     assert!(tied.widest < 1.3 && free.widest > 1.3, "{tied:?} {free:?}");
 }
+
+#[test]
+fn another_head_is_tied_as_the_first() {
+    let Some(gpu) = common::gpu() else { return };
+    let (device, queue, pipelines) = (&gpu.device, &gpu.queue, common::pipelines().unwrap());
+    let (groom, simulation) = (ponytail(), SimulationParams::default());
+    let ties = [band(BAND, BAND_RADIUS), Tie { held: Held::ToHead, ..band(Vec3::new(0.0, 0.08, -0.05), 0.025) }];
+    let mut hair = Hair::new(device, queue, pipelines, &groom, &HairOptions::default(), None).unwrap();
+    let report = hair.tie(device, queue, pipelines, &groom, &ties).unwrap();
+    assert!(report.rings == 1 && report.together > 100 && report.to_head > 10, "{report:?}");
+    let mut tied = hair.another(device, queue, pipelines, &[]).unwrap();
+    let mut free = hair.another(device, queue, pipelines, &[]).unwrap();
+    free.tie(device, queue, pipelines, &groom, &[]).unwrap();
+    let run = |hair: &mut Hair| -> Vec<[u32; 4]> {
+        for i in 0..12 {
+            let head = Pose { rotation: Quat::from_rotation_y(i as f32 * 0.06), ..Pose::IDENTITY };
+            let (poses, dt) = (ColliderPoses::default(), if i == 0 { 0.0 } else { 1.0 / 60.0 });
+            let frame = Frame { dt, head, colliders: &poses, simulation: &simulation, ..Default::default() };
+            common::submit(|recorder| recorder.simulate(hair, &frame));
+        }
+        readback::buffer(device, queue, &hair.guides.current).unwrap()
+    };
+    let [first, second, third] = [&mut hair, &mut tied, &mut free].map(run);
+    assert!(first == second, "the other head moves otherwise");
+    assert!(first != third, "without ties it moves otherwise");
+}
