@@ -315,7 +315,8 @@ fn another_head_is_tied_as_the_first() {
     let Some(gpu) = common::gpu() else { return };
     let (device, queue, pipelines) = (&gpu.device, &gpu.queue, common::pipelines().unwrap());
     let (groom, simulation) = (ponytail(), SimulationParams::default());
-    let ties = [band(BAND, BAND_RADIUS), Tie { held: Held::ToHead, ..band(Vec3::new(0.0, 0.08, -0.05), 0.025) }];
+    let ties =
+        [band(BAND, BAND_RADIUS), Tie { held: Held::ToHead, ..band(Vec3::new(0.0, 0.08, -0.05), 0.025) }];
     let mut hair = Hair::new(device, queue, pipelines, &groom, &HairOptions::default(), None).unwrap();
     let report = hair.tie(device, queue, pipelines, &groom, &ties).unwrap();
     assert!(report.rings == 1 && report.together > 100 && report.to_head > 10, "{report:?}");
