@@ -29,7 +29,7 @@ impl Hair {
         self.simulation.tie(device, queue, &pipelines.simulate, &self.guides, &groom.guides, ties)
     }
 
-    /// Grabs the lock that `ray` (from the eye through the cursor, in the camera's space: [`Camera::ray`]) meets
+    /// Grabs the lock that `ray` (from the eye through the cursor, in the camera's space: [`crate::Camera::ray`]) meets
     /// first: all of the hair that follows guide vertices within `radius` metres of there, or the nearest one. It
     /// holds it until [`release`](Self::release), until the head jumps or until the hair is
     /// [reset](Self::reset); a ray that meets no hair, or the head before it, holds nothing. See

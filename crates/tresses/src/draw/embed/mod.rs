@@ -12,7 +12,7 @@
 //! counts: the nearest would leave an outline of what is behind the hair around whatever is in front of it. Hair by
 //! [`Coverage::Tiles`], whose depth is known, is then only as strong as the share of the samples that it is in front of:
 //! edges before it stay smooth.
-//!  The scene's depth is not written, but a scene that asks is told how far what is seen of hair is
+//! The scene's depth is not written, but a scene that asks is told how far what is seen of hair is
 //! in each pixel, how it moved and how opaque it is ([`Surroundings::geometry`]), for fog, depth of field and temporal
 //! antialiasing; transparent surfaces drawn later, in front of hair or behind it, blend as if there were no hair.
 //!
