@@ -41,7 +41,7 @@ use crate::{
     Error, Result,
     constants::{TIE_WORKGROUP, VOLUME_WORKGROUP},
     gpu::Binding,
-    groom::{Guides, range},
+    groom::{Guides, curve, range},
     range::Range,
     strands::{GuideBuffers, buffers::storage},
 };
@@ -200,7 +200,7 @@ impl Found {
             let mut rings = vec![Vec::<Member>::new(); tie.rings()];
             for guide in 0..count {
                 let strand = rest.guide(guide);
-                let length: f32 = strand.windows(2).map(|w| w[0].distance(w[1])).sum();
+                let length = curve::length(strand);
                 for (i, along) in tie.holds(strand) {
                     let vertex = i * count + guide;
                     if std::mem::replace(&mut held[vertex], true) {
@@ -213,13 +213,13 @@ impl Found {
                     rings[ring].push(Member { rests, mass, vertex, ..Member::zeroed() });
                 }
             }
-            let least = if tie.held == Held::Together { 2 } else { 1 };
+            let alone = tie.held == Held::ToHead;
             let several = |members: &Vec<Member>| {
                 members.iter().any(|m| m.vertex as usize % count != members[0].vertex as usize % count)
             };
-            rings.retain(|members| !members.is_empty() && (least == 1 || several(members)));
+            rings.retain(|members| !members.is_empty() && (alone || several(members)));
             if rings.is_empty() {
-                let what = if least == 1 { "no guide passes" } else { "fewer than two guides pass" };
+                let what = if alone { "no guide passes" } else { "fewer than two guides pass" };
                 let sentence = format!(
                     "tie {} holds nothing: {what} within {} mm of {} (groom space, metres)",
                     number + 1,
