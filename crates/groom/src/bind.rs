@@ -62,7 +62,7 @@ pub fn bind(strands: &Strands, options: &BindOptions) -> Result<Groom> {
     bind_any(strands, options, None)
 }
 
-/// The same for a groom that was [filled](crate::fill): guides are chosen among the given strands, and as many
+/// The same for a groom that was [filled](crate::fill()): guides are chosen among the given strands, and as many
 /// as for all of them; new strands follow the guides of their parents, one to three, and none that runs apart
 /// from them. [`GuideCount::All`] makes every given strand a guide.
 ///

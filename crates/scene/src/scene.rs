@@ -1,4 +1,4 @@
-//! A character on the GPU, ready to be animated and drawn; [`frames`] alone calls the library's frame.
+//! A character on the GPU, ready to be animated and drawn; `frames` alone calls the library's frame.
 
 mod frames;
 mod outputs;

@@ -181,7 +181,7 @@ impl Scene {
     }
 
     /// Whether the picture that has been submitted holds all of the hair, or is to be drawn again
-    /// ([`View::is_complete`]).
+    /// ([`tresses::View::is_complete`]).
     ///
     /// # Errors
     /// When the GPU is lost.

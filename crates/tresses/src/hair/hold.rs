@@ -12,8 +12,8 @@ impl Hair {
     /// `groom`, the one that the hair was made from, at rest. See [`crate::simulate::ties`].
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a tie that makes no sense, [`Error::Unusable`] for one that holds nothing, for more than
-    /// [`crate::simulate::ties::MAX_RINGS`] and for another groom; [`Error::Limit`].
+    /// [`Error::Parameter`] for a tie that makes no sense, [`crate::groom::Error::Unusable`] for one that holds nothing,
+    /// for more than [`crate::simulate::ties::MAX_RINGS`] and for another groom; [`Error::Limit`].
     pub fn tie(
         &mut self,
         device: &wgpu::Device,

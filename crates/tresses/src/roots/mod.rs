@@ -145,8 +145,8 @@ impl Roots {
     /// and as `skin` has it in each frame. None may be farther from it than `reach` metres.
     ///
     /// # Errors
-    /// [`Error::Unusable`] for a root that is farther away, for a mesh without triangles and for buffers that are too
-    /// short for it; [`Error::Limit`].
+    /// [`crate::groom::Error::Unusable`] for a root that is farther away, for a mesh without triangles and for buffers
+    /// that are too short for it; [`Error::Limit`].
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn new(
         device: &wgpu::Device,

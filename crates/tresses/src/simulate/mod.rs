@@ -221,8 +221,8 @@ impl Simulation {
     /// From the next frame on `ties` hold the guides, which rest as `rest` says, instead of those that did; without any, none.
     ///
     /// # Errors
-    /// [`crate::Error::Parameter`] for a tie that makes no sense, [`crate::Error::Unusable`] for one that holds nothing
-    /// and for more than [`ties::MAX_RINGS`]; [`crate::Error::Limit`].
+    /// [`crate::Error::Parameter`] for a tie that makes no sense, [`crate::groom::Error::Unusable`] for one that holds
+    /// nothing and for more than [`ties::MAX_RINGS`]; [`crate::Error::Limit`].
     pub fn tie(
         &mut self,
         device: &wgpu::Device,

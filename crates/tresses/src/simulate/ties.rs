@@ -277,8 +277,8 @@ impl Ties {
     /// Of guides that rest as `rest` says; `step` are the uniforms of a step of its simulation.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a tie that makes no sense, [`Error::Unusable`] for one that holds nothing, and for more
-    /// than [`MAX_RINGS`]; [`Error::Limit`].
+    /// [`Error::Parameter`] for a tie that makes no sense, [`crate::groom::Error::Unusable`] for one that holds nothing,
+    /// and for more than [`MAX_RINGS`]; [`Error::Limit`].
     pub(crate) fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,

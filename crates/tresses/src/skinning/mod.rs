@@ -103,7 +103,7 @@ impl Skinning {
     /// Bends `body`, which was made of the mesh that `rig` belongs to.
     ///
     /// # Errors
-    /// [`Error::Unusable`] for another mesh's rig and for one that names joints that it does not have;
+    /// [`crate::groom::Error::Unusable`] for another mesh's rig and for one that names joints that it does not have;
     /// [`Error::Limit`].
     pub fn new(
         device: &wgpu::Device,
@@ -152,7 +152,7 @@ impl Skinning {
     /// same pose is not recorded twice.
     ///
     /// # Errors
-    /// [`Error::Unusable`] for another rig's pose.
+    /// [`crate::groom::Error::Unusable`] for another rig's pose.
     pub fn pose(&mut self, queue: &wgpu::Queue, pose: &RigPose, body: &mut Body) -> Result<()> {
         if pose.palette.len() != self.boxes.len() || pose.weights.len() != self.reaches.len() {
             return Err(Error::unusable("a pose is not one of the body's rig"));

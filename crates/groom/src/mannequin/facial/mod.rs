@@ -3,7 +3,7 @@
 //! Hair of the face lies where its skin has landmarks, not where a scalp's maps say: brows on their ridge, lashes where
 //! the lids meet, a beard below a line from the ears over the cheeks to the mouth. So each is grown by its own rules, and
 //! no guides are draped: what is millimetres long stands as it grows. Strands are bound to guides among them as those of a
-//! file are ([`crate::bind`]).
+//! file are ([`crate::bind()`]).
 //!
 //! As in the rest of the sculpture the unit inside is the millimetre. Every function is the same on each run; the two
 //! sides of the face differ as those of a person do.
