@@ -9,6 +9,7 @@ use tresses::{
     Pose,
     glam::{Quat, Vec3},
     simulate::{RestShape, SimulationParams},
+    wind::Wind,
 };
 
 /// A strand that bends in all directions.
@@ -236,4 +237,34 @@ fn spikes(lab: &'static Lab, fault: bool) -> Vec<Row> {
 fn long_frames_do_no_harm() {
     let Some(lab) = lab() else { return };
     judge("spikes", |fault| spikes(lab, fault));
+}
+
+/// `steps` of a head that is shaken and turned in a storm: the largest strain ever seen.
+fn storm(lab: &'static Lab, fault: bool, steps: usize) -> Vec<Row> {
+    let params = SimulationParams { wind: Wind::uniform(Vec3::new(24.0, 0.0, 18.0)), ..Default::default() };
+    let strands = strands(16).map(|line| line.iter().map(|p| *p * length_for(fault)).collect());
+    let mut e = Experiment::new(lab, &strands, &[], params, RestShape::SagFree, None);
+    let rest = self::strands(e.n);
+    // Whole numbers of steps: seconds in single precision get coarse within hours.
+    let turn = |i: usize, period: usize| (TAU * (i % period) as f32 / period as f32).sin();
+    let head = |i: usize| Pose {
+        translation: Vec3::new(0.1 * turn(i, 30), 0.02 * turn(i, 41), 0.0),
+        rotation: Quat::from_rotation_y(0.8 * turn(i, 67)),
+    };
+    let (every, mut strained) = (40, 0f32);
+    for i in (0..steps).step_by(every) {
+        e.steps(&(i..i + every).map(|i| step(head(i), head(i + 1))).collect::<Vec<_>>());
+        strained = strained.max(strain(&e.positions(), &rest));
+    }
+    let case = format!("{steps} steps shaken in wind of 30 m/s, largest strain");
+    vec![at_most(case, "%", 1.0, strained * 100.0)]
+}
+
+/// 4.6 hours of hair. A faulty step need not be watched for as long.
+#[test]
+#[ignore = "proof"]
+fn a_million_steps_in_a_storm_do_no_harm() {
+    let Some(lab) = lab() else { return };
+    let steps = |fault| if fault { 400 } else { 1_000_000 };
+    judge("soak", |fault| storm(lab, fault, steps(fault)));
 }

@@ -29,6 +29,12 @@ impl<'a> File<'a> {
         let unreadable = |problem: &dyn std::fmt::Display| {
             source.problem(At::File, format!("not a readable glTF file ({})", one_line(problem)))
         };
+        // The crate takes the header off a GLB's length without looking whether it is in it.
+        if let Some([b'g', b'l', b'T', b'F', _, _, _, _, length @ ..]) = source.bytes.first_chunk::<12>()
+            && u32::from_le_bytes(*length) < 12
+        {
+            return Err(unreadable(&"its length does not even hold the header"));
+        }
         let file = gltf::Gltf::from_slice_without_validation(source.bytes).map_err(|e| unreadable(&e))?;
         let root = file.document.into_json();
         check_what_the_crate_forgets(source, &root)?;

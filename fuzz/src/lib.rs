@@ -1,0 +1,168 @@
+//! Damaged files for the readers: whole ones to begin with, and what is done to them.
+
+use bolero::TypeGenerator;
+use tresses_groom::{
+    Strands, TriMesh,
+    error::Result,
+    export::{Format, encode, glb},
+    glam::{Vec2, Vec3},
+    import::{Given, ImportOptions, read_given, read_given_body},
+};
+
+/// What happens to a file. Places are shares of its length, so that one list of edits fits files of all lengths.
+#[derive(Clone, Debug, TypeGenerator)]
+pub enum Edit {
+    /// It ends here.
+    Cut(u16),
+    /// One byte is another.
+    Byte(u16, u8),
+    /// Four bytes, at a multiple of four, are one of the numbers that sizes overflow at.
+    Word(u16, Extreme),
+    /// Eight bytes, at a multiple of eight, are.
+    Long(u16, Extreme),
+    /// So many bytes are missing.
+    Remove(u16, u8),
+    /// So many bytes are there twice.
+    Repeat(u16, u8),
+    /// A number in a text is another.
+    Number(u16, Extreme),
+}
+
+/// Numbers at which readers have been seen to fail.
+#[derive(Clone, Copy, Debug, TypeGenerator)]
+pub enum Extreme {
+    /// None.
+    Zero,
+    /// One.
+    One,
+    /// The largest there is.
+    Most,
+    /// The largest that has a sign.
+    Signed,
+    /// The smallest that has one.
+    Negative,
+    /// As many as there could be of something of four bytes, and one.
+    Quarter,
+    /// Not a number, read as one of single precision.
+    Nan,
+    /// Any.
+    Any(u64),
+}
+
+impl Extreme {
+    fn of(self, bits: u32) -> u64 {
+        let most = u64::MAX >> (64 - bits);
+        most & match self {
+            Self::Zero => 0,
+            Self::One => 1,
+            Self::Most => most,
+            Self::Signed => most >> 1,
+            Self::Negative => (most >> 1) + 1,
+            Self::Quarter => (most >> 2) + 1,
+            Self::Nan if bits == 32 => u64::from(f32::NAN.to_bits()),
+            Self::Nan => f64::NAN.to_bits(),
+            Self::Any(value) => value,
+        }
+    }
+
+    fn text(self) -> String {
+        match self {
+            Self::Nan => "nan".into(),
+            Self::Negative => "-1".into(),
+            Self::Most => "1e39".into(),
+            other => other.of(64).to_string(),
+        }
+    }
+}
+
+/// `file` after `edits`.
+pub fn damaged(file: &[u8], edits: &[Edit]) -> Vec<u8> {
+    let mut bytes = file.to_vec();
+    for edit in edits {
+        let length = bytes.len();
+        let share = |place: u16, step: usize| length * usize::from(place) / 65536 / step * step;
+        match *edit {
+            Edit::Cut(at) => bytes.truncate(share(at, 1)),
+            Edit::Byte(at, value) => write(&mut bytes, share(at, 1), &[value]),
+            Edit::Word(at, value) => write(&mut bytes, share(at, 4), &value.of(32).to_le_bytes()[..4]),
+            Edit::Long(at, value) => write(&mut bytes, share(at, 8), &value.of(64).to_le_bytes()),
+            Edit::Remove(at, count) => {
+                let from = share(at, 1);
+                bytes.drain(from..bytes.len().min(from + usize::from(count)));
+            }
+            Edit::Repeat(at, count) => {
+                let from = share(at, 1);
+                let part = bytes[from..bytes.len().min(from + usize::from(count))].to_vec();
+                bytes.splice(from..from, part);
+            }
+            Edit::Number(at, value) => {
+                let digit = |b: &u8| b.is_ascii_digit() || b".-+eE".contains(b);
+                let from = share(at, 1);
+                let Some(skipped) = bytes[from..].iter().position(u8::is_ascii_digit) else { continue };
+                let from = from + skipped;
+                let count = bytes[from..].iter().take_while(|b| digit(b)).count();
+                bytes.splice(from..from + count, value.text().into_bytes());
+            }
+        }
+    }
+    bytes
+}
+
+fn write(bytes: &mut [u8], at: usize, value: &[u8]) {
+    for (byte, value) in bytes.iter_mut().skip(at).zip(value) {
+        *byte = *value;
+    }
+}
+
+/// A few strands with all that files can hold of them.
+pub fn strands() -> Strands {
+    let mut strands = Strands::default();
+    for strand in 0..6 {
+        let root = Vec3::new(strand as f32 * 0.01, 1.7, 0.05);
+        let line: Vec<_> =
+            (0..5).map(|i| root - Vec3::Y * (0.02 * i as f32) + Vec3::Z * (0.001 * (i * i) as f32)).collect();
+        strands.push(&line);
+    }
+    let vertices = strands.positions.len();
+    strands.radii = vec![4e-5; vertices];
+    strands.colors = vec![Vec3::new(0.4, 0.2, 0.1); vertices];
+    strands.root_uvs = (0..strands.len()).map(|i| Vec2::new(0.1 * i as f32, 0.5)).collect();
+    strands
+}
+
+/// The strands as a file.
+///
+/// # Panics
+/// When they cannot be written: a fault of the writer.
+pub fn written(format: Format) -> Vec<u8> {
+    encode(&strands(), format, true).expect("strands are written").bytes
+}
+
+/// A body of four vertices as a file.
+///
+/// # Panics
+/// As [`written`].
+pub fn body() -> Vec<u8> {
+    let positions = vec![Vec3::ZERO, Vec3::X * 0.1, Vec3::Y * 0.1, Vec3::Z * 0.1];
+    let normals = vec![Vec3::NEG_ONE.normalize(), Vec3::X, Vec3::Y, Vec3::Z];
+    let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    let mesh = TriMesh { positions, normals, triangles, ..Default::default() };
+    glb::body(&mesh, None).expect("a body is written")
+}
+
+/// A file among the optional assets, where there are any.
+pub fn asset(path: &str) -> Option<Vec<u8>> {
+    std::fs::read(std::path::Path::new(&std::env::var_os("TRESSES_ASSETS")?).join(path)).ok()
+}
+
+/// Reads a groom as someone would who opened the file. What comes of it does not matter, but that something does.
+pub fn groom(name: &str, bytes: &[u8]) -> Result<usize> {
+    let files: [Given<'_>; 1] = [(name.into(), bytes.into())];
+    read_given(&files, &ImportOptions::default()).map(|(strands, ..)| strands.len())
+}
+
+/// Reads a body likewise.
+pub fn mesh(name: &str, bytes: &[u8]) -> Result<usize> {
+    let files: [Given<'_>; 1] = [(name.into(), bytes.into())];
+    read_given_body(&files, &ImportOptions::default()).map(|body| body.mesh.positions.len())
+}

@@ -1,0 +1,74 @@
+//! Every reader on damaged files: whatever is in them, it returns, and soon. `make fuzz` gives each a minute.
+
+use std::time::{Duration, Instant};
+
+use bolero::check;
+use tresses_fuzz::{Edit, asset, body, damaged, groom, mesh, written};
+use tresses_groom::{error::Result, export::Format};
+
+/// A file of some kilobytes that takes longer is an attack, not a file.
+const SOON: Duration = Duration::from_secs(20);
+
+fn survives(name: &str, file: &[u8], read: fn(&str, &[u8]) -> Result<usize>) {
+    let whole = read(name, file).unwrap_or_else(|error| panic!("the file is whole: {error}"));
+    assert!(whole > 0, "{name} holds nothing");
+    check!().with_type::<Vec<Edit>>().for_each(|edits| {
+        let start = Instant::now();
+        if let Err(error) = read(name, &damaged(file, edits)) {
+            assert!(!error.to_string().is_empty());
+        }
+        assert!(start.elapsed() < SOON, "{name} took {:?}", start.elapsed());
+    });
+}
+
+#[test]
+fn tfx() {
+    survives("a.tfx", &written(Format::Tfx), groom);
+}
+
+#[test]
+fn hair() {
+    survives("a.hair", &written(Format::Hair), groom);
+}
+
+#[test]
+fn obj_lines() {
+    survives("a.obj", &written(Format::Obj), groom);
+}
+
+#[test]
+fn data() {
+    survives("a.data", &written(Format::Data), groom);
+}
+
+#[test]
+fn ply() {
+    survives("a.ply", &written(Format::Ply), groom);
+}
+
+#[test]
+fn alembic() {
+    survives("a.abc", &written(Format::Abc), groom);
+}
+
+#[test]
+fn usd_text() {
+    survives("a.usda", &written(Format::Usda), groom);
+}
+
+#[test]
+fn glb() {
+    survives("a.glb", &body(), mesh);
+}
+
+#[test]
+fn rigged_glb() {
+    let Some(file) = asset("characters/CesiumMan.glb") else { return };
+    survives("a.glb", &file, mesh);
+}
+
+#[test]
+fn obj_mesh() {
+    let file = b"v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    survives("a.obj", file, mesh);
+}
