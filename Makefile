@@ -23,7 +23,7 @@ ifeq ($(XDG_RUNTIME_DIR),)
 export NODEVICE_SELECT ?= 1
 endif
 
-.PHONY: help setup setup-tests demo test proof truth bench web web-serve python bevy release clean
+.PHONY: help setup setup-tests demo test proof fuzz truth bench web web-serve python bevy release clean
 
 help: ## Show this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 14
@@ -72,6 +72,10 @@ python: setup ## Build the wheel for Python into dist/python/, install it in tar
 	$(PYTHON)/bin/pip install --quiet --force-reinstall --no-deps dist/python/*.whl
 	TRESSES_COMMAND=$(CURDIR)/target/debug/tresses TRESSES_WHEEL=$$(echo dist/python/*.whl) \
 		$(PYTHON)/bin/python -m pytest -q -p no:cacheprovider bindings/python/tests
+
+fuzz: setup ## Give readers damaged files, a minute each and 8 GB for all
+	cd fuzz && $(CARGO) fmt --check && ulimit -v 8388608 && \
+		BOLERO_RANDOM_TEST_TIME_MS=60000 BOLERO_RANDOM_ITERATIONS=1000000000 $(LINTED) test
 
 release: setup ## Pack the command for this machine into dist/
 	@scripts/release

@@ -28,7 +28,7 @@ pub enum Edit {
     Number(u16, Extreme),
 }
 
-/// Numbers at which readers have been seen to fail.
+/// Numbers at which readers tend to fail.
 #[derive(Clone, Copy, Debug, TypeGenerator)]
 pub enum Extreme {
     /// None.
@@ -114,7 +114,7 @@ fn write(bytes: &mut [u8], at: usize, value: &[u8]) {
     }
 }
 
-/// A few strands with all that files can hold of them.
+/// A few strands with widths, colours and texture coordinates.
 pub fn strands() -> Strands {
     let mut strands = Strands::default();
     for strand in 0..6 {

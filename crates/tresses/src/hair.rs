@@ -330,8 +330,8 @@ impl Hair {
     /// from the mesh; the report says how far they are.
     ///
     /// # Errors
-    /// [`crate::groom::Error::Unusable`] for another groom, a root that is farther away, and a skin that `mesh` does not fit;
-    /// [`Error::Limit`].
+    /// [`crate::groom::Error::Unusable`] for another groom, a root that is farther away, and a skin that `mesh` does
+    /// not fit; [`Error::Limit`].
     #[allow(clippy::too_many_arguments)]
     pub fn attach(
         &mut self,

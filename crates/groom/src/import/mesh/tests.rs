@@ -72,6 +72,15 @@ fn a_tfxmesh_is_read() {
 
 #[cfg(feature = "gltf")]
 #[test]
+fn a_glb_is_no_shorter_than_its_header() {
+    let mut bytes = glb();
+    bytes[8..12].copy_from_slice(&11u32.to_le_bytes());
+    let error = parse(Files::Disk, Path::new("a.glb"), &bytes).unwrap_err().to_string();
+    assert!(error.contains("does not hold its header"), "{error}");
+}
+
+#[cfg(feature = "gltf")]
+#[test]
 fn a_glb_has_its_transform_and_colour() {
     let raw = parse(Files::Disk, Path::new("a.glb"), &glb()).unwrap();
     assert_eq!(raw.declared, crate::orient::Choice::METRES);

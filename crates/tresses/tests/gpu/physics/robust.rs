@@ -125,15 +125,12 @@ fn length_for(fault: bool) -> f32 {
     if fault { 1.02 } else { 1.0 }
 }
 
-/// The largest strain over steps of `motion`, looked at every `every` steps.
-fn worst(e: &mut Experiment, seconds: f32, every: usize, motion: impl Fn(f32) -> Pose) -> f32 {
+/// The largest strain over so many steps of `motion`, which counts them, looked at every `every` steps.
+fn worst(e: &mut Experiment, count: usize, every: usize, motion: impl Fn(usize) -> Pose) -> f32 {
     let rest = strands(e.n);
-    let dt = e.params.step;
-    let count = (seconds / dt).round() as usize;
-    let at = |i: usize| motion(i as f32 * dt);
     let mut worst = 0f32;
     for i in (0..count).step_by(every) {
-        let steps: Vec<_> = (i..count.min(i + every)).map(|i| step(at(i), at(i + 1))).collect();
+        let steps: Vec<_> = (i..count.min(i + every)).map(|i| step(motion(i), motion(i + 1))).collect();
         e.steps(&steps);
         worst = worst.max(strain(&e.positions(), &rest));
     }
@@ -143,8 +140,9 @@ fn worst(e: &mut Experiment, seconds: f32, every: usize, motion: impl Fn(f32) ->
 fn lengths(lab: &'static Lab, fault: bool) -> Vec<Row> {
     let mut rows = Vec::new();
     for (name, mut e) in subjects(lab, length_for(fault)) {
-        let shake = |t: f32| head_at(Vec3::X * 0.1 * (TAU * 2.0 * t).sin());
-        let strain = worst(&mut e, 3.0, 2, shake);
+        let dt = e.params.step;
+        let shake = |i: usize| head_at(Vec3::X * 0.1 * (TAU * 2.0 * (i as f32 * dt)).sin());
+        let strain = worst(&mut e, (3.0 / dt).round() as usize, 2, shake);
         rows.push(at_most(
             format!("root shaken 10 cm at 2 Hz, {name}, largest strain"),
             "%",
@@ -154,15 +152,16 @@ fn lengths(lab: &'static Lab, fault: bool) -> Vec<Row> {
     }
     for (name, mut e) in subjects(lab, length_for(fault)) {
         // 20 g to and fro, 50 ms each: the head's speed goes from 0 to 35 km/h and back.
-        let shock = |t: f32| {
+        let dt = e.params.step;
+        let shock = |i: usize| {
             let (half, a) = (0.05f32, 20.0 * 9.81f32);
             // Forth, braked, back, braked.
-            let phase = t / half % 4.0;
+            let phase = i as f32 * dt / half % 4.0;
             let ramp = |x: f32| if x < 1.0 { 0.5 * x * x } else { 1.0 - 0.5 * (2.0 - x) * (2.0 - x) };
             let way = if phase < 2.0 { ramp(phase) } else { 1.0 - ramp(phase - 2.0) };
             head_at(Vec3::X * a * half * half * way)
         };
-        let strain = worst(&mut e, 1.0, 1, shock);
+        let strain = worst(&mut e, (1.0 / dt).round() as usize, 1, shock);
         rows.push(at_most(format!("shocks of 20 g, {name}, largest strain"), "%", 1.0, strain * 100.0));
     }
     rows
@@ -239,25 +238,20 @@ fn long_frames_do_no_harm() {
     judge("spikes", |fault| spikes(lab, fault));
 }
 
-/// `steps` of a head that is shaken and turned in a storm: the largest strain ever seen.
+/// So many `steps` of a head that is shaken and turned in a storm: the largest strain ever seen.
 fn storm(lab: &'static Lab, fault: bool, steps: usize) -> Vec<Row> {
     let params = SimulationParams { wind: Wind::uniform(Vec3::new(24.0, 0.0, 18.0)), ..Default::default() };
     let strands = strands(16).map(|line| line.iter().map(|p| *p * length_for(fault)).collect());
     let mut e = Experiment::new(lab, &strands, &[], params, RestShape::SagFree, None);
-    let rest = self::strands(e.n);
     // Whole numbers of steps: seconds in single precision get coarse within hours.
     let turn = |i: usize, period: usize| (TAU * (i % period) as f32 / period as f32).sin();
     let head = |i: usize| Pose {
         translation: Vec3::new(0.1 * turn(i, 30), 0.02 * turn(i, 41), 0.0),
         rotation: Quat::from_rotation_y(0.8 * turn(i, 67)),
     };
-    let (every, mut strained) = (40, 0f32);
-    for i in (0..steps).step_by(every) {
-        e.steps(&(i..i + every).map(|i| step(head(i), head(i + 1))).collect::<Vec<_>>());
-        strained = strained.max(strain(&e.positions(), &rest));
-    }
+    let strain = worst(&mut e, steps, 40, head);
     let case = format!("{steps} steps shaken in wind of 30 m/s, largest strain");
-    vec![at_most(case, "%", 1.0, strained * 100.0)]
+    vec![at_most(case, "%", 1.0, strain * 100.0)]
 }
 
 /// 4.6 hours of hair. A faulty step need not be watched for as long.

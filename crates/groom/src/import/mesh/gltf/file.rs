@@ -29,11 +29,8 @@ impl<'a> File<'a> {
         let unreadable = |problem: &dyn std::fmt::Display| {
             source.problem(At::File, format!("not a readable glTF file ({})", one_line(problem)))
         };
-        // The crate takes the header off a GLB's length without looking whether it is in it.
-        if let Some([b'g', b'l', b'T', b'F', _, _, _, _, length @ ..]) = source.bytes.first_chunk::<12>()
-            && u32::from_le_bytes(*length) < 12
-        {
-            return Err(unreadable(&"its length does not even hold the header"));
+        if is_shorter_than_its_header(source.bytes) {
+            return Err(unreadable(&"its length does not hold its header"));
         }
         let file = gltf::Gltf::from_slice_without_validation(source.bytes).map_err(|e| unreadable(&e))?;
         let root = file.document.into_json();
@@ -80,6 +77,12 @@ impl<'a> File<'a> {
         }
         Err(self.problem(format!("its {have} bytes would unfold to more than {UNFOLDS} times as many")))
     }
+}
+
+/// Of a GLB: the crate takes the header's length off the file's without a look, which overflows.
+fn is_shorter_than_its_header(bytes: &[u8]) -> bool {
+    matches!(bytes.first_chunk::<12>(), Some([b'g', b'l', b'T', b'F', _, _, _, _, length @ ..])
+        if u32::from_le_bytes(*length) < 12)
 }
 
 /// What would make the crate panic before or after its own validation.
