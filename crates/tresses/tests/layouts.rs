@@ -506,9 +506,9 @@ fn hair() {
         spans,
         single,
         dense,
+        sunk,
         _pad_a,
         _pad_b,
-        _pad_c,
     });
     assert_eq!(wgsl_layout("light::material::HairUniform"), rust);
 }

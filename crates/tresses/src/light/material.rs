@@ -292,9 +292,9 @@ impl HairMaterial {
             spans: spans[1],
             single: drawn.single,
             dense: drawn.dense,
+            sunk: drawn.sunk,
             _pad_a: 0,
             _pad_b: 0,
-            _pad_c: 0,
         }
     }
 }
@@ -373,10 +373,10 @@ pub struct HairUniform {
     pub single: f32,
     /// See [`crate::strands::Drawn::dense`].
     pub dense: f32,
+    /// See [`crate::strands::Drawn::sunk`].
+    pub sunk: f32,
     /// Unused.
     pub _pad_a: u32,
     /// Unused.
     pub _pad_b: u32,
-    /// Unused.
-    pub _pad_c: u32,
 }

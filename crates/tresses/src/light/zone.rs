@@ -68,7 +68,7 @@ const EACH: f32 = 320.0;
 /// Texels and cells of the only zone of a picture that is fewer pixels across than this: as with [`Zone::seen`], texels of
 /// the hair's maps are smaller than two pixels. With 16 cells hair without a body is 3.3 % brighter by the sky alone.
 const FAR: [u32; 2] = [512, 20];
-const SMALL: f32 = 128.0;
+const SMALL: f32 = 100.0;
 /// Finer ones come back where it is so much larger.
 const AGAIN: f32 = 1.1;
 
@@ -290,15 +290,15 @@ mod tests {
             Zone::far(focus, (&camera, coarser), finest, before, [2, 1])
         };
         let finest = [1024, 24];
-        assert_eq!([0.6, 2.0, 7.0].map(|away| far(away, 0.0, finest, None)), [const { None }; 3]);
+        assert_eq!([0.6, 2.0, 9.2].map(|away| far(away, 0.0, finest, None)), [const { None }; 3]);
         let zone = far(15.0, 0.0, finest, None).unwrap();
         assert_eq!([zone.resolution, zone.cells, zone.every], [512, 20, 1]);
         assert_eq!((&zone.hair[..], &zone.bodies[..]), (&[0, 1][..], &[0][..]));
-        // The line is at 7.7 m; who comes from afar crosses it at 7.1.
-        assert_eq!(far(7.4, 0.0, finest, Some(&zone)).as_ref(), Some(&zone));
-        assert_eq!(far(7.0, 0.0, finest, Some(&zone)), None);
+        // The line is at 9.4 m; who comes from afar crosses it at 8.5.
+        assert_eq!(far(9.2, 0.0, finest, Some(&zone)).as_ref(), Some(&zone));
+        assert_eq!(far(8.4, 0.0, finest, Some(&zone)), None);
         // Pictures that are half as fine, and light that is no finer.
-        assert!(far(4.2, 1.0, finest, None).is_some());
+        assert!(far(5.4, 1.0, finest, None).is_some());
         assert_eq!(far(15.0, 0.0, [512, 12], None).map(|zone| [zone.resolution, zone.cells]), None);
         assert_eq!(
             far(15.0, 0.0, [256, 24], None).map(|zone| [zone.resolution, zone.cells]),

@@ -7,7 +7,7 @@
 use super::{
     curve::CurveTable,
     lit::{Lit, fibers},
-    seen::{Pictures, Strip},
+    seen::{EYES, Pictures, Seen, Strip},
 };
 #[cfg(not(target_arch = "wasm32"))]
 use crate::progress::at_once;
@@ -16,6 +16,8 @@ use glam::Vec3;
 
 /// At most so many strands stand for all of them.
 const MOST: usize = 6000;
+/// And at most so many find where light meets the hair first.
+const MOST_FRONTS: usize = 60_000;
 /// The smallest share of strands that is looked at.
 const LEAST: f32 = 0.004;
 /// The narrowest that strands are made.
@@ -23,8 +25,11 @@ const NARROWEST: f32 = 0.3;
 /// The widest.
 const WIDEST: f32 = 1.5;
 
-/// On widths, and on the fibres before what is seen: towards a light on the eye's side, and one behind.
-type Factors = [f32; 3];
+/// On widths; on the fibres before what is seen, towards a light on the eye's side, and one behind; and how much
+/// deeper that is seen, metres.
+type Factors = [f32; 4];
+/// Of full detail.
+const NONE: Factors = [1.0, 1.0, 1.0, 0.0];
 
 /// The factors of a groom on the widths of fewer strands, and on what light meets of them.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,7 +57,7 @@ pub struct CoverLevel {
 impl CoverTable {
     /// Nothing known: as wide as their area wants.
     pub fn none() -> Self {
-        Self { points: [vec![(1.0, [1.0; 3])], vec![(1.0, [1.0; 3])]] }
+        Self { points: [vec![(1.0, NONE)], vec![(1.0, NONE)]] }
     }
 
     /// For `strands` in the order of [`arrange`](super::arrange) with the radii of `infos`, inside `sphere`
@@ -80,9 +85,14 @@ impl CoverTable {
         progress.step(TASK, 0.1).await;
         let seen = pictures.seen(share.recip(), fine);
         progress.step(TASK, 0.3).await;
-        let lit = Lit::new(&seen, &fibers(&all, sphere, share.recip()), share.recip());
-        drop((pictures, all, seen));
-        let whole = Whole { strands, infos, sphere, fine, full, lit };
+        // But not where the light meets it first.
+        let many = infos.len().min(MOST_FRONTS);
+        let fronts: Vec<_> = (0..many).map(|i| Strip::new(strands, infos, i, None)).collect();
+        let wide = infos.len() as f32 / many as f32;
+        let lit = Lit::new(&seen, &fibers(&all, &fronts, sphere, wide), share.recip());
+        let height = height(&all, &seen);
+        drop((pictures, all, seen, fronts));
+        let whole = Whole { strands, infos, sphere, fine, full, lit, height };
         // Where the base is no more than a level there is nothing to hold it to, nor for hair a few pixels large.
         let count = |level: &CoverLevel| (level.drawn * infos.len() as f32).ceil() as usize;
         let levels: Vec<_> =
@@ -95,18 +105,32 @@ impl CoverTable {
         table
     }
 
-    /// The factors where the share `fraction` of the strands is drawn, and the pixel is that at which the
+    /// The factors and the depth where the share `fraction` of the strands is drawn, and the pixel is that at which the
     /// share `automatic` would be: on their widths; on the fibres before what is seen where light comes from the
-    /// eye's side; and where it comes from behind the hair.
+    /// eye's side; where it comes from behind the hair; and how much deeper the eye sees, metres.
     ///
-    /// The last two are such that what the eye sees of the hair is on average as light as what it sees of it at
+    /// The factors on fibres are such that what the eye sees of the hair is on average as light as what it sees of it at
     /// full detail: narrower strands let it see deeper, wide ones close gaps that it would have looked into,
     /// and few segments cut corners.
-    pub fn factors(&self, fraction: f32, automatic: f32) -> [f32; 3] {
+    pub fn factors(&self, fraction: f32, automatic: f32) -> Factors {
         let [fine, coarse] = &self.points;
         let (own, beside, there) = (at(fine, fraction), at(coarse, automatic), at(fine, automatic));
-        [0, 1, 2].map(|i| own[i] * (beside[i] / there[i]))
+        let [width, before, behind] = [0, 1, 2].map(|i| own[i] * (beside[i] / there[i]));
+        [width, before, behind, (own[3] + beside[3] - there[3]).max(0.0)]
     }
+}
+
+/// How near the eyes is on average what they have `seen` of `strips`, metres.
+fn height(strips: &[Strip], seen: &[Seen]) -> f32 {
+    let points = strips.iter().flat_map(|strip| &strip.points);
+    let mut sums = EYES.map(|_| [0.0f64; 2]);
+    for (point, seen) in points.zip(seen) {
+        for ((sum, seen), eye) in sums.iter_mut().zip(seen).zip(EYES) {
+            sum[0] += f64::from(seen * point.dot(eye.normalize()));
+            sum[1] += f64::from(*seen);
+        }
+    }
+    sums.map(|[sum, all]| (sum / all.max(1e-12)) as f32).iter().sum::<f32>() / EYES.len() as f32
 }
 
 /// Full detail, to which levels are held.
@@ -119,6 +143,8 @@ struct Whole<'a> {
     /// The area that it covers, m².
     full: f32,
     lit: Lit,
+    /// How near the eyes what they see is, metres.
+    height: f32,
 }
 
 impl Whole<'_> {
@@ -160,8 +186,8 @@ impl Whole<'_> {
             .map(|i| Strip::new(self.strands, self.infos, i, Some(level.segments)))
             .collect();
         let mut pictures = Pictures::new(&strips, self.sphere);
-        let fibers = fibers(&strips, self.sphere, level.widening);
-        let mut points = [(level.fraction, [1.0; 3]); 2];
+        let fibers = fibers(&strips, &strips, self.sphere, level.widening);
+        let mut points = [(level.fraction, NONE); 2];
         for (point, cell) in points.iter_mut().zip([self.fine, level.pixel.max(self.fine)]) {
             // The secant method: coverage grows smoothly, and ever slower, with the width.
             let (mut a, mut b) = (1.0, 0.85);
@@ -183,7 +209,7 @@ impl Whole<'_> {
             let seen = pictures.seen(level.widening * b, cell);
             // Shadow maps hold the area of full detail.
             let [before, behind] = self.lit.matching(&Lit::new(&seen, &fibers, level.widening));
-            point.1 = [b, before, behind];
+            point.1 = [b, before, behind, self.height - height(&strips, &seen)];
         }
         points
     }
@@ -192,14 +218,14 @@ impl Whole<'_> {
 /// Between `points` by the logarithm of the share, constant beyond them.
 fn at(points: &[(f32, Factors)], fraction: f32) -> Factors {
     let Some(k) = points.iter().position(|(at, _)| *at <= fraction) else {
-        return points.last().map_or([1.0; 3], |(_, factors)| *factors);
+        return points.last().map_or(NONE, |(_, factors)| *factors);
     };
     if k == 0 {
         return points[0].1;
     }
     let ((many, a), (few, b)) = (points[k - 1], points[k]);
     let t = (many / fraction).ln() / (many / few).ln();
-    [0, 1, 2].map(|i| a[i] + (b[i] - a[i]) * t)
+    [0, 1, 2, 3].map(|i| a[i] + (b[i] - a[i]) * t)
 }
 
 /// The levels that [`CoverTable::new`] looks at: octaves. The share `first` is always drawn. At full detail the pixel
@@ -258,11 +284,11 @@ mod tests {
         let levels = [level(0.25, 0.0), level(0.0625, 0.06)];
         let table = at_once(CoverTable::new(&strands, &infos, (Vec3::ZERO, 0.55), &levels, &()));
         let width = |fraction, automatic| table.factors(fraction, automatic)[0];
-        assert_eq!(table.factors(1.0, 1.0), [1.0; 3]);
+        assert_eq!(table.factors(1.0, 1.0), NONE);
         assert!(width(0.0625, 1.0) < 1.0, "{}", width(0.0625, 1.0));
         // A coarse pixel more so.
         assert!(width(0.0625, 0.0625) < width(0.0625, 1.0) - 0.01);
         assert!(width(0.1, 1.0) > width(0.0625, 1.0));
-        assert_eq!(CoverTable::none().factors(0.1, 0.01), [1.0; 3]);
+        assert_eq!(CoverTable::none().factors(0.1, 0.01), NONE);
     }
 }

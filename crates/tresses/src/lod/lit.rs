@@ -3,8 +3,10 @@
 use super::seen::{EYES, Seen, Strip, axes};
 use glam::{Vec2, Vec3};
 
-/// Cells along each edge of the maps that fibres are counted in, about as large as texels of shadow maps.
-const GRID: usize = 192;
+/// Fibres are counted in cells as large as texels of shadow maps as they are by default: that long, metres, or as many
+/// along each edge.
+const TEXEL: f32 = 0.0026;
+const FINEST: f32 = 341.0;
 /// How near fibres are not counted, metres: what `NEAR` and, for eyes and lights as far apart as these, `SHARED`
 /// of `light/transmittance.wesl` come to.
 const BIAS: f32 = 0.00275;
@@ -13,22 +15,30 @@ const BIAS: f32 = 0.00275;
 const LIGHTS: [Vec3; 2] = [Vec3::new(-0.42, 0.62, 0.66), Vec3::new(0.85, 0.28, -0.45)];
 
 /// How many fibres lie before each vertex of `strips` towards each light, as deep opacity maps count them:
-/// in layers behind a front that strips `wide` cells wide leave.
-pub(super) fn fibers(strips: &[Strip], sphere: (Vec3, f32), wide: f32) -> Vec<[f32; LIGHTS.len()]> {
+/// in layers behind a front that `fronts` leave, strips of which each stands for `wide`.
+pub(super) fn fibers(
+    strips: &[Strip],
+    fronts: &[Strip],
+    sphere: (Vec3, f32),
+    wide: f32,
+) -> Vec<[f32; LIGHTS.len()]> {
     let (middle, radius) = sphere;
-    let cell = 2.1 * radius / GRID as f32;
+    let cell = TEXEL.max(2.1 * radius / FINEST);
+    let grid = (2.1 * radius / cell).ceil() as usize;
+    let length: f32 = fronts.iter().map(Strip::length).sum();
+    let wide = wide.min((ENOUGH / (dense(length, radius) * cell).max(1e-6)).clamp(1.0, WIDEST));
     let points = || strips.iter().flat_map(|strip| &strip.points);
     let mut fibers = vec![[0.0; LIGHTS.len()]; points().count()];
-    let mut map = DeepMap::default();
+    let mut map = DeepMap { grid, ..Default::default() };
     for (i, back) in LIGHTS.into_iter().enumerate() {
         let (right, up, back) = axes(back);
         // Cells across, metres behind the light's side of the hair.
         let place = |p: Vec3| {
             let p = p - middle;
-            let across = Vec2::new(p.dot(right), p.dot(up)) / cell + 0.5 * GRID as f32;
+            let across = Vec2::new(p.dot(right), p.dot(up)) / cell + 0.5 * grid as f32;
             across.extend(1.05 * radius - p.dot(back))
         };
-        map.lay(strips, cell, wide.clamp(1.0, WIDEST), place);
+        map.lay(strips, fronts, cell, wide, place);
         for (p, fibers) in points().zip(&mut fibers) {
             fibers[i] = map.before(place(*p));
         }
@@ -131,10 +141,16 @@ fn power(light: impl Fn(f32) -> f32, wanted: f32) -> f32 {
 const LAYERS: usize = crate::constants::DEEP_LAYERS as usize;
 /// The most cells of the front that a strip lies in side by side: `WIDEST` of `light/splat.wesl`.
 const WIDEST: f32 = 6.0;
+/// So many strips in a cell find its front: `ENOUGH` of `light/splat.wesl`.
+const ENOUGH: f32 = 12.0;
+/// Multiples of it are spread evenly over the fractions.
+const GOLDEN: f32 = 0.618_034;
 
 /// A deep opacity map (`light/deep.wesl`), cells for texels.
 #[derive(Default)]
 struct DeepMap {
+    /// Cells along each edge.
+    grid: usize,
     /// Metres, of each cell; infinite where there is no hair.
     fronts: Vec<f32>,
     /// Fibres before the far end of each layer.
@@ -151,33 +167,43 @@ fn layer_of(way: f32) -> f32 {
 
 impl DeepMap {
     /// Of `strips`, with cells of `cell` metres; `place` tells where they are.
-    fn lay(&mut self, strips: &[Strip], cell: f32, wide: f32, place: impl Fn(Vec3) -> Vec3) {
-        let mut nearest = vec![f32::INFINITY; GRID * GRID];
-        walk(strips, &place, |at, aside, _| {
-            for lane in 0..wide.round() as u32 {
-                let off = aside * (lane as f32 - 0.5 * (wide.round() - 1.0));
+    fn lay(
+        &mut self,
+        strips: &[Strip],
+        fronts: &[Strip],
+        cell: f32,
+        wide: f32,
+        place: impl Fn(Vec3) -> Vec3,
+    ) {
+        let grid = self.grid;
+        let mut nearest = vec![f32::INFINITY; grid * grid];
+        walk(fronts, &place, |strip, at, aside, _| {
+            // As many whole cells as give that width on average.
+            let lanes = (wide + (strip as f32 * GOLDEN).fract()).floor();
+            for lane in 0..lanes as u32 {
+                let off = aside * (lane as f32 - 0.5 * (lanes - 1.0));
                 let (x, y) = (at.x + off.x, at.y + off.y);
-                if x >= 0.0 && y >= 0.0 && x < GRID as f32 && y < GRID as f32 {
-                    let nearest = &mut nearest[y as usize * GRID + x as usize];
+                if x >= 0.0 && y >= 0.0 && x < grid as f32 && y < grid as f32 {
+                    let nearest = &mut nearest[y as usize * grid + x as usize];
                     *nearest = nearest.min(at.z);
                 }
             }
         });
         self.fronts.clear();
-        self.fronts.extend((0..GRID * GRID).map(|at| {
-            let around = |at: usize| at.saturating_sub(1)..(at + 2).min(GRID);
+        self.fronts.extend((0..grid * grid).map(|at| {
+            let around = |at: usize| at.saturating_sub(1)..(at + 2).min(grid);
             let (mut sum, mut count) = (0.0, 0.0);
-            for y in around(at / GRID) {
-                for near in around(at % GRID).map(|x| nearest[y * GRID + x]).filter(|near| near.is_finite()) {
+            for y in around(at / grid) {
+                for near in around(at % grid).map(|x| nearest[y * grid + x]).filter(|near| near.is_finite()) {
                     (sum, count) = (sum + near, count + 1.0);
                 }
             }
             if count > 0.0 { sum / count } else { f32::INFINITY }
         }));
         self.layers.clear();
-        self.layers.resize(GRID * GRID, [0.0; LAYERS]);
-        walk(strips, &place, |at, _, area| {
-            for (column, weight) in columns(at) {
+        self.layers.resize(grid * grid, [0.0; LAYERS]);
+        walk(strips, &place, |_, at, _, area| {
+            for (column, weight) in columns(grid, at) {
                 // The layers follow the front: what is far before it is in none.
                 let layer = layer_of(at.z - self.fronts[column]).floor() + 1.0;
                 self.layers[column][(layer as usize).min(LAYERS - 1)] += weight * area / cell;
@@ -202,14 +228,14 @@ impl DeepMap {
             let k = (layer as usize).min(LAYERS - 2);
             weight * (layers[k] + (layers[k + 1] - layers[k]) * (layer - k as f32))
         };
-        columns(at).into_iter().map(of).sum()
+        columns(self.grid, at).into_iter().map(of).sum()
     }
 }
 
-/// Tells of each step of `strips` from cell to cell where it is, which way lies aside, and the area over the
+/// Tells of each step of `strips` from cell to cell of which it is, where it is, which way lies aside, and the area over the
 /// edge of a cell (metres) that a step covers.
-fn walk(strips: &[Strip], place: impl Fn(Vec3) -> Vec3, mut see: impl FnMut(Vec3, Vec2, f32)) {
-    for strip in strips {
+fn walk(strips: &[Strip], place: impl Fn(Vec3) -> Vec3, mut see: impl FnMut(usize, Vec3, Vec2, f32)) {
+    for (k, strip) in strips.iter().enumerate() {
         for (points, radii) in strip.points.windows(2).zip(strip.radii.windows(2)) {
             let a = place(points[0]);
             let way = place(points[1]) - a;
@@ -218,23 +244,23 @@ fn walk(strips: &[Strip], place: impl Fn(Vec3) -> Vec3, mut see: impl FnMut(Vec3
             let aside = if across.x > across.y { Vec2::Y } else { Vec2::X };
             let area = (radii[0] + radii[1]) * way.truncate().length() / steps;
             for i in 0..steps as u32 {
-                see(a + way * ((i as f32 + 0.5) / steps), aside, area);
+                see(k, a + way * ((i as f32 + 0.5) / steps), aside, area);
             }
         }
     }
 }
 
 /// The four columns about a place and their weights.
-fn columns(at: Vec3) -> [(usize, f32); 4] {
-    let at = (at.truncate() - 0.5).clamp(Vec2::ZERO, Vec2::splat(GRID as f32 - 1.001));
+fn columns(grid: usize, at: Vec3) -> [(usize, f32); 4] {
+    let at = (at.truncate() - 0.5).clamp(Vec2::ZERO, Vec2::splat(grid as f32 - 1.001));
     let (x, y) = (at.x as usize, at.y as usize);
     let f = at - at.floor();
-    let first = y * GRID + x;
+    let first = y * grid + x;
     [
         (first, (1.0 - f.x) * (1.0 - f.y)),
         (first + 1, f.x * (1.0 - f.y)),
-        (first + GRID, (1.0 - f.x) * f.y),
-        (first + GRID + 1, f.x * f.y),
+        (first + grid, (1.0 - f.x) * f.y),
+        (first + grid + 1, f.x * f.y),
     ]
 }
 
@@ -246,7 +272,7 @@ mod tests {
     #[test]
     fn fibers_are_counted_towards_the_light() {
         let strips = curtains(3, 0.4);
-        let fibers = fibers(&strips, (Vec3::ZERO, 0.8), 1.0);
+        let fibers = fibers(&strips, &strips, (Vec3::ZERO, 0.8), 1.0);
         // The light meets 0.4 per curtain, the more the more aslant it comes; at its own curtain half of that.
         let light = LIGHTS[0].normalize();
         let across = Vec2::new(light.x, light.z).normalize().y;

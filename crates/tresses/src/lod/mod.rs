@@ -23,8 +23,9 @@
 //! light hold the area of full detail. Between those narrower strands the eye sees deeper; so that visible
 //! hair is on average as bright as at full detail, the fibres in front of it are counted with a factor,
 //! also measured, that differs between lights beside the eye and lights behind the hair
-//! ([`CoverTable::factors`]). Where there are threads both are measured while the caller goes on; the first frame with
-//! fewer strands waits for them, if it comes so soon.
+//! ([`CoverTable::factors`]), and light from all sides is asked for where full detail would be seen
+//! ([`Detail::sunk`]). Where there are threads all of this is measured while the caller goes on; the first frame with
+//! fewer strands waits for it, if it comes so soon.
 //!
 //! **Fewer segments.** At load [`CurveTable`] measures how far strands deviate when they are drawn with
 //! fewer segments, and how much shorter they get (which widens them in turn). A frame uses the number for
@@ -104,6 +105,9 @@ pub struct Detail {
     /// The factors on the fibres before what is seen: towards a light on the eye's side, and towards one behind
     /// the hair, see [`CoverTable::factors`].
     pub deeper: [f32; 2],
+    /// How much deeper in the hair that is seen than in full detail, metres: its light from all sides is that so much
+    /// nearer to the eye.
+    pub sunk: f32,
     /// The number of segments per strand, not always whole.
     pub segments: f32,
     /// The factor on the length of a fixed step.
@@ -143,6 +147,8 @@ pub struct Lod {
     pub diameter: f32,
     /// See [`Drawn::dense`].
     dense: f32,
+    /// The pixel at which strands are left out first where `cover` was measured, metres.
+    measured: f32,
     /// How many strands each bucket ends with.
     ends: Arc<[u32]>,
     /// The area of the strands up to there, m².
@@ -197,6 +203,7 @@ impl Lod {
             sphere: (0.5 * (lo + hi), 0.5 * lo.distance(hi)),
             diameter: (area / length.max(1e-12)).max(1e-9) as f32,
             dense: lit::dense(length as f32 / infos.len().max(1) as f32, 0.5 * lo.distance(hi)),
+            measured: f32::INFINITY,
             painted: Painted::none(infos.len()).into(),
             segments: strands.vertex_count.saturating_sub(1).max(1),
             buffers: WidthBuffers::new(device, stage, buffers)?,
@@ -208,6 +215,7 @@ impl Lod {
                 width: 1.0,
                 area: 1.0,
                 deeper: [1.0; 2],
+                sunk: 0.0,
                 segments: (strands.vertex_count.saturating_sub(1).max(1)) as f32,
                 step: 1.0,
                 reach: 0.0,
@@ -223,7 +231,8 @@ impl Lod {
             areas: areas.into(),
         };
         let first = span(&lod.ends, 0)[1];
-        let levels = cover::levels(first, lod.limit(), &lod.curve, |f| lod.widening(f), |p| lod.segments(p));
+        lod.measured = lod.limit();
+        let levels = cover::levels(first, lod.measured, &lod.curve, |f| lod.widening(f), |p| lod.segments(p));
         let (infos, sphere) = (infos.to_vec(), lod.sphere);
         #[cfg(not(target_arch = "wasm32"))]
         {
@@ -341,13 +350,14 @@ impl Lod {
             from if auto && from > 0.0 => (2.0 - coarse / from).clamp(0.0, 1.0),
             _ => 1.0,
         };
-        let automatic = (limit / pixel.max(1e-12)).min(1.0);
+        // The share that belongs to this pixel in the table, whatever width strands have now.
+        let automatic = (self.measured / pixel.max(1e-12)).min(1.0);
         // In full detail nothing is asked that may not be known yet.
-        let [cover, before, behind] = match options.mode {
+        let [cover, before, behind, sunk] = match options.mode {
             LodMode::Auto | LodMode::Fixed(_) if fraction < 1.0 || automatic < 1.0 => {
                 self.cover().factors(fraction, automatic)
             }
-            _ => [1.0; 3],
+            _ => [1.0, 1.0, 1.0, 0.0],
         };
         Detail {
             pixel,
@@ -360,6 +370,7 @@ impl Lod {
             },
             area: cover.recip(),
             deeper: [before, behind],
+            sunk,
             segments,
             step,
             reach: if auto { options.guides * coarse } else { 0.0 },
@@ -421,6 +432,7 @@ impl Lod {
         Drawn {
             area: detail.area,
             deeper: detail.deeper,
+            sunk: detail.sunk,
             single: detail.fraction.sqrt(),
             dense: self.dense,
             ..drawn

@@ -38,6 +38,11 @@ impl Strip {
         let radii = resample(&shares, segments).into_iter().map(|r| r.x).collect();
         Self { points: resample(&points, segments), radii }
     }
+
+    /// Metres.
+    pub(super) fn length(&self) -> f32 {
+        self.points.windows(2).map(|w| w[0].distance(w[1])).sum()
+    }
 }
 
 /// Two axes across a direction.

@@ -108,6 +108,8 @@ pub struct Drawn {
     pub area: f32,
     /// Factors on the fibres before what is seen ([`crate::lod::Detail::deeper`]).
     pub deeper: [f32; 2],
+    /// See [`crate::lod::Detail::sunk`], metres.
+    pub sunk: f32,
     /// How much of the chance by which single strands are in light or shade is left where each drawn one stands for
     /// several: the root of the share that is drawn.
     pub single: f32,
@@ -128,6 +130,7 @@ impl Drawn {
                 stride: 1.0,
                 area: 1.0,
                 deeper: [1.0; 2],
+                sunk: 0.0,
                 single: 1.0,
                 dense: 0.0,
             };
@@ -140,6 +143,7 @@ impl Drawn {
             stride: last as f32 / segments,
             area: 1.0,
             deeper: [1.0; 2],
+            sunk: 0.0,
             single: 1.0,
             dense: 0.0,
         }

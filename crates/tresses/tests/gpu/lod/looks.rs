@@ -62,12 +62,11 @@ fn errors(
 
 /// What coverage and luminance may be off by.
 const MOST: f32 = 0.03;
-/// And curls of less than a pixel: docs/appearance/lod.md says what is not reached there.
-const CURLS: f32 = 0.04;
 
-/// Prints the errors at each of `distances` and holds them against `most`. Of `hairs`, grooms of one kind, the first
+/// Prints the errors at each of `distances`, and says which are beyond what they may be. Of `hairs`, grooms of one kind, the first
 /// is looked at from anywhere; where they are a few pixels large it is their mean that counts.
-fn check(stage: &Setup, name: &str, hairs: &mut [Hair], distances: &[f32], most: f32) {
+fn beyond(stage: &Setup, name: &str, hairs: &mut [Hair], distances: &[f32]) -> Vec<String> {
+    let mut beyond = Vec::new();
     for &distance in distances {
         let is_far = distance > 30.0;
         let shot = Shot::new(distance, Vec3::Z);
@@ -76,10 +75,10 @@ fn check(stage: &Setup, name: &str, hairs: &mut [Hair], distances: &[f32], most:
         for hair in &mut hairs[..seen] {
             let pixels = shot.size(hair.lod.sphere.1);
             let error = errors(stage, hair, distance, directions(pixels), |_| {});
-            let Detail { strands, width, deeper: [before, behind], segments, .. } = shot.detail(hair);
+            let Detail { strands, width, deeper: [before, behind], segments, sunk, .. } = shot.detail(hair);
             println!(
                 "{name}, {distance} m: {pixels} px, {strands} strands, {width:.2} times as wide, fibres count \
-                 {before:.2} and {behind:.2}, {segments:.2} segments: coverage {:+.2} %, luminance {:+.2} %",
+                 {before:.2} and {behind:.2}, {sunk:.4} m deeper, {segments:.2} segments: coverage {:+.2} %, luminance {:+.2} %",
                 100.0 * error[0],
                 100.0 * error[1]
             );
@@ -93,10 +92,19 @@ fn check(stage: &Setup, name: &str, hairs: &mut [Hair], distances: &[f32], most:
             );
         }
         // A few pixels lie as drivers round.
-        let most = if is_far { most + 0.005 } else { MOST };
+        let most = if is_far { MOST + 0.005 } else { MOST };
         let worst = mean.iter().fold(0f32, |worst, e| worst.max(e.abs()));
-        assert!(worst < most, "{name}, {distance} m: {worst}");
+        if worst >= most {
+            beyond.push(format!("{name}, {distance} m: {worst}"));
+        }
     }
+    beyond
+}
+
+/// Holds the errors at all of `distances` against what they may be.
+fn check(stage: &Setup, name: &str, hairs: &mut [Hair], distances: &[f32]) {
+    let beyond = beyond(stage, name, hairs, distances);
+    assert!(beyond.is_empty(), "{beyond:?}");
 }
 
 /// From as near as a portrait, by way of where the first strands are left out, to where the hair is a few pixels
@@ -108,7 +116,7 @@ fn coverage_and_luminance_stay_at_a_distance() {
     let Some(stage) = Setup::open() else { return };
     let (groom, _) = Setup::style("long", 3000);
     let mut hair = [stage.hair(&groom, None)];
-    check(stage, "long", &mut hair, &[16.0], MOST);
+    check(stage, "long", &mut hair, &[16.0]);
     let [hair] = &mut hair;
     // The comparer sees strands that are not widened.
     let [thin, _] = errors(stage, hair, 16.0, 2, |detail| detail.width = 1.0);
@@ -154,7 +162,7 @@ fn coarser_light_is_as_bright_from_afar() {
 fn coverage_and_luminance_stay_at_any_distance() {
     let Some(stage) = Setup::open() else { return };
     let mut hairs = [1, 2, 3, 4].map(|seed| stage.grown(&Style::default().with_seed(seed), 5000));
-    check(stage, "long", &mut hairs, ALL, MOST);
+    check(stage, "long", &mut hairs, ALL);
     // The comparer sees strands that are not widened, and light that meets less of them.
     let hair = &mut hairs[0];
     let [thin, _] = errors(stage, hair, 8.0, 2, |detail| detail.width = 1.0);
@@ -168,18 +176,22 @@ fn coverage_and_luminance_stay_at_any_distance() {
 #[ignore = "proof"]
 fn heads_of_a_crowd_keep_coverage_and_luminance() {
     let Some(stage) = Setup::open() else { return };
-    let mut hair = [stage.grown(&Style::default(), 5000)];
-    hair[0].lod.options = LodOptions::CROWD;
-    check(stage, "long of a crowd", &mut hair, &[2.0, 4.0, 6.5, 10.0, 16.0, 25.0, 40.0], MOST);
+    let mut hairs = [1, 2, 3, 4].map(|seed| {
+        let mut hair = stage.grown(&Style::default().with_seed(seed), 5000);
+        hair.lod.options = LodOptions::CROWD;
+        hair
+    });
+    check(stage, "long of a crowd", &mut hairs, &[2.0, 4.0, 6.5, 10.0, 16.0, 25.0, 40.0]);
 }
 
 /// With more strands than the rest of these have.
 fn check_many(stage: &Setup, options: LodOptions) {
-    for strands in [10_000, 30_000] {
+    let each = [10_000, 30_000].map(|strands| {
         let mut hair = [stage.grown(&Style::default(), strands)];
         hair[0].lod.options = options;
-        check(stage, &format!("long of {strands}"), &mut hair, &[4.0, 6.5, 16.0], MOST);
-    }
+        beyond(stage, &format!("long of {strands}"), &mut hair, &[4.0, 6.5, 16.0])
+    });
+    assert!(each.concat().is_empty(), "{each:?}");
 }
 
 #[test]
@@ -189,7 +201,7 @@ fn more_strands_keep_coverage_and_luminance() {
     check_many(stage, LodOptions::default());
 }
 
-/// docs/appearance/lod.md says what is not reached at 16 m.
+/// docs/appearance/lod.md says what is not reached.
 #[test]
 #[ignore = "proof"]
 fn more_strands_of_a_crowd_keep_coverage_and_luminance() {
@@ -202,9 +214,9 @@ fn more_strands_of_a_crowd_keep_coverage_and_luminance() {
 fn other_styles_keep_coverage_and_luminance() {
     let Some(stage) = Setup::open() else { return };
     let (groom, _) = Setup::style("short", 5000);
-    check(stage, "short", &mut [stage.hair(&groom, None)], ALL, MOST);
+    check(stage, "short", &mut [stage.hair(&groom, None)], ALL);
     let (groom, _) = Setup::style("curly", 5000);
-    check(stage, "curly", &mut [stage.hair(&groom, None)], ALL, CURLS);
+    check(stage, "curly", &mut [stage.hair(&groom, None)], ALL);
 }
 
 #[test]
@@ -218,6 +230,6 @@ fn real_grooms_keep_coverage_and_luminance() {
         let Some(files) = files.iter().map(common::asset).collect::<Option<Vec<_>>>() else { continue };
         let (strands, _) = import::read(&files, &Default::default()).unwrap();
         let groom = bind(&strands, &Default::default()).unwrap();
-        check(stage, name, &mut [stage.hair(&groom, None)], ALL, MOST);
+        check(stage, name, &mut [stage.hair(&groom, None)], ALL);
     }
 }
