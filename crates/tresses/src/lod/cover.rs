@@ -29,7 +29,7 @@ const WIDEST: f32 = 1.5;
 /// deeper that is seen, metres.
 type Factors = [f32; 4];
 /// Of full detail.
-const NONE: Factors = [1.0, 1.0, 1.0, 0.0];
+pub(super) const NONE: Factors = [1.0, 1.0, 1.0, 0.0];
 
 /// The factors of a groom on the widths of fewer strands, and on what light meets of them.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,21 +77,21 @@ impl CoverTable {
         }
         // Where the base is not all strands it stands for them, a little wider.
         let share = base as f32 / infos.len() as f32;
-        let all: Vec<_> = (0..base).map(|i| Strip::new(strands, infos, i, None)).collect();
+        // But not where light meets the hair first.
+        let fronts: Vec<_> =
+            (0..infos.len().min(MOST_FRONTS)).map(|i| Strip::new(strands, infos, i, None)).collect();
+        let all = &fronts[..base];
         progress.step(TASK, 0.0).await;
-        let mut pictures = Pictures::new(&all, sphere);
+        let mut pictures = Pictures::new(all, sphere);
         let fine = pictures.finest();
         let full = pictures.area(share.recip(), fine);
         progress.step(TASK, 0.1).await;
         let seen = pictures.seen(share.recip(), fine);
         progress.step(TASK, 0.3).await;
-        // But not where the light meets it first.
-        let many = infos.len().min(MOST_FRONTS);
-        let fronts: Vec<_> = (0..many).map(|i| Strip::new(strands, infos, i, None)).collect();
-        let wide = infos.len() as f32 / many as f32;
-        let lit = Lit::new(&seen, &fibers(&all, &fronts, sphere, wide), share.recip());
-        let height = height(&all, &seen);
-        drop((pictures, all, seen, fronts));
+        let wide = infos.len() as f32 / fronts.len() as f32;
+        let lit = Lit::new(&seen, &fibers(all, &fronts, sphere, wide), share.recip());
+        let height = height(all, &seen);
+        drop((pictures, seen, fronts));
         let whole = Whole { strands, infos, sphere, fine, full, lit, height };
         // Where the base is no more than a level there is nothing to hold it to, nor for hair a few pixels large.
         let count = |level: &CoverLevel| (level.drawn * infos.len() as f32).ceil() as usize;
@@ -123,10 +123,11 @@ impl CoverTable {
 /// How near the eyes is on average what they have `seen` of `strips`, metres.
 fn height(strips: &[Strip], seen: &[Seen]) -> f32 {
     let points = strips.iter().flat_map(|strip| &strip.points);
+    let eyes = EYES.map(Vec3::normalize);
     let mut sums = EYES.map(|_| [0.0f64; 2]);
     for (point, seen) in points.zip(seen) {
-        for ((sum, seen), eye) in sums.iter_mut().zip(seen).zip(EYES) {
-            sum[0] += f64::from(seen * point.dot(eye.normalize()));
+        for ((sum, seen), eye) in sums.iter_mut().zip(seen).zip(eyes) {
+            sum[0] += f64::from(seen * point.dot(eye));
             sum[1] += f64::from(*seen);
         }
     }

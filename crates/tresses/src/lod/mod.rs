@@ -357,7 +357,7 @@ impl Lod {
             LodMode::Auto | LodMode::Fixed(_) if fraction < 1.0 || automatic < 1.0 => {
                 self.cover().factors(fraction, automatic)
             }
-            _ => [1.0, 1.0, 1.0, 0.0],
+            _ => cover::NONE,
         };
         Detail {
             pixel,
