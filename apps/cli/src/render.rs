@@ -96,6 +96,9 @@ pub fn run(args: &Args) -> Result<()> {
     }
     args.debug.check(&preset.settings.physics())?;
     args.crowd.check(args, &preset.settings)?;
+    if args.crowd.is_given() {
+        preset.settings.lod = tresses_scene::crowd::levels(preset.settings.lod);
+    }
     let moves = known > 1 || args.animation.is_some() || args.crowd.is_given();
     let open = if moves { Photographer::open } else { Photographer::open_still };
     let mut scene = open(&preset, args.size)?;

@@ -222,6 +222,7 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready
         shadow_resolution: options.shadow_resolution,
         ambient_cells: options.ambient_cells,
         ssaa: settings.edges.ssaa,
+        lod: settings.lod(),
         ..Quality::new(FIRST)
     };
     let physics = settings.physics();

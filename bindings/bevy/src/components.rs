@@ -67,7 +67,8 @@ impl Default for HairMaterial3d {
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 pub struct HairPhysics(pub SimulationParams);
 
-/// How much of hair is drawn, by how large a pixel of the camera that is nearest to it is.
+/// How much of hair is drawn, by how large a pixel of the camera that is nearest to it is. What levels of detail cost is
+/// measured for the widths and errors that are there when the groom is brought to the GPU.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 pub struct HairDetail(pub LodOptions);
 

@@ -64,7 +64,8 @@ pub struct Crowd {
 }
 
 impl Crowd {
-    /// Heads with the groom and the head of `scene`, in its light.
+    /// Heads with the groom and the head of `scene`, in its light and with its levels of detail: let those be [`levels`]
+    /// before its hair is made, for which it is measured.
     ///
     /// # Errors
     /// When there are other obstacles than the body, which all heads would share; when the adapter cannot hold them.
@@ -91,7 +92,7 @@ impl Crowd {
             let random = |k: u32| pcg(8 * i as u32 + k) as f32 / u32::MAX as f32;
             let mut hair = scene.hair.another(device, queue, &scene.pipelines, scene.colliders())?;
             hair.set.material = materials[pcg(i as u32 + 31) as usize % materials.len()];
-            hair.lod.options = of_many(scene.hair.lod.options);
+            hair.lod.options = scene.hair.lod.options;
             hair.avoidance.options = scene.hair.avoidance.options;
             // Towards the camera, give or take a quarter of a turn.
             let yaw = (random(0) - 0.5) * 1.6 + (-at.x).atan2(-at.z);
@@ -255,7 +256,7 @@ impl Crowd {
 }
 
 /// Levels of detail of one head of many: what nobody has said is a crowd's.
-fn of_many(own: LodOptions) -> LodOptions {
+pub fn levels(own: LodOptions) -> LodOptions {
     fn said<T: PartialEq>(own: T, one: T, many: T) -> T {
         if own == one { many } else { own }
     }

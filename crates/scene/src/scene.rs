@@ -48,13 +48,16 @@ pub struct Quality {
     pub shadow_resolution: u32,
     /// Cells along each edge of the grid of ambient light.
     pub ambient_cells: u32,
+    /// The levels of detail for which hair is measured.
+    pub lod: LodOptions,
 }
 
 impl Quality {
     /// Strands by tiles, bodies with four samples per pixel.
     pub fn new(size: [u32; 2]) -> Self {
         let ViewOptions { shadow_resolution, ambient_cells, .. } = ViewOptions::default();
-        Self { size, samples: 4, coverage: Coverage::Tiles, ssaa: 1, shadow_resolution, ambient_cells }
+        let (coverage, lod) = (Coverage::Tiles, LodOptions::default());
+        Self { size, samples: 4, coverage, ssaa: 1, shadow_resolution, ambient_cells, lod }
     }
 
     /// How a view of it is made.
@@ -168,7 +171,7 @@ impl Scene {
         let (device, queue) = (&gpu.device, &gpu.queue);
         // Collapsing edges takes as long as everything else of a small character.
         let levels = character.head.clone().map(|head| Aside::start(move || head.levels()));
-        let options = HairOptions { simulation: *physics, ..Default::default() };
+        let options = HairOptions { simulation: *physics, lod: quality.lod, ..Default::default() };
         match (&mut character.anatomy, &character.head) {
             (Some(anatomy), Some(mesh)) => {
                 anatomy.arrange(colliders.joints(), mesh).context("colliders")?;

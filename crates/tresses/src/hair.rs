@@ -10,7 +10,7 @@ use crate::{
     groom::{BoundStrands, Groom, SdfGrid, TriMesh},
     interpolate::Interpolation,
     light::{HairSet, hair::knot_bytes},
-    lod::{self, Detail, GuideOrder, Lod, LodLevel},
+    lod::{self, Detail, GuideOrder, Lod, LodLevel, LodOptions},
     math::hash::pcg,
     progress::at_once,
     roots::{RootReport, Roots, Skin},
@@ -47,6 +47,9 @@ pub struct HairOptions {
     pub volume: VolumeOptions,
     /// How drawn strands avoid obstacles; can be changed later ([`Hair::avoidance`]).
     pub avoid: AvoidOptions,
+    /// How levels of detail are chosen; can be changed later ([`Lod::options`]). What strands cost that are as wide, and
+    /// that stray as far, is measured at load.
+    pub lod: LodOptions,
 }
 
 impl Default for HairOptions {
@@ -57,6 +60,7 @@ impl Default for HairOptions {
             clearance: 1.5e-3,
             volume: VolumeOptions::default(),
             avoid: AvoidOptions::default(),
+            lod: LodOptions::default(),
         }
     }
 }
@@ -247,7 +251,9 @@ impl Hair {
         let volume =
             Volume::within(device, &pipelines.volume, &guides, &rest, &options.volume, scratch.clone())?;
         let order = Arc::new(lod::guide_order(groom, rest.info, &arranged));
-        let lod = Lod::new(device, queue, &pipelines.widths, arranged, &infos, &strands, progress).await?;
+        let lod =
+            Lod::new(device, queue, &pipelines.widths, arranged, &infos, &strands, &options.lod, progress)
+                .await?;
         let mut set = HairSet::new(device, &strands)?.within(&scratch);
         set.area = lod.area();
         let (avoid, clearance) = (options.avoid, options.clearance);

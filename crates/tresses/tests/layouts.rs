@@ -507,8 +507,8 @@ fn hair() {
         single,
         dense,
         sunk,
-        _pad_a,
-        _pad_b,
+        packed,
+        _pad,
     });
     assert_eq!(wgsl_layout("light::material::HairUniform"), rust);
 }

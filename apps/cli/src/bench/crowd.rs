@@ -9,7 +9,7 @@ use super::{
 use crate::{args::Size, photographer::Photographer};
 use anyhow::{Context, Result};
 use serde::Serialize;
-use tresses::lod::{HeadChosen, LodOptions};
+use tresses::lod::{HeadChosen, LodMode, LodOptions};
 use tresses_scene::words::grouped;
 use tresses_scene::{Crowd, CrowdOptions, Motion, Viewpoint, camera::Angle, crowd::ROWS};
 
@@ -57,7 +57,9 @@ pub struct Row {
 /// Measures so many heads of the long style in motion.
 pub fn measure(heads: u32, sitting: Sitting<'_>) -> Result<Times> {
     let Sitting { frames, bar, .. } = sitting;
-    let preset = workload::style(Some(STRANDS), workload::Edges::default());
+    let mut preset = workload::style(Some(STRANDS), workload::Edges::default());
+    // Measured for the crowd; the portrait is in full detail, and awake.
+    preset.settings.lod = LodOptions { mode: LodMode::Off, sleep: false, ..LodOptions::CROWD };
     let mut scene = Photographer::with_samples_at_most(&preset, SIZE).context("a crowd")?;
     scene.measure_by(sitting.clock);
     // Heads of a crowd have none.
@@ -91,7 +93,6 @@ pub fn measure(heads: u32, sitting: Sitting<'_>) -> Result<Times> {
     }
     let options = CrowdOptions { heads, rows: ROWS, pigments: true };
     let mut crowd = Crowd::new(&mut scene, &options)?;
-    // The portrait is in full detail.
     crowd.set_lod(LodOptions::CROWD);
     let mut all = Vec::new();
     for frame in 0..=WARM_UP + frames + STAGED {

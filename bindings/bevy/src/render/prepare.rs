@@ -17,6 +17,7 @@ use tresses::{
     body::Body,
     collide::{Collider, ColliderDescriptor, FieldSource},
     groom::SdfGrid,
+    lod::LodOptions,
     simulate::SimulationParams,
     wgpu,
 };
@@ -43,6 +44,8 @@ struct Made {
     groom: HairGroom,
     /// Those of the rest shape.
     physics: SimulationParams,
+    /// What levels of detail are measured for.
+    detail: LodOptions,
     /// Those of the colliders that it can have.
     fields: Vec<Arc<SdfGrid>>,
 }
@@ -108,7 +111,12 @@ pub(crate) fn prepare(
         let place = places.entry(hair.entity).or_default();
         place.take(complaints);
         if !place.has(groom, &scene.fields) {
-            let made = Made { groom: groom.clone(), physics: hair.physics, fields: scene.fields.clone() };
+            let made = Made {
+                groom: groom.clone(),
+                physics: hair.physics,
+                detail: hair.detail,
+                fields: scene.fields.clone(),
+            };
             let gpu = (device.wgpu_device(), &**queue, &*pipelines);
             // Heads with the same groom share what does not change.
             if let Some(result) = twin(places, &made, gpu) {
@@ -205,9 +213,9 @@ impl Place {
 /// Makes hair, on a task: to measure its level of detail takes a while.
 fn make(made: &Made, (device, queue, pipelines): Gpu<'_>) -> Task<Result<Dressed>> {
     let (device, queue, pipelines) = (device.clone(), queue.clone(), pipelines.clone());
-    let Made { groom, physics, fields } = made.clone();
+    let Made { groom, physics, detail, fields } = made.clone();
     AsyncComputeTaskPool::get().spawn(async move {
-        let options = HairOptions { simulation: physics, ..groom.options };
+        let options = HairOptions { simulation: physics, lod: detail, ..groom.options };
         let fields: Vec<_> = fields.iter().map(|field| FieldSource::Grid(field)).collect();
         let colliders =
             ColliderDescriptor { head: groom.head.as_deref(), fields: &fields, ..Default::default() };

@@ -276,7 +276,8 @@ impl Settings {
     pub fn quality(&self, size: [u32; 2], most: u32) -> Result<Quality> {
         let ViewOptions { samples, coverage, shadow_resolution, ambient_cells, .. } =
             self.draw_options(most)?;
-        Ok(Quality { size, samples, coverage, ssaa: self.edges.ssaa, shadow_resolution, ambient_cells })
+        let (ssaa, lod) = (self.edges.ssaa, self.lod());
+        Ok(Quality { size, samples, coverage, ssaa, shadow_resolution, ambient_cells, lod })
     }
 
     /// How strands become what is drawn: on a built-in style, or `None` for a groom from files.

@@ -293,8 +293,8 @@ impl HairMaterial {
             single: drawn.single,
             dense: drawn.dense,
             sunk: drawn.sunk,
-            _pad_a: 0,
-            _pad_b: 0,
+            packed: drawn.packed,
+            _pad: 0,
         }
     }
 }
@@ -375,8 +375,8 @@ pub struct HairUniform {
     pub dense: f32,
     /// See [`crate::strands::Drawn::sunk`].
     pub sunk: f32,
+    /// See [`crate::strands::Drawn::packed`].
+    pub packed: f32,
     /// Unused.
-    pub _pad_a: u32,
-    /// Unused.
-    pub _pad_b: u32,
+    pub _pad: u32,
 }

@@ -132,10 +132,16 @@ const LEAST_SEGMENTS: f32 = 3.0;
 /// A last segment shorter than this share of the others is left out: rounding would turn it about.
 const LEAST_REST: f32 = 0.02;
 
+/// Where so many fibres lie before each other on average, cells of ambient light that are larger than usual begin to make
+/// hair darker, and where it is half a cell of their own that makes up for it; beyond that it may be twice as much.
+const PACKED: [f32; 2] = [3.0, 5.0];
+const MOST_PACKED: f32 = 2.0;
+
 /// What level of detail knows of one groom.
 #[derive(Debug)]
 pub struct Lod {
-    /// How it is chosen; [`LodOptions::check`] says what is allowed.
+    /// How it is chosen; [`LodOptions::check`] says what is allowed. What fewer strands cost is measured for those that the
+    /// hair was made with ([`HairOptions::lod`](crate::HairOptions::lod)).
     pub options: LodOptions,
     /// What fewer segments cost.
     pub curve: Arc<CurveTable>,
@@ -147,6 +153,8 @@ pub struct Lod {
     pub diameter: f32,
     /// See [`Drawn::dense`].
     dense: f32,
+    /// See [`Drawn::packed`].
+    packed: f32,
     /// The pixel at which strands are left out first where `cover` was measured, metres.
     measured: f32,
     /// How many strands each bucket ends with.
@@ -169,7 +177,8 @@ impl Lod {
     /// For `strands`, which [`arrange`] has put in order and of which `infos` are those on the GPU.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`].
+    /// [`crate::Error::Limit`]; [`crate::Error::Parameter`] when the options make no sense.
+    #[allow(clippy::too_many_arguments)]
     pub(crate) async fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -177,8 +186,10 @@ impl Lod {
         strands: BoundStrands,
         infos: &[Strand],
         buffers: &StrandBuffers,
+        options: &LodOptions,
         progress: &impl Progress,
     ) -> Result<Self> {
+        options.check()?;
         let ends = buckets(buffers.count, LEAST);
         let n = strands.vertex_count as usize;
         let (mut areas, mut area, mut length) = (Vec::new(), 0.0f64, 0.0f64);
@@ -196,13 +207,16 @@ impl Lod {
                 areas.push(area);
             }
         }
+        let radius = 0.5 * lo.distance(hi);
         let mut lod = Self {
-            options: LodOptions::default(),
+            options: *options,
             curve: CurveTable::new(&strands).into(),
             cover: Later::known(CoverTable::none()).into(),
-            sphere: (0.5 * (lo + hi), 0.5 * lo.distance(hi)),
+            sphere: (0.5 * (lo + hi), radius),
             diameter: (area / length.max(1e-12)).max(1e-9) as f32,
-            dense: lit::dense(length as f32 / infos.len().max(1) as f32, 0.5 * lo.distance(hi)),
+            dense: lit::dense(length as f32 / infos.len().max(1) as f32, radius),
+            packed: ((lit::dense(area as f32, radius) - PACKED[0]) / (PACKED[1] - PACKED[0]))
+                .clamp(0.0, MOST_PACKED),
             measured: f32::INFINITY,
             painted: Painted::none(infos.len()).into(),
             segments: strands.vertex_count.saturating_sub(1).max(1),
@@ -435,6 +449,7 @@ impl Lod {
             sunk: detail.sunk,
             single: detail.fraction.sqrt(),
             dense: self.dense,
+            packed: self.packed,
             ..drawn
         }
     }

@@ -116,6 +116,9 @@ pub struct Drawn {
     /// The mean length of a strand over the area in which strands lie beside each other, 1/m; 0 where nobody knows. Times the
     /// strands and the edge of a texel it is how many lie in a texel of a shadow map.
     pub dense: f32,
+    /// How far hair lies so thick that cells of ambient light which are larger than usual make it darker: 0 where they do
+    /// not, 1 where light from half a cell of their own ahead makes up for it, at most 2.
+    pub packed: f32,
 }
 
 impl Drawn {
@@ -133,6 +136,7 @@ impl Drawn {
                 sunk: 0.0,
                 single: 1.0,
                 dense: 0.0,
+                packed: 0.0,
             };
         }
         let segments = segments.max(1.0);
@@ -146,6 +150,7 @@ impl Drawn {
             sunk: 0.0,
             single: 1.0,
             dense: 0.0,
+            packed: 0.0,
         }
     }
 }

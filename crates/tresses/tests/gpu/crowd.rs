@@ -461,7 +461,7 @@ fn far_heads_do_not_flicker() {
     let (Some(gpu), Some(pipelines)) = (common::gpu(), common::pipelines()) else { return };
     let made = common::character("long", 10_000).expect("there is a GPU");
     let device = (&gpu.device, &gpu.queue);
-    let options = HairOptions::default();
+    let options = HairOptions { lod: LodOptions::CROWD, ..Default::default() };
     let first = Hair::new(device.0, device.1, pipelines, &made.groom, &options, Some(&made.field)).unwrap();
     let mut body = Body::new(&gpu.device, &made.mesh);
     let (lo, hi) = made.groom.bounds().unwrap();
@@ -474,7 +474,6 @@ fn far_heads_do_not_flicker() {
     };
     let mut run = |away: f32, azimuth: f32, every: Option<u32>| -> Vec<f64> {
         let mut hair = another(gpu, pipelines, &first);
-        hair.lod.options = LodOptions::CROWD;
         let height = (2.0 * focus.radius / (away * 0.000_744_3)).ceil() as u32;
         let eye =
             focus.center + Quat::from_rotation_y(azimuth) * Vec3::new(0.0, 0.02, 1.0).normalize() * away;

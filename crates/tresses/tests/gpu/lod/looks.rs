@@ -161,7 +161,8 @@ fn coarser_light_is_as_bright_from_afar() {
 #[ignore = "proof"]
 fn coverage_and_luminance_stay_at_any_distance() {
     let Some(stage) = Setup::open() else { return };
-    let mut hairs = [1, 2, 3, 4].map(|seed| stage.grown(&Style::default().with_seed(seed), 5000));
+    let mut hairs =
+        [1, 2, 3, 4].map(|seed| stage.grown(&Style::default().with_seed(seed), 5000, LodOptions::default()));
     check(stage, "long", &mut hairs, ALL);
     // The comparer sees strands that are not widened, and light that meets less of them.
     let hair = &mut hairs[0];
@@ -176,16 +177,14 @@ fn coverage_and_luminance_stay_at_any_distance() {
 #[ignore = "proof"]
 fn heads_of_a_crowd_keep_coverage_and_luminance() {
     let Some(stage) = Setup::open() else { return };
-    let mut hair = [stage.grown(&Style::default(), 5000)];
-    hair[0].lod.options = LodOptions::CROWD;
+    let mut hair = [stage.grown(&Style::default(), 5000, LodOptions::CROWD)];
     check(stage, "long of a crowd", &mut hair, &[2.0, 4.0, 6.5, 10.0, 16.0, 25.0, 40.0]);
 }
 
 /// With more strands than the rest of these have.
 fn check_many(stage: &Setup, options: LodOptions) {
     let each = [10_000, 30_000].map(|strands| {
-        let mut hair = [stage.grown(&Style::default(), strands)];
-        hair[0].lod.options = options;
+        let mut hair = [stage.grown(&Style::default(), strands, options)];
         beyond(stage, &format!("long of {strands}"), &mut hair, &[4.0, 6.5, 16.0])
     });
     assert!(each.concat().is_empty(), "{each:?}");
@@ -198,7 +197,6 @@ fn more_strands_keep_coverage_and_luminance() {
     check_many(stage, LodOptions::default());
 }
 
-/// docs/appearance/lod.md says what is not reached.
 #[test]
 #[ignore = "proof"]
 fn more_strands_of_a_crowd_keep_coverage_and_luminance() {

@@ -11,7 +11,7 @@ use tresses::{
     gpu::{Gpu, readback::blocking as readback},
     groom::{Groom, SdfGrid, styles::Style},
     light::{Lights, Sphere, material::linear},
-    lod::Detail,
+    lod::{Detail, LodOptions},
     present::Background,
     strands::StrandVertex,
     view::{Picture, ViewOptions},
@@ -44,8 +44,8 @@ impl Setup {
         (built.groom.clone(), built.field.clone())
     }
 
-    /// A style that may not be a default one.
-    pub fn grown(&self, style: &Style, strands: u32) -> Hair {
+    /// A style that may not be a default one, measured for levels of detail that are as `lod` has them.
+    pub fn grown(&self, style: &Style, strands: u32, lod: LodOptions) -> Hair {
         let made = drape::character(
             &self.gpu.device,
             &self.gpu.queue,
@@ -53,13 +53,17 @@ impl Setup {
             style,
             Some(strands),
         );
-        self.hair(&pollster::block_on(made).unwrap().groom, None)
+        self.measured(&pollster::block_on(made).unwrap().groom, None, lod)
     }
 
     pub fn hair(&self, groom: &Groom, field: Option<&SdfGrid>) -> Hair {
+        self.measured(groom, field, LodOptions::default())
+    }
+
+    fn measured(&self, groom: &Groom, field: Option<&SdfGrid>, lod: LodOptions) -> Hair {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
-        let mut hair =
-            Hair::new(device, queue, self.pipelines, groom, &HairOptions::default(), field).unwrap();
+        let options = HairOptions { lod, ..Default::default() };
+        let mut hair = Hair::new(device, queue, self.pipelines, groom, &options, field).unwrap();
         self.advance(&mut hair, Pose::IDENTITY, 0.0);
         hair
     }
