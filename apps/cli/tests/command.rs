@@ -211,7 +211,7 @@ fn asked(text: &str, title: &str) -> Option<[f64; 2]> {
 #[ignore = "proof"]
 fn a_crowd_keeps_the_budget_it_is_given_or_says_why_not() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let small = ["render", "--style", "short", "--size", "320x200", "--samples", "1", "--strands", "3000"];
+    let small = ["render", "--style", "short", "--size", "640x400", "--samples", "1", "--strands", "3000"];
     let crowd = |more: &[&str]| {
         let output =
             tresses(folder.path(), &[&small[..], &["--crowd", "3", "--out", "c.png"], more].concat());

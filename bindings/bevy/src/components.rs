@@ -72,6 +72,11 @@ pub struct HairPhysics(pub SimulationParams);
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 pub struct HairDetail(pub LodOptions);
 
+/// Hair that touches other hair which has this too, where they are near each other: they push each other out and rub
+/// against each other. Not for hair and brows of one head, which lie in each other at rest.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub struct HairMeets;
+
 /// The wind on all hair; calm at first.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
 pub struct GlobalHairWind(pub Wind);

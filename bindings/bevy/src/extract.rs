@@ -1,8 +1,8 @@
 //! What of the main world the next frame of hair needs.
 
 use crate::{
-    ColliderShape, GlobalHairWind, Hair3d, HairCollider, HairDetail, HairGroom, HairMaterial3d, HairPhysics,
-    HairReady, HairView, HairWind, NoHair,
+    ColliderShape, GlobalHairWind, Hair3d, HairCollider, HairDetail, HairGroom, HairMaterial3d, HairMeets,
+    HairPhysics, HairReady, HairView, HairWind, NoHair,
     lights::{SceneLight, rgb},
 };
 use bevy::{
@@ -41,6 +41,8 @@ pub(crate) struct SceneHair {
     pub detail: LodOptions,
     pub layers: RenderLayers,
     pub visible: bool,
+    /// Whether it meets others that do.
+    pub meets: bool,
     /// Whether it is there, to be told.
     pub ready: Arc<AtomicBool>,
 }
@@ -71,6 +73,7 @@ type Hairs<'a> = (
     &'a InheritedVisibility,
     Option<&'a HairWind>,
     Option<&'a RenderLayers>,
+    Has<HairMeets>,
 );
 
 type Placed<'a, L> = (&'a L, &'a GlobalTransform, &'a InheritedVisibility, Option<&'a RenderLayers>);
@@ -86,7 +89,7 @@ pub(crate) fn extract_hair(
 ) {
     scene.dt = time.delta_secs();
     scene.hair.clear();
-    for (entity, hair, material, physics, detail, ready, place, visible, own, layers) in &hair {
+    for (entity, hair, material, physics, detail, ready, place, visible, own, layers, meets) in &hair {
         let wind = own.map_or(wind.0, |wind| wind.0);
         scene.hair.push(SceneHair {
             entity,
@@ -97,6 +100,7 @@ pub(crate) fn extract_hair(
             detail: detail.0,
             layers: layers.cloned().unwrap_or_default(),
             visible: visible.get(),
+            meets,
             ready: ready.0.clone(),
         });
     }

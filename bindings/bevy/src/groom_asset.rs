@@ -9,7 +9,7 @@ use std::sync::Arc;
 use tresses::{
     HairOptions, drape,
     groom::{BindOptions, Groom, SdfGrid, Strands, TriMesh, bind, mesh::sdf, styles::Style},
-    simulate,
+    simulate::{self, Tie},
 };
 
 /// A groom, and the head that it grows on. Cheap to clone: what is large is shared.
@@ -24,14 +24,18 @@ pub struct HairGroom {
     /// The mesh of what it grows on, in the groom's space: its shadow falls on the hair, and light that it reflects. Bevy
     /// draws it where an entity has [`head_mesh`](Self::head_mesh).
     pub mesh: Option<Arc<TriMesh>>,
-    /// How it is brought to the GPU; `simulation` is the entity's [`HairPhysics`](crate::HairPhysics).
+    /// What holds it together or to the head: bands, braids, pins, where they are at rest.
+    pub ties: Vec<Tie>,
+    /// How it is brought to the GPU; `simulation` is the entity's [`HairPhysics`](crate::HairPhysics), `lod` its
+    /// [`HairDetail`](crate::HairDetail).
     pub options: HairOptions,
 }
 
 impl HairGroom {
     /// Hair without a head.
     pub fn new(groom: Groom) -> Self {
-        Self { groom: Arc::new(groom), head: None, mesh: None, options: HairOptions::default() }
+        let options = HairOptions::default();
+        Self { groom: Arc::new(groom), head: None, mesh: None, ties: Vec::new(), options }
     }
 
     /// Guides chosen among `strands`, which all others follow.
@@ -71,8 +75,15 @@ impl HairGroom {
             groom: Arc::new(made.groom),
             head: Some(Arc::new(made.field)),
             mesh: Some(Arc::new(made.mesh)),
+            ties: Vec::new(),
             options: HairOptions::default(),
         })
+    }
+
+    /// The same hair with what holds it together or to the head, where that is at rest.
+    pub fn with_ties(mut self, ties: Vec<Tie>) -> Self {
+        self.ties = ties;
+        self
     }
 
     /// The mesh of what it grows on, for Bevy to draw.
@@ -88,6 +99,7 @@ impl HairGroom {
         Arc::ptr_eq(&self.groom, &other.groom)
             && same(&self.head, &other.head)
             && same(&self.mesh, &other.mesh)
+            && self.ties == other.ties
             && self.options == other.options
     }
 }

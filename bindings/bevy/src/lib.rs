@@ -36,8 +36,8 @@ mod plugin;
 mod render;
 
 pub use components::{
-    ColliderShape, GlobalHairWind, Hair3d, HairCollider, HairDetail, HairMaterial3d, HairPhysics, HairReady,
-    HairView, HairWind, NoHair,
+    ColliderShape, GlobalHairWind, Hair3d, HairCollider, HairDetail, HairMaterial3d, HairMeets, HairPhysics,
+    HairReady, HairView, HairWind, NoHair,
 };
 pub use groom_asset::HairGroom;
 pub use loader::{HairGroomLoader, HairGroomSettings};

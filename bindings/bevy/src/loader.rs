@@ -83,6 +83,7 @@ impl AssetLoader for HairGroomLoader {
             groom: Arc::new(groom),
             head: head.map(Arc::new),
             mesh: mesh.map(Arc::new),
+            ties: Vec::new(),
             options: HairOptions::default(),
         })
     }

@@ -199,6 +199,7 @@ impl Recorder<'_> {
             }
             self.stage(Stage::Simulate, |pass| hair.record_simulate(pass, &pipelines.simulate, step));
         }
+        hair.volume.part();
         kernel::refused()
     }
 

@@ -30,6 +30,7 @@ use sleep::{Sleep, sees};
 use std::sync::Arc;
 
 mod hold;
+mod meet;
 mod record;
 mod share;
 mod sleep;

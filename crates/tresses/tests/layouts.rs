@@ -212,6 +212,7 @@ fn volume() {
             samples,
             _pad_a,
             _pad_b,
+            turn,
         })
     );
     let blur = rust_layout!(Blur { radius, taps, _pad_a, _pad_b, weights });

@@ -81,6 +81,18 @@ impl Wardrobe {
         self.places.get(&entity)?.worn.as_ref()
     }
 
+    /// Hair that meets, by `entities`, in the order of these.
+    pub fn meeting(&mut self, entities: &[Entity]) -> Vec<&mut Hair> {
+        let mut hair = Vec::with_capacity(entities.len());
+        for (entity, place) in &mut self.places {
+            if let Some(at) = entities.iter().position(|other| other == entity) {
+                hair.extend(place.worn.as_mut().map(|worn| (at, &mut worn.hair)));
+            }
+        }
+        hair.sort_by_key(|(at, _)| *at);
+        hair.into_iter().map(|(_, hair)| hair).collect()
+    }
+
     /// The same to be changed.
     pub fn worn_mut(&mut self, entity: Entity) -> Option<&mut Worn> {
         self.places.get_mut(&entity)?.worn.as_mut()
@@ -219,8 +231,11 @@ fn make(made: &Made, (device, queue, pipelines): Gpu<'_>) -> Task<Result<Dressed
         let fields: Vec<_> = fields.iter().map(|field| FieldSource::Grid(field)).collect();
         let colliders =
             ColliderDescriptor { head: groom.head.as_deref(), fields: &fields, ..Default::default() };
-        let hair =
+        let mut hair =
             Hair::with_progress(&device, &queue, &pipelines, &groom.groom, &options, &colliders, &()).await?;
+        if !groom.ties.is_empty() {
+            hair.tie(&device, &queue, &pipelines, &groom.groom, &groom.ties)?;
+        }
         let body = groom.mesh.as_ref().map(|mesh| Body::new(&device, mesh));
         Ok((hair, body))
     })

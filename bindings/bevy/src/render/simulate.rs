@@ -12,7 +12,7 @@ use bevy::{
     },
 };
 use tresses::{
-    Camera, Pose, Result,
+    Camera, Hair, Pose, Result,
     collide::{Collider, ColliderPoses},
     frame::{Frame, Recorder},
     wgpu,
@@ -42,6 +42,9 @@ pub(crate) fn simulate(
         .filter_map(|(entity, view)| Some((camera(view), scene.cameras.get(&entity.entity())?)))
         .collect();
     let device = device.wgpu_device();
+    let meeting = scene.hair.iter().filter(|hair| hair.meets && hair.visible);
+    let meeting: Vec<_> = meeting.map(|hair| hair.entity).collect();
+    Hair::meet_each_other(device, &pipelines, &mut wardrobe.meeting(&meeting));
     for hair in &scene.hair {
         let Some(worn) = wardrobe.worn_mut(hair.entity) else { continue };
         if !hair.visible {

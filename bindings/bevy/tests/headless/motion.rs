@@ -2,7 +2,7 @@
 
 use crate::common::{Picture, after, app, camera, groom, light, middle, wait};
 use bevy::prelude::*;
-use bevy_tresses::{GlobalHairWind, Hair3d, HairCollider, HairGroom, HairMaterial3d, tri_mesh};
+use bevy_tresses::{GlobalHairWind, Hair3d, HairCollider, HairGroom, HairMaterial3d, HairMeets, tri_mesh};
 use tresses::{light::HairMaterial, wind::Wind};
 
 /// Where hair is.
@@ -98,4 +98,26 @@ fn hair_goes_with_joints_and_gives_way() {
     ));
     let lamp = brightness(&mut app);
     assert!(blond > 1.5 * brown && dark < 0.5 * blond && lamp > 2.0 * dark, "{brown} {blond} {dark} {lamp}");
+}
+
+#[test]
+fn hair_of_two_heads_meets() {
+    let mut app = app("assets");
+    light(&mut app);
+    let (_, image) = camera(&mut app);
+    let bare = after(&mut app, 3, &image);
+    let groom = app.world_mut().resource_mut::<Assets<HairGroom>>().add(groom());
+    let left = app.world_mut().spawn(Hair3d(groom.clone())).id();
+    // The second one's fan reaches into the first one's.
+    let turned = Transform::from_rotation(Quat::from_rotation_y(std::f32::consts::PI));
+    let facing = app.world_mut().spawn((Hair3d(groom), turned.with_translation(Vec3::X * 0.26))).id();
+    wait(&mut app);
+    let through = seen(&mut app, 40, &image, &bare);
+    app.world_mut().entity_mut(left).insert(HairMeets);
+    let alone = seen(&mut app, 40, &image, &bare);
+    app.world_mut().entity_mut(facing).insert(HairMeets);
+    let beside = seen(&mut app, 40, &image, &bare);
+    let differ = |a: &[[u32; 2]], b: &[[u32; 2]]| a.iter().filter(|p| !b.contains(p)).count();
+    assert!(differ(&alone, &through) < 10, "there is nobody to meet: {}", differ(&alone, &through));
+    assert!(differ(&beside, &through) > 60, "{} pixels of {}", differ(&beside, &through), through.len());
 }

@@ -30,6 +30,7 @@ impl Hair {
         frame.space.check()?;
         frame.drawn_in.map_or(Ok(()), |space| space.check())?;
         self.substeps = frame.simulation.substeps;
+        self.volume.begin();
         let back = self.sleep.carried(frame);
         if self.dozes(frame) {
             self.shifts = false;
@@ -66,6 +67,7 @@ impl Hair {
         if self.forced {
             let due = Steps { steps: &steps, length: physics.step, substeps: physics.substeps };
             self.volume.prepare(queue, &physics.hair_hair, &due, &self.colliders);
+            self.volume.prepare_others(queue, &physics.hair_hair, &due, way);
             if let Some(air) = self.air.as_mut().filter(|_| self.windy) {
                 let grid = &self.volume.grid;
                 let hair = HairGrid { bias: grid.bias, scale: grid.scale };
@@ -129,6 +131,7 @@ impl Hair {
         let may = self.lod.options.sleep
             && self.roots.is_none()
             && !self.grab.is_active()
+            && !self.volume.meets()
             && !frame.simulation.wind.blows();
         if !may {
             self.sleep.wake();

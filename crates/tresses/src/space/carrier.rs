@@ -229,6 +229,14 @@ impl Carrier {
         carried
     }
 
+    /// By how much faster this goes than another's, where both are known, m/s in its own axes.
+    pub fn faster_than(&self, other: &Self) -> Vec3 {
+        match (self.velocity, other.velocity) {
+            (Some(own), Some(other)) => (self.axes.inverse() * (own - other)).as_vec3(),
+            _ => Vec3::ZERO,
+        }
+    }
+
     /// From the space to the carrier as that is now.
     fn passage(&self, space: &Space) -> Passage {
         Passage { from: self.rotation, to: space.rotation, axes: self.axes, fixed: self.fixed }

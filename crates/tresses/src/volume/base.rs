@@ -8,10 +8,10 @@ use crate::{
     Pose,
     strands::{Guide, GuideBuffers, RestGuides},
 };
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
 /// What all hair together weighs in the integers of the splat.
-const TOTAL_UNITS: f64 = (1u64 << 30) as f64;
+pub(super) const TOTAL_UNITS: f64 = (1u64 << 30) as f64;
 
 /// The most vertices of a guide that become one sample.
 const MOST_TOGETHER: u32 = 4;
@@ -49,6 +49,7 @@ impl VolumeUniforms {
             vertices_per_sample,
             samples,
             one: 1,
+            turn: Quat::IDENTITY.into(),
             units: units as f32,
             density: density as f32,
             reference: mean_density(rest).max(1e-6),

@@ -46,6 +46,9 @@
 //! [`VolumeOptions::most_splatted`] samples splat every second, third, ... guide with its share of the
 //! hair.
 //!
+//! **Other grooms** that are met ([`Hair::meet`](crate::Hair::meet)) are splatted into the same cells: what they are too
+//! dense for together pushes both apart.
+//!
 //! **Known limits.** Hair outside the grid is not counted and feels nothing. The push cannot resolve
 //! strands within a cell: locks in one cell may interpenetrate.
 //!
@@ -57,6 +60,7 @@
 
 mod base;
 mod grid;
+mod others;
 pub mod params;
 mod pipelines;
 mod state;
@@ -67,6 +71,7 @@ mod gpu_tests;
 mod reference;
 
 pub use grid::Grid;
+pub(crate) use others::Other;
 pub use params::{HairHair, HairHairMode};
 pub use pipelines::Pipelines;
 pub use state::{Volume, VolumeOptions};

@@ -176,6 +176,8 @@ pub struct VolumeUniforms {
     pub _pad_a: u32,
     /// Unused.
     pub _pad_b: u32,
+    /// From the axes of velocities to those of the grid's momentum, quaternion: those of another groom's may differ.
+    pub turn: [f32; 4],
 }
 
 /// The blur along one axis, for four cells in a row.

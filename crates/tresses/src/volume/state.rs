@@ -2,6 +2,7 @@
 
 use super::{
     Grid, HairHair, HairHairMode, Pipelines,
+    others::Met,
     params::{Blur, VolumeUniforms},
 };
 use crate::{
@@ -15,7 +16,7 @@ use crate::{
 use glam::Vec3;
 
 /// Bytes from one step's uniforms to the next's: a multiple of every adapter's alignment.
-const STRIDE: u32 = 512;
+pub(super) const STRIDE: u32 = 512;
 /// The slot of the uniforms of the rest pose, after those of a frame's steps.
 const RESTING: u32 = MAX_STEPS;
 /// Integers per cell, as in the shaders.
@@ -75,7 +76,10 @@ pub struct Volume {
     obstacles: wgpu::Buffer,
     rest: wgpu::Buffer,
     blur: wgpu::Buffer,
-    rested: wgpu::Buffer,
+    pub(super) rested: wgpu::Buffer,
+    /// Hair of other grooms that is in the grid as well, and whether that was in the last frame only.
+    pub(super) others: Vec<Met>,
+    pub(super) parted: bool,
     /// The rest of the textures: sums, twice; the second also holds densities.
     scratch: [wgpu::TextureView; 2],
     pub(super) groups: Groups,
@@ -163,6 +167,8 @@ impl Volume {
             rest: rest_density,
             blur,
             rested,
+            others: Vec::new(),
+            parted: false,
             scratch: [first, second],
             groups,
             base,
@@ -209,6 +215,8 @@ impl Volume {
             rest,
             blur,
             rested,
+            others: Vec::new(),
+            parted: false,
             scratch: self.scratch.clone(),
             base: self.base,
             modes: Vec::new(),
@@ -262,6 +270,7 @@ impl Volume {
             .map(|i| self.obstacles_move(&steps[i].begin, colliders, i * frame.substeps as usize))
             .collect();
         let base = self.with(params, h);
+        let share = self.shared_units() as f32;
         // The rest density holds for one blur.
         let variance = self.variance(params);
         self.rest_blur.1 = variance.to_bits();
@@ -277,7 +286,8 @@ impl Volume {
         for (i, step) in steps.iter().enumerate() {
             let drift = (step.end.translation - step.begin.translation) / h.max(1e-6);
             let moment = i as u32 * frame.substeps;
-            put(i, &VolumeUniforms { moment, ..base.placed(&step.begin, drift) });
+            let (units, density) = (base.units * share, base.density / share);
+            put(i, &VolumeUniforms { moment, units, density, ..base.placed(&step.begin, drift) });
         }
         put(RESTING as usize, &VolumeUniforms { resting: 1, ..base.placed(&Pose::IDENTITY, Vec3::ZERO) });
         queue.write_buffer(&self.uniforms, 0, &bytes);
@@ -298,14 +308,14 @@ impl Volume {
             pipelines.obstacles.record(pass, &self.groups.obstacles, &[Self::offset(i)], cells);
         }
         if mode == Mode::Reset || (mode == Mode::Step && self.rest_blur.0 != Some(self.rest_blur.1)) {
-            self.grids(pipelines, pass, RESTING);
+            self.grids(pipelines, pass, RESTING, &[]);
             let vertices = self.base.guide_count * self.base.vertex_count;
             let workgroups = vertices.div_ceil(VOLUME_WORKGROUP);
             pipelines.settle.record(pass, &self.groups.settle, &[Self::offset(RESTING)], workgroups);
             self.rest_blur.0 = Some(self.rest_blur.1);
         }
         if mode == Mode::Step {
-            self.grids(pipelines, pass, i);
+            self.grids(pipelines, pass, i, &self.others);
             pipelines.push.record_grid(pass, &self.groups.push, &[Self::offset(i)], self.tiles([1, 1, 1]));
         }
     }
@@ -331,11 +341,18 @@ impl Volume {
         !same
     }
 
-    /// Hair into the grid.
-    pub(super) fn grids(&self, pipelines: &Pipelines, pass: &mut crate::gpu::ComputePass<'_>, slot: u32) {
+    /// Hair into the grid, its own and that of others.
+    pub(super) fn grids(
+        &self,
+        pipelines: &Pipelines,
+        pass: &mut crate::gpu::ComputePass<'_>,
+        slot: u32,
+        others: &[Met],
+    ) {
         let offset = [Self::offset(slot)];
         let splatted = (self.base.splat_count * self.base.samples).div_ceil(VOLUME_WORKGROUP);
         pipelines.splat.record(pass, &self.groups.splat, &offset, splatted);
+        others.iter().for_each(|other| other.record(pipelines, pass, slot));
         pipelines.sum.record_grid(pass, &self.groups.sum, &offset, self.tiles([1, 1, 1]));
         for (axis, four) in [[4, 1, 1], [1, 4, 1]].into_iter().enumerate() {
             pipelines.blur[axis].record_grid(pass, &self.groups.blur[axis], &offset, self.tiles(four));
@@ -366,7 +383,7 @@ impl Volume {
     }
 
     /// The uniforms with what the user sets.
-    fn with(&self, params: &HairHair, h: f32) -> VolumeUniforms {
+    pub(super) fn with(&self, params: &HairHair, h: f32) -> VolumeUniforms {
         let smooth = params.mode != HairHairMode::Fixed;
         let cell = self.base.cell;
         let speed = params.speed.min(params.blur.max(cell) / h.max(1e-6));
@@ -440,7 +457,7 @@ fn groups(
 }
 
 /// One step's uniforms.
-fn slot(uniforms: &wgpu::Buffer) -> wgpu::BindingResource<'_> {
+pub(super) fn slot(uniforms: &wgpu::Buffer) -> wgpu::BindingResource<'_> {
     wgpu::BindingResource::Buffer(wgpu::BufferBinding {
         buffer: uniforms,
         offset: 0,

@@ -24,6 +24,7 @@ mod grooms;
 mod interpolate;
 mod labels;
 mod lod;
+mod meet;
 mod moving;
 mod physics;
 mod pipelines;
