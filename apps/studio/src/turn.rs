@@ -145,11 +145,12 @@ pub fn draw_options(settings: &Settings, tier: &Tier) -> tresses::Result<ViewOpt
         return settings.draw_options(tier.max_samples);
     }
     let fast = ViewOptions { samples: 4, coverage: Coverage::SampleMask, ..Default::default() };
-    let shadow_resolution = settings.shadow_resolution;
+    let Settings { shadow_resolution, ambient_cells, .. } = *settings;
     Ok(if tier.software {
         // An eighth of the cells, whose work does not fall with the strands.
-        ViewOptions { samples: 1, shadow_resolution: shadow_resolution.min(256), ambient_cells: 12, ..fast }
+        let (shadow_resolution, ambient_cells) = (shadow_resolution.min(256), ambient_cells.min(12));
+        ViewOptions { samples: 1, shadow_resolution, ambient_cells, ..fast }
     } else {
-        ViewOptions { shadow_resolution, ..fast }
+        ViewOptions { shadow_resolution, ambient_cells, ..fast }
     })
 }

@@ -58,7 +58,8 @@ pub struct Shading;
 
 impl Rows for Shading {
     fn has(flag: &Flag) -> bool {
-        ["shading", "melanin", "roughness", "shade-per", "ambient", "shadows"].contains(&flag.name)
+        ["shading", "melanin", "roughness", "shade-per", "ambient", "ambient-cells", "shadows"]
+            .contains(&flag.name)
     }
 }
 

@@ -161,6 +161,8 @@ impl Rig {
     fn scene(&mut self, view: &WantedView<'_>, scenes: &Scenes, shading: &RowFlags<Shading>) -> Result<Shot> {
         let mut settings = material(view.material)?;
         apply_rows(shading, &mut settings)?;
+        let options = ViewOptions { ambient_cells: settings.ambient_cells, ..*self.view.options() };
+        self.view.set_options(&self.gpu.device, &self.pipelines, &options)?;
         let camera = &view.groom.camera;
         let place = |p: [f32; 3]| Vec3::from(p) * self.unit;
         let (eye, target) = (place(camera.origin), place(camera.target));

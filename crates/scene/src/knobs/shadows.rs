@@ -28,6 +28,9 @@ const KNOBS: &[Knob] = rows! { "shadows";
     "resolution" "Resolution" [shadow_resolution] integer(TEXELS, 64, 2048, 1),
         advanced, rebuild, flag(flag("shadow-resolution", "N")),
         "Texels along each edge of a shadow map; higher for shadows of single locks on the skin.";
+    "ambient_cells" "Ambient cells" [ambient_cells] integer(PLAIN, 4, 64, 1), advanced, rebuild,
+        flag(flag("ambient-cells", "N")),
+        "Cells of ambient light along each edge; short hair is truer with 48, which take eight times as long as 24.";
     "body_softness" "Softness on skin" [shadows.body_radius] number(MILLIMETRES, 0.1, 50.0).log(), advanced,
         "Radius over which the shadow of the body on itself is averaged.";
     "density" "Assumed density" [shadows.density] number(PER_METRE, 0.0, 10_000.0).log(), advanced,

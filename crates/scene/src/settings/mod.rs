@@ -104,6 +104,8 @@ pub struct Settings {
     pub shadows: Shadows,
     /// Texels along each edge of a shadow map.
     pub shadow_resolution: u32,
+    /// Cells along each edge of the grid of ambient light.
+    pub ambient_cells: u32,
     /// How finely pictures are sampled.
     pub edges: EdgeSettings,
     /// How much of the hair is drawn; the share of [`LodMode::Fixed`] is [`lod_fraction`](Self::lod_fraction).
@@ -125,6 +127,7 @@ impl Default for Settings {
             lights: LightSettings::default(),
             shadows: Shadows::default(),
             shadow_resolution: ViewOptions::default().shadow_resolution,
+            ambient_cells: ViewOptions::default().ambient_cells,
             edges: EdgeSettings::default(),
             lod: LodOptions::default(),
             lod_fraction: 1.0,
@@ -246,8 +249,8 @@ impl Settings {
     /// Samples and coverage that do not go together.
     pub fn draw_options(&self, most: u32) -> Result<ViewOptions> {
         let (samples, coverage) = self.sampling(most)?;
-        let shadow_resolution = self.shadow_resolution;
-        Ok(ViewOptions { samples, coverage, shadow_resolution, ..Default::default() })
+        let Self { shadow_resolution, ambient_cells, .. } = *self;
+        Ok(ViewOptions { samples, coverage, shadow_resolution, ambient_cells, ..Default::default() })
     }
 
     /// The pipelines of a picture of hair at rest, for a view with `options`.
