@@ -6,9 +6,9 @@
 //! ```
 //!
 //! Any number of grooms and views go into one submission. What a groom is goes with [`Hair`], what a view has with
-//! [`View`]: neither knows what else is recorded, as long as each is recorded once. The grooms of a view lie in the
-//! same shadow maps and the same grid of light, and each pass that draws hair draws all of them, so that their order
-//! means nothing.
+//! [`View`]: neither knows what else is recorded, as long as each is recorded once, but for grooms that
+//! [meet](Hair::meet). The grooms of a view lie in the same shadow maps and the same grid of light, and each pass that
+//! draws hair draws all of them, so that their order means nothing.
 
 use crate::{
     Error, Hair, Pipelines, Pose, Result,
