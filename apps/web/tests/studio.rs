@@ -250,9 +250,10 @@ fn a_real_groom_in_full_in_a_browser() {
         state["file"].as_str().is_some_and(|file| file.starts_with("Sintel")) && state["step"] == ""
     });
     browser.drag(TIME, TIME);
-    // The box is where it is once that page has been shown.
-    let painted = state(browser, |_| true)["painted"].as_u64();
-    state(browser, |state| state["painted"].as_u64() > painted.map(|painted| painted + 1));
+    // The box is there once that page is shown, which waits for frames of seconds.
+    let frames = state(browser, |_| true)["frames"].as_u64();
+    state(browser, |state| state["frames"].as_u64() > frames.map(|frames| frames + 3));
+    browser.picture();
     browser.drag(KEEP_SHORT, KEEP_SHORT);
     let size = state(browser, |state| state["size"] == serde_json::json!([1280, 720]))["size"].clone();
     let mut frames: Vec<f64> = (0..7)
