@@ -4,6 +4,7 @@ use crate::{
     ball::Ball,
     device,
     dialog::Dialogs,
+    events::Waiting,
     files::Files,
     hair::Hair,
     head,
@@ -45,6 +46,8 @@ pub struct Studio {
     pub(crate) state: RenderState,
     pub(crate) pipelines: Option<Arc<Pipelines>>,
     pub(crate) dialogs: Dialogs,
+    /// What the pointer did that the next frame is told.
+    pub(crate) waiting: Waiting,
     /// The picture is to be saved.
     pub(crate) wants_picture: bool,
     /// The last frame was drawn to be saved.
@@ -129,6 +132,7 @@ impl Studio {
         Ok(Self {
             settings: History::new(settings, hair),
             dialogs: Dialogs::default(),
+            waiting: Waiting::default(),
             wants_picture: false,
             kept: false,
             said: None,
@@ -181,6 +185,12 @@ impl Studio {
 }
 
 impl eframe::App for Studio {
+    fn raw_input_hook(&mut self, context: &egui::Context, input: &mut egui::RawInput) {
+        if self.waiting.exchange(&mut input.events) {
+            context.request_repaint();
+        }
+    }
+
     fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
         let context = ui.ctx().clone();
         #[cfg(not(target_arch = "wasm32"))]

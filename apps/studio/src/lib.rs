@@ -19,6 +19,7 @@ pub mod ball;
 pub mod blit;
 pub mod device;
 pub mod dialog;
+pub mod events;
 pub mod files;
 pub mod flight;
 pub mod frame;

@@ -20,8 +20,8 @@ pub const ALARM: Color32 = Color32::from_rgb(0xe5, 0x73, 0x5f);
 /// Dresses `context`.
 pub fn apply(context: &egui::Context) {
     context.set_theme(egui::Theme::Dark);
-    // Where a frame takes half a second the usual 0.8 s are over before a press and its release are seen.
-    context.options_mut(|options| options.input_options.max_click_duration = 3.0);
+    // Where a frame takes seconds any limit is over before a press and its release are seen: a click may last.
+    context.options_mut(|options| options.input_options.max_click_duration = f64::INFINITY);
     let mut visuals = Visuals::dark();
     // The window is cleared in their colour.
     visuals.panel_fill = Color32::TRANSPARENT;

@@ -7,6 +7,7 @@
 //! move.
 
 use crate::{Pose, space::Map};
+use glam::Vec3;
 
 /// The most fixed steps of one frame.
 pub const MAX_STEPS: u32 = 8;
@@ -39,6 +40,13 @@ pub struct Step {
     pub from: f32,
     /// Where in the frame's motion it ends, 0..=1.
     pub to: f32,
+}
+
+impl Step {
+    /// How fast the head goes in it, m/s, if it takes `length` seconds.
+    pub(crate) fn drift(&self, length: f32) -> Vec3 {
+        (self.end.translation - self.begin.translation) / length.max(1e-6)
+    }
 }
 
 /// The fixed steps of a frame with their lengths.

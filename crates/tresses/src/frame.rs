@@ -199,7 +199,6 @@ impl Recorder<'_> {
             }
             self.stage(Stage::Simulate, |pass| hair.record_simulate(pass, &pipelines.simulate, step));
         }
-        hair.volume.part();
         kernel::refused()
     }
 

@@ -199,7 +199,14 @@ impl Browser {
         self.call("Input.dispatchMouseEvent", event);
     }
 
-    /// Presses the mouse at `from` and lets it go at `to`; a click where both are one.
+    /// Clicks at `place`.
+    pub fn click(&mut self, place: [f64; 2]) {
+        for kind in ["mouseMoved", "mousePressed", "mouseReleased"] {
+            self.mouse(kind, place);
+        }
+    }
+
+    /// Presses the mouse at `from` and lets it go at `to`.
     pub fn drag(&mut self, from: [f64; 2], to: [f64; 2]) {
         self.mouse("mouseMoved", from);
         self.mouse("mousePressed", from);

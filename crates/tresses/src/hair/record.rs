@@ -26,11 +26,11 @@ impl Hair {
         pipelines: &Pipelines,
         frame: &Frame<'_>,
     ) -> Result<u32> {
+        self.volume.begin();
         frame.simulation.check()?;
         frame.space.check()?;
         frame.drawn_in.map_or(Ok(()), |space| space.check())?;
         self.substeps = frame.simulation.substeps;
-        self.volume.begin();
         let back = self.sleep.carried(frame);
         if self.dozes(frame) {
             self.shifts = false;

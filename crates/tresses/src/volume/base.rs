@@ -6,6 +6,7 @@ use super::{
 };
 use crate::{
     Pose,
+    constants::VOLUME_WORKGROUP,
     strands::{Guide, GuideBuffers, RestGuides},
 };
 use glam::{Quat, Vec3};
@@ -55,6 +56,11 @@ impl VolumeUniforms {
             reference: mean_density(rest).max(1e-6),
             ..Default::default()
         }
+    }
+
+    /// How many workgroups splat the hair.
+    pub(super) fn splat_workgroups(&self) -> u32 {
+        (self.splat_count * self.samples).div_ceil(VOLUME_WORKGROUP)
     }
 
     /// These with the head at `pose`, moving at `drift` (m/s).

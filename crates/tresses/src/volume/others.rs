@@ -8,12 +8,11 @@
 use super::{
     HairHair, Pipelines, Volume,
     params::VolumeUniforms,
-    state::{STRIDE, slot},
+    state::{STRIDE, Slots, slot},
 };
 use crate::{
     Pose,
     clock::{MAX_STEPS, Steps},
-    constants::VOLUME_WORKGROUP,
     gpu::bindings,
     strands::GuideBuffers,
 };
@@ -44,8 +43,7 @@ pub(super) struct Met {
 impl Met {
     /// Records it into the grid in step `i`.
     pub fn record(&self, pipelines: &Pipelines, pass: &mut crate::gpu::ComputePass<'_>, i: u32) {
-        let workgroups = (self.base.splat_count * self.base.samples).div_ceil(VOLUME_WORKGROUP);
-        pipelines.splat.record(pass, &self.splat, &[Volume::offset(i)], workgroups);
+        pipelines.splat.record(pass, &self.splat, &[Volume::offset(i)], self.base.splat_workgroups());
     }
 }
 
@@ -72,24 +70,19 @@ impl Volume {
             Met { guides: guides.current.clone(), uniforms, splat, base: volume.base, way, closing }
         };
         self.others = others.filter(|other| other.volume.base.metres() > 0.0).map(&mut met).collect();
-        self.parted = false;
+        self.meets_next = true;
     }
 
     /// Whether any others are in its grid in this frame.
     pub(crate) fn meets(&self) -> bool {
-        !self.others.is_empty() && !self.parted
+        !self.others.is_empty()
     }
 
     /// A frame begins: those of the last one, whom it does not meet again, are forgotten.
     pub(crate) fn begin(&mut self) {
-        if self.parted {
+        if !std::mem::take(&mut self.meets_next) {
             self.others.clear();
         }
-    }
-
-    /// After the frame: whom it is to meet in the next one is said anew. What was made for them is kept for that.
-    pub(crate) fn part(&mut self) {
-        self.parted = true;
     }
 
     /// By how much the integers of all hair are smaller, so that their sum is no larger.
@@ -123,16 +116,14 @@ impl Volume {
                 turn: way.rotation.into(),
                 ..own
             };
-            let mut bytes = vec![0u8; (STRIDE * MAX_STEPS) as usize];
+            let mut slots = Slots::new(MAX_STEPS);
             for (i, step) in frame.last().iter().enumerate() {
-                let drift = (step.end.translation - step.begin.translation) / frame.length.max(1e-6);
                 // The head as the other's carrier has it.
                 let head = way.inverse().after(&step.begin);
-                let uniforms = base.placed(&head, way.rotation.conjugate() * (drift + met.closing));
-                let at = i * STRIDE as usize;
-                bytes[at..at + size_of::<VolumeUniforms>()].copy_from_slice(bytemuck::bytes_of(&uniforms));
+                let drift = way.rotation.conjugate() * (step.drift(frame.length) + met.closing);
+                slots.put(i as u32, &base.placed(&head, drift));
             }
-            queue.write_buffer(&met.uniforms, 0, &bytes);
+            queue.write_buffer(&met.uniforms, 0, &slots.0);
         }
     }
 }

@@ -77,9 +77,9 @@ pub struct Volume {
     rest: wgpu::Buffer,
     blur: wgpu::Buffer,
     pub(super) rested: wgpu::Buffer,
-    /// Hair of other grooms that is in the grid as well, and whether that was in the last frame only.
+    /// Hair of other grooms that is in the grid as well, and whether that was said since the last frame began.
     pub(super) others: Vec<Met>,
-    pub(super) parted: bool,
+    pub(super) meets_next: bool,
     /// The rest of the textures: sums, twice; the second also holds densities.
     scratch: [wgpu::TextureView; 2],
     pub(super) groups: Groups,
@@ -168,7 +168,7 @@ impl Volume {
             blur,
             rested,
             others: Vec::new(),
-            parted: false,
+            meets_next: false,
             scratch: [first, second],
             groups,
             base,
@@ -216,7 +216,7 @@ impl Volume {
             blur,
             rested,
             others: Vec::new(),
-            parted: false,
+            meets_next: false,
             scratch: self.scratch.clone(),
             base: self.base,
             modes: Vec::new(),
@@ -278,19 +278,16 @@ impl Volume {
             queue.write_buffer(&self.blur, 0, bytemuck::bytes_of(&Blur::new(variance)));
             self.written_blur = Some(self.rest_blur.1);
         }
-        let mut bytes = vec![0u8; (STRIDE * (RESTING + 1)) as usize];
-        let mut put = |i: usize, uniforms: &VolumeUniforms| {
-            let at = i * STRIDE as usize;
-            bytes[at..at + size_of::<VolumeUniforms>()].copy_from_slice(bytemuck::bytes_of(uniforms));
-        };
+        let mut slots = Slots::new(RESTING + 1);
         for (i, step) in steps.iter().enumerate() {
-            let drift = (step.end.translation - step.begin.translation) / h.max(1e-6);
             let moment = i as u32 * frame.substeps;
             let (units, density) = (base.units * share, base.density / share);
-            put(i, &VolumeUniforms { moment, units, density, ..base.placed(&step.begin, drift) });
+            let placed = base.placed(&step.begin, step.drift(h));
+            slots.put(i as u32, &VolumeUniforms { moment, units, density, ..placed });
         }
-        put(RESTING as usize, &VolumeUniforms { resting: 1, ..base.placed(&Pose::IDENTITY, Vec3::ZERO) });
-        queue.write_buffer(&self.uniforms, 0, &bytes);
+        let resting = base.placed(&Pose::IDENTITY, Vec3::ZERO);
+        slots.put(RESTING, &VolumeUniforms { resting: 1, ..resting });
+        queue.write_buffer(&self.uniforms, 0, &slots.0);
     }
 
     /// Records step `i` of those that [`prepare`](Self::prepare) wrote.
@@ -308,14 +305,14 @@ impl Volume {
             pipelines.obstacles.record(pass, &self.groups.obstacles, &[Self::offset(i)], cells);
         }
         if mode == Mode::Reset || (mode == Mode::Step && self.rest_blur.0 != Some(self.rest_blur.1)) {
-            self.grids(pipelines, pass, RESTING, &[]);
+            self.grids(pipelines, pass, RESTING);
             let vertices = self.base.guide_count * self.base.vertex_count;
             let workgroups = vertices.div_ceil(VOLUME_WORKGROUP);
             pipelines.settle.record(pass, &self.groups.settle, &[Self::offset(RESTING)], workgroups);
             self.rest_blur.0 = Some(self.rest_blur.1);
         }
         if mode == Mode::Step {
-            self.grids(pipelines, pass, i, &self.others);
+            self.grids(pipelines, pass, i);
             pipelines.push.record_grid(pass, &self.groups.push, &[Self::offset(i)], self.tiles([1, 1, 1]));
         }
     }
@@ -341,18 +338,13 @@ impl Volume {
         !same
     }
 
-    /// Hair into the grid, its own and that of others.
-    pub(super) fn grids(
-        &self,
-        pipelines: &Pipelines,
-        pass: &mut crate::gpu::ComputePass<'_>,
-        slot: u32,
-        others: &[Met],
-    ) {
+    /// Hair into the grid, its own and in a step that of others.
+    pub(super) fn grids(&self, pipelines: &Pipelines, pass: &mut crate::gpu::ComputePass<'_>, slot: u32) {
         let offset = [Self::offset(slot)];
-        let splatted = (self.base.splat_count * self.base.samples).div_ceil(VOLUME_WORKGROUP);
-        pipelines.splat.record(pass, &self.groups.splat, &offset, splatted);
-        others.iter().for_each(|other| other.record(pipelines, pass, slot));
+        pipelines.splat.record(pass, &self.groups.splat, &offset, self.base.splat_workgroups());
+        if slot != RESTING {
+            self.others.iter().for_each(|other| other.record(pipelines, pass, slot));
+        }
         pipelines.sum.record_grid(pass, &self.groups.sum, &offset, self.tiles([1, 1, 1]));
         for (axis, four) in [[4, 1, 1], [1, 4, 1]].into_iter().enumerate() {
             pipelines.blur[axis].record_grid(pass, &self.groups.blur[axis], &offset, self.tiles(four));
@@ -453,6 +445,22 @@ fn groups(
                 guides.info.as_entire_binding(),
             ],
         ),
+    }
+}
+
+/// The uniforms of steps as they lie in memory.
+pub(super) struct Slots(pub Vec<u8>);
+
+impl Slots {
+    /// Room for so many.
+    pub fn new(count: u32) -> Self {
+        Self(vec![0; (STRIDE * count) as usize])
+    }
+
+    /// Those of step `i`.
+    pub fn put(&mut self, i: u32, uniforms: &VolumeUniforms) {
+        let at = (i * STRIDE) as usize;
+        self.0[at..at + size_of::<VolumeUniforms>()].copy_from_slice(bytemuck::bytes_of(uniforms));
     }
 }
 

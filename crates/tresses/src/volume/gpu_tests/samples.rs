@@ -123,7 +123,7 @@ fn cost_of_a_thousand_guides() {
         let nothing = quickest(&mut scene, |_, _| ());
         let solve = quickest(&mut scene, |s, pass| solve.record(&s.simulate, pass, &s.colliders, 0));
         let splat = quickest(&mut scene, |s, pass| {
-            let workgroups = (s.volume.base.splat_count * s.volume.base.samples).div_ceil(64);
+            let workgroups = s.volume.base.splat_workgroups();
             s.stage.splat.record(pass, &s.volume.groups.splat, &[0], workgroups);
         });
         for (i, name) in ["sum", "blur_x", "blur_y", "density", "push"].iter().enumerate() {

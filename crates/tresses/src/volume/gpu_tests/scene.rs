@@ -105,11 +105,11 @@ impl Setup {
     pub(super) fn splatted(&mut self, step: &Step) -> Vec<i32> {
         self.prepare(&HairHair::default(), step);
         self.submit(|scene, pass| {
-            let workgroups = (scene.volume.base.splat_count * scene.volume.base.samples).div_ceil(64);
+            let workgroups = scene.volume.base.splat_workgroups();
             scene.stage.splat.record(pass, &scene.volume.groups.splat, &[0], workgroups);
         });
         let cells = readback::buffer(&self.gpu.device, &self.gpu.queue, &self.volume.cells).unwrap();
-        self.submit(|scene, pass| scene.volume.grids(&scene.stage, pass, 0, &[]));
+        self.submit(|scene, pass| scene.volume.grids(&scene.stage, pass, 0));
         let clear: Vec<i32> =
             readback::buffer(&self.gpu.device, &self.gpu.queue, &self.volume.cells).unwrap();
         assert!(clear.iter().all(|i| *i == 0), "a step leaves the integers at zero");
