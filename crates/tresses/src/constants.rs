@@ -38,6 +38,7 @@ pub const SHARED: &[(&str, u32)] = &[
 #[allow(dead_code)]
 pub const VARIANTS: &[(&str, &str, &[u32])] = &[
     ("simulate::step", "GUIDE_CAPACITY", &GUIDE_CAPACITIES),
+    ("simulate::twist", "GUIDE_CAPACITY", &GUIDE_CAPACITIES),
     ("draw::tiles::see", "SURFACES", &[1, 2]),
     ("draw::tiles::geometry", "SURFACES", &[1, 2]),
     ("draw::tiles::label", "SURFACES", &[1, 2]),

@@ -205,6 +205,9 @@ impl Hair {
         let follows = groom.guides.len() >= groom.strands.len() && groom.strands.bindings.iter().all(single);
         let sample_count = if follows { 0 } else { vertex_count.max(groom.strands.vertex_count) };
         let mut guides = GuideBuffers::new(device, count(groom.guides.len())?, vertex_count, sample_count)?;
+        if options.simulation.twist > 0.0 {
+            guides = guides.with_twist(device)?;
+        }
         let strands = StrandBuffers::new(device, count(groom.strands.len())?, groom.strands.vertex_count)?;
 
         let scratch = scratch(device, &guides, &strands, &options.volume)?;

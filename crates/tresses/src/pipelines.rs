@@ -54,6 +54,8 @@ pub enum Wanted {
     Motion(Stage),
     /// The step of `simulate` for guides of so many vertices.
     Step(u32),
+    /// The same for hair that twists.
+    Twist(u32),
     /// All that a view with these options draws with, hair shaded so.
     Picture(ViewOptions, ShadingRate),
 }
@@ -112,6 +114,7 @@ impl Pipelines {
     fn jobs(&self, wanted: &Wanted) -> Vec<Job<'_>> {
         match wanted {
             Wanted::Step(vertex_count) => kernel::jobs([self.simulate.step(*vertex_count)]),
+            Wanted::Twist(vertex_count) => kernel::jobs([self.simulate.twist(*vertex_count)]),
             Wanted::Motion(stage) => match stage {
                 Stage::Skinning => kernel::jobs(self.skinning.kernels()),
                 Stage::Roots => kernel::jobs(self.roots.kernels()),

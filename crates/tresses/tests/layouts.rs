@@ -115,6 +115,8 @@ fn simulate() {
             simulated,
             spin,
             slip,
+            twist,
+            _pad,
         })
     );
 }

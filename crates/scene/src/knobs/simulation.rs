@@ -36,6 +36,8 @@ const KNOBS: &[Knob] = rows! { "simulation";
         "Rate at which hair takes on the motion of the hair around it; raise it for hair that moves as one.";
     "support" "Support" [simulation.support] within(PLAIN, Params::SUPPORT).log(), regrow,
         "How much stiffer than it must be hair is that stands out; raise it where an afro sways too much.";
+    "twist" "Twist" [simulation.twist] within(PLAIN, Params::TWIST).log(), regrow,
+        "Stiffness against twist over that against bending, 0.5 for round hair: curls spring; 0 turns it off.";
     "cohesion" "Hair holds hair" [simulation.hair_hair.cohesion]
         within(PER_SECOND_SQUARED, HairHair::COHESION).log(), regrow,
         "Springs between neighbouring guides, for hair that stands out: afros, buns, ponytails; 0 for none.";

@@ -262,11 +262,12 @@ impl Settings {
 
     /// Those that hair in motion needs besides, with guides of `guide_vertices` vertices.
     pub fn pipelines_of_motion(&self, guide_vertices: &[u32]) -> Vec<Wanted> {
-        let SimulationParams { wind, hair_hair, .. } = self.physics();
+        let SimulationParams { wind, hair_hair, twist, .. } = self.physics();
         let wind = wind.blows();
         let volume = wind || hair_hair.mode != HairHairMode::Off;
         let mut wanted = vec![Wanted::Motion(Stage::Simulate)];
-        wanted.extend(guide_vertices.iter().map(|count| Wanted::Step(*count)));
+        let step = if twist > 0.0 { Wanted::Twist } else { Wanted::Step };
+        wanted.extend(guide_vertices.iter().map(|count| step(*count)));
         wanted.extend(volume.then_some(Wanted::Motion(Stage::Volume)));
         wanted.extend(wind.then_some(Wanted::Motion(Stage::Wind)));
         wanted

@@ -20,6 +20,18 @@
 //! that torque curls gain energy spontaneously. The torque has no cheap stiffness matrix; instead there is
 //! damping proportional to the curl, which slows tight stiff curls a little and vanishes in equilibrium.
 //!
+//! **Twist.** By default frames do not turn about their edges, as if hair were endlessly stiff against it. With
+//! [`SimulationParams::twist`] hair is an elastic rod (`twist.wesl`): each bend has an angle by which the frame after it is
+//! turned against a minimal rotation of the frame before, and `½ c φ²` for it. Angles and positions are unknowns of one solve,
+//! blocks of 4×4: how a frame turns when positions are given is a sum over the whole strand, but the turn of a frame against
+//! itself in the step before is not, and with these turns as unknowns, instead of the angles, a bend knows its own vertices
+//! and the turn of one edge, a twist its own vertices and two turns (as time-parallel frames do in Bergou and others,
+//! "Discrete viscous threads", 2010). All of it is implicit, hence no limit for tight curls and no damping in place of a
+//! torque. Bends are taken about the edge after a vertex, which for bending alone makes no difference; where twist is
+//! stiffer or softer, what differs lies about the tangent at the vertex, or springs of eight vertices a turn would err by a
+//! tenth. The twist that the rest pose has because its bends carry weight is computed from that pose. Angles updated after
+//! each solve of positions, which would leave that as it is, were tried: soft springs then creep, stiff ones gain energy.
+//!
 //! **Why not a workgroup per guide with iterated constraints?** Iterations preserve neither lengths nor
 //! stiffness: with 20 of them a strand of 16 vertices is a rubber band, and its stiffness depends on their
 //! number. A direct solve preserves both (cantilever within 1 %, strain below 1 % in a 2 Hz shake;
@@ -43,7 +55,7 @@
 //! (16 vertices) to 0.1 mm (32) and 2 mm (64) in four steps of a turning head. Only a strand with a segment
 //! of zero length differs by millimetres: the direction of that segment is rounding error.
 //!
-//! **State.** 40 bytes per vertex: what rests in 16 (`PackedGuide`: the position as 16-bit fractions of the guide's
+//! **State.** 40 bytes per vertex, 4 more where it twists: what rests in 16 (`PackedGuide`: the position as 16-bit fractions of the guide's
 //! cube, contact, and how bends and edges differ from the rest pose), the position in 12, the velocity in 8 (19-bit
 //! fractions with one exponent), and in 4 how far the position before the step was from where position and velocity
 //! say. The rest shape is computed from the rounded pose, so rounding moves the pose by micrometres (`extent / 131070`)
@@ -58,7 +70,7 @@
 //! step took no less time and seconds more to compile, hence [`params::StepUniforms::one`].
 //!
 //! **Known limits.** Elimination from tip to root would save a pass, but its rounding error is far larger.
-//! Twist has no stiffness parameter: it is rigid. Positions are single precision from an origin near the hair, which goes
+//! Strands that are drawn along guides do not turn with their twist. Positions are single precision from an origin near the hair, which goes
 //! along with the space of the frame's poses ([`crate::space`]).
 
 mod forces;
@@ -109,6 +121,8 @@ const STRIDE: u64 = 512;
 pub struct Pipelines {
     /// One per size class of guides.
     steps: [Kernel; GUIDE_CAPACITIES.len()],
+    /// The same for hair that twists.
+    twists: [Kernel; GUIDE_CAPACITIES.len()],
     shift: Kernel,
     pub(crate) forces: forces::ForcesKernel,
     pub(crate) links: Kernel,
@@ -122,8 +136,10 @@ impl Pipelines {
     /// None compiled yet.
     pub fn new(device: &wgpu::Device) -> Self {
         let colliders = collide::layout(device);
+        let kernel = |name| Kernel::beside(device, name, &step::BINDINGS, &[&colliders]);
         Self {
-            steps: step::MODULES.map(|name| Kernel::beside(device, name, &step::BINDINGS, &[&colliders])),
+            steps: step::MODULES.map(kernel),
+            twists: step::TWIST_MODULES.map(kernel),
             shift: shift::kernel(device),
             forces: forces::ForcesKernel::new(device),
             links: Kernel::new(device, "simulate::links", &links::BINDINGS),
@@ -137,6 +153,11 @@ impl Pipelines {
     /// The step for guides of `vertex_count` vertices.
     pub(crate) fn step(&self, vertex_count: u32) -> &Kernel {
         &self.steps[step::capacity(vertex_count)]
+    }
+
+    /// The same for hair that twists.
+    pub(crate) fn twist(&self, vertex_count: u32) -> &Kernel {
+        &self.twists[step::capacity(vertex_count)]
     }
 
     /// Compiles the step for guides of `vertex_count` vertices, unless it is.
@@ -167,6 +188,8 @@ pub struct Simulation {
     /// How many are simulated from the next frame on, and in each step of this one.
     simulated: (u32, Vec<u32>),
     slip: f32,
+    /// Whether there is room for twist, and whether hair twists in this frame.
+    twists: (bool, bool),
 }
 
 impl Simulation {
@@ -200,6 +223,7 @@ impl Simulation {
             ties: None,
             simulated: (guides.count, Vec::new()),
             slip: 0.0,
+            twists: (guides.can_twist(), false),
         }
     }
 
@@ -327,6 +351,7 @@ impl Simulation {
         forced: bool,
     ) -> Result<u32> {
         params.check()?;
+        self.twists.1 = self.twists.0 && params.twist > 0.0;
         let steps = &steps[steps.len().saturating_sub(MAX_STEPS as usize)..];
         if steps.is_empty() || self.guide_count == 0 {
             return Ok(0);
@@ -372,7 +397,10 @@ impl Simulation {
         if let Some(ties) = &self.ties {
             ties.record(simulate, pass, offset);
         }
-        simulate.step(self.vertex_count).record(pass, &self.group, &[offset], groups);
+        let twists = self.twists.1;
+        let kernel =
+            if twists { simulate.twist(self.vertex_count) } else { simulate.step(self.vertex_count) };
+        kernel.record(pass, &self.group, &[offset], groups);
         if let Some(lead) = self.lead.as_ref().filter(|_| simulated < self.guide_count) {
             lead.record(&simulate.lead, pass, offset, [simulated, self.guide_count]);
         }

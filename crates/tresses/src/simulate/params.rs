@@ -46,6 +46,10 @@ pub struct SimulationParams {
     /// Pull towards the rest pose as the head carries it: acceleration per distance, 1/s².
     /// Multiplied by [`crate::strands::Guide::stiffness`].
     pub goal: Along,
+    /// How stiff hair is against twist, as a multiple of its bending stiffness: GJ / EI, for a round fibre of keratin
+    /// about 0.5: curls give way and spring back by it. 0 for hair that does not twist, which takes two thirds of the time. Hair that
+    /// was made with 0 does not twist afterwards either.
+    pub twist: f32,
     /// Viscosity of bending: the time in which a bend alone would relax, s. 0 for none.
     pub bending_damping: f32,
     /// Rate at which a hair takes on the velocity of the air, 1/s. A swing dies out at half this
@@ -80,6 +84,7 @@ impl Default for SimulationParams {
             line_density: 6.6e-6,
             bending: Along { root: 3.2e-8, tip: 8e-9, falloff: 0.1 },
             goal: Along { root: 120.0, tip: 0.0, falloff: 0.12 },
+            twist: 0.0,
             bending_damping: 0.002,
             drag: 3.0,
             diameter: 80e-6,
@@ -111,6 +116,8 @@ impl SimulationParams {
     pub const BENDING: Range = range!("bending stiffness", 0.0 to 1.0, "N·m²"; usually 0.0 to 1e-6);
     /// The range of both ends of [`goal`](Self::goal).
     pub const GOAL: Range = range!("goal stiffness", 0.0 to 1e7, "1/s²"; usually 0.0 to 1e4);
+    /// The range of [`twist`](Self::twist).
+    pub const TWIST: Range = range!("twist stiffness", 0.0 to 100.0; usually 0.0 to 10.0);
     /// The range of [`bending_damping`](Self::bending_damping).
     pub const BENDING_DAMPING: Range = range!("bending damping", 0.0 to 10.0, "s"; usually 0.0 to 0.1);
     /// The range of [`drag`](Self::drag).
@@ -141,6 +148,7 @@ impl SimulationParams {
             range.check(along.tip)?;
             Along::FALLOFF.check(along.falloff)?;
         }
+        Self::TWIST.check(self.twist)?;
         Self::BENDING_DAMPING.check(self.bending_damping)?;
         Self::DRAG.check(self.drag)?;
         Self::FRICTION.check(self.friction)?;
@@ -157,7 +165,8 @@ impl SimulationParams {
     pub fn bending_rate(&self, j: usize, factor: f32, edge: f32, before: Vec3, next: Vec3) -> f32 {
         let square = edge * edge;
         let bare = factor * self.bending.at(j as f32 * edge) / (self.line_density * square * square);
-        bending_rate(bare, j, before, next, self.step / self.substeps.max(1) as f32)
+        let h = if self.twist > 0.0 { 0.0 } else { self.step / self.substeps.max(1) as f32 };
+        bending_rate(bare, j, before, next, h)
     }
 
     /// Stretching rate (1/s², per unit of vertex weight) of a guide `length` long (metres).
@@ -168,7 +177,8 @@ impl SimulationParams {
 
 /// The bending rate at vertex `j` between rest edges `before` and `next`, from that of the
 /// continuum: twice at the root, where half of the bend lies in the skin; limited by
-/// [`MAX_BENDING_RATE`] and, where the hair curls tightly, by [`MAX_CURL`].
+/// [`MAX_BENDING_RATE`] and, where the hair curls tightly, by [`MAX_CURL`], for substeps of `h`; 0 where the solve knows
+/// of twist.
 pub(crate) fn bending_rate(bare: f32, j: usize, before: Vec3, next: Vec3, h: f32) -> f32 {
     let sine =
         before.cross(next).length_squared() / (before.length_squared() * next.length_squared()).max(1e-30);
@@ -241,6 +251,10 @@ pub struct StepUniforms {
     pub spin: Vec3,
     /// Slip in a substep below which friction is proportional to it, metres: 0 for friction that holds.
     pub slip: f32,
+    /// Twisting stiffness as a multiple of bending stiffness; 0 for hair that does not twist.
+    pub twist: f32,
+    /// Unused.
+    pub _pad: [u32; 3],
 }
 
 impl StepUniforms {
@@ -269,6 +283,7 @@ impl StepUniforms {
             bending_tip: params.bending.tip / params.line_density,
             bending_falloff: 1.0 / params.bending.falloff.max(1e-6),
             bending_damping: params.bending_damping,
+            twist: params.twist,
             goal_root: params.goal.root,
             goal_tip: params.goal.tip,
             goal_falloff: 1.0 / params.goal.falloff.max(1e-6),

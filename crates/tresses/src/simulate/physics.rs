@@ -83,7 +83,11 @@ fn wave(n: usize) -> Vec<Vec3> {
 
 #[test]
 fn rest_stays_at_rest() {
-    let params = SimulationParams::default();
+    [0.0, 0.5, 20.0].into_iter().for_each(stays_at_rest);
+}
+
+fn stays_at_rest(twist: f32) {
+    let params = SimulationParams { twist, ..Default::default() };
     for (name, p) in [
         ("hanging", straight(32, 0.3, Vec3::NEG_Y)),
         ("oblique", straight(16, 0.05, Vec3::new(1.0, -1.0, 0.0).normalize())),
@@ -98,15 +102,33 @@ fn rest_stays_at_rest() {
             s.step(&still(&params, n), &Obstacles::default());
             worst = worst.max((0..n).map(|i| s.current[i].distance(p[i])).fold(0.0, f32::max));
         }
-        println!("rest {name}: drift {:.4} % of {} m", worst / s.guide.length * 100.0, s.guide.length);
+        println!(
+            "rest {name}, twist {twist}: drift {:.4} % of {} m",
+            worst / s.guide.length * 100.0,
+            s.guide.length
+        );
         assert!(worst < 1e-3 * s.guide.length, "{name} {worst}");
     }
 }
 
 #[test]
 fn stiff_curls_stay_calm() {
-    for factor in [1.0, 30.0, 1e4] {
-        let mut params = bare(8e-9 * factor);
+    for (factor, twist) in [
+        (1.0, 0.0),
+        (30.0, 0.0),
+        (1e4, 0.0),
+        (1.0, 0.1),
+        (1.0, 0.5),
+        (1.0, 1.0),
+        (1.0, 3.0),
+        (1.0, 30.0),
+        (3.0, 0.5),
+        (30.0, 0.1),
+        (30.0, 0.5),
+        (1e4, 1.0),
+        (30.0, 30.0),
+    ] {
+        let mut params = SimulationParams { twist, ..bare(8e-9 * factor) };
         params.drag = 1.0;
         let p = helix(48, 0.01, 0.015, 5.0);
         let mut s = strand(&p, &params, RestShape::Natural);
@@ -119,8 +141,8 @@ fn stiff_curls_stay_calm() {
             let speed = s.velocity.iter().map(|v| v.length()).fold(0.0, f32::max);
             top = if i > 840 { top.max(speed) } else { 0.0 };
         }
-        println!("curl x{factor}: speed after 10 s of rest {top} m/s");
-        assert!(top < 0.05, "x{factor}: {top}");
+        println!("curl x{factor}, twist {twist}: speed after 10 s of rest {top} m/s");
+        assert!(top < 0.05, "x{factor}, twist {twist}: {top}");
     }
 }
 
@@ -151,6 +173,8 @@ fn absurd_input_gives_finite_output() {
     for (name, params) in [
         ("huge gravity", SimulationParams { gravity: Vec3::splat(5e3), ..Default::default() }),
         ("huge bending", bare(1.0)),
+        ("loose twist", SimulationParams { twist: 1e-3, ..bare(1e-3) }),
+        ("stiff twist", SimulationParams { twist: 100.0, ..bare(1.0) }),
         ("huge step", SimulationParams { step: 0.1, substeps: 1, ..Default::default() }),
         ("storm", SimulationParams { wind: Wind::uniform(Vec3::X * 400.0), drag: 1e4, ..Default::default() }),
     ] {

@@ -1,5 +1,7 @@
 //! The scalar twin of `step.wesl`: the same operations on one strand, in the same order but for
-//! the contacts of a vertex, which the kernel adds up before the rest.
+//! the contacts of a vertex, which the kernel adds up before the rest. With twist, of `twist.wesl`.
+
+mod twisting;
 
 use super::params::{BRAKE, StepUniforms, bending_rate};
 use crate::clock::Mode;
@@ -41,6 +43,8 @@ pub(crate) struct Strand {
     pub previous: Vec<Vec3>,
     pub current: Vec<Vec3>,
     pub velocity: Vec<Vec3>,
+    /// By how much the frame of the edge after each vertex is twisted against that of the edge before it.
+    pub twisted: Vec<f32>,
     pub forces: Vec<GuideForce>,
 }
 
@@ -97,6 +101,11 @@ fn bend(p: &[Vec3], v: &[Vec3], j: usize, t: Vec3, least: f32, damping: f32) -> 
     (p[j + 1] - p[j] - t + (v[j + 1] - v[j] - a * (v[j] - v[j - 1])) * damping, a)
 }
 
+/// Also true of a NaN.
+fn too_fast(v: Vec3) -> bool {
+    v.length_squared().to_bits() & 0x7fff_ffff > (MAX_SPEED * MAX_SPEED).to_bits()
+}
+
 impl Strand {
     /// At rest in the pose of `guide`'s rest vertices, head upright.
     pub fn at_rest(guide: Guide, rest: Vec<GuideRest>, shape: Vec<GuideShape>) -> Self {
@@ -107,6 +116,7 @@ impl Strand {
             shape,
             previous: current.clone(),
             velocity: vec![Vec3::ZERO; current.len()],
+            twisted: vec![0.0; current.len()],
             forces: vec![GuideForce::default(); current.len()],
             current,
         }
@@ -139,13 +149,15 @@ impl Strand {
         let h = u.h;
         let mut p: Vec<Vec3> = self.current.iter().map(|c| *c - origin).collect();
         let mut v = self.velocity.clone();
+        let mut twisted = self.twisted.clone();
         let rate = |j: usize| {
             let fade = (j as f32 * edge * u.bending_falloff).min(1.0);
             let bare = self.guide.stiffness * (u.bending_root + (u.bending_tip - u.bending_root) * fade);
             let rest_e = self.rest[j].position - self.rest[j - 1].position;
             let rest_next = self.rest[j + 1].position - self.rest[j].position;
-            bending_rate(bare * square * square, j, rest_e, rest_next, h)
+            bending_rate(bare * square * square, j, rest_e, rest_next, if u.twist > 0.0 { 0.0 } else { h })
         };
+        let resting = if u.twist > 0.0 { self.resting_twist(rate) } else { Vec::new() };
         let mut bad = false;
         let mut twist = vec![0f32; n];
         let mut target = vec![Vec3::ZERO; n];
@@ -181,6 +193,10 @@ impl Strand {
                     target[j] = q * (rest_e + self.shape[j].curvature);
                     carried[j] = q * rest_next / rest_next.length().max(1e-9);
                     q = (minimal_rotation(carried[j], p[i] - p[j]) * q).normalize();
+                    if u.twist > 0.0 {
+                        let axis = (p[i] - p[j]).normalize_or_zero();
+                        q = Quat::from_axis_angle(axis, twisted[j]) * q;
+                    }
                 }
                 rest_e = rest_next;
             }
@@ -194,6 +210,22 @@ impl Strand {
                 let (s, _) = bend(&p, &v, j, target[j], least, u.bending_damping);
                 torque = (carried[j] + unit) * twist[j] - target[j].cross(s) * rate(j);
             }
+            if u.twist > 0.0 {
+                let frames = twisting::Frames { target: &target, carried: &carried, origin, head, head_at };
+                self.solve_twisting(
+                    u,
+                    obstacles,
+                    &mut p,
+                    &mut v,
+                    &mut twisted,
+                    &resting,
+                    &frames,
+                    moment,
+                    &rate,
+                );
+                bad |= v.iter().any(|v| too_fast(*v));
+                continue;
+            }
             // Root to tip: assemble and eliminate.
             let (mut d0, mut d1, mut u0) = (Mat3::ZERO, Mat3::ZERO, Mat3::ZERO);
             let (mut g0, mut g1) = (Vec3::ZERO, Vec3::ZERO);
@@ -201,21 +233,9 @@ impl Strand {
                 let i = j + 1;
                 let tip = i == n - 1;
                 let y = p[i];
-                let arc = i as f32 * edge;
-                let goal_fade = (arc * u.goal_falloff).min(1.0);
-                let kg = self.guide.stiffness * (u.goal_root + (u.goal_tip - u.goal_root) * goal_fade);
                 // What acts on the vertex alone, per unit of weight.
-                let goal = head * self.rest[i].position + head_at;
-                let mut m = Mat3::from_diagonal(Vec3::splat(1.0 / (h * h) + u.drag / h + kg));
-                let mut f = u.gravity + (u.wind - v[i]) * u.drag + (goal - y) * kg;
-                self.contacts(u, obstacles, i, moment, origin, v[i] * h, y, &mut m, &mut f);
-                if u.forced == 1 {
-                    let force = self.forces[i].unpack();
-                    let tangent = force.tangent;
-                    m += Mat3::from_diagonal(Vec3::splat(force.rate / h))
-                        + outer(tangent, tangent) * (force.along / h);
-                    f += force.acceleration - v[i] * force.rate - tangent * (force.along * tangent.dot(v[i]));
-                }
+                let frames = twisting::Frames { target: &[], carried: &[], origin, head, head_at };
+                let (m, f) = self.load(u, obstacles, i, moment, &frames, y, v[i], edge);
                 let weight = if tip { 0.5 } else { 1.0 };
                 // The edge as a spring.
                 let e_next = y - p[j];
@@ -285,13 +305,13 @@ impl Strand {
                 }
                 p[i] += next;
                 v[i] += next / h;
-                let size = v[i].length_squared();
-                bad |= size.to_bits() & 0x7fff_ffff > (MAX_SPEED * MAX_SPEED).to_bits();
+                bad |= too_fast(v[i]);
             }
         }
         if bad {
             return self.reset(u);
         }
+        self.twisted = twisted;
         let mut kept = p[0];
         for i in 0..n {
             let free = p[i];
@@ -302,6 +322,36 @@ impl Strand {
             self.current[i] = origin + p[i];
             self.velocity[i] = remembered(v[i] + (p[i] - free) / h);
         }
+    }
+
+    /// What acts on vertex `i` alone, per unit of weight: stiffness and force.
+    #[allow(clippy::too_many_arguments)]
+    fn load(
+        &self,
+        u: &StepUniforms,
+        obstacles: &Obstacles,
+        i: usize,
+        moment: usize,
+        frames: &twisting::Frames<'_>,
+        y: Vec3,
+        v: Vec3,
+        edge: f32,
+    ) -> (Mat3, Vec3) {
+        let h = u.h;
+        let goal_fade = (i as f32 * edge * u.goal_falloff).min(1.0);
+        let kg = self.guide.stiffness * (u.goal_root + (u.goal_tip - u.goal_root) * goal_fade);
+        let goal = frames.head * self.rest[i].position + frames.head_at;
+        let mut m = Mat3::from_diagonal(Vec3::splat(1.0 / (h * h) + u.drag / h + kg));
+        let mut f = u.gravity + (u.wind - v) * u.drag + (goal - y) * kg;
+        self.contacts(u, obstacles, i, moment, frames.origin, v * h, y, &mut m, &mut f);
+        if u.forced == 1 {
+            let force = self.forces[i].unpack();
+            let tangent = force.tangent;
+            m += Mat3::from_diagonal(Vec3::splat(force.rate / h))
+                + outer(tangent, tangent) * (force.along / h);
+            f += force.acceleration - v * force.rate - tangent * (force.along * tangent.dot(v));
+        }
+        (m, f)
     }
 
     /// The edge from vertex `j`, made shorter or longer when it is too far from its rest length.
@@ -317,6 +367,7 @@ impl Strand {
             self.current[i] = Quat::from_array(u.head_end) * rest.position + u.head_end_at;
             self.previous[i] = self.current[i];
             self.velocity[i] = Vec3::ZERO;
+            self.twisted[i] = 0.0;
         }
     }
 

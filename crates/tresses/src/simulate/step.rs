@@ -28,6 +28,16 @@ pub(crate) const MODULES: [&str; GUIDE_CAPACITIES.len()] = [
     "simulate::step::64",
 ];
 
+/// The shaders for hair that twists.
+pub(crate) const TWIST_MODULES: [&str; GUIDE_CAPACITIES.len()] = [
+    "simulate::twist::8",
+    "simulate::twist::16",
+    "simulate::twist::24",
+    "simulate::twist::32",
+    "simulate::twist::48",
+    "simulate::twist::64",
+];
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -35,6 +45,7 @@ mod tests {
     #[test]
     fn every_capacity_has_a_shader_of_its_own() {
         assert_eq!(GUIDE_CAPACITIES.map(|capacity| format!("simulate::step::{capacity}")), MODULES);
+        assert_eq!(GUIDE_CAPACITIES.map(|capacity| format!("simulate::twist::{capacity}")), TWIST_MODULES);
         let sources = MODULES.map(crate::shaders::source);
         assert!((1..sources.len()).all(|i| !sources[..i].contains(&sources[i])));
         assert_eq!([2, 8, 9, 64].map(capacity), [0, 0, 1, 5]);

@@ -23,7 +23,8 @@ pub struct GuideBuffers {
     /// how far the position before it was from where this one and the velocity say, by
     /// [`pack_lag`](super::guide::pack_lag).
     pub current: wgpu::Buffer,
-    /// Velocity after the last step, metres per second, by [`pack_velocity`](super::guide::pack_velocity).
+    /// Velocity after the last step, metres per second, by [`pack_velocity`](super::guide::pack_velocity); behind those of
+    /// all vertices, where hair [can twist](Self::can_twist), by how much each bend is twisted (radians), two in an entry.
     pub velocity: wgpu::Buffer,
     /// [`GuideForce`]: what acts from outside in the next step. Nobody needs it between steps: a groom's
     /// [scratch](crate::Hair) may lie in the same memory, and be larger.
@@ -209,6 +210,22 @@ impl GuideBuffers {
             samples: storage::<GuideSample>(device, "guide samples", samples.max(1))?,
             roots: storage::<RootMotion>(device, "guide roots", 1)?,
         })
+    }
+
+    /// With room for how hair is twisted ([`SimulationParams::twist`](crate::simulate::SimulationParams::twist)).
+    ///
+    /// # Errors
+    /// [`Error::Limit`].
+    pub fn with_twist(self, device: &wgpu::Device) -> Result<Self> {
+        let entries = self.vertex_count + self.vertex_count.div_ceil(2);
+        let entries = u64::from(self.count) * u64::from(entries);
+        Ok(Self { velocity: storage::<[u32; 2]>(device, "guide velocity", entries)?, ..self })
+    }
+
+    /// Whether it has that room.
+    pub fn can_twist(&self) -> bool {
+        self.velocity.size()
+            > u64::from(self.count) * u64::from(self.vertex_count) * size_of::<[u32; 2]>() as u64
     }
 
     /// Of another head with the same groom: where guides rest is shared, and what nobody needs between steps; where they are

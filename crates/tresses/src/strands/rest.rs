@@ -39,7 +39,7 @@ impl RestGuides {
         let packed: Vec<_> = (0..self.rest.len()).map(|at| self.packed(at)).collect();
         queue.write_buffer(&buffers.rest, 0, bytemuck::cast_slice(&packed));
         queue.write_buffer(&buffers.current, 0, bytemuck::cast_slice(&positions));
-        queue.write_buffer(&buffers.velocity, 0, bytemuck::cast_slice(&vec![[0u32; 2]; positions.len()]));
+        queue.write_buffer(&buffers.velocity, 0, &vec![0; buffers.velocity.size() as usize]);
         Ok(())
     }
 

@@ -77,6 +77,7 @@ impl Experiment {
         let rest = rest::guides(&strands.concat(), n as u32, traits, &params, &options, field).unwrap();
         let Gpu { device, queue, .. } = lab.gpu;
         let guides = GuideBuffers::new(device, strands.len() as u32, n as u32, 2).unwrap();
+        let guides = if params.twist > 0.0 { guides.with_twist(device).unwrap() } else { guides };
         rest.upload(queue, &guides).unwrap();
         let obstacles = ColliderDescriptor { head: field, ..Default::default() };
         let colliders = ColliderSet::new(device, queue, &obstacles).unwrap();

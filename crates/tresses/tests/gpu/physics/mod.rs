@@ -17,3 +17,4 @@ mod squeeze;
 mod swings;
 mod table;
 mod ties;
+mod twist;
