@@ -138,16 +138,29 @@ pub fn written(format: Format) -> Vec<u8> {
     encode(&strands(), format, true).expect("strands are written").bytes
 }
 
+/// The strands and a body of four vertices as one compressed file.
+///
+/// # Panics
+/// As [`written`].
+pub fn packed() -> Vec<u8> {
+    let (mesh, strands) = (tetrahedron(), strands());
+    let hair = [glb::Hair { name: "hair", strands: &strands, packed: true }];
+    glb::character(Some((&mesh, None)), &hair).expect("a character is written")
+}
+
 /// A body of four vertices as a file.
 ///
 /// # Panics
 /// As [`written`].
 pub fn body() -> Vec<u8> {
+    glb::body(&tetrahedron(), None).expect("a body is written")
+}
+
+fn tetrahedron() -> TriMesh {
     let positions = vec![Vec3::ZERO, Vec3::X * 0.1, Vec3::Y * 0.1, Vec3::Z * 0.1];
     let normals = vec![Vec3::NEG_ONE.normalize(), Vec3::X, Vec3::Y, Vec3::Z];
     let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
-    let mesh = TriMesh { positions, normals, triangles, ..Default::default() };
-    glb::body(&mesh, None).expect("a body is written")
+    TriMesh { positions, normals, triangles, ..Default::default() }
 }
 
 /// A file among the optional assets, where there are any.

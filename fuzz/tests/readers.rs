@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use bolero::check;
-use tresses_fuzz::{Edit, asset, body, damaged, groom, mesh, written};
+use tresses_fuzz::{Edit, asset, body, damaged, groom, mesh, packed, written};
 use tresses_groom::{error::Result, export::Format};
 
 /// A file of some kilobytes that takes longer is an attack, not a file.
@@ -59,6 +59,16 @@ fn usd_text() {
 #[test]
 fn glb() {
     survives("a.glb", &body(), mesh);
+}
+
+#[test]
+fn glb_hair() {
+    survives("a.glb", &written(Format::Glb), groom);
+}
+
+#[test]
+fn packed_glb_hair() {
+    survives("a.glb", &packed(), groom);
 }
 
 #[test]

@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use anyhow::bail;
+use anyhow::{bail, ensure};
 use tresses::groom::{
-    export::{self, Format},
+    export::{self, Encoded, Format, glb},
     import,
     orient::{Axis, Choice, Unit},
 };
@@ -14,16 +14,16 @@ use crate::{
     orient_args::{MomentArgs, OrientArgs},
 };
 
-/// Convert grooms to .hair, .tfx, .obj, .data, .ply, .abc or .usda, in metres, Y up, face towards +Z.
+/// Convert grooms to .hair, .tfx, .obj, .data, .ply, .glb, .abc or .usda, in metres, Y up, face towards +Z.
 #[derive(clap::Args)]
 #[command(override_usage = "tresses convert [OPTIONS] <IN>... <OUT>")]
 pub struct Args {
-    /// Groom files (.tfx, .hair, .obj, .data, .ply, .abc, .usd), several are joined; the last one is the file to write, whose
-    /// extension (.hair, .tfx, .obj, .data, .ply, .abc, .usda) decides the format.
+    /// Groom files (.tfx, .hair, .obj, .data, .ply, .glb, .abc, .usd), several are joined; the last one is the file to write,
+    /// whose extension (.hair, .tfx, .obj, .data, .ply, .glb, .abc, .usda) decides the format.
     // One list, since two would forbid options between them.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// The mesh that the groom grows on, to orient it by.
+    /// The mesh that the groom grows on, to orient it by; a .glb gets it, too.
     #[arg(long, value_name = "MESH")]
     head: Vec<PathBuf>,
     /// Keep unit and axes of the input.
@@ -32,6 +32,9 @@ pub struct Args {
     /// The unit of the file to write, .abc and .usda only: cm for Unreal and Maya [default: m]
     #[arg(long, value_name = "UNIT", conflicts_with = "as_is")]
     out_unit: Option<Unit>,
+    /// Compress a .glb (EXT_meshopt_compression): smaller, but what cannot read that opens nothing of it
+    #[arg(long, conflicts_with = "as_is")]
+    packed: bool,
     #[command(flatten)]
     moment: MomentArgs,
     #[command(flatten)]
@@ -52,14 +55,20 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         // Lengths in an unknown unit cannot be called too short.
         options.unrepaired = true;
     }
-    let (strands, report) = if args.head.is_empty() || args.as_is {
-        import::read(inputs, &options)?
+    ensure!(!args.packed || format == Format::Glb, "only a .glb is compressed: leave --packed out");
+    let (strands, head, report) = if args.as_is {
+        let (strands, report) = import::read(inputs, &options)?;
+        (strands, None, report)
     } else {
-        let (strands, _, report) = import::read_with_head(inputs, &args.head, &options)?;
-        (strands, report)
+        import::read_whole(inputs, &args.head, &options)?
     };
     let encoded = match args.out_unit {
         Some(unit) => export::encode_in(&strands, format, unit)?,
+        None if format == Format::Glb && !args.as_is => {
+            let body = head.as_ref().map(|head| (head, report.rig.as_ref()));
+            let hair = glb::Hair { name: "hair", strands: &strands, packed: args.packed };
+            Encoded { bytes: glb::character(body, &[hair])?, notes: Vec::new() }
+        }
         None => export::encode(&strands, format, !args.as_is)?,
     };
     files::write(output, &encoded.bytes)?;
@@ -73,6 +82,9 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         done.merged_vertices,
         done.resampled_strands
     );
+    if let Some(head) = head.filter(|_| format == Format::Glb) {
+        println!("  with its body of {} triangles", head.triangles.len());
+    }
     if !args.as_is {
         report.placement.reasons.iter().for_each(|r| println!("  {r}"));
     }

@@ -12,7 +12,7 @@ use tresses::{
     gpu::Gpu,
     groom::{
         Strands, TriMesh,
-        export::{self, Format},
+        export::{self, Format, glb},
     },
     lod::{LodMode, LodOptions},
     strands::StrandBuffers,
@@ -24,12 +24,16 @@ use tresses_scene::{Companions, Gesture, Scene, Shelf, motion};
 pub struct Args {
     #[command(flatten)]
     pub settings: SettingsArgs,
-    /// The file for the strands, whose extension (.hair, .tfx, .obj, .data, .ply, .abc, .usda) decides the format
+    /// The file for the strands, whose extension (.hair, .tfx, .obj, .data, .ply, .glb, .abc, .usda) decides the format; a .glb
+    /// also has what is drawn with the hair, and what bends it
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
     /// A file for brows, lashes and beard of the built-in character, as for the strands
     #[arg(long, value_name = "FILE")]
     pub face_out: Option<PathBuf>,
+    /// Compress the .glb of --out (EXT_meshopt_compression): smaller, but what cannot read that opens nothing of it
+    #[arg(long)]
+    pub packed: bool,
     /// A file for what is drawn with the hair: .obj, or .glb, which also has what bends it
     #[arg(long, value_name = "FILE")]
     pub head_out: Option<PathBuf>,
@@ -43,6 +47,7 @@ pub fn run(args: &Args) -> Result<()> {
     let is_glb = extension.is_some_and(|e| e == "glb");
     let is_known = is_glb || extension.is_some_and(|e| e == "obj");
     ensure!(args.head_out.is_none() || is_known, "a head is written as .obj or .glb");
+    ensure!(!args.packed || format == Format::Glb, "only a .glb is compressed: leave --packed out");
     let preset = args.settings.preset()?;
     preset.settings.check()?;
     let preparing = Preparing::new("opening the GPU");
@@ -69,7 +74,17 @@ pub fn run(args: &Args) -> Result<()> {
     // All of it, however far away.
     scene.set_lod(LodOptions { mode: LodMode::Off, ..Default::default() })?;
     scene.reset(&Gesture::default())?;
-    let mut said = write_strands(&args.out, format, &drawn(&scene, [&scene.hair.strands])?)?;
+    let strands = drawn(&scene, [&scene.hair.strands])?;
+    let mut said = match (format, &head) {
+        (Format::Glb, head) => {
+            let hair = [glb::Hair { name: "hair", strands: &strands, packed: args.packed }];
+            let bytes = glb::character(head.as_ref().map(|head| (head, rig.as_ref())), &hair)?;
+            files::write(&args.out, &bytes)?;
+            let body = head.as_ref().map(|head| format!(", a body of {} triangles", head.triangles.len()));
+            counted(&args.out, &strands) + &body.unwrap_or_default()
+        }
+        _ => write_strands(&args.out, format, &strands)?,
+    };
     if let (Some(path), Some(format)) = (&args.face_out, face_format) {
         ensure!(!scene.face.is_empty(), "nothing grows on this face: leave --face-out out");
         let all = scene.face.iter().map(|face| &face.hair.strands);
@@ -78,7 +93,7 @@ pub fn run(args: &Args) -> Result<()> {
     if let (Some(path), Some(head)) = (&args.head_out, &head) {
         write!(said, "\n{}: {} triangles", path.display(), head.triangles.len())?;
         if is_glb {
-            files::write(path, &export::glb::body(head, rig.as_ref())?)?;
+            files::write(path, &glb::body(head, rig.as_ref())?)?;
             if let Some(rig) = &rig {
                 let (joints, shapes) = (rig.joints.len(), rig.targets.len());
                 write!(said, ", {joints} joints, {shapes} shapes, {} animations", rig.animations.len())?;
@@ -96,12 +111,16 @@ pub fn run(args: &Args) -> Result<()> {
 fn write_strands(path: &Path, format: Format, strands: &Strands) -> Result<String> {
     let encoded = export::encode(strands, format, true)?;
     files::write(path, &encoded.bytes)?;
-    let (count, vertices) = (strands.len(), strands.positions.len());
-    let mut said = format!("{}: {count} strands, {vertices} vertices", path.display());
+    let mut said = counted(path, strands);
     for note in &encoded.notes {
         write!(said, "\n  {note}")?;
     }
     Ok(said)
+}
+
+/// What was written where.
+fn counted(path: &Path, strands: &Strands) -> String {
+    format!("{}: {} strands, {} vertices", path.display(), strands.len(), strands.positions.len())
 }
 
 /// The strands of `all` that `scene` draws now. Blocks.

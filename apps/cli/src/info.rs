@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::bail;
 use serde_json::{Value, json};
 use tresses::groom::{
+    TriMesh,
     import::{self, ImportReport},
     lint::{Report, Severity, Spread},
     orient::Placement,
@@ -21,7 +22,7 @@ use crate::orient_args::{MomentArgs, OrientArgs};
 /// Report what a groom holds, how it is oriented, and what is odd about it.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Groom files (.tfx, .hair, .obj, .data, .ply, .abc, .usd); several are one groom.
+    /// Groom files (.tfx, .hair, .obj, .data, .ply, .glb, .abc, .usd); several are one groom.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// The mesh that the groom grows on (.obj, .gltf, .glb, .tfxmesh, .abc, .usd); several are one head.
@@ -44,15 +45,10 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let mut options = strict.clone();
     options.lenient = true;
     options.unrepaired = true;
-    let (report, anatomy) = if args.head.is_empty() {
-        (import::read(&args.files, &options)?.1, None)
-    } else {
-        let (strands, head, report) = import::read_with_head(&args.files, &args.head, &options)?;
-        // What is wrong with the strands is said below.
-        let of = |rig: &Rig| Anatomy::new(rig.clone(), &head, &strands).ok();
-        let anatomy = report.rig.as_ref().and_then(of);
-        (report, anatomy)
-    };
+    let (strands, head, report) = import::read_whole(&args.files, &args.head, &options)?;
+    // What is wrong with the strands is said below.
+    let of = |(rig, head): (&Rig, &TriMesh)| Anatomy::new(rig.clone(), head, &strands).ok();
+    let anatomy = report.rig.as_ref().zip(head.as_ref()).and_then(of);
     if args.json {
         println!("{}", serde_json::to_string_pretty(&as_json(&report, anatomy.as_ref()))?);
     } else {

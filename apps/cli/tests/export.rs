@@ -56,6 +56,48 @@ fn the_character_is_written_with_what_bends_it() {
 }
 
 #[test]
+fn one_file_has_body_and_hair() {
+    let folder = tempfile::tempdir().unwrap();
+    let style = ["export", "--style", "short", "--strands", "100"];
+    let (done, said) = tresses(folder.path(), &[&style[..], &["--out", "all.glb"]].concat());
+    if !done && said.contains("adapter") {
+        assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none(), "{said}");
+        return println!("skipped: {said}");
+    }
+    assert!(done && said.contains("100 strands") && said.contains("a body of"), "{said}");
+    let (done, said) = tresses(folder.path(), &["convert", "all.glb", "--packed", "small.glb"]);
+    assert!(done && said.contains("with its body of"), "{said}");
+    for file in ["all.glb", "small.glb"] {
+        let (done, said) = tresses(folder.path(), &["info", file]);
+        assert!(
+            done && said.contains("3 joints") && said.contains("1 unit is 1 m: the file says so"),
+            "{said}"
+        );
+    }
+    // What the schema names is all that is written, and in the file.
+    let bytes = std::fs::read(folder.path().join("all.glb")).unwrap();
+    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    let json: serde_json::Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
+    let schema = include_str!("../../../docs/schema/EXT_tresses_hair.schema.json");
+    let schema: serde_json::Value = serde_json::from_str(schema).unwrap();
+    let groom = &json["extensions"]["EXT_tresses_hair"]["grooms"][0];
+    for (of, written) in [("groom", groom), ("strands", &groom["strands"])] {
+        let (known, required) = (&schema["$defs"][of]["properties"], &schema["$defs"][of]["required"]);
+        for key in written.as_object().unwrap().keys() {
+            assert!(known.get(key).is_some(), "{of} has {key}");
+        }
+        let missing =
+            required.as_array().unwrap().iter().find(|key| written.get(key.as_str().unwrap()).is_none());
+        assert_eq!(missing, None, "{of}");
+    }
+    let moves = ["--animation", "Walk", "--size", "48x48", "--frames", "2", "--out", "a.webp"];
+    let (done, said) = tresses(folder.path(), &[&["render", "small.glb"][..], &moves].concat());
+    assert!(done, "{said}");
+    let (done, said) = tresses(folder.path(), &["convert", "all.glb", "--packed", "a.hair"]);
+    assert!(!done && said.contains("leave --packed out"), "{said}");
+}
+
+#[test]
 fn what_cannot_be_written_is_refused_in_a_sentence() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("bad.tfx"), "none").unwrap();

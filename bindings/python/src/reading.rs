@@ -125,13 +125,8 @@ pub fn read(
         unrepaired: !repair,
         moment: frame.map_or(import::Moment::First, import::Moment::Frame),
     };
-    let (strands, head, report) = py
-        .detach(|| match heads.is_empty() {
-            true => import::read(&files, &options).map(|(strands, report)| (strands, None, report)),
-            false => import::read_with_head(&files, &heads, &options)
-                .map(|(strands, head, report)| (strands, Some(head), report)),
-        })
-        .map_err(raised)?;
+    let (strands, head, report) =
+        py.detach(|| import::read_whole(&files, &heads, &options)).map_err(raised)?;
     let placements = || std::iter::once(&report.placement).chain(&report.head_placement);
     let mut notes: Vec<String> = report.files.iter().flat_map(|file| file.notes.clone()).collect();
     notes.extend(placements().flat_map(|placement| placement.reasons.clone()));

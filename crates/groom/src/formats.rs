@@ -2,18 +2,21 @@
 
 use std::path::Path;
 
-/// Grooms, read. An `.obj` is one when it has lines.
+/// Grooms, read. An `.obj` is one when it has lines, a `.glb` or `.gltf` when it has `EXT_tresses_hair`.
 pub const GROOMS: &[&str] = match (cfg!(feature = "alembic"), cfg!(feature = "usd")) {
-    (true, true) => &["tfx", "hair", "obj", "data", "ply", "abc", "usd", "usda", "usdc", "usdz"],
-    (true, false) => &["tfx", "hair", "obj", "data", "ply", "abc"],
-    (false, true) => &["tfx", "hair", "obj", "data", "ply", "usd", "usda", "usdc", "usdz"],
-    (false, false) => &["tfx", "hair", "obj", "data", "ply"],
+    (true, true) => {
+        &["tfx", "hair", "obj", "data", "ply", "glb", "gltf", "abc", "usd", "usda", "usdc", "usdz"]
+    }
+    (true, false) => &["tfx", "hair", "obj", "data", "ply", "glb", "gltf", "abc"],
+    (false, true) => &["tfx", "hair", "obj", "data", "ply", "glb", "gltf", "usd", "usda", "usdc", "usdz"],
+    (false, false) => &["tfx", "hair", "obj", "data", "ply", "glb", "gltf"],
 };
 /// Grooms, written.
-pub const WRITTEN: &[&str] = if cfg!(feature = "alembic") {
-    &["tfx", "hair", "obj", "data", "ply", "abc", "usda"]
-} else {
-    &["tfx", "hair", "obj", "data", "ply", "usda"]
+pub const WRITTEN: &[&str] = match (cfg!(feature = "alembic"), cfg!(feature = "gltf")) {
+    (true, true) => &["tfx", "hair", "obj", "data", "ply", "glb", "abc", "usda"],
+    (true, false) => &["tfx", "hair", "obj", "data", "ply", "abc", "usda"],
+    (false, true) => &["tfx", "hair", "obj", "data", "ply", "glb", "usda"],
+    (false, false) => &["tfx", "hair", "obj", "data", "ply", "usda"],
 };
 /// Heads and other meshes, read. An `.obj` is one when it has faces, an `.abc` or `.usd` when it has no curves.
 pub const MESHES: &[&str] = match (cfg!(feature = "alembic"), cfg!(feature = "usd")) {
@@ -35,6 +38,11 @@ pub const COMPANIONS: &[&str] = &["mtl", "bin"];
 /// The extension of a file's name in lower case, or nothing.
 pub fn extension(path: &Path) -> String {
     path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase()
+}
+
+/// Whether a file is called as glTF is, which may hold meshes, grooms or both.
+pub fn is_gltf(path: &Path) -> bool {
+    matches!(&*extension(path), "glb" | "gltf")
 }
 
 /// Extensions for a sentence, `joint` before the last: ".tfx, .hair or .obj".

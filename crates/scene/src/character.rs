@@ -204,14 +204,7 @@ impl Base {
     ) -> Result<Self> {
         progress.step("reading the groom", 0.0).await;
         let (strands, head, mut report) = match files {
-            Files::Disk { grooms, heads: [] } => {
-                let (strands, report) = import::read(grooms, options)?;
-                (strands, None, report)
-            }
-            Files::Disk { grooms, heads } => {
-                let (strands, head, report) = import::read_with_head(grooms, heads, options)?;
-                (strands, Some(head), report)
-            }
+            Files::Disk { grooms, heads } => import::read_whole(grooms, heads, options)?,
             Files::Given(files) => import::read_given(files, options)?,
         };
         let mut base = Self::of(strands, head, report.rig.take(), &files.head_name(), progress).await?;

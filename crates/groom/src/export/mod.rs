@@ -1,7 +1,8 @@
 //! Writers: `.hair`, `.tfx` version 4, OBJ polylines, `.data`, PLY lines, Alembic and USD (text) for strands, GLB for
-//! bodies.
+//! strands and bodies.
 //!
-//! Reading a written file back gives the same strands, bit for bit; what a format cannot hold is listed in
+//! Reading a written file back gives the same strands, bit for bit, but for GLB, whose positions may be shares of a box in
+//! 16 bits; what a format cannot hold is listed in
 //! [`Encoded::notes`]. A groom in metres, Y up, face +Z is marked as such in the file, so that nothing
 //! needs to be guessed later; only `.data` has no place for that.
 
@@ -41,6 +42,9 @@ pub enum Format {
     Data,
     /// PLY lines: positions, widths.
     Ply,
+    /// glTF, binary, with `EXT_tresses_hair`: what Alembic has.
+    #[cfg(feature = "gltf")]
+    Glb,
     /// Alembic: positions, widths, colours, scalp texture coordinates, guides, groups.
     #[cfg(feature = "alembic")]
     Abc,
@@ -57,6 +61,8 @@ impl Format {
             "obj" => Ok(Self::Obj),
             "data" => Ok(Self::Data),
             "ply" => Ok(Self::Ply),
+            #[cfg(feature = "gltf")]
+            "glb" => Ok(Self::Glb),
             #[cfg(feature = "alembic")]
             "abc" => Ok(Self::Abc),
             "usda" => Ok(Self::Usda),
@@ -105,6 +111,15 @@ pub fn encode(strands: &Strands, format: Format, oriented: bool) -> Result<Encod
         Format::Obj => Ok(obj_lines::encode(strands, oriented)),
         Format::Data => data::encode(strands, oriented),
         Format::Ply => Ok(ply::encode(strands, oriented)),
+        #[cfg(feature = "gltf")]
+        Format::Glb if !oriented => {
+            Err(Error::Unusable("a .glb is in metres, Y up, face +Z, which this groom may not be".into()))
+        }
+        #[cfg(feature = "gltf")]
+        Format::Glb => {
+            let bytes = glb::character(None, &[glb::Hair { name: "", strands, packed: false }])?;
+            Ok(Encoded { bytes, notes: Vec::new() })
+        }
         #[cfg(feature = "alembic")]
         Format::Abc => abc::encode(strands, abc::Options { oriented, ..Default::default() }),
         Format::Usda => Ok(usda::encode(strands, oriented.then_some(Unit(1.0)))),

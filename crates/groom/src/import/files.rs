@@ -59,12 +59,26 @@ impl<'a> Source<'a> {
 /// What a file is, as its name and its first lines have it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Strands: `.tfx`, `.hair`, `.data`, `.ply`, or `.obj`, `.abc`, `.usd` and the like with lines or curves.
+    /// Strands: `.tfx`, `.hair`, `.data`, `.ply`, or `.obj`, `.glb`, `.abc`, `.usd` and the like with lines, curves or hair.
     Groom,
-    /// A mesh: `.gltf`, `.glb`, `.tfxmesh`, or `.obj`, `.abc`, `.usd` and the like without.
+    /// A mesh: `.tfxmesh`, or `.obj`, `.glb`, `.abc`, `.usd` and the like without.
     Mesh,
     /// What a mesh may need beside it: `.mtl`, `.bin`.
     Companion,
+}
+
+/// Whether a glTF file has hair. The names of extensions and lists stand in it as they are.
+fn has_hair(bytes: &[u8]) -> bool {
+    holds(bytes, b"EXT_tresses_hair")
+}
+
+/// Whether the groom called `name` holds a body too, which is its head where no other is given: a glTF file may hold both.
+pub fn holds_body(name: &Path, bytes: &[u8]) -> bool {
+    formats::is_gltf(name) && has_hair(bytes) && holds(bytes, b"\"meshes\"")
+}
+
+fn holds(bytes: &[u8], word: &[u8]) -> bool {
+    bytes.windows(word.len()).any(|window| window == word)
 }
 
 /// What the file called `name` is, or `None` for one that no reader takes.
@@ -80,6 +94,9 @@ pub fn kind(name: &Path, bytes: &[u8]) -> Option<Kind> {
         #[cfg(feature = "usd")]
         (true, true) if extension.starts_with("usd") => {
             Some(if super::usd::holds_curves(name, bytes) { Kind::Groom } else { Kind::Mesh })
+        }
+        (true, true) if formats::is_gltf(name) => {
+            Some(if has_hair(bytes) { Kind::Groom } else { Kind::Mesh })
         }
         (true, true) => {
             let mut elements = bytes.split(|b| *b == b'\n').filter_map(|line| {

@@ -51,7 +51,7 @@ pub(super) fn read<P: AsRef<Path>>(
 }
 
 /// Adds `more`. An attribute lives on only where both have it; pinned tips and followers are joined in any case.
-fn append(all: &mut Raw, more: Raw) -> Vec<String> {
+pub(super) fn append(all: &mut Raw, more: Raw) -> Vec<String> {
     let mut notes = Vec::new();
     let (a, b) = (&mut all.strands, more.strands);
     let (before, added) = (a.len(), b.len());

@@ -28,7 +28,12 @@ pub(crate) use hair::{CENTIMETRES, COLORS, MARK, POINTS, SEGMENTS, THICKNESS};
 pub(crate) use source::Source;
 
 use files::Files;
-pub use files::{Given, Kind, kind};
+pub use files::{Given, Kind, holds_body, kind};
+#[cfg(feature = "gltf")]
+pub(crate) use mesh::gltf::{
+    hair::{GUIDE, NAME as HAIR_EXTENSION, TIP_PINNED},
+    packed::NAME as PACKED_EXTENSION,
+};
 
 use std::{
     collections::BTreeMap,
@@ -236,7 +241,7 @@ impl Raw {
 
 /// Reads one groom from one or more files and orients it by itself.
 pub fn read<P: AsRef<Path>>(paths: &[P], options: &ImportOptions) -> Result<(Strands, ImportReport)> {
-    let (strands, _, report) = read_all(Files::Disk, paths, &[] as &[&Path], options)?;
+    let (strands, _, report) = read_all(Files::Disk, paths, Heads::none(), options)?;
     Ok((strands, report))
 }
 
@@ -250,8 +255,31 @@ pub fn read_with_head<P: AsRef<Path>, H: AsRef<Path>>(
     if heads.is_empty() {
         return Err(Error::Unusable("no head mesh is given".into()));
     }
-    let (strands, head, report) = read_all(Files::Disk, paths, heads, options)?;
+    let (strands, head, report) = read_all(Files::Disk, paths, Heads::of(heads), options)?;
     Ok((strands, head.unwrap_or_default(), report))
+}
+
+/// Reads one groom with its head: that of `heads`, or else the body that the groom's files hold themselves
+/// ([`holds_body`]), or else none.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_whole<P: AsRef<Path>, H: AsRef<Path>>(
+    paths: &[P],
+    heads: &[H],
+    options: &ImportOptions,
+) -> Result<(Strands, Option<TriMesh>, ImportReport)> {
+    let mut all = Heads::of(heads);
+    if all.paths.is_empty() {
+        all.own = true;
+        for path in paths.iter().map(AsRef::as_ref).filter(|path| formats::is_gltf(path)) {
+            // What cannot be read, the reader of the groom says.
+            if std::fs::read(path).is_ok_and(|bytes| holds_body(path, &bytes)) {
+                all.paths.push(path);
+            }
+        }
+    }
+    read_all(Files::Disk, paths, all, options)
 }
 
 /// The same from bytes, for a browser: of `files` the grooms are joined, the meshes make the head, and
@@ -266,7 +294,7 @@ pub fn read_given(
     options: &ImportOptions,
 ) -> Result<(Strands, Option<TriMesh>, ImportReport)> {
     let sorted = Sorted::new(files)?;
-    read_all(Files::Given(files), &sorted.grooms, &sorted.meshes, options)
+    read_all(Files::Given(files), &sorted.grooms, sorted.heads(), options)
 }
 
 /// [`read_head`] from bytes: the meshes among `files` and their companions.
@@ -290,14 +318,19 @@ pub fn read_given_body(files: &[Given<'_>], options: &ImportOptions) -> Result<B
 struct Sorted<'a> {
     grooms: Vec<&'a Path>,
     meshes: Vec<&'a Path>,
+    /// Grooms that have a body with them.
+    bodies: Vec<&'a Path>,
 }
 
 impl<'a> Sorted<'a> {
     fn new(files: &'a [Given<'_>]) -> Result<Self> {
-        let mut sorted = Self { grooms: Vec::new(), meshes: Vec::new() };
+        let mut sorted = Self { grooms: Vec::new(), meshes: Vec::new(), bodies: Vec::new() };
         for (name, bytes) in files {
             match kind(name, bytes) {
-                Some(Kind::Groom) => sorted.grooms.push(name),
+                Some(Kind::Groom) => {
+                    sorted.grooms.push(name);
+                    sorted.bodies.extend(holds_body(name, bytes).then_some(&**name));
+                }
                 Some(Kind::Mesh) => sorted.meshes.push(name),
                 Some(Kind::Companion) => {}
                 None => {
@@ -309,6 +342,29 @@ impl<'a> Sorted<'a> {
             }
         }
         Ok(sorted)
+    }
+
+    /// The meshes, or else the bodies that grooms have with them.
+    fn heads(&self) -> Heads<'a> {
+        let own = self.meshes.is_empty();
+        Heads { paths: if own { self.bodies.clone() } else { self.meshes.clone() }, own }
+    }
+}
+
+/// The files of a head.
+struct Heads<'a> {
+    paths: Vec<&'a Path>,
+    /// Whether they are those of the groom, which say themselves how both lie to each other.
+    own: bool,
+}
+
+impl<'a> Heads<'a> {
+    fn none() -> Self {
+        Self { paths: Vec::new(), own: false }
+    }
+
+    fn of<H: AsRef<Path>>(heads: &'a [H]) -> Self {
+        Self { paths: heads.iter().map(AsRef::as_ref).collect(), own: false }
     }
 }
 
@@ -341,18 +397,22 @@ fn place(raw: &mut mesh::RawMesh, placement: &orient::Placement) {
     }
 }
 
-fn read_all<P: AsRef<Path>, H: AsRef<Path>>(
+fn read_all<P: AsRef<Path>>(
     from: Files<'_>,
     paths: &[P],
-    heads: &[H],
+    heads: Heads<'_>,
     options: &ImportOptions,
 ) -> Result<(Strands, Option<TriMesh>, ImportReport)> {
     options.orient.check()?;
     options.orient_head.check()?;
     let (raw, files) = join::read(from, paths, options)?;
     let (mut strands, mut followers) = (raw.strands, raw.followers);
-    let mut head = if heads.is_empty() { None } else { Some(mesh::read_from(from, heads)?) };
+    let mut head = if heads.paths.is_empty() { None } else { Some(mesh::read_from(from, &heads.paths)?) };
     let (placement, head_placement) = match &head {
+        Some(head) if heads.own => {
+            let groom = orient::groom(&strands, &raw.declared, &options.orient);
+            (groom, Some(orient::head(head, &options.orient_head.or(options.orient))))
+        }
         Some(head) => {
             let (groom, head) = orient::pair(&strands, &raw.declared, head, options);
             (groom, Some(head))
@@ -408,6 +468,8 @@ fn parse_source(source: &Source, moment: Moment) -> Result<Raw> {
         "obj" => obj_lines::read(source)?,
         "data" => data::read(source)?,
         "ply" => ply::read(source)?,
+        #[cfg(feature = "gltf")]
+        "glb" | "gltf" => mesh::gltf::hair::read(source)?,
         #[cfg(feature = "alembic")]
         "abc" => abc::read(source, moment)?,
         #[cfg(feature = "usd")]

@@ -290,7 +290,9 @@ fn the_wrong_kind_of_file_is_told_so() {
     let edges = format!("{vertex}element edge 1\nproperty int vertex1\nproperty int vertex2\n");
     assert!(says("a.ply", (header(&edges) + "0 1\n").as_bytes()).contains("at line 12"));
     assert!(says("a.ply", header("element edge 9\n").as_bytes()).contains("no properties"));
-    assert!(says("a.glb", b"glTF").contains("head"));
+    let body = crate::export::glb::body(&crate::mannequin::mesh(20), None).unwrap();
+    assert!(says("a.glb", &body).contains("head"));
+    assert!(says("a.glb", b"glTF").contains("not a readable glTF file"));
 }
 
 /// The text of a groom with these header lines.

@@ -1,7 +1,7 @@
 //! Triangle meshes from OBJ, glTF/GLB, Alembic, USD and TressFX's text `.tfxmesh`.
 
 #[cfg(feature = "gltf")]
-mod gltf;
+pub(super) mod gltf;
 mod obj;
 mod tfxmesh;
 

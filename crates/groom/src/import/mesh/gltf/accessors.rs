@@ -54,6 +54,52 @@ impl File<'_> {
         }
     }
 
+    /// Floats as they are, `components` per item.
+    pub fn floats(&self, accessor: &Accessor, components: usize) -> Result<Vec<f32>> {
+        let (bytes, stride) = self.data(accessor)?;
+        self.spend(accessor.count() * components, size_of::<f32>())?;
+        let items = bytes.chunks(stride).flat_map(|item| item.as_chunks::<4>().0.iter().take(components));
+        Ok(items.map(|b| f32::from_le_bytes(*b)).collect())
+    }
+
+    /// Integers without a sign, `components` per item.
+    pub fn integers(&self, accessor: &Accessor, components: usize) -> Result<Vec<u32>> {
+        let kind = accessor.data_type();
+        let fits = matches!(kind, DataType::U8 | DataType::U16 | DataType::U32);
+        if !fits || accessor.dimensions().multiplicity() != components {
+            return Err(self.wrong_kind(accessor));
+        }
+        let (bytes, stride) = self.data(accessor)?;
+        self.spend(accessor.count() * components, size_of::<u32>())?;
+        let one = |b: &[u8]| b.iter().rev().fold(0, |value, byte| value << 8 | u32::from(*byte));
+        let items = bytes.chunks(stride).flat_map(|item| item.chunks_exact(kind.size()).take(components));
+        Ok(items.map(one).collect())
+    }
+
+    /// Vectors: floats, or integers as `KHR_mesh_quantization` allows them, shares or as they are. No check of floats.
+    pub fn places(&self, accessor: &Accessor) -> Result<Vec<Vec3>> {
+        let kind = accessor.data_type();
+        if accessor.dimensions().multiplicity() != 3 || kind == DataType::U32 {
+            self.data(accessor)?;
+            return Err(self.wrong_kind(accessor));
+        }
+        let (bytes, stride) = self.data(accessor)?;
+        self.spend(accessor.count(), size_of::<Vec3>())?;
+        let (size, shares) = (kind.size(), accessor.normalized());
+        let one = |b: &[u8]| {
+            let (value, most) = match kind {
+                DataType::F32 => return f32::from_le_bytes([b[0], b[1], b[2], b[3]]),
+                DataType::U8 => (f32::from(b[0]), 255.0),
+                DataType::I8 => (f32::from(b[0] as i8), 127.0),
+                DataType::U16 => (f32::from(u16::from_le_bytes([b[0], b[1]])), 65535.0),
+                _ => (f32::from(i16::from_le_bytes([b[0], b[1]])), 32767.0),
+            };
+            if shares { (value / most).max(-1.0) } else { value }
+        };
+        let vector = |item: &[u8]| Vec3::from_array([0, 1, 2].map(|i| one(&item[i * size..])));
+        Ok(bytes.chunks(stride).map(vector).collect())
+    }
+
     /// Four joints per vertex.
     pub fn joints(&self, accessor: &Accessor) -> Result<Vec<[u16; 4]>> {
         let kind = accessor.data_type();

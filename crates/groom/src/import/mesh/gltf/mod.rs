@@ -7,7 +7,9 @@
 mod accessors;
 mod animation;
 mod file;
+pub(in crate::import) mod hair;
 mod morph;
+pub(in crate::import) mod packed;
 mod primitive;
 mod skin;
 mod walk;

@@ -1,7 +1,7 @@
 //! Triangles of a mesh, and for a rig what its vertices follow.
 
 use glam::{Mat3, Mat4, Vec3};
-use gltf::{Semantic, accessor::DataType, mesh::Mode};
+use gltf::{Semantic, mesh::Mode};
 
 use super::{PLAIN, Rigging, file::File, lone};
 use crate::{
@@ -86,11 +86,9 @@ impl<'a> Reader<'a> {
             return Ok(());
         }
         let Some(accessor) = primitive.get(&Semantic::Positions) else { return Ok(()) };
-        self.file.check(&accessor, DataType::F32, 3)?;
-        let normals = primitive.get(&Semantic::Normals);
-        if let Some(normals) = &normals {
-            self.file.check(normals, DataType::F32, 3)?;
-        }
+        let positions = self.file.places(&accessor)?;
+        let normals =
+            primitive.get(&Semantic::Normals).map(|normals| self.file.places(&normals)).transpose()?;
         if let Some(indices) = primitive.indices() {
             self.file.check(&indices, indices.data_type(), 1)?;
             self.file.spend(indices.count(), size_of::<[u32; 4]>())?;
@@ -99,11 +97,6 @@ impl<'a> Reader<'a> {
         let buffers = &self.file.buffers;
         let reader = primitive.reader(|b| buffers.get(b.index()).map(|bytes| &**bytes));
         let base = self.mesh.positions.len();
-        let Some(positions) = reader.read_positions() else {
-            return Err(self.file.problem("positions that cannot be read".into()));
-        };
-        let positions: Vec<Vec3> = positions.map(Vec3::from).collect();
-        let normals: Option<Vec<Vec3>> = reader.read_normals().map(|list| list.map(Vec3::from).collect());
         let normals = normals.filter(|list| list.len() == positions.len());
         let skinned = self.bind(primitive, &positions, normals.as_deref(), skin, (node, joint))?;
         if let Some(rigging) = &mut self.rigging {

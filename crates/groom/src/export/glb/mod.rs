@@ -1,4 +1,10 @@
-//! Bodies as GLB (glTF 2.0, binary): a mesh with its skin, shapes and animations.
+//! Characters as GLB (glTF 2.0, binary): a mesh with its skin, shapes and animations, and hair as `EXT_tresses_hair`.
+
+mod hair;
+#[cfg(test)]
+mod tests;
+
+pub use hair::Hair;
 
 use serde_json::{Value, json};
 
@@ -17,64 +23,88 @@ const FLOAT: u32 = 5126;
 /// # Errors
 /// [`Error::Unusable`] for a rig of another mesh.
 pub fn body(mesh: &TriMesh, rig: Option<&Rig>) -> Result<Vec<u8>> {
+    character(Some((mesh, rig)), &[])
+}
+
+/// The same with hair at rest, all in one space, or hair alone.
+///
+/// # Errors
+/// As [`body`], and [`Error::Unusable`] for hair without strands.
+pub fn character(body: Option<(&TriMesh, Option<&Rig>)>, hair: &[Hair<'_>]) -> Result<Vec<u8>> {
     let mut file = File::new();
-    let Some(rig) = rig else {
-        let primitive = file.surface(mesh, &mesh.positions, &mesh.normals);
-        file.push("meshes", json!({"primitives": [primitive]}));
-        file.push("nodes", json!({"name": "Body", "mesh": 0}));
-        file.root["scenes"] = json!([{"nodes": [0]}]);
-        return file.finish();
-    };
-    if rig.vertices.len() != mesh.positions.len() {
-        return Err(Error::Unusable("a rig of another mesh is not written".into()));
-    }
-    let vertices = &rig.vertices;
-    let positions: Vec<_> = vertices.iter().map(|v| v.position).collect();
-    let normals: Vec<_> = vertices.iter().map(|v| v.normal).collect();
-    let mut primitive = file.surface(mesh, &positions, &normals);
-    let sets = if vertices.iter().any(|v| v.weights[4..].iter().any(|w| *w > 0.0)) { 2 } else { 1 };
-    for set in 0..sets {
-        let range = 4 * set..4 * set + 4;
-        let joints =
-            vertices.iter().flat_map(|v| v.joints[range.clone()].iter().zip(&v.weights[range.clone()]));
-        // Joints without weight are 0, as the specification wants it.
-        let joints = joints.flat_map(|(joint, weight)| if *weight > 0.0 { *joint } else { 0 }.to_le_bytes());
-        let joints = file.accessor(SHORT, "VEC4", vertices.len(), joints.collect());
-        let weights = vertices.iter().flat_map(|v| v.weights[range.clone()].to_vec());
-        let weights = file.floats("VEC4", 4, weights);
-        primitive["attributes"][format!("JOINTS_{set}")] = json!(joints);
-        primitive["attributes"][format!("WEIGHTS_{set}")] = json!(weights);
-    }
-    let targets: Vec<_> = rig.targets.iter().map(|target| file.target(target, vertices.len())).collect();
-    let names: Vec<_> = rig.targets.iter().map(|target| &target.name).collect();
-    let mut shape = json!({"primitives": [primitive]});
-    if !targets.is_empty() {
-        shape["primitives"][0]["targets"] = json!(targets);
-        shape["weights"] = json!(vec![0.0; targets.len()]);
-        shape["extras"] = json!({"targetNames": names});
-    }
-    file.push("meshes", shape);
-    // Nodes keep their numbers; what holds the skin, and what brings it into the groom's space, stand behind them.
-    rig.nodes.iter().enumerate().for_each(|(i, node)| {
-        let children: Vec<_> =
-            (0..rig.nodes.len()).filter(|j| rig.nodes[*j].parent == Some(i as u32)).collect();
-        file.push("nodes", node_of(node, &children));
-    });
-    let binds = rig.joints.iter().flat_map(|joint| joint.inverse_bind.to_cols_array());
-    let binds = file.floats("MAT4", 16, binds);
-    let joints: Vec<_> = rig.joints.iter().map(|joint| joint.node).collect();
-    file.push("skins", json!({"joints": joints, "inverseBindMatrices": binds}));
-    let skinned = file.push("nodes", json!({"name": "Body", "mesh": 0, "skin": 0}));
-    let roots: Vec<_> = (0..rig.nodes.len()).filter(|i| rig.nodes[*i].parent.is_none()).collect();
-    let space = json!({"name": "Character", "matrix": rig.to_groom.to_cols_array(), "children": roots});
-    let top = file.push("nodes", space);
-    // What a skin bends stands wherever its joints are: as a child of theirs it would be moved twice by some readers.
-    file.root["scenes"] = json!([{"nodes": [top, skinned]}]);
-    for animation in &rig.animations {
-        let item = file.animation(animation, skinned, rig.targets.len());
-        file.push("animations", item);
+    hair::put(&mut file, hair)?;
+    match body {
+        Some((mesh, rig)) => file.body(mesh, rig)?,
+        None => {
+            file.push("nodes", json!({"name": "Hair"}));
+            file.root["scenes"] = json!([{"nodes": [0]}]);
+        }
     }
     file.finish()
+}
+
+impl File {
+    fn body(&mut self, mesh: &TriMesh, rig: Option<&Rig>) -> Result<()> {
+        let file = self;
+        let Some(rig) = rig else {
+            let primitive = file.surface(mesh, &mesh.positions, &mesh.normals);
+            file.push("meshes", json!({"primitives": [primitive]}));
+            file.push("nodes", json!({"name": "Body", "mesh": 0}));
+            file.root["scenes"] = json!([{"nodes": [0]}]);
+            return Ok(());
+        };
+        if rig.vertices.len() != mesh.positions.len() {
+            return Err(Error::Unusable("a rig of another mesh is not written".into()));
+        }
+        let vertices = &rig.vertices;
+        let positions: Vec<_> = vertices.iter().map(|v| v.position).collect();
+        let normals: Vec<_> = vertices.iter().map(|v| v.normal).collect();
+        let mut primitive = file.surface(mesh, &positions, &normals);
+        let sets = if vertices.iter().any(|v| v.weights[4..].iter().any(|w| *w > 0.0)) { 2 } else { 1 };
+        for set in 0..sets {
+            let range = 4 * set..4 * set + 4;
+            let joints =
+                vertices.iter().flat_map(|v| v.joints[range.clone()].iter().zip(&v.weights[range.clone()]));
+            // Joints without weight are 0, as the specification wants it.
+            let joints =
+                joints.flat_map(|(joint, weight)| if *weight > 0.0 { *joint } else { 0 }.to_le_bytes());
+            let joints = file.accessor(SHORT, "VEC4", vertices.len(), joints.collect());
+            let weights = vertices.iter().flat_map(|v| v.weights[range.clone()].to_vec());
+            let weights = file.floats("VEC4", 4, weights);
+            primitive["attributes"][format!("JOINTS_{set}")] = json!(joints);
+            primitive["attributes"][format!("WEIGHTS_{set}")] = json!(weights);
+        }
+        let targets: Vec<_> = rig.targets.iter().map(|target| file.target(target, vertices.len())).collect();
+        let names: Vec<_> = rig.targets.iter().map(|target| &target.name).collect();
+        let mut shape = json!({"primitives": [primitive]});
+        if !targets.is_empty() {
+            shape["primitives"][0]["targets"] = json!(targets);
+            shape["weights"] = json!(vec![0.0; targets.len()]);
+            shape["extras"] = json!({"targetNames": names});
+        }
+        file.push("meshes", shape);
+        // Nodes keep their numbers; what holds the skin, and what brings it into the groom's space, stand behind them.
+        rig.nodes.iter().enumerate().for_each(|(i, node)| {
+            let children: Vec<_> =
+                (0..rig.nodes.len()).filter(|j| rig.nodes[*j].parent == Some(i as u32)).collect();
+            file.push("nodes", node_of(node, &children));
+        });
+        let binds = rig.joints.iter().flat_map(|joint| joint.inverse_bind.to_cols_array());
+        let binds = file.floats("MAT4", 16, binds);
+        let joints: Vec<_> = rig.joints.iter().map(|joint| joint.node).collect();
+        file.push("skins", json!({"joints": joints, "inverseBindMatrices": binds}));
+        let skinned = file.push("nodes", json!({"name": "Body", "mesh": 0, "skin": 0}));
+        let roots: Vec<_> = (0..rig.nodes.len()).filter(|i| rig.nodes[*i].parent.is_none()).collect();
+        let space = json!({"name": "Character", "matrix": rig.to_groom.to_cols_array(), "children": roots});
+        let top = file.push("nodes", space);
+        // What a skin bends stands wherever its joints are: as a child of theirs it would be moved twice by some readers.
+        file.root["scenes"] = json!([{"nodes": [top, skinned]}]);
+        for animation in &rig.animations {
+            let item = file.animation(animation, skinned, rig.targets.len());
+            file.push("animations", item);
+        }
+        Ok(())
+    }
 }
 
 fn node_of(node: &Node, children: &[usize]) -> Value {
@@ -97,12 +127,14 @@ fn node_of(node: &Node, children: &[usize]) -> Value {
 struct File {
     root: Value,
     bin: Vec<u8>,
+    /// Bytes of a second buffer, which only stands for what lies compressed in the first.
+    unpacked: usize,
 }
 
 impl File {
     fn new() -> Self {
         let asset = json!({"version": "2.0", "generator": concat!("tresses ", env!("CARGO_PKG_VERSION"))});
-        Self { root: json!({"asset": asset, "scene": 0}), bin: Vec::new() }
+        Self { root: json!({"asset": asset, "scene": 0}), bin: Vec::new(), unpacked: 0 }
     }
 
     /// Adds to a list of the root; its index there.
@@ -229,6 +261,10 @@ impl File {
     fn finish(mut self) -> Result<Vec<u8>> {
         self.bin.resize(self.bin.len().next_multiple_of(4), 0);
         self.root["buffers"] = json!([{"byteLength": self.bin.len()}]);
+        if self.unpacked > 0 {
+            let stands_for = json!({crate::import::PACKED_EXTENSION: {"fallback": true}});
+            self.push("buffers", json!({"byteLength": self.unpacked, "extensions": stands_for}));
+        }
         let mut text = self.root.to_string().into_bytes();
         text.resize(text.len().next_multiple_of(4), b' ');
         let length = 12 + 8 + text.len() + 8 + self.bin.len();
@@ -243,70 +279,5 @@ impl File {
             bytes.extend_from_slice(chunk);
         }
         Ok(bytes)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{import, mannequin};
-    use std::{borrow::Cow, path::PathBuf};
-
-    fn read(bytes: &[u8]) -> import::mesh::RawMesh {
-        let path = PathBuf::from("bust.glb");
-        import::mesh::read_given(&[(path.clone(), Cow::Borrowed(bytes))], &path).unwrap()
-    }
-
-    /// What is written is read back and bends in the same way.
-    #[test]
-    fn a_body_comes_back() {
-        let mesh = mannequin::mesh(60);
-        let mut rig = mannequin::rig::rig(&mesh);
-        rig.animations.push(wave());
-        let bytes = body(&mesh, Some(&rig)).unwrap();
-        let back = read(&bytes);
-        let other = back.rig.unwrap();
-        let names = |rig: &Rig| rig.targets.iter().map(|t| t.name.clone()).collect::<Vec<_>>();
-        assert_eq!((names(&other), other.animations.len()), (names(&rig), 1));
-        let mut farthest = 0f32;
-        for time in [0.0, 0.3, 1.0] {
-            let bent = |rig: &Rig, mesh: &TriMesh| {
-                let mut mesh = mesh.clone();
-                rig.deform(&rig.pose(&rig.animations[0], time), &mut mesh);
-                mesh
-            };
-            let (here, there) = (bent(&rig, &mesh), bent(&other, &back.mesh));
-            assert_eq!(here.triangles, there.triangles);
-            let off = here.positions.iter().zip(&there.positions).map(|(a, b)| a.distance(*b));
-            farthest = farthest.max(off.fold(0.0, f32::max));
-            if time == 0.3 {
-                let moved = here.positions.iter().zip(&mesh.positions).map(|(a, b)| a.distance(*b));
-                assert!(moved.fold(0.0, f32::max) > 0.02, "it waves");
-            }
-        }
-        assert!(farthest < 1e-5, "{farthest}");
-        // Another's rig is not written.
-        assert!(body(&mannequin::mesh(50), Some(&rig)).is_err());
-    }
-
-    fn wave() -> Animation {
-        use crate::rig::{Channel, Curve};
-        let turn = glam::Quat::from_rotation_y(0.8).to_array();
-        let rest = glam::Quat::IDENTITY.to_array();
-        let curve = |values: Vec<f32>| Curve { times: vec![0.0, 0.5, 1.0], values, ..Curve::default() };
-        let rotation = curve([rest, turn, rest].concat());
-        let weights = curve(vec![0.0, 1.0, 0.0]);
-        let channels = vec![
-            Channel { node: 2, property: Property::Rotation, curve: rotation },
-            Channel { node: 0, property: Property::Weights(vec![1]), curve: weights },
-        ];
-        Animation { name: "Wave".into(), length: 1.0, channels }
-    }
-
-    #[test]
-    fn what_does_not_bend_is_written_too() {
-        let mesh = mannequin::mesh(50);
-        let back = read(&body(&mesh, None).unwrap());
-        assert_eq!((back.mesh.positions, back.mesh.triangles), (mesh.positions, mesh.triangles));
     }
 }
