@@ -23,7 +23,7 @@ ifeq ($(XDG_RUNTIME_DIR),)
 export NODEVICE_SELECT ?= 1
 endif
 
-.PHONY: help setup setup-tests demo test proof fuzz truth bench web web-serve python bevy release clean
+.PHONY: help setup setup-tests demo test proof fuzz truth bench web viewer web-serve python bevy release clean
 
 help: ## Show this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 14
@@ -92,6 +92,9 @@ truth: setup ## Path-trace 36 views of hair with Mitsuba, half an hour, and comp
 
 web: setup ## Build the web page into dist/, for any static file server
 	$(CARGO) run --quiet --bin tresses-web -- build
+
+viewer: setup ## Build <tresses-viewer>, hair as an element for web pages, into dist-viewer/
+	$(CARGO) run --quiet --bin tresses-web -- build --page viewer --out dist-viewer
 
 web-serve: web ## Serve the web page on http://127.0.0.1:8080/
 	$(CARGO) run --quiet --bin tresses-web -- serve

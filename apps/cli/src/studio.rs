@@ -39,6 +39,7 @@ impl Args {
             companions,
             settings: preset.settings,
             trouble: None,
+            ..Default::default()
         })
     }
 }

@@ -7,7 +7,7 @@ use crate::{
     events::Waiting,
     files::Files,
     hair::Hair,
-    head,
+    head, hosted,
     job::{Job, Order, Source},
     loss,
     options::Options,
@@ -99,6 +99,12 @@ pub struct Studio {
     /// When the last frame of the hair was begun, while time goes by.
     pub(crate) last: Option<Instant>,
     pub(crate) panels: panels::Panels,
+    /// Whether there is a picture and nothing else.
+    pub(crate) bare: bool,
+    /// The animation that a body is to begin with, once it is there.
+    pub(crate) animation: Option<Option<String>>,
+    /// The page around it.
+    pub host: hosted::Host,
 }
 
 impl Studio {
@@ -112,7 +118,9 @@ impl Studio {
         let gpu = device::gpu(&state);
         let lost = loss::Lost::default();
         loss::listen(&gpu.device, &context.egui_ctx, &lost);
-        let source = if options.grooms.is_empty() {
+        let source = if let Some(files) = options.given {
+            Source::Files { files, options: Box::new(options.import) }
+        } else if options.grooms.is_empty() {
             Source::Style(options.style.unwrap_or_else(|| Style::default().name().into()))
         } else {
             let files = Files::Disk { grooms: options.grooms, heads: options.heads };
@@ -165,6 +173,9 @@ impl Studio {
             rest: None,
             last: None,
             panels: panels::Panels::default(),
+            bare: options.bare,
+            animation: None,
+            host: hosted::Host::default(),
         })
     }
 
@@ -179,6 +190,8 @@ impl Studio {
             import: named.orientation,
             companions: self.wanted().companions,
             settings: self.settings.now().clone(),
+            bare: self.bare,
+            given: None,
             trouble: None,
         }
     }
@@ -199,14 +212,18 @@ impl eframe::App for Studio {
         }
         self.receive(&context);
         self.land();
-        panels::keys::answer(self, &context);
-        panels::top::show(self, ui);
-        panels::status::show(self, ui);
-        panels::transport::show(self, ui);
-        panels::side::show(self, ui);
+        if !self.bare {
+            panels::keys::answer(self, &context);
+            panels::top::show(self, ui);
+            panels::status::show(self, ui);
+            panels::transport::show(self, ui);
+            panels::side::show(self, ui);
+        }
         egui::CentralPanel::no_frame().show(ui, |ui| viewport::show(self, ui));
-        panels::record::show(self, ui);
-        panels::ask::show(self, ui);
+        if !self.bare {
+            panels::record::show(self, ui);
+            panels::ask::show(self, ui);
+        }
         self.work_off(&context);
         self.draw(&context);
         if self.job.is_some() {

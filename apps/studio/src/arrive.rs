@@ -65,6 +65,7 @@ impl Studio {
                 Answer::Preset(path, text, files) => self.open_preset(context, &path, &text, files),
                 Answer::Companion(companion, name, files) => self.put(context, companion, Some(name), &files),
                 Answer::Picture(name, files) => self.panels.asked.push(panels::ask::Asked::new(name, files)),
+                Answer::Do(command) => self.do_for_host(context, command),
                 Answer::Wrote(sentence) => self.said = Some(sentence),
                 Answer::Failed(sentence) => self.error = Some(sentence),
             }
@@ -98,6 +99,7 @@ impl Studio {
         }
         self.shown = Some(Shown { hair, notes, base, surroundings });
         (self.dirty, self.kept) = (true, false);
+        self.animate();
     }
 
     /// Shows what is shown in the light of `surroundings`, or of a photographer.

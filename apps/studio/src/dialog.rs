@@ -1,6 +1,6 @@
 //! File dialogs of the desktop, which do not block the window.
 
-use crate::{files::Files, sort, task};
+use crate::{files::Files, hosted::Command, sort, task};
 use eframe::egui::{self, DroppedFileHandle};
 use rfd::AsyncFileDialog;
 use std::{
@@ -27,6 +27,8 @@ pub enum Answer {
     Companion(&'static Companion, String, Shelf),
     /// A picture that may be any map.
     Picture(String, Shelf),
+    /// What the page around it wants.
+    Do(Command),
     /// Something was written.
     Wrote(String),
     /// Something went wrong.

@@ -25,6 +25,7 @@ pub mod flight;
 pub mod frame;
 pub mod hair;
 pub mod head;
+pub mod hosted;
 pub mod job;
 pub mod loss;
 

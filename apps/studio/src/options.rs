@@ -1,5 +1,6 @@
 //! The studio's start options.
 
+use crate::files::Files;
 use anyhow::{Context, Result, anyhow};
 use std::path::PathBuf;
 use tresses::groom::{import::ImportOptions, styles::Style};
@@ -20,6 +21,10 @@ pub struct Options {
     pub companions: Companions,
     /// Every parameter.
     pub settings: Settings,
+    /// Whether there is a picture and nothing else, as in a page of others.
+    pub bare: bool,
+    /// Files that are there already, instead of those on the disk.
+    pub given: Option<Files>,
     /// What went wrong before, a sentence that is shown.
     pub trouble: Option<String>,
 }

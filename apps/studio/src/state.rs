@@ -2,11 +2,11 @@
 
 use crate::{app::Studio, job::Job, stage::Show};
 use eframe::egui;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::sync::{Mutex, PoisonError};
 
 /// A few facts, written after every frame of the window.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Pictures of the hair so far.
     pub frames: u64,
@@ -72,7 +72,7 @@ impl Studio {
     pub(crate) fn publish(&self, context: &egui::Context) {
         let show = self.show.as_ref();
         let picture = show.and_then(Show::picture);
-        publish(State {
+        let state = State {
             frames: show.map_or(0, |show| show.frames),
             seen: self.seen,
             painted: context.cumulative_frame_nr(),
@@ -100,6 +100,10 @@ impl Studio {
                 || self.is_live()
                 || self.orbit.is_gliding()
                 || show.is_some_and(Show::is_under_way),
-        });
+        };
+        if let Some(tell) = &self.host.0 {
+            tell(&state);
+        }
+        publish(state);
     }
 }

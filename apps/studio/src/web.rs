@@ -1,7 +1,16 @@
 //! The page: a canvas instead of a window.
 
-use crate::{app::Studio, device, options::Options, state};
-use std::panic;
+use crate::{
+    app::Studio,
+    device,
+    dialog::{Answer, Dialogs, Read},
+    hosted::{Command, Host},
+    options::Options,
+    sort,
+    state::{self, State},
+};
+use eframe::egui;
+use std::{cell::RefCell, panic, rc::Rc};
 use wasm_bindgen::{JsCast, JsValue, prelude::*};
 
 /// Where the page says in words what the canvas cannot show.
@@ -10,20 +19,131 @@ const MESSAGE: &str = "message";
 /// The button that loads the page again.
 const AGAIN: &str = "again";
 
-/// Starts the studio in `canvas`, as the page's address has it ([`Options::of`]). Fails with one sentence
-/// where it is wrong, or the browser has no WebGPU.
+/// A studio in a canvas: the whole of it, or nothing but its picture in a page of others.
 #[wasm_bindgen]
-pub async fn start(canvas: web_sys::HtmlCanvasElement) -> Result<(), JsValue> {
+pub struct Viewer {
+    runner: eframe::WebRunner,
+    dialogs: Dialogs,
+    context: egui::Context,
+    state: Rc<RefCell<String>>,
+}
+
+#[wasm_bindgen]
+impl Viewer {
+    /// Opens it in `canvas`. `query` is as behind the question mark of an address ([`Options::of`]), `files` an array of
+    /// names and `Uint8Array`s in turn, which are shown first, `bare` for nothing but the picture. `told` is called with
+    /// the state as JSON whenever that has changed, but for what changes in every frame. Fails with one sentence where
+    /// something is wrong, or the browser has no WebGPU.
+    pub async fn open(
+        canvas: web_sys::HtmlCanvasElement,
+        query: String,
+        files: js_sys::Array,
+        bare: bool,
+        told: js_sys::Function,
+    ) -> Result<Viewer, JsValue> {
+        let wanted = pairs(&query)?;
+        let wanted = wanted.iter().map(|(name, value)| (name.as_str(), value.as_str()));
+        let mut options = Options::of(wanted).map_err(|error| format!("{error:#}"))?;
+        options.bare = bare;
+        // Those that are no groom follow once it is there.
+        let mut later = Vec::new();
+        for answer in sort::files(read(&files), true) {
+            match answer {
+                Answer::Open(files) if options.given.is_none() => options.given = Some(files),
+                answer => later.push(answer),
+            }
+        }
+        let web = eframe::WebOptions { wgpu_options: device::configuration(), ..Default::default() };
+        let state = Rc::new(RefCell::new(String::from("{}")));
+        let opened: Rc<RefCell<Option<(Dialogs, egui::Context)>>> = Rc::default();
+        let create: eframe::AppCreator<'static> = {
+            let (state, opened) = (state.clone(), opened.clone());
+            Box::new(move |context| {
+                let mut studio = Studio::new(context, options)?;
+                *opened.borrow_mut() = Some((studio.dialogs.clone(), context.egui_ctx.clone()));
+                studio.host = Host(Some(Box::new(move |now| tell(now, &state, &told))));
+                Ok(Box::new(studio) as Box<dyn eframe::App>)
+            })
+        };
+        let runner = eframe::WebRunner::new();
+        say_panics();
+        runner.start(canvas, web, create).await?;
+        let (dialogs, context) = opened.take().ok_or("the studio did not open")?;
+        later.into_iter().for_each(|answer| dialogs.tell(&context, answer));
+        Ok(Self { runner, dialogs, context, state })
+    }
+
+    /// Shows other files: names and `Uint8Array`s in turn, as if they were dropped.
+    pub fn load(&self, files: js_sys::Array) {
+        for answer in sort::files(read(&files), true) {
+            self.dialogs.tell(&self.context, answer);
+        }
+    }
+
+    /// Sets `playing`, `motion`, `animation`, `camera` or a parameter by its path.
+    pub fn set(&self, name: &str, value: &str) -> Result<(), JsValue> {
+        let command = Command::of(name, value).map_err(|error| format!("{error:#}"))?;
+        self.dialogs.tell(&self.context, Answer::Do(command));
+        Ok(())
+    }
+
+    /// How things are, as JSON.
+    pub fn state(&self) -> String {
+        self.state.borrow().clone()
+    }
+
+    /// Ends it; the canvas is free again.
+    pub fn close(self) {
+        self.runner.destroy();
+    }
+}
+
+/// Names and bytes, in turn.
+fn read(files: &js_sys::Array) -> Vec<Read> {
+    let bytes = |value: JsValue| js_sys::Uint8Array::new(&value).to_vec();
+    let name = |value: JsValue| value.as_string().unwrap_or_default().into();
+    (0..files.length() / 2).map(|i| (name(files.get(2 * i)), bytes(files.get(2 * i + 1)))).collect()
+}
+
+/// Tells a page of `now` if anything of it has changed that does not change in every frame.
+fn tell(now: &State, state: &RefCell<String>, told: &js_sys::Function) {
+    let text = |state: &State| serde_json::to_string(state).unwrap_or_default();
+    let before: State = serde_json::from_str(&state.borrow()).unwrap_or_default();
+    *state.borrow_mut() = text(now);
+    // What changes all the time is left out of the comparison.
+    let lasting = |state: &State| {
+        let State { strands, file, companions, step, error, playing, size, adapter, lost, .. } =
+            state.clone();
+        let shown = u64::from(state.seen > 0);
+        State {
+            strands,
+            file,
+            companions,
+            step,
+            error,
+            playing,
+            size,
+            adapter,
+            lost,
+            seen: shown,
+            ..Default::default()
+        }
+    };
+    if lasting(&before) != lasting(now) {
+        // What a page's own function throws is in the console.
+        let _ = told.call1(&JsValue::NULL, &text(now).into());
+    }
+}
+
+/// Opens the whole studio in `canvas` with `files`, as the page's address has it.
+#[wasm_bindgen]
+pub async fn start(
+    canvas: web_sys::HtmlCanvasElement,
+    query: String,
+    files: js_sys::Array,
+) -> Result<Viewer, JsValue> {
     expose()?;
-    let wanted = query()?;
-    let wanted = wanted.iter().map(|(name, value)| (name.as_str(), value.as_str()));
-    let wanted = Options::of(wanted).map_err(|error| format!("{error:#}"))?;
-    let options = eframe::WebOptions { wgpu_options: device::configuration(), ..Default::default() };
-    let create: eframe::AppCreator<'static> =
-        Box::new(|context| Ok(Box::new(Studio::new(context, wanted)?) as Box<dyn eframe::App>));
-    let runner = eframe::WebRunner::new();
-    say_panics();
-    runner.start(canvas, options, create).await
+    Viewer::open(canvas, query, files, false, js_sys::Function::new_no_args("")).await
 }
 
 /// What the studio tells of itself, as JSON.
@@ -41,10 +161,9 @@ fn expose() -> Result<(), JsValue> {
     Ok(())
 }
 
-/// Names and values behind the question mark of the page's address.
-fn query() -> Result<Vec<(String, String)>, JsValue> {
-    let Some(window) = web_sys::window() else { return Ok(Vec::new()) };
-    let pairs = web_sys::UrlSearchParams::new_with_str(&window.location().search()?)?;
+/// Names and values of a query.
+fn pairs(query: &str) -> Result<Vec<(String, String)>, JsValue> {
+    let pairs = web_sys::UrlSearchParams::new_with_str(query)?;
     let text = |pair: &JsValue, i| js_sys::Array::from(pair).get(i).as_string().unwrap_or_default();
     Ok(js_sys::Array::from(&pairs).iter().map(|pair| (text(&pair, 0), text(&pair, 1))).collect())
 }

@@ -19,6 +19,8 @@ pub const LIMIT: u64 = 5_000_000;
 pub enum Page {
     /// The studio.
     Studio,
+    /// The studio's picture as an element for pages of others, `<tresses-viewer>`: a package for npm.
+    Viewer,
     /// The smallest program with hair: the library's example `minimal`.
     Minimal,
 }
@@ -28,17 +30,26 @@ impl Page {
     fn program(self) -> (&'static [&'static str], &'static str) {
         match self {
             // Only here is the studio a module of its own; everywhere else it is a library.
-            Self::Studio => {
+            Self::Studio | Self::Viewer => {
                 (&["--package", "tresses-studio", "--lib", "--crate-type", "cdylib"], "tresses_studio.wasm")
             }
             Self::Minimal => (&["--package", "tresses", "--example", "minimal"], "examples/minimal.wasm"),
         }
     }
 
-    fn html(self) -> &'static str {
+    /// What lies beside the program: names and texts.
+    fn files(self) -> &'static [(&'static str, &'static str)] {
+        const ELEMENT: (&str, &str) = ("tresses-viewer.js", include_str!("../component/tresses-viewer.js"));
         match self {
-            Self::Studio => include_str!("../pages/studio.html"),
-            Self::Minimal => include_str!("../pages/minimal.html"),
+            Self::Studio => &[("index.html", include_str!("../pages/studio.html")), ELEMENT],
+            Self::Viewer => &[
+                ELEMENT,
+                ("tresses-viewer.d.ts", include_str!("../component/tresses-viewer.d.ts")),
+                ("package.json", include_str!("../component/package.json")),
+                ("README.md", include_str!("../component/README.md")),
+                ("example.html", include_str!("../component/example.html")),
+            ],
+            Self::Minimal => &[("index.html", include_str!("../pages/minimal.html"))],
         }
     }
 }
@@ -111,8 +122,12 @@ pub fn pack(page: Page, out: &Path, small: bool) -> Result<Sizes> {
         .remove_producers_section(true)
         .generate(out)
         .context("wasm-bindgen")?;
-    std::fs::write(out.join("index.html"), page.html()).with_context(|| out.display().to_string())?;
-    let files = ["index.html", "tresses.js", "tresses_bg.wasm"];
+    for (name, text) in page.files() {
+        std::fs::write(out.join(name), text).with_context(|| out.display().to_string())?;
+    }
+    let loaded = |name: &&str| name.ends_with(".js") || name.ends_with(".html");
+    let names = page.files().iter().map(|(name, _)| *name).filter(loaded);
+    let files: Vec<_> = names.chain(["tresses.js", "tresses_bg.wasm"]).collect();
     files.iter().map(|name| size(out, name)).collect::<Result<_>>().map(Sizes)
 }
 

@@ -1,6 +1,7 @@
 //! Serving a folder to browsers on this machine.
 
 use anyhow::{Context, Result, anyhow};
+use percent_encoding::percent_decode_str;
 use std::{
     fs::File,
     path::{Component, Path, PathBuf},
@@ -70,7 +71,8 @@ impl Server {
 
 /// The file of `folder` that an address means, never one outside of it.
 fn file(folder: &Path, url: &str) -> Option<PathBuf> {
-    let name = url.split(['?', '#']).next()?.trim_start_matches('/');
+    let name = percent_decode_str(url.split(['?', '#']).next()?).decode_utf8().ok()?;
+    let name = name.trim_start_matches('/');
     let name = Path::new(if name.is_empty() { "index.html" } else { name });
     let inside = name.components().all(|part| matches!(part, Component::Normal(_)));
     let path = folder.join(name);
@@ -85,7 +87,8 @@ mod tests {
     fn nothing_outside_is_served() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
         assert_eq!(file(&folder, "/serve.rs?x=1"), Some(folder.join("serve.rs")));
-        for url in ["/../Cargo.toml", "/..", "//etc/passwd", "/", "/none"] {
+        assert_eq!(file(&folder, "/s%65rve.rs"), Some(folder.join("serve.rs")));
+        for url in ["/../Cargo.toml", "/%2e%2e/Cargo.toml", "/..", "//etc/passwd", "/", "/none"] {
             assert_eq!(file(&folder, url), None, "{url}");
         }
     }

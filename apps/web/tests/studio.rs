@@ -2,6 +2,7 @@
 //! files, and neither the browser nor WebGPU reports an error.
 
 mod browser;
+mod viewer;
 
 use browser::{Browser, Picture};
 use serde_json::Value;
@@ -302,6 +303,8 @@ fn without_webgpu_there_is_a_sentence() {
     // The page asks before it loads anything.
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("pages/studio.html");
     std::fs::copy(page, folder.path().join("index.html")).unwrap();
+    let element = Path::new(env!("CARGO_MANIFEST_DIR")).join("component/tresses-viewer.js");
+    std::fs::copy(element, folder.path().join("tresses-viewer.js")).unwrap();
     let (server, serving) = serve(folder.path());
     browser.go(&format!("http://127.0.0.1:{}/", server.port()));
     let said = "document.getElementById('message')?.textContent";

@@ -31,7 +31,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, rect: Rect) {
             .fixed_pos(anchor.pos_in_rect(&rect.shrink(GAP)) + offset)
             .constrain_to(rect)
     };
-    if studio.show.is_some() {
+    if studio.show.is_some() && !studio.bare {
         at("tools", Align2::LEFT_TOP, vec2(0.0, 0.0))
             .show(ui.ctx(), |ui| plate().show(ui, |ui| tools(studio, ui)));
         // The panels of grids stand at the right.
@@ -39,7 +39,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, rect: Rect) {
             .show(ui.ctx(), |ui| plate().show(ui, |ui| views(studio, ui)));
     }
     let (dial, free) = (dial(rect), free(rect));
-    if studio.show.is_some() {
+    if studio.show.is_some() && !studio.bare {
         at("wind", dial, vec2(0.0, 0.0)).show(ui.ctx(), |ui| plate().show(ui, |ui| wind(studio, ui)));
     }
     if studio.job.is_some() {

@@ -294,6 +294,10 @@ pub fn read_given(
     options: &ImportOptions,
 ) -> Result<(Strands, Option<TriMesh>, ImportReport)> {
     let sorted = Sorted::new(files)?;
+    if let ([], [mesh, ..]) = (&sorted.grooms[..], &sorted.meshes[..]) {
+        let problem = "a mesh, not a groom; it can be the head of one that is given with it".into();
+        return Err(Error::File { path: mesh.to_path_buf(), at: At::File, problem });
+    }
     read_all(Files::Given(files), &sorted.grooms, sorted.heads(), options)
 }
 

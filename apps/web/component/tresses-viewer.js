@@ -1,0 +1,196 @@
+// <tresses-viewer src="hair.glb">: hair in a page, simulated and drawn by WebGPU. See README.md.
+
+const module = new URL("./tresses.js", import.meta.url);
+
+/** The program, loaded once for all elements of a page; `progress(loaded, total)` counts bytes. */
+let program;
+const listeners = new Set();
+function loadProgram(progress) {
+  if (progress) listeners.add(progress);
+  program ??= (async () => {
+    const { default: init, Viewer } = await import(module);
+    const wasm = await fetchBytes(new URL("./tresses_bg.wasm", import.meta.url), (loaded, total) => {
+      for (const listener of listeners) listener(loaded, total);
+    });
+    await init({ module_or_path: wasm });
+    return Viewer;
+  })();
+  // What has failed may be tried again.
+  program.catch(() => { program = undefined; }).finally(() => listeners.clear());
+  return program;
+}
+
+/** A file's bytes; `progress(loaded, total)` as they come, `total` 0 where the server does not say. */
+async function fetchBytes(url, progress) {
+  const response = await fetch(url);
+  if (!response.ok) throw new Error(`${url} cannot be loaded (${response.status} ${response.statusText})`);
+  const encoded = response.headers.get("Content-Encoding");
+  const total = encoded ? 0 : Number(response.headers.get("Content-Length") ?? 0);
+  const parts = [];
+  let loaded = 0;
+  for (const reader = response.body.getReader(); ;) {
+    const { done, value } = await reader.read();
+    if (done) break;
+    parts.push(value);
+    loaded += value.length;
+    progress?.(loaded, total);
+  }
+  const bytes = new Uint8Array(loaded);
+  let at = 0;
+  for (const part of parts) { bytes.set(part, at); at += part.length; }
+  return bytes;
+}
+
+/** Names and bytes in turn, as the program takes them. */
+export async function fetchFiles(urls, progress) {
+  const counts = urls.map(() => [0, 0]);
+  const files = await Promise.all(urls.map(async (url, i) => {
+    const bytes = await fetchBytes(url, (loaded, total) => {
+      counts[i] = [loaded, total];
+      progress?.(counts.reduce((sum, c) => sum + c[0], 0), counts.every(c => c[1]) ? counts.reduce((sum, c) => sum + c[1], 0) : 0);
+    });
+    return [decodeURIComponent(new URL(url, document.baseURI).pathname.split("/").pop()), bytes];
+  }));
+  return files.flat();
+}
+
+/** Why this browser cannot show hair, or null. */
+export async function unsupported() {
+  if (!navigator.gpu)
+    return "This browser has no WebGPU; current versions of Chrome, Edge, Firefox and Safari have it, on pages opened by https or from localhost.";
+  return await navigator.gpu.requestAdapter() ? null : "This browser has WebGPU, but found no GPU that it may use.";
+}
+
+const words = text => text ? text.split(/\s+/).filter(Boolean) : [];
+const ATTRIBUTES = ["src", "head", "preset", "motion", "animation", "camera", "paused"];
+
+export class TressesViewer extends HTMLElement {
+  static observedAttributes = ATTRIBUTES;
+
+  #viewer = null;
+  #opening = null;
+  #state = {};
+  #canvas = null;
+  #message = null;
+
+  constructor() {
+    super();
+    const root = this.attachShadow({ mode: "open" });
+    root.innerHTML = `<style>
+      :host { display: block; position: relative; min-height: 10em; background: #242629; color: #c9cbd0; overflow: hidden }
+      canvas { position: absolute; inset: 0; width: 100%; height: 100%; outline: none; touch-action: none }
+      div { position: absolute; inset: 0; display: grid; place-items: center; padding: 1em; text-align: center; font: 16px/1.5 system-ui, sans-serif; pointer-events: none }
+      div[hidden] { display: none }
+    </style><slot name="canvas"></slot><div part="message" role="status" hidden></div>`;
+    this.#message = root.querySelector("div");
+  }
+
+  connectedCallback() { this.open().catch(() => {}); }
+
+  disconnectedCallback() {
+    // Moved within the page, it goes on.
+    queueMicrotask(() => { if (!this.isConnected) this.close(); });
+  }
+
+  attributeChangedCallback(name, before, now) {
+    if (!this.#viewer || before === now) return;
+    const done = ["src", "head", "preset"].includes(name) ? this.load(...this.#urls()) : this.#apply(name);
+    Promise.resolve(done).catch(error => this.#fail(error));
+  }
+
+  /** Opens it, if it is not open; done when the program runs. */
+  open() { return this.#opening ??= this.#open().catch(error => { this.#opening = null; this.#fail(error); throw error; }); }
+
+  async #open() {
+    const reason = await unsupported();
+    if (reason) throw new Error(reason);
+    const [Viewer, files] = await Promise.all([
+      loadProgram((loaded, total) => this.#progress("viewer", loaded, total)),
+      fetchFiles(this.#urls(), (loaded, total) => this.#progress("files", loaded, total)),
+    ]);
+    if (!this.isConnected) throw new Error("the element has left the page");
+    // A canvas of the host's, or one of its own.
+    this.#canvas = this.querySelector("canvas[slot=canvas]");
+    if (!this.#canvas) {
+      this.#canvas = document.createElement("canvas");
+      this.shadowRoot.insertBefore(this.#canvas, this.#message);
+    }
+    this.#canvas.tabIndex = 0;
+    this.#viewer = await Viewer.open(this.#canvas, this.getAttribute("query") ?? "", files, true, text => this.#told(JSON.parse(text)));
+    this.#say("");
+    for (const name of ["motion", "animation", "camera", "paused"]) this.#apply(name);
+    this.dispatchEvent(new CustomEvent("ready"));
+  }
+
+  /** Ends it and frees what it holds. */
+  close() {
+    this.#viewer?.close();
+    this.#viewer = this.#opening = null;
+    if (this.#canvas?.parentNode === this.shadowRoot) this.#canvas.remove();
+  }
+
+  /** Shows the files at `urls`: grooms, heads, presets, maps, surroundings; done when they are shown. */
+  async load(...urls) {
+    await this.open();
+    const files = await fetchFiles(urls, (loaded, total) => this.#progress("files", loaded, total));
+    return this.loadBytes(files);
+  }
+
+  /** The same of files that are there: names and `Uint8Array`s in turn. */
+  async loadBytes(files) {
+    await this.open();
+    const shown = new Promise((resolve, reject) => {
+      const end = new AbortController();
+      const once = (name, then) => this.addEventListener(name, event => { end.abort(); then(event); }, { signal: end.signal });
+      once("load", event => resolve(event.detail));
+      once("error", event => reject(new Error(event.detail)));
+    });
+    this.#viewer.load(files);
+    this.#apply("animation");
+    return shown;
+  }
+
+  /** Sets `playing`, `motion`, `animation`, `camera`, or a parameter by its path, such as `wind.speed`. */
+  set(name, value) {
+    if (!this.#viewer) throw new Error("the viewer is not open yet: await viewer.open()");
+    try { this.#viewer.set(name, String(value)); } catch (error) { throw new Error(String(error)); }
+  }
+
+  /** How things are: file, strands, step, error, playing, size, frames, milliseconds. */
+  get state() { return this.#viewer ? JSON.parse(this.#viewer.state()) : {}; }
+
+  #urls() { return [...words(this.getAttribute("src")), ...words(this.getAttribute("head")), ...words(this.getAttribute("preset"))]; }
+
+  #apply(name) {
+    const value = this.getAttribute(name);
+    if (name === "paused") this.set("playing", value === null);
+    else if (value !== null) this.set(name, value);
+  }
+
+  #told(state) {
+    const before = this.#state;
+    this.#state = state;
+    if (state.error && state.error !== before.error) this.dispatchEvent(new CustomEvent("error", { detail: state.error }));
+    const arrived = state.seen > 0 && !state.step && (before.step || !(before.seen > 0) || state.file !== before.file);
+    if (arrived && !state.error) {
+      this.dispatchEvent(new CustomEvent("load", { detail: { file: state.file, strands: state.strands } }));
+    }
+    this.dispatchEvent(new CustomEvent("change", { detail: state }));
+  }
+
+  #progress(what, loaded, total) {
+    const mb = bytes => (bytes / 1e6).toFixed(1);
+    if (!this.#viewer) this.#say(total ? `loading ${mb(loaded)} of ${mb(total)} MB` : `loading ${mb(loaded)} MB`);
+    this.dispatchEvent(new CustomEvent("progress", { detail: { what, loaded, total } }));
+  }
+
+  #say(text) { this.#message.textContent = text; this.#message.hidden = !text; }
+
+  #fail(error) {
+    const text = error?.message ?? String(error);
+    if (!this.#viewer) this.#say(text);
+    this.dispatchEvent(new CustomEvent("error", { detail: text }));
+  }
+}
+
+customElements.define("tresses-viewer", TressesViewer);
