@@ -1,5 +1,6 @@
-//! Links every entry-point shader of `src/**/*.wesl` into one plain WGSL file of `OUT_DIR`, or into one for each
-//! value of a constant (`constants::VARIANTS`), and writes the table `shaders.rs` that `src/shaders.rs` includes.
+//! Links every entry-point shader of `src/**/*.wesl` into one plain WGSL file of `OUT_DIR` and writes the tables
+//! `shaders.rs` that `src/shaders.rs` includes: those that are there as they are, and those that are there for each value
+//! of a constant (`constants::VARIANTS`), which differ by one line and are kept once.
 
 use std::{
     env, fs,
@@ -17,7 +18,8 @@ fn main() {
     for (name, value) in constants::SHARED {
         compiler.options.constants.set(*name, *value);
     }
-    let mut table = String::from("pub(crate) const ALL: &[(&str, &str)] = &[\n");
+    let mut table = String::from("const PLAIN: &[(&str, &str)] = &[\n");
+    let mut varied = String::from("const VARIED: &[(&str, &str, &str, &[u32])] = &[\n");
     for file in shaders(Path::new("src")) {
         let text = fs::read_to_string(&file).expect("a shader is readable");
         if !["@compute", "@vertex", "@fragment"].iter().any(|e| text.contains(e)) {
@@ -32,23 +34,27 @@ fn main() {
             .collect::<Vec<_>>()
             .join("::");
         let path = format!("package::{module}").parse().expect("a module path");
-        let mut link = |name: String, compiler: &wesl::Compiler| {
-            let linked = compiler.compile_module("src", &path).unwrap_or_else(|error| panic!("{error}"));
-            let file = out.join(format!("{}.wgsl", name.replace("::", "_")));
-            fs::write(&file, linked.syntax.to_string()).expect("OUT_DIR is writable");
-            table += &format!("    ({name:?}, include_str!({file:?})),\n");
-        };
-        match constants::VARIANTS.iter().find(|(of, ..)| *of == module) {
-            None => link(module, &compiler),
+        let variants = constants::VARIANTS.iter().find(|(of, ..)| *of == module);
+        if let Some((_, constant, values)) = variants {
+            compiler.options.constants.set(*constant, values[0]);
+        }
+        let linked = compiler.compile_module("src", &path).unwrap_or_else(|error| panic!("{error}"));
+        let text = linked.syntax.to_string();
+        let file = out.join(format!("{}.wgsl", module.replace("::", "_")));
+        fs::write(&file, &text).expect("OUT_DIR is writable");
+        match variants {
+            None => table += &format!("    ({module:?}, include_str!({file:?})),\n"),
             Some((_, constant, values)) => {
-                for value in *values {
-                    compiler.options.constants.set(*constant, *value);
-                    link(format!("{module}::{value}"), &compiler);
-                }
+                let ends = format!("{constant} = {}u;", values[0]);
+                let mut lines =
+                    text.lines().filter(|line| line.starts_with("const ") && line.ends_with(&ends));
+                let line = lines.next().unwrap_or_else(|| panic!("{module} does not use {constant}"));
+                assert!(lines.next().is_none(), "{module} has {constant} twice");
+                varied += &format!("    ({module:?}, include_str!({file:?}), {line:?}, &{values:?}),\n");
             }
         }
     }
-    fs::write(out.join("shaders.rs"), table + "];\n").expect("OUT_DIR is writable");
+    fs::write(out.join("shaders.rs"), table + "];\n" + &varied + "];\n").expect("OUT_DIR is writable");
 }
 
 fn shaders(dir: &Path) -> Vec<PathBuf> {

@@ -1,10 +1,13 @@
 //! The linked shaders: plain WGSL, one per entry-point file, by module path.
 
+use std::sync::OnceLock;
+
 include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 
-/// The linked WGSL of `module`, for example `simulate::step`.
+/// The linked WGSL of `module`, for example `simulate::links` or `simulate::step::16`.
 pub(crate) fn source(module: &str) -> &'static str {
-    ALL.iter()
+    all()
+        .iter()
         .find(|(name, _)| *name == module)
         .map(|(_, wgsl)| *wgsl)
         .unwrap_or_else(|| panic!("no shader {module}"))
@@ -12,5 +15,20 @@ pub(crate) fn source(module: &str) -> &'static str {
 
 /// Every linked shader as (module path, WGSL), for tools and tests.
 pub fn all() -> &'static [(&'static str, &'static str)] {
-    ALL
+    static ALL: OnceLock<Vec<(&str, &str)>> = OnceLock::new();
+    ALL.get_or_init(|| {
+        let mut all = PLAIN.to_vec();
+        for (module, text, line, values) in VARIED {
+            // `line` has the first of the values.
+            let (first, declared) = (values[0], line.trim_end_matches(|c: char| c != '='));
+            for value in *values {
+                let text = match *value == first {
+                    true => text,
+                    false => &*text.replacen(line, &format!("{declared} {value}u;"), 1).leak(),
+                };
+                all.push((&*format!("{module}::{value}").leak(), text));
+            }
+        }
+        all
+    })
 }
