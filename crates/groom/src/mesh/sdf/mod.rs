@@ -171,25 +171,48 @@ impl Winding<'_> {
     }
 }
 
-/// The distance from every node to `skin`, infinite without triangles. Each search starts from the
-/// triangle its neighbour found, which is nearly always within a few of the right one.
+/// The distance from every node to `skin`, infinite without triangles. Each search starts from the triangle its neighbour
+/// found, which is nearly always within a few of the right one, but for the first of a layer: layers are measured by as
+/// many threads as there are, and are the same to the bit by any number of them.
 async fn unsigned(grid: &SdfGrid, skin: &Bvh, progress: &impl Progress) -> Vec<f32> {
-    let (nx, rows) = (grid.size.x, grid.size.y * grid.size.z);
-    let mut distances = Vec::with_capacity((nx * rows) as usize);
-    let mut row_hint = None;
-    for row in 0..rows {
-        if row % 32 == 0 {
-            progress.step(TASK, 0.6 + 0.3 * row as f32 / rows as f32).await;
+    let [nx, ny, nz] = grid.size.to_array();
+    let mut distances = vec![f32::INFINITY; (nx * ny * nz) as usize];
+    let mut layers: Vec<(u32, &mut [f32])> = (0..).zip(distances.chunks_mut((nx * ny) as usize)).collect();
+    let threads = match cfg!(target_arch = "wasm32") {
+        true => 1,
+        false => std::thread::available_parallelism().map_or(1, |count| count.get()),
+    };
+    // Some layers at a time, so that a listener gets its turn.
+    for batch in layers.chunks_mut(4 * threads) {
+        progress.step(TASK, 0.6 + 0.3 * batch[0].0 as f32 / nz as f32).await;
+        if threads == 1 {
+            batch.iter_mut().for_each(|(z, layer)| measure(grid, skin, *z, layer));
+            continue;
         }
+        std::thread::scope(|scope| {
+            for part in batch.chunks_mut(batch.len().div_ceil(threads)) {
+                scope.spawn(|| part.iter_mut().for_each(|(z, layer)| measure(grid, skin, *z, layer)));
+            }
+        });
+    }
+    distances
+}
+
+/// The distances of the nodes of layer `z`.
+fn measure(grid: &SdfGrid, skin: &Bvh, z: u32, layer: &mut [f32]) {
+    let [nx, ny, _] = grid.size.to_array();
+    let mut row_hint = None;
+    for (y, row) in (0..).zip(layer.chunks_mut(nx as usize)) {
         let mut hint = row_hint;
-        for x in 0..nx {
-            let found = skin.nearest(grid.node(row * nx + x), f32::INFINITY, hint, 0.0);
+        for (x, distance) in (0..).zip(row) {
+            let found = skin.nearest(grid.node(nx * (ny * z + y) + x), f32::INFINITY, hint, 0.0);
             hint = found.map(|(slot, _)| slot);
             if x == 0 {
                 row_hint = hint;
             }
-            distances.push(found.map_or(f32::INFINITY, |(_, closest)| closest.distance));
+            if let Some((_, closest)) = found {
+                *distance = closest.distance;
+            }
         }
     }
-    distances
 }
