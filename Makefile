@@ -51,12 +51,13 @@ test: setup-tests ## Format, lints, then every test; one of them builds the web 
 	$(CARGO) fmt --all --check
 	TRESSES_REQUIRE_GPU=1 $(LINTED) test --workspace
 
-proof: setup-tests ## The docs of the code, the library alone for browsers, and the slow evidence behind docs/, which it prints
+proof: setup-tests ## The docs of the code, the library alone for browsers, the slow evidence behind docs/, which it prints, and damaged files
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --quiet
 	$(CARGO) check --package tresses --lib --example minimal --target wasm32-unknown-unknown --quiet
 	@failed=0; set -x; export TRESSES_REQUIRE_GPU=1; \
 	$(LINTED) test --workspace --lib --bins --tests --no-fail-fast -- --ignored --show-output || failed=1; \
 	$(LINTED) test --workspace --test gpu physics:: -- --show-output || failed=1; \
+	$(MAKE) --no-print-directory fuzz || failed=1; \
 	exit $$failed
 
 # A virtual environment with the wheel in it, and the command to compare with.
