@@ -114,6 +114,9 @@ fn bind_any(strands: &Strands, options: &BindOptions, filled: Option<&Filled>) -
     for &i in &chosen {
         guides.push(strands.strand(i as usize), 1.0, shapes.pinned[i as usize]);
     }
+    if !strands.marks.is_empty() {
+        guides.groups = chosen.iter().map(|i| strands.marks[*i as usize].group).collect();
+    }
     let lengths: Vec<f32> = (0..guides.len()).map(|i| curve::length(guides.guide(i)).max(1e-9)).collect();
 
     let mut bound = BoundStrands::new(strand_vertices);

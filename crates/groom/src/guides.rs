@@ -16,6 +16,8 @@ pub struct Guides {
     pub strands: Vec<f32>,
     /// One per guide: whether its tip follows the head, as its root does.
     pub tip_pinned: Vec<bool>,
+    /// One per guide: the number of the group that its file has it in; or empty.
+    pub groups: Vec<i32>,
 }
 
 impl Guides {

@@ -81,6 +81,7 @@ fn guides_of_a_file_are_the_guides() {
         .map(|i| Mark {
             guide: i % 10 == 0,
             id: 1000 - i,
+            group: i / 100,
             closest: [1000 - 50, 1000 - 150, 0],
             weights: if i == 1 { [0.0; 3] } else { [3.0, 1.0, 0.0] },
             ..Default::default()
@@ -88,6 +89,7 @@ fn guides_of_a_file_are_the_guides() {
         .collect();
     let made = bind(&strands, &BindOptions::default()).unwrap();
     assert_eq!((made.guides.len(), made.strands.len()), (20, 180));
+    assert_eq!(made.guides.groups, (0..20).map(|g| g / 10).collect::<Vec<_>>());
     let bindings = &made.strands.bindings;
     for b in &bindings[1..] {
         assert_eq!((b.guides[0], b.guides[1], b.weight_b, b.weight_c), (5, 15, 0.25, 0.0));

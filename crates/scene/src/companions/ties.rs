@@ -5,11 +5,11 @@
 //!   {"at": [0, 1.62, -0.11], "radius": 0.02},
 //!   {"from": [0, 1.5, -0.16], "to": [0, 1.3, -0.16], "radius": 0.025},
 //!   {"at": [0.07, 1.66, 0.02], "radius": 0.012, "held": "to-head"},
-//!   {"at": [0, 1.55, -0.13], "radius": 0.08, "gather": 0.25}
+//!   {"at": [0, 1.55, -0.13], "radius": 0.08, "gather": 0.25, "group": 2}
 //! ]}
 //! ```
 //! Metres, groom space, the hair at rest: a band at a place, a braid along a line, a pin that holds hair to the head, a band
-//! that draws loose hair together to a quarter. What they do is [`tresses::simulate::ties`].
+//! that draws loose hair together to a quarter, of the file's group 2 alone. What they do is [`tresses::simulate::ties`].
 
 use super::Shelf;
 use anyhow::{Context, Result, ensure};
@@ -34,6 +34,7 @@ struct Entry {
     held: How,
     #[serde(default = "all")]
     gather: f32,
+    group: Option<i32>,
 }
 
 fn all() -> f32 {
@@ -59,7 +60,8 @@ impl Entry {
             How::Together => Held::Together,
             How::ToHead => Held::ToHead,
         };
-        let tie = Tie { from: from.into(), to: to.into(), radius: self.radius, held, gather: self.gather };
+        let Self { radius, gather, group, .. } = *self;
+        let tie = Tie { from: from.into(), to: to.into(), radius, held, gather, group };
         tie.check()?;
         Ok(tie)
     }
@@ -94,12 +96,15 @@ mod tests {
     fn bands_braids_and_pins_are_read() {
         let found = read(
             r#"{"ties": [{"at": [0, 1, 2], "radius": 0.02}, {"from": [0, 1, 0], "to": [0, 2, 0], "radius": 0.01},
-                {"at": [1, 1, 1], "radius": 0.01, "held": "to-head", "gather": 0.3}]}"#,
+                {"at": [1, 1, 1], "radius": 0.01, "held": "to-head", "gather": 0.3, "group": 4}]}"#,
         )
         .unwrap();
         let at = Vec3::new(0.0, 1.0, 2.0);
-        assert_eq!(found[0], Tie { from: at, to: at, radius: 0.02, held: Held::Together, gather: 1.0 });
-        assert_eq!(found[2].gather, 0.3);
+        assert_eq!(
+            found[0],
+            Tie { from: at, to: at, radius: 0.02, held: Held::Together, gather: 1.0, group: None }
+        );
+        assert_eq!((found[2].gather, found[2].group), (0.3, Some(4)));
         assert_eq!((found[1].from.y, found[1].to.y, found[2].held), (1.0, 2.0, Held::ToHead));
     }
 

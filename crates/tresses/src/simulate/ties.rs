@@ -89,6 +89,8 @@ pub struct Tie {
     pub held: Held,
     /// How far what is held is drawn together, as a fraction of how far it lies from its middle at rest: 1 leaves it.
     pub gather: f32,
+    /// The group of the file that it holds alone ([`Guides::groups`]); all hair where there is none.
+    pub group: Option<i32>,
 }
 
 impl Tie {
@@ -198,7 +200,8 @@ impl Found {
         for (number, tie) in ties.iter().enumerate() {
             tie.check()?;
             let mut rings = vec![Vec::<Member>::new(); tie.rings()];
-            for guide in 0..count {
+            let of = |guide: &usize| tie.group.is_none_or(|group| rest.groups.get(*guide) == Some(&group));
+            for guide in (0..count).filter(of) {
                 let strand = rest.guide(guide);
                 let length = curve::length(strand);
                 for (i, along) in tie.holds(strand) {
@@ -220,8 +223,9 @@ impl Found {
             rings.retain(|members| !members.is_empty() && (alone || several(members)));
             if rings.is_empty() {
                 let what = if alone { "no guide passes" } else { "fewer than two guides pass" };
+                let of = tie.group.map_or(String::new(), |group| format!(" of group {group}"));
                 let sentence = format!(
-                    "tie {} holds nothing: {what} within {} mm of {} (groom space, metres)",
+                    "tie {} holds nothing: {what}{of} within {} mm of {} (groom space, metres)",
                     number + 1,
                     tie.radius * 1e3,
                     tie.from

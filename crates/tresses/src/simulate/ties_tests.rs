@@ -28,7 +28,7 @@ fn lawn() -> Guides {
 }
 
 fn tie(from: Vec3, to: Vec3, radius: f32, held: Held) -> Tie {
-    Tie { from, to, radius, held, gather: 1.0 }
+    Tie { from, to, radius, held, gather: 1.0, group: None }
 }
 
 /// A number between -1 and 1.
@@ -166,6 +166,21 @@ fn what_passes_through_is_held() {
     let found = Found::of(&hairs, &[tie(beside, beside, 0.002, Held::ToHead)]).unwrap();
     assert_eq!(found.report().to_head, 1);
     assert_eq!(found.pins[0].rests.x, 0.0);
+}
+
+#[test]
+fn a_tie_may_hold_one_group_alone() {
+    let middle = Vec3::new(0.025, 0.05, 0.025);
+    // Every second column of hairs.
+    let hairs = Guides { groups: (0..36).map(|g| g % 2).collect(), ..lawn() };
+    let of = |group| Tie { group: Some(group), ..tie(middle, middle, 0.0125, Held::Together) };
+    let found = Found::of(&hairs, &[of(1)]).unwrap();
+    assert_eq!(found.report(), TieReport { rings: 1, together: 6, to_head: 0 });
+    assert!(found.members.iter().all(|member| (member.vertex % 36) % 2 == 1));
+    for (hairs, group) in [(&hairs, 7), (&lawn(), 0)] {
+        let sentence = Found::of(hairs, &[of(group)]).unwrap_err().to_string();
+        assert!(sentence.contains(&format!("of group {group}")), "{sentence}");
+    }
 }
 
 #[test]

@@ -22,7 +22,7 @@ const G: f64 = 9.81;
 const N: usize = 16;
 
 fn band(at: Vec3, radius: f32) -> Tie {
-    Tie { from: at, to: at, radius, held: Held::Together, gather: 1.0 }
+    Tie { from: at, to: at, radius, held: Held::Together, gather: 1.0, group: None }
 }
 
 /// The pull at the tip of a hanging chain of straight edges that keeps it 1 m aside while it swings with `omega`, per mass
