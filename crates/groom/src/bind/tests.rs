@@ -84,7 +84,6 @@ fn guides_of_a_file_are_the_guides() {
             group: i / 100,
             closest: [1000 - 50, 1000 - 150, 0],
             weights: if i == 1 { [0.0; 3] } else { [3.0, 1.0, 0.0] },
-            ..Default::default()
         })
         .collect();
     let made = bind(&strands, &BindOptions::default()).unwrap();
