@@ -188,3 +188,32 @@ fn given_files_find_each_other_and_are_missed_in_a_sentence() {
     let error = read_given(&[groom, given("notes.txt", "")], &Default::default()).unwrap_err();
     assert!(error.to_string().starts_with("notes.txt: a groom is"), "{error}");
 }
+
+#[test]
+fn a_buffer_may_stand_in_the_file_as_text() {
+    use base64::{Engine, engine::general_purpose::STANDARD};
+    let corners = [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let bytes: Vec<u8> = corners.iter().flatten().flat_map(|c| c.to_le_bytes()).collect();
+    let file = |uri: &str| {
+        format!(
+            r#"{{"asset": {{"version": "2.0"}}, "buffers": [{{"byteLength": 36, "uri": "{uri}"}}],
+            "bufferViews": [{{"buffer": 0, "byteLength": 36}}], "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}}}]}}],
+            "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}}]}}"#
+        )
+    };
+    let read = |uri: &str| {
+        let (path, text) = (std::path::PathBuf::from("a.gltf"), file(uri));
+        super::read_given(&[(path.clone(), text.as_bytes().into())], &path)
+    };
+    let whole = format!("data:application/octet-stream;base64,{}", STANDARD.encode(&bytes));
+    assert_eq!(read(&whole).unwrap().mesh.positions, corners.map(glam::Vec3::from));
+    for (uri, said) in [
+        ("data:;base64,AAA", "a buffer is missing (Invalid"),
+        ("data:text/plain,abc", "neither a file beside it nor data"),
+        ("https://example.org/a.bin", "neither a file beside it nor data"),
+        ("data:;base64,AAAA", "has 3 bytes, but should have 36"),
+    ] {
+        let error = read(uri).unwrap_err().to_string();
+        assert!(error.contains(said) && error.contains("a.gltf"), "{error}");
+    }
+}

@@ -47,15 +47,13 @@ impl<'a> File<'a> {
                 buffers.push(Cow::Borrowed(&[][..]));
                 continue;
             }
+            let missing = |why: String| source.problem(At::File, format!("a buffer is missing ({why})"));
             let data = match buffer.source() {
                 gltf::buffer::Source::Uri(uri) if !uri.contains(':') => source.companion(&unescape(uri))?,
-                other => Cow::Owned(
-                    gltf::buffer::Data::from_source_and_blob(other, None, &mut blob)
-                        .map_err(|e| {
-                            source.problem(At::File, format!("a buffer is missing ({})", one_line(&e)))
-                        })?
-                        .0,
-                ),
+                gltf::buffer::Source::Uri(uri) => Cow::Owned(embedded(uri).map_err(missing)?),
+                gltf::buffer::Source::Bin => {
+                    Cow::Owned(blob.take().ok_or_else(|| missing("the file has none of its own".into()))?)
+                }
             };
             if data.len() < buffer.length() {
                 let (have, need) = (data.len(), buffer.length());
@@ -84,6 +82,14 @@ impl<'a> File<'a> {
         }
         Err(self.problem(format!("its {have} bytes would unfold to more than {UNFOLDS} times as many")))
     }
+}
+
+/// The bytes of an address that holds them, or why there are none.
+fn embedded(uri: &str) -> std::result::Result<Vec<u8>, String> {
+    use base64::{Engine, engine::general_purpose::STANDARD};
+    let text = uri.strip_prefix("data:").and_then(|rest| rest.split_once(";base64,"));
+    let (_, text) = text.ok_or("its address is neither a file beside it nor data in base64")?;
+    STANDARD.decode(text).map_err(|error| error.to_string())
 }
 
 /// Of a GLB: the crate takes the header's length off the file's without a look, which overflows.
