@@ -1,8 +1,11 @@
 //! `<tresses-viewer>` in a real browser: a page of somebody else's with hair in it.
 
-use crate::browser::{self, Browser, Picture};
+use crate::{
+    browser::{Browser, Picture},
+    picture,
+};
 use serde_json::{Value, json};
-use std::{path::Path, time::Instant};
+use std::path::Path;
 use tresses::{
     glam::Vec3,
     groom::{
@@ -80,10 +83,10 @@ fn an_element_shows_hair_and_says_what_is_wrong() {
     let log: Value = serde_json::from_str(log.as_str().unwrap()).unwrap();
     let shown = json!(["load", {"file": "head of hair.glb", "strands": STRANDS}]);
     assert!(log.as_array().unwrap().contains(&shown), "{log}");
-    let first = seen(browser, |picture| hair_of(picture) > 0.02);
+    let first = picture(browser, "hair", |picture| hair_of(picture) > 0.02);
     first.keep("viewer-1-hair.png");
     // The animation of the file plays.
-    seen(browser, |now| change(now, &first) > 0.01).keep("viewer-2-animation.png");
+    picture(browser, "animation", |now| change(now, &first) > 0.01).keep("viewer-2-animation.png");
     let state = |browser: &mut Browser| browser.value("document.getElementById('viewer').state");
     assert_eq!(state(browser)["playing"], true);
 
@@ -141,19 +144,6 @@ fn turning() -> tresses::groom::rig::Animation {
     let curve = Curve { times: vec![0.0, 0.6, 1.2], values, ..Curve::default() };
     let channels = vec![Channel { node: 2, property: Property::Rotation, curve }];
     Animation { name: "Turn".into(), length: 1.2, channels }
-}
-
-fn seen(browser: &mut Browser, is: impl Fn(&Picture) -> bool) -> Picture {
-    let begin = Instant::now();
-    loop {
-        let picture = browser.picture();
-        if is(&picture) {
-            return picture;
-        }
-        assert!(browser.complaints().is_empty(), "{}", browser.complaints().join("\n"));
-        picture.keep("viewer-last.png");
-        assert!(begin.elapsed() < browser::PATIENCE, "it is not seen");
-    }
 }
 
 /// The share of the page that is strands: of another brightness than the pixel beside it.
