@@ -38,7 +38,6 @@ impl Args {
             import: source.orientation,
             companions,
             settings: preset.settings,
-            trouble: None,
             ..Default::default()
         })
     }

@@ -104,7 +104,7 @@ pub struct Studio {
     /// The animation that a body is to begin with, once it is there.
     pub(crate) animation: Option<Option<String>>,
     /// The page around it.
-    pub host: hosted::Host,
+    pub host: Option<hosted::Tell>,
 }
 
 impl Studio {
@@ -175,7 +175,7 @@ impl Studio {
             panels: panels::Panels::default(),
             bare: options.bare,
             animation: None,
-            host: hosted::Host::default(),
+            host: None,
         })
     }
 

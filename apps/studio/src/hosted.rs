@@ -61,12 +61,8 @@ impl Command {
     }
 }
 
-/// What is called with how things are.
+/// What a host is called with after every frame of the window: how things are.
 pub type Tell = Box<dyn Fn(&State)>;
-
-/// Who is told how things are after every frame of the window.
-#[derive(Default)]
-pub struct Host(pub Option<Tell>);
 
 impl Studio {
     /// Does what a host wants.

@@ -2,11 +2,11 @@
 
 use crate::{app::Studio, job::Job, stage::Show};
 use eframe::egui;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::sync::{Mutex, PoisonError};
 
 /// A few facts, written after every frame of the window.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct State {
     /// Pictures of the hair so far.
     pub frames: u64,
@@ -101,7 +101,7 @@ impl Studio {
                 || self.orbit.is_gliding()
                 || show.is_some_and(Show::is_under_way),
         };
-        if let Some(tell) = &self.host.0 {
+        if let Some(tell) = &self.host {
             tell(&state);
         }
         publish(state);

@@ -4,7 +4,7 @@ use crate::{
     app::Studio,
     device,
     dialog::{Answer, Dialogs, Read},
-    hosted::{Command, Host},
+    hosted::Command,
     options::Options,
     sort,
     state::{self, State},
@@ -25,7 +25,8 @@ pub struct Viewer {
     runner: eframe::WebRunner,
     dialogs: Dialogs,
     context: egui::Context,
-    state: Rc<RefCell<String>>,
+    /// How it is, once there was a frame.
+    state: Rc<RefCell<Option<State>>>,
 }
 
 #[wasm_bindgen]
@@ -54,19 +55,18 @@ impl Viewer {
             }
         }
         let web = eframe::WebOptions { wgpu_options: device::configuration(), ..Default::default() };
-        let state = Rc::new(RefCell::new(String::from("{}")));
+        let state = Rc::new(RefCell::new(None));
         let opened: Rc<RefCell<Option<(Dialogs, egui::Context)>>> = Rc::default();
         let create: eframe::AppCreator<'static> = {
             let (state, opened) = (state.clone(), opened.clone());
             Box::new(move |context| {
                 let mut studio = Studio::new(context, options)?;
                 *opened.borrow_mut() = Some((studio.dialogs.clone(), context.egui_ctx.clone()));
-                studio.host = Host(Some(Box::new(move |now| tell(now, &state, &told))));
+                studio.host = Some(Box::new(move |now| tell(now, &state, &told)));
                 Ok(Box::new(studio) as Box<dyn eframe::App>)
             })
         };
         let runner = eframe::WebRunner::new();
-        say_panics();
         runner.start(canvas, web, create).await?;
         let (dialogs, context) = opened.take().ok_or("the studio did not open")?;
         later.into_iter().for_each(|answer| dialogs.tell(&context, answer));
@@ -89,7 +89,7 @@ impl Viewer {
 
     /// How things are, as JSON.
     pub fn state(&self) -> String {
-        self.state.borrow().clone()
+        self.state.borrow().as_ref().map_or_else(|| "{}".into(), text)
     }
 
     /// Ends it; the canvas is free again.
@@ -105,11 +105,14 @@ fn read(files: &js_sys::Array) -> Vec<Read> {
     (0..files.length() / 2).map(|i| (name(files.get(2 * i)), bytes(files.get(2 * i + 1)))).collect()
 }
 
+/// A state as JSON.
+fn text(state: &State) -> String {
+    serde_json::to_string(state).unwrap_or_default()
+}
+
 /// Tells a page of `now` if anything of it has changed that does not change in every frame.
-fn tell(now: &State, state: &RefCell<String>, told: &js_sys::Function) {
-    let text = |state: &State| serde_json::to_string(state).unwrap_or_default();
-    let before: State = serde_json::from_str(&state.borrow()).unwrap_or_default();
-    *state.borrow_mut() = text(now);
+fn tell(now: &State, state: &RefCell<Option<State>>, told: &js_sys::Function) {
+    let before = state.replace(Some(now.clone())).unwrap_or_default();
     // What changes all the time is left out of the comparison.
     let lasting = |state: &State| {
         let State { strands, file, companions, step, error, playing, size, adapter, lost, .. } =
@@ -143,6 +146,7 @@ pub async fn start(
     files: js_sys::Array,
 ) -> Result<Viewer, JsValue> {
     expose()?;
+    say_panics();
     Viewer::open(canvas, query, files, false, js_sys::Function::new_no_args("")).await
 }
 

@@ -37,6 +37,14 @@ impl<P: Progress> Progress for &P {
     }
 }
 
+/// How many threads long work is divided among: as many as the machine runs at once, one in a browser.
+pub fn threads() -> usize {
+    match cfg!(target_arch = "wasm32") {
+        true => 1,
+        false => std::thread::available_parallelism().map_or(1, |count| count.get()),
+    }
+}
+
 /// What a future gives that is ready when it is first polled: one without a [`Progress`] that waits and
 /// without read-back.
 ///

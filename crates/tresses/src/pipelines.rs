@@ -91,10 +91,7 @@ impl Pipelines {
         const TASK: &str = "compiling shaders";
         let mut jobs: Vec<Job<'_>> = wanted.iter().flat_map(|wanted| self.jobs(wanted)).collect();
         let count = jobs.len().max(1);
-        let threads = match cfg!(target_arch = "wasm32") {
-            true => 1,
-            false => std::thread::available_parallelism().map_or(1, |count| count.get()),
-        };
+        let threads = crate::progress::threads();
         let mut done = 0;
         while !jobs.is_empty() {
             progress.step(TASK, done as f32 / count as f32).await;

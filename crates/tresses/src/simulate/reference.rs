@@ -200,6 +200,15 @@ impl Strand {
                 }
                 rest_e = rest_next;
             }
+            let load = |i: usize, y: Vec3, v: Vec3| {
+                self.load(u, obstacles, i, moment, origin, (head, head_at), y, v, edge)
+            };
+            if u.twist > 0.0 {
+                let frames = [&target[..], &carried];
+                self.solve_twisting(u, &mut p, &mut v, &mut twisted, &resting, frames, &load, &rate);
+                bad |= v.iter().any(|v| too_fast(*v));
+                continue;
+            }
             // Tip to root: the torque of the bends below about each edge.
             let mut torque = Vec3::ZERO;
             for j in (1..n - 1).rev() {
@@ -210,22 +219,6 @@ impl Strand {
                 let (s, _) = bend(&p, &v, j, target[j], least, u.bending_damping);
                 torque = (carried[j] + unit) * twist[j] - target[j].cross(s) * rate(j);
             }
-            if u.twist > 0.0 {
-                let frames = twisting::Frames { target: &target, carried: &carried, origin, head, head_at };
-                self.solve_twisting(
-                    u,
-                    obstacles,
-                    &mut p,
-                    &mut v,
-                    &mut twisted,
-                    &resting,
-                    &frames,
-                    moment,
-                    &rate,
-                );
-                bad |= v.iter().any(|v| too_fast(*v));
-                continue;
-            }
             // Root to tip: assemble and eliminate.
             let (mut d0, mut d1, mut u0) = (Mat3::ZERO, Mat3::ZERO, Mat3::ZERO);
             let (mut g0, mut g1) = (Vec3::ZERO, Vec3::ZERO);
@@ -234,8 +227,7 @@ impl Strand {
                 let tip = i == n - 1;
                 let y = p[i];
                 // What acts on the vertex alone, per unit of weight.
-                let frames = twisting::Frames { target: &[], carried: &[], origin, head, head_at };
-                let (m, f) = self.load(u, obstacles, i, moment, &frames, y, v[i], edge);
+                let (m, f) = load(i, y, v[i]);
                 let weight = if tip { 0.5 } else { 1.0 };
                 // The edge as a spring.
                 let e_next = y - p[j];
@@ -332,7 +324,8 @@ impl Strand {
         obstacles: &Obstacles,
         i: usize,
         moment: usize,
-        frames: &twisting::Frames<'_>,
+        origin: Vec3,
+        (head, head_at): (Quat, Vec3),
         y: Vec3,
         v: Vec3,
         edge: f32,
@@ -340,10 +333,10 @@ impl Strand {
         let h = u.h;
         let goal_fade = (i as f32 * edge * u.goal_falloff).min(1.0);
         let kg = self.guide.stiffness * (u.goal_root + (u.goal_tip - u.goal_root) * goal_fade);
-        let goal = frames.head * self.rest[i].position + frames.head_at;
+        let goal = head * self.rest[i].position + head_at;
         let mut m = Mat3::from_diagonal(Vec3::splat(1.0 / (h * h) + u.drag / h + kg));
         let mut f = u.gravity + (u.wind - v) * u.drag + (goal - y) * kg;
-        self.contacts(u, obstacles, i, moment, frames.origin, v * h, y, &mut m, &mut f);
+        self.contacts(u, obstacles, i, moment, origin, v * h, y, &mut m, &mut f);
         if u.forced == 1 {
             let force = self.forces[i].unpack();
             let tangent = force.tangent;

@@ -39,9 +39,9 @@ pub(super) fn put(file: &mut File, hair: &[Hair<'_>]) -> Result<()> {
         if hair.strands.is_empty() {
             return Err(Error::Unusable("a groom without strands is not written".into()));
         }
-        let mut groom = json!({"name": hair.name, "strands": strands(file, hair)?});
-        if hair.name.is_empty() {
-            groom = json!({"strands": groom["strands"]});
+        let mut groom = json!({"strands": strands(file, hair)?});
+        if !hair.name.is_empty() {
+            groom["name"] = json!(hair.name);
         }
         grooms.push(groom);
     }
@@ -139,11 +139,8 @@ fn vertices(strands: &Strands, out: &mut Value) -> Items {
     if size.is_finite() && size / 65535.0 <= FINE * segment {
         out["offset"] = json!(low.to_array());
         out["scale"] = json!(size);
-        let item = |(i, p): (usize, &Vec3)| {
-            [(*p - low) / size, Vec3::splat(width(i))].map(|v| v.to_array().map(share))
-        };
-        let bytes =
-            all.map(item).flat_map(|[[x, y, z], [w, ..]]| [x, y, z, w]).flat_map(u16::to_le_bytes).collect();
+        let item = |(i, p): (usize, &Vec3)| ((*p - low) / size).extend(width(i)).to_array().map(share);
+        let bytes = all.flat_map(item).flat_map(u16::to_le_bytes).collect();
         return Items { component: SHORT, kind: "VEC4", bytes, stride: 8 };
     }
     let bytes = all.flat_map(|(i, p)| p.extend(width(i)).to_array()).flat_map(f32::to_le_bytes).collect();
@@ -161,11 +158,11 @@ impl File {
         let Items { component, kind, bytes, stride } = items;
         let count = bytes.len() / stride;
         let view = if packed { self.packed(&bytes, count, stride)? } else { self.view(&bytes) };
-        let mut item = json!({"bufferView": view, "componentType": component, "type": kind, "count": count});
+        let index = self.items_of(view, component, kind, count);
         if component == SHORT {
-            item["normalized"] = json!(true);
+            self.root["accessors"][index]["normalized"] = json!(true);
         }
-        Ok(self.push("accessors", item))
+        Ok(index)
     }
 
     /// A compressed view.
@@ -175,10 +172,8 @@ impl File {
         let encoding = VertexEncoding::new(0, 0).map_err(failed)?;
         let coded = encode_vertex_buffer(bytes, count, stride, encoding, &mut Workspace::default())
             .map_err(failed)?;
-        self.bin.resize(self.bin.len().next_multiple_of(4), 0);
-        let how = json!({"buffer": 0, "byteOffset": self.bin.len(), "byteLength": coded.len(), "byteStride": stride,
-            "count": count, "mode": "ATTRIBUTES"});
-        self.bin.extend_from_slice(&coded);
+        let how = json!({"buffer": 0, "byteOffset": self.append(&coded), "byteLength": coded.len(),
+            "byteStride": stride, "count": count, "mode": "ATTRIBUTES"});
         let offset = self.unpacked;
         self.unpacked += bytes.len().next_multiple_of(4);
         let view = json!({"buffer": 1, "byteOffset": offset, "byteLength": bytes.len(), "extensions": {PACKED: how}});

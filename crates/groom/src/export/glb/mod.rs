@@ -149,14 +149,25 @@ impl File {
     }
 
     fn view(&mut self, bytes: &[u8]) -> usize {
+        let offset = self.append(bytes);
+        self.push("bufferViews", json!({"buffer": 0, "byteOffset": offset, "byteLength": bytes.len()}))
+    }
+
+    /// Where `bytes` lie in the buffer from here on.
+    fn append(&mut self, bytes: &[u8]) -> usize {
         self.bin.resize(self.bin.len().next_multiple_of(4), 0);
-        let view = json!({"buffer": 0, "byteOffset": self.bin.len(), "byteLength": bytes.len()});
+        let offset = self.bin.len();
         self.bin.extend_from_slice(bytes);
-        self.push("bufferViews", view)
+        offset
     }
 
     fn accessor(&mut self, component: u32, kind: &str, count: usize, bytes: Vec<u8>) -> usize {
         let view = self.view(&bytes);
+        self.items_of(view, component, kind, count)
+    }
+
+    /// An accessor of a whole view.
+    fn items_of(&mut self, view: usize, component: u32, kind: &str, count: usize) -> usize {
         let item = json!({"bufferView": view, "componentType": component, "type": kind, "count": count});
         self.push("accessors", item)
     }

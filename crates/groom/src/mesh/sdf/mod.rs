@@ -28,7 +28,10 @@ use glam::{UVec3, Vec3};
 
 use super::{Bvh, TriMesh};
 use crate::SdfGrid;
-use crate::{Error, Progress, Result, progress::at_once};
+use crate::{
+    Error, Progress, Result,
+    progress::{at_once, threads},
+};
 
 /// How to make a distance field of a mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -178,10 +181,7 @@ async fn unsigned(grid: &SdfGrid, skin: &Bvh, progress: &impl Progress) -> Vec<f
     let [nx, ny, nz] = grid.size.to_array();
     let mut distances = vec![f32::INFINITY; (nx * ny * nz) as usize];
     let mut layers: Vec<(u32, &mut [f32])> = (0..).zip(distances.chunks_mut((nx * ny) as usize)).collect();
-    let threads = match cfg!(target_arch = "wasm32") {
-        true => 1,
-        false => std::thread::available_parallelism().map_or(1, |count| count.get()),
-    };
+    let threads = threads();
     // Some layers at a time, so that a listener gets its turn.
     for batch in layers.chunks_mut(4 * threads) {
         progress.step(TASK, 0.6 + 0.3 * batch[0].0 as f32 / nz as f32).await;

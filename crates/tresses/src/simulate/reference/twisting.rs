@@ -1,20 +1,11 @@
 //! One solve of a strand that twists: of positions and of how the frames of edges turn about them, together.
 
-use super::{Obstacles, StepUniforms, Strand, outer};
+use super::{StepUniforms, Strand, outer};
 use crate::{math::ldl::Factors4, strands::guide::TIP_PINNED};
-use glam::{Mat3, Mat4, Quat, Vec3, Vec4};
+use glam::{Mat3, Mat4, Vec3, Vec4};
 
 /// The most that a bend is twisted, radians.
 const MOST_TWIST: f32 = 2.0;
-
-/// The frames along the strand as it is predicted, and what they are relative to.
-pub(super) struct Frames<'a> {
-    pub target: &'a [Vec3],
-    pub carried: &'a [Vec3],
-    pub origin: Vec3,
-    pub head: Quat,
-    pub head_at: Vec3,
-}
 
 /// A matrix of four rows: three of a bend, one of a twist.
 fn rows(bend: Mat3, bend_turn: Vec3, twist: Vec3, twist_turn: f32) -> Mat4 {
@@ -56,13 +47,12 @@ impl Strand {
     pub(super) fn solve_twisting(
         &self,
         u: &StepUniforms,
-        obstacles: &Obstacles,
         p: &mut [Vec3],
         v: &mut [Vec3],
         twisted: &mut [f32],
         resting: &[f32],
-        frames: &Frames<'_>,
-        moment: usize,
+        [target, carried]: [&[Vec3]; 2],
+        load: &impl Fn(usize, Vec3, Vec3) -> (Mat3, Vec3),
         rate: &impl Fn(usize) -> f32,
     ) {
         let n = p.len();
@@ -81,7 +71,7 @@ impl Strand {
         let mut spin = 0.0;
         for j in 1..n - 1 {
             let i = j + 1;
-            let load = self.load(u, obstacles, i, moment, frames, p[i], v[i], edge);
+            let load = load(i, p[i], v[i]);
             let weight = if i == n - 1 { 0.5 } else { 1.0 };
             let (e, e_next) = (p[j] - p[j - 1], p[i] - p[j]);
             let length = e_next.length().max(1e-9);
@@ -90,7 +80,7 @@ impl Strand {
             let slack = (tension / length).max(0.0);
             let k = outer(unit, unit) * (stretch - slack) + Mat3::from_diagonal(Vec3::splat(slack));
             // The bend: its target turns with the edge before and about it.
-            let (t, carried) = (frames.target[j], frames.carried[j]);
+            let (t, carried) = (target[j], carried[j]);
             let kb = rate(j);
             let km = kb * (1.0 + u.bending_damping / h);
             let inverse = 1.0 / e.length_squared().max(least);

@@ -25,27 +25,7 @@ impl File<'_> {
 
     /// Numbers, `components` per item, one item after another: floats, or integers that stand for shares.
     pub fn numbers(&self, accessor: &Accessor, components: usize) -> Result<Vec<f32>> {
-        let integers = accessor.normalized() && accessor.data_type() != DataType::U32;
-        if accessor.dimensions().multiplicity() != components
-            || !(integers || accessor.data_type() == DataType::F32)
-        {
-            return Err(self.wrong_kind(accessor));
-        }
-        let (bytes, stride) = self.data(accessor)?;
-        self.spend(accessor.count() * components, size_of::<f32>())?;
-        let size = accessor.data_type().size();
-        let mut out = Vec::with_capacity(accessor.count() * components);
-        for item in bytes.chunks(stride) {
-            for b in item.chunks_exact(size).take(components) {
-                out.push(match accessor.data_type() {
-                    DataType::F32 => f32::from_le_bytes([b[0], b[1], b[2], b[3]]),
-                    DataType::U8 => f32::from(b[0]) / 255.0,
-                    DataType::I8 => (f32::from(b[0] as i8) / 127.0).max(-1.0),
-                    DataType::U16 => f32::from(u16::from_le_bytes([b[0], b[1]])) / 65535.0,
-                    _ => (f32::from(i16::from_le_bytes([b[0], b[1]])) / 32767.0).max(-1.0),
-                });
-            }
-        }
+        let out = self.numbers_as_they_are(accessor, components)?;
         match out.iter().any(|v| !v.is_finite()) {
             true => {
                 Err(self.problem(format!("accessor {} has numbers that are not finite", accessor.index())))
@@ -54,12 +34,17 @@ impl File<'_> {
         }
     }
 
-    /// Floats as they are, `components` per item.
-    pub fn floats(&self, accessor: &Accessor, components: usize) -> Result<Vec<f32>> {
+    /// The same, finite or not.
+    pub fn numbers_as_they_are(&self, accessor: &Accessor, components: usize) -> Result<Vec<f32>> {
+        let kind = accessor.data_type();
+        let integers = accessor.normalized() && kind != DataType::U32;
+        if accessor.dimensions().multiplicity() != components || !(integers || kind == DataType::F32) {
+            return Err(self.wrong_kind(accessor));
+        }
         let (bytes, stride) = self.data(accessor)?;
         self.spend(accessor.count() * components, size_of::<f32>())?;
-        let items = bytes.chunks(stride).flat_map(|item| item.as_chunks::<4>().0.iter().take(components));
-        Ok(items.map(|b| f32::from_le_bytes(*b)).collect())
+        let items = bytes.chunks(stride).flat_map(|item| item.chunks_exact(kind.size()).take(components));
+        Ok(items.map(|b| number(b, kind, true)).collect())
     }
 
     /// Integers without a sign, `components` per item.
@@ -86,17 +71,8 @@ impl File<'_> {
         let (bytes, stride) = self.data(accessor)?;
         self.spend(accessor.count(), size_of::<Vec3>())?;
         let (size, shares) = (kind.size(), accessor.normalized());
-        let one = |b: &[u8]| {
-            let (value, most) = match kind {
-                DataType::F32 => return f32::from_le_bytes([b[0], b[1], b[2], b[3]]),
-                DataType::U8 => (f32::from(b[0]), 255.0),
-                DataType::I8 => (f32::from(b[0] as i8), 127.0),
-                DataType::U16 => (f32::from(u16::from_le_bytes([b[0], b[1]])), 65535.0),
-                _ => (f32::from(i16::from_le_bytes([b[0], b[1]])), 32767.0),
-            };
-            if shares { (value / most).max(-1.0) } else { value }
-        };
-        let vector = |item: &[u8]| Vec3::from_array([0, 1, 2].map(|i| one(&item[i * size..])));
+        let vector =
+            |item: &[u8]| Vec3::from_array([0, 1, 2].map(|i| number(&item[i * size..], kind, shares)));
         Ok(bytes.chunks(stride).map(vector).collect())
     }
 
@@ -231,6 +207,18 @@ impl File<'_> {
     pub fn wrong_kind(&self, accessor: &Accessor) -> crate::Error {
         self.problem(format!("accessor {} holds the wrong kind of numbers", accessor.index()))
     }
+}
+
+/// A float, or an integer of up to 16 bits: a share, or as it is.
+fn number(b: &[u8], kind: DataType, shares: bool) -> f32 {
+    let (value, most) = match kind {
+        DataType::F32 => return f32::from_le_bytes([b[0], b[1], b[2], b[3]]),
+        DataType::U8 => (f32::from(b[0]), 255.0),
+        DataType::I8 => (f32::from(b[0] as i8), 127.0),
+        DataType::U16 => (f32::from(u16::from_le_bytes([b[0], b[1]])), 65535.0),
+        _ => (f32::from(i16::from_le_bytes([b[0], b[1]])), 32767.0),
+    };
+    if shares { (value / most).max(-1.0) } else { value }
 }
 
 /// Vectors of floats that lie `stride` bytes apart.

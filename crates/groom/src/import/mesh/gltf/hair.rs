@@ -1,7 +1,7 @@
 //! Hair of a glTF file: `EXT_tresses_hair`, as `docs/EXT_tresses_hair.md` has it.
 
 use glam::{Vec2, Vec3};
-use gltf::{Accessor, accessor::DataType};
+use gltf::Accessor;
 use serde_json::{Map, Value};
 
 use super::{Source, file::File};
@@ -25,11 +25,11 @@ pub(in crate::import) fn read(source: &Source) -> Result<Raw> {
     let file = File::open(source)?;
     let none =
         || source.problem(At::File, format!("a mesh, not a groom (no {NAME}); it can be the head of one"));
-    let extension = file.document.extension_value(NAME).ok_or_else(none)?.clone();
+    let extension = file.document.extension_value(NAME).ok_or_else(none)?;
     let mut raw = Raw::new("glTF with hair");
     raw.declared = orient::Choice::METRES;
-    let grooms = extension.get("grooms").and_then(Value::as_array).cloned().unwrap_or_default();
-    for (i, groom) in grooms.iter().enumerate() {
+    let grooms = extension.get("grooms").and_then(Value::as_array);
+    for (i, groom) in grooms.into_iter().flatten().enumerate() {
         let at = |problem: String| file.problem(format!("groom {i}: {problem}"));
         let strands = groom.get("strands").and_then(Value::as_object);
         let part = Part { file: &file, of: strands.ok_or_else(|| at("it has no strands".into()))?, groom: i };
@@ -176,9 +176,6 @@ impl Part<'_> {
 impl File<'_> {
     /// Floats, or integers as shares, `width` to an item, finite unless it is `lenient`.
     fn numbers_of(&self, accessor: &Accessor, width: usize, lenient: bool) -> Result<Vec<f32>> {
-        if lenient && accessor.data_type() == DataType::F32 && accessor.dimensions().multiplicity() == width {
-            return self.floats(accessor, width);
-        }
-        self.numbers(accessor, width)
+        if lenient { self.numbers_as_they_are(accessor, width) } else { self.numbers(accessor, width) }
     }
 }
