@@ -220,6 +220,7 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready
         samples: options.samples,
         coverage: options.coverage,
         shadow_resolution: options.shadow_resolution,
+        strand_map: options.strand_map,
         ambient_cells: options.ambient_cells,
         ssaa: settings.edges.ssaa,
         lod: settings.lod(),

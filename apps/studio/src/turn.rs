@@ -145,12 +145,12 @@ pub fn draw_options(settings: &Settings, tier: &Tier) -> tresses::Result<ViewOpt
         return settings.draw_options(tier.max_samples);
     }
     let fast = ViewOptions { samples: 4, coverage: Coverage::SampleMask, ..Default::default() };
-    let Settings { shadow_resolution, ambient_cells, .. } = *settings;
+    let Settings { shadow_resolution, strand_map, ambient_cells, .. } = *settings;
     Ok(if tier.software {
         // An eighth of the cells, whose work does not fall with the strands.
         let (shadow_resolution, ambient_cells) = (shadow_resolution.min(256), ambient_cells.min(12));
-        ViewOptions { samples: 1, shadow_resolution, ambient_cells, ..fast }
+        ViewOptions { samples: 1, shadow_resolution, strand_map, ambient_cells, ..fast }
     } else {
-        ViewOptions { shadow_resolution, ambient_cells, ..fast }
+        ViewOptions { shadow_resolution, strand_map, ambient_cells, ..fast }
     })
 }

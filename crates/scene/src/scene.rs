@@ -48,6 +48,8 @@ pub struct Quality {
     pub shadow_resolution: u32,
     /// Cells along each edge of the grid of ambient light.
     pub ambient_cells: u32,
+    /// [`ViewOptions::strand_map`].
+    pub strand_map: u32,
     /// The levels of detail for which hair is measured.
     pub lod: LodOptions,
 }
@@ -55,9 +57,9 @@ pub struct Quality {
 impl Quality {
     /// Strands by tiles, bodies with four samples per pixel.
     pub fn new(size: [u32; 2]) -> Self {
-        let ViewOptions { shadow_resolution, ambient_cells, .. } = ViewOptions::default();
+        let ViewOptions { shadow_resolution, strand_map, ambient_cells, .. } = ViewOptions::default();
         let (coverage, lod) = (Coverage::Tiles, LodOptions::default());
-        Self { size, samples: 4, coverage, ssaa: 1, shadow_resolution, ambient_cells, lod }
+        Self { size, samples: 4, coverage, ssaa: 1, shadow_resolution, strand_map, ambient_cells, lod }
     }
 
     /// How a view of it is made.
@@ -66,6 +68,7 @@ impl Quality {
             samples: self.samples,
             coverage: self.coverage,
             shadow_resolution: self.shadow_resolution,
+            strand_map: self.strand_map,
             ambient_cells: self.ambient_cells,
             ..Default::default()
         }

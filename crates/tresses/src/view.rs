@@ -42,6 +42,11 @@ pub struct ViewOptions {
     /// Texels along each edge of a shadow map, brought into 4 to 2048; of a deep opacity map a third,
     /// or fewer where shadows are to be soft. Five maps take 43 bytes per texel ([`View::shadow_bytes`]).
     pub shadow_resolution: u32,
+    /// Texels along each edge of a map of each light that knows the strand nearest it, up to 2048, 0 for none: an option of
+    /// quality. Strands are then in each other's light or shade as they lie, not by chance
+    /// ([`Shadows::strand_by_strand`]), where deep opacity maps are used, each strand is drawn and a head is not far
+    /// away. A texel takes 16 bytes.
+    pub strand_map: u32,
     /// Cells along each edge of the grid of ambient light, brought into 4 to 64
     /// ([`crate::light::ambient`]); each takes 300 bytes.
     pub ambient_cells: u32,
@@ -55,6 +60,7 @@ impl Default for ViewOptions {
             samples: 4,
             coverage: Coverage::default(),
             shadow_resolution: 1024,
+            strand_map: 0,
             ambient_cells: 24,
             output: PICTURE_FORMAT,
         }
@@ -117,7 +123,8 @@ impl View {
         pipelines: &Pipelines,
         options: &ViewOptions,
     ) -> Result<()> {
-        let lit = |options: &ViewOptions| (options.shadow_resolution, options.ambient_cells);
+        let lit =
+            |options: &ViewOptions| (options.shadow_resolution, options.strand_map, options.ambient_cells);
         let light =
             (lit(options) != lit(&self.options)).then(|| light(device, pipelines, options, &self.camera));
         let before = std::mem::replace(&mut self.options, *options);
@@ -347,5 +354,5 @@ fn light(
     camera: &wgpu::Buffer,
 ) -> light::State {
     let sizes = [options.shadow_resolution, options.ambient_cells];
-    light::State::new(device, &pipelines.light, sizes, camera)
+    light::State::new(device, &pipelines.light, sizes, options.strand_map, camera)
 }

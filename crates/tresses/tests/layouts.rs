@@ -455,7 +455,7 @@ fn lights() {
         forward,
         zone,
         every,
-        _pad_c,
+        strand_map,
         _pad_d,
     });
     assert_eq!(wgsl_layout("light::lights::LightsUniform"), rust);

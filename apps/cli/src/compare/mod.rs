@@ -58,7 +58,7 @@ pub struct Shading;
 
 impl Rows for Shading {
     fn has(flag: &Flag) -> bool {
-        ["shading", "melanin", "roughness", "shade-per", "ambient", "ambient-cells", "shadows"]
+        ["shading", "melanin", "roughness", "shade-per", "ambient", "ambient-cells", "shadows", "strand-map"]
             .contains(&flag.name)
     }
 }

@@ -161,7 +161,11 @@ impl Rig {
     fn scene(&mut self, view: &WantedView<'_>, scenes: &Scenes, shading: &RowFlags<Shading>) -> Result<Shot> {
         let mut settings = material(view.material)?;
         apply_rows(shading, &mut settings)?;
-        let options = ViewOptions { ambient_cells: settings.ambient_cells, ..*self.view.options() };
+        let options = ViewOptions {
+            ambient_cells: settings.ambient_cells,
+            strand_map: settings.strand_map,
+            ..*self.view.options()
+        };
         self.view.set_options(&self.gpu.device, &self.pipelines, &options)?;
         let camera = &view.groom.camera;
         let place = |p: [f32; 3]| Vec3::from(p) * self.unit;

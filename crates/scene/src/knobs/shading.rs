@@ -51,7 +51,7 @@ const KNOBS: &[Knob] = rows! { "shading";
     "refraction" "Refraction" [shading.material.fiber.shape.eta] within(PLAIN, FiberShape::ETA), advanced,
         "Index of refraction: 1.55 for hair, lower for wet hair, higher for more gloss (fiber).";
     "density_forward" "Forward density" [shading.material.fiber.density_forward] number(PLAIN, 0.0, 1.0), advanced,
-        "Share of the light scattered forward that meets other hair; lower is darker inside (fiber).";
+        "Share of the light that a fibre scatters forward that meets other hair; lower is darker in the shade (fiber).";
     "density_back" "Backward density" [shading.material.fiber.density_back] number(PLAIN, 0.0, 1.0), advanced,
         "Share of the light scattered back that does; higher is lighter and more saturated (fiber).";
     "warmth_spread" "Warmth spread" [shading.material.warmth_spread] number(PERCENT, 0.0, 100.0),

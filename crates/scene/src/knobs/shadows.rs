@@ -21,6 +21,8 @@ const KNOBS: &[Knob] = rows! { "shadows";
     "strand_by_strand" "Strand by strand" [shadows.strand_by_strand] number(PERCENT, 0.0, 100.0),
         flag(flag("shadow-strands", "SHARE")),
         "How much strands are in light or shade one by one, not as their surroundings; fibre model only.";
+    "strand_map" "Strand map" [strand_map] integer(TEXELS, 0, 2048, 1), rebuild, flag(flag("strand-map", "N")),
+        "Texels of maps that find which strands are in light: 1024 for stills, 0 to let chance decide (fiber).";
     "ambient" "Follow ambient light" [shadows.ambient] Kind::Toggle, flag(flag("ambient", "on|off")),
         "Follow light of the sky and of the skin through the hair; off estimates the open part of the sky.";
     "per_pixel" "Per pixel" [shadows.per_pixel] Kind::Toggle, flag(flag("shadows-per-pixel", "")),

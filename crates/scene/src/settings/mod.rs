@@ -106,6 +106,8 @@ pub struct Settings {
     pub shadow_resolution: u32,
     /// Cells along each edge of the grid of ambient light.
     pub ambient_cells: u32,
+    /// [`ViewOptions::strand_map`].
+    pub strand_map: u32,
     /// How finely pictures are sampled.
     pub edges: EdgeSettings,
     /// How much of the hair is drawn; the share of [`LodMode::Fixed`] is [`lod_fraction`](Self::lod_fraction).
@@ -128,6 +130,7 @@ impl Default for Settings {
             shadows: Shadows::default(),
             shadow_resolution: ViewOptions::default().shadow_resolution,
             ambient_cells: ViewOptions::default().ambient_cells,
+            strand_map: ViewOptions::default().strand_map,
             edges: EdgeSettings::default(),
             lod: LodOptions::default(),
             lod_fraction: 1.0,
@@ -249,8 +252,15 @@ impl Settings {
     /// Samples and coverage that do not go together.
     pub fn draw_options(&self, most: u32) -> Result<ViewOptions> {
         let (samples, coverage) = self.sampling(most)?;
-        let Self { shadow_resolution, ambient_cells, .. } = *self;
-        Ok(ViewOptions { samples, coverage, shadow_resolution, ambient_cells, ..Default::default() })
+        let Self { shadow_resolution, strand_map, ambient_cells, .. } = *self;
+        Ok(ViewOptions {
+            samples,
+            coverage,
+            shadow_resolution,
+            strand_map,
+            ambient_cells,
+            ..Default::default()
+        })
     }
 
     /// The pipelines of a picture of hair at rest, for a view with `options`.
@@ -278,10 +288,10 @@ impl Settings {
     /// # Errors
     /// As [`draw_options`](Self::draw_options).
     pub fn quality(&self, size: [u32; 2], most: u32) -> Result<Quality> {
-        let ViewOptions { samples, coverage, shadow_resolution, ambient_cells, .. } =
+        let ViewOptions { samples, coverage, shadow_resolution, strand_map, ambient_cells, .. } =
             self.draw_options(most)?;
         let (ssaa, lod) = (self.edges.ssaa, self.lod());
-        Ok(Quality { size, samples, coverage, ssaa, shadow_resolution, ambient_cells, lod })
+        Ok(Quality { size, samples, coverage, ssaa, shadow_resolution, strand_map, ambient_cells, lod })
     }
 
     /// How strands become what is drawn: on a built-in style, or `None` for a groom from files.

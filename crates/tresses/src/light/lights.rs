@@ -198,8 +198,8 @@ pub struct LightsUniform {
     pub zone: u32,
     /// Every so many points of a body's surface stand for all of them.
     pub every: u32,
-    /// Unused.
-    pub _pad_c: u32,
+    /// Texels along each edge of a map that knows the strand nearest each light; 0 for none.
+    pub strand_map: u32,
     /// Unused.
     pub _pad_d: u32,
 }
@@ -258,7 +258,7 @@ impl Lights {
             forward: 0.0,
             zone: 0,
             every: 1,
-            _pad_c: 0,
+            strand_map: 0,
             _pad_d: 0,
         }
     }

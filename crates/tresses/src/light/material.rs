@@ -44,7 +44,8 @@ pub struct FiberMaterial {
     pub melanin_spread: f32,
     /// Spread of the tilt of the scales over strands and locks, radians: breaks highlights up.
     pub tilt_spread: f32,
-    /// Zinke's d_f: the share of the light scattered on that meets other hair or the eye.
+    /// The share of the light that one fibre scatters on that meets other hair or the eye, where hair is seen; behind n of
+    /// them (1 + n (1/d² - 1))^-½ is left. Zinke's d_f is that of any number.
     pub density_forward: f32,
     /// Zinke's d_b: the share of the light scattered back that does.
     pub density_back: f32,

@@ -32,6 +32,9 @@
 //! segments lie there as one arc (as a chord they would lie half a millimetre deeper on a round head, and what is seen
 //! would be lit by a tenth more), two texels to a column, which takes half the atomic additions of four about each step.
 //!
+//! *Strand maps*, where a view asks for them, know which strand is nearest each light (`nearest.wesl`): `strand_map` draws
+//! them after the layers, which tell it what lies too deep, and `shade` asks them at each vertex (`strand_light.wesl`).
+//!
 //! **Shade**: what arrives of the lights, ambient light and what other fibres scatter vary slowly along a strand and are
 //! evaluated at its *knots*, eight spans or every third vertex (`knots.wesl`, 8 bytes each), up to three times as many
 //! where strands stand for others at a level of detail; highlights and colours do not: `shade.wesl` adds them vertex by

@@ -49,7 +49,9 @@ pub struct Pipelines {
     shadow_body: Made<(), wgpu::RenderPipeline>,
     /// The hair nearest the light.
     pub(super) splat: Kernel,
-    /// The same in blocks of texels.
+    /// Which strand is nearest the light.
+    pub(super) strand_map: Kernel,
+    /// The hair nearest the light in blocks of texels.
     pub(super) summary: Kernel,
     /// Deep opacity maps: where the hair's front is, hair into the layers, sums over the layers.
     pub(super) deep: [Kernel; 3],
@@ -87,6 +89,7 @@ impl Pipelines {
             layer: layout(device, "shadow layer", Stages::VERTEX, &[UniformDynamic]),
             shadow_body: Made::default(),
             splat: maps("light::splat"),
+            strand_map: maps("light::strand_map"),
             summary: maps("light::blocks"),
             deep: ["light::front", "light::cover", "light::stack"].map(maps),
             ambient: ambient::Pipelines::new(device),

@@ -9,7 +9,7 @@ use glam::Mat4;
 
 use super::{
     Lit, Pipelines, Seen,
-    lights::{LightsUniform, SHADOW_MAPS},
+    lights::{LightsUniform, MAX_LIGHTS, SHADOW_MAPS},
     shadows::{DEEP_FINEST, ShadowMethod},
 };
 use crate::{
@@ -41,15 +41,22 @@ pub struct ShadowMaps {
     layer_group: wgpu::BindGroup,
     /// Per map, heights of the hair nearest the light or a deep opacity map.
     hair: wgpu::Buffer,
-    /// Per map, how much hair and how high in blocks of texels.
+    /// Texels along each edge of a map of the nearest strands; 0 for none.
+    pub(super) strand_map: u32,
+    /// Per map, how much hair and how high in blocks of texels, or its strand map.
     blocks: wgpu::Buffer,
     comparison: wgpu::Sampler,
 }
 
 impl ShadowMaps {
-    /// Maps of `resolution`² texels.
-    pub(super) fn new(device: &wgpu::Device, pipelines: &Pipelines, resolution: u32) -> Self {
+    /// Maps of `resolution`² texels; of a light also one of `strand_map`² texels, unless that is 0.
+    pub(super) fn new(
+        device: &wgpu::Device,
+        pipelines: &Pipelines,
+        [resolution, strand_map]: [u32; 2],
+    ) -> Self {
         let resolution = Self::within(resolution);
+        let strand_map = strand_map.min(MOST);
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("shadow maps"),
             size: wgpu::Extent3d {
@@ -90,17 +97,19 @@ impl ShadowMaps {
                 size: wgpu::BufferSize::new(size_of::<Mat4>() as u64),
             })],
         );
-        let buffer = |label, count| {
+        let buffer = |label, words| {
             device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
-                size: 4 * SHADOW_MAPS as u64 * count,
+                size: 4 * words,
                 usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             })
         };
-        let hair =
-            buffer("hair in shadow maps", map_words(ShadowMethod::DeepOpacity, resolution, DEEP_FINEST));
-        let blocks = buffer("hair blocks", u64::from(resolution.div_ceil(BLOCK)).pow(2));
+        let hair = buffer(
+            "hair in shadow maps",
+            SHADOW_MAPS as u64 * map_words(ShadowMethod::DeepOpacity, resolution, DEEP_FINEST),
+        );
+        let blocks = buffer("hair blocks", block_words(resolution).max(strand_words(MAX_LIGHTS, strand_map)));
         let comparison = device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("shadow comparison"),
             mag_filter: wgpu::FilterMode::Linear,
@@ -109,7 +118,7 @@ impl ShadowMaps {
             ..Default::default()
         });
         let view = texture.create_view(&Default::default());
-        Self { resolution, view, layers, matrices, layer_group, hair, blocks, comparison }
+        Self { resolution, strand_map, view, layers, matrices, layer_group, hair, blocks, comparison }
     }
 
     /// Texels along each edge of a map that is asked for with so many.
@@ -136,9 +145,9 @@ impl ShadowMaps {
     /// The same of maps of `resolution`² texels that are not made yet.
     pub(super) fn bytes_of(resolution: u32) -> u64 {
         let resolution = Self::within(resolution);
-        let words = map_words(ShadowMethod::DeepOpacity, resolution, DEEP_FINEST)
-            + u64::from(resolution.div_ceil(BLOCK)).pow(2);
-        SHADOW_MAPS as u64 * (4 * u64::from(resolution).pow(2) + 4 * words + STEP)
+        let words =
+            u64::from(resolution).pow(2) + map_words(ShadowMethod::DeepOpacity, resolution, DEEP_FINEST);
+        SHADOW_MAPS as u64 * (4 * words + STEP) + 4 * block_words(resolution)
     }
 
     /// What the hair leaves in the maps, and the same in blocks of texels.
@@ -162,7 +171,7 @@ impl ShadowMaps {
         hair: &[Seen<'_>],
         bodies: &[&Body],
     ) -> Result<()> {
-        let Lit { method, maps, across, stray, .. } = *lit;
+        let Lit { method, maps, across, stray, strands, .. } = *lit;
         let casts = method != ShadowMethod::Off;
         let (hair, bodies) = if casts { (hair, bodies) } else { (&[][..], &[][..]) };
         if maps == 0 {
@@ -195,6 +204,9 @@ impl ShadowMaps {
         }
         let words = maps as u64 * map_words(method, self.resolution, across);
         crate::gpu::pass::clear(encoder, &self.hair, Some(4 * words));
+        if strands > 0 {
+            crate::gpu::pass::clear(encoder, &self.blocks, Some(4 * strand_words(strands, self.strand_map)));
+        }
         let Some(first) = hair.first() else {
             crate::gpu::pass::clear(encoder, &self.blocks, None);
             return Ok(());
@@ -227,6 +239,11 @@ impl ShadowMaps {
                     run(cover, seen, u64::from(strands) * u64::from(steps));
                 }
                 run(stack, first, texels);
+                for seen in hair.iter().filter(|_| strands > 0) {
+                    let Drawn { count, vertex_count, .. } = seen.hair.drawn;
+                    let segments = u64::from(vertex_count.saturating_sub(1));
+                    run(&pipelines.strand_map, seen, u64::from(count) * segments);
+                }
             }
             ShadowMethod::Opaque | ShadowMethod::Absorption => {
                 let blocks = maps as u64 * u64::from(self.resolution.div_ceil(across * BLOCK)).pow(2);
@@ -235,6 +252,16 @@ impl ShadowMaps {
         }
         Ok(())
     }
+}
+
+/// Words of the blocks of all maps.
+fn block_words(resolution: u32) -> u64 {
+    SHADOW_MAPS as u64 * u64::from(resolution.div_ceil(BLOCK)).pow(2)
+}
+
+/// Words of the strand maps of so many lights.
+fn strand_words(lights: usize, texels: u32) -> u64 {
+    lights as u64 * u64::from(texels).pow(2)
 }
 
 /// Words that the hair takes in one map of `resolution`², whose own texels are `across` of the map's wide.

@@ -32,6 +32,8 @@ pub(crate) struct Lit {
     pub maps: usize,
     /// Texels of a map along the edge of a texel of the hair's.
     pub across: u32,
+    /// How many lights have a strand map.
+    pub strands: usize,
     /// How far bodies that cast shadows may stray from those that are drawn, metres.
     pub stray: f32,
     /// Whether light from all sides is followed, and made anew.
@@ -42,15 +44,16 @@ pub(crate) struct Lit {
 
 impl State {
     /// Maps of `resolution`² texels, and as many cells along each edge of the grid, for what `camera` (a uniform
-    /// buffer) sees.
+    /// buffer) sees; strand maps of `strand_map`² texels, unless that is 0.
     pub fn new(
         device: &wgpu::Device,
         pipelines: &Pipelines,
         [resolution, cells]: [u32; 2],
+        strand_map: u32,
         camera: &wgpu::Buffer,
     ) -> Self {
         let lights = uniform(device, "lights", size_of::<LightsUniform>());
-        let maps = ShadowMaps::new(device, pipelines, resolution);
+        let maps = ShadowMaps::new(device, pipelines, [resolution, strand_map]);
         let ambient = Ambient::new(device, &pipelines.ambient, cells, &lights, maps.resources());
         let frame = frame_resources(camera, &lights, &maps, &ambient);
         Self { frame: group(device, "frame", &pipelines.frame, &frame), maps, ambient, lights }
@@ -78,6 +81,9 @@ impl State {
         if shadows.follows_ambient() {
             uniform.ambient = self.ambient.cells();
         }
+        if shadows.method == ShadowMethod::DeepOpacity && shadows.strand_by_strand > 0.0 {
+            uniform.strand_map = self.maps.strand_map;
+        }
         // Bodies have as many points as fine cells ask for; a zone may have coarser ones.
         (uniform.zone, uniform.every) = (zone, if zone > 0 { self.ambient.every() } else { 1 });
         let whole: f32 = hair.iter().map(|seen| seen.hair.area).sum();
@@ -93,6 +99,7 @@ impl State {
         Lit {
             method: shadows.method,
             maps: shadows.maps(lights.active().count()),
+            strands: if uniform.strand_map > 0 { uniform.count as usize } else { 0 },
             across: shadows.hair_texels(texel),
             stray: texel.min(super::shadow::STRAY * shadows.bias),
             ambient: shadows.follows_ambient(),

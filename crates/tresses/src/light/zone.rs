@@ -169,7 +169,7 @@ impl Zones {
             let sizes = [zone.resolution, zone.cells];
             let kept = before.get_mut(i).and_then(|old| old.take_if(|old| old.light.fits(sizes)));
             let Some(kept) = kept else {
-                let light = Arc::new(State::new(device, pipelines, sizes, camera));
+                let light = Arc::new(State::new(device, pipelines, sizes, 0, camera));
                 return Kept { zone: zone.clone(), light, made: Mutex::default() };
             };
             // What was made may be another's.

@@ -225,6 +225,17 @@ fn white_furnace_on_the_gpu() {
 
 /// The radiances of both ends of upright strands at these places, lit from where the eye is.
 fn upright(gpu: &Gpu, places: &[Vec3], density_back: f32, strand_by_strand: f32) -> Vec<f32> {
+    upright_in(gpu, places, density_back, strand_by_strand, 0)
+}
+
+/// The same with strand maps of so many texels along each edge, 0 for none.
+fn upright_in(
+    gpu: &Gpu,
+    places: &[Vec3],
+    density_back: f32,
+    strand_by_strand: f32,
+    strand_map: u32,
+) -> Vec<f32> {
     let Gpu { device, queue, .. } = gpu;
     let pipelines = common::pipelines().expect("there is a GPU");
     let strands = StrandBuffers::new(device, places.len() as u32, 2).expect("fits");
@@ -251,7 +262,7 @@ fn upright(gpu: &Gpu, places: &[Vec3], density_back: f32, strand_by_strand: f32)
     let fiber = FiberMaterial { density_back, ..FiberMaterial::uniform(Vec3::splat(0.1)) };
     hair.material =
         HairMaterial { model: ShadingModel::Fiber, fiber, warmth_spread: 0.0, ..Default::default() };
-    let options = ViewOptions { samples: 1, shadow_resolution: 256, ..Default::default() };
+    let options = ViewOptions { samples: 1, shadow_resolution: 256, strand_map, ..Default::default() };
     let eye = View::new(device, pipelines, &options, [16, 16], 1).expect("fits");
     common::picture(gpu, (pipelines, &eye), &picture, &[&hair], &[]);
     let shaded: Vec<u32> = readback::buffer(device, queue, &eye.shaded(&hair).unwrap()).expect("read back");
@@ -308,4 +319,44 @@ fn strands_are_in_light_or_shade_as_often_as_the_mean_says() {
     // Where hardly anything is in the way hardly anything is by chance.
     let alone = [0.0, 1.0].map(|strength| upright(gpu, &block(0.0), 0.7, strength)[0]);
     assert!((alone[1] / alone[0] - 1.0).abs() < 0.02, "{alone:?}");
+}
+
+/// Strand maps find out which strands are in light.
+#[test]
+fn strands_are_in_the_shade_of_those_before_them() {
+    let Some(gpu) = common::gpu() else { return };
+    // Among strands of 0.2 mm, seen from where the light is: one alone, one that it hides, and one beside both.
+    let row = [Vec3::ZERO, Vec3::new(0.0, 0.0, -0.01), Vec3::new(0.005, 0.0, -0.01)];
+    let found = upright_in(gpu, &row, 0.0, 1.0, 2048);
+    let [alone, hidden, beside] = [0, 1, 2].map(|i| found[2 * i]);
+    println!("alone {alone:.4}, hidden {hidden:.4}, beside {beside:.4}");
+    assert!(hidden < 0.4 * alone && (beside / alone - 1.0).abs() < 0.05);
+    // By chance nobody can say that.
+    let chance = upright(gpu, &row, 0.0, 1.0);
+    assert!(
+        chance[2] > 2.0 * hidden,
+        "a strand that is hidden by one is mostly lit in the mean: {}",
+        chance[2]
+    );
+
+    // In a block of hair: what is lit is what no strand nearer to the light covers, counted one by one.
+    let places = block(6.0);
+    let found = upright_in(gpu, &places, 0.0, 1.0, 2048);
+    let light = upright_in(gpu, &places[..1], 0.0, 1.0, 2048)[0];
+    let dark = hidden / alone;
+    let (mut right, mut all) = (0, 0);
+    for (i, place) in places.iter().enumerate() {
+        let covered = |near: f32| {
+            let hides = |other: &&Vec3| other.z > place.z + 0.0006 && (other.x - place.x).abs() < near;
+            places.iter().any(|other| hides(&other))
+        };
+        // Those that are half covered, or by what lies close by, are neither.
+        let is_lit = !covered(4e-4);
+        if is_lit || covered(5e-5) {
+            all += 1;
+            right += u32::from((found[2 * i] > (0.5 + 0.5 * dark) * light) == is_lit);
+        }
+    }
+    println!("{right} of {all} are told right");
+    assert!(all > 1000 && f64::from(right) > 0.97 * f64::from(all));
 }

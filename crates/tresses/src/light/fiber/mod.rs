@@ -37,6 +37,10 @@
 //! the near field, the tables and the shader; the shader against its CPU twin [`FarField::scatter`]
 //! (`tests/gpu/fiber.rs`). Pictures against path tracing: `docs/appearance/shading.md`.
 //!
+//! **Light leaves hair** at each fibre that it meets near the edge of the hair, where all that is seen lies: as a walk by
+//! chance beside a wall that takes what touches it, of which one over the root of the steps is left. With Zinke's constant
+//! share hair beyond the terminator, behind two to eight fibres, was 1.4 to 1.9 times as bright as path traced.
+//!
 //! `density_forward` is set by path-traced pictures (`docs/appearance/truth.md`); what hair scatters back is that of
 //! the fibres behind (`shading.wesl`). Untried: a fit of `density_back` (0.7 is the paper's value); the
 //! offset across the strip where hair is wider than pixels (near field); elliptical fibres.
