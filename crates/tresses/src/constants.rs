@@ -39,6 +39,7 @@ pub const SHARED: &[(&str, u32)] = &[
 pub const VARIANTS: &[(&str, &str, &[u32])] = &[
     ("simulate::step", "GUIDE_CAPACITY", &GUIDE_CAPACITIES),
     ("simulate::twist", "GUIDE_CAPACITY", &GUIDE_CAPACITIES),
+    ("light::shade", "STRAND_MAPS", &[0, 1]),
     ("draw::tiles::see", "SURFACES", &[1, 2]),
     ("draw::tiles::geometry", "SURFACES", &[1, 2]),
     ("draw::tiles::label", "SURFACES", &[1, 2]),

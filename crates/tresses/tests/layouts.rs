@@ -275,7 +275,7 @@ fn tessellate() {
             vertex_count,
             sample_count,
             span,
-            _pad_a,
+            twists,
             head_translation,
             _pad_b,
         })

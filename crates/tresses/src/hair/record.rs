@@ -284,7 +284,8 @@ impl Hair {
         self.drawn_in = frame.seen();
         self.to_drawn = seen.after(&self.passage.at(1.0).inverse()).as_pose();
         let (previous, current, blend) = self.states;
-        let params = TessellateParams::new(&self.guides, (&previous, &current, self.span), &self.head, blend);
+        let drawn = (blend, self.simulation.twists());
+        let params = TessellateParams::new(&self.guides, (&previous, &current, self.span), &self.head, drawn);
         self.tessellation.prepare(queue, &params);
         self.interpolation.prepare(queue, &self.guides, &self.strands);
         let counts = (&self.guides, &self.strands);

@@ -12,6 +12,8 @@ pub struct Chosen {
     lists: [wgpu::Buffer; 2],
     choose: wgpu::BindGroup,
     groups: [wgpu::BindGroup; 2],
+    /// Whether the light has strand maps.
+    strand_maps: bool,
 }
 
 impl Chosen {
@@ -42,12 +44,13 @@ impl Chosen {
             .map(wgpu::Buffer::as_entire_binding);
         let groups = lists.each_ref().map(|list| {
             let frame = state.frame_resources(camera);
-            pipelines.shade.bind(device, &shade_resources(frame, &own, &shaded.knots, list))
+            pipelines.shade(false).bind(device, &shade_resources(frame, &own, &shaded.knots, list))
         });
         let [uniform, knots, spans, counts] =
             [&shaded.uniform, &lists[0], &lists[1], &workgroups].map(wgpu::Buffer::as_entire_binding);
         let choose = pipelines.choose.bind(device, &[uniform, seen, knots, spans, counts]);
-        Ok(Self { workgroups, lists, choose, groups })
+        let strand_maps = state.maps.strand_map > 0;
+        Ok(Self { workgroups, lists, choose, groups, strand_maps })
     }
 
     /// Empties the lists; before [`record`](Self::record), outside of passes.
@@ -66,7 +69,7 @@ impl Chosen {
         pipelines.choose.record(pass, &self.choose, &[], hair.drawn.count.div_ceil(STRAND_WORKGROUP));
         pass.set_bind_group(1, &pipelines.gap, &[]);
         pass.set_bind_group(2, &hair.fiber().group, &[]);
-        let kernels: [&Kernel; 2] = [&pipelines.knots, &pipelines.shade];
+        let kernels: [&Kernel; 2] = [&pipelines.knots, pipelines.shade(self.strand_maps)];
         for (i, (kernel, group)) in kernels.into_iter().zip(&self.groups).enumerate() {
             kernel.record_indirect(pass, group, &[], (&self.workgroups, 16 * i as u64));
         }

@@ -260,7 +260,7 @@ impl Shaded {
         let shade = shade_resources(state.frame_resources(camera), &own, &knots, &pipelines.all);
         Ok(Self {
             group: bindings::group(device, "hair", &pipelines.hair, &own),
-            shade: pipelines.shade.bind(device, &shade),
+            shade: pipelines.shade(false).bind(device, &shade),
             splat: pipelines.splat.bind(device, &splat.map(wgpu::Buffer::as_entire_binding)),
             lay: pipelines.ambient.lay.bind(device, &lay.map(wgpu::Buffer::as_entire_binding)),
             uniform,

@@ -58,7 +58,8 @@ pub struct Pipelines {
     pub(super) ambient: ambient::Pipelines,
     /// What varies slowly along strands, radiance by it, and for shading per pixel what arrives.
     pub(super) knots: Kernel,
-    pub(super) shade: Kernel,
+    /// Without strand maps, and with them.
+    shade: [Kernel; 2],
     pub(super) arrive: Kernel,
     /// Which knots and spans are seen.
     pub(super) choose: Kernel,
@@ -95,7 +96,7 @@ impl Pipelines {
             ambient: ambient::Pipelines::new(device),
             gap: group(device, "nothing", &nothing, &[]),
             knots: shading("light::knots"),
-            shade: shading("light::shade"),
+            shade: ["light::shade::0", "light::shade::1"].map(shading),
             arrive: shading("light::arrive"),
             choose: Kernel::new(
                 device,
@@ -110,6 +111,11 @@ impl Pipelines {
             }),
             fiber: fiber.clone(),
         }
+    }
+
+    /// The radiance of vertices, with strand maps or without.
+    pub(super) fn shade(&self, strand_maps: bool) -> &Kernel {
+        &self.shade[usize::from(strand_maps)]
     }
 
     /// Draws a body into a shadow map.
@@ -130,7 +136,7 @@ impl Pipelines {
     /// `chosen`.
     pub(crate) fn jobs(&self, chosen: bool) -> Vec<Job<'_>> {
         let [front, cover, stack] = &self.deep;
-        let mut kernels = vec![&self.splat, front, cover, stack, &self.knots, &self.shade];
+        let mut kernels = vec![&self.splat, front, cover, stack, &self.knots, self.shade(false)];
         kernels.extend(chosen.then_some(&self.choose));
         kernels.extend(self.ambient.kernels());
         let mut jobs = kernel::jobs(kernels);

@@ -158,7 +158,7 @@ impl State {
             match rate {
                 ShadingRate::PerVertex => {
                     run(&pipelines.knots, spans + 1);
-                    run(&pipelines.shade, spans);
+                    run(pipelines.shade(self.maps.strand_map > 0), spans);
                 }
                 ShadingRate::PerPixel => run(&pipelines.arrive, hair.drawn.vertex_count),
             }

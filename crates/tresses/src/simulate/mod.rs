@@ -55,7 +55,7 @@
 //! (16 vertices) to 0.1 mm (32) and 2 mm (64) in four steps of a turning head. Only a strand with a segment
 //! of zero length differs by millimetres: the direction of that segment is rounding error.
 //!
-//! **State.** 40 bytes per vertex, 4 more where it twists: what rests in 16 (`PackedGuide`: the position as 16-bit fractions of the guide's
+//! **State.** 40 bytes per vertex, 8 more where it can twist: what rests in 16 (`PackedGuide`: the position as 16-bit fractions of the guide's
 //! cube, contact, and how bends and edges differ from the rest pose), the position in 12, the velocity in 8 (19-bit
 //! fractions with one exponent), and in 4 how far the position before the step was from where position and velocity
 //! say. The rest shape is computed from the rounded pose, so rounding moves the pose by micrometres (`extent / 131070`)
@@ -70,7 +70,7 @@
 //! step took no less time and seconds more to compile, hence [`params::StepUniforms::one`].
 //!
 //! **Known limits.** Elimination from tip to root would save a pass, but its rounding error is far larger.
-//! Strands that are drawn along guides do not turn with their twist. Positions are single precision from an origin near the hair, which goes
+//! Positions are single precision from an origin near the hair, which goes
 //! along with the space of the frame's poses ([`crate::space`]).
 
 mod forces;
@@ -339,6 +339,11 @@ impl Simulation {
         forced: bool,
     ) -> Result<u32> {
         self.prepare_in(queue, params, steps, &[], forced)
+    }
+
+    /// Whether hair twists, since the last step.
+    pub(crate) fn twists(&self) -> bool {
+        self.twists.1
     }
 
     /// The same where hair is simulated elsewhere than in the world: `fields` say what acts in each step.

@@ -24,7 +24,7 @@ pub struct GuideBuffers {
     /// [`pack_lag`](super::guide::pack_lag).
     pub current: wgpu::Buffer,
     /// Velocity after the last step, metres per second, by [`pack_velocity`](super::guide::pack_velocity); behind those of
-    /// all vertices, where hair [can twist](Self::can_twist), by how much each bend is twisted (radians), two in an entry.
+    /// all vertices, where hair [can twist](Self::can_twist), by how much each bend is twisted (radians) after the last step and before it.
     pub velocity: wgpu::Buffer,
     /// [`GuideForce`]: what acts from outside in the next step. Nobody needs it between steps: a groom's
     /// [scratch](crate::Hair) may lie in the same memory, and be larger.
@@ -217,8 +217,7 @@ impl GuideBuffers {
     /// # Errors
     /// [`Error::Limit`].
     pub fn with_twist(self, device: &wgpu::Device) -> Result<Self> {
-        let entries = self.vertex_count + self.vertex_count.div_ceil(2);
-        let entries = u64::from(self.count) * u64::from(entries);
+        let entries = 2 * u64::from(self.count) * u64::from(self.vertex_count);
         Ok(Self { velocity: storage::<[u32; 2]>(device, "guide velocity", entries)?, ..self })
     }
 

@@ -33,8 +33,8 @@ pub struct TessellateParams {
     pub sample_count: u32,
     /// Length of the last step, s.
     pub span: f32,
-    /// Unused.
-    pub _pad_a: u32,
+    /// 1 where guides twist, 0 where they do not.
+    pub twists: f32,
     /// Where the head is now, metres.
     pub head_translation: Vec3,
     /// Unused.
@@ -42,12 +42,13 @@ pub struct TessellateParams {
 }
 
 impl TessellateParams {
-    /// For a head that was at `previous` and `current` after the last two steps, `span` seconds apart, and is at `now`.
+    /// For a head that was at `previous` and `current` after the last two steps, `span` seconds apart, and is at `now`, of guides
+    /// that twist or not.
     pub fn new(
         guides: &GuideBuffers,
         (previous, current, span): (&Pose, &Pose, f32),
         now: &Pose,
-        blend: f32,
+        (blend, twists): (f32, bool),
     ) -> Self {
         let (from_previous, from_current) = (now.after(&previous.inverse()), now.after(&current.inverse()));
         Self {
@@ -61,7 +62,7 @@ impl TessellateParams {
             vertex_count: guides.vertex_count,
             sample_count: guides.sample_count,
             span,
-            _pad_a: 0,
+            twists: f32::from(u8::from(twists)),
             head_translation: now.translation,
             _pad_b: 0,
         }

@@ -6,7 +6,7 @@ use tresses::{
     Pose,
     glam::{Quat, Vec3},
     gpu::{Gpu, readback::blocking as readback},
-    groom::{BindOptions, Groom, GuideCount, bind},
+    groom::{BindOptions, Groom, GuideCount, Strands, bind},
     interpolate::{self, Interpolation},
     simulate::{RestOptions, SimulationParams, rest},
     strands::{
@@ -25,12 +25,25 @@ fn draw(
     blend: f32,
     now: Pose,
 ) -> Vec<StrandVertex> {
+    draw_twisted(gpu, groom, previous, current, (blend, [0.0; 2]), now)
+}
+
+/// The same where guides are twisted, from end to end by so much after the last step and before it.
+fn draw_twisted(
+    gpu: &Gpu,
+    groom: &Groom,
+    previous: &[Vec3],
+    current: &[Vec3],
+    (blend, twist): (f32, [f32; 2]),
+    now: Pose,
+) -> Vec<StrandVertex> {
     let (device, queue) = (&gpu.device, &gpu.queue);
     let n = groom.guides.vertex_count as usize;
     // Strands that are their own guides need no samples.
     let follows = groom.guides.len() == groom.strands.len();
     let samples = if follows { 0 } else { groom.strands.vertex_count.max(groom.guides.vertex_count) };
     let guides = GuideBuffers::new(device, groom.guides.len() as u32, n as u32, samples).unwrap();
+    let guides = if twist == [0.0; 2] { guides } else { guides.with_twist(device).unwrap() };
     let strands = StrandBuffers::new(device, groom.strands.len() as u32, groom.strands.vertex_count).unwrap();
     let params = SimulationParams::default();
     let (positions, options) = (&groom.guides.positions, RestOptions::default());
@@ -43,6 +56,12 @@ fn draw(
         [x, y, z, pack_lag(previous[i] - current[i])]
     });
     write(&guides.current, bytemuck::cast_slice(&state.collect::<Vec<_>>()));
+    if twist != [0.0; 2] {
+        // A share for each bend between two edges.
+        let bends = n - 2;
+        let twists = vec![twist.map(|whole| whole / bends as f32); bends * count];
+        queue.write_buffer(&guides.velocity, 8 * ((n + 1) * count) as u64, bytemuck::cast_slice(&twists));
+    }
     if !follows {
         let resting: Vec<_> = (0..groom.guides.len())
             .flat_map(|g| rest_samples(groom.guides.guide(g), samples))
@@ -60,7 +79,8 @@ fn draw(
     } else {
         Interpolation::new(device, &interpolate, &guides, &strands)
     };
-    tessellation.prepare(queue, &TessellateParams::new(&guides, (&now, &now, 0.0), &now, blend));
+    tessellation
+        .prepare(queue, &TessellateParams::new(&guides, (&now, &now, 0.0), &now, (blend, twist != [0.0; 2])));
     interpolation.prepare(queue, &guides, &strands);
     let mut encoder = device.create_command_encoder(&Default::default());
     {
@@ -109,6 +129,57 @@ fn a_rigid_motion_of_the_guides_is_a_rigid_motion_of_the_strands() {
         let off = error(&groom, &draw(gpu, &groom, &moved, &moved, 0.5, pose), pose);
         assert!(off < 1e-4, "{off}");
     }
+}
+
+#[test]
+fn strands_turn_with_the_twist_of_their_guides() {
+    let Some(gpu) = common::gpu() else { return };
+    let options = BindOptions { guides: GuideCount::OneIn(16), ..Default::default() };
+    // Strands that hang straight down from a disc.
+    let mut strands = Strands::default();
+    for i in 0..400 {
+        let (far, angle) = (0.02 * (i as f32 / 400.0).sqrt(), i as f32 * 2.399_963);
+        let root = Vec3::new(far * angle.cos(), 0.0, far * angle.sin());
+        strands.push(&(0..16).map(|j| root - Vec3::Y * (0.2 * j as f32 / 15.0)).collect::<Vec<_>>());
+    }
+    let groom = bind(&strands, &options).unwrap();
+    let rest = groom.guides.positions.clone();
+    // Half way between no twist and an eighth of a turn: 22.5° about each guide.
+    let eighth = std::f32::consts::FRAC_PI_4;
+    let twisted = draw_twisted(gpu, &groom, &rest, &rest, (0.5, [eighth, 0.0]), Pose::IDENTITY);
+    let straight = draw(gpu, &groom, &rest, &rest, 0.5, Pose::IDENTITY);
+    let aside = |p: Vec3| Vec3::new(p.x, 0.0, p.z);
+    let off = |drawn: &[StrandVertex], whole: f32| {
+        let (mut far, mut way) = (0.0, 0.0);
+        for (i, binding) in groom.strands.bindings.iter().enumerate() {
+            let tip = *groom.strands.rest_positions(i).collect::<Vec<_>>().last().unwrap();
+            let weights = [1.0 - binding.weight_b - binding.weight_c, binding.weight_b, binding.weight_c];
+            let carried = |k: usize| {
+                let guide = groom.guides.guide(binding.guides[k] as usize);
+                let (edges, along) = ((guide.len() - 1) as f32, binding.scale[k].min(1.0));
+                let there = guide[0].lerp(guide[guide.len() - 1], along);
+                // The middle of the first edge has not turned, that of the last one has the whole.
+                let turn = whole * ((along * edges - 0.5) / (edges - 1.0)).clamp(0.0, 1.0);
+                weights[k] * (there + Quat::from_axis_angle(Vec3::NEG_Y, turn) * (tip - there))
+            };
+            let expected = (0..3).map(carried).sum::<Vec3>();
+            let found = drawn[(i + 1) * groom.strands.vertex_count as usize - 1].position;
+            far += aside(found - expected).length();
+            way += aside(expected - tip).length();
+        }
+        far / way
+    };
+    let turn = 0.5 * eighth;
+    let (found, without, other) = (off(&twisted, turn), off(&straight, turn), off(&twisted, -turn));
+    println!(
+        "off by {found:.3} of their way; {without:.3} without twist, {other:.3} if it turned the other way"
+    );
+    assert!(found < 0.05 && without > 0.9 && other > 1.0);
+    // A strand that is its own straight guide has nothing that could turn.
+    let own = bind(&strands, &BindOptions { guides: GuideCount::All, ..Default::default() }).unwrap();
+    let rest = own.guides.positions.clone();
+    let drawn = draw_twisted(gpu, &own, &rest, &rest, (1.0, [eighth; 2]), Pose::IDENTITY);
+    assert!(error(&own, &drawn, Pose::IDENTITY) < 1e-4);
 }
 
 #[test]
