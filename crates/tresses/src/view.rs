@@ -42,8 +42,8 @@ pub struct ViewOptions {
     /// Texels along each edge of a shadow map, brought into 4 to 2048; of a deep opacity map a third,
     /// or fewer where shadows are to be soft. Five maps take 43 bytes per texel ([`View::shadow_bytes`]).
     pub shadow_resolution: u32,
-    /// Texels along each edge of a map of each light that knows the strand nearest it, up to 2048, 0 for none: an option of
-    /// quality. Strands are then in each other's light or shade as they lie, not by chance
+    /// Texels along each edge of a map of each light that knows the strand nearest it, brought into 256 to 2048; 0 for
+    /// none. An option of quality: strands are then in each other's light or shade as they lie, not by chance
     /// ([`Shadows::strand_by_strand`]), where deep opacity maps are used, each strand is drawn and a head is not far
     /// away. A texel takes 16 bytes.
     pub strand_map: u32,

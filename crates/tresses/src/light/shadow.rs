@@ -22,6 +22,8 @@ use crate::{
 
 /// The most texels along an edge: the maps stay within the 128 MiB that any device binds.
 const MOST: u32 = 2048;
+/// The fewest texels along an edge of a strand map: in larger ones than that leaves, hair is not strands any more.
+const LEAST_STRANDS: u32 = 256;
 /// Words of a texel of a deep opacity map, as in `light::deep`.
 const DEEP_WORDS: u32 = DEEP_LAYERS + 2;
 /// How far a body that casts shadows may stray from the one that is drawn: a texel, and this share of the bias.
@@ -56,7 +58,7 @@ impl ShadowMaps {
         [resolution, strand_map]: [u32; 2],
     ) -> Self {
         let resolution = Self::within(resolution);
-        let strand_map = strand_map.min(MOST);
+        let strand_map = if strand_map > 0 { strand_map.clamp(LEAST_STRANDS, MOST) } else { 0 };
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("shadow maps"),
             size: wgpu::Extent3d {
