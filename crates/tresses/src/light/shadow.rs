@@ -206,13 +206,13 @@ impl ShadowMaps {
         }
         let words = maps as u64 * map_words(method, self.resolution, across);
         crate::gpu::pass::clear(encoder, &self.hair, Some(4 * words));
-        if strands > 0 {
-            crate::gpu::pass::clear(encoder, &self.blocks, Some(4 * strand_words(strands, self.strand_map)));
-        }
         let Some(first) = hair.first() else {
             crate::gpu::pass::clear(encoder, &self.blocks, None);
             return Ok(());
         };
+        if strands > 0 {
+            crate::gpu::pass::clear(encoder, &self.blocks, Some(4 * strand_words(strands, self.strand_map)));
+        }
         let mut pass = crate::gpu::compute_pass(
             encoder,
             &wgpu::ComputePassDescriptor {

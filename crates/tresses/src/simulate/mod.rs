@@ -70,8 +70,8 @@
 //! step took no less time and seconds more to compile, hence [`params::StepUniforms::one`].
 //!
 //! **Known limits.** Elimination from tip to root would save a pass, but its rounding error is far larger.
-//! Positions are single precision from an origin near the hair, which goes
-//! along with the space of the frame's poses ([`crate::space`]).
+//! Positions are single precision from an origin near the hair, which goes along with the space of the frame's poses
+//! ([`crate::space`]).
 
 mod forces;
 pub mod grab;
@@ -325,6 +325,11 @@ impl Simulation {
         Ok(())
     }
 
+    /// Whether hair twists, since the last step.
+    pub(crate) fn twists(&self) -> bool {
+        self.twists.1
+    }
+
     /// Writes the uniforms of a frame's `steps`, at most [`MAX_STEPS`], and returns how many there
     /// are. With `forced`, [`GuideBuffers::forces`] act in
     /// them: [`Forces::record`] belongs before each.
@@ -339,11 +344,6 @@ impl Simulation {
         forced: bool,
     ) -> Result<u32> {
         self.prepare_in(queue, params, steps, &[], forced)
-    }
-
-    /// Whether hair twists, since the last step.
-    pub(crate) fn twists(&self) -> bool {
-        self.twists.1
     }
 
     /// The same where hair is simulated elsewhere than in the world: `fields` say what acts in each step.

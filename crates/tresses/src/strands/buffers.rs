@@ -24,7 +24,8 @@ pub struct GuideBuffers {
     /// [`pack_lag`](super::guide::pack_lag).
     pub current: wgpu::Buffer,
     /// Velocity after the last step, metres per second, by [`pack_velocity`](super::guide::pack_velocity); behind those of
-    /// all vertices, where hair [can twist](Self::can_twist), by how much each bend is twisted (radians) after the last step and before it.
+    /// all vertices, where hair [can twist](Self::can_twist), by how much each bend is twisted (radians) after the last
+    /// step and before it.
     pub velocity: wgpu::Buffer,
     /// [`GuideForce`]: what acts from outside in the next step. Nobody needs it between steps: a groom's
     /// [scratch](crate::Hair) may lie in the same memory, and be larger.

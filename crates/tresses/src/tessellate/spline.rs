@@ -42,8 +42,8 @@ pub struct TessellateParams {
 }
 
 impl TessellateParams {
-    /// For a head that was at `previous` and `current` after the last two steps, `span` seconds apart, and is at `now`, of guides
-    /// that twist or not.
+    /// For a head that was at `previous` and `current` after the last two steps, `span` seconds apart, and is at `now`;
+    /// `blend` as there, and whether guides twist.
     pub fn new(
         guides: &GuideBuffers,
         (previous, current, span): (&Pose, &Pose, f32),
