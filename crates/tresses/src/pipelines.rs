@@ -126,8 +126,8 @@ impl Pipelines {
                 Stage::Light | Stage::Draw | Stage::Present => Vec::new(),
             },
             Wanted::Picture(options, rate) => {
-                let ViewOptions { samples, coverage, output, .. } = *options;
-                let mut jobs = self.light.jobs(coverage.is_tiled());
+                let ViewOptions { samples, coverage, output, strand_map, .. } = *options;
+                let mut jobs = self.light.jobs(coverage.is_tiled(), strand_map > 0);
                 jobs.extend(self.draw.jobs(coverage, samples, *rate));
                 // How many times larger than the picture targets are is not known yet: mostly they are not.
                 jobs.push(Box::new(move || self.present.get(coverage, (samples, 1), output).map(|_| ())));

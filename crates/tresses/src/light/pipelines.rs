@@ -133,10 +133,11 @@ impl Pipelines {
     }
 
     /// What compiles all that a picture with shadows by default needs; of one that shades only what is seen if
-    /// `chosen`.
-    pub(crate) fn jobs(&self, chosen: bool) -> Vec<Job<'_>> {
+    /// `chosen`, and of one that asks `strand_maps`.
+    pub(crate) fn jobs(&self, chosen: bool, strand_maps: bool) -> Vec<Job<'_>> {
         let [front, cover, stack] = &self.deep;
-        let mut kernels = vec![&self.splat, front, cover, stack, &self.knots, self.shade(false)];
+        let mut kernels = vec![&self.splat, front, cover, stack, &self.knots, self.shade(strand_maps)];
+        kernels.extend(strand_maps.then_some(&self.strand_map));
         kernels.extend(chosen.then_some(&self.choose));
         kernels.extend(self.ambient.kernels());
         let mut jobs = kernel::jobs(kernels);
