@@ -2,11 +2,12 @@
 
 use bolero::TypeGenerator;
 use tresses_groom::{
-    Strands, TriMesh,
+    Cooked, SdfGrid, Strands, TriMesh,
     error::Result,
     export::{Format, encode, glb},
-    glam::{Vec2, Vec3},
+    glam::{Mat4, Vec2, Vec3},
     import::{Given, ImportOptions, read_given, read_given_body},
+    rig::{Animation, Bind, Channel, Curve, Delta, Joint, Node, Property, Rig, Target},
 };
 
 /// What happens to a file. Places are shares of its length, so that one list of edits fits files of all lengths.
@@ -179,3 +180,61 @@ pub fn mesh(name: &str, bytes: &[u8]) -> Result<usize> {
     let files: [Given<'_>; 1] = [(name.into(), bytes.into())];
     read_given_body(&files, &ImportOptions::default()).map(|body| body.mesh.positions.len())
 }
+
+/// A cooked groom on a head with joints and a shape.
+///
+/// # Panics
+/// When what is written cannot be read.
+pub fn cooked() -> Vec<u8> {
+    let options = ImportOptions::default();
+    let given: [Given<'_>; 1] = [("a.tfx".into(), written(Format::Tfx).into())];
+    let (strands, _, report) = read_given(&given, &options).expect("strands");
+    let mesh = tetrahedron();
+    let field = SdfGrid::from_fn(Vec3::splat(-0.1), Vec3::splat(0.1), 3, |p| p.length() - 0.05);
+    let bind = |(p, n): (&Vec3, &Vec3)| Bind::rigid(*p, *n, 0);
+    let channel = Channel {
+        node: 1,
+        property: Property::Rotation,
+        curve: Curve { times: vec![0.0, 1.0], values: vec![0.5; 8], ..Default::default() },
+    };
+    let rig = Rig {
+        nodes: vec![Node::default(), Node { parent: Some(0), weights: vec![(0, 0.5)], ..Default::default() }],
+        joints: vec![Joint { node: 1, inverse_bind: Mat4::IDENTITY }],
+        vertices: mesh.positions.iter().zip(&mesh.normals).map(bind).collect(),
+        targets: vec![Target {
+            name: "smile".into(),
+            deltas: vec![Delta { vertex: 2, position: Vec3::X, normal: Vec3::ZERO }],
+        }],
+        animations: vec![Animation { name: "nod".into(), length: 1.0, channels: vec![channel] }],
+        to_groom: Mat4::IDENTITY,
+    };
+    let mut cooked =
+        Cooked::new(strands, Some(mesh), Some(field.clone()), Some(rig), &report).expect("a groom");
+    cooked.parts = vec![(0, field)];
+    cooked.write().expect("bytes")
+}
+
+/// Reads a cooked groom whose header is whole, with a checksum that fits, or else no damage would come any further; and
+/// does with it what is done with a groom.
+///
+/// # Errors
+/// What the reader says.
+pub fn sealed(name: &str, bytes: &[u8]) -> Result<usize> {
+    let whole = cooked();
+    let body = bytes.get(HEADER..).unwrap_or_default();
+    let file = [&whole[..HEADER - 4], &crc32fast::hash(body).to_le_bytes(), body].concat();
+    let cooked = Cooked::read(name.as_ref(), &file)?;
+    (0..cooked.strands.len()).for_each(|i| drop(cooked.strands.length(i).to_string()));
+    assert!(cooked.groom.bounds().is_some());
+    let fields = cooked.field.iter().chain(cooked.parts.iter().map(|(_, part)| part));
+    assert!(fields.map(|field| field.node_normals().count()).all(|nodes| nodes >= 8));
+    if let (Some(rig), Some(mut head)) = (&cooked.rig, cooked.head) {
+        for motion in rig.animations.iter().map(|motion| Some((motion, 0.3))).chain([None]) {
+            rig.deform(&rig.pose_with(motion, &[]), &mut head);
+        }
+    }
+    Ok(cooked.strands.len())
+}
+
+/// Bytes before what the checksum is of.
+const HEADER: usize = 16;

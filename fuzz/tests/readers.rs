@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use bolero::check;
-use tresses_fuzz::{Edit, asset, body, damaged, groom, mesh, packed, written};
+use tresses_fuzz::{Edit, asset, body, cooked, damaged, groom, mesh, packed, sealed, written};
 use tresses_groom::{error::Result, export::Format};
 
 /// A file of some kilobytes that takes longer is an attack, not a file.
@@ -69,6 +69,11 @@ fn glb_hair() {
 #[test]
 fn packed_glb_hair() {
     survives("a.glb", &packed(), groom);
+}
+
+#[test]
+fn cooked_groom() {
+    survives("a.tresses", &cooked(), sealed);
 }
 
 #[test]

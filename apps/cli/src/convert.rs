@@ -1,29 +1,34 @@
 //! `tresses convert`: grooms from one format into another.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use anyhow::{bail, ensure};
+use anyhow::{Context, bail, ensure};
 use tresses::groom::{
     export::{self, Encoded, Format, glb},
-    import,
+    formats,
+    import::{self, ImportOptions},
     orient::{Axis, Choice, Unit},
 };
+
+use tresses_scene::{Base, Files};
 
 use crate::{
     files,
     orient_args::{MomentArgs, OrientArgs},
+    progress::Preparing,
 };
 
-/// Convert grooms to .hair, .tfx, .obj, .data, .ply, .glb, .abc or .usda, in metres, Y up, face towards +Z.
+/// Convert grooms to .hair, .tfx, .obj, .data, .ply, .glb, .abc or .usda, in metres, Y up, face towards +Z; or cook
+/// one with its head (.tresses), which then opens at once.
 #[derive(clap::Args)]
 #[command(override_usage = "tresses convert [OPTIONS] <IN>... <OUT>")]
 pub struct Args {
     /// Groom files (.tfx, .hair, .obj, .data, .ply, .glb, .abc, .usd), several are joined; the last one is the file to write,
-    /// whose extension (.hair, .tfx, .obj, .data, .ply, .glb, .abc, .usda) decides the format.
+    /// whose extension (.hair, .tfx, .obj, .data, .ply, .glb, .abc, .usda, .tresses) decides the format.
     // One list, since two would forbid options between them.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// The mesh that the groom grows on, to orient it by; a .glb gets it, too.
+    /// The mesh that the groom grows on, to orient it by; a .glb and a .tresses get it, too.
     #[arg(long, value_name = "MESH")]
     head: Vec<PathBuf>,
     /// Keep unit and axes of the input.
@@ -46,9 +51,17 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let Some((output, inputs)) = args.files.split_last().filter(|(_, inputs)| !inputs.is_empty()) else {
         bail!("convert needs at least one file to read and one to write");
     };
-    let format = Format::of(output)?;
     let mut options = args.orient.options();
     options.moment = args.moment.moment();
+    if formats::is_cooked(output) {
+        ensure!(
+            !args.as_is && !args.packed,
+            "a cooked groom is in metres and not compressed: leave the option out"
+        );
+        ensure!(args.out_unit.is_none(), "a cooked groom is in metres: leave --out-unit out");
+        return cook(inputs, &args.head, &options, output);
+    }
+    let format = Format::of(output)?;
     if args.as_is {
         options.orient =
             Choice { unit: Some(Unit(1.0)), up: Some(Axis::Y), front: Some(Axis::Z), mirror: Some(false) };
@@ -95,5 +108,22 @@ pub fn run(args: Args) -> anyhow::Result<()> {
             "  the followers that the input asks for are left out; `tresses export` writes strands as they are drawn"
         );
     }
+    Ok(())
+}
+
+/// Writes all that opening a groom on its head computes.
+fn cook(grooms: &[PathBuf], heads: &[PathBuf], options: &ImportOptions, out: &Path) -> anyhow::Result<()> {
+    let preparing = Preparing::new("reading the groom");
+    let base = pollster::block_on(Base::imported(&Files::Disk { grooms, heads }, options, &preparing))?;
+    let cooked = base.cook()?.context("only grooms of files are cooked")?;
+    let bytes = cooked.write()?;
+    files::write(out, &bytes)?;
+    drop(preparing);
+    let (strands, guides) = (cooked.strands.len(), cooked.groom.guides.len());
+    let head = cooked.head.map(|head| format!(", a head of {} triangles", head.triangles.len()));
+    let (head, size) = (head.unwrap_or_default(), bytes.len() as f64 / 1e6);
+    println!("{}: {strands} strands on {guides} guides{head}, {size:.1} MB", out.display());
+    base.notes().for_each(|note| println!("  in doubt: {note}"));
+    println!("  for this version of Tresses: keep what it was made of");
     Ok(())
 }

@@ -10,7 +10,7 @@ use std::{borrow::Cow, path::PathBuf, sync::Arc};
 use tresses::{
     HairOptions,
     groom::{
-        BindOptions, Fill, GuideCount, Head, bind, bind_filled, fill, formats,
+        BindOptions, Fill, Groom, GuideCount, Head, SdfGrid, TriMesh, bind, bind_filled, fill, formats,
         import::{self, Given},
         mesh::sdf,
     },
@@ -65,6 +65,17 @@ impl AssetLoader for HairGroomLoader {
             let bytes = bytes.map_err(|error| Unreadable(format!("{path} needs {name}: {error}")))?;
             files.push((PathBuf::from(beside.path()), Cow::Owned(bytes)));
         }
+        #[cfg(feature = "cooked")]
+        if settings.strands.is_none()
+            && settings.guides.is_none()
+            && let Some((_, cooked)) = import::given_cooked(&files, &Default::default())?
+        {
+            // Of a body that bends the field is that of its head alone.
+            let mesh = cooked.head.as_ref();
+            let whole = if cooked.rig.is_some() { mesh.map(|mesh| sdf::build(mesh, &Default::default())) } else { None };
+            let head = whole.transpose()?.or(cooked.field);
+            return Ok(made(cooked.groom, head, cooked.head));
+        }
         let (strands, mesh, report) = import::read_given(&files, &Default::default())?;
         for note in report.files.iter().flat_map(|file| &file.notes) {
             info!("{path}: {note}");
@@ -79,16 +90,20 @@ impl AssetLoader for HairGroomLoader {
             }
             None => bind(&strands, &options)?,
         };
-        Ok(HairGroom {
-            groom: Arc::new(groom),
-            head: head.map(Arc::new),
-            mesh: mesh.map(Arc::new),
-            ties: Vec::new(),
-            options: HairOptions::default(),
-        })
+        Ok(made(groom, head, mesh))
     }
 
     fn extensions(&self) -> &[&str] {
         formats::GROOMS
+    }
+}
+
+fn made(groom: Groom, head: Option<SdfGrid>, mesh: Option<TriMesh>) -> HairGroom {
+    HairGroom {
+        groom: Arc::new(groom),
+        head: head.map(Arc::new),
+        mesh: mesh.map(Arc::new),
+        ties: Vec::new(),
+        options: HairOptions::default(),
     }
 }

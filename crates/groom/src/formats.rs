@@ -2,42 +2,63 @@
 
 use std::path::Path;
 
+const ALEMBIC: &[&str] = when(cfg!(feature = "alembic"), &["abc"]);
+const USD: &[&str] = when(cfg!(feature = "usd"), &["usd", "usda", "usdc", "usdz"]);
+const COOKED: &[&str] = when(cfg!(feature = "cooked"), &["tresses"]);
+
+const READ: &[&[&str]] = &[&["tfx", "hair", "obj", "data", "ply", "glb", "gltf"], ALEMBIC, USD, COOKED];
+const WRITES: &[&[&str]] =
+    &[&["tfx", "hair", "obj", "data", "ply"], when(cfg!(feature = "gltf"), &["glb"]), ALEMBIC, &["usda"]];
+const FACES: &[&[&str]] = &[&["obj", "gltf", "glb", "tfxmesh"], ALEMBIC, USD];
+const MOVES: &[&[&str]] = &[ALEMBIC, USD];
+
 /// Grooms, read. An `.obj` is one when it has lines, a `.glb` or `.gltf` when it has `EXT_tresses_hair`.
-pub const GROOMS: &[&str] = match (cfg!(feature = "alembic"), cfg!(feature = "usd")) {
-    (true, true) => {
-        &["tfx", "hair", "obj", "data", "ply", "glb", "gltf", "abc", "usd", "usda", "usdc", "usdz"]
-    }
-    (true, false) => &["tfx", "hair", "obj", "data", "ply", "glb", "gltf", "abc"],
-    (false, true) => &["tfx", "hair", "obj", "data", "ply", "glb", "gltf", "usd", "usda", "usdc", "usdz"],
-    (false, false) => &["tfx", "hair", "obj", "data", "ply", "glb", "gltf"],
-};
+pub const GROOMS: &[&str] = &joined::<{ count(READ) }>(READ);
 /// Grooms, written.
-pub const WRITTEN: &[&str] = match (cfg!(feature = "alembic"), cfg!(feature = "gltf")) {
-    (true, true) => &["tfx", "hair", "obj", "data", "ply", "glb", "abc", "usda"],
-    (true, false) => &["tfx", "hair", "obj", "data", "ply", "abc", "usda"],
-    (false, true) => &["tfx", "hair", "obj", "data", "ply", "glb", "usda"],
-    (false, false) => &["tfx", "hair", "obj", "data", "ply", "usda"],
-};
+pub const WRITTEN: &[&str] = &joined::<{ count(WRITES) }>(WRITES);
 /// Heads and other meshes, read. An `.obj` is one when it has faces, an `.abc` or `.usd` when it has no curves.
-pub const MESHES: &[&str] = match (cfg!(feature = "alembic"), cfg!(feature = "usd")) {
-    (true, true) => &["obj", "gltf", "glb", "tfxmesh", "abc", "usd", "usda", "usdc", "usdz"],
-    (true, false) => &["obj", "gltf", "glb", "tfxmesh", "abc"],
-    (false, true) => &["obj", "gltf", "glb", "tfxmesh", "usd", "usda", "usdc", "usdz"],
-    (false, false) => &["obj", "gltf", "glb", "tfxmesh"],
-};
+pub const MESHES: &[&str] = &joined::<{ count(FACES) }>(FACES);
 /// Grooms that may move.
-pub const ANIMATED: &[&str] = match (cfg!(feature = "alembic"), cfg!(feature = "usd")) {
-    (true, true) => &["abc", "usd", "usda", "usdc", "usdz"],
-    (true, false) => &["abc"],
-    (false, true) => &["usd", "usda", "usdc", "usdz"],
-    (false, false) => &[],
-};
+pub const ANIMATED: &[&str] = &joined::<{ count(MOVES) }>(MOVES);
 /// What meshes may need beside them.
 pub const COMPANIONS: &[&str] = &["mtl", "bin"];
+
+/// `list`, or nothing.
+const fn when(there: bool, list: &'static [&'static str]) -> &'static [&'static str] {
+    if there { list } else { &[] }
+}
+
+const fn count(lists: &[&[&str]]) -> usize {
+    let (mut all, mut i) = (0, 0);
+    while i < lists.len() {
+        all += lists[i].len();
+        i += 1;
+    }
+    all
+}
+
+/// `lists` as one of [`count`] entries.
+const fn joined<const N: usize>(lists: &[&[&'static str]]) -> [&'static str; N] {
+    let (mut all, mut n, mut i) = ([""; N], 0, 0);
+    while i < lists.len() {
+        let mut k = 0;
+        while k < lists[i].len() {
+            all[n] = lists[i][k];
+            (n, k) = (n + 1, k + 1);
+        }
+        i += 1;
+    }
+    all
+}
 
 /// The extension of a file's name in lower case, or nothing.
 pub fn extension(path: &Path) -> String {
     path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase()
+}
+
+/// Whether a file is called as a cooked groom is.
+pub fn is_cooked(path: &Path) -> bool {
+    extension(path) == "tresses"
 }
 
 /// Whether a file is called as glTF is, which may hold meshes, grooms or both.

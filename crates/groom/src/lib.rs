@@ -14,6 +14,8 @@
 
 pub mod bind;
 pub mod bound;
+#[cfg(feature = "cooked")]
+pub mod cooked;
 pub mod curve;
 pub mod export;
 pub mod fill;
@@ -39,6 +41,8 @@ mod rice;
 
 pub use bind::{BindOptions, GuideCount, bind, bind_filled};
 pub use bound::{BoundStrands, Groom, Influence};
+#[cfg(feature = "cooked")]
+pub use cooked::Cooked;
 pub use error::{Error, Result};
 pub use fill::{Fill, Filled, Followers, Head, fill};
 pub use glam;

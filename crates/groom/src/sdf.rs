@@ -4,6 +4,7 @@ use glam::{UVec3, Vec3};
 
 /// Signed distances (metres, negative inside) at the nodes of a regular grid in groom space.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct SdfGrid {
     /// Nodes along x, y and z.
     pub size: UVec3,
@@ -12,6 +13,7 @@ pub struct SdfGrid {
     /// Distance between neighbouring nodes, metres.
     pub cell: f32,
     /// Distances, x fastest.
+    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
     pub distances: Vec<f32>,
 }
 

@@ -6,16 +6,22 @@ use glam::{Vec2, Vec3};
 ///
 /// Metres, right-handed, Y up, the face towards +Z, once an importer has done its work.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Strands {
     /// One more than there are strands; starts with 0, never falls.
+    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
     pub offsets: Vec<u32>,
     /// One per vertex, metres.
+    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
     pub positions: Vec<Vec3>,
     /// One per vertex, metres, or empty where the source has none.
+    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
     pub radii: Vec<f32>,
     /// Linear sRGB, one per vertex, or empty.
+    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
     pub colors: Vec<Vec3>,
     /// Scalp texture coordinates, one per strand, or empty.
+    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
     pub root_uvs: Vec<Vec2>,
     /// One per strand: whether the tip is fixed to the head as the root is; or empty for none.
     pub tip_pinned: Vec<bool>,
@@ -25,6 +31,7 @@ pub struct Strands {
 
 /// What a file says of a strand besides its shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Mark {
     /// Whether it is a guide, which others follow.
     pub guide: bool,

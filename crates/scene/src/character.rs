@@ -12,7 +12,10 @@ use crate::{
     living::Anatomy,
 };
 use anyhow::{Context, Result, ensure};
-use std::{borrow::Cow, path::PathBuf};
+use std::{
+    borrow::Cow,
+    path::{Path, PathBuf},
+};
 use tresses::{
     Progress,
     constants::MAX_STRAND_VERTICES,
@@ -20,11 +23,15 @@ use tresses::{
     glam::Vec3,
     gpu::Gpu,
     groom::{
-        BindOptions, Groom, GuideCount, Restyle, Rig, SdfGrid, Strands, TriMesh, bind, bind_filled, curve,
+        BindOptions, Cooked, Groom, GuideCount, Restyle, Rig, SdfGrid, Strands, TriMesh, bind, bind_filled,
+        curve,
         grow::{self, Curls, Growth, Paint, ScalpMap},
         import::{self, Given, ImportOptions, ImportReport},
         lint, mannequin,
-        mesh::sdf::{self, SdfOptions},
+        mesh::{
+            self,
+            sdf::{self, SdfOptions},
+        },
         orient::Placement,
         styles::{self, GridScalp, Style, StyledGuides},
     },
@@ -67,6 +74,16 @@ pub struct Styling {
     pub face: FaceHair,
 }
 
+impl Styling {
+    /// Whether a file's strands are bound as they are, by [`BindOptions::default`], where none grow between them.
+    fn leaves_files_alone(&self) -> bool {
+        self.strands.is_none()
+            && self.guides.is_none()
+            && self.restyle.is_none()
+            && self.paint == Paint::default()
+    }
+}
+
 /// A groom on a head, in metres, not yet on the GPU.
 #[derive(Clone, Debug)]
 pub struct Character {
@@ -76,6 +93,8 @@ pub struct Character {
     pub face: Vec<FaceGroom>,
     /// What is drawn with the hair.
     pub head: Option<TriMesh>,
+    /// Its coarser meshes, where they are known already.
+    pub levels_of_head: Option<Vec<mesh::Level>>,
     /// What the hair collides with: the head, and all that is one piece with it.
     pub field: Option<SdfGrid>,
     /// What the hair lies on at rest, where that is more.
@@ -125,6 +144,14 @@ pub enum Files<'a> {
 }
 
 impl Files<'_> {
+    /// The cooked groom that they are, with its path.
+    fn cooked(&self, options: &ImportOptions) -> Result<Option<(PathBuf, Cooked)>> {
+        Ok(match self {
+            Self::Disk { grooms, heads } => import::cooked(grooms, heads, options)?,
+            Self::Given(files) => import::given_cooked(files, options)?,
+        })
+    }
+
     fn head_name(&self) -> String {
         match self {
             Self::Disk { heads, .. } => heads.first().map(|name| name.display().to_string()),
@@ -166,7 +193,15 @@ enum Hair {
     /// Draped guides.
     BuiltIn { style: Style, styled: StyledGuides, scalp: GridScalp },
     /// The strands of files.
-    Imported { strands: Strands, field: Option<SdfGrid> },
+    Imported { strands: Strands, field: Option<SdfGrid>, known: Option<Known> },
+}
+
+/// What a cooked groom knows already.
+#[derive(Debug)]
+struct Known {
+    /// The strands bound by [`BindOptions::default`].
+    groom: Groom,
+    levels_of_head: Vec<mesh::Level>,
 }
 
 impl Base {
@@ -203,21 +238,60 @@ impl Base {
         progress: &impl Progress,
     ) -> Result<Self> {
         progress.step("reading the groom", 0.0).await;
+        if let Some((path, cooked)) = files.cooked(options)? {
+            return Self::cooked(&path, cooked);
+        }
         let (strands, head, mut report) = match files {
             Files::Disk { grooms, heads } => import::read_whole(grooms, heads, options)?,
             Files::Given(files) => import::read_given(files, options)?,
         };
         let mut base = Self::of(strands, head, report.rig.take(), &files.head_name(), progress).await?;
+        base.tell(report, &files.groom_name(), &files.head_name());
+        Ok(base)
+    }
+
+    /// What a groom was cooked from, of the file at `path`.
+    fn cooked(path: &Path, cooked: Cooked) -> Result<Self> {
+        let report = cooked.report(path);
+        let Cooked { strands, head, levels, field, rig, parts, groom, .. } = cooked;
+        let mut anatomy = anatomy(rig, head.as_ref(), &strands)?;
+        if let Some(anatomy) = &mut anatomy {
+            anatomy.know(parts);
+        }
+        let known = Some(Known { groom, levels_of_head: levels });
+        let neck = neck(&strands, head.as_ref());
+        let hair = Hair::Imported { strands, field, known };
+        let mut base = Self { head, neck, anatomy, hair, notes: Vec::new(), report: None };
+        let name = path.display().to_string();
+        base.tell(report, &name, &name);
+        Ok(base)
+    }
+
+    /// All that opening its files has computed; `None` of a built-in style.
+    ///
+    /// # Errors
+    /// As [`Cooked::new`].
+    pub fn cook(&self) -> Result<Option<Cooked>> {
+        let (Hair::Imported { strands, field, .. }, Some(report)) = (&self.hair, &self.report) else {
+            return Ok(None);
+        };
+        let rig = self.anatomy.as_ref().map(|anatomy| anatomy.rig.clone());
+        let mut cooked = Cooked::new(strands.clone(), self.head.clone(), field.clone(), rig, report)?;
+        cooked.parts = self.anatomy.as_ref().map_or(Ok(Vec::new()), Anatomy::fields)?;
+        Ok(Some(cooked))
+    }
+
+    /// Keeps what was read, and what is in doubt of it.
+    fn tell(&mut self, report: ImportReport, groom: &str, head: &str) {
         // The same may be in doubt of both.
         let doubts = |what: String, placement: &Placement| -> Vec<String> {
             placement.doubts.iter().map(|doubt| format!("{what}: {doubt}")).collect()
         };
-        base.notes = doubts(format!("groom {}", files.groom_name()), &report.placement);
+        self.notes = doubts(format!("groom {groom}"), &report.placement);
         if let Some(placement) = &report.head_placement {
-            base.notes.extend(doubts(format!("head {}", files.head_name()), placement));
+            self.notes.extend(doubts(format!("head {head}"), placement));
         }
-        base.report = Some(report);
-        Ok(base)
+        self.report = Some(report);
     }
 
     /// The groom of `strands`, in metres, Y up, face towards +Z, on their head if they have one; they are repaired.
@@ -245,10 +319,7 @@ impl Base {
         name: &str,
         progress: &impl Progress,
     ) -> Result<Self> {
-        let anatomy = match (rig, &head) {
-            (Some(rig), Some(head)) => Some(Anatomy::new(rig, head, &strands)?),
-            _ => None,
-        };
+        let anatomy = anatomy(rig, head.as_ref(), &strands)?;
         // Of a body that bends only what the hair goes with is rigid.
         let rigid = match anatomy.as_ref().map(|anatomy| &anatomy.head.field) {
             Some(Field::Mesh(mesh, _)) => Some(mesh),
@@ -266,10 +337,15 @@ impl Base {
             head,
             neck,
             anatomy,
-            hair: Hair::Imported { strands, field },
+            hair: Hair::Imported { strands, field, known: None },
             notes: Vec::new(),
             report: None,
         })
+    }
+
+    /// What is in doubt of what was read, a sentence each.
+    pub fn notes(&self) -> impl Iterator<Item = &str> {
+        self.notes.iter().map(String::as_str)
     }
 
     /// The built-in style, if it is one.
@@ -304,7 +380,7 @@ impl Base {
                 notes.extend(styling.growing.unused());
                 (groom, Some(scalp.field.clone()))
             }
-            Hair::Imported { strands, field } => {
+            Hair::Imported { strands, field, known } => {
                 let mut strands = Cow::Borrowed(strands);
                 if let Some(count) = styling.strands {
                     strands = Cow::Owned(thinned(&strands, count as usize));
@@ -318,9 +394,11 @@ impl Base {
                 // Curls need as many vertices as there may be.
                 let strand_vertices = restyle.and_then(|r| r.curls.any().then_some(MAX_STRAND_VERTICES));
                 let options = BindOptions { guides, strand_vertices, ..Default::default() };
-                let mut groom = match &filled {
-                    Some(filled) => bind_filled(filled, &options)?,
-                    None => bind(&strands, &options)?,
+                let known = known.as_ref().filter(|_| styling.leaves_files_alone());
+                let mut groom = match (&filled, known) {
+                    (Some(filled), _) => bind_filled(filled, &options)?,
+                    (None, Some(known)) => known.groom.clone(),
+                    (None, None) => bind(&strands, &options)?,
                 };
                 notes.extend(filled.map(|filled| styling.growing.told(&filled)));
                 if let Some(restyle) = restyle {
@@ -343,8 +421,19 @@ impl Base {
             Some(part) => (Some(part), field),
             None => (field, None),
         };
-        Ok(Character { groom, face, head, field, rest, neck: self.neck, anatomy, levels, ties, notes })
+        let levels_of_head = match &self.hair {
+            Hair::Imported { known: Some(known), .. } => Some(known.levels_of_head.clone()),
+            _ => None,
+        };
+        let neck = self.neck;
+        Ok(Character { groom, face, head, levels_of_head, field, rest, neck, anatomy, levels, ties, notes })
     }
+}
+
+/// What bends `head`, if something does.
+fn anatomy(rig: Option<Rig>, head: Option<&TriMesh>, strands: &Strands) -> Result<Option<Anatomy>> {
+    let Some((rig, head)) = rig.zip(head) else { return Ok(None) };
+    Anatomy::new(rig, head, strands).map(Some)
 }
 
 /// How high a mesh is, in a unit that makes a handy number: a wrong unit is seen at once.

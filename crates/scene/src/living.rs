@@ -16,7 +16,7 @@ use tresses::{
     gpu::Gpu,
     groom::{
         SdfGrid, Strands, TriMesh, mannequin,
-        mesh::{Bvh, SdfOptions},
+        mesh::{Bvh, SdfOptions, sdf},
         rig::{Rig, RigPose},
     },
     skinning::Skinning,
@@ -165,6 +165,32 @@ impl Anatomy {
     /// What to collide with besides the head.
     pub fn solids(&self) -> impl Iterator<Item = &Part> {
         self.parts.iter().filter(|part| part.form != PartForm::Nothing)
+    }
+
+    /// The fields of parts that hair collides with, each with the node that carries it.
+    ///
+    /// # Errors
+    /// As [`sdf::build`].
+    pub fn fields(&self) -> Result<Vec<(u32, SdfGrid)>> {
+        let parts = self.parts.iter().filter(|part| part.form == PartForm::Field);
+        parts
+            .map(|part| {
+                let grid = match &part.field {
+                    Field::Grid(grid) => grid.clone(),
+                    Field::Mesh(mesh, options) => sdf::build(mesh, options)?,
+                };
+                Ok((part.node, grid))
+            })
+            .collect()
+    }
+
+    /// Takes what [`fields`](Self::fields) found before, so that it is not made again.
+    pub fn know(&mut self, fields: Vec<(u32, SdfGrid)>) {
+        for (node, grid) in fields {
+            if let Some(part) = self.parts.iter_mut().find(|part| part.node == node) {
+                part.field = Field::Grid(grid);
+            }
+        }
     }
 
     /// What `joints` say becomes of the parts that they name; `mesh` is the body's.

@@ -173,7 +173,9 @@ impl Scene {
         let head_bounds = character.head.as_ref().and_then(|head| head.bounds());
         let (device, queue) = (&gpu.device, &gpu.queue);
         // Collapsing edges takes as long as everything else of a small character.
-        let levels = character.head.clone().map(|head| Aside::start(move || head.levels()));
+        let known = character.levels_of_head.take();
+        let levels =
+            character.head.clone().map(|head| Aside::start(move || known.unwrap_or_else(|| head.levels())));
         let options = HairOptions { simulation: *physics, lod: quality.lod, ..Default::default() };
         match (&mut character.anatomy, &character.head) {
             (Some(anatomy), Some(mesh)) => {

@@ -22,14 +22,18 @@ pub struct Influence {
 
 /// Drawn strands with a fixed number of vertices each, as the GPU wants them.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct BoundStrands {
     /// Vertices per strand, 2 to [`crate::MAX_STRAND_VERTICES`].
     pub vertex_count: u32,
     /// One per strand.
+    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
     pub strands: Vec<Strand>,
     /// One per strand.
+    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
     pub bindings: Vec<StrandBinding>,
     /// `vertex_count` per strand.
+    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
     pub rest: Vec<PackedRest>,
 }
 
@@ -79,6 +83,7 @@ impl BoundStrands {
 
 /// A groom ready for the GPU: guides to simulate and the strands that follow them.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Groom {
     /// What is simulated.
     pub guides: Guides,

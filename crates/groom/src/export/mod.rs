@@ -66,6 +66,12 @@ impl Format {
             #[cfg(feature = "alembic")]
             "abc" => Ok(Self::Abc),
             "usda" => Ok(Self::Usda),
+            #[cfg(feature = "cooked")]
+            "tresses" => Err(Error::File {
+                path: path.to_path_buf(),
+                at: At::File,
+                problem: "a cooked groom is made of files, by `tresses convert`".into(),
+            }),
             _ => Err(Error::File {
                 path: path.to_path_buf(),
                 at: At::File,

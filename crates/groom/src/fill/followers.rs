@@ -12,6 +12,7 @@ use std::f32::consts::{PI, TAU};
 
 /// The followers of one strand.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Followers {
     /// How many.
     pub count: u32,

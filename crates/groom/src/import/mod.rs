@@ -9,6 +9,8 @@
 mod abc;
 #[cfg(any(feature = "alembic", feature = "usd"))]
 mod basis;
+#[cfg(feature = "cooked")]
+mod cooked;
 #[cfg(any(feature = "alembic", feature = "usd"))]
 mod curves;
 mod data;
@@ -27,6 +29,8 @@ mod usd;
 pub(crate) use hair::{CENTIMETRES, COLORS, MARK, POINTS, SEGMENTS, THICKNESS};
 pub(crate) use source::Source;
 
+#[cfg(feature = "cooked")]
+pub use cooked::{cooked, given_cooked};
 use files::Files;
 pub use files::{Given, Kind, holds_body, kind};
 #[cfg(feature = "gltf")]
@@ -113,6 +117,7 @@ pub struct ImportReport {
 
 /// Strands that belong together.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Group {
     /// Its number.
     pub id: i32,
@@ -126,6 +131,7 @@ pub struct Group {
 
 /// Which attributes there are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Attributes {
     /// A width at each vertex.
     pub widths: bool,
@@ -409,6 +415,12 @@ fn read_all<P: AsRef<Path>>(
 ) -> Result<(Strands, Option<TriMesh>, ImportReport)> {
     options.orient.check()?;
     options.orient_head.check()?;
+    #[cfg(feature = "cooked")]
+    if let Some((path, cooked)) = cooked::find(from, paths, &heads, options)? {
+        let mut report = cooked.report(path);
+        report.rig = cooked.rig;
+        return Ok((cooked.strands, cooked.head, report));
+    }
     let (raw, files) = join::read(from, paths, options)?;
     let (mut strands, mut followers) = (raw.strands, raw.followers);
     let mut head = if heads.paths.is_empty() { None } else { Some(mesh::read_from(from, &heads.paths)?) };
@@ -478,6 +490,12 @@ fn parse_source(source: &Source, moment: Moment) -> Result<Raw> {
         "abc" => abc::read(source, moment)?,
         #[cfg(feature = "usd")]
         "usd" | "usda" | "usdc" | "usdz" => usd::read(source, moment)?,
+        #[cfg(feature = "cooked")]
+        "tresses" => {
+            return Err(
+                source.problem(At::File, "a cooked groom stands for itself: it is no part of another")
+            );
+        }
         mesh if formats::MESHES.contains(&mesh) => {
             return Err(source.problem(At::File, "a mesh, not a groom; it can be the head of one"));
         }

@@ -7,6 +7,7 @@ use crate::{MAX_STRAND_VERTICES, Strands, TriMesh, mesh::bvh::Bvh};
 
 /// How bad a finding is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub enum Severity {
     /// Worth knowing.
     Note,
@@ -29,6 +30,7 @@ impl Severity {
 
 /// What was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub enum Kind {
     /// Numbers that are not finite.
     NotFinite,
@@ -75,6 +77,7 @@ impl Kind {
 
 /// One thing that is odd about a groom.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Finding {
     /// What.
     pub kind: Kind,
@@ -92,6 +95,7 @@ pub struct Finding {
 
 /// A groom's measures and findings.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Report {
     /// Strands.
     pub strands: usize,

@@ -7,6 +7,7 @@ use crate::{MAX_STRAND_VERTICES, Strands};
 
 /// What a repair did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Repaired {
     /// Vertices that were merged with the one before them, or were not finite.
     pub merged_vertices: usize,

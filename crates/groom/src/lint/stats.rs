@@ -2,6 +2,7 @@
 
 /// How a set of numbers is spread.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Spread {
     /// The smallest.
     pub min: f32,

@@ -17,14 +17,19 @@ pub use simplify::Level;
 
 /// A triangle mesh, metres, in the same space as the groom.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct TriMesh {
     /// One per vertex.
+    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
     pub positions: Vec<Vec3>,
     /// Unit normals, one per vertex.
+    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
     pub normals: Vec<Vec3>,
     /// Linear colours, one per vertex, or empty for the body's default colour.
+    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
     pub colors: Vec<Vec3>,
     /// Counter-clockwise seen from outside.
+    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
     pub triangles: Vec<[u32; 3]>,
 }
 

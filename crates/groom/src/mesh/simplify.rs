@@ -8,10 +8,12 @@ use meshoptimizer_rs::{
 
 /// Fewer triangles between the vertices of a mesh.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Level {
     /// How far the surface is from the mesh's, as the sums of squares tell that chose the edges, metres.
     pub stray: f32,
     /// As [`TriMesh::triangles`].
+    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
     pub triangles: Vec<[u32; 3]>,
 }
 

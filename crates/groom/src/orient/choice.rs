@@ -8,6 +8,7 @@ use crate::error::{Error, Result};
 
 /// A signed coordinate axis of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub enum Axis {
     /// +X.
     X,
@@ -83,6 +84,7 @@ impl FromStr for Axis {
 
 /// Metres per unit of a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Unit(pub f32);
 
 impl Unit {

@@ -7,6 +7,7 @@ use crate::{Rig, Strands, TriMesh};
 
 /// How a file's coordinates become metres, Y up, face +Z, and why so.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Placement {
     /// Metres per unit of the file.
     pub unit: Unit,

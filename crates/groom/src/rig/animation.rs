@@ -4,6 +4,7 @@ use glam::{Quat, Vec4};
 
 /// A motion of several nodes.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Animation {
     /// Its name, empty if it has none.
     pub name: String,
@@ -15,6 +16,7 @@ pub struct Animation {
 
 /// One property of one node over time.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Channel {
     /// The node.
     pub node: u32,
@@ -26,6 +28,7 @@ pub struct Channel {
 
 /// What of a node is animated.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub enum Property {
     /// Its translation: three numbers.
     Translation,
@@ -39,6 +42,7 @@ pub enum Property {
 
 /// How values between two keys are found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub enum Interpolation {
     /// The key before holds.
     Step,
@@ -51,13 +55,16 @@ pub enum Interpolation {
 
 /// Keys of one property.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Curve {
     /// What lies between keys.
     pub interpolation: Interpolation,
     /// Seconds, rising.
+    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
     pub times: Vec<f32>,
     /// The numbers of each key, one after another. For a cubic spline a key has three times as many: the
     /// tangent before it, its values, the tangent behind it; tangents are per second.
+    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
     pub values: Vec<f32>,
 }
 

@@ -26,12 +26,14 @@ pub const INFLUENCES: usize = 8;
 
 /// A body that bends: a mesh whose vertices follow joints, with shapes to blend, and motions.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Rig {
     /// A parent stands before its children.
     pub nodes: Vec<Node>,
     /// The palette: what vertices follow. At most [`MAX_JOINTS`].
     pub joints: Vec<Joint>,
     /// One per vertex of the mesh, in its order.
+    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
     pub vertices: Vec<Bind>,
     /// Shapes to blend. Those of one name are one, whichever parts of the mesh they move.
     pub targets: Vec<Target>,
@@ -44,6 +46,7 @@ pub struct Rig {
 
 /// A coordinate system that moves with its parent's.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Node {
     /// Its name, empty if it has none. Names need not be unique.
     pub name: String,
@@ -61,6 +64,7 @@ pub struct Node {
 
 /// A move, a turn and a stretch: first the scale applies, then the rotation, then the translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Transform {
     /// Units of the file.
     pub translation: Vec3,
@@ -73,6 +77,7 @@ pub struct Transform {
 /// An entry of the palette. It brings a vertex to
 /// `to_groom * global(node) * inverse_bind * position`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Joint {
     /// The node that it follows.
     pub node: u32,
@@ -81,7 +86,8 @@ pub struct Joint {
 }
 
 /// A vertex as the file has it, before any pose, and what it follows.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Bind {
     /// In the space of the file's mesh.
     pub position: Vec3,
@@ -95,15 +101,18 @@ pub struct Bind {
 
 /// A shape to blend, as what it adds to vertices at weight 1.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Target {
     /// Its name, unique in a rig.
     pub name: String,
     /// Only vertices that it moves, ascending.
+    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
     pub deltas: Vec<Delta>,
 }
 
 /// What a shape adds to a vertex, in the space of the file's mesh.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Delta {
     /// The vertex.
     pub vertex: u32,

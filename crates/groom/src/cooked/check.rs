@@ -1,0 +1,144 @@
+//! What holds for every groom that has been read and bound, so that nothing downstream has to ask.
+
+use super::Cooked;
+use crate::{
+    Groom, MAX_GUIDE_VERTICES, MAX_STRAND_VERTICES, Rig, SdfGrid, Strands,
+    import::MAX_VERTICES,
+    rig::{Animation, MAX_JOINTS, Property},
+};
+
+/// A clause about what is wrong, unless `holds`.
+fn ensure(holds: bool, problem: &str) -> Result<(), String> {
+    if holds { Ok(()) } else { Err(problem.into()) }
+}
+
+/// Whether an attribute is there for all or for none.
+fn all_or_none(values: usize, all: usize) -> bool {
+    values == 0 || values == all
+}
+
+impl Cooked {
+    /// Whether all indices are of what is there and all numbers finite; if not, the first that is wrong.
+    pub(super) fn check(&self) -> Result<(), String> {
+        strands(&self.strands)?;
+        let count = self.strands.len();
+        ensure(all_or_none(self.said.followers.len(), count), "followers are not those of its strands")?;
+        groom(&self.groom)?;
+        ensure(self.groom.strands.len() == count, "not every strand is bound")?;
+        let vertices = self.head.as_ref().map_or(0, |head| head.positions.len());
+        if let Some(head) = &self.head {
+            head.validate().map_err(|error| error.to_string())?;
+            ensure(head.normals.len() == vertices, "the head has not a normal at each vertex")?;
+        }
+        for level in &self.levels {
+            let inside = level.triangles.as_flattened().iter().all(|i| (*i as usize) < vertices);
+            ensure(inside && level.stray.is_finite(), "a coarser head has other vertices than the head")?;
+        }
+        self.field.as_ref().map_or(Ok(()), field)?;
+        let nodes = self.rig.as_ref().map_or(0, |rig| rig.nodes.len());
+        for (node, part) in &self.parts {
+            ensure((*node as usize) < nodes, "a part is carried by what is not there")?;
+            field(part)?;
+        }
+        self.rig.as_ref().map_or(Ok(()), |all| rig(all, vertices))
+    }
+}
+
+fn strands(strands: &Strands) -> Result<(), String> {
+    let (count, vertices) = (strands.len(), strands.positions.len());
+    let offsets = &strands.offsets;
+    let whole = offsets.first() == Some(&0) && offsets.last().is_some_and(|last| *last as usize == vertices);
+    ensure(count > 0 && whole && vertices as u64 <= MAX_VERTICES, "strands are not those of its vertices")?;
+    // In this order, so that none is below the one before.
+    let sized = |w: &[u32]| w[1].checked_sub(w[0]).is_some_and(|n| (2..=MAX_STRAND_VERTICES).contains(&n));
+    ensure(offsets.windows(2).all(sized), "a strand has too few or too many vertices")?;
+    let per_vertex = [strands.radii.len(), strands.colors.len()];
+    let per_strand = [strands.root_uvs.len(), strands.tip_pinned.len(), strands.marks.len()];
+    let fits = per_vertex.iter().all(|n| all_or_none(*n, vertices))
+        && per_strand.iter().all(|n| all_or_none(*n, count));
+    ensure(fits, "attributes are not those of its strands")?;
+    let finite = strands.positions.iter().chain(&strands.colors).all(|p| p.is_finite())
+        && strands.radii.iter().all(|radius| radius.is_finite())
+        && strands.root_uvs.iter().all(|uv| uv.is_finite())
+        && strands.marks.iter().flat_map(|mark| mark.weights).all(f32::is_finite);
+    ensure(finite, "strands have numbers that are not finite")
+}
+
+fn groom(groom: &Groom) -> Result<(), String> {
+    let (guides, strands) = (&groom.guides, &groom.strands);
+    let sized = (2..=MAX_GUIDE_VERTICES).contains(&guides.vertex_count)
+        && (2..=MAX_STRAND_VERTICES).contains(&strands.vertex_count);
+    let (count, bound) = (guides.len(), strands.len());
+    let fits = sized
+        && count > 0
+        && guides.positions.len() as u64 == count as u64 * u64::from(guides.vertex_count)
+        && strands.rest.len() as u64 == bound as u64 * u64::from(strands.vertex_count)
+        && guides.strands.len() == count
+        && guides.tip_pinned.len() == count
+        && all_or_none(guides.groups.len(), count)
+        && strands.bindings.len() == bound;
+    ensure(fits, "guides and strands have not as many vertices as they say")?;
+    let follows = |guide: u32| (guide as usize) < count;
+    ensure(
+        strands.bindings.iter().all(|binding| binding.guides.into_iter().all(follows)),
+        "a strand follows a guide that is not there",
+    )?;
+    let mut numbers = strands.bindings.iter().flat_map(|b| {
+        b.origin.to_array().into_iter().chain(b.scale).chain([b.extent, b.weight_b, b.weight_c])
+    });
+    let finite = guides.positions.iter().all(|p| p.is_finite())
+        && guides.stiffness.iter().chain(&guides.strands).all(|v| v.is_finite())
+        && strands.strands.iter().all(|strand| strand.radius.is_finite())
+        && numbers.all(f32::is_finite);
+    ensure(finite, "guides have numbers that are not finite")
+}
+
+fn field(field: &SdfGrid) -> Result<(), String> {
+    let nodes = field.size.to_array().into_iter().map(u64::from).try_fold(1u64, u64::checked_mul);
+    let fits = field.size.min_element() >= 2 && nodes == Some(field.distances.len() as u64);
+    let placed = field.origin.is_finite() && field.cell.is_finite() && field.cell > 0.0;
+    ensure(fits && placed, "the distance field is not that of its nodes")?;
+    ensure(
+        field.distances.iter().all(|d| d.is_finite()),
+        "the distance field has numbers that are not finite",
+    )
+}
+
+fn rig(rig: &Rig, vertices: usize) -> Result<(), String> {
+    ensure(rig.vertices.len() == vertices, "what bends the head has other vertices than it")?;
+    let (nodes, joints, targets) = (rig.nodes.len(), rig.joints.len(), rig.targets.len());
+    let descends = rig.nodes.iter().enumerate().all(|(i, node)| node.parent.is_none_or(|p| (p as usize) < i));
+    let known = descends
+        && joints <= MAX_JOINTS
+        && rig.joints.iter().all(|joint| (joint.node as usize) < nodes && joint.inverse_bind.is_finite())
+        && rig.nodes.iter().flat_map(|node| &node.weights).all(|(target, _)| (*target as usize) < targets);
+    ensure(known && rig.to_groom.is_finite(), "a joint follows what is not there")?;
+    for bind in &rig.vertices {
+        let follows = bind.joints.iter().all(|joint| usize::from(*joint) < joints);
+        let shares = bind.weights.iter().all(|weight| weight.is_finite() && *weight >= 0.0);
+        let placed = bind.position.is_finite() && bind.normal.is_finite();
+        ensure(follows && shares && placed, "a vertex follows a joint that is not there")?;
+    }
+    for target in &rig.targets {
+        let ascends = target.deltas.windows(2).all(|w| w[0].vertex < w[1].vertex);
+        let inside = target.deltas.last().is_none_or(|delta| (delta.vertex as usize) < vertices);
+        let finite = target.deltas.iter().all(|delta| delta.position.is_finite() && delta.normal.is_finite());
+        ensure(ascends && inside && finite, "a shape moves vertices that are not there")?;
+    }
+    rig.animations.iter().try_for_each(|motion| animation(motion, nodes, targets))
+}
+
+fn animation(animation: &Animation, nodes: usize, targets: usize) -> Result<(), String> {
+    ensure(animation.length.is_finite() && animation.length >= 0.0, "a motion has no length")?;
+    for channel in &animation.channels {
+        let of_targets = match &channel.property {
+            Property::Weights(all) => all.iter().all(|target| (*target as usize) < targets),
+            Property::Translation | Property::Rotation | Property::Scale => true,
+        };
+        ensure(of_targets && (channel.node as usize) < nodes, "a motion moves what is not there")?;
+        let (times, values) = (&channel.curve.times, &channel.curve.values);
+        let finite = times.iter().chain(values).all(|v| v.is_finite());
+        ensure(finite && times.is_sorted(), "a motion's keys are out of order")?;
+    }
+    Ok(())
+}

@@ -1,0 +1,177 @@
+use super::*;
+use crate::bound::Strand;
+use crate::rig::{Animation, Bind, Channel, Curve, Delta, Interpolation, Joint, Node, Property, Target};
+use crate::{BoundStrands, Guides, Influence};
+use glam::{UVec3, Vec3};
+use std::path::PathBuf;
+
+/// With everything that can be in one.
+fn sample() -> Cooked {
+    let mut strands = Strands::default();
+    for i in 0..40 {
+        let (x, z) = (0.004 * (i % 8) as f32, 0.004 * (i / 8) as f32);
+        strands.push(&[0.0, 0.03, 0.06].map(|y| Vec3::new(x, y, z)));
+    }
+    strands.radii = vec![4e-5; strands.positions.len()];
+    strands.tip_pinned = (0..40).map(|i| i == 3).collect();
+    let mut head = TriMesh {
+        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::Y],
+        triangles: vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]],
+        ..Default::default()
+    };
+    head.normals = vec![Vec3::Y; 4];
+    let field = SdfGrid {
+        size: UVec3::splat(2),
+        origin: Vec3::ZERO,
+        cell: 0.1,
+        distances: (0..8).map(|i| i as f32 - 3.5).collect(),
+    };
+    let bind = |p: &Vec3| Bind::rigid(*p, Vec3::Y, 0);
+    let turn = Channel {
+        node: 0,
+        property: Property::Weights(vec![0]),
+        curve: Curve { interpolation: Interpolation::Step, times: vec![0.0, 1.0], values: vec![0.0, 1.0] },
+    };
+    let shape = Delta { vertex: 2, position: Vec3::X, normal: Vec3::ZERO };
+    let rig = Rig {
+        nodes: vec![Node { name: "head".into(), weights: vec![(0, 0.5)], ..Default::default() }],
+        joints: vec![Joint { node: 0, inverse_bind: glam::Mat4::IDENTITY }],
+        vertices: head.positions.iter().map(bind).collect(),
+        targets: vec![Target { name: "smile".into(), deltas: vec![shape] }],
+        animations: vec![Animation { name: "nod".into(), length: 1.0, channels: vec![turn] }],
+        to_groom: glam::Mat4::IDENTITY,
+    };
+    let file = FileReport {
+        path: PathBuf::from("folder/hair.tfx"),
+        format: "TressFX 4",
+        strands: 40,
+        vertices: 120,
+        notes: vec!["one note".into()],
+    };
+    let report = ImportReport {
+        files: vec![file],
+        placement: orient::Placement::default(),
+        head_placement: Some(orient::Placement::default()),
+        rig: None,
+        lint: lint::check(&strands, Some(&head)),
+        repaired: lint::Repaired { merged_vertices: 7, ..Default::default() },
+        followers: vec![Followers { count: 2, radius: Some(0.001) }; 40],
+        groups: vec![Group { id: 4, name: "fringe".into(), strands: 40, guides: 0 }],
+        attributes: Attributes { widths: true, ..Default::default() },
+    };
+    let mut cooked = Cooked::new(strands, Some(head), Some(field), Some(rig), &report).unwrap();
+    cooked.parts = vec![(0, cooked.field.clone().unwrap())];
+    cooked.levels = vec![mesh::Level { stray: 1e-3, triangles: vec![[0, 1, 2]] }];
+    cooked
+}
+
+fn name() -> PathBuf {
+    PathBuf::from("hair.tresses")
+}
+
+/// What is said of bytes that cannot be read.
+fn refused(bytes: &[u8]) -> String {
+    Cooked::read(&name(), bytes).unwrap_err().to_string()
+}
+
+#[test]
+fn what_is_written_is_read() {
+    let cooked = sample();
+    let bytes = cooked.write().unwrap();
+    let back = Cooked::read(&name(), &bytes).unwrap();
+    assert_eq!(back, cooked);
+    let report = back.report(&name());
+    assert_eq!(report.files[0].notes, ["made of hair.tfx (TressFX 4), one note"]);
+    assert_eq!((report.repaired.merged_vertices, report.groups[0].name.as_str()), (7, "fringe"));
+    // A comparison that sees a difference.
+    let mut other = cooked.clone();
+    other.strands.positions[5].x += 1e-6;
+    assert_ne!(back, other);
+}
+
+/// The sample's bytes are of [`VERSION`]: when this fails, types have changed, and with them goes the version.
+#[test]
+fn a_version_is_one_layout() {
+    let mut still = sample();
+    // Nothing that another way of checking or binding would change.
+    still.said.lint =
+        lint::Report { strands: 40, bounds: Some((Vec3::ZERO, Vec3::ONE)), ..Default::default() };
+    still.groom.guides = Guides {
+        vertex_count: 2,
+        positions: vec![Vec3::ZERO, Vec3::Y],
+        stiffness: vec![1.0],
+        strands: vec![40.0],
+        tip_pinned: vec![true],
+        groups: vec![3],
+    };
+    let rest = [Vec3::X, Vec3::Z];
+    let follows = Influence { guide: 0, weight: 1.0, scale: 0.5 };
+    still.groom.strands = BoundStrands::new(2);
+    still.groom.strands.push(Strand { seed: 9, ..Default::default() }, &rest, &[0.5, 1.0], &[follows]);
+    let sum = crc32fast::hash(&postcard::to_allocvec(&still).unwrap());
+    assert_eq!((VERSION, sum), (1, 1_567_786_697), "the layout of a cooked groom has changed");
+}
+
+#[test]
+fn other_bytes_are_refused() {
+    let bytes = sample().write().unwrap();
+    assert!(refused(b"").contains("no cooked groom begins"));
+    assert!(refused(&bytes[..20]).contains("checksum"));
+    for at in (0..bytes.len()).step_by(37) {
+        let mut bent = bytes.clone();
+        bent[at] ^= 0x20;
+        refused(&bent);
+    }
+    let mut older = bytes.clone();
+    older[8] = 200;
+    assert!(
+        refused(&older).contains("version 200") && refused(&older).contains("cook it again"),
+        "{}",
+        refused(&older)
+    );
+    // With a checksum that fits: cut short, or longer.
+    let sealed = |body: &[u8]| [&bytes[..12], &crc32fast::hash(body).to_le_bytes(), body].concat();
+    let body = &bytes[HEADER..];
+    assert!(Cooked::read(&name(), &sealed(body)).is_ok());
+    for cut in (0..body.len()).step_by(53) {
+        refused(&sealed(&body[..cut]));
+    }
+    assert!(refused(&sealed(&[body, &[0]].concat())).contains("more bytes"));
+}
+
+/// Whoever makes a file with a checksum that fits still makes no groom that is none.
+#[test]
+fn what_does_not_belong_together_is_refused() {
+    let wrongs: [fn(&mut Cooked); 24] = [
+        |c| c.strands.offsets[3] = 2,
+        |c| c.strands.offsets[40] = 1000,
+        |c| c.strands.offsets.clear(),
+        |c| c.strands.positions[0].y = f32::NAN,
+        |c| c.strands.radii.truncate(1),
+        |c| c.strands.tip_pinned.truncate(1),
+        |c| c.said.followers.truncate(1),
+        |c| c.groom.strands.bindings[7].guides[2] = 1 << 20,
+        |c| c.groom.guides.vertex_count = u32::MAX,
+        |c| c.groom.strands.rest.truncate(1),
+        |c| c.groom.guides.strands.truncate(1),
+        |c| c.groom.guides.stiffness[0] = f32::INFINITY,
+        |c| c.head.as_mut().unwrap().triangles[0][1] = 4,
+        |c| c.head.as_mut().unwrap().normals.truncate(1),
+        |c| c.levels[0].triangles[0][0] = 4,
+        |c| c.field.as_mut().unwrap().size = UVec3::new(u32::MAX, u32::MAX, 2),
+        |c| c.field.as_mut().unwrap().cell = 0.0,
+        |c| c.parts[0].0 = 1,
+        |c| c.parts[0].1.distances[2] = f32::NAN,
+        |c| c.rig.as_mut().unwrap().vertices[0].joints[7] = 1,
+        |c| c.rig.as_mut().unwrap().nodes[0].parent = Some(0),
+        |c| c.rig.as_mut().unwrap().targets[0].deltas[0].vertex = 4,
+        |c| c.rig.as_mut().unwrap().animations[0].channels[0].node = 1,
+        |c| c.rig.as_mut().unwrap().animations[0].channels[0].curve.times[0] = 2.0,
+    ];
+    for (i, wrong) in wrongs.iter().enumerate() {
+        let mut cooked = sample();
+        wrong(&mut cooked);
+        let bytes = cooked.write().unwrap();
+        assert!(Cooked::read(&name(), &bytes).is_err(), "the wrong {i}");
+    }
+}
