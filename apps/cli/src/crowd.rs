@@ -2,7 +2,7 @@
 
 use crate::{
     photographer::Photographer,
-    picture::{Output, Picture},
+    picture::{Frame, Kind, Output, Picture},
     progress, render,
 };
 use anyhow::{Result, ensure};
@@ -60,6 +60,8 @@ impl CrowdArgs {
             !one,
             "a crowd is seen from where all of it is in the picture: leave out --zoom and --distance"
         );
+        ensure!(!Kind::of(&args.out)?.has_layers(), "a crowd is drawn without layers: .png instead of .exr");
+        ensure!(!args.transparent, "a crowd stands on its ground: leave out --transparent");
         ensure!(args.debug.debug.is_none(), "--debug looks into one head: leave out --crowd");
         ensure!(
             args.animation.is_none() && args.morphs.is_empty(),
@@ -118,7 +120,7 @@ pub fn render(scene: &mut Photographer, motion: &Motion, frames: u32, args: &ren
             scene.gpu.queue.submit([encoder.finish()]);
         }
         if !output.keeps_only_last() || frame + 1 == frames {
-            output.add(picture(scene, &crowd)?)?;
+            output.add(Frame::Shown(picture(scene, &crowd)?))?;
         }
         bar.inc(1);
     }

@@ -74,7 +74,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut output = Output::create(&args.out.join("demo.png"), (PICTURE.width, PICTURE.height), 1, 1.0)?;
     let pivot = scene.pivot();
     scene.reset(&motion.gesture(0.0, pivot))?;
-    output.add(scene.picture(&camera)?)?;
+    output.add(scene.frame(&camera, output.kind())?)?;
     let picture = output.finish()?;
     drop(drawing);
 

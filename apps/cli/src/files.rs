@@ -16,7 +16,7 @@ fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
 }
 
 /// A temporary file that is gone once this is dropped.
-struct Temporary {
+pub struct Temporary {
     file: Option<tempfile::NamedTempFile>,
     path: PathBuf,
 }
@@ -40,7 +40,18 @@ impl Temporary {
         Ok(Self { file: Some(file), path })
     }
 
-    fn complete(mut self, bytes: &[u8], path: &Path) -> std::io::Result<()> {
+    /// For what becomes `path`.
+    pub fn beside(path: &Path) -> Result<Self> {
+        Self::new(path.parent().unwrap_or(Path::new(""))).with_context(|| path.display().to_string())
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Adds `bytes` and moves it to `path`, replacing what is there.
+    pub fn complete(mut self, bytes: &[u8], path: &Path) -> std::io::Result<()> {
         let Some(mut file) = self.file.take() else { return Ok(()) };
         file.write_all(bytes)?;
         file.flush()?;
@@ -75,7 +86,7 @@ pub type Pieces<'a> = BufWriter<&'a mut tempfile::NamedTempFile>;
 /// Writes to `path` what `write` makes piece by piece, replacing what is there once it is done.
 pub fn stream(path: &Path, write: impl FnOnce(Pieces<'_>) -> Result<()>) -> Result<()> {
     let name = || path.display().to_string();
-    let mut temporary = Temporary::new(path.parent().unwrap_or(Path::new(""))).with_context(name)?;
+    let mut temporary = Temporary::beside(path)?;
     if let Some(file) = &mut temporary.file {
         write(BufWriter::new(file))?;
     }

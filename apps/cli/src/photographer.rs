@@ -4,7 +4,7 @@ use crate::{
     args::Size,
     debug::{self, Debug},
     load,
-    picture::Picture,
+    picture::{Frame, Kind, Picture, layers},
     progress::Preparing,
 };
 use anyhow::{Result, ensure};
@@ -13,7 +13,7 @@ use std::{
     sync::Arc,
 };
 use tresses::{Pipelines, Wanted, gpu::Gpu, present::Background};
-use tresses_scene::{Companions, Preset, Scene, Shelf, Viewpoint};
+use tresses_scene::{Companions, Preset, Scene, Shelf, Viewpoint, scene::Asked};
 
 /// A scene, and what is shown over its pictures.
 pub struct Photographer {
@@ -141,6 +141,17 @@ impl Photographer {
             debug.label(&shown, &mut picture);
         }
         Ok(picture)
+    }
+
+    /// The frame that `kind` takes. Blocks.
+    pub fn frame(&mut self, camera: &Viewpoint, kind: Kind) -> Result<Frame> {
+        if !kind.has_layers() {
+            return Ok(Frame::Shown(self.picture(camera)?));
+        }
+        let asked = Asked { linear: true, hair: true, bare: false };
+        let captured = pollster::block_on(self.scene.capture(camera, asked))?;
+        let (size, projection) = (self.scene.targets().size, self.scene.picture.camera.projection);
+        Ok(Frame::File(layers::encode(&captured, size, &projection)?, size))
     }
 
     /// How many pixels of the picture the hair covers, whatever is before it. Blocks.

@@ -11,6 +11,8 @@ use crate::{
 use anyhow::{Result, bail, ensure};
 use std::path::PathBuf;
 use tresses::{
+    draw::Coverage,
+    present::Background,
     views::DebugView,
     volume::{HairHair, HairHairMode},
 };
@@ -61,9 +63,13 @@ pub struct Args {
     pub distance_to: Option<f32>,
     #[command(flatten)]
     pub crowd: crowd::CrowdArgs,
-    /// Output: one .png, a folder of numbered frames, or an animation (.webp, .gif, .apng)
+    /// Output: one .png or .exr (linear, with depth, coverage, motion and strands of the hair), numbered frames (a folder, or
+    /// a name with #### in it), an animation (.webp, .gif, .apng), or a film (.mp4, .webm; by ffmpeg)
     #[arg(long, value_name = "PATH", default_value = "out/render.png", help_heading = "Picture")]
     pub out: PathBuf,
+    /// Nothing behind hair and head: .png and .exr have an alpha channel
+    #[arg(long, help_heading = "Picture", hide_short_help = true)]
+    pub transparent: bool,
     #[command(flatten)]
     pub debug: debug::DebugArgs,
 }
@@ -75,7 +81,7 @@ pub fn run(args: &Args) -> Result<()> {
     let frames = |period: f64| -> Result<u32> {
         match args.frames {
             Some(frames) => Ok(frames),
-            None if kind == Kind::Still => Ok(1),
+            None if kind.is_still() => Ok(1),
             None => {
                 let frames = (period * args.fps).round().max(1.0);
                 ensure!(
@@ -96,6 +102,19 @@ pub fn run(args: &Args) -> Result<()> {
     }
     args.debug.check(&preset.settings.physics())?;
     args.crowd.check(args, &preset.settings)?;
+    ensure!(
+        !args.transparent || kind.has_alpha(),
+        "{}: --transparent is for .png and .exr, alone or numbered",
+        args.out.display()
+    );
+    if kind.has_layers() {
+        let (edges, (_, coverage)) = (&preset.settings.edges, preset.settings.sampling(16)?);
+        ensure!(args.debug.debug.is_none(), "--debug shows colours: .png instead of .exr");
+        ensure!(
+            coverage == Coverage::Tiles && edges.ssaa == 1,
+            "where hair is, is known of pictures by tiles without supersampling only: leave out --coverage and --ssaa"
+        );
+    }
     if args.crowd.is_given() {
         preset.settings.lod = tresses_scene::crowd::levels(preset.settings.lod);
     }
@@ -110,6 +129,9 @@ pub fn run(args: &Args) -> Result<()> {
         return Ok(());
     }
     scene.show(&args.debug)?;
+    if args.transparent {
+        scene.picture.background = Background::transparent();
+    }
     let camera = Viewpoint::portrait(args.camera, scene.subject(), args.size.aspect(), args.zoom);
     let camera = args.distance.map_or(camera, |distance| camera.moved(distance));
     let shot = args.distance_to.map_or(Shot::still(camera), |distance| Shot::moving(camera, distance));
@@ -154,9 +176,9 @@ fn record(
     args: &Args,
 ) -> Result<String> {
     let size = (args.size.width, args.size.height);
-    let mut output = Output::create(&args.out, size, frames, args.fps)?;
+    let mut output = Output::create(&args.out, size, frames, args.fps)?.with_alpha(args.transparent);
     // A whole run of a repeating motion is a loop: the hair must start as it ends.
-    let is_loop = Kind::of(&args.out)?.is_animation()
+    let is_loop = output.kind().is_animation()
         && (motion.repeats() || args.animation.is_some())
         && (f64::from(frames) / args.fps - period).abs() < 0.5 / args.fps;
     let lead = if is_loop { -period } else { 0.0 };
@@ -191,7 +213,7 @@ pub fn animate(
     }
     play(scene, shot, motion, times, "drawing", |scene, frame, camera| {
         if !output.keeps_only_last() || frame + 1 == times.frames {
-            output.add(scene.picture(camera)?)?;
+            output.add(scene.frame(camera, output.kind())?)?;
         }
         Ok(())
     })

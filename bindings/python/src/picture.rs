@@ -3,10 +3,7 @@
 use crate::{TressesError, arrays::array, pose::vector};
 use numpy::PyArrayDyn;
 use pyo3::{prelude::*, types::PyDict};
-use tresses::{
-    glam::{Mat4, Vec3},
-    groom::Strands,
-};
+use tresses::{glam::Mat4, groom::Strands};
 use tresses_scene::{
     Viewpoint,
     camera::{Angle, Bounds},
@@ -101,13 +98,13 @@ pub fn matrix<'py>(py: Python<'py>, matrix: Mat4) -> PyResult<Bound<'py, PyArray
 pub fn outputs<'py>(
     py: Python<'py>,
     wanted: &Wanted,
-    captured: Captured,
+    captured: &Captured,
     ([width, height], projection): ([u32; 2], Mat4),
     strands: &[Strands],
 ) -> PyResult<Bound<'py, PyDict>> {
     let (w, h) = (width as usize, height as usize);
     let dict = PyDict::new(py);
-    let Captured { color, linear, geometry, knows_motion, labels } = captured;
+    let labels = &captured.labels;
     for name in &wanted.0 {
         let plane = [h, w];
         let one =
@@ -115,22 +112,11 @@ pub fn outputs<'py>(
         let whole =
             |of: &dyn Fn(usize) -> i32| array(py, &plane, (0..w * h).map(of).collect()).map(Bound::into_any);
         let value = match name.as_str() {
-            "color" => array(py, &[h, w, 4], color.clone())?.into_any(),
-            "linear" => array(py, &[h, w, 4], linear.as_flattened().to_vec())?.into_any(),
-            "coverage" => one(&|i| geometry[i][3])?,
-            "depth" => {
-                let back = projection.inverse();
-                one(&|i| match geometry[i] {
-                    [.., opacity] if opacity <= 0.0 => f32::INFINITY,
-                    [.., depth, _] => -back.project_point3(Vec3::new(0.0, 0.0, depth)).z,
-                })?
-            }
-            "motion" => {
-                let moved = geometry
-                    .iter()
-                    .flat_map(|[x, y, ..]| if knows_motion { [*x, *y] } else { [f32::NAN; 2] });
-                array(py, &[h, w, 2], moved.collect())?.into_any()
-            }
+            "color" => array(py, &[h, w, 4], captured.color.clone())?.into_any(),
+            "linear" => array(py, &[h, w, 4], captured.linear.as_flattened().to_vec())?.into_any(),
+            "coverage" => array(py, &plane, captured.coverages())?.into_any(),
+            "depth" => array(py, &plane, captured.depths(&projection))?.into_any(),
+            "motion" => array(py, &[h, w, 2], captured.motions().into_flattened())?.into_any(),
             "strand" => whole(&|i| labels[i].map_or(-1, |label| label.strand as i32))?,
             "groom" => whole(&|i| labels[i].map_or(-1, |label| label.groom as i32))?,
             "share" => one(&|i| labels[i].map_or(0.0, |label| label.share))?,

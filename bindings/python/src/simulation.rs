@@ -356,7 +356,7 @@ impl Simulation {
             }
             Ok((captured, scene.picture.camera.projection, strands))
         })?;
-        picture::outputs(py, &wanted, captured, (size, projection), &strands)
+        picture::outputs(py, &wanted, &captured, (size, projection), &strands)
     }
 
     /// The matrices of a camera of `render`: a dict of ``view`` (from the world to the camera, which looks along -Z) and

@@ -24,13 +24,27 @@ impl Picture {
     /// # Errors
     /// When there are not as many bytes as pixels.
     pub fn png(&self) -> Result<Vec<u8>> {
+        self.encoded(png::ColorType::Rgb, &self.rgb())
+    }
+
+    /// As the bytes of a PNG file with alpha: colours, which the picture has multiplied by alpha before they were encoded,
+    /// are divided by it, as PNG has it.
+    ///
+    /// # Errors
+    /// When there are not as many bytes as pixels.
+    pub fn png_with_alpha(&self) -> Result<Vec<u8>> {
+        let straight: Vec<u8> = self.rgba.as_chunks().0.iter().copied().flat_map(straight).collect();
+        self.encoded(png::ColorType::Rgba, &straight)
+    }
+
+    fn encoded(&self, color: png::ColorType, data: &[u8]) -> Result<Vec<u8>> {
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, self.width, self.height);
-        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_color(color);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         let mut writer = encoder.write_header()?;
-        writer.write_image_data(&self.rgb())?;
+        writer.write_image_data(data)?;
         writer.finish()?;
         Ok(bytes)
     }
@@ -38,5 +52,45 @@ impl Picture {
     /// Without alpha: three bytes per pixel.
     pub fn rgb(&self) -> Vec<u8> {
         self.rgba.as_chunks::<4>().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect()
+    }
+}
+
+/// A colour whose light is divided by its alpha; none where there is none.
+fn straight([r, g, b, a]: [u8; 4]) -> [u8; 4] {
+    let alpha = f32::from(a) / 255.0;
+    let divided = |v: u8| {
+        let light = decoded(f32::from(v) / 255.0) / alpha.max(1e-6);
+        (255.0 * encoded(light.min(1.0)) + 0.5) as u8
+    };
+    if a == 0 { [0; 4] } else { [divided(r), divided(g), divided(b), a] }
+}
+
+/// What the sRGB curve made `encoded` of.
+pub(crate) fn decoded(encoded: f32) -> f32 {
+    if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+}
+
+/// What the sRGB curve makes of `light`.
+fn encoded(light: f32) -> f32 {
+    if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_half_there_is_as_bright_as_all_of_it() {
+        let half = encoded(0.5 * decoded(200.0 / 255.0));
+        let [r, g, b, a] = straight([(255.0 * half + 0.5) as u8, 0, 255, 128]);
+        assert!(r.abs_diff(200) <= 1 && (g, b, a) == (0, 255, 128), "{r}");
+        assert_eq!(straight([90, 80, 70, 255]), [90, 80, 70, 255]);
+        assert_eq!(straight([9, 9, 9, 0]), [0; 4]);
+        let picture = Picture { width: 2, height: 1, rgba: vec![90, 80, 70, 255, 0, 0, 0, 0] };
+        let bytes = picture.png_with_alpha().unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut pixels).unwrap();
+        assert_eq!(pixels, picture.rgba);
     }
 }

@@ -1,10 +1,14 @@
-//! Output of pictures: one file, a folder of numbered frames, or an animation file, chosen by the path.
+//! Output of pictures: one file, numbered frames, an animation file or a film, chosen by the path.
 //!
 //! No partial file ever has its final name: every file is written under a temporary name next to it and renamed
 //! when it is complete.
 
+mod film;
+pub mod layers;
+
 use crate::files;
 use anyhow::{Context, Result, bail, ensure};
+use film::Film;
 use std::path::{Path, PathBuf};
 pub use tresses_scene::picture::Picture;
 use tresses_scene::picture::{Animation, Format};
@@ -45,42 +49,74 @@ pub fn write(picture: &Picture, path: &Path) -> Result<()> {
     files::write(path, &picture.png()?)
 }
 
+/// How a frame of its own is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoded {
+    /// `.png`: as it is shown.
+    Png,
+    /// `.exr`: linear, with all that is known of it.
+    Exr,
+}
+
 /// What a path stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// One `.png`.
-    Still,
-    /// A folder of numbered frames.
-    Folder,
+    /// One file with one picture.
+    Still(Encoded),
+    /// A folder of numbered frames, or a path with `#` where their numbers go.
+    Frames(Encoded),
     /// `.webp`: small, in true colour, shown by every browser.
     WebP,
     /// `.gif`: 256 colours per frame.
     Gif,
     /// `.apng`: lossless and large.
     Apng,
+    /// `.mp4` or `.webm`, by a program.
+    Film,
 }
 
 impl Kind {
     /// The kind `path` asks for: by its extension; without one, a folder.
     pub fn of(path: &Path) -> Result<Self> {
         let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+        let single = |encoded| if numbered(path) { Self::Frames(encoded) } else { Self::Still(encoded) };
         Ok(match extension.as_deref() {
-            _ if path.is_dir() || path.as_os_str().to_string_lossy().ends_with(['/', '\\']) => Self::Folder,
-            None => Self::Folder,
-            Some("png") => Self::Still,
+            _ if path.is_dir() || path.as_os_str().to_string_lossy().ends_with(['/', '\\']) => {
+                Self::Frames(Encoded::Png)
+            }
+            None => Self::Frames(Encoded::Png),
+            Some("png") => single(Encoded::Png),
+            Some("exr") => single(Encoded::Exr),
             Some("webp") => Self::WebP,
             Some("gif") => Self::Gif,
             Some("apng") => Self::Apng,
+            Some("mp4" | "webm") => Self::Film,
             Some(other) => bail!(
-                "{}: pictures cannot be written as .{other}; choose .png, .webp, .gif, .apng, or a folder",
+                "{}: pictures cannot be written as .{other}; choose .png, .exr, .webp, .gif, .apng, .mp4, .webm, or a \
+                 folder",
                 path.display()
             ),
         })
     }
 
-    /// Whether it is one file with many frames.
+    /// Whether it is one file with many frames that repeats for ever.
     pub fn is_animation(self) -> bool {
         matches!(self, Self::WebP | Self::Gif | Self::Apng)
+    }
+
+    /// Whether it has one picture.
+    pub fn is_still(self) -> bool {
+        matches!(self, Self::Still(_))
+    }
+
+    /// Whether more than colours is written.
+    pub fn has_layers(self) -> bool {
+        matches!(self, Self::Still(Encoded::Exr) | Self::Frames(Encoded::Exr))
+    }
+
+    /// Whether it can have an alpha channel.
+    pub fn has_alpha(self) -> bool {
+        matches!(self, Self::Still(_) | Self::Frames(_))
     }
 
     /// The most pixels along one side that the format can hold.
@@ -88,7 +124,37 @@ impl Kind {
         match self {
             Self::WebP => 16_383,
             Self::Gif => 65_535,
-            Self::Still | Self::Folder | Self::Apng => u32::MAX,
+            Self::Still(_) | Self::Frames(_) | Self::Apng | Self::Film => u32::MAX,
+        }
+    }
+}
+
+/// Whether the name of a file has a place for numbers.
+fn numbered(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name.to_string_lossy().contains('#'))
+}
+
+/// The path of a frame: its number in place of the first `#`s, with as many digits at least.
+fn frame(path: &Path, number: u32) -> PathBuf {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let Some(from) = name.find('#') else { return path.to_owned() };
+    let digits = name[from..].chars().take_while(|c| *c == '#').count();
+    path.with_file_name(format!("{}{number:0digits$}{}", &name[..from], &name[from + digits..]))
+}
+
+/// One frame.
+pub enum Frame {
+    /// As it is shown.
+    Shown(Picture),
+    /// The bytes of its file, and its size in pixels.
+    File(Vec<u8>, [u32; 2]),
+}
+
+impl Frame {
+    fn size(&self) -> [u32; 2] {
+        match self {
+            Self::Shown(picture) => [picture.width, picture.height],
+            Self::File(_, size) => *size,
         }
     }
 }
@@ -96,16 +162,20 @@ impl Kind {
 /// Takes the frames of one output in order.
 pub struct Output {
     path: PathBuf,
+    kind: Kind,
+    /// Whether files have alpha.
+    alpha: bool,
     sink: Sink,
 }
 
 enum Sink {
     /// The last picture counts.
-    Still(Option<Picture>),
-    Folder {
+    Still(Option<Frame>),
+    Frames {
         next: u32,
     },
     Animation(Box<dyn Animation>),
+    Film(Film),
 }
 
 impl Output {
@@ -120,23 +190,33 @@ impl Output {
             path.display(),
             kind.max_side()
         );
-        let folder = match kind {
-            Kind::Folder => path,
-            _ => path.parent().unwrap_or(Path::new("")),
-        };
+        let is_folder = kind == Kind::Frames(Encoded::Png) && !numbered(path);
+        let path = if is_folder { path.join("frame_####.png") } else { path.to_owned() };
+        let folder = path.parent().unwrap_or(Path::new(""));
         if !folder.as_os_str().is_empty() {
             std::fs::create_dir_all(folder)
                 .with_context(|| format!("{}: the folder cannot be created", folder.display()))?;
         }
         files::probe(folder)?;
         let sink = match kind {
-            Kind::Still => Sink::Still(None),
-            Kind::Folder => Sink::Folder { next: 0 },
+            Kind::Still(_) => Sink::Still(None),
+            Kind::Frames(_) => Sink::Frames { next: 0 },
             Kind::WebP => Sink::Animation(Format::WebP.begin([width, height], frames, fps)?),
             Kind::Gif => Sink::Animation(Format::Gif.begin([width, height], frames, fps)?),
             Kind::Apng => Sink::Animation(Format::Apng.begin([width, height], frames, fps)?),
+            Kind::Film => Sink::Film(Film::begin(&path, size, fps)?),
         };
-        Ok(Self { path: path.to_owned(), sink })
+        Ok(Self { path, kind, alpha: false, sink })
+    }
+
+    /// From here on pictures are written with their alpha.
+    pub fn with_alpha(self, alpha: bool) -> Self {
+        Self { alpha, ..self }
+    }
+
+    /// What its path stands for.
+    pub fn kind(&self) -> Kind {
+        self.kind
     }
 
     /// Whether only the last frame will be kept.
@@ -145,15 +225,21 @@ impl Output {
     }
 
     /// The next frame.
-    pub fn add(&mut self, picture: Picture) -> Result<()> {
-        match &mut self.sink {
-            Sink::Still(last) => *last = Some(picture),
-            Sink::Folder { next } => {
-                write(&picture, &self.path.join(format!("frame_{next:04}.png")))?;
+    pub fn add(&mut self, added: Frame) -> Result<()> {
+        match (&mut self.sink, added) {
+            (Sink::Still(last), added) => *last = Some(added),
+            (Sink::Frames { next }, added) => {
+                write_frame(&added, &frame(&self.path, *next), self.alpha)?;
                 *next += 1;
             }
-            Sink::Animation(animation) => {
+            (Sink::Animation(animation), Frame::Shown(picture)) => {
                 animation.add(&picture).with_context(|| self.path.display().to_string())?;
+            }
+            (Sink::Film(film), Frame::Shown(picture)) => {
+                film.add(&picture).with_context(|| self.path.display().to_string())?;
+            }
+            (Sink::Animation(_) | Sink::Film(_), Frame::File(..)) => {
+                bail!("{}: an animation has no layers", self.path.display())
             }
         }
         Ok(())
@@ -162,25 +248,37 @@ impl Output {
     /// Completes the output: what was written, in words.
     pub fn finish(self) -> Result<String> {
         let shown = self.path.display();
+        let megabytes = |bytes: f64| format!("{shown} ({:.1} MB)", bytes * 1e-6);
         match self.sink {
-            Sink::Still(Some(picture)) => {
-                write(&picture, &self.path)?;
-                Ok(format!("{shown} ({} × {})", picture.width, picture.height))
+            Sink::Still(Some(last)) => {
+                write_frame(&last, &self.path, self.alpha)?;
+                let [width, height] = last.size();
+                Ok(format!("{shown} ({width} × {height})"))
             }
             Sink::Still(None) => bail!("{shown}: there is no picture to write"),
-            Sink::Folder { next } => {
-                let last = next.saturating_sub(1);
-                Ok(format!(
-                    "{} to frame_{last:04}.png ({next} frames)",
-                    self.path.join("frame_0000.png").display()
-                ))
+            Sink::Frames { next } => {
+                let [first, last] = [0, next.saturating_sub(1)].map(|number| frame(&self.path, number));
+                let last = last.file_name().unwrap_or_default().to_string_lossy();
+                Ok(format!("{} to {last} ({next} frames)", first.display()))
             }
             Sink::Animation(animation) => {
                 let bytes = animation.finish().with_context(|| shown.to_string())?;
                 files::write(&self.path, &bytes)?;
-                Ok(format!("{shown} ({:.1} MB)", bytes.len() as f64 * 1e-6))
+                Ok(megabytes(bytes.len() as f64))
+            }
+            Sink::Film(film) => {
+                let bytes = film.finish(&self.path).with_context(|| shown.to_string())?;
+                Ok(megabytes(bytes as f64))
             }
         }
+    }
+}
+
+fn write_frame(frame: &Frame, path: &Path, alpha: bool) -> Result<()> {
+    match frame {
+        Frame::Shown(picture) if alpha => files::write(path, &picture.png_with_alpha()?),
+        Frame::Shown(picture) => write(picture, path),
+        Frame::File(bytes, _) => files::write(path, bytes),
     }
 }
 
@@ -207,7 +305,7 @@ mod tests {
         let path = folder.path().join("new").join(name);
         let mut output = Output::create(&path, (48, 32), frames.len() as u32, 25.0).unwrap();
         for frame in frames {
-            output.add(frame.clone()).unwrap();
+            output.add(Frame::Shown(frame.clone())).unwrap();
         }
         output.finish().unwrap();
         (folder, path)
@@ -224,17 +322,24 @@ mod tests {
     #[test]
     fn the_path_decides() {
         for (path, kind) in [
-            ("a.png", Kind::Still),
-            ("a.PNG", Kind::Still),
-            ("out/frames", Kind::Folder),
-            ("out/v1.2/", Kind::Folder),
+            ("a.png", Kind::Still(Encoded::Png)),
+            ("a.PNG", Kind::Still(Encoded::Png)),
+            ("a.exr", Kind::Still(Encoded::Exr)),
+            ("out/frames", Kind::Frames(Encoded::Png)),
+            ("out/v1.2/", Kind::Frames(Encoded::Png)),
+            ("out/a.####.exr", Kind::Frames(Encoded::Exr)),
+            ("out/#.png", Kind::Frames(Encoded::Png)),
+            ("a.mp4", Kind::Film),
+            ("a.WebM", Kind::Film),
             ("a.webp", Kind::WebP),
             ("a.gif", Kind::Gif),
             ("a.apng", Kind::Apng),
         ] {
             assert_eq!(Kind::of(Path::new(path)).unwrap(), kind, "{path}");
         }
-        assert!(Kind::of(Path::new("a.mp4")).unwrap_err().to_string().contains(".webp"));
+        assert!(Kind::of(Path::new("a.avi")).unwrap_err().to_string().contains(".webp"));
+        let path = |name: &str, number| frame(Path::new(name), number).display().to_string();
+        assert_eq!([path("a/b.##.exr", 7), path("a/b.##.exr", 123)], ["a/b.07.exr", "a/b.123.exr"]);
     }
 
     #[test]
@@ -296,7 +401,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         for name in ["a.png", "a.webp", "a.gif", "a.apng"] {
             let mut output = Output::create(&folder.path().join(name), (48, 32), 2, 25.0).unwrap();
-            output.add(gradient(0)).unwrap();
+            output.add(Frame::Shown(gradient(0))).unwrap();
             drop(output);
         }
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);

@@ -2,12 +2,12 @@
 //! where hair is, and which strands it shows.
 
 use super::Scene;
-use crate::camera::Viewpoint;
+use crate::{camera::Viewpoint, picture::decoded};
 use anyhow::Result;
 use tresses::{
     camera::ToneMap,
     draw::tiles::Label,
-    glam::Vec3,
+    glam::{Mat4, Vec3},
     gpu::{Gpu, readback},
     groom::Strands,
     strands::{GuideBuffers, Strand, StrandBuffers, StrandVertex, vertex::unpack_tangent},
@@ -37,6 +37,30 @@ pub struct Captured {
     pub knows_motion: bool,
     /// [`Targets::labels`](tresses::draw::Targets::labels), likewise.
     pub labels: Vec<Option<Label>>,
+}
+
+impl Captured {
+    /// What is seen of the hair in each pixel, metres along the view; infinite without hair. `projection` is the camera's.
+    pub fn depths(&self, projection: &Mat4) -> Vec<f32> {
+        let back = projection.inverse();
+        let depth = |texel: &[f32; 4]| match *texel {
+            [.., opacity] if opacity <= 0.0 => f32::INFINITY,
+            [.., depth, _] => -back.project_point3(Vec3::new(0.0, 0.0, depth)).z,
+        };
+        self.geometry.iter().map(depth).collect()
+    }
+
+    /// How far the hair of each pixel has moved since the picture before, pixels to the right and down; no numbers where
+    /// that is not known.
+    pub fn motions(&self) -> Vec<[f32; 2]> {
+        let moved = |[x, y, ..]: &[f32; 4]| if self.knows_motion { [*x, *y] } else { [f32::NAN; 2] };
+        self.geometry.iter().map(moved).collect()
+    }
+
+    /// How opaque the hair of each pixel is.
+    pub fn coverages(&self) -> Vec<f32> {
+        self.geometry.iter().map(|texel| texel[3]).collect()
+    }
 }
 
 /// A tone that leaves radiance as it is but for this factor: what half floats can hold is not bright enough to be bent.
@@ -145,9 +169,4 @@ impl Scene {
             .map(|(g, v)| at(g, v))
             .collect())
     }
-}
-
-/// What the sRGB curve made `encoded` of.
-fn decoded(encoded: f32) -> f32 {
-    if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
