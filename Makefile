@@ -65,7 +65,8 @@ PYTHON := target/python
 
 python: setup ## Build the wheel for Python into dist/python/, install it in target/python and test it there
 	test -x $(PYTHON)/bin/python || python3 -m venv $(PYTHON)
-	$(PYTHON)/bin/pip install --quiet maturin==1.16.0 numpy pillow pytest
+	$(PYTHON)/bin/pip install --quiet maturin==1.16.0 numpy pillow pytest \
+		"ray[data]==2.60.0" webdataset==1.0.2 nbclient nbformat ipykernel
 	rm -rf dist/python
 	$(LINTED) build --bin tresses
 	RUSTC_WORKSPACE_WRAPPER=clippy-driver CARGO_BUILD_WARNINGS=deny $(PYTHON)/bin/maturin build --release --strip \

@@ -1,0 +1,113 @@
+"""The command ``python -m tresses.farm``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+import tresses
+
+from . import FolderError, Plan, PlanError, forecast, read, run, verify
+from .drive import duration
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m tresses.farm",
+        description="Draws the shots of a plan into a data set of WebDataset shards, by many workers. What is there already "
+        "is kept: the same command goes on after whatever ended it.",
+        epilog="Exit codes: 0 done, 1 something failed while it ran, 2 the plan or a word is wrong, 130 Ctrl-C. "
+        "Guide: docs/farm.md.",
+    )
+    parser.add_argument("plan", help="what is to be drawn, TOML")
+    parser.add_argument("--out", metavar="FOLDER", help="where it goes; out/NAME for NAME.toml")
+    parser.add_argument("--workers", type=_count, metavar="N", help="1 here, as many as there are cores on Ray")
+    parser.add_argument("--ray", metavar="ADDRESS", help="on Ray: an address, auto, or local for one of its own")
+    parser.add_argument("--gpus", type=_share, default=0.0, metavar="SHARE", help="of a GPU of Ray's, for each worker")
+    parser.add_argument("--dry-run", action="store_true", help="say what would be drawn, and draw nothing")
+    parser.add_argument("--simulate", type=_counts, metavar="N,N,…", help="how long it would take so many workers")
+    parser.add_argument("--costs", metavar="FILE", help="of which run, for --simulate and --dry-run: its costs.json")
+    parser.add_argument("--verify", action="store_true", help="compare all shards with the manifest")
+    return parser
+
+
+def _count(text: str) -> int:
+    if not text.isdigit() or not 1 <= int(text) <= 10_000:
+        raise argparse.ArgumentTypeError(f"{text} is no whole number from 1 to 10000")
+    return int(text)
+
+
+def _counts(text: str) -> list[int]:
+    return [_count(word) for word in text.split(",")]
+
+
+def _share(text: str) -> float:
+    try:
+        share = float(text)
+    except ValueError:
+        share = -1.0
+    if not 0 <= share <= 16:
+        raise argparse.ArgumentTypeError(f"{text} is no number from 0 to 16")
+    return share
+
+
+def _described(plan: Plan, costs: forecast.Costs | None) -> str:
+    shots, cameras, shards = len(plan.shots), len(plan.cameras), len(plan.shards)
+    total = shots * plan.frames * cameras
+    lines = [
+        f"{shots} shots of {plan.frames} frames by {cameras} cameras: {total} pictures of {plan.size[0]} x {plan.size[1]}, "
+        f"{shards} shards, seed {plan.seed}",
+        f"outputs: {', '.join(plan.outputs)}; cameras: {', '.join(camera.name for camera in plan.cameras)}",
+    ]
+    for shot in plan.shots[:20]:
+        own = [shard.index for shard in plan.shards if shard.shot == shot.index]
+        lines.append(f"  shot {shot.index}: {shot.name}; seed {shot.seed}; shards {own[0]} to {own[-1]}")
+        drawn = ", ".join(f"{name} = {value}" for name, value in shot.settings.items())
+        if drawn:
+            lines.append(f"    {drawn}")
+    if shots > 20:
+        lines.append(f"  and {shots - 20} more")
+    if costs:
+        one = forecast.forecast(plan, costs, 1)
+        lines.append(f"one worker takes {duration(one.seconds)}, by {costs.told}")
+    return "\n".join(lines)
+
+
+def main() -> int:
+    words = _parser().parse_args()
+    out = Path(words.out or Path("out", Path(words.plan).stem))
+
+    def tell(line: str) -> None:
+        print(line, file=sys.stderr, flush=True)
+
+    try:
+        if words.verify:
+            print(verify(out))
+            return 0
+        plan = read(words.plan)
+        costs = forecast.read(words.costs or out / "costs.json") if words.costs or words.simulate else None
+        if words.simulate:
+            print(forecast.table(plan, costs, words.simulate))
+            return 0
+        if words.dry_run:
+            print(_described(plan, costs))
+            return 0
+        began = time.monotonic()
+        manifest = run(plan, out, workers=words.workers, ray=words.ray, gpus=words.gpus, tell=tell)
+        tell(f"{manifest} in {duration(time.monotonic() - began)}")
+        return 0
+    except PlanError as error:
+        tell(f"error: {words.plan}: {error}")
+        return 2
+    except (FolderError, tresses.TressesError, OSError) as error:
+        tell(f"error: {error}")
+        return 1
+    except KeyboardInterrupt:
+        tell(f"ended; the same command goes on from the shards in {out}")
+        return 130
+
+
+if __name__ == "__main__":
+    sys.exit(main())

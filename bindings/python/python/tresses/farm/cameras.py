@@ -1,0 +1,104 @@
+"""Cameras of a plan: a named angle, an eye and a target, or a place around the hair that may be drawn for each shot."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from typing import Any, Optional, Union
+
+import numpy as np
+
+from .checks import PlanError, Table, number
+from .sweep import Range, range_of
+
+ANGLES = ("front", "three-quarter", "side", "back")
+Amount = Union[float, Range]
+# Of `Simulation.render`, vertically.
+_FIELD = math.radians(30)
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Where pictures are taken from. Angles are degrees: azimuth from the face (+Z) to the character's left (+X)."""
+
+    name: str
+    angle: Optional[str] = None
+    zoom: float = 1.0
+    eye: Optional[tuple] = None
+    target: Optional[tuple] = None
+    azimuth: Optional[Amount] = None
+    elevation: Amount = 0.0
+    distance: Optional[Amount] = None
+
+    def placed(self, seed: int, rest: np.ndarray, size: tuple[int, int]) -> dict[str, Any]:
+        """The keywords of `Simulation.render` for a shot with this seed, whose guides at rest are those."""
+
+        def amount(name: str) -> Any:
+            value = getattr(self, name)
+            return value.drawn(seed, f"camera.{self.name}.{name}") if isinstance(value, Range) else value
+
+        if self.angle is not None:
+            return {"camera": self.angle, "zoom": self.zoom, "distance": amount("distance")}
+        if self.eye is not None:
+            return {"camera": (self.eye, self.target)}
+        points = rest.reshape(-1, 3).astype(float)
+        target = np.array(self.target) if self.target else (points.min(axis=0) + points.max(axis=0)) / 2
+        distance = amount("distance")
+        if distance is None:
+            # From where all hair at rest is in the picture, and a quarter of room around it for what moves.
+            radius = np.linalg.norm(points - target, axis=1).max()
+            half = math.atan(math.tan(_FIELD / 2) * min(1.0, size[0] / size[1]))
+            distance = 1.25 * radius / math.sin(half)
+        azimuth, elevation = math.radians(amount("azimuth")), math.radians(amount("elevation"))
+        flat = math.cos(elevation)
+        away = np.array([math.sin(azimuth) * flat, math.sin(elevation), math.cos(azimuth) * flat])
+        return {"camera": ((target + distance * away).tolist(), target.tolist())}
+
+
+def _amount(table: Table, key: str, least: float, most: float) -> Amount | None:
+    value = table.any(key)
+    if value is None:
+        return None
+    path = table.at(key)
+    return range_of(value, path, least, most) if isinstance(value, dict) else number(value, path, least, most)
+
+
+def cameras(plan: Table) -> list[Camera]:
+    found: list[Camera] = []
+    for table in plan.tables("camera") or [Table({"name": "three-quarter"}, "camera")]:
+        name = table.text("name")
+        if name is None or not re.fullmatch(r"[a-z0-9][a-z0-9_-]{0,39}", name):
+            raise PlanError(
+                f"{table.at('name')} is {'missing' if name is None else repr(name)}, but must be of a to z, 0 to 9, - and _: "
+                "it is in the names of files"
+            )
+        angle, eye, target = table.text("angle"), table.vector("eye"), table.vector("target")
+        azimuth, elevation = _amount(table, "azimuth", -360, 360), _amount(table, "elevation", -89, 89)
+        distance, count = _amount(table, "distance", 0.01, 1e4), table.integer("count", 1, 1000, 1)
+        zoom = table.number("zoom", 0.01, 100)
+        table.done()
+        if angle is None and name in ANGLES and eye is None and azimuth is None:
+            angle = name
+        if angle is not None and angle not in ANGLES:
+            raise PlanError(f"{table.at('angle')} is {angle}; there are {', '.join(ANGLES)}")
+        if sum(way is not None for way in (angle, eye, azimuth)) != 1:
+            raise PlanError(f"{table.path} ({name}) must have one of angle, eye and target, or azimuth")
+        if eye is not None and (target is None or math.dist(eye, target) < 1e-4):
+            raise PlanError(f"{table.path} ({name}) has an eye, and must have a target that is elsewhere")
+        for key, there, fits in [
+            ("target", target, angle is None),
+            ("zoom", zoom, angle is not None),
+            ("elevation", elevation, azimuth is not None),
+            ("distance", distance, eye is None),
+            ("count", count if count > 1 else None, any(isinstance(v, Range) for v in (azimuth, elevation, distance))),
+        ]:
+            if there is not None and not fits:
+                raise PlanError(f"{table.at(key)} says nothing about a camera such as {name}")
+        for i in range(count):
+            each = name if count == 1 else f"{name}-{i}"
+            at = Camera(each, angle, zoom or 1.0, eye, target, azimuth, elevation or 0.0, distance)
+            if any(each == other.name for other in found):
+                raise PlanError(f"{table.path}: there are two cameras called {each}")
+            found.append(at)
+    return found

@@ -1,0 +1,116 @@
+"""Values of a plan, taken one by one: what is missing, of another type, absurd or unknown is said with its path."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Iterable, Sequence
+
+
+class PlanError(ValueError):
+    """What is wrong with a plan, in one sentence that begins with the place in it."""
+
+
+class Table:
+    """A table of a plan at a path, ``camera[2]`` for the third of ``[[camera]]``."""
+
+    def __init__(self, values: Any, path: str = "") -> None:
+        if not isinstance(values, dict):
+            raise PlanError(f"{path} is {kind(values)}, but must be a table")
+        self._left = dict(values)
+        self._known: list[str] = []
+        self.path = path
+
+    def at(self, key: str) -> str:
+        return f"{self.path}.{key}" if self.path else key
+
+    def has(self, key: str) -> bool:
+        self._known.append(key)
+        return key in self._left
+
+    def any(self, key: str, default: Any = None) -> Any:
+        self._known.append(key)
+        return self._left.pop(key, default)
+
+    def integer(self, key: str, least: int, most: int, default: int | None = None) -> int:
+        value = self.any(key, default)
+        if value is None:
+            raise PlanError(f"{self.at(key)} is missing: a whole number from {least} to {most}")
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise PlanError(f"{self.at(key)} is {kind(value)}, but must be a whole number from {least} to {most}")
+        if not least <= value <= most:
+            raise PlanError(f"{self.at(key)} is {value}, but must be from {least} to {most}")
+        return value
+
+    def number(self, key: str, least: float, most: float, default: float | None = None) -> float | None:
+        value = self.any(key, default)
+        return None if value is None else number(value, self.at(key), least, most)
+
+    def text(self, key: str, default: str | None = None) -> str | None:
+        value = self.any(key, default)
+        if value is not None and (not isinstance(value, str) or not value):
+            raise PlanError(f"{self.at(key)} is {kind(value)}, but must be a text")
+        return value
+
+    def flag(self, key: str, default: bool = False) -> bool:
+        value = self.any(key, default)
+        if not isinstance(value, bool):
+            raise PlanError(f"{self.at(key)} is {kind(value)}, but must be true or false")
+        return value
+
+    def texts(self, key: str, default: Sequence[str] | None = None) -> list[str]:
+        """A text, or a list of different ones."""
+        value = self.any(key, default)
+        values = [value] if isinstance(value, str) else value
+        if not isinstance(values, (list, tuple)) or not values or not all(isinstance(v, str) and v for v in values):
+            raise PlanError(f"{self.at(key)} is {kind(value)}, but must be a text or a list of texts")
+        unlike(values, self.at(key))
+        return list(values)
+
+    def vector(self, key: str, length: int = 3) -> tuple[float, ...] | None:
+        value = self.any(key)
+        if value is None:
+            return None
+        if not isinstance(value, list) or len(value) != length:
+            raise PlanError(f"{self.at(key)} is {kind(value)}, but must be a list of {length} numbers")
+        return tuple(number(v, f"{self.at(key)}[{i}]", -1e6, 1e6) for i, v in enumerate(value))
+
+    def tables(self, key: str) -> list[Table]:
+        value = self.any(key, [])
+        if not isinstance(value, list):
+            raise PlanError(f"{self.at(key)} is {kind(value)}, but must be tables, [[{key}]]")
+        return [Table(each, f"{self.at(key)}[{i}]") for i, each in enumerate(value)]
+
+    def rest(self) -> dict[str, Any]:
+        left, self._left = self._left, {}
+        return left
+
+    def done(self) -> None:
+        """Refuses what nobody asked for."""
+        for key in self._left:
+            raise PlanError(f"{self.at(key)} is unknown; {self.path or 'a plan'} has {', '.join(sorted(set(self._known)))}")
+
+
+def kind(value: Any) -> str:
+    """A value in words, short enough for a sentence."""
+    if value is None:
+        return "missing"
+    text = repr(value)
+    return text if len(text) <= 40 else f"{text[:37]}..."
+
+
+def number(value: Any, path: str, least: float, most: float) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise PlanError(f"{path} is {kind(value)}, but must be a number from {least:g} to {most:g}")
+    if not (math.isfinite(value) and least <= value <= most):
+        raise PlanError(f"{path} is {value}, but must be from {least:g} to {most:g}")
+    return float(value)
+
+
+def unlike(values: Iterable[Any], path: str) -> None:
+    """Refuses what is there twice."""
+    seen: list[Any] = []
+    for value in values:
+        # 1, 1.0 and true are one another's equals, but no equal settings.
+        if any(value == other and type(value) is type(other) for other in seen):
+            raise PlanError(f"{path} has {kind(value)} twice")
+        seen.append(value)

@@ -1,0 +1,48 @@
+"""Motion of pixels between two frames, from the strands themselves.
+
+`Simulation.render` tells motion since its last picture, which with several cameras is another camera's. Here a pixel shows
+a point of a strand (``strand``, ``along``); where that was a frame before, seen by the same camera, is known exactly, from
+whichever frame a worker began.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+LABELS = ("strand", "groom", "along")
+
+
+class Moment:
+    """All strands at one time, and the matrices of the cameras that look at them, by their names."""
+
+    def __init__(self, grooms: list, cameras: dict[str, np.ndarray]) -> None:
+        self.positions = [strands.positions for strands in grooms]
+        self.offsets = [strands.offsets for strands in grooms]
+        self.cameras = cameras
+
+    def points(self, groom: int, strand: np.ndarray, along: np.ndarray) -> np.ndarray:
+        """Points on strands, by the share of their vertices."""
+        first, last = self.offsets[groom][strand], self.offsets[groom][strand + 1] - 1
+        at = along.astype(float) * (last - first)
+        vertex = np.minimum(first + at.astype(np.int64), last - 1)
+        share = (first + at - vertex)[:, None]
+        positions = self.positions[groom]
+        return (1 - share) * positions[vertex] + share * positions[vertex + 1]
+
+    def pixels(self, camera: str, points: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+        clip = np.c_[points, np.ones(len(points))] @ self.cameras[camera].T
+        return (clip[:, :2] / clip[:, 3:] * [0.5, -0.5] + 0.5) * size
+
+
+def motion(seen: dict, now: Moment, before: Moment | None, camera: str) -> np.ndarray:
+    """Pixels to the right and down since the frame before: float32 [h, w, 2], nan without hair and in the first frame."""
+    height, width = seen["strand"].shape
+    out = np.full((height, width, 2), np.nan, np.float32)
+    if before is None:
+        return out
+    for groom in range(len(now.positions)):
+        there = (seen["groom"] == groom) & np.isfinite(seen["along"])
+        which = (groom, seen["strand"][there], seen["along"][there])
+        places = [moment.pixels(camera, moment.points(*which), (width, height)) for moment in (now, before)]
+        out[there] = places[0] - places[1]
+    return out

@@ -1,0 +1,135 @@
+"""The folder of a run: plan, shards, what is known of each, and when all are there the manifest.
+
+A shard counts once its record is there, which is written after it; both come by renaming, so a file is whole or absent.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.metadata
+import json
+import os
+import uuid
+import zlib
+from pathlib import Path
+from typing import Any
+
+from . import shards
+from .plan import Plan, described
+
+
+class FolderError(Exception):
+    """What is wrong with a folder, in one sentence."""
+
+
+def version() -> str:
+    return importlib.metadata.version("tresses")
+
+
+class Folder:
+    def __init__(self, path: str | os.PathLike[str], plan: Plan) -> None:
+        self.path, self.plan = Path(path).absolute(), plan
+
+    def open(self) -> None:
+        """Makes it, or sees to it that it is of the same plan and library."""
+        own = {"fingerprint": self.plan.fingerprint, "tresses": version()}
+        file = self.path / "plan.json"
+        try:
+            if file.exists():
+                there = json.loads(file.read_text())
+                if there["fingerprint"] != own["fingerprint"]:
+                    raise FolderError(f"{self.path} holds another plan, or one whose files have changed: give another folder")
+                if there["tresses"] != own["tresses"]:
+                    raise FolderError(f"{self.path} was begun by tresses {there['tresses']}, this is {own['tresses']}")
+            elif self.path.is_dir() and any(self.path.iterdir()):
+                raise FolderError(f"{self.path} holds something else: give a folder that is empty or does not exist")
+            (self.path / "shards").mkdir(parents=True, exist_ok=True)
+            (self.path / "records").mkdir(exist_ok=True)
+            write(file, {**own, "plan": described(self.plan)})
+        except OSError as error:
+            raise FolderError(f"{error.filename or self.path}: {error.strerror}") from None
+        except (ValueError, KeyError, TypeError):
+            raise FolderError(f"{file} is no plan that this library wrote") from None
+
+    def record(self, record: dict[str, Any]) -> None:
+        write(self.path / "records" / f"{record['shard']:06}.json", record)
+
+    def records(self) -> dict[int, dict[str, Any]]:
+        """Of shards that are there."""
+        found = {}
+        for shard in self.plan.shards:
+            try:
+                record = json.loads((self.path / "records" / f"{shard.index:06}.json").read_text())
+                if (self.path / record["file"]).stat().st_size == record["bytes"]:
+                    found[shard.index] = record
+            except (FileNotFoundError, json.JSONDecodeError):
+                pass
+        return found
+
+    def finish(self, records: dict[int, dict[str, Any]]) -> list[str]:
+        """Writes the manifest; the adapters that took part, which should be one."""
+        for part in (self.path / "shards").glob(".*.part"):
+            part.unlink(missing_ok=True)
+        adapters = {json.dumps(record["adapter"], sort_keys=True) for record in records.values()}
+        plan = self.plan
+        told = [
+            {
+                "file": records[shard.index]["file"],
+                "sha256": records[shard.index]["sha256"],
+                "bytes": records[shard.index]["bytes"],
+                "samples": records[shard.index]["samples"],
+                "shot": shard.shot,
+                "seed": plan.shots[shard.shot].seed,
+                "frames": [shard.first, shard.end - 1],
+            }
+            for shard in plan.shards
+        ]
+        manifest = {
+            "version": 1,
+            "tresses": version(),
+            "fingerprint": plan.fingerprint,
+            "adapters": [json.loads(adapter) for adapter in sorted(adapters)],
+            "zlib": zlib.ZLIB_RUNTIME_VERSION,
+            "samples": sum(shard["samples"] for shard in told),
+            "shards": told,
+            "plan": described(plan),
+        }
+        write(self.path / "manifest.json", manifest)
+        return sorted(json.loads(adapter)["name"] for adapter in adapters)
+
+
+def write(file: Path, what: Any) -> None:
+    part = file.with_name(f".{file.name}-{uuid.uuid4().hex}.part")
+    part.write_text(json.dumps(what, indent=1, sort_keys=True) + "\n")
+    os.replace(part, file)
+
+
+def verify(path: str | os.PathLike[str]) -> str:
+    """Reads all shards that the manifest names: each with its hash, each sample there once. What was found."""
+    path = Path(path)
+    try:
+        manifest = json.loads((path / "manifest.json").read_text())
+    except (OSError, ValueError):
+        raise FolderError(f"{path} has no manifest: the run is not complete, or is none") from None
+    plan, keys = manifest["plan"], set()
+    for shard in manifest["shards"]:
+        file = path / shard["file"]
+        try:
+            digest = hashlib.sha256(file.read_bytes()).hexdigest()
+        except OSError as error:
+            raise FolderError(f"{file}: {error.strerror}") from None
+        if digest != shard["sha256"]:
+            raise FolderError(f"{file} is not what the manifest says: its SHA-256 is {digest}")
+        first, last = shard["frames"]
+        due = {
+            f"{shard['shot']:06}-{frame:06}-{camera['name']}"
+            for frame in range(first, last + 1)
+            for camera in plan["cameras"]
+        }
+        there = [key for key, _ in shards.read(file)]
+        if len(there) != len(due) or set(there) != due or keys & due:
+            raise FolderError(f"{file} has other samples than the plan")
+        keys |= due
+    if len(keys) != len(plan["shots"]) * plan["frames"] * len(plan["cameras"]):
+        raise FolderError(f"{path} has {len(keys)} samples, but the plan has others")
+    return f"{len(manifest['shards'])} shards with {len(keys)} samples are what the manifest says"

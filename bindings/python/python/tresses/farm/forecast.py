@@ -1,0 +1,127 @@
+"""How long a plan takes with any number of workers: its schedule, played with costs that were measured.
+
+Each worker is as fast as those that were measured and has its machine's part for itself; the driver answers one worker after
+another.
+"""
+
+from __future__ import annotations
+
+import heapq
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Sequence
+
+from .checks import PlanError
+from .plan import Plan
+from .schedule import Schedule
+
+
+@dataclass(frozen=True)
+class Costs:
+    """Seconds: of a groom, a step and a picture with its writing, by shot where that was measured; of a worker's start, and
+    of the driver for each shard."""
+
+    groom: float
+    step: float
+    picture: float
+    start: float
+    dispatch: float
+    shots: dict[str, tuple[float, float, float]]
+    told: str
+
+    def of(self, shot: str) -> tuple[float, float, float]:
+        return self.shots.get(shot, (self.groom, self.step, self.picture))
+
+
+@dataclass(frozen=True)
+class Forecast:
+    workers: int
+    seconds: float
+    # Of the workers' time: drawing and writing; steps that another worker did as well; waiting.
+    drawing: float
+    again: float
+    idle: float
+
+
+def read(file: str | os.PathLike[str]) -> Costs:
+    """Of a run's ``costs.json``."""
+    try:
+        found = json.loads(Path(file).read_text())
+        run, shards = found["run"], found["shards"]
+        everything = _means(shards, None)
+        groups: dict[str, list] = {}
+        for shard in shards:
+            groups.setdefault(shard["shot"], []).append(shard)
+        told = f"{len(shards)} shards on {run['engine']} with {run['workers']} workers"
+        shots = {name: _means(group, everything) for name, group in groups.items()}
+        return Costs(*everything, run["start"] + run["open"], max(0.0, run["dispatch"]), shots, told)
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        reason = getattr(error, "strerror", None) or "no costs of a run are in it"
+        raise PlanError(f"{file}: {reason}; a run that is complete writes costs.json into its folder") from None
+
+
+def _means(shards: Sequence[dict], usual: tuple[float, float, float] | None) -> tuple[float, float, float]:
+    def mean(kinds: Sequence[str], count: str, which: int) -> float:
+        times = sum(shard[count] for shard in shards)
+        if times == 0:
+            return usual[which] if usual else 0.0
+        # Laps in which a groom is kept cost next to nothing, and are not counted as grooms.
+        used = [shard for shard in shards if shard[count]]
+        return sum(shard["seconds"].get(kind, 0.0) for shard in used for kind in kinds) / times
+
+    return mean(["groom"], "grooms", 0), mean(["steps"], "steps", 1), mean(["pictures", "writing"], "pictures", 2)
+
+
+def forecast(plan: Plan, costs: Costs, workers: int) -> Forecast:
+    schedule = Schedule(plan.runs({shard.index for shard in plan.shards}))
+    stands: dict[int, tuple[int, int]] = {}
+    grooms: dict[int, Any] = {}
+    drawing = stepping = busy = 0.0
+    driver = end = 0.0
+    free = [(costs.start, worker) for worker in range(workers)]
+    heapq.heapify(free)
+    while free:
+        now, worker = heapq.heappop(free)
+        index = schedule.take(worker)
+        if index is None:
+            continue
+        driver = max(now, driver) + costs.dispatch
+        shard = plan.shards[index]
+        shot = plan.shots[shard.shot]
+        groom, step, picture = costs.of(shot.name)
+        took = 0.0
+        at, reached = stands.get(worker, (-1, 0))
+        if at != shard.shot or reached > plan.steps(shard.first):
+            reached = 0
+            key = (shot.groom, shot.settings)
+            if grooms.get(worker) != key:
+                grooms[worker] = key
+                took += groom
+        last = plan.steps(shard.end - 1)
+        stepping += (last - reached) * step
+        drawing += plan.pictures(shard) * picture
+        took += (last - reached) * step + plan.pictures(shard) * picture
+        stands[worker] = (shard.shot, last)
+        busy += took
+        end = max(end, driver + took)
+        heapq.heappush(free, (driver + took, worker))
+    once = sum(plan.steps(plan.frames - 1) * costs.of(shot.name)[1] for shot in plan.shots)
+    all_of_it = workers * end
+    return Forecast(workers, end, drawing / all_of_it, max(0.0, stepping - once) / all_of_it, 1 - busy / all_of_it)
+
+
+def table(plan: Plan, costs: Costs, counts: Sequence[int]) -> str:
+    rows = [forecast(plan, costs, count) for count in counts]
+    one = rows[0] if rows[0].workers == 1 else forecast(plan, costs, 1)
+    lines = [
+        "| workers | seconds | times faster | of the workers' time drawing | steps done again | waiting |",
+        "|---|---|---|---|---|---|",
+    ]
+    for row in rows:
+        lines.append(
+            f"| {row.workers} | {row.seconds:.1f} | {one.seconds / row.seconds:.2f} | {row.drawing:.0%} | {row.again:.0%} "
+            f"| {row.idle:.0%} |"
+        )
+    return "\n".join(lines)

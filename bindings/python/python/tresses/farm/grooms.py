@@ -1,0 +1,111 @@
+"""Grooms of a plan: a built-in style, files, or a preset."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import tresses
+
+from .checks import PlanError, Table
+from .sweep import settings
+
+COMPANIONS = (
+    "density_map",
+    "thickness_map",
+    "length_map",
+    "curl_map",
+    "stiffness_map",
+    "color_map",
+    "curl_curve",
+    "lod_maps",
+    "colliders",
+    "ties",
+    "environment",
+)
+STYLES = ("long", "bob", "curly", "short")
+
+
+@dataclass(frozen=True)
+class Groom:
+    """Where hair comes from; paths are absolute."""
+
+    name: str
+    way: str
+    of: Any
+    head: tuple = ()
+    words: dict[str, str] = field(default_factory=dict)
+    files: dict[str, str] = field(default_factory=dict)
+    settings: dict[str, Any] = field(default_factory=dict)
+
+    def made(self, values: dict[str, Any]) -> tresses.Groom:
+        if self.way == "style":
+            return tresses.Groom.built_in(self.of, values, **self.files)
+        if self.way == "preset":
+            return tresses.Groom.preset(self.of, values)
+        return tresses.Groom.read(list(self.of), list(self.head) or None, values, **self.words, **self.files)
+
+    def paths(self) -> list[str]:
+        named = [] if self.way == "style" else [self.of] if self.way == "preset" else list(self.of)
+        return [*named, *self.head, *self.files.values()]
+
+
+def grooms(plan: Table, folder: Path) -> list[Groom]:
+    found: list[Groom] = []
+    for table in plan.tables("groom") or [Table({"style": "long"}, "groom")]:
+        groom = _groom(table, folder)
+        if any(groom.name == other.name for other in found):
+            raise PlanError(f"{table.path}: there are two grooms called {groom.name}; give each a name")
+        found.append(groom)
+    return found
+
+
+def _groom(table: Table, folder: Path) -> Groom:
+    ways = [way for way in ("style", "file", "preset") if table.has(way)]
+    if len(ways) != 1:
+        raise PlanError(f"{table.path} must have one of style, file or preset")
+    way = ways[0]
+    names = table.texts(way)
+    if way != "file" and len(names) > 1:
+        raise PlanError(f"{table.at(way)} is one name; write a [[groom]] for each")
+    usual = names[0] if way == "style" else Path(names[0]).stem
+    name = table.text("name", usual)
+    own = settings(table)
+    if way == "style":
+        if names[0] not in STYLES:
+            raise PlanError(f"{table.at('style')} is {names[0]}; there are {', '.join(STYLES)}")
+        return Groom(name, way, names[0], files=_companions(table, folder), settings=own)
+    files = tuple(str(folder / each) for each in names)
+    if way == "preset":
+        table.done()
+        try:
+            tresses.Settings.open(files[0])
+        except tresses.TressesError as error:
+            raise PlanError(f"{table.at(way)}: {error}") from None
+        return Groom(name, way, files[0], settings=own)
+    head = tuple(str(folder / each) for each in table.texts("head")) if table.has("head") else ()
+    words: dict[str, Any] = {word: table.text(word) for word in ("unit", "up", "front")}
+    if table.has("mirror"):
+        words["mirror"] = table.flag("mirror")
+    words = {word: value for word, value in words.items() if value is not None}
+    beside = _companions(table, folder)
+    # Read here once, so that a file that is broken is heard of now and not an hour later from a worker.
+    try:
+        tresses.read(list(files), list(head) or None, **words)
+    except tresses.TressesError as error:
+        raise PlanError(f"{table.at(way)}: {error}") from None
+    return Groom(name, way, files, head, words, beside, own)
+
+
+def _companions(table: Table, folder: Path) -> dict[str, str]:
+    beside = {}
+    for key in COMPANIONS:
+        name = table.text(key)
+        if name is not None:
+            path = folder / name
+            if not path.exists():
+                raise PlanError(f"{table.at(key)}: there is no {path}")
+            beside[key] = str(path)
+    table.done()
+    return beside

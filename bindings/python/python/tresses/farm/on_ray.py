@@ -1,0 +1,100 @@
+"""Workers as actors of Ray, on the machines of a cluster.
+
+Ray places and starts them and says when one is lost. Which shard is done next, and that none is lost or doubled, is the
+driver's: Ray would begin a lost task again, but not with what the worker knew.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from typing import Any, Iterator
+
+from .folder import FolderError
+from .local import facts, tried
+from .plan import Plan
+
+
+def _ray() -> Any:
+    # Ray counts who uses it unless told otherwise; that is for its users to decide, not for a library.
+    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
+    try:
+        import ray
+    except ModuleNotFoundError:
+        raise FolderError("--ray takes the package Ray: pip install 'tresses[farm]'") from None
+    return ray
+
+
+class Actor:
+    """What Ray starts: a worker in a process of its own."""
+
+    def __init__(self, plan: Plan, folder: str) -> None:
+        from .work import Worker
+
+        self._folder = folder
+        self._state = tried(lambda: Worker(plan))
+
+    def ready(self) -> tuple[str, Any]:
+        kind, worker = self._state
+        return ("ready", facts(worker)) if kind == "done" else ("broken", worker)
+
+    def do(self, shard: int) -> tuple[str, Any]:
+        return tried(lambda: self._state[1].do(shard, self._folder))
+
+
+class OnRay:
+    def __init__(self, plan: Plan, folder: str, address: str, workers: int | None, gpus: float) -> None:
+        self._ray = ray = _ray()
+        words: dict[str, Any] = {"address": address, "log_to_driver": False, "logging_level": "error"}
+        if address == "local":
+            words.update(include_dashboard=False, num_cpus=max(workers or 0, os.cpu_count() or 1))
+        try:
+            ray.init(**words)
+        except (ConnectionError, ValueError, RuntimeError) as error:
+            raise FolderError(f"no Ray at {address}: {str(error).splitlines()[0]}") from None
+        cores = int(ray.cluster_resources().get("CPU", 1))
+        self.name, self.workers = f"Ray {ray.__version__}", workers or cores
+        self._folder, self._plan = folder, ray.put(plan)
+        threads = os.environ.get("LP_NUM_THREADS") or str(max(1, cores // self.workers) if address == "local" else 1)
+        options: dict[str, Any] = {"num_cpus": 1, "max_restarts": 0, "runtime_env": {"env_vars": {"LP_NUM_THREADS": threads}}}
+        if gpus:
+            options["num_gpus"] = gpus
+        self._make = ray.remote(Actor).options(**options)
+        self._actors: dict[int, Any] = {}
+        # What is asked of actors, and whose it is.
+        self._asked: dict[Any, int] = {}
+
+    def start(self, worker: int) -> None:
+        actor = self._actors[worker] = self._make.remote(self._plan, self._folder)
+        self._asked[actor.ready.remote()] = worker
+
+    def give(self, worker: int, shard: int) -> None:
+        self._asked[self._actors[worker].do.remote(shard)] = worker
+
+    def wait(self, seconds: float) -> Iterator[tuple[str, int, Any]]:
+        ray = self._ray
+        if not self._asked:
+            return
+        # `wait` gives as many as it is asked for at most, and no more than there are.
+        first, _ = ray.wait(list(self._asked), num_returns=1, timeout=seconds)
+        more, _ = ray.wait(list(self._asked), num_returns=len(self._asked), timeout=0) if first else ([], [])
+        for answer in more:
+            worker = self._asked.pop(answer)
+            try:
+                kind, value = ray.get(answer)
+            except ray.exceptions.RayActorError as error:
+                actor = self._actors.pop(worker)
+                with contextlib.suppress(Exception):
+                    ray.kill(actor)
+                yield "lost", worker, type(error).__name__
+            except ray.exceptions.RayTaskError as error:
+                yield "broken", worker, str(error.cause)
+            else:
+                yield kind, worker, value
+
+    def stop(self) -> None:
+        for actor in self._actors.values():
+            with contextlib.suppress(Exception):
+                self._ray.kill(actor)
+        self._actors, self._asked = {}, {}
+        self._ray.shutdown()

@@ -1,0 +1,143 @@
+"""Shards: WebDataset files, tar archives with files of one sample side by side.
+
+The same samples are the same bytes: no times, no owners, one order.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import gzip
+import hashlib
+import io
+import json
+import os
+import struct
+import tarfile
+import uuid
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Iterator
+
+import numpy as np
+
+
+@dataclass
+class Sample:
+    """A picture with what belongs to it; `key` has no dot."""
+
+    key: str
+    arrays: dict[str, np.ndarray]
+    told: dict[str, Any]
+
+
+def name(index: int, compress: bool) -> str:
+    return f"shards/{index:06}.tar{'.gz' if compress else ''}"
+
+
+class Writer:
+    """Writes a shard under another name, and gives it its own when it is whole."""
+
+    def __init__(self, folder: str, index: int, compress: bool) -> None:
+        self.file = name(index, compress)
+        self._path = Path(folder, self.file)
+        self._part = self._path.with_name(f".{index:06}-{uuid.uuid4().hex}.part")
+        self._compress = compress
+
+    def __enter__(self) -> Writer:
+        self._path.parent.mkdir(parents=True, exist_ok=True)
+        self._raw = open(self._part, "wb")
+        self._hash = Hashed(self._raw)
+        self._gzip = gzip.GzipFile("", "wb", 6, self._hash, mtime=0) if self._compress else None
+        self._tar = tarfile.open(fileobj=self._gzip or self._hash, mode="w|", format=tarfile.USTAR_FORMAT)
+        return self
+
+    def add(self, sample: Sample) -> None:
+        for ending, data in encoded(sample):
+            entry = tarfile.TarInfo(f"{sample.key}.{ending}")
+            entry.size, entry.mode = len(data), 0o644
+            self._tar.addfile(entry, io.BytesIO(data))
+
+    def close(self) -> dict[str, Any]:
+        self._tar.close()
+        if self._gzip:
+            self._gzip.close()
+        self._raw.flush()
+        # A machine that loses power must not keep a name without its bytes.
+        os.fsync(self._raw.fileno())
+        self._raw.close()
+        os.replace(self._part, self._path)
+        return {"file": self.file, "sha256": self._hash.digest.hexdigest(), "bytes": self._hash.count}
+
+    def __exit__(self, *_: Any) -> None:
+        self._raw.close()
+        with contextlib.suppress(FileNotFoundError):
+            self._part.unlink()
+
+
+class Hashed:
+    """A file that knows the hash of what was written."""
+
+    def __init__(self, file: Any) -> None:
+        self._file, self.digest, self.count = file, hashlib.sha256(), 0
+
+    def write(self, data: Any) -> int:
+        self._file.write(data)
+        self.digest.update(data)
+        self.count += len(data)
+        return len(data)
+
+    def flush(self) -> None:
+        self._file.flush()
+
+
+def encoded(sample: Sample) -> Iterator[tuple[str, bytes]]:
+    """Endings and bytes; every reader of WebDataset knows ``.png``, ``.npy`` and ``.json``."""
+    for output, array in sample.arrays.items():
+        if output == "color":
+            yield "color.png", png(array)
+        else:
+            data = io.BytesIO()
+            np.lib.format.write_array(data, np.ascontiguousarray(array), version=(1, 0), allow_pickle=False)
+            yield f"{output}.npy", data.getvalue()
+    yield "json", json.dumps(sample.told, sort_keys=True).encode()
+
+
+def png(picture: np.ndarray) -> bytes:
+    """sRGB bytes [h, w, 3 or 4] as a PNG."""
+    height, width, channels = picture.shape
+    rows = picture.reshape(height, -1)
+    # The filter "up": differences from the row above.
+    lines = np.full((height, 1 + rows.shape[1]), 2, np.uint8)
+    lines[0, 1:] = rows[0]
+    lines[1:, 1:] = rows[1:] - rows[:-1]
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    header = struct.pack(">IIBBBBB", width, height, 8, 2 if channels == 3 else 6, 0, 0, 0)
+    # What the values mean: sRGB, perceptual.
+    return b"".join(
+        [
+            b"\x89PNG\r\n\x1a\n",
+            chunk(b"IHDR", header),
+            chunk(b"sRGB", b"\0"),
+            chunk(b"IDAT", zlib.compress(lines.tobytes(), 6)),
+            chunk(b"IEND", b""),
+        ]
+    )
+
+
+def read(path: str | os.PathLike[str]) -> Iterator[tuple[str, dict[str, bytes]]]:
+    """The samples of a shard: key, and bytes by ending."""
+    key, files = None, {}
+    with tarfile.open(path, "r|*") as tar:
+        for entry in tar:
+            stem, _, ending = entry.name.partition(".")
+            if stem != key and key is not None:
+                yield key, files
+                files = {}
+            key = stem
+            files[ending] = tar.extractfile(entry).read()
+    if key is not None:
+        yield key, files

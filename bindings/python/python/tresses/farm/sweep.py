@@ -1,0 +1,160 @@
+"""What differs from shot to shot: parameters that are listed, and parameters that are drawn.
+
+What is drawn depends on the seed and the name alone, by SHA-256: not on a generator's state, so a plan that gets another
+look leaves the shots that it had as they were.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+import math
+from dataclasses import dataclass
+from typing import Any, Iterator
+
+import tresses
+
+from .checks import PlanError, Table, kind, number, unlike
+
+_ROWS = {row.name: row for row in tresses.parameters()}
+
+
+def chance(seed: int, name: str) -> float:
+    """A number from 0 to below 1."""
+    digest = hashlib.sha256(f"{seed}:{name}".encode()).digest()
+    return int.from_bytes(digest[:8], "big") / 2**64
+
+
+def seed_of(seed: int, what: Any) -> int:
+    """The seed of something, 32 bits; the same wherever else it stands."""
+    digest = hashlib.sha256(f"{seed}:{canonical(what)}".encode()).digest()
+    return int.from_bytes(digest[:4], "big")
+
+
+def canonical(what: Any) -> str:
+    return json.dumps(what, sort_keys=True, separators=(",", ":"))
+
+
+@dataclass(frozen=True)
+class Range:
+    """Numbers between two ends, evenly or by factors."""
+
+    start: float
+    end: float
+    log: bool = False
+    whole: bool = False
+
+    def drawn(self, seed: int, name: str) -> float:
+        share = chance(seed, name)
+        if self.whole:
+            return int(self.start) + int(share * (int(self.end) - int(self.start) + 1))
+        if self.log:
+            return self.start * (self.end / self.start) ** share
+        return self.start + (self.end - self.start) * share
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One of some values."""
+
+    of: tuple
+
+    def drawn(self, seed: int, name: str) -> Any:
+        return self.of[int(chance(seed, name) * len(self.of))]
+
+
+def range_of(value: Any, path: str, least: float, most: float, whole: bool = False) -> Range:
+    table = Table(value, path)
+    start, end = table.any("from"), table.any("to")
+    log = table.flag("log")
+    table.done()
+    ends = [number(v, f"{path}.{key}", least, most) for key, v in (("from", start), ("to", end))]
+    if whole and any(end != int(end) for end in ends):
+        raise PlanError(f"{path} is {kind(value)}, but must have whole numbers")
+    if ends[0] > ends[1]:
+        raise PlanError(f"{path} goes from {ends[0]:g} down to {ends[1]:g}")
+    if log and (whole or ends[0] <= 0):
+        raise PlanError(f"{path} is drawn by factors (log), but has whole numbers or begins at 0 or below")
+    return Range(ends[0], ends[1], log, whole)
+
+
+def flat(values: Any, path: str) -> dict[str, Any]:
+    """Parameters by their names, whether a plan says ``"wind.speed" = 4`` or ``wind.speed = 4``."""
+    found: dict[str, Any] = {}
+
+    def descend(value: Any, name: str) -> None:
+        if name in _ROWS:
+            if name in found:
+                raise PlanError(f"{path}: {name} is there twice")
+            found[name] = value
+        elif isinstance(value, dict) and (value or not name):
+            for key, each in value.items():
+                descend(each, f"{name}.{key}" if name else key)
+        else:
+            try:
+                tresses.Settings()[name]
+            except KeyError as error:
+                raise PlanError(f"{path}: {error.args[0]}") from None
+
+    if not isinstance(values, dict):
+        raise PlanError(f"{path} is {kind(values)}, but must be a table of parameters")
+    descend(values, "")
+    return found
+
+
+def checked(values: dict[str, Any], path: str) -> dict[str, Any]:
+    """Parameters of which each has a value that it may have."""
+    for name, value in values.items():
+        try:
+            tresses.Settings({name: value})
+        except (tresses.TressesError, TypeError, ValueError, OverflowError) as error:
+            raise PlanError(f"{path}: {error}") from None
+    return values
+
+
+def settings(table: Table, key: str = "settings") -> dict[str, Any]:
+    return checked(flat(table.any(key, {}), table.at(key)), table.at(key))
+
+
+def listed(table: Table) -> dict[str, list]:
+    """``[sweep]``: each parameter with the values that it takes in turn."""
+    lists = flat(table.any("sweep", {}), "sweep")
+    for name, values in lists.items():
+        if not isinstance(values, list) or not values:
+            raise PlanError(f"sweep: {name} is {kind(values)}, but must be a list of values")
+        unlike(values, f"sweep: {name}")
+        for value in values:
+            checked({name: value}, "sweep")
+    return lists
+
+
+def combinations(lists: dict[str, list]) -> Iterator[dict[str, Any]]:
+    for values in itertools.product(*lists.values()):
+        yield dict(zip(lists, values))
+
+
+def drawn(table: Table) -> dict[str, Range | Choice]:
+    """``[draw]``: each parameter with what it is drawn from."""
+    out: dict[str, Range | Choice] = {}
+    for name, of in flat(table.any("draw", {}), "draw").items():
+        row, path = _ROWS[name], f"draw: {name}"
+        if isinstance(of, list) and of:
+            unlike(of, path)
+            for value in of:
+                checked({name: value}, "draw")
+            out[name] = Choice(tuple(of))
+        elif isinstance(of, dict) and row.kind in ("number", "integer"):
+            ends = (-math.inf if row.least is None else row.least, math.inf if row.most is None else row.most)
+            out[name] = range_of(of, path, *ends, whole=row.kind == "integer")
+        else:
+            numbers = ", or { from = …, to = … }" if row.kind in ("number", "integer") else ""
+            raise PlanError(f"{path} is {kind(of)}, but must be a list of values{numbers}")
+    return out
+
+
+def checked_together(values: dict[str, Any], shot: str) -> None:
+    try:
+        tresses.Settings(values)
+    except tresses.TressesError as error:
+        raise PlanError(f"the shot {shot}: {error}") from None

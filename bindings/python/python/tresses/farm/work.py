@@ -1,0 +1,171 @@
+"""What a worker does: simulates a shot, and draws the frames of a shard of it by all cameras."""
+
+from __future__ import annotations
+
+import time
+from typing import Any, Iterator
+
+import tresses
+
+from . import flow, shards
+from .plan import OUTPUTS, Plan, Shard
+
+
+class Clock:
+    """Seconds of each kind of work."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+        self._last = time.perf_counter()
+
+    def lap(self, kind: str | None) -> None:
+        """What passed since the last lap was this kind of work, or idleness."""
+        now = time.perf_counter()
+        if kind is not None:
+            self.seconds[kind] = self.seconds.get(kind, 0.0) + now - self._last
+        self._last = now
+
+
+class Stage:
+    """A shot while it is simulated: nothing but its steps moves it, so that every frame has the same bits whichever
+    frames were drawn before."""
+
+    def __init__(self, plan: Plan, index: int, groom: tresses.Groom) -> None:
+        self.plan, self.shot = plan, plan.shots[index]
+        self.sim = tresses.Simulation(groom)
+        self.motion = tresses.Motion(self.shot.motion)
+        rest = groom.guides
+        self.views = [(view.name, view.placed(self.shot.seed, rest, plan.size)) for view in plan.cameras]
+        self.steps = 0
+        # The strands of the last frame of which motion is told, and which frame that was.
+        self.before: tuple[int, flow.Moment] | None = None
+
+    def go(self, frame: int) -> int:
+        """Steps to a frame; how many that took."""
+        steps = self.plan.steps(frame) - self.steps
+        for _ in range(steps):
+            self.steps += 1
+            self.sim.step(1 / self.plan.rate, **self.motion.at(self.steps / self.plan.rate, self.sim.pivot))
+        return steps
+
+    def remember(self, frame: int) -> None:
+        cameras = {}
+        for name, where in self.views:
+            matrices = self.sim.camera(size=self.plan.size, **where)
+            cameras[name] = matrices["projection"].astype(float) @ matrices["view"].astype(float)
+        self.before = (frame, flow.Moment([self.sim.strands(), *self.sim.face()], cameras))
+
+    def remembers(self, frame: int) -> bool:
+        return self.before is not None and self.before[0] == frame
+
+    def samples(self, frame: int) -> Iterator[shards.Sample]:
+        """What the cameras see now."""
+        plan, before = self.plan, None
+        moves = "motion" in plan.outputs
+        if moves:
+            before = self.before[1] if self.remembers(frame - 1) else None
+            self.remember(frame)
+        outputs = [name for name in plan.outputs if name in OUTPUTS and name != "motion"]
+        labels = [name for name in flow.LABELS if moves and name not in outputs]
+        shapes = {}
+        if "guides" in plan.outputs:
+            shapes["guides"] = self.sim.guides()
+        if "strands" in plan.outputs:
+            shapes["strands"] = self.sim.strands().grid()
+        for name, where in self.views:
+            # A picture without outputs is none; colours cost nothing more.
+            seen = self.sim.render(
+                size=plan.size, outputs=[*outputs, *labels] or ["color"], background=plan.background, **where
+            )
+            arrays = {output: seen[output] for output in outputs}
+            if moves:
+                arrays["motion"] = flow.motion(seen, self.before[1], before, name)
+            if "color" in arrays and plan.background != "transparent":
+                arrays["color"] = arrays["color"][..., :3]
+            yield shards.Sample(
+                f"{self.shot.index:06}-{frame:06}-{name}", {**arrays, **shapes}, self.told(frame, name, where)
+            )
+
+    def told(self, frame: int, name: str, where: dict[str, Any]) -> dict[str, Any]:
+        matrices = self.sim.camera(size=self.plan.size, **where)
+        translation, rotation = self.sim.head
+        return {
+            "shot": self.shot.index,
+            "name": self.shot.name,
+            "seed": self.shot.seed,
+            "groom": self.plan.grooms[self.shot.groom].name,
+            "settings": self.shot.settings,
+            "frame": frame,
+            "time": self.steps / self.plan.rate,
+            "camera": name,
+            "view": matrices["view"].tolist(),
+            "projection": matrices["projection"].tolist(),
+            "head": [list(translation), list(rotation)],
+        }
+
+
+class Worker:
+    """Opens the GPU, and keeps the shot that it works on: its next shard goes on where the last one ended."""
+
+    def __init__(self, plan: Plan) -> None:
+        began = time.perf_counter()
+        self.plan = plan
+        self.adapter = tresses.adapter()
+        self.opened = time.perf_counter() - began
+        self.stage: Stage | None = None
+        self.groom: tuple[Any, tresses.Groom] | None = None
+
+    def do(self, index: int, folder: str) -> dict[str, Any]:
+        """Draws a shard and writes it; what is to be known of it."""
+        try:
+            return self._done(index, folder)
+        except BaseException:
+            # Where the shot stands now is not known.
+            self.stage = None
+            raise
+
+    def _done(self, index: int, folder: str) -> dict[str, Any]:
+        plan, shard, clock = self.plan, self.plan.shards[index], Clock()
+        made = self._stand(shard)
+        stage = self.stage
+        clock.lap("groom")
+        steps = 0
+        with shards.Writer(folder, index, plan.compress) as writer:
+            # Also the frame before the first one, where a picture says what moved since.
+            before = "motion" in plan.outputs and shard.first > 0 and not stage.remembers(shard.first - 1)
+            for frame in range(shard.first - 1 if before else shard.first, shard.end):
+                steps += stage.go(frame)
+                clock.lap("steps")
+                if frame < shard.first:
+                    stage.remember(frame)
+                    clock.lap("pictures")
+                    continue
+                for sample in stage.samples(frame):
+                    clock.lap("pictures")
+                    writer.add(sample)
+                    clock.lap("writing")
+                clock.lap("pictures")
+            written = writer.close()
+            clock.lap("writing")
+        return {
+            "shard": index,
+            **written,
+            "samples": plan.pictures(shard),
+            "adapter": self.adapter,
+            "cost": {"grooms": made, "steps": steps, "pictures": plan.pictures(shard), "seconds": clock.seconds},
+        }
+
+    def _stand(self, shard: Shard) -> int:
+        """Puts the stage where the shard can begin; how many grooms were made for it."""
+        stage = self.stage
+        if stage and stage.shot.index == shard.shot and stage.steps <= self.plan.steps(shard.first - 1 if shard.first else 0):
+            return 0
+        shot, made = self.plan.shots[shard.shot], 0
+        key = (shot.groom, shot.settings)
+        self.stage = None
+        if self.groom is None or self.groom[0] != key:
+            self.groom = None
+            self.groom = (key, self.plan.grooms[shot.groom].made(shot.settings))
+            made = 1
+        self.stage = Stage(self.plan, shard.shot, self.groom[1])
+        return made
