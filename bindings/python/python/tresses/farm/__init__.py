@@ -51,6 +51,10 @@ def run(
     """
     from .drive import Driver
 
+    if ray is not None:
+        from .on_ray import OnRay, installed
+
+        installed()
     folder = Folder(out, plan)
     folder.open()
     if len(folder.records()) == len(plan.shards):
@@ -63,8 +67,6 @@ def run(
         workers = workers or 1
         engine: Any = Local(plan, str(folder.path), workers)
     else:
-        from .on_ray import OnRay
-
         engine = OnRay(plan, str(folder.path), ray, workers, gpus)
         workers = engine.workers
     driver = Driver(folder, engine, workers, tell)

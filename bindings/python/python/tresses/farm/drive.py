@@ -111,6 +111,7 @@ class Driver:
             "workers": self.workers,
             "seconds": time.monotonic() - self.began,
             "pictures": self._new,
+            "engine_start": self.engine.seconds,
             "start": statistics.median(self._starts),
             "open": statistics.median(self._opened),
             "dispatch": statistics.median(self._overheads),

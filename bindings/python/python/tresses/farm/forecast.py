@@ -9,30 +9,34 @@ from __future__ import annotations
 import heapq
 import json
 import os
+import statistics
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Sequence
 
+from . import sweep
 from .checks import PlanError
 from .plan import Plan
 from .schedule import Schedule
 
 
+# What is counted, and what of a worker's seconds it takes.
+_KINDS = {"grooms": ("groom",), "shots": ("shot",), "steps": ("steps",), "pictures": ("pictures", "writing")}
+
+
 @dataclass(frozen=True)
 class Costs:
-    """Seconds: of a groom, a step and a picture with its writing, by shot where that was measured; of a worker's start, and
-    of the driver for each shard."""
+    """Seconds: of each kind of work, by shot where that was measured; of a worker's start with what its first shard takes
+    longer; and of the driver for each shard."""
 
-    groom: float
-    step: float
-    picture: float
+    each: dict[str, float]
     start: float
     dispatch: float
-    shots: dict[str, tuple[float, float, float]]
+    shots: dict[str, dict[str, float]]
     told: str
 
-    def of(self, shot: str) -> tuple[float, float, float]:
-        return self.shots.get(shot, (self.groom, self.step, self.picture))
+    def of(self, shot: str) -> dict[str, float]:
+        return self.shots.get(shot, self.each)
 
 
 @dataclass(frozen=True)
@@ -50,28 +54,32 @@ def read(file: str | os.PathLike[str]) -> Costs:
     try:
         found = json.loads(Path(file).read_text())
         run, shards = found["run"], found["shards"]
-        everything = _means(shards, None)
+        warm = [shard for shard in shards if not shard["first"]]
+        each = _means(warm or shards, {})
         groups: dict[str, list] = {}
-        for shard in shards:
+        for shard in warm:
             groups.setdefault(shard["shot"], []).append(shard)
+        shots = {name: _means(group, each) for name, group in groups.items()}
+        longer = [
+            sum(shard["seconds"].values()) - sum(shots.get(shard["shot"], each)[kind] * shard[kind] for kind in _KINDS)
+            for shard in shards
+            if shard["first"] and warm
+        ]
+        start = run["engine_start"] + run["start"] + run["open"] + max(0.0, statistics.median(longer or [0.0]))
         told = f"{len(shards)} shards on {run['engine']} with {run['workers']} workers"
-        shots = {name: _means(group, everything) for name, group in groups.items()}
-        return Costs(*everything, run["start"] + run["open"], max(0.0, run["dispatch"]), shots, told)
+        return Costs(each, start, max(0.0, run["dispatch"]), shots, told)
     except (OSError, ValueError, KeyError, TypeError) as error:
         reason = getattr(error, "strerror", None) or "no costs of a run are in it"
         raise PlanError(f"{file}: {reason}; a run that is complete writes costs.json into its folder") from None
 
 
-def _means(shards: Sequence[dict], usual: tuple[float, float, float] | None) -> tuple[float, float, float]:
-    def mean(kinds: Sequence[str], count: str, which: int) -> float:
+def _means(shards: Sequence[dict], usual: dict[str, float]) -> dict[str, float]:
+    out = {}
+    for count, kinds in _KINDS.items():
         times = sum(shard[count] for shard in shards)
-        if times == 0:
-            return usual[which] if usual else 0.0
-        # Laps in which a groom is kept cost next to nothing, and are not counted as grooms.
-        used = [shard for shard in shards if shard[count]]
-        return sum(shard["seconds"].get(kind, 0.0) for shard in used for kind in kinds) / times
-
-    return mean(["groom"], "grooms", 0), mean(["steps"], "steps", 1), mean(["pictures", "writing"], "pictures", 2)
+        seconds = sum(shard["seconds"].get(kind, 0.0) for shard in shards for kind in kinds)
+        out[count] = seconds / times if times else usual.get(count, 0.0)
+    return out
 
 
 def forecast(plan: Plan, costs: Costs, workers: int) -> Forecast:
@@ -90,24 +98,25 @@ def forecast(plan: Plan, costs: Costs, workers: int) -> Forecast:
         driver = max(now, driver) + costs.dispatch
         shard = plan.shards[index]
         shot = plan.shots[shard.shot]
-        groom, step, picture = costs.of(shot.name)
+        cost = costs.of(shot.name)
         took = 0.0
         at, reached = stands.get(worker, (-1, 0))
         if at != shard.shot or reached > plan.steps(shard.first):
             reached = 0
-            key = (shot.groom, shot.settings)
+            key = (shot.groom, sweep.parted(shot.settings)[0])
             if grooms.get(worker) != key:
                 grooms[worker] = key
-                took += groom
+                took += cost["grooms"]
+            took += cost["shots"]
         last = plan.steps(shard.end - 1)
-        stepping += (last - reached) * step
-        drawing += plan.pictures(shard) * picture
-        took += (last - reached) * step + plan.pictures(shard) * picture
+        stepping += (last - reached) * cost["steps"]
+        drawing += plan.pictures(shard) * cost["pictures"]
+        took += (last - reached) * cost["steps"] + plan.pictures(shard) * cost["pictures"]
         stands[worker] = (shard.shot, last)
         busy += took
         end = max(end, driver + took)
         heapq.heappush(free, (driver + took, worker))
-    once = sum(plan.steps(plan.frames - 1) * costs.of(shot.name)[1] for shot in plan.shots)
+    once = sum(plan.steps(plan.frames - 1) * costs.of(shot.name)["steps"] for shot in plan.shots)
     all_of_it = workers * end
     return Forecast(workers, end, drawing / all_of_it, max(0.0, stepping - once) / all_of_it, 1 - busy / all_of_it)
 

@@ -16,7 +16,6 @@ from .plan import Plan
 
 # What an engine tells: ("ready", worker, facts), ("done", worker, record), ("refused", worker, sentence),
 # ("broken", worker, sentence) for what is no fault of a shot, ("lost", worker, how).
-Event = "tuple[str, int, Any]"
 
 
 def facts(worker: Any) -> dict[str, Any]:
@@ -55,6 +54,8 @@ def _serve(pipe: connection.Connection, plan: Plan, folder: str) -> None:
 
 class Local:
     name = "processes"
+    # What it took to be there at all.
+    seconds = 0.0
 
     def __init__(self, plan: Plan, folder: str, workers: int) -> None:
         self._plan, self._folder = plan, folder

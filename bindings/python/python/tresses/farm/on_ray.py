@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import time
 from typing import Any, Iterator
 
 from .folder import FolderError
@@ -15,7 +16,8 @@ from .local import facts, tried
 from .plan import Plan
 
 
-def _ray() -> Any:
+def installed() -> Any:
+    """The module of Ray."""
     # Ray counts who uses it unless told otherwise; that is for its users to decide, not for a library.
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
     try:
@@ -44,16 +46,23 @@ class Actor:
 
 class OnRay:
     def __init__(self, plan: Plan, folder: str, address: str, workers: int | None, gpus: float) -> None:
-        self._ray = ray = _ray()
+        self._ray = ray = installed()
         words: dict[str, Any] = {"address": address, "log_to_driver": False, "logging_level": "error"}
         if address == "local":
             words.update(include_dashboard=False, num_cpus=max(workers or 0, os.cpu_count() or 1))
+        began = time.monotonic()
         try:
             ray.init(**words)
         except (ConnectionError, ValueError, RuntimeError) as error:
             raise FolderError(f"no Ray at {address}: {str(error).splitlines()[0]}") from None
-        cores = int(ray.cluster_resources().get("CPU", 1))
-        self.name, self.workers = f"Ray {ray.__version__}", workers or cores
+        self.seconds = time.monotonic() - began
+        there = ray.cluster_resources()
+        cores = int(there.get("CPU", 1))
+        fit = min(cores, int(there.get("GPU", 0) / gpus)) if gpus else cores
+        if fit == 0:
+            ray.shutdown()
+            raise FolderError(f"Ray at {address} has no GPU for a worker that takes {gpus:g}")
+        self.name, self.workers = f"Ray {ray.__version__}", workers or fit
         self._folder, self._plan = folder, ray.put(plan)
         threads = os.environ.get("LP_NUM_THREADS") or str(max(1, cores // self.workers) if address == "local" else 1)
         options: dict[str, Any] = {"num_cpus": 1, "max_restarts": 0, "runtime_env": {"env_vars": {"LP_NUM_THREADS": threads}}}

@@ -113,6 +113,12 @@ def checked(values: dict[str, Any], path: str) -> dict[str, Any]:
     return values
 
 
+def parted(values: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Those that decide which strands there are, and those that a simulation may have otherwise than its groom."""
+    grown = {name: value for name, value in values.items() if _ROWS[name].cost == "regrow"}
+    return grown, {name: value for name, value in values.items() if name not in grown}
+
+
 def settings(table: Table, key: str = "settings") -> dict[str, Any]:
     return checked(flat(table.any(key, {}), table.at(key)), table.at(key))
 

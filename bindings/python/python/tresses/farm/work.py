@@ -7,7 +7,7 @@ from typing import Any, Iterator
 
 import tresses
 
-from . import flow, shards
+from . import flow, shards, sweep
 from .plan import OUTPUTS, Plan, Shard
 
 
@@ -32,7 +32,7 @@ class Stage:
 
     def __init__(self, plan: Plan, index: int, groom: tresses.Groom) -> None:
         self.plan, self.shot = plan, plan.shots[index]
-        self.sim = tresses.Simulation(groom)
+        self.sim = tresses.Simulation(groom, sweep.parted(self.shot.settings)[1])
         self.motion = tresses.Motion(self.shot.motion)
         rest = groom.guides
         self.views = [(view.name, view.placed(self.shot.seed, rest, plan.size)) for view in plan.cameras]
@@ -112,6 +112,7 @@ class Worker:
         self.plan = plan
         self.adapter = tresses.adapter()
         self.opened = time.perf_counter() - began
+        self.done = 0
         self.stage: Stage | None = None
         self.groom: tuple[Any, tresses.Groom] | None = None
 
@@ -125,10 +126,10 @@ class Worker:
             raise
 
     def _done(self, index: int, folder: str) -> dict[str, Any]:
+        self.done += 1
         plan, shard, clock = self.plan, self.plan.shards[index], Clock()
-        made = self._stand(shard)
+        made = self._stand(shard, clock)
         stage = self.stage
-        clock.lap("groom")
         steps = 0
         with shards.Writer(folder, index, plan.compress) as writer:
             # Also the frame before the first one, where a picture says what moved since.
@@ -152,20 +153,31 @@ class Worker:
             **written,
             "samples": plan.pictures(shard),
             "adapter": self.adapter,
-            "cost": {"grooms": made, "steps": steps, "pictures": plan.pictures(shard), "seconds": clock.seconds},
+            "cost": {
+                # A worker's first shard also pays for what the driver compiles once.
+                "first": self.done == 1,
+                **made,
+                "steps": steps,
+                "pictures": plan.pictures(shard),
+                "seconds": clock.seconds,
+            },
         }
 
-    def _stand(self, shard: Shard) -> int:
-        """Puts the stage where the shard can begin; how many grooms were made for it."""
-        stage = self.stage
+    def _stand(self, shard: Shard, clock: Clock) -> dict[str, int]:
+        """Puts the stage where the shard can begin; what was made for that."""
+        stage, made = self.stage, {"grooms": 0, "shots": 0}
         if stage and stage.shot.index == shard.shot and stage.steps <= self.plan.steps(shard.first - 1 if shard.first else 0):
-            return 0
-        shot, made = self.plan.shots[shard.shot], 0
-        key = (shot.groom, shot.settings)
+            return made
+        shot = self.plan.shots[shard.shot]
+        grown, _ = sweep.parted(shot.settings)
+        key = (shot.groom, grown)
         self.stage = None
         if self.groom is None or self.groom[0] != key:
             self.groom = None
-            self.groom = (key, self.plan.grooms[shot.groom].made(shot.settings))
-            made = 1
+            self.groom = (key, self.plan.grooms[shot.groom].made(grown))
+            made["grooms"] = 1
+            clock.lap("groom")
         self.stage = Stage(self.plan, shard.shot, self.groom[1])
+        made["shots"] = 1
+        clock.lap("shot")
         return made
