@@ -214,7 +214,8 @@ def test_a_broken_groom_ends_it_before_anything_is_written(tmp_path):
 
 def played(runs, workers, lose=()):
     """The order in which shards are done by workers who all take one second."""
-    order, asked = [], schedule.Schedule(runs)
+    places = [(shot, i) for shot, run in enumerate(runs) for i in range(len(run))]
+    order, asked = [], schedule.Schedule(runs, places)
     now = {worker: asked.take(worker) for worker in range(workers)}
     for turn in range(1000):
         for worker in list(now):
@@ -235,12 +236,33 @@ def test_no_shard_is_lost_or_doubled():
             order, turns = played(runs, workers, lose)
             assert sorted(order) == list(range(40)), (workers, lose)
             if not lose:
-                # Nobody waits while there is something to be taken.
+                # Hardly anybody waits while there is something to be taken.
                 assert turns <= 40 / workers + 4
     assert played(runs, 1)[0] == list(range(40))
     # A shard that is doubled is seen.
     twice, _ = played([[0, 1], [1, 2]], 2)
     assert sorted(twice) != [0, 1, 2]
+
+
+def test_what_is_taken_from_another_is_worth_its_steps():
+    places = [(0, i) for i in range(20)]
+
+    def taken(again, done=1):
+        asked = schedule.Schedule([list(range(20))], places, again)
+        for _ in range(done):
+            asked.take("first")
+        return asked.take("second")
+
+    # Half where steps cost nothing, less where they cost more, nothing where they cost what all costs.
+    assert taken(0.0) == 10 and 10 < taken(0.3) < taken(0.6) < 20 and taken(1.0) is None
+    assert taken(0.3, 20) is None
+    # Who stands in the shot already has less to simulate.
+    asked = schedule.Schedule([list(range(10)), list(range(10, 20))], [(i // 10, i % 10) for i in range(20)], 0.3)
+    for worker in range(3):
+        asked.take(worker)
+    third = asked.busy[2]
+    assert 5 < third < 10
+    assert asked.take(1) == 11
 
 
 # Shards

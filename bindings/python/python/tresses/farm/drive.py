@@ -28,9 +28,10 @@ class Driver:
         self._opened: list[float] = []
         self._starts: list[float] = []
         self._new = 0
+        self._steps = self._all = 0.0
         self._told = 0.0
         missing = {shard.index for shard in self.plan.shards} - set(self.records)
-        self.schedule = Schedule(self.plan.runs(missing))
+        self.schedule = Schedule(self.plan.runs(missing), self.plan.places())
         self.workers = min(workers, len(missing))
 
     def run(self) -> None:
@@ -68,6 +69,7 @@ class Driver:
             self.folder.record(value)
             self.records[value["shard"]] = value
             self._new += value["samples"]
+            self._learn(value["cost"])
             self._next(worker)
             self._progress()
         elif kind == "refused":
@@ -89,6 +91,13 @@ class Driver:
             self._start(worker)
         else:
             raise FolderError(f"worker {worker}: {value}")
+
+    def _learn(self, cost: dict[str, Any]) -> None:
+        """What steps are of the whole, by the shards so far; a worker's first one is none to learn from."""
+        if not cost["first"]:
+            self._steps += cost["seconds"]["steps"]
+            self._all += sum(cost["seconds"].values())
+            self.schedule.again = self._steps / self._all
 
     def _progress(self) -> None:
         now = time.monotonic()

@@ -83,7 +83,9 @@ def _means(shards: Sequence[dict], usual: dict[str, float]) -> dict[str, float]:
 
 
 def forecast(plan: Plan, costs: Costs, workers: int) -> Forecast:
-    schedule = Schedule(plan.runs({shard.index for shard in plan.shards}))
+    each = plan.frames * plan.every * costs.each["steps"]
+    again = each / (each + plan.frames * len(plan.cameras) * costs.each["pictures"])
+    schedule = Schedule(plan.runs({shard.index for shard in plan.shards}), plan.places(), again)
     stands: dict[int, tuple[int, int]] = {}
     grooms: dict[int, Any] = {}
     drawing = stepping = busy = 0.0

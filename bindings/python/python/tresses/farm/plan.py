@@ -69,6 +69,11 @@ class Plan:
     def pictures(self, shard: Shard) -> int:
         return (shard.end - shard.first) * len(self.cameras)
 
+    def places(self) -> list[tuple[int, int]]:
+        """Of each shard its shot, and how many shards of the shot are before it."""
+        each = len(self.shards) // len(self.shots)
+        return [(shard.shot, shard.index % each) for shard in self.shards]
+
     def runs(self, missing: set[int]) -> list[list[int]]:
         """Shards that are missing, those that follow one another in a shot together."""
         found: list[list[int]] = []
