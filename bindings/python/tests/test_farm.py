@@ -15,7 +15,8 @@ import pytest
 
 import tresses
 from tresses import farm
-from tresses.farm import forecast, schedule, shards, work
+from tresses.farm import drive, forecast, schedule, shards, work
+from tresses.farm.folder import Folder
 
 SMALL = """
 seed = 5
@@ -418,6 +419,62 @@ def test_shots_that_are_refused_are_left_out(tmp_path):
 
 
 # Many workers
+
+
+class Played:
+    """An engine without workers: what comes of a shard is said by `answer`."""
+
+    name, seconds = "played", 0.0
+
+    def __init__(self, answer):
+        self.answer, self.events, self.stopped = answer, [], False
+
+    def start(self, worker):
+        adapter = {"name": f"card {worker}", "software": False}
+        self.events.append(("ready", worker, {"opened": 0.0, "process": 1, "adapter": adapter}))
+
+    def give(self, worker, shard):
+        self.events.append(self.answer(worker, shard))
+
+    def wait(self, seconds):
+        events, self.events = self.events, []
+        return events
+
+    def stop(self):
+        self.stopped = True
+
+
+def driven(plan, out, answer):
+    told = []
+    folder = Folder(out, plan)
+    folder.open()
+    driver = drive.Driver(folder, Played(answer), 3, told.append)
+    try:
+        driver.run()
+    finally:
+        assert driver.engine.stopped
+    driver.close()
+    return told
+
+
+def test_a_shard_that_kills_its_workers_ends_the_run(small, tmp_path):
+    plan, _ = small
+
+    def done(worker, shard):
+        cost = {"first": False, "grooms": 0, "shots": 0, "steps": 1, "pictures": 4, "seconds": {"steps": 0.1, "pictures": 0.1}}
+        card = {"name": f"card {worker}", "software": False}
+        record = {"shard": shard, "file": "none", "sha256": "", "bytes": 0, "samples": 4, "adapter": card, "cost": cost}
+        return "done", worker, record
+
+    def deadly(worker, shard):
+        return ("lost", worker, "it ended with -9") if shard == 5 else done(worker, shard)
+
+    with pytest.raises(farm.FolderError, match="3 workers were lost with shard 5"):
+        driven(plan, tmp_path / "out", deadly)
+    with pytest.raises(farm.FolderError, match="worker 0: the disk is full"):
+        driven(plan, tmp_path / "full", lambda worker, shard: ("broken", worker, "the disk is full"))
+    told = driven(plan, tmp_path / "cards", done)
+    assert "3 adapters took part, whose bits may differ: card 0, card 1, card 2" in told
 
 
 def test_a_forecast_is_the_sum_of_its_costs(small):

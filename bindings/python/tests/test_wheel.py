@@ -12,7 +12,7 @@ def test_the_wheel_is_for_any_python_and_any_linux():
     assert tags[1].startswith(("manylinux", "macosx", "win")), tags[1]
     with zipfile.ZipFile(wheel) as files:
         names = set(files.namelist())
-    assert {"tresses/__init__.pyi", "tresses/py.typed", "tresses/__init__.py"} <= names
+    assert {"tresses/__init__.pyi", "tresses/py.typed", "tresses/__init__.py", "tresses/farm/__main__.py"} <= names
 
 
 def test_types_name_what_there_is():

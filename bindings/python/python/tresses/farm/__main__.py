@@ -88,7 +88,7 @@ def main() -> int:
             return 0
         plan = read(words.plan)
         costs = forecast.read(words.costs or out / "costs.json") if words.costs or words.simulate else None
-        if words.simulate:
+        if words.simulate and costs:
             print(forecast.table(plan, costs, words.simulate))
             return 0
         if words.dry_run:

@@ -111,7 +111,8 @@ def verify(path: str | os.PathLike[str]) -> str:
         manifest = json.loads((path / "manifest.json").read_text())
     except (OSError, ValueError):
         raise FolderError(f"{path} has no manifest: the run is not complete, or is none") from None
-    plan, keys = manifest["plan"], set()
+    plan = manifest["plan"]
+    keys: set[str] = set()
     for shard in manifest["shards"]:
         file = path / shard["file"]
         try:

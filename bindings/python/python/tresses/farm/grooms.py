@@ -35,8 +35,8 @@ class Groom:
     way: str
     of: Any
     head: tuple = ()
-    words: dict[str, str] = field(default_factory=dict)
-    files: dict[str, str] = field(default_factory=dict)
+    words: dict[str, Any] = field(default_factory=dict)
+    files: dict[str, Any] = field(default_factory=dict)
     settings: dict[str, Any] = field(default_factory=dict)
 
     def made(self, values: dict[str, Any]) -> tresses.Groom:
@@ -70,7 +70,7 @@ def _groom(table: Table, folder: Path) -> Groom:
     if way != "file" and len(names) > 1:
         raise PlanError(f"{table.at(way)} is one name; write a [[groom]] for each")
     usual = names[0] if way == "style" else Path(names[0]).stem
-    name = table.text("name", usual)
+    name = table.text("name") or usual
     own = settings(table)
     if way == "style":
         if names[0] not in STYLES:

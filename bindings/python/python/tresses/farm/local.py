@@ -92,7 +92,8 @@ class Local:
             pass
 
     def wait(self, seconds: float) -> Iterator[tuple[str, int, Any]]:
-        workers = {pipe: worker for worker, pipe in self._pipes.items()}
+        workers: dict[Any, int] = {pipe: worker for worker, pipe in self._pipes.items()}
+        pipe: Any
         for pipe in connection.wait(list(workers), seconds):
             worker = workers[pipe]
             try:

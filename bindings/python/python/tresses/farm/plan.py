@@ -125,7 +125,7 @@ def _plan(table: Table, folder: Path) -> Plan:
     frames, every = table.integer("frames", 1, 1_000_000), table.integer("every", 1, 100_000, 1)
     settle, draws = table.integer("settle", 0, 1_000_000, 0), table.integer("draws", 1, _MOST_SHOTS, 1)
     per_shard = table.integer("shard", 1, 1_000_000, min(frames, 32))
-    rate = table.number("rate", 1, 10_000, 60.0)
+    rate = table.number("rate", 1, 10_000) or 60.0
     size = _size(table)
     outputs = table.texts("outputs", ["color"])
     for name in outputs:
@@ -144,8 +144,8 @@ def _plan(table: Table, folder: Path) -> Plan:
         raise PlanError("draws is more than 1, but nothing is drawn: [draw] and ranges of cameras are")
     _one_source(looks, lists, draw)
     count = len(hair) * len(looks) * len(motions) * draws
-    for values in lists.values():
-        count *= len(values)
+    for each in lists.values():
+        count *= len(each)
     if count > _MOST_SHOTS or count * frames > 100 * _MOST_SHOTS:
         raise PlanError(f"has {count} shots of {frames} frames, but may have {_MOST_SHOTS} and {100 * _MOST_SHOTS} frames")
 

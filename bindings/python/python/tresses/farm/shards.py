@@ -49,7 +49,8 @@ class Writer:
         self._raw = open(self._part, "wb")
         self._hash = Hashed(self._raw)
         self._gzip = gzip.GzipFile("", "wb", 6, self._hash, mtime=0) if self._compress else None
-        self._tar = tarfile.open(fileobj=self._gzip or self._hash, mode="w|", format=tarfile.USTAR_FORMAT)
+        target: Any = self._gzip or self._hash
+        self._tar = tarfile.open(fileobj=target, mode="w|", format=tarfile.USTAR_FORMAT)
         return self
 
     def add(self, sample: Sample) -> None:
@@ -133,11 +134,14 @@ def read(path: str | os.PathLike[str]) -> Iterator[tuple[str, dict[str, bytes]]]
     key, files = None, {}
     with tarfile.open(path, "r|*") as tar:
         for entry in tar:
+            file = tar.extractfile(entry)
+            if file is None:
+                continue
             stem, _, ending = entry.name.partition(".")
             if stem != key and key is not None:
                 yield key, files
                 files = {}
             key = stem
-            files[ending] = tar.extractfile(entry).read()
+            files[ending] = file.read()
     if key is not None:
         yield key, files

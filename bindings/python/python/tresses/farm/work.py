@@ -48,25 +48,25 @@ class Stage:
             self.sim.step(1 / self.plan.rate, **self.motion.at(self.steps / self.plan.rate, self.sim.pivot))
         return steps
 
-    def remember(self, frame: int) -> None:
+    def remember(self, frame: int) -> flow.Moment:
         cameras = {}
         for name, where in self.views:
             matrices = self.sim.camera(size=self.plan.size, **where)
             cameras[name] = matrices["projection"].astype(float) @ matrices["view"].astype(float)
-        self.before = (frame, flow.Moment([self.sim.strands(), *self.sim.face()], cameras))
+        moment = flow.Moment([self.sim.strands(), *self.sim.face()], cameras)
+        self.before = (frame, moment)
+        return moment
 
-    def remembers(self, frame: int) -> bool:
-        return self.before is not None and self.before[0] == frame
+    def remembered(self, frame: int) -> flow.Moment | None:
+        return self.before[1] if self.before and self.before[0] == frame else None
 
     def samples(self, frame: int) -> Iterator[shards.Sample]:
         """What the cameras see now."""
-        plan, before = self.plan, None
-        moves = "motion" in plan.outputs
-        if moves:
-            before = self.before[1] if self.remembers(frame - 1) else None
-            self.remember(frame)
+        plan = self.plan
+        before = self.remembered(frame - 1)
+        now = self.remember(frame) if "motion" in plan.outputs else None
         outputs = [name for name in plan.outputs if name in OUTPUTS and name != "motion"]
-        labels = [name for name in flow.LABELS if moves and name not in outputs]
+        labels = [name for name in flow.LABELS if now is not None and name not in outputs]
         shapes = {}
         if "guides" in plan.outputs:
             shapes["guides"] = self.sim.guides()
@@ -78,8 +78,8 @@ class Stage:
                 size=plan.size, outputs=[*outputs, *labels] or ["color"], background=plan.background, **where
             )
             arrays = {output: seen[output] for output in outputs}
-            if moves:
-                arrays["motion"] = flow.motion(seen, self.before[1], before, name)
+            if now is not None:
+                arrays["motion"] = flow.motion(seen, now, before, name)
             if "color" in arrays and plan.background != "transparent":
                 arrays["color"] = arrays["color"][..., :3]
             yield shards.Sample(
@@ -128,12 +128,11 @@ class Worker:
     def _done(self, index: int, folder: str) -> dict[str, Any]:
         self.done += 1
         plan, shard, clock = self.plan, self.plan.shards[index], Clock()
-        made = self._stand(shard, clock)
-        stage = self.stage
+        stage, made = self._stand(shard, clock)
         steps = 0
         with shards.Writer(folder, index, plan.compress) as writer:
             # Also the frame before the first one, where a picture says what moved since.
-            before = "motion" in plan.outputs and shard.first > 0 and not stage.remembers(shard.first - 1)
+            before = "motion" in plan.outputs and shard.first > 0 and stage.remembered(shard.first - 1) is None
             for frame in range(shard.first - 1 if before else shard.first, shard.end):
                 steps += stage.go(frame)
                 clock.lap("steps")
@@ -163,11 +162,11 @@ class Worker:
             },
         }
 
-    def _stand(self, shard: Shard, clock: Clock) -> dict[str, int]:
-        """Puts the stage where the shard can begin; what was made for that."""
+    def _stand(self, shard: Shard, clock: Clock) -> tuple[Stage, dict[str, int]]:
+        """A stage from which the shard can begin, and what was made for that."""
         stage, made = self.stage, {"grooms": 0, "shots": 0}
         if stage and stage.shot.index == shard.shot and stage.steps <= self.plan.steps(shard.first - 1 if shard.first else 0):
-            return made
+            return stage, made
         shot = self.plan.shots[shard.shot]
         grown, _ = sweep.parted(shot.settings)
         key = (shot.groom, grown)
@@ -177,7 +176,7 @@ class Worker:
             self.groom = (key, self.plan.grooms[shot.groom].made(grown))
             made["grooms"] = 1
             clock.lap("groom")
-        self.stage = Stage(self.plan, shard.shot, self.groom[1])
+        stage = self.stage = Stage(self.plan, shard.shot, self.groom[1])
         made["shots"] = 1
         clock.lap("shot")
-        return made
+        return stage, made
