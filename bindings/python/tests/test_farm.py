@@ -428,15 +428,26 @@ class Played:
 
     def __init__(self, answer):
         self.answer, self.events, self.stopped = answer, [], False
+        self.started, self.late = 0, None
 
     def start(self, worker):
+        self.started += 1
+        if self.started > 3 and self.late is not None:
+            return
         adapter = {"name": f"card {worker}", "software": False}
         self.events.append(("ready", worker, {"opened": 0.0, "process": 1, "adapter": adapter}))
 
     def give(self, worker, shard):
-        self.events.append(self.answer(worker, shard))
+        event = self.answer(worker, shard)
+        if event[0] == "late":
+            self.late = [event[1]]
+        else:
+            self.events.append(event)
 
     def wait(self, seconds):
+        assert self.events or self.late, "nothing goes on any more"
+        if not self.events:
+            self.events, self.late = self.late, []
         events, self.events = self.events, []
         return events
 
@@ -474,6 +485,16 @@ def test_a_shard_that_kills_its_workers_ends_the_run(small, tmp_path):
     with pytest.raises(farm.FolderError, match="worker 0: the disk is full"):
         driven(plan, tmp_path / "full", lambda worker, shard: ("broken", worker, "the disk is full"))
     told = driven(plan, tmp_path / "cards", done)
+    # A worker is lost when nothing is left for the others, and no other one can be started.
+    lost = []
+
+    def late(worker, shard):
+        if shard == 0 and not lost:
+            lost.append(worker)
+            return "late", ("lost", worker, "its machine is off")
+        return done(worker, shard)
+
+    assert any("shard 0 (its machine is off)" in line for line in driven(plan, tmp_path / "off", late))
     assert "3 adapters took part, whose bits may differ: card 0, card 1, card 2" in told
 
 

@@ -1,4 +1,4 @@
-"""The notebook runs, and the pictures in it are there."""
+"""The notebook runs, and the pictures in it are there. With TRESSES_KEEP_NOTEBOOK=1 what comes out is kept in it."""
 
 import base64
 import io

@@ -22,6 +22,7 @@ class Driver:
         self.refused: dict[int, str] = {}
         self.began = time.monotonic()
         self._tries: dict[int, int] = {}
+        self._idle: set[int] = set()
         self._given: dict[int, tuple[int, float]] = {}
         self._started: dict[int, float] = {}
         self._overheads: list[float] = []
@@ -52,7 +53,9 @@ class Driver:
 
     def _next(self, worker: int) -> None:
         shard = self.schedule.take(worker)
-        if shard is not None:
+        if shard is None:
+            self._idle.add(worker)
+        else:
             self._given[worker] = (shard, time.perf_counter())
             self.engine.give(worker, shard)
 
@@ -89,6 +92,10 @@ class Driver:
             if tries == _TRIES:
                 raise FolderError(f"{_TRIES} workers were lost with {what}, the last one because {value}")
             self._start(worker)
+            # There may be no room for another: whoever waits takes what was lost.
+            idle, self._idle = self._idle, set()
+            for other in sorted(idle):
+                self._next(other)
         else:
             raise FolderError(f"worker {worker}: {value}")
 
