@@ -90,3 +90,11 @@ fn obj_mesh() {
     let file = b"v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
     survives("a.obj", file, mesh);
 }
+
+#[test]
+fn tfx_mesh() {
+    let file = b"numOfBones 1\n0 head\nnumOfVertices 4\n0 0 0 0 0 -1 0 0 0 0 0 1 0 0 0\n\
+        1 0.1 0 0 1 0 0 0 0 0 0 1 0 0 0\n2 0 0.1 0 0 1 0 0 0 0 0 1 0 0 0\n3 0 0 0.1 0 0 1 0 0 0 0 1 0 0 0\n\
+        numOfTriangles 4\n0 0 2 1\n1 0 1 3\n2 0 3 2\n3 1 2 3\n";
+    survives("a.tfxmesh", file, mesh);
+}
