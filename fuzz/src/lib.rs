@@ -3,6 +3,7 @@
 use bolero::TypeGenerator;
 use tresses_groom::{
     Cooked, SdfGrid, Strands, TriMesh,
+    cooked::HEADER,
     error::Result,
     export::{Format, encode, glb},
     glam::{Mat4, Vec2, Vec3},
@@ -235,6 +236,3 @@ pub fn sealed(name: &str, bytes: &[u8]) -> Result<usize> {
     }
     Ok(cooked.strands.len())
 }
-
-/// Bytes before what the checksum is of.
-const HEADER: usize = 16;

@@ -17,7 +17,7 @@ const LIMITS: &str = "16 to 16384 pixels, and the picture at most 33,177,600 (76
 #[derive(Clone, Debug, Default, clap::Args)]
 #[command(next_help_heading = "Hair")]
 pub struct SourceArgs {
-    /// Groom files (.tfx, .hair, .obj, .data, .ply, .abc, .usd), joined into one groom; without any, a built-in style
+    /// Groom files (.tfx, .hair, .obj, .data, .ply, .glb, .abc, .usd), joined into one groom, or a cooked one (.tresses); without any, a built-in style
     #[arg(value_name = "GROOM", help_heading = None)]
     pub grooms: Vec<PathBuf>,
     /// The head that the groom grows on and collides with (.obj, .gltf, .glb); may be given again, for eyes and clothes

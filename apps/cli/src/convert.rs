@@ -23,7 +23,7 @@ use crate::{
 #[derive(clap::Args)]
 #[command(override_usage = "tresses convert [OPTIONS] <IN>... <OUT>")]
 pub struct Args {
-    /// Groom files (.tfx, .hair, .obj, .data, .ply, .glb, .abc, .usd), several are joined; the last one is the file to write,
+    /// Groom files (.tfx, .hair, .obj, .data, .ply, .glb, .abc, .usd), several are joined, or a cooked one (.tresses); the last one is the file to write,
     /// whose extension (.hair, .tfx, .obj, .data, .ply, .glb, .abc, .usda, .tresses) decides the format.
     // One list, since two would forbid options between them.
     #[arg(required = true, value_name = "FILE")]

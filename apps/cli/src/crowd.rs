@@ -61,7 +61,7 @@ impl CrowdArgs {
             "a crowd is seen from where all of it is in the picture: leave out --zoom and --distance"
         );
         ensure!(!Kind::of(&args.out)?.has_layers(), "a crowd is drawn without layers: .png instead of .exr");
-        ensure!(!args.transparent, "a crowd stands on its ground: leave out --transparent");
+        ensure!(!args.transparent, "--transparent is for one head: leave out --crowd");
         ensure!(args.debug.debug.is_none(), "--debug looks into one head: leave out --crowd");
         ensure!(
             args.animation.is_none() && args.morphs.is_empty(),

@@ -22,7 +22,7 @@ use crate::orient_args::{MomentArgs, OrientArgs};
 /// Report what a groom holds, how it is oriented, and what is odd about it.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Groom files (.tfx, .hair, .obj, .data, .ply, .glb, .abc, .usd); several are one groom.
+    /// Groom files (.tfx, .hair, .obj, .data, .ply, .glb, .abc, .usd), several are one groom; or a cooked one (.tresses).
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// The mesh that the groom grows on (.obj, .gltf, .glb, .tfxmesh, .abc, .usd); several are one head.

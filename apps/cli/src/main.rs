@@ -44,7 +44,7 @@ struct Cli {
 
 #[derive(clap::Subcommand)]
 enum Command {
-    /// Draw a groom or a built-in style: a picture, numbered frames, or an animation
+    /// Draw a groom or a built-in style: a picture, numbered frames, an animation or a film
     Render(Box<render::Args>),
     /// Show the built-in character with moving hair: out/demo.png and out/demo.webp
     Demo(Box<demo::Args>),

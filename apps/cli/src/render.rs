@@ -1,10 +1,10 @@
-//! `tresses render`: a picture, numbered frames, or an animation of a groom or a built-in style.
+//! `tresses render`: a picture, numbered frames, an animation or a film of a groom or a built-in style.
 
 use crate::{
     args::{self, Size},
     crowd, debug,
     photographer::Photographer,
-    picture::{Kind, Output},
+    picture::{Film, Kind, Output},
     progress, say,
     settings_args::SettingsArgs,
 };
@@ -37,7 +37,7 @@ pub struct Args {
     /// How much there is of a shape of the body, instead of what its animation says; may be given again
     #[arg(long = "morph", value_name = "NAME=WEIGHT", value_parser = args::morph, help_heading = "Picture", hide_short_help = true)]
     pub morphs: Vec<(String, f32)>,
-    /// Frames to simulate; a .png shows the last one [default: 1 for a .png, else one period of the motion]
+    /// Frames to simulate; a single .png or .exr shows the last one [default: 1 for that, else one period of the motion]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_FRAMES)), help_heading = "Picture")]
     pub frames: Option<u32>,
     /// Frames per second
@@ -107,6 +107,9 @@ pub fn run(args: &Args) -> Result<()> {
         "{}: --transparent is for .png and .exr, alone or numbered",
         args.out.display()
     );
+    if kind == Kind::Film {
+        Film::check(&args.out)?;
+    }
     if kind.has_layers() {
         let (edges, (_, coverage)) = (&preset.settings.edges, preset.settings.sampling(16)?);
         ensure!(args.debug.debug.is_none(), "--debug shows colours: .png instead of .exr");

@@ -46,7 +46,7 @@ fn absurd_options_are_refused() {
     refuses(&["render", "--strands", "0"], "--strands");
     refuses(&["render", "--guides", "some"], "must be all, or a whole number");
     refuses(&["render", "--zoom", "nearer"], "close, normal, far");
-    refuses(&["render", "--out", "hair.mp4"], ".webp");
+    refuses(&["render", "--out", "hair.avi"], ".webp");
     refuses(&["bench", "--frames", "0"], "--frames");
     refuses(&["render", "--debug", "guides", "--debug-max", "0"], "above 0");
     refuses(&["render", "--debug-max", "2"], "--debug");

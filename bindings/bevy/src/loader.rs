@@ -70,6 +70,9 @@ impl AssetLoader for HairGroomLoader {
             && settings.guides.is_none()
             && let Some((_, cooked)) = import::given_cooked(&files, &Default::default())?
         {
+            for note in cooked.report(path.path()).files.iter().flat_map(|file| &file.notes) {
+                info!("{path}: {note}");
+            }
             // Of a body that bends the field is that of its head alone.
             let mesh = cooked.head.as_ref();
             let whole = if cooked.rig.is_some() { mesh.map(|mesh| sdf::build(mesh, &Default::default())) } else { None };

@@ -1,6 +1,7 @@
 //! A groom on a head, from files or built in: first the [`Base`], which is slow to build, then the
 //! [`Character`] whose strands are grown or restyled on it.
 
+mod cooked;
 mod growing;
 mod open;
 
@@ -12,10 +13,8 @@ use crate::{
     living::Anatomy,
 };
 use anyhow::{Context, Result, ensure};
-use std::{
-    borrow::Cow,
-    path::{Path, PathBuf},
-};
+use cooked::Known;
+use std::{borrow::Cow, path::PathBuf};
 use tresses::{
     Progress,
     constants::MAX_STRAND_VERTICES,
@@ -23,8 +22,7 @@ use tresses::{
     glam::Vec3,
     gpu::Gpu,
     groom::{
-        BindOptions, Cooked, Groom, GuideCount, Restyle, Rig, SdfGrid, Strands, TriMesh, bind, bind_filled,
-        curve,
+        BindOptions, Groom, GuideCount, Restyle, Rig, SdfGrid, Strands, TriMesh, bind, bind_filled, curve,
         grow::{self, Curls, Growth, Paint, ScalpMap},
         import::{self, Given, ImportOptions, ImportReport},
         lint, mannequin,
@@ -72,16 +70,6 @@ pub struct Styling {
     pub ties: Vec<Tie>,
     /// What grows on a built-in character's face.
     pub face: FaceHair,
-}
-
-impl Styling {
-    /// Whether a file's strands are bound as they are, by [`BindOptions::default`], where none grow between them.
-    fn leaves_files_alone(&self) -> bool {
-        self.strands.is_none()
-            && self.guides.is_none()
-            && self.restyle.is_none()
-            && self.paint == Paint::default()
-    }
 }
 
 /// A groom on a head, in metres, not yet on the GPU.
@@ -144,14 +132,6 @@ pub enum Files<'a> {
 }
 
 impl Files<'_> {
-    /// The cooked groom that they are, with its path.
-    fn cooked(&self, options: &ImportOptions) -> Result<Option<(PathBuf, Cooked)>> {
-        Ok(match self {
-            Self::Disk { grooms, heads } => import::cooked(grooms, heads, options)?,
-            Self::Given(files) => import::given_cooked(files, options)?,
-        })
-    }
-
     fn head_name(&self) -> String {
         match self {
             Self::Disk { heads, .. } => heads.first().map(|name| name.display().to_string()),
@@ -194,14 +174,6 @@ enum Hair {
     BuiltIn { style: Style, styled: StyledGuides, scalp: GridScalp },
     /// The strands of files.
     Imported { strands: Strands, field: Option<SdfGrid>, known: Option<Known> },
-}
-
-/// What a cooked groom knows already.
-#[derive(Debug)]
-struct Known {
-    /// The strands bound by [`BindOptions::default`].
-    groom: Groom,
-    levels_of_head: Vec<mesh::Level>,
 }
 
 impl Base {
@@ -248,37 +220,6 @@ impl Base {
         let mut base = Self::of(strands, head, report.rig.take(), &files.head_name(), progress).await?;
         base.tell(report, &files.groom_name(), &files.head_name());
         Ok(base)
-    }
-
-    /// What a groom was cooked from, of the file at `path`.
-    fn cooked(path: &Path, cooked: Cooked) -> Result<Self> {
-        let report = cooked.report(path);
-        let Cooked { strands, head, levels, field, rig, parts, groom, .. } = cooked;
-        let mut anatomy = anatomy(rig, head.as_ref(), &strands)?;
-        if let Some(anatomy) = &mut anatomy {
-            anatomy.know(parts);
-        }
-        let known = Some(Known { groom, levels_of_head: levels });
-        let neck = neck(&strands, head.as_ref());
-        let hair = Hair::Imported { strands, field, known };
-        let mut base = Self { head, neck, anatomy, hair, notes: Vec::new(), report: None };
-        let name = path.display().to_string();
-        base.tell(report, &name, &name);
-        Ok(base)
-    }
-
-    /// All that opening its files has computed; `None` of a built-in style.
-    ///
-    /// # Errors
-    /// As [`Cooked::new`].
-    pub fn cook(&self) -> Result<Option<Cooked>> {
-        let (Hair::Imported { strands, field, .. }, Some(report)) = (&self.hair, &self.report) else {
-            return Ok(None);
-        };
-        let rig = self.anatomy.as_ref().map(|anatomy| anatomy.rig.clone());
-        let mut cooked = Cooked::new(strands.clone(), self.head.clone(), field.clone(), rig, report)?;
-        cooked.parts = self.anatomy.as_ref().map_or(Ok(Vec::new()), Anatomy::fields)?;
-        Ok(Some(cooked))
     }
 
     /// Keeps what was read, and what is in doubt of it.

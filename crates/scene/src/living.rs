@@ -167,19 +167,17 @@ impl Anatomy {
         self.parts.iter().filter(|part| part.form != PartForm::Nothing)
     }
 
-    /// The fields of parts that hair collides with, each with the node that carries it.
-    ///
-    /// # Errors
-    /// As [`sdf::build`].
-    pub fn fields(&self) -> Result<Vec<(u32, SdfGrid)>> {
+    /// The fields of parts that hair collides with, each with the node that carries it. What encloses nothing, as cards of
+    /// lashes, is not among them: it is left to the GPU, which asks nothing of a mesh.
+    pub fn fields(&self) -> Vec<(u32, SdfGrid)> {
         let parts = self.parts.iter().filter(|part| part.form == PartForm::Field);
         parts
-            .map(|part| {
+            .filter_map(|part| {
                 let grid = match &part.field {
                     Field::Grid(grid) => grid.clone(),
-                    Field::Mesh(mesh, options) => sdf::build(mesh, options)?,
+                    Field::Mesh(mesh, options) => sdf::build(mesh, options).ok()?,
                 };
-                Ok((part.node, grid))
+                Some((part.node, grid))
             })
             .collect()
     }

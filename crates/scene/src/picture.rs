@@ -70,8 +70,8 @@ pub(crate) fn decoded(encoded: f32) -> f32 {
     if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
-/// What the sRGB curve makes of `light`.
-fn encoded(light: f32) -> f32 {
+/// What the sRGB curve makes of `light`, both from 0 to 1.
+pub fn encoded(light: f32) -> f32 {
     if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
 }
 

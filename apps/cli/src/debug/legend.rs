@@ -11,6 +11,7 @@ use embedded_graphics::{
 };
 use std::convert::Infallible;
 use tresses::views::ramp;
+use tresses_scene::picture::encoded;
 
 /// What the colours mean.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,7 +41,7 @@ impl DrawTarget for Canvas<'_> {
         for Pixel(at, color) in pixels {
             if self.bounding_box().contains(at) {
                 let i = 4 * (at.y as usize * self.0.width as usize + at.x as usize);
-                self.0.rgba[i..i + 3].copy_from_slice(&[color.r(), color.g(), color.b()]);
+                self.0.rgba[i..i + 4].copy_from_slice(&[color.r(), color.g(), color.b(), 255]);
             }
         }
         Ok(())
@@ -98,11 +99,7 @@ pub fn caption(picture: &mut Picture, words: &str, at: [i32; 2]) {
 
 /// A linear colour.
 fn srgb(color: [f32; 3]) -> Rgb888 {
-    let [r, g, b] = color.map(|c| {
-        let c = c.clamp(0.0, 1.0);
-        let curve = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
-        (curve * 255.0).round() as u8
-    });
+    let [r, g, b] = color.map(|c| (encoded(c.clamp(0.0, 1.0)) * 255.0).round() as u8);
     Rgb888::new(r, g, b)
 }
 

@@ -7,6 +7,7 @@ use std::{
     io::{Read, Write},
     path::Path,
     process::{Child, ChildStdin, Command, Stdio},
+    thread::JoinHandle,
 };
 
 /// The program, unless `TRESSES_FFMPEG` names another.
@@ -21,6 +22,8 @@ const WEBM: &[&str] = &["-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0", "-row-m
 pub struct Film {
     child: Child,
     frames: Option<ChildStdin>,
+    /// What it says, read as it comes: a program that nobody listens to may wait for ever.
+    said: Option<JoinHandle<String>>,
     file: Option<Temporary>,
     program: String,
 }
@@ -28,7 +31,7 @@ pub struct Film {
 impl Film {
     /// Begins the film of `path`, `.webm` or else `.mp4`.
     pub fn begin(path: &Path, (width, height): (u32, u32), fps: f64) -> Result<Self> {
-        let program = std::env::var("TRESSES_FFMPEG").unwrap_or_else(|_| PROGRAM.into());
+        let program = program();
         let is_webm = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("webm"));
         let file = Temporary::beside(path)?;
         let mut command = Command::new(&program);
@@ -44,11 +47,25 @@ impl Film {
             .args(if is_webm { WEBM } else { MP4 })
             .arg(file.path());
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
-        let mut child = command.spawn().with_context(|| {
-            format!("{}: films are made by {program}, which cannot be started (.webp, .gif and .apng need no program)", path.display())
-        })?;
+        let mut child = command.spawn().with_context(|| missing(path, &program))?;
         let frames = child.stdin.take();
-        Ok(Self { child, frames, file: Some(file), program })
+        let said = child.stderr.take().map(|mut stderr| {
+            std::thread::spawn(move || {
+                let mut said = String::new();
+                // What is no text says nothing.
+                let _ = stderr.read_to_string(&mut said);
+                said
+            })
+        });
+        Ok(Self { child, frames, said, file: Some(file), program })
+    }
+
+    /// Fails when there is no program for the film of `path`.
+    pub fn check(path: &Path) -> Result<()> {
+        let program = program();
+        let mut command = Command::new(&program);
+        command.arg("-version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        command.status().map(drop).with_context(|| missing(path, &program))
     }
 
     /// The next frame.
@@ -56,8 +73,11 @@ impl Film {
         let frames = self.frames.as_mut().context("the film is done")?;
         match frames.write_all(&picture.rgba) {
             Ok(()) => Ok(()),
-            // It has ended, and says why.
-            Err(_) => self.ended(),
+            Err(_) => {
+                // It has ended, and says why.
+                self.ended()?;
+                bail!("{} ended before the film did", self.program)
+            }
         }
     }
 
@@ -74,18 +94,25 @@ impl Film {
     /// Waits for the program.
     fn ended(&mut self) -> Result<()> {
         drop(self.frames.take());
-        let mut said = String::new();
-        if let Some(mut stderr) = self.child.stderr.take() {
-            // What is no text says nothing.
-            let _ = stderr.read_to_string(&mut said);
-        }
         let status = self.child.wait()?;
+        let said = self.said.take().and_then(|said| said.join().ok()).unwrap_or_default();
         if status.success() {
             return Ok(());
         }
         let why = said.lines().next().unwrap_or("it does not say why");
         bail!("{} failed: {why}", self.program)
     }
+}
+
+fn program() -> String {
+    std::env::var("TRESSES_FFMPEG").unwrap_or_else(|_| PROGRAM.into())
+}
+
+fn missing(path: &Path, program: &str) -> String {
+    let path = path.display();
+    format!(
+        "{path}: films are made by {program}, which cannot be started (.webp, .gif and .apng need no program)"
+    )
 }
 
 impl Drop for Film {

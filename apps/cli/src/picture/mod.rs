@@ -8,7 +8,7 @@ pub mod layers;
 
 use crate::files;
 use anyhow::{Context, Result, bail, ensure};
-use film::Film;
+pub use film::Film;
 use std::path::{Path, PathBuf};
 pub use tresses_scene::picture::Picture;
 use tresses_scene::picture::{Animation, Format};
@@ -81,20 +81,18 @@ impl Kind {
         let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
         let single = |encoded| if numbered(path) { Self::Frames(encoded) } else { Self::Still(encoded) };
         Ok(match extension.as_deref() {
-            _ if path.is_dir() || path.as_os_str().to_string_lossy().ends_with(['/', '\\']) => {
-                Self::Frames(Encoded::Png)
-            }
-            None => Self::Frames(Encoded::Png),
+            _ if is_folder(path) => Self::Frames(Encoded::Png),
             Some("png") => single(Encoded::Png),
             Some("exr") => single(Encoded::Exr),
             Some("webp") => Self::WebP,
             Some("gif") => Self::Gif,
             Some("apng") => Self::Apng,
             Some("mp4" | "webm") => Self::Film,
-            Some(other) => bail!(
-                "{}: pictures cannot be written as .{other}; choose .png, .exr, .webp, .gif, .apng, .mp4, .webm, or a \
+            other => bail!(
+                "{}: pictures cannot be written as .{}; choose .png, .exr, .webp, .gif, .apng, .mp4, .webm, or a \
                  folder",
-                path.display()
+                path.display(),
+                other.unwrap_or_default()
             ),
         })
     }
@@ -127,6 +125,12 @@ impl Kind {
             Self::Still(_) | Self::Frames(_) | Self::Apng | Self::Film => u32::MAX,
         }
     }
+}
+
+/// Whether a path is a folder's: one that is there, ends like one, or has no extension.
+fn is_folder(path: &Path) -> bool {
+    let ends = path.as_os_str().to_string_lossy().ends_with(['/', '\\']);
+    ends || path.extension().is_none() || path.is_dir()
 }
 
 /// Whether the name of a file has a place for numbers.
@@ -190,8 +194,7 @@ impl Output {
             path.display(),
             kind.max_side()
         );
-        let is_folder = kind == Kind::Frames(Encoded::Png) && !numbered(path);
-        let path = if is_folder { path.join("frame_####.png") } else { path.to_owned() };
+        let path = if is_folder(path) { path.join("frame_####.png") } else { path.to_owned() };
         let folder = path.parent().unwrap_or(Path::new(""));
         if !folder.as_os_str().is_empty() {
             std::fs::create_dir_all(folder)
@@ -329,6 +332,8 @@ mod tests {
             ("out/v1.2/", Kind::Frames(Encoded::Png)),
             ("out/a.####.exr", Kind::Frames(Encoded::Exr)),
             ("out/#.png", Kind::Frames(Encoded::Png)),
+            ("out/take#1/", Kind::Frames(Encoded::Png)),
+            ("out/take#1", Kind::Frames(Encoded::Png)),
             ("a.mp4", Kind::Film),
             ("a.WebM", Kind::Film),
             ("a.webp", Kind::WebP),
@@ -356,6 +361,14 @@ mod tests {
         let (_folder, path) = write("frames", &[gradient(0), gradient(64)]);
         assert_eq!(std::fs::read_dir(&path).unwrap().count(), 2);
         assert_eq!(read_png(&path.join("frame_0001.png")).1, gradient(64).rgb());
+    }
+
+    #[test]
+    fn folders_may_be_called_anything() {
+        for name in ["take#1", "take#1/"] {
+            let (_folder, path) = write(name, &[gradient(0)]);
+            assert_eq!(read_png(&path.join("frame_0000.png")).1, gradient(0).rgb(), "{name}");
+        }
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use crate::{app::Studio, job::Source, panels::body, theme};
 use eframe::egui::{self, ComboBox, Grid, RichText, ScrollArea, Ui};
 use tresses::groom::{
+    formats,
     import::{ImportOptions, ImportReport},
     lint::Severity,
     orient::{Axis, Choice, Placement, Unit},
@@ -24,6 +25,10 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
         findings(report, ui);
         ui.separator();
         let Source::Files { files, options } = &shown.hair.source else { return };
+        // A cooked groom is in metres and upright: nothing of that can be chosen.
+        if report.files.iter().any(|file| formats::is_cooked(&file.path)) {
+            return;
+        }
         let mut changed = options.clone();
         orientation(&mut changed, report, ui);
         if changed != *options {

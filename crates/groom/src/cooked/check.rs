@@ -4,8 +4,16 @@ use super::Cooked;
 use crate::{
     Groom, MAX_GUIDE_VERTICES, MAX_STRAND_VERTICES, Rig, SdfGrid, Strands,
     import::MAX_VERTICES,
-    rig::{Animation, MAX_JOINTS, Property},
+    orient::Placement,
+    rig::{Animation, MAX_JOINTS, Property, Transform},
 };
+use glam::Vec3;
+
+/// The most nodes of a field along an axis: its longest has as many at most as [`SdfOptions`](crate::mesh::SdfOptions) may
+/// ask for, and one more where it is rounded up.
+const MOST_NODES: u32 = 513;
+/// The most nodes of a rig that hang from each other, as in the reader of glTF.
+const DEEPEST: usize = 256;
 
 /// A clause about what is wrong, unless `holds`.
 fn ensure(holds: bool, problem: &str) -> Result<(), String> {
@@ -18,17 +26,28 @@ fn all_or_none(values: usize, all: usize) -> bool {
 }
 
 impl Cooked {
-    /// Whether all indices are of what is there and all numbers finite; if not, the first that is wrong.
+    /// Whether all indices are of what is there and all numbers finite that something is computed from; if not, the first
+    /// that is wrong.
     pub(super) fn check(&self) -> Result<(), String> {
         strands(&self.strands)?;
         let count = self.strands.len();
-        ensure(all_or_none(self.said.followers.len(), count), "followers are not those of its strands")?;
+        let followers = &self.said.followers;
+        let within =
+            followers.iter().filter_map(|f| f.radius).all(|radius| radius.is_finite() && radius >= 0.0);
+        ensure(all_or_none(followers.len(), count) && within, "followers are not those of its strands")?;
+        let placements = [Some(&self.said.placement), self.said.head_placement.as_ref()];
+        let placed = |p: &Placement| p.unit.0.is_finite() && p.unit.0 > 0.0 && p.translation.is_finite();
+        ensure(placements.into_iter().flatten().all(placed), "it is in no unit")?;
         groom(&self.groom)?;
-        ensure(self.groom.strands.len() == count, "not every strand is bound")?;
+        // Where there is other hair, guides only guide.
+        let guides = self.strands.marks.iter().filter(|mark| mark.guide).count();
+        let drawn = if guides < count { count - guides } else { count };
+        ensure(self.groom.strands.len() == drawn, "not every strand is bound")?;
         let vertices = self.head.as_ref().map_or(0, |head| head.positions.len());
         if let Some(head) = &self.head {
             head.validate().map_err(|error| error.to_string())?;
-            ensure(head.normals.len() == vertices, "the head has not a normal at each vertex")?;
+            let whole = head.normals.len() == vertices && !head.triangles.is_empty();
+            ensure(whole, "the head has not a normal at each vertex, or no triangles")?;
         }
         for level in &self.levels {
             let inside = level.triangles.as_flattened().iter().all(|i| (*i as usize) < vertices);
@@ -58,15 +77,17 @@ fn strands(strands: &Strands) -> Result<(), String> {
         && per_strand.iter().all(|n| all_or_none(*n, count));
     ensure(fits, "attributes are not those of its strands")?;
     let finite = strands.positions.iter().chain(&strands.colors).all(|p| p.is_finite())
-        && strands.radii.iter().all(|radius| radius.is_finite())
+        && strands.radii.iter().all(|radius| radius.is_finite() && *radius >= 0.0)
         && strands.root_uvs.iter().all(|uv| uv.is_finite())
         && strands.marks.iter().flat_map(|mark| mark.weights).all(f32::is_finite);
-    ensure(finite, "strands have numbers that are not finite")
+    ensure(finite, "strands have numbers that are not finite")?;
+    let long = |strand: &[Vec3]| strand.windows(2).all(|w| w[0] != w[1]);
+    ensure(strands.iter().all(long), "strands have segments without length")
 }
 
 fn groom(groom: &Groom) -> Result<(), String> {
     let (guides, strands) = (&groom.guides, &groom.strands);
-    let sized = (2..=MAX_GUIDE_VERTICES).contains(&guides.vertex_count)
+    let sized = (3..=MAX_GUIDE_VERTICES).contains(&guides.vertex_count)
         && (2..=MAX_STRAND_VERTICES).contains(&strands.vertex_count);
     let (count, bound) = (guides.len(), strands.len());
     let fits = sized
@@ -95,7 +116,8 @@ fn groom(groom: &Groom) -> Result<(), String> {
 
 fn field(field: &SdfGrid) -> Result<(), String> {
     let nodes = field.size.to_array().into_iter().map(u64::from).try_fold(1u64, u64::checked_mul);
-    let fits = field.size.min_element() >= 2 && nodes == Some(field.distances.len() as u64);
+    let sized = field.size.min_element() >= 2 && field.size.max_element() <= MOST_NODES;
+    let fits = sized && nodes == Some(field.distances.len() as u64);
     let placed = field.origin.is_finite() && field.cell.is_finite() && field.cell > 0.0;
     ensure(fits && placed, "the distance field is not that of its nodes")?;
     ensure(
@@ -107,9 +129,18 @@ fn field(field: &SdfGrid) -> Result<(), String> {
 fn rig(rig: &Rig, vertices: usize) -> Result<(), String> {
     ensure(rig.vertices.len() == vertices, "what bends the head has other vertices than it")?;
     let (nodes, joints, targets) = (rig.nodes.len(), rig.joints.len(), rig.targets.len());
-    let descends = rig.nodes.iter().enumerate().all(|(i, node)| node.parent.is_none_or(|p| (p as usize) < i));
-    let known = descends
-        && joints <= MAX_JOINTS
+    let mut depths: Vec<usize> = Vec::with_capacity(nodes);
+    for node in &rig.nodes {
+        let depth = node.parent.map(|parent| depths.get(parent as usize).map(|depth| depth + 1));
+        ensure(depth != Some(None), "a joint hangs from what is not there")?;
+        depths.push(depth.flatten().unwrap_or(0));
+        let Transform { translation, rotation, scale } = node.rest;
+        let placed = translation.is_finite() && rotation.is_finite() && scale.is_finite();
+        let weighed = node.weights.iter().all(|(_, weight)| weight.is_finite());
+        ensure(placed && weighed && node.matrix.is_none_or(|m| m.is_finite()), "a joint is nowhere")?;
+    }
+    ensure(depths.iter().all(|depth| *depth <= DEEPEST), "joints hang from each other too deep")?;
+    let known = joints <= MAX_JOINTS
         && rig.joints.iter().all(|joint| (joint.node as usize) < nodes && joint.inverse_bind.is_finite())
         && rig.nodes.iter().flat_map(|node| &node.weights).all(|(target, _)| (*target as usize) < targets);
     ensure(known && rig.to_groom.is_finite(), "a joint follows what is not there")?;

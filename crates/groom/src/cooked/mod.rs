@@ -1,15 +1,16 @@
 //! Cooked grooms, `.tresses`: what opening a groom computes, computed once.
 //!
 //! ```text
-//! magic (8) │ version u32 │ CRC-32 of the rest u32 │ Cooked, by serde and postcard
+//! magic (8) │ version u32 │ CRC-32 of the rest u32 │ version of this crate │ Cooked, by serde and postcard
 //! ```
 //!
 //! Strands are oriented and repaired, the head's distance field and its coarser meshes are made, strands are bound to
 //! guides; long arrays lie there as they do in memory ([`bulk`]). Reading copies and checks: whatever the bytes, what
 //! comes out is as the rest of the crate leaves a groom, or an error ([`Cooked::check`]).
 //!
-//! A cooked groom belongs to the version of Tresses that wrote it. It is made for opening, not for keeping: it says what
-//! it was made of, and another [`VERSION`] asks for that to be cooked again. Interchange is what `.glb` and `.abc` are for.
+//! A cooked groom belongs to the version of this crate that wrote it: what is computed may change without a change of its
+//! layout. It is made for opening, not for keeping: it says what it was made of, and another version asks for that to be
+//! cooked again. Interchange is what `.glb` and `.abc` are for.
 //!
 //! **Why not a cache?** A cache helps whoever opened the file before, on that machine. Games and pages are opened by
 //! people who never did.
@@ -28,11 +29,15 @@ use crate::{
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// The version of the format that is read and written: it changes with any type in a [`Cooked`].
+/// The version of the format that is read and written: it changes with any type in a [`Cooked`], and between releases with
+/// how any of it is computed.
 pub const VERSION: u32 = 1;
+/// The version of Tresses.
+const TRESSES: &str = env!("CARGO_PKG_VERSION");
 /// The first bytes: none that a text has, and a line's end that transfers as text would change.
 const MAGIC: [u8; 8] = *b"\x89TRESS\r\n";
-const HEADER: usize = 16;
+/// Bytes before what the checksum is of.
+pub const HEADER: usize = 16;
 /// As reports call it.
 const FORMAT: &str = "Tresses, cooked";
 
@@ -105,9 +110,15 @@ impl Cooked {
     /// The file.
     ///
     /// # Errors
-    /// [`Error::Unusable`] when it does not fit into memory.
+    /// [`Error::Unusable`] when it would not be read again.
     pub fn write(&self) -> Result<Vec<u8>> {
-        let body = postcard::to_allocvec(self).map_err(|error| Error::Unusable(error.to_string()))?;
+        self.check().map_err(|problem| Error::Unusable(format!("it cannot be cooked: {problem}")))?;
+        self.encode()
+    }
+
+    fn encode(&self) -> Result<Vec<u8>> {
+        let body =
+            postcard::to_allocvec(&(TRESSES, self)).map_err(|error| Error::Unusable(error.to_string()))?;
         let mut bytes = Vec::with_capacity(HEADER + body.len());
         bytes.extend_from_slice(&MAGIC);
         bytes.extend_from_slice(&VERSION.to_le_bytes());
@@ -137,8 +148,13 @@ impl Cooked {
         if word(12) != crc32fast::hash(body) {
             return Err(wrong(At::File, "damaged: its checksum is that of other bytes".into()));
         }
-        let (cooked, left): (Self, _) = postcard::take_from_bytes(body)
-            .map_err(|error| wrong(At::File, format!("no cooked groom comes of it: {error}")))?;
+        let none = |error| wrong(At::File, format!("no cooked groom comes of it: {error}"));
+        let (of, body): (&str, _) = postcard::take_from_bytes(body).map_err(none)?;
+        if of != TRESSES {
+            let problem = format!("cooked by Tresses {of}, where this is {TRESSES}: cook it again");
+            return Err(wrong(At::Byte(HEADER as u64), problem));
+        }
+        let (cooked, left): (Self, _) = postcard::take_from_bytes(body).map_err(none)?;
         if !left.is_empty() {
             return Err(wrong(At::Byte((bytes.len() - left.len()) as u64), "more bytes than a groom".into()));
         }

@@ -132,6 +132,7 @@ fn other_bytes_are_refused() {
     // With a checksum that fits: cut short, or longer.
     let sealed = |body: &[u8]| [&bytes[..12], &crc32fast::hash(body).to_le_bytes(), body].concat();
     let body = &bytes[HEADER..];
+    assert!(refused(&sealed(&[b"\x050.0.9", &body[1 + TRESSES.len()..]].concat())).contains("Tresses 0.0.9"));
     assert!(Cooked::read(&name(), &sealed(body)).is_ok());
     for cut in (0..body.len()).step_by(53) {
         refused(&sealed(&body[..cut]));
@@ -142,7 +143,7 @@ fn other_bytes_are_refused() {
 /// Whoever makes a file with a checksum that fits still makes no groom that is none.
 #[test]
 fn what_does_not_belong_together_is_refused() {
-    let wrongs: [fn(&mut Cooked); 24] = [
+    let wrongs: [fn(&mut Cooked); 30] = [
         |c| c.strands.offsets[3] = 2,
         |c| c.strands.offsets[40] = 1000,
         |c| c.strands.offsets.clear(),
@@ -160,6 +161,16 @@ fn what_does_not_belong_together_is_refused() {
         |c| c.levels[0].triangles[0][0] = 4,
         |c| c.field.as_mut().unwrap().size = UVec3::new(u32::MAX, u32::MAX, 2),
         |c| c.field.as_mut().unwrap().cell = 0.0,
+        |c| c.strands.positions[1] = c.strands.positions[0],
+        |c| c.strands.radii[0] = -1.0,
+        |c| c.said.placement.unit.0 = 0.0,
+        |c| c.rig.as_mut().unwrap().nodes[0].rest.scale.x = f32::NAN,
+        |c| c.rig.as_mut().unwrap().nodes[0].parent = Some(7),
+        |c| {
+            // A chain of joints.
+            let nodes = &mut c.rig.as_mut().unwrap().nodes;
+            nodes.extend((0..400).map(|i| Node { parent: Some(i), ..Default::default() }));
+        },
         |c| c.parts[0].0 = 1,
         |c| c.parts[0].1.distances[2] = f32::NAN,
         |c| c.rig.as_mut().unwrap().vertices[0].joints[7] = 1,
@@ -171,7 +182,26 @@ fn what_does_not_belong_together_is_refused() {
     for (i, wrong) in wrongs.iter().enumerate() {
         let mut cooked = sample();
         wrong(&mut cooked);
-        let bytes = cooked.write().unwrap();
-        assert!(Cooked::read(&name(), &bytes).is_err(), "the wrong {i}");
+        assert!(cooked.write().is_err(), "the wrong {i} is written");
+        assert!(Cooked::read(&name(), &cooked.encode().unwrap()).is_err(), "the wrong {i} is read");
     }
+}
+
+#[test]
+fn guides_that_only_guide_are_bound_to_nobody() {
+    let mut cooked = sample();
+    let mark =
+        |i: usize| crate::strands::Mark { guide: i.is_multiple_of(10), id: i as i32, ..Default::default() };
+    cooked.strands.marks = (0..40).map(mark).collect();
+    let report = cooked.report(&name());
+    let cooked = Cooked::new(cooked.strands, cooked.head, cooked.field, cooked.rig, &report).unwrap();
+    assert_eq!((cooked.groom.strands.len(), cooked.groom.guides.len()), (36, 4));
+    let back = Cooked::read(&name(), &cooked.write().unwrap()).unwrap();
+    assert_eq!(back, cooked);
+    // And where all are guides, all are drawn.
+    let mut all = cooked.clone();
+    all.strands.marks.iter_mut().for_each(|mark| mark.guide = true);
+    let all = Cooked::new(all.strands, None, None, None, &report).unwrap();
+    assert_eq!(all.groom.strands.len(), 40);
+    assert!(Cooked::read(&name(), &all.write().unwrap()).is_ok());
 }

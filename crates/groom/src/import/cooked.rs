@@ -26,6 +26,10 @@ pub fn cooked<P: AsRef<Path>, H: AsRef<Path>>(
 /// # Errors
 /// As [`cooked`].
 pub fn given_cooked(files: &[Given<'_>], options: &ImportOptions) -> Result<Option<(PathBuf, Cooked)>> {
+    // To tell what the others are may take as long as to read them.
+    if !files.iter().any(|(name, _)| is_cooked(name)) {
+        return Ok(None);
+    }
     let sorted = Sorted::new(files)?;
     let found = find(Files::Given(files), &sorted.grooms, &sorted.heads(), options)?;
     Ok(found.map(|(path, cooked)| (path.to_path_buf(), cooked)))

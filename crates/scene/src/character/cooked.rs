@@ -1,0 +1,74 @@
+//! Characters that were cooked: what opening their files computes was computed before.
+
+use super::{Base, Files, Hair, Styling, anatomy, neck};
+use crate::living::Anatomy;
+use anyhow::Result;
+use std::path::{Path, PathBuf};
+use tresses::groom::{
+    Cooked, Groom,
+    grow::Paint,
+    import::{self, ImportOptions},
+    mesh,
+};
+
+/// What a cooked groom knows already.
+#[derive(Debug)]
+pub(super) struct Known {
+    /// The strands bound by [`BindOptions::default`](tresses::groom::BindOptions).
+    pub groom: Groom,
+    pub levels_of_head: Vec<mesh::Level>,
+}
+
+impl Files<'_> {
+    /// The cooked groom that they are, with its path.
+    pub(super) fn cooked(&self, options: &ImportOptions) -> Result<Option<(PathBuf, Cooked)>> {
+        Ok(match self {
+            Self::Disk { grooms, heads } => import::cooked(grooms, heads, options)?,
+            Self::Given(files) => import::given_cooked(files, options)?,
+        })
+    }
+}
+
+impl Styling {
+    /// Whether a file's strands are bound as they are, by [`BindOptions::default`](tresses::groom::BindOptions), where none
+    /// grow between them.
+    pub(super) fn leaves_files_alone(&self) -> bool {
+        self.strands.is_none()
+            && self.guides.is_none()
+            && self.restyle.is_none()
+            && self.paint == Paint::default()
+    }
+}
+
+impl Base {
+    /// What a groom was cooked from, of the file at `path`.
+    pub(super) fn cooked(path: &Path, cooked: Cooked) -> Result<Self> {
+        let report = cooked.report(path);
+        let Cooked { strands, head, levels, field, rig, parts, groom, .. } = cooked;
+        let mut anatomy = anatomy(rig, head.as_ref(), &strands)?;
+        if let Some(anatomy) = &mut anatomy {
+            anatomy.know(parts);
+        }
+        let known = Some(Known { groom, levels_of_head: levels });
+        let neck = neck(&strands, head.as_ref());
+        let hair = Hair::Imported { strands, field, known };
+        let mut base = Self { head, neck, anatomy, hair, notes: Vec::new(), report: None };
+        let name = path.display().to_string();
+        base.tell(report, &name, &name);
+        Ok(base)
+    }
+
+    /// All that opening its files has computed; `None` of a built-in style.
+    ///
+    /// # Errors
+    /// As [`Cooked::new`].
+    pub fn cook(&self) -> Result<Option<Cooked>> {
+        let (Hair::Imported { strands, field, .. }, Some(report)) = (&self.hair, &self.report) else {
+            return Ok(None);
+        };
+        let rig = self.anatomy.as_ref().map(|anatomy| anatomy.rig.clone());
+        let mut cooked = Cooked::new(strands.clone(), self.head.clone(), field.clone(), rig, report)?;
+        cooked.parts = self.anatomy.as_ref().map_or(Vec::new(), Anatomy::fields);
+        Ok(Some(cooked))
+    }
+}
