@@ -180,6 +180,11 @@ impl Scene {
         match (&mut character.anatomy, &character.head) {
             (Some(anatomy), Some(mesh)) => {
                 anatomy.arrange(colliders.joints(), mesh).context("colliders")?;
+                if gpu.tier.software && !cfg!(target_arch = "wasm32") {
+                    // A software driver takes many times as long for fields as the threads that it runs on.
+                    let fields = anatomy.fields();
+                    anatomy.know(fields);
+                }
                 colliders.add_parts(anatomy.solids());
             }
             _ => ensure!(colliders.joints().is_empty(), "colliders of joints need a head whose body bends"),
