@@ -286,9 +286,14 @@ def test_a_run_goes_on_where_it_ended(small, tmp_path):
     plan, whole = small
     file, out = tmp_path / "plan.toml", tmp_path / "out"
     file.write_text(SMALL)
-    driver = subprocess.Popen(
-        [sys.executable, "-m", "tresses.farm", file, "--out", out], stderr=subprocess.PIPE, text=True
-    )
+    # In the background of a shell nobody hears of Ctrl-C, nor does what is started there.
+    heard = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        driver = subprocess.Popen(
+            [sys.executable, "-m", "tresses.farm", file, "--out", out], stderr=subprocess.PIPE, text=True
+        )
+    finally:
+        signal.signal(signal.SIGINT, heard)
     until = time.monotonic() + 120
     while not list(out.glob("records/*.json")) and time.monotonic() < until:
         time.sleep(0.02)
