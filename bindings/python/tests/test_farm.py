@@ -529,6 +529,15 @@ def test_without_ray_a_sentence_says_how_to_get_it(small, tmp_path, monkeypatch)
     assert not (tmp_path / "out").exists()
 
 
+def test_nobody_at_an_address_is_said_at_once(small, tmp_path):
+    pytest.importorskip("ray")
+    began = time.monotonic()
+    for address in ("127.0.0.1:1", "ray://127.0.0.1:1", "somewhere:else"):
+        with pytest.raises(farm.FolderError, match=f"no Ray at {address}"):
+            farm.run(small[0], tmp_path / "out", ray=address)
+    assert time.monotonic() - began < 20
+
+
 def test_ray_gives_the_same_bytes_after_a_killed_worker(small, tmp_path):
     pytest.importorskip("ray", reason="Ray is not installed")
     plan, whole = small

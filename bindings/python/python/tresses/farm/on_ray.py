@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import socket
 import time
 from typing import Any, Iterator
 
@@ -25,6 +26,17 @@ def installed() -> Any:
     except ModuleNotFoundError:
         raise FolderError("--ray takes the package Ray: pip install 'tresses[farm]'") from None
     return ray
+
+
+def _knock(address: str) -> None:
+    """Fails where nobody answers at a host and a port: Ray would go on asking for minutes."""
+    host, colon, port = address.removeprefix("ray://").rpartition(":")
+    if not colon:
+        return
+    try:
+        socket.create_connection((host.strip("[]"), int(port)), 5).close()
+    except (OSError, ValueError, OverflowError) as error:
+        raise FolderError(f"no Ray at {address}: {getattr(error, 'strerror', None) or error}") from None
 
 
 class Actor:
@@ -50,6 +62,7 @@ class OnRay:
         words: dict[str, Any] = {"address": address, "log_to_driver": False, "logging_level": "error"}
         if address == "local":
             words.update(include_dashboard=False, num_cpus=max(workers or 0, os.cpu_count() or 1))
+        _knock(address)
         began = time.monotonic()
         try:
             ray.init(**words)
