@@ -46,7 +46,8 @@ pub(super) fn read(source: &Source) -> Result<TriMesh> {
             _ => return Err(source.problem(At::Line(line), "a line that belongs to no section")),
         }
     }
-    match bones + vertices + triangles {
+    // Counts that no file could hold have no sum.
+    match bones.saturating_add(vertices).saturating_add(triangles) {
         0 => Ok(mesh),
         missing => {
             Err(source.problem(At::Line(last), format!("the file ends here, {missing} entries too early")))
