@@ -167,22 +167,19 @@ impl Anatomy {
         self.parts.iter().filter(|part| part.form != PartForm::Nothing)
     }
 
-    /// The fields of parts that hair collides with, each with the node that carries it. What encloses nothing, as cards of
-    /// lashes, is not among them: it is left to the GPU, which asks nothing of a mesh.
-    pub fn fields(&self) -> Vec<(u32, SdfGrid)> {
-        let parts = self.parts.iter().filter(|part| part.form == PartForm::Field);
-        parts
-            .filter_map(|part| {
-                let grid = match &part.field {
-                    Field::Grid(grid) => grid.clone(),
-                    Field::Mesh(mesh, options) => sdf::build(mesh, options).ok()?,
-                };
-                Some((part.node, grid))
-            })
-            .collect()
+    /// Makes the fields of parts that hair collides with. What encloses nothing, as cards of lashes, stays a mesh: it is
+    /// left to the GPU, which asks nothing of one.
+    pub fn measure(&mut self) {
+        for part in self.parts.iter_mut().filter(|part| part.form == PartForm::Field) {
+            if let Field::Mesh(mesh, options) = &part.field
+                && let Ok(grid) = sdf::build(mesh, options)
+            {
+                part.field = Field::Grid(grid);
+            }
+        }
     }
 
-    /// Takes what [`fields`](Self::fields) found before, so that it is not made again.
+    /// Takes fields that were [measured](Self::measure) before, each with the node that carries its part.
     pub fn know(&mut self, fields: Vec<(u32, SdfGrid)>) {
         for (node, grid) in fields {
             if let Some(part) = self.parts.iter_mut().find(|part| part.node == node) {

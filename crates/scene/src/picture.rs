@@ -6,6 +6,7 @@ mod animation;
 pub use animation::{Animation, Format};
 
 use anyhow::Result;
+use tresses::light::material::linear;
 
 /// Pixels from top left, row by row, sRGB.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,15 +60,10 @@ impl Picture {
 fn straight([r, g, b, a]: [u8; 4]) -> [u8; 4] {
     let alpha = f32::from(a) / 255.0;
     let divided = |v: u8| {
-        let light = decoded(f32::from(v) / 255.0) / alpha.max(1e-6);
+        let light = linear(f32::from(v) / 255.0) / alpha.max(1e-6);
         (255.0 * encoded(light.min(1.0)) + 0.5) as u8
     };
     if a == 0 { [0; 4] } else { [divided(r), divided(g), divided(b), a] }
-}
-
-/// What the sRGB curve made `encoded` of.
-pub(crate) fn decoded(encoded: f32) -> f32 {
-    if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
 /// What the sRGB curve makes of `light`, both from 0 to 1.
@@ -81,7 +77,7 @@ mod tests {
 
     #[test]
     fn what_is_half_there_is_as_bright_as_all_of_it() {
-        let half = encoded(0.5 * decoded(200.0 / 255.0));
+        let half = encoded(0.5 * linear(200.0 / 255.0));
         let [r, g, b, a] = straight([(255.0 * half + 0.5) as u8, 0, 255, 128]);
         assert!(r.abs_diff(200) <= 1 && (g, b, a) == (0, 255, 128), "{r}");
         assert_eq!(straight([90, 80, 70, 255]), [90, 80, 70, 255]);

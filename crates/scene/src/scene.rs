@@ -182,8 +182,7 @@ impl Scene {
                 anatomy.arrange(colliders.joints(), mesh).context("colliders")?;
                 if gpu.tier.software && !cfg!(target_arch = "wasm32") {
                     // A software driver takes many times as long for fields as the threads that it runs on.
-                    let fields = anatomy.fields();
-                    anatomy.know(fields);
+                    anatomy.measure();
                 }
                 colliders.add_parts(anatomy.solids());
             }

@@ -224,7 +224,7 @@ impl Output {
 
     /// Whether only the last frame will be kept.
     pub fn keeps_only_last(&self) -> bool {
-        matches!(self.sink, Sink::Still(_))
+        self.kind.is_still()
     }
 
     /// The next frame.

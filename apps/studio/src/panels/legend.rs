@@ -3,6 +3,7 @@
 use crate::{app::Studio, theme};
 use eframe::egui::{Align2, Color32, Mesh, Pos2, Rect, RichText, Sense, TextStyle, Ui, pos2, vec2};
 use tresses::views::ramp;
+use tresses_scene::picture::encoded;
 
 /// How wide it is where there is room, points.
 const WIDTH: f32 = 280.0;
@@ -45,7 +46,7 @@ fn bar(ui: &mut Ui) -> Rect {
     let mut mesh = Mesh::default();
     for i in 0..=PIECES {
         let t = i as f32 / PIECES as f32;
-        let [r, g, b] = ramp(t).to_array().map(|v| (linear_to_srgb(v) * 255.0).round() as u8);
+        let [r, g, b] = ramp(t).to_array().map(|v| (encoded(v.clamp(0.0, 1.0)) * 255.0).round() as u8);
         let x = rect.left() + t * rect.width();
         for y in [rect.top(), rect.bottom()] {
             mesh.colored_vertex(pos2(x, y), Color32::from_rgb(r, g, b));
@@ -58,9 +59,4 @@ fn bar(ui: &mut Ui) -> Rect {
     }
     ui.painter().add(mesh);
     rect
-}
-
-fn linear_to_srgb(v: f32) -> f32 {
-    let v = v.clamp(0.0, 1.0);
-    if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
 }

@@ -1,7 +1,7 @@
 //! Characters that were cooked: what opening their files computes was computed before.
 
 use super::{Base, Files, Hair, Styling, anatomy, neck};
-use crate::living::Anatomy;
+use crate::{colliders::Field, living::Part};
 use anyhow::Result;
 use std::path::{Path, PathBuf};
 use tresses::groom::{
@@ -66,9 +66,18 @@ impl Base {
         let (Hair::Imported { strands, field, .. }, Some(report)) = (&self.hair, &self.report) else {
             return Ok(None);
         };
-        let rig = self.anatomy.as_ref().map(|anatomy| anatomy.rig.clone());
+        let (mut rig, mut parts) = (None, Vec::new());
+        if let Some(mut anatomy) = self.anatomy.clone() {
+            anatomy.measure();
+            rig = Some(anatomy.rig);
+            let grid = |part: Part| match part.field {
+                Field::Grid(grid) => Some((part.node, grid)),
+                Field::Mesh(..) => None,
+            };
+            parts = anatomy.parts.into_iter().filter_map(grid).collect();
+        }
         let mut cooked = Cooked::new(strands.clone(), self.head.clone(), field.clone(), rig, report)?;
-        cooked.parts = self.anatomy.as_ref().map_or(Vec::new(), Anatomy::fields);
+        cooked.parts = parts;
         Ok(Some(cooked))
     }
 }

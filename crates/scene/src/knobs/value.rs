@@ -1,7 +1,10 @@
 //! Values, units and ranges.
 
 use super::Knob;
-use crate::settings::{Curl, HairColor, Samples};
+use crate::{
+    picture::encoded,
+    settings::{Curl, HairColor, Samples},
+};
 use tresses::{
     avoid::AvoidMode,
     draw::Coverage,
@@ -260,10 +263,7 @@ plain!(f32: Number, u32: Integer, bool: Toggle, [u8; 3]: Color);
 /// A linear colour, which people see as sRGB.
 impl Field for Vec3 {
     fn value(&self) -> Value {
-        Value::Color(self.to_array().map(|v| {
-            let curve = if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
-            (255.0 * curve).round() as u8
-        }))
+        Value::Color(self.to_array().map(|v| (255.0 * encoded(v)).round() as u8))
     }
 
     fn put(&mut self, value: Value) {

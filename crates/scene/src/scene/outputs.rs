@@ -2,7 +2,7 @@
 //! where hair is, and which strands it shows.
 
 use super::Scene;
-use crate::{camera::Viewpoint, picture::decoded};
+use crate::camera::Viewpoint;
 use anyhow::Result;
 use tresses::{
     camera::ToneMap,
@@ -10,6 +10,7 @@ use tresses::{
     glam::{Mat4, Vec3},
     gpu::{Gpu, readback},
     groom::Strands,
+    light::material::linear,
     strands::{GuideBuffers, Strand, StrandBuffers, StrandVertex, vertex::unpack_tangent},
 };
 
@@ -127,7 +128,7 @@ impl Scene {
         let bytes = readback::texture(device, queue, &texture).await?;
         let mut texels: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
         for texel in &mut texels {
-            texel[..3].iter_mut().for_each(|v| *v = decoded(*v) / DIM);
+            texel[..3].iter_mut().for_each(|v| *v = linear(*v) / DIM);
         }
         Ok(texels)
     }

@@ -80,10 +80,6 @@ class Table:
             raise PlanError(f"{self.at(key)} is {kind(value)}, but must be tables, [[{key}]]")
         return [Table(each, f"{self.at(key)}[{i}]") for i, each in enumerate(value)]
 
-    def rest(self) -> dict[str, Any]:
-        left, self._left = self._left, {}
-        return left
-
     def done(self) -> None:
         """Refuses what nobody asked for."""
         for key in self._left:
