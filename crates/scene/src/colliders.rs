@@ -244,6 +244,14 @@ impl Colliders {
         }
     }
 
+    /// Which fields the parts of a body are.
+    pub(crate) fn part_fields(&self) -> impl Iterator<Item = Option<FieldId>> {
+        self.parts.iter().map(|slot| match slot {
+            Slot::Field(field) => Some(FieldId(*field as u32)),
+            Slot::Capsule(_) => None,
+        })
+    }
+
     /// The fields of the parts of a body, where they are known.
     pub fn parts(&self) -> impl Iterator<Item = Option<&SdfGrid>> {
         self.parts.iter().map(|slot| match slot {

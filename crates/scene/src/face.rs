@@ -155,6 +155,15 @@ impl Fringe {
     }
 }
 
+/// `hair`, and what hangs of the face: all that collides with the body.
+pub(crate) fn colliding<'a>(
+    hair: &'a mut Hair,
+    face: &'a mut [Fringe],
+) -> impl Iterator<Item = &'a mut Hair> {
+    let hanging = face.iter_mut().filter(|face| face.hangs).map(|face| &mut face.hair);
+    std::iter::once(hair).chain(hanging)
+}
+
 /// The physics of hair that is too thin for a grid; wind moves nothing that lies on the skin.
 fn own(physics: &SimulationParams, hangs: bool) -> SimulationParams {
     let wind = if hangs { physics.wind } else { Wind::default() };

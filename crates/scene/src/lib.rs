@@ -8,6 +8,7 @@ pub mod colliders;
 pub mod companions;
 pub mod crowd;
 pub mod face;
+mod flesh;
 pub mod history;
 pub mod knobs;
 pub mod limbs;

@@ -10,8 +10,9 @@
 use anyhow::{Context, Result, bail};
 use std::collections::HashMap;
 use tresses::{
-    Pipelines, Pose,
+    Hair, Pipelines, Pose,
     body::Body,
+    collide::FieldId,
     glam::{Mat4, Quat, Vec3},
     gpu::Gpu,
     groom::{
@@ -24,6 +25,7 @@ use tresses::{
 
 use crate::{
     colliders::{Field, Joint, Role},
+    flesh::Flesh,
     limbs::{self, Capsule, Fitted},
     motion::Gesture,
 };
@@ -259,7 +261,7 @@ fn fine() -> SdfOptions {
 }
 
 /// The triangles of each node: all with a corner that is `of` it.
-fn by_node(mesh: &TriMesh, of: impl Fn(u32) -> u32) -> HashMap<u32, Vec<[u32; 3]>> {
+pub(crate) fn by_node(mesh: &TriMesh, of: impl Fn(u32) -> u32) -> HashMap<u32, Vec<[u32; 3]>> {
     let mut triangles: HashMap<u32, Vec<[u32; 3]>> = HashMap::new();
     for triangle in &mesh.triangles {
         let mut nodes = triangle.map(&of);
@@ -274,7 +276,7 @@ fn by_node(mesh: &TriMesh, of: impl Fn(u32) -> u32) -> HashMap<u32, Vec<[u32; 3]
 }
 
 /// The node that carries most of a vertex.
-fn holder(rig: &Rig, vertex: &tresses::groom::rig::Bind) -> u32 {
+pub(crate) fn holder(rig: &Rig, vertex: &tresses::groom::rig::Bind) -> u32 {
     let most = (0..vertex.weights.len()).max_by(|a, b| vertex.weights[*a].total_cmp(&vertex.weights[*b]));
     most.and_then(|i| rig.joints.get(usize::from(vertex.joints[i]))).map_or(0, |joint| joint.node)
 }
@@ -289,7 +291,7 @@ fn turns(rig: &Rig, head: u32) -> Vec<(u32, f32)> {
 }
 
 /// Whether `node` is `head` or below it.
-fn goes_with(rig: &Rig, node: u32, head: u32) -> bool {
+pub(crate) fn goes_with(rig: &Rig, node: u32, head: u32) -> bool {
     let mut at = Some(node);
     while let Some(node) = at {
         if node == head {
@@ -336,6 +338,8 @@ pub struct Living {
     anatomy: Anatomy,
     skinning: Skinning,
     rest: RigPose,
+    /// Whether the head's field deforms with the skin, and those of the other solids: nothing of a body that has not bent.
+    deforms: Vec<bool>,
     animation: Option<usize>,
     /// How much there is of shapes, whatever motions and gestures say.
     shapes: Vec<(usize, f32)>,
@@ -347,6 +351,8 @@ pub struct Stance {
     pub head: Pose,
     /// What carries the other parts that hair collides with, relative to where it rests.
     pub parts: Vec<Pose>,
+    /// Whether anything of the body is not where it rests.
+    pub is_bent: bool,
 }
 
 impl Living {
@@ -358,7 +364,7 @@ impl Living {
         let rig = &anatomy.rig;
         let skinning = Skinning::new(&gpu.device, &gpu.queue, &pipelines.skinning, rig, body)?;
         let rest = rig.rest_pose();
-        Ok(Self { skinning, rest, animation: None, shapes: Vec::new(), anatomy })
+        Ok(Self { skinning, rest, deforms: Vec::new(), animation: None, shapes: Vec::new(), anatomy })
     }
 
     /// The names of its motions.
@@ -467,12 +473,40 @@ impl Living {
         let shapes: Vec<_> = named.chain(self.shapes.iter().copied()).collect();
         let pose = rig.pose_turned(animation, &shapes, &turns);
         self.skinning.pose(&gpu.queue, &pose, body)?;
+        let is_bent = pose != self.rest;
         let node = |node: u32| {
             let [now, rest] = [&pose, &self.rest].map(|pose| rig.to_groom * pose.globals[node as usize]);
             moved(&now, &rest)
         };
         let parts = self.anatomy.solids().map(|part| node(part.node)).collect();
-        Ok(Stance { head: node(self.anatomy.head.node), parts })
+        Ok(Stance { head: node(self.anatomy.head.node), parts, is_bent })
+    }
+
+    /// From here on the fields of `hair`'s colliders deform with the skin of `body`, whose mesh at rest is `mesh`;
+    /// `fields` are those of the solids.
+    pub(crate) fn deform<'a>(
+        &mut self,
+        (gpu, pipelines): (&Gpu, &Pipelines),
+        (body, mesh): (&Body, &TriMesh),
+        has_head: bool,
+        fields: impl Iterator<Item = Option<FieldId>>,
+        hair: impl Iterator<Item = &'a mut Hair>,
+    ) -> Result<()> {
+        let flesh = Flesh::new(&self.anatomy, mesh, has_head);
+        let fields = flesh.fields(fields);
+        for hair in hair {
+            let colliders = &mut hair.colliders;
+            colliders.deform(&gpu.device, &gpu.queue, &pipelines.deform, mesh, &body.into(), &fields)?;
+        }
+        self.deforms = flesh.deforms();
+        Ok(())
+    }
+
+    /// Where the fields are that [deform](tresses::collide::deform): of the head's and those of the other parts, in the
+    /// body's space.
+    pub(crate) fn deforming<'a>(&'a self, stance: &'a Stance) -> impl Iterator<Item = Pose> + 'a {
+        let all = std::iter::once(&stance.head).chain(&stance.parts);
+        all.zip(&self.deforms).filter(|(_, deforms)| **deforms).map(|(pose, _)| *pose)
     }
 
     /// What the frame records.

@@ -24,7 +24,7 @@ use tresses::{
     draw::{Coverage, Targets, targets::PICTURE_FORMAT},
     glam::Vec3,
     gpu::Gpu,
-    groom::SdfGrid,
+    groom::{SdfGrid, TriMesh},
     light::{Lights, Sphere},
     lod::{Detail, LodMode, LodOptions},
     roots::{RootReport, Skin},
@@ -113,6 +113,8 @@ pub struct Scene {
     pub body: Option<Body>,
     /// What bends the body, where something does.
     pub living: Option<Living>,
+    /// The body at rest, until it bends for the first time: fields deform from then on.
+    unbent: Option<TriMesh>,
     /// How far roots are from the skin that bends.
     pub roots: Option<RootReport>,
     /// The colliders, drawn with it.
@@ -236,6 +238,7 @@ impl Scene {
             hair,
             face,
             body,
+            unbent: living.as_ref().and(character.head),
             living,
             roots,
             obstacles: None,

@@ -16,6 +16,7 @@ pub const SHARED: &[(&str, u32)] = &[
     ("TIE_WORKGROUP", TIE_WORKGROUP),
     ("MAX_FOOTPRINT", MAX_FOOTPRINT),
     ("BUILD_WORKGROUP", BUILD_WORKGROUP),
+    ("DEFORM_NODES", DEFORM_NODES),
     ("MAX_LIGHTS", MAX_LIGHTS),
     ("SHADOW_BLOCK", SHADOW_BLOCK),
     ("DEEP_LAYERS", DEEP_LAYERS),
@@ -74,6 +75,8 @@ pub const MAX_STRAND_VERTICES: u32 = 64;
 pub const MAX_COLLIDERS: u32 = 128;
 /// Threads of one workgroup of the kernels that make distance fields.
 pub const BUILD_WORKGROUP: u32 = 64;
+/// Nodes along each edge of the grid that says how a distance field deforms with skin.
+pub const DEFORM_NODES: u32 = 20;
 /// The most directional lights of a scene.
 pub const MAX_LIGHTS: u32 = 4;
 /// Edge of a block of shadow map texels, which hold how much hair there is and how high.

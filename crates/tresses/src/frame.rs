@@ -185,8 +185,8 @@ impl Recorder<'_> {
         if hair.is_shifted() {
             self.stage(Stage::Simulate, |pass| hair.record_shift(pass, &pipelines.simulate));
         }
-        if hair.roots.is_some() && hair.is_seen() {
-            self.stage(Stage::Roots, |pass| hair.record_roots(pass, &pipelines.roots));
+        if hair.is_on_skin() && hair.is_seen() {
+            self.stage(Stage::Roots, |pass| hair.record_roots(pass, pipelines));
         }
         for step in 0..steps {
             if hair.uses_volume() {

@@ -1,7 +1,7 @@
 //! Every pipeline of a device, each compiled when it is first needed or when it is asked for in advance.
 
 use crate::{
-    Progress, Result, avoid, draw,
+    Progress, Result, avoid, collide, draw,
     gpu::{
         kernel::{self, Job},
         pipeline::Scopes,
@@ -25,6 +25,8 @@ pub struct Pipelines {
     pub skinning: skinning::Pipelines,
     /// Roots go with skin.
     pub roots: roots::Pipelines,
+    /// Fields deform with skin.
+    pub deform: collide::deform::Pipelines,
     /// Guides fill a grid.
     pub volume: volume::Pipelines,
     /// Air moves.
@@ -68,6 +70,7 @@ impl Pipelines {
             device: device.clone(),
             skinning: skinning::Pipelines::new(device),
             roots: roots::Pipelines::new(device),
+            deform: collide::deform::Pipelines::new(device),
             volume: volume::Pipelines::new(device),
             wind: wind::Pipelines::new(device),
             simulate: simulate::Pipelines::new(device),
@@ -114,7 +117,7 @@ impl Pipelines {
             Wanted::Twist(vertex_count) => kernel::jobs([self.simulate.twist(*vertex_count)]),
             Wanted::Motion(stage) => match stage {
                 Stage::Skinning => kernel::jobs(self.skinning.kernels()),
-                Stage::Roots => kernel::jobs(self.roots.kernels()),
+                Stage::Roots => kernel::jobs(self.roots.kernels().into_iter().chain(self.deform.kernels())),
                 Stage::Volume => kernel::jobs(self.volume.kernels()),
                 Stage::Wind => kernel::jobs(self.wind.kernels()),
                 Stage::Simulate => kernel::jobs(self.simulate.kernels()),

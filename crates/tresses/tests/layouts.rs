@@ -233,7 +233,7 @@ fn collide() {
         bias,
         friction,
         scale,
-        _pad_a,
+        deforms,
         low,
         _pad_b,
         high,
@@ -252,7 +252,7 @@ fn collide() {
         rust_layout!(Place { rotation, translation, bound, center, _pad })
     );
     // The shader's struct ends with the places themselves.
-    let (members, size) = rust_layout!(Places { interval, moments, count, _pad });
+    let (members, size) = rust_layout!(Places { interval, moments, count, side });
     let found = wgsl_layout("collide::shape::Places").0;
     assert_eq!(found[..members.len()], members);
     assert_eq!(found[members.len()..], [("list".to_string(), size)]);

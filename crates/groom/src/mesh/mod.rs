@@ -11,7 +11,7 @@ mod triangle;
 use glam::Vec3;
 
 pub use bvh::{Bvh, Closest, TreeNode};
-pub use parts::Part;
+pub use parts::{Part, places};
 pub use sdf::SdfOptions;
 pub use simplify::Level;
 

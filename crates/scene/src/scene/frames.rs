@@ -3,6 +3,7 @@
 use super::{Asked, Scene};
 use crate::{
     camera::{self, Viewpoint},
+    face::colliding,
     motion::Gesture,
 };
 use anyhow::{Context, Result};
@@ -141,6 +142,17 @@ impl Scene {
             self.pose = gesture.body;
             self.head = self.pose.after(&stance.head);
             self.parts.extend(stance.parts.iter().map(|part| self.pose.after(part)));
+            if let Some(mesh) = self.unbent.take_if(|_| stance.is_bent) {
+                let (gpu, fields) = ((&self.gpu, &*self.pipelines), self.colliders.part_fields());
+                let hair = colliding(&mut self.hair, &mut self.face);
+                living.deform(gpu, (body, &mesh), self.field.is_some(), fields, hair)?;
+            }
+            for hair in colliding(&mut self.hair, &mut self.face) {
+                if let Some(deformation) = &mut hair.colliders.deformation {
+                    deformation.poses.clear();
+                    deformation.poses.extend(living.deforming(&stance));
+                }
+            }
             // Shadows and light go with a body that walks.
             self.picture.focus.center = self.head.point(self.middle);
         }

@@ -44,11 +44,13 @@
 //! one, but at 4 mm per cell a finger is two cells wide, friction and velocity per collider are lost, and a
 //! hand that passes at 3 m/s moves three cells per substep.
 //!
-//! **Untried.** Colliders that deform (skinned bodies): the field builder is fast enough for a small one
-//! per frame, but contacts would need the velocity of the skin from another source.
+//! **Skin.** A field that goes with a joint may deform with the skin around it ([`deform`]): it is asked where matter was at
+//! rest. Measuring it anew in each frame would be as exact, at some hundred times the cost on a software driver, and
+//! would not tell the velocity of the skin.
 
 mod atlas;
 pub mod build;
+pub mod deform;
 mod places;
 mod set;
 pub mod shape;

@@ -46,8 +46,8 @@ pub struct Places {
     /// loops into the program, and where that unrolls a loop of several turns it compiles the program anew, and keeps the
     /// old one, for every dispatch.
     pub count: u32,
-    /// Unused.
-    pub _pad: u32,
+    /// Which half of each tile of the [deformations](super::deform) is that of this frame: 0 or 1.
+    pub side: u32,
 }
 
 /// What the places of a frame depend on.

@@ -5,13 +5,16 @@ use super::{
     FieldVolume, Moments, Place, Places, Shape, ShapeData, ShapeTable,
     atlas::{Atlas, pack},
     build::Plan,
+    deform::{self, Deformation, DeformingField, Which},
     places::{Journey, Track},
 };
 use crate::{
     Error, Pose, Result,
-    clock::{MAX_STEPS, MAX_SUBSTEPS},
+    clock::{MAX_STEPS, MAX_SUBSTEPS, Mode},
     constants::MAX_COLLIDERS,
     gpu::{Binding, bindings},
+    groom::TriMesh,
+    roots::Skin,
     space::{Map, Passage},
     strands::buffers::storage,
 };
@@ -19,7 +22,8 @@ use bytemuck::Zeroable;
 use glam::{UVec3, Vec3};
 
 /// What `nearest.wesl` binds, in order.
-const BINDINGS: [Binding; 4] = [Binding::Uniform, Binding::Storage, Binding::Texture3d, Binding::Sampler];
+const BINDINGS: [Binding; 5] =
+    [Binding::Uniform, Binding::Storage, Binding::Texture3d, Binding::Sampler, Binding::Texture3d];
 
 /// The layout of `@group(1)` of every kernel that asks for obstacles.
 pub fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
@@ -72,12 +76,18 @@ struct Tile {
     bias: Vec3,
     scale: Vec3,
     bounds: Bounds,
+    /// Its number among those that deform.
+    deforms: Option<usize>,
 }
 
 /// The colliders of one groom, and their state of motion.
 #[derive(Debug)]
 pub struct ColliderSet {
+    /// How fields deform with skin, where [some do](Self::deform).
+    pub deformation: Option<Deformation>,
     track: Track,
+    /// What they are, besides the head's field.
+    list: Vec<Collider>,
     /// Bounding spheres in the colliders' frames.
     spheres: Vec<(Vec3, f32)>,
     has_head: bool,
@@ -117,16 +127,19 @@ impl ColliderSet {
             bias: field.bias,
             scale: field.scale,
             bounds: field.bounds,
+            deforms: None,
         });
         let table = bindings::uniform(device, "collider shapes", size_of::<ShapeTable>());
         let places = storage::<Place>(device, "collider places", most_places(1))?;
         let mut set = Self {
+            deformation: None,
             track: Track::default(),
+            list: Vec::new(),
             spheres: Vec::new(),
             has_head,
             count: 0,
             tiles: tiles.collect(),
-            group: bind(device, &table, &places, &atlas),
+            group: bind(device, &table, &places, &atlas, &deform::none(device)),
             atlas,
             table,
             places,
@@ -148,12 +161,14 @@ impl ColliderSet {
         let table = bindings::uniform(device, "collider shapes", size_of::<ShapeTable>());
         let places = storage::<Place>(device, "collider places", most_places(1))?;
         let mut set = Self {
+            deformation: None,
             track: Track::default(),
+            list: Vec::new(),
             spheres: Vec::new(),
             has_head: self.has_head,
             count: 0,
-            tiles: self.tiles.clone(),
-            group: bind(device, &table, &places, &self.atlas),
+            tiles: self.tiles.iter().map(|tile| Tile { deforms: None, ..*tile }).collect(),
+            group: bind(device, &table, &places, &self.atlas, &deform::none(device)),
             atlas: self.atlas.clone(),
             table,
             places,
@@ -201,20 +216,72 @@ impl ColliderSet {
                 let Bounds { center, half, radius } = tile.bounds;
                 (data.center, data.size, data.bound) = (center, half, radius);
                 self.atlas.place(data, tile.at, tile.size, tile.bias, tile.scale);
+                if let Some(part) = tile.deforms {
+                    Deformation::widen(data, part);
+                }
             }
             spheres.push((data.center, data.bound));
         }
         let most = most_places(count);
         if self.places.size() < most * size_of::<Place>() as u64 {
             self.places = storage::<Place>(device, "collider places", most)?;
-            self.group = bind(device, &self.table, &self.places, &self.atlas);
+            self.regroup(device);
         }
         queue.write_buffer(&self.table, 0, bytemuck::bytes_of(&*table));
         let count_at = std::mem::offset_of!(Places, count) as u64;
         queue.write_buffer(&self.places, count_at, bytemuck::bytes_of(&(count as u32)));
         self.track.replace(anchors);
+        self.list = colliders.to_vec();
         (self.spheres, self.count) = (spheres, count as u32);
         Ok(())
+    }
+
+    fn regroup(&mut self, device: &wgpu::Device) {
+        let deformed = self.deformation.as_ref().map(|deformation| deformation.texture.clone());
+        let deformed = deformed.unwrap_or_else(|| deform::none(device));
+        self.group = bind(device, &self.table, &self.places, &self.atlas, &deformed);
+    }
+
+    /// From the next frame on these `fields` deform with a skin: `mesh` as it is at rest, which is the frame of all of
+    /// them (groom space), `skin` as it is in each frame, where [`Deformation::poses`] say the parts are. None deform if
+    /// there are none. See [`deform`].
+    ///
+    /// # Errors
+    /// [`Error::Colliders`] for a field that is not there, and for more than a texture holds;
+    /// [`crate::groom::Error::Unusable`] for triangles that `mesh` does not have and a skin that it does not fit;
+    /// [`Error::Limit`].
+    pub fn deform(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        stage: &deform::Pipelines,
+        mesh: &TriMesh,
+        skin: &Skin<'_>,
+        fields: &[DeformingField<'_>],
+    ) -> Result<()> {
+        let first = usize::from(self.has_head);
+        let mut tiles: Vec<_> = self.tiles.iter().map(|tile| Tile { deforms: None, ..*tile }).collect();
+        let mut grids = Vec::with_capacity(fields.len());
+        for (part, field) in fields.iter().enumerate() {
+            let at = match field.which {
+                Which::Head => self.has_head.then_some(0),
+                Which::Field(FieldId(id)) => Some(id as usize + first),
+            };
+            let tile = at.and_then(|at| tiles.get_mut(at)).ok_or_else(|| {
+                Error::Colliders(format!("there is no field {:?} that could deform", field.which))
+            })?;
+            tile.deforms = Some(part);
+            let half = 0.5 / tile.size.as_vec3();
+            let box_ = [half, 1.0 - half].map(|c| (c - tile.bias) / tile.scale);
+            grids.push(deform::Grid { triangles: field.triangles, box_ });
+        }
+        self.deformation = match grids.is_empty() {
+            true => None,
+            false => Some(Deformation::new(device, queue, stage, mesh, skin, &grids)?),
+        };
+        self.tiles = tiles;
+        self.regroup(device);
+        self.replace(device, queue, &self.list.clone())
     }
 
     /// Moves the colliders by a frame, to where `poses` says they are at its end. Before the frame's kernels.
@@ -236,6 +303,9 @@ impl ColliderSet {
         let steps = &frame.steps[frame.steps.len().saturating_sub(MAX_STEPS as usize)..];
         let frame = Moments { steps, substeps: frame.substeps.clamp(1, MAX_SUBSTEPS), ..*frame };
         self.track.advance(self.has_head, poses, &frame, journey)?;
+        let jumps = steps.iter().any(|step| step.mode != Mode::Step);
+        let deformation = self.deformation.as_mut();
+        let side = deformation.map(|it| it.prepare(queue, !steps.is_empty(), jumps)).transpose()?;
         if self.count == 0 {
             return Ok(());
         }
@@ -249,7 +319,7 @@ impl ColliderSet {
         if !steps.is_empty() {
             let interval = frame.step / frame.substeps as f32;
             let moments = steps.len() as u32 * frame.substeps;
-            let places = Places { interval, moments, count: self.count, _pad: 0 };
+            let places = Places { interval, moments, count: self.count, side: side.unwrap_or(0) };
             queue.write_buffer(&self.places, 0, bytemuck::bytes_of(&places));
             let at = header + size_of_val(&*now) as u64;
             queue.write_buffer(&self.places, at, bytemuck::cast_slice(&list(&self.track.moments)));
@@ -291,7 +361,8 @@ impl ColliderSet {
 
     /// Bytes of GPU memory; the distance fields have 8 per texel of their atlas.
     pub fn bytes(&self) -> u64 {
-        self.atlas.bytes() + self.table.size() + self.places.size()
+        let deformation = self.deformation.as_ref().map_or(0, Deformation::bytes);
+        self.atlas.bytes() + self.table.size() + self.places.size() + deformation
     }
 }
 
@@ -314,6 +385,7 @@ fn bind(
     table: &wgpu::Buffer,
     places: &wgpu::Buffer,
     atlas: &Atlas,
+    deformed: &wgpu::Texture,
 ) -> wgpu::BindGroup {
     let sampler = bindings::linear(device);
     bindings::group(
@@ -325,6 +397,7 @@ fn bind(
             places.as_entire_binding(),
             wgpu::BindingResource::TextureView(&atlas.texture.create_view(&Default::default())),
             wgpu::BindingResource::Sampler(&sampler),
+            wgpu::BindingResource::TextureView(&deformed.create_view(&Default::default())),
         ],
     )
 }

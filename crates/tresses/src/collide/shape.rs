@@ -31,8 +31,8 @@ pub struct ShapeData {
     pub friction: f32,
     /// Field: texture coordinates per metre.
     pub scale: Vec3,
-    /// Unused.
-    pub _pad_a: f32,
+    /// Field: one more than its number among those that [deform](super::deform); 0 for a rigid one.
+    pub deforms: u32,
     /// Field: the smallest texture coordinate that belongs to it alone.
     pub low: Vec3,
     /// Unused.

@@ -9,7 +9,6 @@ use crate::{
     frame::Frame,
     interpolate,
     lod::{Detail, Widths},
-    roots,
     simulate::{self, Forces, Shifting, SimulationParams, grab::Sights},
     space::{Carried, Shift},
     tessellate::{self, TessellateParams},
@@ -129,7 +128,7 @@ impl Hair {
     fn dozes(&mut self, frame: &Frame<'_>) -> bool {
         // What a hand, the wind or skin does, the frame does not tell.
         let may = self.lod.options.sleep
-            && self.roots.is_none()
+            && !self.is_on_skin()
             && !self.grab.is_active()
             && !self.volume.meets()
             && !frame.simulation.wind.blows();
@@ -228,10 +227,18 @@ impl Hair {
         }
     }
 
-    /// Where roots go with skin that bends: where that carries them.
-    pub(crate) fn record_roots(&self, pass: &mut crate::gpu::ComputePass<'_>, stage: &roots::Pipelines) {
+    /// Whether its roots go with skin that bends, or what it collides with does.
+    pub(crate) fn is_on_skin(&self) -> bool {
+        self.roots.is_some() || self.colliders.deformation.is_some()
+    }
+
+    /// Where skin carries roots, and how it deforms fields.
+    pub(crate) fn record_roots(&self, pass: &mut crate::gpu::ComputePass<'_>, stage: &Pipelines) {
         if let Some(roots) = &self.roots {
-            roots.record(stage, pass, [self.guides.count, self.strands.drawn.count]);
+            roots.record(&stage.roots, pass, [self.guides.count, self.strands.drawn.count]);
+        }
+        if let Some(deformation) = &self.colliders.deformation {
+            deformation.record(&stage.deform, pass);
         }
     }
 

@@ -23,8 +23,9 @@
 //! are, and goes on in the direction that they give it: brows stay on a forehead that moves between guides. Strands that
 //! are their own guides need no more than those.
 //!
-//! **What is not there.** The distance field of a head bends with nothing: it is that of the rigid part. Roots that the
-//! skin carries into it are in it (contacts keep no vertex farther away than it rests).
+//! **Fields.** The distance field of a head is that of the rigid part, unless it deforms with the same skin
+//! ([`crate::collide::deform`]). Roots that the skin carries into it are in it (contacts keep no vertex farther away than
+//! it rests).
 
 mod bind;
 
@@ -52,6 +53,23 @@ pub struct Words {
     pub first: u32,
     /// From one vertex to the next, at least 3.
     pub stride: u32,
+}
+
+impl Words {
+    /// # Errors
+    /// [`crate::groom::Error::Unusable`] where `buffer` does not hold the vertices of `mesh` so.
+    pub(crate) fn hold(&self, buffer: &wgpu::Buffer, mesh: &TriMesh) -> Result<()> {
+        let last = (mesh.positions.len() as u64).saturating_sub(1);
+        let need = 4 * (u64::from(self.first) + last * u64::from(self.stride) + 3);
+        if self.stride < 3 || buffer.size() < need {
+            return Err(Error::unusable(format!(
+                "a buffer of {} bytes is too small for the skin's {} vertices",
+                buffer.size(),
+                mesh.positions.len()
+            )));
+        }
+        Ok(())
+    }
 }
 
 /// The vertices of a body that bends, in buffers that may be bound as storage. The same buffer may be both.
@@ -159,15 +177,7 @@ impl Roots {
         reach: f32,
     ) -> Result<(Self, RootReport)> {
         for (buffer, words) in [skin.positions, skin.normals] {
-            let last = (mesh.positions.len() as u64).saturating_sub(1);
-            let need = 4 * (u64::from(words.first) + last * u64::from(words.stride) + 3);
-            if words.stride < 3 || buffer.size() < need {
-                return Err(Error::unusable(format!(
-                    "a buffer of {} bytes is too small for the skin's {} vertices",
-                    buffer.size(),
-                    mesh.positions.len()
-                )));
-            }
+            words.hold(buffer, mesh)?;
         }
         let (bound_guides, bound_strands, report) = bind::bind(groom, arranged, mesh, reach)?;
         // More than one to each: that tells kernels that they are to be read.

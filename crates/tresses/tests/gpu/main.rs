@@ -13,6 +13,7 @@ mod common;
 mod counts;
 mod crowd;
 mod curls;
+mod deform;
 mod draw;
 mod edges;
 mod embed;

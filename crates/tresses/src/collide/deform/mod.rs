@@ -1,0 +1,324 @@
+//! Distance fields that deform with the skin of a body.
+//!
+//! A part of a body that bends is a distance field that goes with a joint, rigidly ([`crate::collide`]). Its skin does not:
+//! near a neck two joints share it, cheeks and chests swell, a jaw opens. A field that deforms is asked at `p` where the
+//! matter at `p` was at rest: `φ(p - u(p))`, with the way `u` that it has come, relative to its joint, on a coarse grid
+//! around the field. The rest field stays; nothing of it is measured anew.
+//!
+//! ```text
+//! vertices of the skin ─► gather ─────────────► settle ───────────► texture, two halves ─► nearest, contacts
+//! poses of the parts   ─► per node: its nearest per node: where it                        (φ(p - u), velocity of the skin)
+//!                         place of the skin     has come from
+//! ```
+//!
+//! **Gather.** Each node belongs to the place of the skin that is nearest to it at rest, found once: a triangle of the part,
+//! and shares of its corners. Its move is that place's, now, in the joint's frame, without the place at rest. No vertex
+//! writes where others do: there are no atomics, and the same skin gives the same bits.
+//!
+//! **Settle.** Moves are known where they begin, but asked for where they end: three turns of `x = node - u(x)`.
+//!
+//! **Velocity.** The texture holds this frame's moves and those of the last frame that had steps. What touches skin feels
+//! the difference, in as many parts as the frame has substeps, and sticks to it or slides on it as on anything that moves.
+//! Positions are those at the end of the frame in all of its substeps.
+//!
+//! **Normals.** The gradient of `φ(p - u(p))` is `(1 - ∇u)ᵀ ∇φ`; `∇u` is asked by differences, of what is near the skin alone.
+//! Without it skin that has turned by 20° pushes hair that lies on it backwards, and friction takes it along half as far.
+//!
+//! **Limits.** Skin goes at most [`MOST`] from where its joint would carry it. Distances are right to first order, at the
+//! surface. Skin that folds within two nodes, the corners of a mouth, is smooth there. Volume and wind see the deformed
+//! surface, but not that it moves.
+
+use super::ShapeData;
+use crate::{
+    Error, Pose, Result,
+    constants::{BUILD_WORKGROUP, DEFORM_NODES},
+    gpu::{Binding, Kernel},
+    groom::{TriMesh, mesh::Bvh},
+    roots::Skin,
+    strands::buffers::filled,
+};
+use bytemuck::{Pod, Zeroable};
+use glam::{Quat, UVec3, Vec3};
+
+/// The farthest that skin goes from where its part's joint would carry it, metres.
+pub const MOST: f32 = 0.04;
+
+/// Nodes of a part's grid.
+const PART: u32 = DEFORM_NODES * DEFORM_NODES * DEFORM_NODES;
+
+/// What the kernels know of a frame; the parts follow.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct DeformHead {
+    /// Nodes of all grids.
+    pub count: u32,
+    /// [`Words::first`] of the skin's positions.
+    pub position_first: u32,
+    /// [`Words::stride`] of them.
+    pub position_stride: u32,
+    /// The half of the texture that is this frame's.
+    pub side: u32,
+    /// 1 where the other half is to be the same: the skin has not moved here, it has jumped.
+    pub fresh: u32,
+    /// [`MOST`].
+    pub most: f32,
+    /// Unused.
+    pub _pad_a: u32,
+    /// Unused.
+    pub _pad_b: u32,
+}
+
+/// A field that deforms.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct DeformPart {
+    /// From the field's frame to the space of the skin's vertices, now.
+    pub rotation: Quat,
+    /// See `rotation`, metres.
+    pub translation: Vec3,
+    /// Unused.
+    pub _pad_a: u32,
+    /// The first node, the field's frame, metres.
+    pub low: Vec3,
+    /// Unused.
+    pub _pad_b: u32,
+    /// Nodes per metre.
+    pub per_metre: Vec3,
+    /// Unused.
+    pub _pad_c: u32,
+}
+
+/// The place of the skin that is nearest to a node at rest.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct DeformNode {
+    /// Vertices of its triangle.
+    pub triangle: [u32; 3],
+    /// Share of the second corner.
+    pub b: f32,
+    /// Where it is at rest, the field's frame, metres.
+    pub rest: Vec3,
+    /// Share of the third corner.
+    pub c: f32,
+}
+
+/// Which field of a [`ColliderSet`](super::ColliderSet) deforms.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Which {
+    /// The head's.
+    Head,
+    /// One of [`ColliderDescriptor::fields`](super::ColliderDescriptor::fields).
+    Field(super::FieldId),
+}
+
+/// A field whose body has skin that bends.
+#[derive(Clone, Copy, Debug)]
+pub struct DeformingField<'a> {
+    /// Which field.
+    pub which: Which,
+    /// The triangles of the mesh whose skin is around it.
+    pub triangles: &'a [[u32; 3]],
+}
+
+/// The pipelines.
+#[derive(Debug)]
+pub struct Pipelines {
+    gather: Kernel,
+    settle: Kernel,
+}
+
+impl Pipelines {
+    /// None compiled yet.
+    pub fn new(device: &wgpu::Device) -> Self {
+        use Binding::{Storage, StorageMut, Write3d};
+        Self {
+            gather: Kernel::new(device, "collide::deform::gather", &[Storage, Storage, Storage, StorageMut]),
+            settle: Kernel::new(device, "collide::deform::settle", &[Storage, Storage, Write3d]),
+        }
+    }
+
+    /// All of them.
+    pub(crate) fn kernels(&self) -> Vec<&Kernel> {
+        vec![&self.gather, &self.settle]
+    }
+}
+
+/// The texture of a set without fields that deform.
+pub(super) fn none(device: &wgpu::Device) -> wgpu::Texture {
+    texture(device, 1)
+}
+
+fn texture(device: &wgpu::Device, parts: u32) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("deformed fields"),
+        size: wgpu::Extent3d {
+            width: 2 * DEFORM_NODES,
+            height: DEFORM_NODES,
+            depth_or_array_layers: parts * DEFORM_NODES,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D3,
+        format: wgpu::TextureFormat::Rgba16Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::STORAGE_BINDING,
+        view_formats: &[],
+    })
+}
+
+/// Bytes of the texture for so many parts.
+fn texture_bytes(parts: u64) -> u64 {
+    16 * u64::from(PART) * parts
+}
+
+/// A part before its grid is known.
+pub(super) struct Grid<'a> {
+    pub triangles: &'a [[u32; 3]],
+    /// The first and the last node of its field, metres.
+    pub box_: [Vec3; 2],
+}
+
+/// How the fields of one groom's colliders deform.
+#[derive(Debug)]
+pub struct Deformation {
+    /// Where each part is: from the field's frame to the space of the skin's vertices. As many as were given, in the same
+    /// order. Set them before each frame.
+    pub poses: Vec<Pose>,
+    head: DeformHead,
+    parts: Vec<DeformPart>,
+    buffer: wgpu::Buffer,
+    gather: wgpu::BindGroup,
+    settle: wgpu::BindGroup,
+    pub(super) texture: wgpu::Texture,
+    bytes: u64,
+    fresh: bool,
+    /// Whether this frame is one for which the skin is asked: hair between steps has none of it.
+    due: bool,
+}
+
+impl Deformation {
+    pub(super) fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        stage: &Pipelines,
+        mesh: &TriMesh,
+        skin: &Skin<'_>,
+        grids: &[Grid<'_>],
+    ) -> Result<Self> {
+        let (buffer, words) = skin.positions;
+        let most = device.limits().max_texture_dimension_3d;
+        let deep = grids.len() as u64 * u64::from(DEFORM_NODES);
+        if grids.is_empty() || deep > u64::from(most) {
+            return Err(Error::Colliders(format!(
+                "{} fields cannot deform, but from one to {}",
+                grids.len(),
+                most / DEFORM_NODES
+            )));
+        }
+        words.hold(buffer, mesh)?;
+        let (mut nodes, mut parts) = (Vec::with_capacity(grids.len() * PART as usize), Vec::new());
+        for grid in grids {
+            let [low, high] = grid.box_;
+            let per_metre = (DEFORM_NODES - 1) as f32 / (high - low).max(Vec3::splat(1e-4));
+            parts.push(DeformPart { rotation: Quat::IDENTITY, low, per_metre, ..Default::default() });
+            nodes.extend(nearest(mesh, grid.triangles, low, per_metre)?);
+        }
+        let nodes = filled(device, queue, "deforming nodes", bytemuck::cast_slice(&nodes))?;
+        let head = DeformHead {
+            count: grids.len() as u32 * PART,
+            position_first: words.first,
+            position_stride: words.stride,
+            most: MOST,
+            ..Default::default()
+        };
+        let known = [bytemuck::bytes_of(&head), bytemuck::cast_slice(&parts)].concat();
+        let frame = filled(device, queue, "deforming parts", &known)?;
+        let moves = crate::strands::buffers::storage::<[f32; 4]>(device, "moves of skin", head.count.into())?;
+        let texture = texture(device, grids.len() as u32);
+        let view = texture.create_view(&Default::default());
+        let own = [&frame, &nodes, buffer, &moves];
+        let gather = stage.gather.bind(device, &own.map(|buffer| buffer.as_entire_binding()));
+        let resources =
+            [frame.as_entire_binding(), moves.as_entire_binding(), wgpu::BindingResource::TextureView(&view)];
+        let settle = stage.settle.bind(device, &resources);
+        let bytes = frame.size() + nodes.size() + moves.size() + texture_bytes(grids.len() as u64);
+        Ok(Self {
+            poses: vec![Pose::IDENTITY; grids.len()],
+            head,
+            parts,
+            buffer: frame,
+            gather,
+            settle,
+            texture,
+            bytes,
+            fresh: true,
+            due: false,
+        })
+    }
+
+    /// Tells a shape that its field is number `part` of those that deform: it is solid within [`MOST`] around what was.
+    pub(super) fn widen(shape: &mut ShapeData, part: usize) {
+        shape.deforms = part as u32 + 1;
+        shape.size += MOST;
+        shape.bound += MOST;
+    }
+
+    /// Writes what a frame's kernels read, and returns the half of the texture that is this frame's. `steps`: whether it
+    /// has some; `jumps`: whether hair is put somewhere else.
+    ///
+    /// # Errors
+    /// [`Error::Colliders`] for poses that are not as many as parts, or not finite.
+    pub(super) fn prepare(&mut self, queue: &wgpu::Queue, steps: bool, jumps: bool) -> Result<u32> {
+        if self.poses.len() != self.parts.len() {
+            let (poses, parts) = (self.poses.len(), self.parts.len());
+            return Err(Error::Colliders(format!("{poses} poses do not place {parts} fields that deform")));
+        }
+        for (part, pose) in self.parts.iter_mut().zip(&self.poses) {
+            if !(pose.translation.is_finite() && pose.rotation.is_normalized()) {
+                return Err(Error::Colliders("the pose of a field that deforms is not finite".into()));
+            }
+            (part.rotation, part.translation) = (pose.rotation, pose.translation);
+        }
+        if steps {
+            self.head.side = 1 - self.head.side;
+        }
+        self.due = steps || self.fresh;
+        self.head.fresh = (self.fresh || jumps).into();
+        self.fresh = false;
+        let known = [bytemuck::bytes_of(&self.head), bytemuck::cast_slice(&self.parts)].concat();
+        queue.write_buffer(&self.buffer, 0, &known);
+        Ok(self.head.side)
+    }
+
+    /// Records both kernels: after the skin has been bent, before the frame's first step.
+    pub(crate) fn record(&self, stage: &Pipelines, pass: &mut crate::gpu::ComputePass<'_>) {
+        let groups = if self.due { self.head.count.div_ceil(BUILD_WORKGROUP) } else { 0 };
+        stage.gather.record(pass, &self.gather, &[], groups);
+        stage.settle.record(pass, &self.settle, &[], groups);
+    }
+
+    /// Bytes of GPU memory.
+    pub(super) fn bytes(&self) -> u64 {
+        self.bytes
+    }
+}
+
+/// For each node of a grid the place of the skin that is nearest to it.
+fn nearest(mesh: &TriMesh, triangles: &[[u32; 3]], low: Vec3, per_metre: Vec3) -> Result<Vec<DeformNode>> {
+    if triangles.is_empty() || triangles.iter().flatten().any(|i| *i as usize >= mesh.positions.len()) {
+        return Err(Error::unusable("a field deforms with triangles of its skin's mesh"));
+    }
+    let part =
+        TriMesh { positions: mesh.positions.clone(), triangles: triangles.to_vec(), ..TriMesh::default() };
+    let bvh = Bvh::new(&part);
+    let node = |i: u32| {
+        let at =
+            UVec3::new(i % DEFORM_NODES, i / DEFORM_NODES % DEFORM_NODES, i / (DEFORM_NODES * DEFORM_NODES));
+        let closest = bvh.closest_point(low + at.as_vec3() / per_metre);
+        let closest = closest.ok_or_else(|| Error::unusable("a field that deforms is at no finite place"))?;
+        let triangle = triangles[closest.triangle as usize];
+        let [a, b, c] = closest.barycentric.to_array();
+        let [p, q, r] = triangle.map(|i| mesh.positions[i as usize]);
+        Ok(DeformNode { triangle, b, rest: a * p + b * q + c * r, c })
+    };
+    (0..PART).map(node).collect()
+}

@@ -1,0 +1,225 @@
+//! Fields that deform with skin: hair is kept out of where the skin is, and skin that moves takes it along.
+
+use crate::common;
+use tresses::{
+    Error, Hair, HairOptions, Pose,
+    body::Body,
+    collide::{
+        Collider, ColliderDescriptor, ColliderPoses, FieldId, FieldSource, Shape,
+        deform::{DeformingField, Which},
+    },
+    frame::Frame,
+    glam::{Quat, Vec3},
+    gpu::{Gpu, readback::blocking as readback},
+    groom::{BindOptions, Groom, GuideCount, Strands, TriMesh, bind, mesh::shapes},
+    roots::Skin,
+    simulate::SimulationParams,
+    strands::StrandVertex,
+    volume::HairHairMode,
+};
+
+/// Radius of the ball that strands hang on, metres.
+const RADIUS: f32 = 0.09;
+const DT: f32 = 1.0 / 60.0;
+const BALL: Which = Which::Field(FieldId(0));
+
+/// Strands that begin around the top of the ball and lie on it, 15 cm down to its lower half.
+fn groom() -> Groom {
+    let mut strands = Strands::default();
+    for i in 0..150 {
+        let around = i as f32 * 2.399_963;
+        let down = 0.25 + 0.4 * i as f32 / 150.0;
+        let along = |j: u32| {
+            let angle = down + 0.15 / RADIUS * j as f32 / 23.0;
+            let out = Vec3::new(angle.sin() * around.cos(), angle.cos(), angle.sin() * around.sin());
+            out * (RADIUS + 3e-3 * (j as f32 / 4.0).min(1.0))
+        };
+        strands.push(&(0..24).map(along).collect::<Vec<_>>());
+    }
+    bind(&strands, &BindOptions { guides: GuideCount::All, ..Default::default() }).unwrap()
+}
+
+/// Hair on a ball whose field is rigid or deforms with the skin.
+struct Stage<'a> {
+    gpu: &'a Gpu,
+    hair: Hair,
+    body: Body,
+    rest: TriMesh,
+    physics: SimulationParams,
+    /// Where the ball is on the head.
+    ball: Pose,
+}
+
+impl<'a> Stage<'a> {
+    fn new(gpu: &'a Gpu, deforms: bool, friction: f32) -> Self {
+        let pipelines = common::pipelines().expect("there is a GPU");
+        let Gpu { device, queue, .. } = gpu;
+        let mut rest = shapes::sphere(RADIUS, 48);
+        rest.compute_normals();
+        let body = Body::with_levels(device, &rest, &[], 4);
+        let mut physics = SimulationParams { friction, ..Default::default() };
+        physics.hair_hair.mode = HairHairMode::Off;
+        let options = HairOptions { simulation: physics, ..Default::default() };
+        let field = common::ball(RADIUS, 64);
+        let what = ColliderDescriptor {
+            rest: Some(&field),
+            fields: &[FieldSource::Grid(&field)],
+            colliders: &[Collider::new(Shape::Field(FieldId(0)))],
+            ..Default::default()
+        };
+        let mut hair = Hair::with_colliders(device, queue, pipelines, &groom(), &options, &what).unwrap();
+        if deforms {
+            let fields = [DeformingField { which: BALL, triangles: &rest.triangles }];
+            let skin = Skin::from(&body);
+            hair.colliders.deform(device, queue, &pipelines.deform, &rest, &skin, &fields).unwrap();
+        }
+        Self { gpu, hair, body, rest, physics, ball: Pose::IDENTITY }
+    }
+
+    /// On by a frame in which the skin comes to lie as `place` says and the head, with the ball's field, at `head`.
+    fn advance(&mut self, head: Pose, place: impl Fn(Vec3) -> Vec3) {
+        let mut moved = self.rest.clone();
+        moved.positions.iter_mut().for_each(|p| *p = place(*p));
+        moved.compute_normals();
+        self.body.move_to(&self.gpu.queue, &moved);
+        if let Some(deformation) = &mut self.hair.colliders.deformation {
+            deformation.poses = vec![head.after(&self.ball)];
+        }
+        let colliders = ColliderPoses { head: None, colliders: vec![head.after(&self.ball)] };
+        let frame =
+            Frame { dt: DT, head, colliders: &colliders, simulation: &self.physics, ..Default::default() };
+        common::submit(|recorder| recorder.advance(&mut self.hair, &frame));
+    }
+
+    fn vertices(&self) -> Vec<Vec3> {
+        let Gpu { device, queue, .. } = self.gpu;
+        let read: Vec<StrandVertex> = readback::buffer(device, queue, &self.hair.strands.vertices).unwrap();
+        read.iter().map(|vertex| vertex.position).collect()
+    }
+}
+
+fn apart(a: &[Vec3], b: &[Vec3]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
+}
+
+/// By how much the ball is larger towards `out` (unit): a bump on one side, 2 cm high.
+fn bump(out: Vec3) -> f32 {
+    0.02 * (1.0 - ((out - Vec3::new(0.8, 0.0, 0.6)).length() / 0.9).min(1.0).powi(2)).powi(2)
+}
+
+#[test]
+fn hair_is_kept_out_of_skin_that_swells() {
+    let Some(gpu) = common::gpu() else { return };
+    let deepest = |deforms: bool| {
+        let mut stage = Stage::new(gpu, deforms, 0.2);
+        let mut worst = 0.0f32;
+        for i in 0..90 {
+            // Within half a second, then it stays.
+            let much = (i as f32 / 30.0).min(1.0);
+            stage.advance(Pose::IDENTITY, |p| p + much * bump(p.normalize()) * p.normalize());
+            if i % 10 == 9 {
+                let n = stage.hair.strands.vertex_count as usize;
+                let vertices = stage.vertices();
+                // Strands whose roots are in the bump begin under it.
+                let free = vertices.chunks(n).filter(|strand| bump(strand[0].normalize()) == 0.0);
+                for p in free.flat_map(|strand| &strand[2..]) {
+                    worst = worst.max(RADIUS + much * bump(p.normalize()) - p.length());
+                }
+            }
+        }
+        worst
+    };
+    let [with, without] = [true, false].map(deepest);
+    println!("{:.2} mm inside, {:.2} mm where the field stays", 1e3 * with, 1e3 * without);
+    assert!(with < 1e-3 && without > 8e-3);
+}
+
+#[test]
+fn skin_that_turns_is_a_collider_that_turns() {
+    let Some(gpu) = common::gpu() else { return };
+    // Under hair that is heavier than it was made for, and lies on it: a ball that turns, and one whose skin does. What
+    // touches them must be taken along alike, and is not where the skin stands still.
+    let turn = |i: usize| Quat::from_rotation_y(0.35 * (i.saturating_sub(60) as f32 / 30.0).min(1.0));
+    let moved = |ball: bool, skin: bool| {
+        let mut stage = Stage::new(gpu, true, 0.8);
+        stage.physics.gravity *= 4.0;
+        for i in 0..100 {
+            let [ball, skin] = [ball, skin].map(|turns| if turns { turn(i) } else { Quat::IDENTITY });
+            stage.ball = Pose { rotation: ball, ..Pose::IDENTITY };
+            stage.advance(Pose::IDENTITY, |p| skin * p);
+        }
+        stage.vertices()
+    };
+    let (still, rigid, skinned) = (moved(false, false), moved(true, true), moved(false, true));
+    let mean = |other: &[Vec3]| {
+        still.iter().zip(other).map(|(a, b)| a.distance(*b)).sum::<f32>() / still.len() as f32
+    };
+    let off = rigid.iter().zip(&skinned).map(|(a, b)| a.distance(*b)).sum::<f32>() / still.len() as f32;
+    let way = mean(&rigid);
+    println!(
+        "{:.2} mm taken along by a ball, {:.2} mm by its skin, {:.2} mm apart",
+        1e3 * way,
+        1e3 * mean(&skinned),
+        1e3 * off
+    );
+    assert!(way > 5e-3 && off < 0.15 * way);
+}
+
+#[test]
+fn still_skin_changes_nothing() {
+    let Some(gpu) = common::gpu() else { return };
+    let (mut rigid, mut skinned) = (Stage::new(gpu, false, 0.2), Stage::new(gpu, true, 0.2));
+    let mut most = 0.0f32;
+    for i in 0..40 {
+        let t = i as f32 * DT;
+        let rotation = Quat::from_rotation_y(0.5 * (4.0 * t).sin());
+        let head = Pose { rotation, translation: Vec3::new(0.1 * (4.0 * t).sin(), 0.0, 0.0) };
+        rigid.advance(head, |p| p);
+        skinned.advance(head, |p| head.point(p));
+        most = most.max(apart(&rigid.vertices(), &skinned.vertices()));
+    }
+    println!("{most:.1e} m");
+    assert!(most < 1e-4);
+}
+
+#[test]
+fn what_cannot_deform_is_said() {
+    let Some(gpu) = common::gpu() else { return };
+    let Gpu { device, queue, .. } = gpu;
+    let pipelines = common::pipelines().unwrap();
+    let mut stage = Stage::new(gpu, true, 0.2);
+    let skin = Skin::from(&stage.body);
+    let mut deform = |which, triangles: &[[u32; 3]], mesh: &TriMesh| {
+        let fields = [DeformingField { which, triangles }];
+        let done = stage.hair.colliders.deform(device, queue, &pipelines.deform, mesh, &skin, &fields);
+        done.map_err(|error: Error| error.to_string())
+    };
+    let (rest, all) = (stage.rest.clone(), stage.rest.triangles.clone());
+    assert!(deform(Which::Field(FieldId(3)), &all, &rest).unwrap_err().contains("no field"));
+    assert!(deform(Which::Head, &all, &rest).unwrap_err().contains("no field"));
+    assert!(deform(BALL, &[], &rest).unwrap_err().contains("triangles"));
+    assert!(deform(BALL, &[[0, 1, 1 << 30]], &rest).unwrap_err().contains("triangles"));
+    let large = shapes::sphere(RADIUS, 96);
+    assert!(deform(BALL, &large.triangles, &large).unwrap_err().contains("too small"));
+    // What was refused has changed nothing; none at all is none.
+    assert!(stage.hair.colliders.deformation.is_some());
+    stage.hair.colliders.deform(device, queue, &pipelines.deform, &rest, &skin, &[]).unwrap();
+    assert!(stage.hair.colliders.deformation.is_none());
+    assert!(deform_is_refused(&mut stage));
+}
+
+/// Whether a frame with another number of poses than parts is refused.
+fn deform_is_refused(stage: &mut Stage<'_>) -> bool {
+    let Gpu { device, queue, .. } = stage.gpu;
+    let pipelines = common::pipelines().unwrap();
+    let fields = [DeformingField { which: BALL, triangles: &stage.rest.triangles }];
+    let skin = Skin::from(&stage.body);
+    stage.hair.colliders.deform(device, queue, &pipelines.deform, &stage.rest, &skin, &fields).unwrap();
+    stage.hair.colliders.deformation.as_mut().unwrap().poses.clear();
+    let colliders = ColliderPoses { head: None, colliders: vec![Pose::IDENTITY] };
+    let frame = Frame { dt: DT, colliders: &colliders, simulation: &stage.physics, ..Default::default() };
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let mut recorder =
+        tresses::frame::Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None };
+    recorder.advance(&mut stage.hair, &frame).unwrap_err().to_string().contains("poses")
+}
