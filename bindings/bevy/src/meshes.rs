@@ -26,11 +26,11 @@ pub fn tri_mesh(mesh: &Mesh) -> Option<TriMesh> {
         Ok(None) => (0..u32::try_from(positions.len()).ok()?).collect(),
         Err(_) => return None,
     };
-    Some(TriMesh { positions, normals, colors: Vec::new(), triangles: corners.as_chunks::<3>().0.to_vec() })
+    Some(TriMesh { positions, normals, triangles: corners.as_chunks::<3>().0.to_vec(), ..TriMesh::default() })
 }
 
 /// The mesh for Bevy to draw.
-pub(crate) fn mesh(TriMesh { positions, normals, colors, triangles }: &TriMesh) -> Mesh {
+pub(crate) fn mesh(TriMesh { positions, normals, colors, triangles, .. }: &TriMesh) -> Mesh {
     let all = |vectors: &[Vec3]| vectors.iter().map(Vec3::to_array).collect::<Vec<_>>();
     let mut mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, all(positions))

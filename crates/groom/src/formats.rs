@@ -21,7 +21,7 @@ pub const MESHES: &[&str] = &joined::<{ count(FACES) }>(FACES);
 /// Grooms that may move.
 pub const ANIMATED: &[&str] = &joined::<{ count(MOVES) }>(MOVES);
 /// What meshes may need beside them.
-pub const COMPANIONS: &[&str] = &["mtl", "bin"];
+pub const COMPANIONS: &[&str] = &["mtl", "bin", "png", "jpg", "jpeg"];
 
 /// `list`, or nothing.
 const fn when(there: bool, list: &'static [&'static str]) -> &'static [&'static str] {

@@ -216,7 +216,12 @@ impl Scene {
         let picture = Picture { focus, ..Default::default() };
         let cells = view.options().ambient_cells;
         let levels = levels.map(Aside::get).unwrap_or_default();
-        let body = character.head.as_ref().map(|head| Body::with_levels(device, head, &levels, cells));
+        let mut body = character.head.as_ref().map(|head| Body::with_levels(device, head, &levels, cells));
+        if let (Some(body), Some(head)) = (&mut body, &character.head)
+            && let Some(paint) = &head.paint
+        {
+            body.paint(device, queue, paint)?;
+        }
         let (mut living, mut roots) = (None, None);
         let mut face = Vec::new();
         if let (Some(body), Some(head)) = (&body, &character.head) {

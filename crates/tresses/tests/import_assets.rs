@@ -181,8 +181,7 @@ fn groom_and_head_turned_and_scaled_together_come_back() {
         for front in Axis::ALL.into_iter().filter(|f| f.vector().dot(up.vector()) == 0.0) {
             let turn = orient::Placement { up, front, ..Default::default() }.axes().transpose() * 100.0;
             let mut groom = strands.clone();
-            let mut head =
-                import::mesh::RawMesh { mesh: mesh.clone(), declared: Default::default(), rig: None };
+            let mut head = import::mesh::RawMesh { mesh: mesh.clone(), ..Default::default() };
             groom.positions.iter_mut().for_each(|p| *p = turn * *p);
             head.mesh.positions.iter_mut().for_each(|p| *p = turn * *p);
             let (own, of_head) = orient::pair(&groom, &orient::Choice::default(), &head, &options);

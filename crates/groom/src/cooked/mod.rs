@@ -31,7 +31,7 @@ use std::path::Path;
 
 /// The version of the format that is read and written: it changes with any type in a [`Cooked`], and between releases with
 /// how any of it is computed.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 /// The version of Tresses.
 const TRESSES: &str = env!("CARGO_PKG_VERSION");
 /// The first bytes: none that a text has, and a line's end that transfers as text would change.

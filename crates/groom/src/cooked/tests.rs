@@ -1,7 +1,13 @@
 use super::*;
 use crate::bound::Strand;
 use crate::rig::{Animation, Bind, Channel, Curve, Delta, Interpolation, Joint, Node, Property, Target};
-use crate::{BoundStrands, Guides, Influence};
+use crate::{
+    BoundStrands, Guides, Influence,
+    mesh::{
+        Paint,
+        paint::{Coat, Texture},
+    },
+};
 use glam::{UVec3, Vec3};
 use std::path::PathBuf;
 
@@ -20,6 +26,11 @@ fn sample() -> Cooked {
         ..Default::default()
     };
     head.normals = vec![Vec3::Y; 4];
+    head.paint = Some(std::sync::Arc::new(Paint {
+        places: vec![glam::Vec2::X; 4],
+        of: vec![0, Paint::NONE, 0, 0],
+        coats: vec![Coat { base: Texture::even([9; 4]), relief: Texture::even([1; 4]), cutout: Some(0.5) }],
+    }));
     let field = SdfGrid {
         size: UVec3::splat(2),
         origin: Vec3::ZERO,
@@ -109,7 +120,7 @@ fn a_version_is_one_layout() {
     still.groom.strands = BoundStrands::new(2);
     still.groom.strands.push(Strand { seed: 9, ..Default::default() }, &rest, &[0.5, 1.0], &[follows]);
     let sum = crc32fast::hash(&postcard::to_allocvec(&still).unwrap());
-    assert_eq!((VERSION, sum), (1, 1_567_786_697), "the layout of a cooked groom has changed");
+    assert_eq!((VERSION, sum), (2, 2_240_644_745), "the layout of a cooked groom has changed");
 }
 
 #[test]
@@ -140,10 +151,15 @@ fn other_bytes_are_refused() {
     assert!(refused(&sealed(&[body, &[0]].concat())).contains("more bytes"));
 }
 
+/// The head's paint.
+fn paint(cooked: &mut Cooked) -> &mut Paint {
+    std::sync::Arc::make_mut(cooked.head.as_mut().unwrap().paint.as_mut().unwrap())
+}
+
 /// Whoever makes a file with a checksum that fits still makes no groom that is none.
 #[test]
 fn what_does_not_belong_together_is_refused() {
-    let wrongs: [fn(&mut Cooked); 30] = [
+    let wrongs: [fn(&mut Cooked); 33] = [
         |c| c.strands.offsets[3] = 2,
         |c| c.strands.offsets[40] = 1000,
         |c| c.strands.offsets.clear(),
@@ -159,6 +175,9 @@ fn what_does_not_belong_together_is_refused() {
         |c| c.head.as_mut().unwrap().triangles[0][1] = 4,
         |c| c.head.as_mut().unwrap().normals.truncate(1),
         |c| c.levels[0].triangles[0][0] = 4,
+        |c| paint(c).of[1] = 1,
+        |c| paint(c).places.truncate(1),
+        |c| paint(c).coats[0].base.width = 2,
         |c| c.field.as_mut().unwrap().size = UVec3::new(u32::MAX, u32::MAX, 2),
         |c| c.field.as_mut().unwrap().cell = 0.0,
         |c| c.strands.positions[1] = c.strands.positions[0],

@@ -63,7 +63,7 @@ pub enum Kind {
     Groom,
     /// A mesh: `.tfxmesh`, or `.obj`, `.glb`, `.abc`, `.usd` and the like without.
     Mesh,
-    /// What a mesh may need beside it: `.mtl`, `.bin`.
+    /// What a mesh may need beside it: `.mtl`, `.bin`, pictures.
     Companion,
 }
 

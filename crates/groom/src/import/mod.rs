@@ -394,7 +394,8 @@ pub fn read_body<H: AsRef<Path>>(heads: &[H], options: &ImportOptions) -> Result
 fn body_of<H: AsRef<Path>>(files: Files<'_>, heads: &[H], options: &ImportOptions) -> Result<Body> {
     options.orient_head.check()?;
     let mut raw = mesh::read_from(files, heads)?;
-    let placement = orient::head(&raw, &options.orient_head);
+    let mut placement = orient::head(&raw, &options.orient_head);
+    placement.doubts.append(&mut raw.notes);
     place(&mut raw, &placement);
     Ok(Body { mesh: raw.mesh, rig: raw.rig, placement })
 }
@@ -424,7 +425,7 @@ fn read_all<P: AsRef<Path>>(
     let (raw, files) = join::read(from, paths, options)?;
     let (mut strands, mut followers) = (raw.strands, raw.followers);
     let mut head = if heads.paths.is_empty() { None } else { Some(mesh::read_from(from, &heads.paths)?) };
-    let (placement, head_placement) = match &head {
+    let (placement, mut head_placement) = match &head {
         Some(head) if heads.own => {
             let groom = orient::groom(&strands, &raw.declared, &options.orient);
             (groom, Some(orient::head(head, &options.orient_head.or(options.orient))))
@@ -435,6 +436,9 @@ fn read_all<P: AsRef<Path>>(
         }
         None => (orient::groom(&strands, &raw.declared, &options.orient), None),
     };
+    if let (Some(placement), Some(head)) = (&mut head_placement, &mut head) {
+        placement.doubts.append(&mut head.notes);
+    }
     placement.apply(&mut strands);
     for radius in followers.iter_mut().filter_map(|followers| followers.radius.as_mut()) {
         *radius *= placement.unit.0;

@@ -1,8 +1,9 @@
 //! Creating, validating and editing whole meshes.
 
 use glam::{Affine3A, Quat, Vec3};
+use std::sync::Arc;
 
-use super::{TriMesh, parts};
+use super::{Paint, TriMesh, parts};
 use crate::{Error, Result};
 
 impl TriMesh {
@@ -31,6 +32,11 @@ impl TriMesh {
             return Err(Error::Unusable(format!(
                 "triangle {i} of the mesh has the corners {:?}, but there are {count} vertices",
                 self.triangles[i]
+            )));
+        }
+        if self.paint.as_ref().is_some_and(|paint| !paint.is_whole(count)) {
+            return Err(Error::Unusable(format!(
+                "the mesh has the paint of other than its {count} vertices"
             )));
         }
         Ok(())
@@ -65,6 +71,8 @@ impl TriMesh {
         let mut all = Self::default();
         for mesh in meshes {
             let first = all.positions.len() as u32;
+            let [own, more] = [&all, mesh].map(|mesh| mesh.positions.len());
+            all.paint = Paint::join(all.paint.as_deref(), own, mesh.paint.as_deref(), more).map(Arc::new);
             all.positions.extend(&mesh.positions);
             if normals {
                 all.normals.extend(&mesh.normals);

@@ -2,6 +2,7 @@
 
 pub mod bvh;
 mod edit;
+pub mod paint;
 mod parts;
 pub mod sdf;
 pub mod shapes;
@@ -9,8 +10,10 @@ mod simplify;
 mod triangle;
 
 use glam::Vec3;
+use std::sync::Arc;
 
 pub use bvh::{Bvh, Closest, TreeNode};
+pub use paint::Paint;
 pub use parts::{Part, places};
 pub use sdf::SdfOptions;
 pub use simplify::Level;
@@ -31,6 +34,9 @@ pub struct TriMesh {
     /// Counter-clockwise seen from outside.
     #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
     pub triangles: Vec<[u32; 3]>,
+    /// What its surface is painted with, where materials have pictures.
+    #[cfg_attr(feature = "cooked", serde(with = "paint::shared"))]
+    pub paint: Option<Arc<Paint>>,
 }
 
 impl TriMesh {

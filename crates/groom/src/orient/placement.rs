@@ -119,8 +119,8 @@ mod tests {
         let mut mesh = TriMesh {
             positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
             normals: vec![Vec3::Z; 3],
-            colors: vec![],
             triangles: vec![[0, 1, 2]],
+            ..Default::default()
         };
         Placement { front: Axis::NegZ, mirrored: true, ..Default::default() }.apply_to_mesh(&mut mesh);
         let [a, b, c] = mesh.triangles[0].map(|i| mesh.positions[i as usize]);

@@ -42,8 +42,8 @@ proptest! {
             return Ok(());
         }
         let normals = vec![Vec3::Y; corners.len()];
-        let mesh = TriMesh { positions: corners, normals, colors: vec![], triangles };
-        let raw = RawMesh { mesh, declared: Choice::default(), rig: None };
+        let mesh = TriMesh { positions: corners, normals, triangles, ..Default::default() };
+        let raw = RawMesh { mesh, ..Default::default() };
         let body = head(&raw, &Choice::default());
         prop_assert!(usable(&body), "{:?}", body);
         let (own, body) = pair(&groom_, &Choice::default(), &raw, &ImportOptions::default());

@@ -1,7 +1,9 @@
 //! The head and what belongs to it, shaded plainly: a mesh on the GPU that light falls on and that throws some back.
 
+pub(crate) mod paint;
 mod surface;
 
+pub(crate) use paint::Painted;
 pub use surface::Surface;
 pub(crate) use surface::points_for;
 
@@ -56,6 +58,8 @@ pub struct Body {
     group: wgpu::BindGroup,
     pub(crate) surface: Surface,
     pub(crate) surface_group: wgpu::BindGroup,
+    /// The pictures of its materials, where it [is painted](Self::paint).
+    painted: Option<Painted>,
 }
 
 /// What the shaders know of a body.
@@ -144,6 +148,7 @@ impl Body {
             bounds: mesh.bounds().map_or([Vec3::ZERO; 2], |(lo, hi)| [lo, hi]),
             group: group(device, "body", &layout(device), &[uniform.as_entire_binding()]),
             uniform,
+            painted: None,
         }
     }
 
@@ -159,6 +164,7 @@ impl Body {
             levels: self.levels.clone(),
             group: group(device, "body", &layout(device), &[uniform.as_entire_binding()]),
             uniform,
+            painted: self.painted.clone(),
             ..*self
         }
     }
@@ -212,6 +218,19 @@ impl Body {
         })
     }
 
+    /// Whether it is drawn with its paint.
+    pub(crate) fn is_painted(&self) -> bool {
+        self.painted.is_some()
+    }
+
+    /// [`record`](Self::record) with its paint, where there is some.
+    pub(crate) fn record_painted(&self, pass: &mut crate::gpu::RenderPass<'_>, stray: f32) {
+        if let Some(painted) = &self.painted {
+            painted.bind(pass);
+            self.record(pass, stray);
+        }
+    }
+
     /// Draws it with as few triangles as there are that stray by `stray` metres at most.
     pub(crate) fn record(&self, pass: &mut crate::gpu::RenderPass<'_>, stray: f32) {
         pass.set_bind_group(1, &self.group, &[]);
@@ -233,7 +252,8 @@ impl Body {
 
     /// Bytes of it that [others](Self::another) of the same mesh share.
     pub fn shared_bytes(&self) -> u64 {
-        self.vertices.size() + self.triangles.size() + self.surface.buffer.size()
+        let painted = self.painted.as_ref().map_or(0, Painted::bytes);
+        self.vertices.size() + self.triangles.size() + self.surface.buffer.size() + painted
     }
 }
 

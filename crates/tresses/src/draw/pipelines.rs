@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     Result,
-    body::{self, Body},
+    body::{self, Body, Painted},
     gpu::{
         kernel::Job,
         pipeline::{Made, Recipe},
@@ -21,7 +21,7 @@ use crate::{
 pub struct Pipelines {
     device: wgpu::Device,
     frame: wgpu::BindGroupLayout,
-    body: Made<u32, wgpu::RenderPipeline>,
+    body: Made<(u32, bool), wgpu::RenderPipeline>,
     pub(super) soft: soft::Pipelines,
     pub(crate) strips: strips::Pipelines,
     pub(crate) tiles: tiles::Pipelines,
@@ -40,20 +40,33 @@ impl Pipelines {
         }
     }
 
-    /// Draws bodies into targets of so many samples per pixel.
-    pub(super) fn body(&self, samples: u32) -> Result<wgpu::RenderPipeline> {
-        self.body.get(samples, || {
-            Recipe {
+    /// Draws bodies into targets of so many samples per pixel, plain or painted ones.
+    pub(super) fn body(&self, samples: u32, painted: bool) -> Result<wgpu::RenderPipeline> {
+        self.body.get((samples, painted), || {
+            let device = &self.device;
+            let own = [&self.frame, &body::layout(device), &soft::points_layout(device)];
+            let plain = Recipe {
                 vertex: ("draw::body", "body_vertex"),
                 fragment: Some(("draw::body", "body_fragment")),
-                layouts: &[&self.frame, &body::layout(&self.device), &soft::points_layout(&self.device)],
+                layouts: &own,
                 buffers: &[Some(Body::LAYOUT)],
                 targets: &[Some(HDR_FORMAT.into())],
                 depth: Some((true, wgpu::CompareFunction::Greater)),
                 samples,
                 ..Recipe::PLAIN
+            };
+            if !painted {
+                return plain.build(device);
             }
-            .build(&self.device)
+            let [frame, body, points] = own;
+            Recipe {
+                vertex: ("draw::painted", "painted_vertex"),
+                fragment: Some(("draw::painted", "painted_fragment")),
+                layouts: &[frame, body, points, &body::paint::layout(device)],
+                buffers: &[Some(Body::LAYOUT), Some(Painted::LAYOUT)],
+                ..plain
+            }
+            .build(device)
         })
     }
 
@@ -64,7 +77,7 @@ impl Pipelines {
 
     /// What makes all that such a picture needs.
     pub(crate) fn jobs(&self, coverage: Coverage, samples: u32, rate: ShadingRate) -> Vec<Job<'_>> {
-        let mut jobs: Vec<Job<'_>> = vec![Box::new(move || self.body(samples).map(|_| ()))];
+        let mut jobs: Vec<Job<'_>> = vec![Box::new(move || self.body(samples, false).map(|_| ()))];
         match coverage {
             Coverage::Tiles => jobs.extend(self.tiles.jobs(samples)),
             _ => jobs.extend(self.strips.jobs(coverage, samples, rate)),

@@ -95,16 +95,30 @@ impl Pipelines {
             pass(canvas, "body", first);
             return Ok(());
         }
-        let pipeline = self.body(canvas.targets.samples)?;
+        let samples = canvas.targets.samples;
+        let any = |painted: bool| bodies.iter().any(|body| body.is_painted() == painted);
+        let plain = any(false).then(|| self.body(samples, false)).transpose()?;
+        let painted = any(true).then(|| self.body(samples, true)).transpose()?;
         let soft = canvas.targets.soft(canvas.device);
         soft.record(&self.soft, canvas, bodies)?;
         canvas.lap("body");
         let strays: Vec<_> = bodies.iter().map(|body| canvas.stray(body)).collect();
         let parts = canvas.parts;
         let mut pass = pass(canvas, "body", first);
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(2, &soft.group, &[]);
-        canvas_parts(&mut pass, parts, |pass, i| bodies[i].record(pass, strays[i]));
+        for (pipeline, is_painted) in [(plain, false), (painted, true)] {
+            let Some(pipeline) = pipeline else { continue };
+            pass.set_pipeline(&pipeline);
+            // Parts of the picture have changed it.
+            if let Some(part) = parts.first() {
+                pass.set_bind_group(0, &part.light.frame, &[]);
+            }
+            pass.set_bind_group(2, &soft.group, &[]);
+            canvas_parts(&mut pass, parts, |pass, i| match bodies[i].is_painted() {
+                painted if painted != is_painted => {}
+                true => bodies[i].record_painted(pass, strays[i]),
+                false => bodies[i].record(pass, strays[i]),
+            });
+        }
         Ok(())
     }
 }

@@ -175,8 +175,8 @@ fn the_body_hides_what_is_behind_it() {
     let wall = |z: f32| TriMesh {
         positions: [(-1.0, -1.0), (3.0, -1.0), (-1.0, 3.0)].map(|(x, y)| Vec3::new(x, y, z)).to_vec(),
         normals: vec![Vec3::Z; 3],
-        colors: Vec::new(),
         triangles: vec![[0, 1, 2]],
+        ..Default::default()
     };
     let sum = |body: Option<&TriMesh>| integral(&picture(gpu, &layers, body)).0;
     let whole = sum(None);

@@ -27,6 +27,7 @@ mod labels;
 mod lod;
 mod meet;
 mod moving;
+mod painted;
 mod physics;
 mod pipelines;
 mod pipelines_draw;

@@ -64,8 +64,8 @@ fn a_frame_is_recorded_on_baseline_webgpu() {
     let triangle = TriMesh {
         positions: vec![glam::Vec3::ZERO, glam::Vec3::X, glam::Vec3::Y],
         normals: vec![glam::Vec3::Z; 3],
-        colors: Vec::new(),
         triangles: vec![[0, 1, 2]],
+        ..Default::default()
     };
     let body = Body::new(&device, &triangle);
     let view = View::new(&device, &pipelines, &Default::default(), [64, 64], 1).unwrap();

@@ -5,7 +5,7 @@ pub(super) mod gltf;
 mod obj;
 mod tfxmesh;
 
-use std::path::Path;
+use std::{path::Path, sync::Arc};
 
 pub(crate) use super::Source;
 use super::{Files, Given};
@@ -13,6 +13,7 @@ use crate::{
     TriMesh,
     error::{At, Error, Result},
     formats,
+    mesh::Paint,
     orient::Choice,
     rig::Rig,
 };
@@ -27,6 +28,8 @@ pub struct RawMesh {
     /// What bends the mesh, with the same vertices in the same order: where a file has a skin, shapes to
     /// blend or an animation.
     pub rig: Option<Rig>,
+    /// What of the file was left out.
+    pub notes: Vec<String>,
 }
 
 /// The body's colour where only some parts of a mesh have one: a neutral skin, linear.
@@ -69,10 +72,16 @@ pub(super) fn read_from<P: AsRef<Path>>(files: Files<'_>, paths: &[P]) -> Result
                     rig.append(more).map_err(|e| at_file(path, e))?;
                 }
                 append(&mut all.mesh, part.mesh);
+                all.notes.extend(part.notes);
                 all.declared = all.declared.shared(part.declared);
                 all
             }
         });
+    }
+    #[cfg(feature = "textures")]
+    if let Some(paint) = all.as_mut().and_then(|all| all.mesh.paint.as_mut()) {
+        // Pictures of several files have one size, too.
+        Arc::make_mut(paint).level(u32::MAX);
     }
     all.ok_or_else(|| Error::Unusable("no head mesh is given".into()))
 }
@@ -83,19 +92,19 @@ fn parse(files: Files<'_>, path: &Path, bytes: &[u8]) -> Result<RawMesh> {
     let source = Source { path, bytes, files, lenient: false };
     let mut raw = match formats::extension(path).as_str() {
         _ if bytes.is_empty() => return Err(source.problem(At::Byte(0), "the file is empty")),
-        "obj" => RawMesh { mesh: obj::read(&source)?, declared: Choice::default(), rig: None },
-        "tfxmesh" => RawMesh { mesh: tfxmesh::read(&source)?, declared: Choice::default(), rig: None },
+        "obj" => RawMesh { mesh: obj::read(&source)?, ..RawMesh::default() },
+        "tfxmesh" => RawMesh { mesh: tfxmesh::read(&source)?, ..RawMesh::default() },
         #[cfg(feature = "alembic")]
-        "abc" => RawMesh { mesh: super::abc::read_mesh(&source)?, declared: Choice::default(), rig: None },
+        "abc" => RawMesh { mesh: super::abc::read_mesh(&source)?, ..RawMesh::default() },
         #[cfg(feature = "usd")]
         "usd" | "usda" | "usdc" | "usdz" => {
             let (mesh, declared) = super::usd::read_mesh(&source)?;
-            RawMesh { mesh, declared, rig: None }
+            RawMesh { mesh, declared, ..RawMesh::default() }
         }
         #[cfg(feature = "gltf")]
         "gltf" | "glb" => {
-            let (mesh, rig) = gltf::read(&source)?;
-            RawMesh { mesh, declared: Choice::METRES, rig }
+            let (mesh, rig, notes) = gltf::read(&source)?;
+            RawMesh { mesh, declared: Choice::METRES, rig, notes }
         }
         _ => {
             let meshes = formats::listed(formats::MESHES, "or");
@@ -155,6 +164,8 @@ fn at_file(path: &Path, error: Error) -> Error {
 
 fn append(all: &mut TriMesh, part: TriMesh) {
     let base = all.positions.len() as u32;
+    let [own, more] = [&*all, &part].map(|mesh| mesh.positions.len());
+    all.paint = Paint::join(all.paint.as_deref(), own, part.paint.as_deref(), more).map(Arc::new);
     if !all.colors.is_empty() || !part.colors.is_empty() {
         all.colors.resize(all.positions.len(), PLAIN);
         all.colors.extend(part.colors);

@@ -217,3 +217,75 @@ fn a_buffer_may_stand_in_the_file_as_text() {
         assert!(error.contains(said) && error.contains("a.gltf"), "{error}");
     }
 }
+
+/// A GLB of a triangle whose material has a picture: red and half there on the left, white on the right.
+#[cfg(feature = "textures")]
+fn painted(picture: &[u8], more: &str) -> Vec<u8> {
+    let json = format!(
+        r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],
+"images":[{{"bufferView":3,"mimeType":"image/png"}}],"textures":[{{"source":0}}],
+"materials":[{{"alphaMode":"MASK","alphaCutoff":0.25,
+"pbrMetallicRoughness":{{"baseColorFactor":[1,0.5,1,1],"roughnessFactor":0.5,"baseColorTexture":{{"index":0{more}}}}}}}],
+"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"TEXCOORD_0":2}},"indices":1,"material":0}},
+{{"attributes":{{"POSITION":0}},"indices":1}}]}}],
+"accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}},
+{{"bufferView":1,"componentType":5123,"count":3,"type":"SCALAR"}},
+{{"bufferView":2,"componentType":5126,"count":3,"type":"VEC2"}}],
+"bufferViews":[{{"buffer":0,"byteLength":36}},{{"buffer":0,"byteOffset":36,"byteLength":6}},
+{{"buffer":0,"byteOffset":44,"byteLength":24}},{{"buffer":0,"byteOffset":68,"byteLength":{}}}],
+"buffers":[{{"byteLength":{}}}]}}"#,
+        picture.len(),
+        68 + picture.len()
+    );
+    let floats = |values: &[f32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
+    let mut bin = floats(&[0., 0., 0., 1., 0., 0., 0., 1., 0.]);
+    bin.extend([0u16, 1, 2, 0].iter().flat_map(|v| v.to_le_bytes()));
+    bin.extend(floats(&[0.25, 0.5, 0.75, 0.5, -0.75, 7.5]));
+    bin.extend(picture);
+    glb::pack(json.into_bytes(), bin)
+}
+
+#[cfg(feature = "textures")]
+fn png() -> Vec<u8> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let texel = |x, _| image::Rgba(if x == 0 { [255, 0, 0, 128] } else { [255; 4] });
+    image::RgbaImage::from_fn(2, 1, texel).write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+    bytes.into_inner()
+}
+
+#[cfg(feature = "textures")]
+#[test]
+fn materials_have_their_pictures() {
+    use crate::mesh::Paint;
+    let raw = parse(Files::Disk, Path::new("a.glb"), &painted(&png(), "")).unwrap();
+    let paint = raw.mesh.paint.as_ref().unwrap();
+    raw.mesh.validate().unwrap();
+    assert_eq!(paint.of, [0, 0, 0, Paint::NONE, Paint::NONE, Paint::NONE]);
+    let coat = &paint.coats[0];
+    // Half of the light of green is 188 of 255.
+    assert_eq!(coat.base.rgba, [255, 0, 0, 128, 255, 188, 255, 255]);
+    assert_eq!((coat.cutout, &coat.relief.rgba[..]), (Some(0.25), &[127, 127, 127, 255][..]));
+    // And vertices the colour of their place, which repeats.
+    let near = |i: usize, rgb: [f32; 3]| raw.mesh.colors[i].abs_diff_eq(Vec3::from(rgb), 0.01);
+    assert!(near(0, [1.0, 0.0, 0.0]) && near(1, [1.0, 0.5, 1.0]) && near(2, [1.0, 0.0, 0.0]));
+    assert!(raw.notes.is_empty());
+
+    let turned = r#","extensions":{"KHR_texture_transform":{"offset":[0.5,0],"scale":[2,1]}}"#;
+    let raw = parse(Files::Disk, Path::new("a.glb"), &painted(&png(), turned)).unwrap();
+    assert_eq!(raw.mesh.paint.unwrap().places[1], glam::Vec2::new(2.0, 0.5));
+}
+
+/// A body whose picture cannot be read is of use without, and says so.
+#[cfg(feature = "textures")]
+#[test]
+fn a_picture_that_cannot_be_read_is_told() {
+    for (picture, why) in [(&b"not a picture"[..], "format"), (&png()[..40], "picture 0"), (&[][..], "")] {
+        let raw = parse(Files::Disk, Path::new("a.glb"), &painted(picture, ""));
+        // An empty view is no view.
+        let Ok(raw) = raw else { continue };
+        assert!(raw.mesh.paint.is_none() && raw.mesh.triangles.len() == 2);
+        assert!(raw.notes.len() == 1 && raw.notes[0].contains(why), "{:?}", raw.notes);
+    }
+    let beside = String::from_utf8_lossy(&painted(&png(), "")).replace("\"index\":0", "\"index\":7");
+    assert!(parse(Files::Disk, Path::new("a.glb"), beside.as_bytes()).is_err());
+}

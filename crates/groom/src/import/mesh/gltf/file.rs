@@ -71,6 +71,12 @@ impl<'a> File<'a> {
         self.source.problem(At::File, problem)
     }
 
+    /// A file beside it.
+    #[cfg(feature = "textures")]
+    pub fn companion(&self, name: &str) -> Result<Cow<'a, [u8]>> {
+        self.source.companion(name)
+    }
+
     /// Counts `items` of `size` bytes that are about to be made of the file. A small file that names its
     /// data over and over would fill any memory.
     pub fn spend(&self, items: usize, size: usize) -> Result<()> {
@@ -85,7 +91,7 @@ impl<'a> File<'a> {
 }
 
 /// The bytes of an address that holds them, or why there are none.
-fn embedded(uri: &str) -> std::result::Result<Vec<u8>, String> {
+pub(super) fn embedded(uri: &str) -> std::result::Result<Vec<u8>, String> {
     use base64::{Engine, engine::general_purpose::STANDARD};
     let text = uri.strip_prefix("data:").and_then(|rest| rest.split_once(";base64,"));
     let (_, text) = text.ok_or("its address is neither a file beside it nor data in base64")?;
@@ -138,7 +144,7 @@ fn invalid(root: &json::Root) -> Option<String> {
 }
 
 /// An URI's `%20` and the like.
-fn unescape(uri: &str) -> String {
+pub(super) fn unescape(uri: &str) -> String {
     let bytes = uri.as_bytes();
     let mut out = Vec::with_capacity(bytes.len());
     let mut i = 0;

@@ -10,6 +10,8 @@ mod file;
 pub(in crate::import) mod hair;
 mod morph;
 pub(in crate::import) mod packed;
+#[cfg(feature = "textures")]
+mod paint;
 mod primitive;
 mod skin;
 mod walk;
@@ -37,8 +39,8 @@ struct Rigging {
     skinned: Vec<std::ops::Range<usize>>,
 }
 
-/// Reads all triangles of the default scene at rest, and what moves them if there is anything.
-pub(super) fn read(source: &Source) -> Result<(TriMesh, Option<Rig>)> {
+/// Reads all triangles of the default scene at rest, what moves them if there is anything, and what was left out.
+pub(super) fn read(source: &Source) -> Result<(TriMesh, Option<Rig>, Vec<String>)> {
     let file = File::open(source)?;
     let scene = file.document.default_scene().or_else(|| file.document.scenes().next());
     let (placed, places) = match scene {
@@ -60,7 +62,7 @@ pub(super) fn read(source: &Source) -> Result<(TriMesh, Option<Rig>)> {
             reader.weights(&mesh, None, node)?;
         }
     }
-    let (mut mesh, rigging, bare) = reader.finish();
+    let (mut mesh, rigging, bare, notes) = reader.finish();
     let rig = match rigging {
         Some(rigging) => rigging.finish(&file, &placed, &places, &mut mesh)?,
         None => None,
@@ -68,7 +70,7 @@ pub(super) fn read(source: &Source) -> Result<(TriMesh, Option<Rig>)> {
     if bare {
         mesh.normals.clear();
     }
-    Ok((mesh, rig))
+    Ok((mesh, rig, notes))
 }
 
 /// Whether a file has anything that a rig is for.

@@ -20,19 +20,41 @@ pub(super) struct Reader<'a> {
     bare: bool,
     /// What makes a rig, if the file may have one.
     rigging: Option<Rigging>,
+    #[cfg(feature = "textures")]
+    painter: super::paint::Painter,
 }
 
 impl<'a> Reader<'a> {
     pub fn new(file: &'a File<'a>, rigging: Option<Rigging>) -> Self {
-        Self { file, mesh: TriMesh::default(), colored: false, bare: false, rigging }
+        Self {
+            file,
+            mesh: TriMesh::default(),
+            colored: false,
+            bare: false,
+            rigging,
+            #[cfg(feature = "textures")]
+            painter: Default::default(),
+        }
     }
 
-    /// The mesh, what makes the rig, and whether normals are to be dropped, as some are made up.
-    pub fn finish(mut self) -> (TriMesh, Option<Rigging>, bool) {
+    /// The mesh, what makes the rig, whether normals are to be dropped, as some are made up, and what was left out.
+    pub fn finish(mut self) -> (TriMesh, Option<Rigging>, bool, Vec<String>) {
+        #[cfg(not(feature = "textures"))]
+        let notes = Vec::new();
+        #[cfg(feature = "textures")]
+        let (paint, notes) = self.painter.finish(self.mesh.positions.len());
+        #[cfg(feature = "textures")]
+        if let Some(paint) = paint {
+            // Light that the body throws is asked of vertices, and so is its colour where pictures are not drawn.
+            for (vertex, color) in self.mesh.colors.iter_mut().enumerate() {
+                *color = paint.color(vertex).unwrap_or(*color);
+            }
+            self.mesh.paint = Some(std::sync::Arc::new(paint));
+        }
         if !self.colored {
             self.mesh.colors.clear();
         }
-        (self.mesh, self.rigging, self.bare)
+        (self.mesh, self.rigging, self.bare, notes)
     }
 
     /// Makes a node for a mesh that no scene has.
@@ -117,6 +139,8 @@ impl<'a> Reader<'a> {
         let material = primitive.material().pbr_metallic_roughness();
         let [r, g, b, _] = material.base_color_factor();
         let own = material.base_color_texture().is_none() && primitive.material().index().is_some();
+        #[cfg(feature = "textures")]
+        let own = self.painter.primitive(self.file, primitive, base, count as usize)? || own;
         self.colored |= own;
         self.mesh.colors.resize(self.mesh.positions.len(), if own { Vec3::new(r, g, b) } else { PLAIN });
         let indices: Vec<u32> = match reader.read_indices() {

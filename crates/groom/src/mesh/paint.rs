@@ -1,0 +1,206 @@
+//! What the surface of a mesh is painted with: pictures of its materials, and where each vertex is in them.
+
+use glam::{Vec2, Vec3};
+
+/// The pictures of a mesh's materials.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
+pub struct Paint {
+    /// Where each vertex is in the pictures of its coat: from the left and from the top, 1 is the other edge, and they
+    /// repeat.
+    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    pub places: Vec<Vec2>,
+    /// Which of the coats each vertex has; [`Paint::NONE`] for one that has its colour alone.
+    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    pub of: Vec<u8>,
+    /// One for each material that has pictures.
+    pub coats: Vec<Coat>,
+}
+
+/// The pictures of a material.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
+pub struct Coat {
+    /// Albedo by sRGB's curve, and how much of the surface is there, the material's factors included.
+    pub base: Texture,
+    /// In red and green the surface's normal along the picture and up it, from -1 to 1, in blue the roughness. One texel
+    /// where the surface is even.
+    pub relief: Texture,
+    /// Below how much of the surface there is nothing: cards with the picture of a lash. `None` where all of it is there.
+    pub cutout: Option<f32>,
+}
+
+/// A picture.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
+pub struct Texture {
+    /// Texels in a row.
+    pub width: u32,
+    /// Rows, from the top.
+    pub height: u32,
+    /// Four bytes each.
+    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    pub rgba: Vec<u8>,
+}
+
+impl Texture {
+    /// Of one texel.
+    pub fn even(texel: [u8; 4]) -> Self {
+        Self { width: 1, height: 1, rgba: texel.to_vec() }
+    }
+
+    /// The texel at a place, which repeats.
+    fn texel(&self, place: Vec2) -> Option<[u8; 4]> {
+        let at = |x: f32, n: u32| ((x - x.floor()) * n as f32) as usize % (n as usize).max(1);
+        let (x, y) = (at(place.x, self.width), at(place.y, self.height));
+        self.rgba.as_chunks::<4>().0.get(y * self.width as usize + x).copied()
+    }
+
+    /// Whether it has as many texels as it says, and at least one.
+    pub fn is_whole(&self) -> bool {
+        let texels = u64::from(self.width) * u64::from(self.height);
+        texels > 0 && self.rgba.len() as u64 == 4 * texels
+    }
+
+    /// The same with as many texels.
+    #[cfg(feature = "textures")]
+    fn resized(&self, size: [u32; 2]) -> Self {
+        use image::{RgbaImage, imageops};
+        let [width, height] = size;
+        let picture = RgbaImage::from_raw(self.width, self.height, self.rgba.clone());
+        let resized =
+            picture.map(|all| imageops::resize(&all, width, height, imageops::FilterType::Triangle));
+        resized.map_or_else(|| self.clone(), |all| Self { width, height, rgba: all.into_raw() })
+    }
+}
+
+impl Paint {
+    /// [`of`](Self::of) a vertex without pictures.
+    pub const NONE: u8 = u8::MAX;
+
+    /// Whether every vertex of a mesh of so many has a place, and every coat is there and whole.
+    pub fn is_whole(&self, vertices: usize) -> bool {
+        let known = |of: &u8| *of == Self::NONE || usize::from(*of) < self.coats.len();
+        self.places.len() == vertices
+            && self.of.len() == vertices
+            && self.of.iter().all(known)
+            && self.places.iter().all(|place| place.is_finite())
+            && self.coats.iter().all(|coat| coat.base.is_whole() && coat.relief.is_whole())
+            && self.coats.len() < usize::from(Self::NONE)
+    }
+
+    /// Brings all base pictures to one size, and all reliefs: that of the largest, at most `most` texels along an edge.
+    #[cfg(feature = "textures")]
+    pub fn level(&mut self, most: u32) {
+        let pictures: [fn(&mut Coat) -> &mut Texture; 2] = [|coat| &mut coat.base, |coat| &mut coat.relief];
+        for picture in pictures {
+            let sizes = self.coats.iter_mut().map(|coat| [picture(coat).width, picture(coat).height]);
+            let size = sizes.fold([1; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]).map(|n| n.min(most));
+            for coat in &mut self.coats {
+                if [picture(coat).width, picture(coat).height] != size {
+                    *picture(coat) = picture(coat).resized(size);
+                }
+            }
+        }
+    }
+
+    /// The linear albedo of a vertex, where its coat has one.
+    pub fn color(&self, vertex: usize) -> Option<Vec3> {
+        let coat = self.coats.get(usize::from(*self.of.get(vertex)?))?;
+        let [r, g, b, _] = coat.base.texel(self.places[vertex])?;
+        Some(Vec3::from([r, g, b].map(linear)))
+    }
+
+    /// That of a mesh of `vertices`, and behind it that of another of `more`.
+    pub(crate) fn join(
+        own: Option<&Self>,
+        vertices: usize,
+        other: Option<&Self>,
+        more: usize,
+    ) -> Option<Self> {
+        if own.is_none() && other.is_none() {
+            return None;
+        }
+        let mut all = own.cloned().unwrap_or_default();
+        all.places.resize(vertices, Vec2::ZERO);
+        all.of.resize(vertices, Self::NONE);
+        if let Some(other) = other {
+            let first = all.coats.len();
+            // What is beyond the last that can be told has its colour alone.
+            let moved = |of: &u8| u8::try_from(first + usize::from(*of)).unwrap_or(Self::NONE);
+            all.of.extend(other.of.iter().map(|of| if *of == Self::NONE { *of } else { moved(of) }));
+            all.places.extend(&other.places);
+            all.coats.extend(other.coats.iter().cloned());
+            all.coats.truncate(usize::from(Self::NONE));
+        }
+        all.places.resize(vertices + more, Vec2::ZERO);
+        all.of.resize(vertices + more, Self::NONE);
+        Some(all)
+    }
+}
+
+/// Paint that several meshes may have.
+#[cfg(feature = "cooked")]
+pub(super) mod shared {
+    use super::Paint;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+    use std::sync::Arc;
+
+    pub fn serialize<S: Serializer>(paint: &Option<Arc<Paint>>, to: S) -> Result<S::Ok, S::Error> {
+        paint.as_deref().serialize(to)
+    }
+
+    pub fn deserialize<'a, D: Deserializer<'a>>(from: D) -> Result<Option<Arc<Paint>>, D::Error> {
+        Ok(Option::<Paint>::deserialize(from)?.map(Arc::new))
+    }
+}
+
+/// A byte by sRGB's curve (IEC 61966-2-1), linear.
+pub fn linear(byte: u8) -> f32 {
+    let v = f32::from(byte) / 255.0;
+    if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[cfg(feature = "textures")]
+    #[test]
+    fn pictures_are_brought_to_one_size() {
+        let coat = |n: u32| Coat {
+            base: Texture { width: n, height: n, rgba: [n as u8, 0, 0, 255].repeat((n * n) as usize) },
+            relief: Texture::even([1, 2, 3, 4]),
+            cutout: None,
+        };
+        let mut paint = Paint { coats: vec![coat(2), coat(8), coat(64)], ..Default::default() };
+        paint.level(16);
+        for (coat, was) in paint.coats.iter().zip([2, 8, 64]) {
+            assert!(coat.base.is_whole() && [coat.base.width, coat.base.height] == [16; 2]);
+            assert!(coat.base.rgba.chunks(4).all(|t| t == [was, 0, 0, 255]));
+            assert_eq!(coat.relief, Texture::even([1, 2, 3, 4]));
+        }
+    }
+
+    #[test]
+    fn a_place_repeats() {
+        let [white, black] = [[255; 4], [0, 0, 0, 255]];
+        let picture = Texture { width: 2, height: 2, rgba: [white, black, black, white].concat() };
+        let at = |x, y| picture.texel(Vec2::new(x, y)).unwrap()[0];
+        assert_eq!([at(0.25, 0.25), at(0.75, 0.25), at(1.75, -0.75), at(-3.75, 0.3)], [255, 0, 0, 255]);
+    }
+
+    #[test]
+    fn meshes_keep_their_coats_when_they_are_joined() {
+        let coat =
+            |r| Coat { base: Texture::even([r, 0, 0, 255]), relief: Texture::even([0; 4]), cutout: None };
+        let one = Paint { places: vec![Vec2::ZERO; 2], of: vec![0, Paint::NONE], coats: vec![coat(255)] };
+        let all = Paint::join(Some(&one), 2, Some(&one), 2).unwrap();
+        assert_eq!(all.of, [0, Paint::NONE, 1, Paint::NONE]);
+        assert!(all.is_whole(4) && !all.is_whole(3));
+        let late = Paint::join(None, 3, Some(&one), 2).unwrap();
+        assert_eq!(late.of, [Paint::NONE, Paint::NONE, Paint::NONE, 0, Paint::NONE]);
+        assert_eq!((late.color(3), late.color(0)), (Some(Vec3::X), None));
+        assert_eq!(Paint::join(None, 1, None, 1), None);
+    }
+}

@@ -1,0 +1,223 @@
+//! The pictures of a body's materials on the GPU: two textures of a layer for each, and where each vertex is in them.
+
+use super::Body;
+use crate::{
+    Error, Result,
+    gpu::{
+        Binding,
+        bindings::{self, group},
+    },
+    groom::mesh::{
+        Paint,
+        paint::{Texture, linear},
+    },
+};
+use bytemuck::{Pod, Zeroable};
+use wgpu::util::DeviceExt;
+
+/// What a vertex has of its paint.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct PaintVertex {
+    place: [f32; 2],
+    /// The layer, and from the ninth bit on [`Coat::cutout`](crate::groom::mesh::paint::Coat::cutout) in 255ths.
+    coat: u32,
+}
+
+/// The paint of a body. A clone names the same textures.
+#[derive(Clone, Debug)]
+pub(crate) struct Painted {
+    vertices: wgpu::Buffer,
+    group: wgpu::BindGroup,
+    bytes: u64,
+}
+
+impl Painted {
+    pub(crate) const LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
+        array_stride: size_of::<PaintVertex>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &wgpu::vertex_attr_array![3 => Float32x2, 4 => Uint32],
+    };
+
+    /// Binds it for [`Body::record`], as `@group(3)` and the second of the vertex buffers.
+    pub(super) fn bind(&self, pass: &mut crate::gpu::RenderPass<'_>) {
+        pass.set_bind_group(3, &self.group, &[]);
+        pass.set_vertex_buffer(1, self.vertices.slice(..));
+    }
+
+    pub(super) fn bytes(&self) -> u64 {
+        self.bytes
+    }
+}
+
+impl Body {
+    /// Paints it with the pictures of the materials of the mesh that it was made of, which all have one
+    /// [size](Paint::level). They take 4 bytes per texel, those of the smaller ones for what is far away a third more.
+    ///
+    /// # Errors
+    /// [`crate::groom::Error::Unusable`] for the paint of another mesh and for pictures of several sizes;
+    /// [`Error::Limit`] for more or larger ones than the adapter holds.
+    pub fn paint(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, paint: &Paint) -> Result<()> {
+        let count = (self.vertices.size() / (4 * u64::from(Self::WORDS))) as usize;
+        if !paint.is_whole(count) || paint.coats.is_empty() {
+            return Err(Error::unusable("the paint is not that of the body's mesh"));
+        }
+        let cutout = |coat: u8| {
+            let cutout = paint.coats.get(usize::from(coat)).and_then(|coat| coat.cutout);
+            cutout.map_or(0, |share| (255.0 * share.clamp(0.0, 1.0)) as u32)
+        };
+        let vertex = |(place, of): (&glam::Vec2, &u8)| PaintVertex {
+            place: place.to_array(),
+            coat: u32::from(*of) | cutout(*of) << 8,
+        };
+        let vertices: Vec<_> = paint.places.iter().zip(&paint.of).map(vertex).collect();
+        let vertices = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("painted vertices"),
+            contents: bytemuck::cast_slice(&vertices),
+            usage: wgpu::BufferUsages::VERTEX,
+        });
+        let bases: Vec<_> = paint.coats.iter().map(|coat| &coat.base).collect();
+        let reliefs: Vec<_> = paint.coats.iter().map(|coat| &coat.relief).collect();
+        let bases = layers(device, queue, &bases, wgpu::TextureFormat::Rgba8UnormSrgb)?;
+        let reliefs = layers(device, queue, &reliefs, wgpu::TextureFormat::Rgba8Unorm)?;
+        let views = [&bases, &reliefs].map(|texture| {
+            texture.create_view(&wgpu::TextureViewDescriptor {
+                dimension: Some(wgpu::TextureViewDimension::D2Array),
+                ..Default::default()
+            })
+        });
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("pictures"),
+            address_mode_u: wgpu::AddressMode::Repeat,
+            address_mode_v: wgpu::AddressMode::Repeat,
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            ..Default::default()
+        });
+        let resources = [
+            wgpu::BindingResource::TextureView(&views[0]),
+            wgpu::BindingResource::TextureView(&views[1]),
+            wgpu::BindingResource::Sampler(&sampler),
+        ];
+        let texels = |texture: &wgpu::Texture| {
+            let one = u64::from(texture.width()) * u64::from(texture.height());
+            4 * one * u64::from(texture.depth_or_array_layers()) * 4 / 3
+        };
+        let bytes = vertices.size() + texels(&bases) + texels(&reliefs);
+        self.painted =
+            Some(Painted { vertices, group: group(device, "paint", &layout(device), &resources), bytes });
+        Ok(())
+    }
+}
+
+/// The layout of `@group(3)` where a painted body is drawn.
+pub(crate) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    let entries = [Binding::Texture2dArray, Binding::Texture2dArray, Binding::Sampler];
+    bindings::layout(device, "paint", wgpu::ShaderStages::FRAGMENT, &entries)
+}
+
+/// Pictures of one size as the layers of a texture, with all of their smaller ones.
+fn layers(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    pictures: &[&Texture],
+    format: wgpu::TextureFormat,
+) -> Result<wgpu::Texture> {
+    let [width, height] = pictures.first().map_or([1; 2], |first| [first.width, first.height]);
+    if pictures.iter().any(|picture| [picture.width, picture.height] != [width, height]) {
+        return Err(Error::unusable("the pictures of a body's paint have several sizes"));
+    }
+    let limits = device.limits();
+    for (what, need, have) in [
+        ("texels along an edge of a picture", width.max(height), limits.max_texture_dimension_2d),
+        ("pictures of a body", pictures.len() as u32, limits.max_texture_array_layers),
+    ] {
+        if need > have {
+            return Err(Error::Limit { what, need: need.into(), have: have.into() });
+        }
+    }
+    let levels = width.max(height).ilog2() + 1;
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("pictures of a body"),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: pictures.len() as u32 },
+        mip_level_count: levels,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    for (layer, picture) in pictures.iter().enumerate() {
+        let mut level = (*picture).clone();
+        for mip_level in 0..levels {
+            let copy = wgpu::TexelCopyTextureInfo {
+                texture: &texture,
+                mip_level,
+                origin: wgpu::Origin3d { x: 0, y: 0, z: layer as u32 },
+                aspect: wgpu::TextureAspect::All,
+            };
+            let layout = wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(4 * level.width),
+                rows_per_image: Some(level.height),
+            };
+            let size = wgpu::Extent3d { width: level.width, height: level.height, depth_or_array_layers: 1 };
+            queue.write_texture(copy, &level.rgba, layout, size);
+            level = half(&level, format.is_srgb());
+        }
+    }
+    Ok(texture)
+}
+
+/// A picture of half as many texels along each edge: means of four, of light where bytes follow sRGB's curve.
+fn half(picture: &Texture, is_srgb: bool) -> Texture {
+    let [width, height] = [picture.width, picture.height].map(|n| (n / 2).max(1));
+    let table: [f32; 256] = std::array::from_fn(|byte| match is_srgb {
+        true => linear(byte as u8),
+        false => byte as f32 / 255.0,
+    });
+    // The nearest byte: the curve rises.
+    let encoded = |light: f32| match is_srgb {
+        true => {
+            let above = table.partition_point(|of| *of < light).min(255);
+            let below = above.saturating_sub(1);
+            (if light - table[below] < table[above] - light { below } else { above }) as u8
+        }
+        false => (255.0 * light + 0.5) as u8,
+    };
+    let texels = picture.rgba.as_chunks::<4>().0;
+    let mut rgba = Vec::with_capacity(4 * (width * height) as usize);
+    for y in 0..height {
+        for x in 0..width {
+            let four = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| {
+                let [x, y] = [(2 * x + i).min(picture.width - 1), (2 * y + j).min(picture.height - 1)];
+                texels[(y * picture.width + x) as usize]
+            });
+            let light =
+                |k: usize| encoded(0.25 * four.iter().map(|texel| table[usize::from(texel[k])]).sum::<f32>());
+            let share = four.iter().map(|texel| u32::from(texel[3])).sum::<u32>();
+            rgba.extend([light(0), light(1), light(2), ((share + 2) / 4) as u8]);
+        }
+    }
+    Texture { width, height, rgba }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn smaller_pictures_have_the_mean_light() {
+        let [black, white] = [[0, 0, 0, 255], [255, 255, 255, 0]];
+        let picture = Texture { width: 4, height: 2, rgba: [black, white].concat().repeat(4) };
+        let half_lit = half(&picture, true);
+        assert_eq!((half_lit.width, half_lit.height), (2, 1));
+        // sRGB has 188 for half of the light.
+        assert!(half_lit.rgba.chunks(4).all(|t| (187..=189).contains(&t[0]) && t[3] == 128), "{half_lit:?}");
+        assert!(half(&picture, false).rgba.chunks(4).all(|t| t[0] == 128));
+        assert_eq!(half(&half(&picture, true), true).rgba.len(), 4);
+        let same = Texture { width: 3, height: 3, rgba: [7, 90, 201, 40].repeat(9) };
+        assert_eq!(half(&same, true).rgba, [7, 90, 201, 40]);
+    }
+}
