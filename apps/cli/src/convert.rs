@@ -79,7 +79,8 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         Some(unit) => export::encode_in(&strands, format, unit)?,
         None if format == Format::Glb && !args.as_is => {
             let body = head.as_ref().map(|head| (head, report.rig.as_ref()));
-            let hair = glb::Hair { name: "hair", strands: &strands, packed: args.packed };
+            let look = report.look.as_ref();
+            let hair = glb::Hair { name: "hair", strands: &strands, packed: args.packed, look };
             Encoded { bytes: glb::character(body, &[hair])?, notes: Vec::new() }
         }
         None => export::encode(&strands, format, !args.as_is)?,

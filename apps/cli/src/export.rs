@@ -77,7 +77,9 @@ pub fn run(args: &Args) -> Result<()> {
     let strands = drawn(&scene, [&scene.hair.strands])?;
     let mut said = match (format, &head) {
         (Format::Glb, head) => {
-            let hair = [glb::Hair { name: "hair", strands: &strands, packed: args.packed }];
+            let look = scene.look(&preset.settings);
+            let look = look.as_ref();
+            let hair = [glb::Hair { name: "hair", strands: &strands, packed: args.packed, look }];
             let bytes = glb::character(head.as_ref().map(|head| (head, rig.as_ref())), &hair)?;
             files::write(&args.out, &bytes)?;
             let body = head.as_ref().map(|head| format!(", a body of {} triangles", head.triangles.len()));

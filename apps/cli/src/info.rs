@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::bail;
 use serde_json::{Value, json};
 use tresses::groom::{
-    TriMesh,
+    Look, TriMesh,
     import::{self, ImportReport},
     lint::{Report, Severity, Spread},
     orient::Placement,
@@ -92,6 +92,10 @@ fn as_json(report: &ImportReport, anatomy: Option<&Anatomy>) -> Value {
         })).collect::<Vec<_>>(),
         "bounds_m": lint.bounds.map(|(lo, hi)| [lo.to_array(), hi.to_array()]),
         "root_distance_m": lint.root_distance.as_ref().map(spread),
+        "look": report.look.map(|look| json!({
+            "melanin": [look.eumelanin, look.pheomelanin], "roughness": look.roughness,
+            "cuticle_tilt": look.tilt, "ior": look.ior,
+        })),
         "groom_placement": placement(&report.placement),
         "head_placement": report.head_placement.as_ref().map(placement),
         "body": report.rig.as_ref().map(|rig| json!({
@@ -123,6 +127,15 @@ fn as_text(report: &ImportReport, anatomy: Option<&Anatomy>) -> String {
     }
     measures(&mut out, &report.lint);
     attributes(&mut out, report);
+    if let Some(look) = &report.look {
+        let Look { eumelanin, pheomelanin, roughness: [along, around], tilt, ior } = look;
+        let tilt = tilt.to_degrees();
+        line(
+            &mut out,
+            "look",
+            format!("melanin {eumelanin}, {pheomelanin}; roughness {along}, {around}; scales {tilt:.1}°; ior {ior}"),
+        );
+    }
     if let Some(text) = followers(report) {
         line(&mut out, "followers", text);
         line(&mut out, "", "--grow 0 draws the strands alone, --grow N fills them up to N".to_string());

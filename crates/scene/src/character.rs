@@ -22,7 +22,7 @@ use tresses::{
     glam::Vec3,
     gpu::Gpu,
     groom::{
-        BindOptions, Groom, GuideCount, Restyle, Rig, SdfGrid, Strands, TriMesh, bind, bind_filled, curve,
+        BindOptions, Groom, GuideCount, Look, Restyle, Rig, SdfGrid, Strands, TriMesh, bind, bind_filled, curve,
         grow::{self, Curls, Growth, Paint, ScalpMap},
         import::{self, Given, ImportOptions, ImportReport},
         lint, mannequin,
@@ -95,6 +95,8 @@ pub struct Character {
     pub levels: Vec<LodLevel>,
     /// What holds the hair.
     pub ties: Vec<Tie>,
+    /// What its file has the hair look like.
+    pub look: Option<Look>,
     /// What the user should know, a sentence each.
     pub notes: Vec<String>,
 }
@@ -367,7 +369,21 @@ impl Base {
             _ => None,
         };
         let neck = self.neck;
-        Ok(Character { groom, face, head, levels_of_head, field, rest, neck, anatomy, levels, ties, notes })
+        let look = self.report.as_ref().and_then(|report| report.look);
+        Ok(Character {
+            groom,
+            face,
+            head,
+            levels_of_head,
+            field,
+            rest,
+            neck,
+            anatomy,
+            levels,
+            ties,
+            look,
+            notes,
+        })
     }
 }
 

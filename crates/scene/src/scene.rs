@@ -24,7 +24,7 @@ use tresses::{
     draw::{Coverage, Targets, targets::PICTURE_FORMAT},
     glam::Vec3,
     gpu::Gpu,
-    groom::{SdfGrid, TriMesh},
+    groom::{Look, SdfGrid, TriMesh},
     light::{Lights, Sphere},
     lod::{Detail, LodMode, LodOptions},
     roots::{RootReport, Skin},
@@ -149,6 +149,8 @@ pub struct Scene {
     /// Key, rim, sky and lamps.
     pub lighting: LightSettings,
     colliders: Colliders,
+    /// What its file has the hair look like.
+    look: Option<Look>,
     /// Seconds since the hair was put to rest.
     time: f64,
     subject: Bounds,
@@ -266,6 +268,7 @@ impl Scene {
             time: 0.0,
             subject,
             neck: character.neck,
+            look: character.look,
             field: character.field,
             watcher: None,
             gpu,
@@ -296,7 +299,7 @@ impl Scene {
         {
             (*as_then, *lights) = (turned(&settings.lights), surroundings.lights(&settings.lights));
         }
-        settings.apply(&mut self.picture, &mut self.hair.set.material);
+        settings.apply(&mut self.picture, &mut self.hair.set.material, self.look.as_ref());
     }
 
     /// The colliders' body, for as many as there are now.
@@ -327,6 +330,11 @@ impl Scene {
             let lights = surroundings.lights(lighting);
             (surroundings, turned(lighting), lights)
         });
+    }
+
+    /// What the hair looks like with these settings, where pigments say it.
+    pub fn look(&self, settings: &Settings) -> Option<Look> {
+        settings.look(self.look.as_ref())
     }
 
     /// How much of the hair is drawn from here on.

@@ -65,7 +65,7 @@ fn an_element_shows_hair_and_says_what_is_wrong() {
     let (mesh, strands) = character();
     let mut rig = mannequin::rig::rig(&mesh);
     rig.animations = vec![turning()];
-    let hair = [Hair { name: "hair", strands: &strands, packed: true }];
+    let hair = [Hair { name: "hair", strands: &strands, packed: true, look: None }];
     let file = glb::character(Some((&mesh, Some(&rig))), &hair).unwrap();
     write("head of hair.glb", &file);
     write("broken.glb", &file[..file.len() / 2]);

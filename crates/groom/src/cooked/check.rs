@@ -2,7 +2,7 @@
 
 use super::Cooked;
 use crate::{
-    Groom, MAX_GUIDE_VERTICES, MAX_STRAND_VERTICES, Rig, SdfGrid, Strands,
+    Groom, Look, MAX_GUIDE_VERTICES, MAX_STRAND_VERTICES, Rig, SdfGrid, Strands,
     import::MAX_VERTICES,
     orient::Placement,
     rig::{Animation, MAX_JOINTS, Property, Transform},
@@ -38,6 +38,7 @@ impl Cooked {
         let placements = [Some(&self.said.placement), self.said.head_placement.as_ref()];
         let placed = |p: &Placement| p.unit.0.is_finite() && p.unit.0 > 0.0 && p.translation.is_finite();
         ensure(placements.into_iter().flatten().all(placed), "it is in no unit")?;
+        self.said.look.as_ref().map_or(Ok(()), Look::check).map_err(|error| error.to_string())?;
         groom(&self.groom)?;
         // Where there is other hair, guides only guide.
         let guides = self.strands.marks.iter().filter(|mark| mark.guide).count();

@@ -21,7 +21,7 @@ mod check;
 mod tests;
 
 use crate::{
-    BindOptions, Followers, Groom, Rig, SdfGrid, Strands, TriMesh, bind,
+    BindOptions, Followers, Groom, Look, Rig, SdfGrid, Strands, TriMesh, bind,
     error::{At, Error, Result},
     import::{Attributes, FileReport, Group, ImportReport},
     lint, mesh, orient,
@@ -72,6 +72,7 @@ struct Said {
     followers: Vec<Followers>,
     groups: Vec<Group>,
     attributes: Attributes,
+    look: Option<Look>,
 }
 
 impl Cooked {
@@ -103,6 +104,7 @@ impl Cooked {
             followers: report.followers.clone(),
             groups: report.groups.clone(),
             attributes: report.attributes,
+            look: report.look,
         };
         Ok(Self { strands, head, levels, field, rig, parts: Vec::new(), groom, said })
     }
@@ -182,6 +184,7 @@ impl Cooked {
             followers: said.followers,
             groups: said.groups,
             attributes: said.attributes,
+            look: said.look,
         }
     }
 }

@@ -69,6 +69,7 @@ fn sample() -> Cooked {
         followers: vec![Followers { count: 2, radius: Some(0.001) }; 40],
         groups: vec![Group { id: 4, name: "fringe".into(), strands: 40, guides: 0 }],
         attributes: Attributes { widths: true, ..Default::default() },
+        look: Some(Look { eumelanin: 3.0, ..Default::default() }),
     };
     let mut cooked = Cooked::new(strands, Some(head), Some(field), Some(rig), &report).unwrap();
     cooked.parts = vec![(0, cooked.field.clone().unwrap())];
@@ -159,7 +160,8 @@ fn paint(cooked: &mut Cooked) -> &mut Paint {
 /// Whoever makes a file with a checksum that fits still makes no groom that is none.
 #[test]
 fn what_does_not_belong_together_is_refused() {
-    let wrongs: [fn(&mut Cooked); 33] = [
+    let wrongs: [fn(&mut Cooked); 34] = [
+        |c| c.said.look.as_mut().unwrap().eumelanin = f32::NAN,
         |c| c.strands.offsets[3] = 2,
         |c| c.strands.offsets[40] = 1000,
         |c| c.strands.offsets.clear(),

@@ -123,7 +123,7 @@ pub fn encode(strands: &Strands, format: Format, oriented: bool) -> Result<Encod
         }
         #[cfg(feature = "gltf")]
         Format::Glb => {
-            let bytes = glb::character(None, &[glb::Hair { name: "", strands, packed: false }])?;
+            let bytes = glb::character(None, &[glb::Hair { name: "", strands, packed: false, look: None }])?;
             Ok(Encoded { bytes, notes: Vec::new() })
         }
         #[cfg(feature = "alembic")]

@@ -53,6 +53,7 @@ pub(super) fn read<P: AsRef<Path>>(
 /// Adds `more`. An attribute lives on only where both have it; pinned tips and followers are joined in any case.
 pub(super) fn append(all: &mut Raw, more: Raw) -> Vec<String> {
     let mut notes = Vec::new();
+    all.look = all.look.or(more.look);
     let (a, b) = (&mut all.strands, more.strands);
     let (before, added) = (a.len(), b.len());
     let base = a.positions.len() as u32;

@@ -44,7 +44,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Followers, Rig, Strands, TriMesh, formats, lint, orient};
+use super::{Followers, Look, Rig, Strands, TriMesh, formats, lint, orient};
 use crate::error::{At, Error, Result};
 
 /// The most vertices a groom may have: 16 bytes each fill the largest buffer that WebGPU can bind.
@@ -113,6 +113,8 @@ pub struct ImportReport {
     pub groups: Vec<Group>,
     /// What attributes the files have of each strand or vertex.
     pub attributes: Attributes,
+    /// What the first file that says so has its hair look like.
+    pub look: Option<Look>,
 }
 
 /// Strands that belong together.
@@ -206,6 +208,8 @@ pub(crate) struct Raw {
     pub followers: Vec<Followers>,
     /// The names of groups, by number.
     pub group_names: BTreeMap<i32, String>,
+    /// What its hair looks like.
+    pub look: Option<Look>,
 }
 
 /// What a text in a file says of its unit and axes: what the writer puts there.
@@ -224,6 +228,7 @@ impl Raw {
         Self {
             strands: Strands::default(),
             format,
+            look: None,
             notes: Vec::new(),
             declared: orient::Choice::default(),
             followers: Vec::new(),
@@ -463,7 +468,18 @@ fn read_all<P: AsRef<Path>>(
         }
     }
     let report =
-        ImportReport { files, placement, head_placement, rig, lint, repaired, followers, groups, attributes };
+        ImportReport {
+        files,
+        placement,
+        head_placement,
+        rig,
+        lint,
+        repaired,
+        followers,
+        groups,
+        attributes,
+        look: raw.look,
+    };
     Ok((strands, head, report))
 }
 

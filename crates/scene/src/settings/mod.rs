@@ -37,7 +37,7 @@ use tresses::{
     Result, Wanted,
     avoid::AvoidOptions,
     glam::Vec3,
-    groom::styles::Style,
+    groom::{Look, styles::Style},
     light::{HairMaterial, ShadingRate, Shadows},
     lod::{LodMode, LodOptions},
     simulate::SimulationParams,
@@ -315,8 +315,8 @@ impl Settings {
 
     /// Puts hair colour, shading, shadows and exposure into `picture` and `material`; the lights, which may go with
     /// the camera, are [`LightSettings::lights`].
-    pub fn apply(&self, picture: &mut Picture, material: &mut HairMaterial) {
-        *material = self.material();
+    pub fn apply(&self, picture: &mut Picture, material: &mut HairMaterial, look: Option<&Look>) {
+        *material = self.material_of(look);
         picture.shading = self.shading_rate();
         picture.shadows = self.shadows;
         picture.tone.exposure = self.lights.exposure;

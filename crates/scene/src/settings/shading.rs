@@ -2,8 +2,13 @@
 
 use super::Settings;
 use crate::knobs;
-use tresses::light::{
-    FiberMaterial, HairMaterial, ShadingModel, ShadingRate, fiber::bsdf::melanin, material::srgb,
+use tresses::{
+    groom::Look,
+    light::{
+        FiberMaterial, HairMaterial, ShadingModel, ShadingRate,
+        fiber::{FiberShape, bsdf::melanin},
+        material::srgb,
+    },
 };
 
 /// Where hair has its colour from.
@@ -110,6 +115,39 @@ impl Settings {
         material
     }
 
+    /// [`material`](Self::material) of hair whose file has it look like `look`: by that, where its colour is the file's; by
+    /// the colours of its strands, where they have some. Roughness, tilt and refraction are the file's as long as they are
+    /// those that hair usually has.
+    pub fn material_of(&self, look: Option<&Look>) -> HairMaterial {
+        let Some(look) = look.filter(|_| self.shading.color == HairColor::File) else {
+            return self.material();
+        };
+        let mut own = self.clone();
+        own.shading.color = HairColor::Melanin;
+        (own.shading.eumelanin, own.shading.pheomelanin) = (look.eumelanin, look.pheomelanin);
+        let shape = &mut own.shading.material.fiber.shape;
+        if *shape == FiberShape::default() {
+            let [longitudinal, azimuthal] = look.roughness;
+            *shape = FiberShape { longitudinal, azimuthal, tilt: look.tilt, eta: look.ior }.clamped();
+        }
+        HairMaterial { file_colors: true, ..own.material() }
+    }
+
+    /// What hair of these settings looks like, where that is a matter of pigments; `file` is what the file's does.
+    pub fn look(&self, file: Option<&Look>) -> Option<Look> {
+        let (eumelanin, pheomelanin) = match self.shading.color {
+            HairColor::File => return file.copied(),
+            HairColor::Srgb => return None,
+            HairColor::Blond => (0.25, 0.05),
+            HairColor::Brown => (1.3, 0.2),
+            HairColor::Red => (0.12, 1.5),
+            HairColor::Black => (6.0, 0.3),
+            HairColor::Melanin => (self.shading.eumelanin, self.shading.pheomelanin),
+        };
+        let FiberShape { longitudinal, azimuthal, tilt, eta } = self.shading.material.fiber.shape;
+        Some(Look { eumelanin, pheomelanin, roughness: [longitudinal, azimuthal], tilt, ior: eta })
+    }
+
     pub(super) fn resolve_look(&self, into: &mut Self) {
         let mut material = self.material();
         if material.model == ShadingModel::Fiber {
@@ -162,5 +200,29 @@ mod tests {
         assert_eq!(half.fiber.root_absorption, whole.fiber.root_absorption);
         assert!(!half.file_colors);
         assert_ne!(whole.fiber.tip_absorption, Vec3::ZERO);
+    }
+
+    #[test]
+    fn a_file_says_what_its_hair_looks_like() {
+        let red = Look { eumelanin: 0.12, pheomelanin: 1.5, roughness: [0.2, 0.4], ..Look::default() };
+        let mut settings = Settings::default();
+        let of_file = settings.material_of(Some(&red));
+        assert_eq!(of_file.fiber.root_absorption, HairMaterial::red().fiber.root_absorption);
+        assert!(of_file.file_colors && of_file.fiber.shape.azimuthal == 0.4);
+        assert_eq!(settings.look(Some(&red)), Some(red));
+        // What is said of it here counts for more.
+        settings.set("shading.roughness_along", 0.5).unwrap();
+        assert_eq!(settings.material_of(Some(&red)).fiber.shape.azimuthal, 0.3);
+        settings.set("shading.color", "black").unwrap();
+        assert_eq!(settings.material_of(Some(&red)), settings.material());
+        let black = settings.look(Some(&red)).unwrap();
+        assert_eq!((black.eumelanin, black.pheomelanin, black.roughness), (6.0, 0.3, [0.5, 0.3]));
+        // Each colour by name is its pigments.
+        for name in ["blond", "brown", "red", "black"] {
+            settings.set("shading.color", name).unwrap();
+            let look = settings.look(None).unwrap();
+            let fiber = FiberMaterial::natural(melanin(look.eumelanin, look.pheomelanin));
+            assert_eq!(settings.material().fiber.root_absorption, fiber.root_absorption, "{name}");
+        }
     }
 }

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::{FLOAT, File, INT, SHORT};
 use crate::{
-    Strands,
+    Look, Strands,
     error::{Error, Result},
     import::{GUIDE, HAIR_EXTENSION, PACKED_EXTENSION as PACKED, TIP_PINNED},
     strands::Mark,
@@ -27,6 +27,8 @@ pub struct Hair<'a> {
     pub strands: &'a Strands,
     /// Whether it is compressed by `EXT_meshopt_compression`: smaller, but what cannot read that opens nothing of the file.
     pub packed: bool,
+    /// What it looks like, where that is to be told.
+    pub look: Option<&'a Look>,
 }
 
 /// Writes all of `hair`.
@@ -42,6 +44,13 @@ pub(super) fn put(file: &mut File, hair: &[Hair<'_>]) -> Result<()> {
         let mut groom = json!({"strands": strands(file, hair)?});
         if !hair.name.is_empty() {
             groom["name"] = json!(hair.name);
+        }
+        if let Some(look) = hair.look {
+            look.check()?;
+            let [along, around] = look.roughness;
+            groom["material"] = json!({"eumelanin": look.eumelanin, "pheomelanin": look.pheomelanin,
+                "longitudinalRoughness": along, "azimuthalRoughness": around,
+                "cuticleTilt": look.tilt, "ior": look.ior});
         }
         grooms.push(groom);
     }

@@ -1,7 +1,7 @@
 //! What is written is read back.
 
 use super::*;
-use crate::{Strands, import, mannequin, strands::Mark};
+use crate::{Look, Strands, import, mannequin, strands::Mark};
 use glam::Vec3;
 use std::{borrow::Cow, path::PathBuf};
 
@@ -94,9 +94,10 @@ fn groom_of(bytes: &[u8]) -> import::Given<'_> {
 fn hair_comes_back_with_its_body() {
     let (mesh, strands) = (mannequin::mesh(60), strands());
     let rig = mannequin::rig::rig(&mesh);
+    let look = Look { eumelanin: 0.3, roughness: [0.2, 0.4], ..Default::default() };
     let mut sizes = Vec::new();
     for packed in [false, true] {
-        let hair = [Hair { name: "hair", strands: &strands, packed }];
+        let hair = [Hair { name: "hair", strands: &strands, packed, look: Some(&look) }];
         let bytes = character(Some((&mesh, Some(&rig))), &hair).unwrap();
         let given = [groom_of(&bytes)];
         assert_eq!(import::kind(&given[0].0, &bytes), Some(import::Kind::Groom));
@@ -106,7 +107,7 @@ fn hair_comes_back_with_its_body() {
             (head.triangles.len(), report.rig.unwrap().targets.len()),
             (mesh.triangles.len(), rig.targets.len())
         );
-        assert_eq!(report.placement.unit.0, 1.0);
+        assert_eq!((report.placement.unit.0, report.look), (1.0, Some(look)));
         assert_eq!(
             (&back.offsets, &back.tip_pinned, &back.marks),
             (&strands.offsets, &strands.tip_pinned, &strands.marks)
@@ -132,17 +133,20 @@ fn fine_hair_is_written_as_floats_and_comes_back_to_the_bit() {
         let root = Vec3::new(0.001 * i as f32, 0.0, 0.2);
         strands.push(&[root, root + Vec3::Y * 5e-4, root + Vec3::Y * 1e-3]);
     }
-    let bytes = character(None, &[Hair { name: "", strands: &strands, packed: true }]).unwrap();
+    let bytes = character(None, &[Hair { name: "", strands: &strands, packed: true, look: None }]).unwrap();
     let (back, head, _) = import::read_given(&[groom_of(&bytes)], &Default::default()).unwrap();
     assert!(head.is_none());
     assert_eq!(back, strands);
-    assert!(character(None, &[Hair { name: "", strands: &Strands::default(), packed: false }]).is_err());
+    let black = Look { eumelanin: f32::NAN, ..Default::default() };
+    let wrong = Hair { name: "", strands: &strands, packed: false, look: Some(&black) };
+    assert!(character(None, &[wrong]).unwrap_err().to_string().contains("eumelanin"));
+    assert!(character(None, &[Hair { name: "", strands: &Strands::default(), packed: false, look: None }]).is_err());
 }
 
 #[test]
 fn what_is_broken_is_said_in_a_sentence() {
     let strands = strands();
-    let whole = character(None, &[Hair { name: "hair", strands: &strands, packed: true }]).unwrap();
+    let whole = character(None, &[Hair { name: "hair", strands: &strands, packed: true, look: None }]).unwrap();
     let error = |from: &str, to: &str| {
         assert_eq!(from.len(), to.len());
         let mut bytes = whole.clone();

@@ -72,6 +72,29 @@ fn sparse_items_replace_what_is_dense() {
     assert_eq!(moved, [(0, Vec3::X), (2, Vec3::Y * 0.5)]);
 }
 
+/// `KHR_mesh_quantization`: 16-bit shares, 8 bytes apart.
+#[test]
+fn quantised_shapes_are_those_of_floats() {
+    let (mut glb, _) = glb::arm();
+    let shares = [[32767i16, 0, 0, 0], [0; 4], [0, -16384, 0, 0]];
+    let bytes: Vec<u8> = shares.as_flattened().iter().flat_map(|v| v.to_le_bytes()).collect();
+    let shape = glb.accessor(5122, "VEC3", 3, &bytes);
+    glb.root["accessors"][shape]["normalized"] = json!(true);
+    let view = glb.root["accessors"][shape]["bufferView"].as_u64().unwrap() as usize;
+    glb.root["bufferViews"][view]["byteStride"] = json!(8);
+    glb.root["meshes"][1]["primitives"][0]["targets"] = json!([{"POSITION": shape}]);
+    glb.root["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+    glb.root["extensionsUsed"] = json!(["KHR_mesh_quantization"]);
+    let rig = read(glb.bytes()).unwrap().rig.unwrap();
+    let moved: Vec<(u32, Vec3)> = rig.targets[1].deltas.iter().map(|d| (d.vertex, d.position)).collect();
+    assert_eq!(moved.len(), 2);
+    assert_eq!(agree(&[moved[0].1, moved[1].1], &[Vec3::X, Vec3::Y * -0.500_015_26], 1e-6), Ok(()));
+    // As they are, without shares.
+    glb.root["accessors"][shape]["normalized"] = json!(false);
+    let rig = read(glb.bytes()).unwrap().rig.unwrap();
+    assert_eq!(rig.targets[1].deltas[0].position, Vec3::X * 32767.0);
+}
+
 #[test]
 fn a_file_without_a_scene_has_its_shapes() {
     let (mut glb, _) = glb::arm();

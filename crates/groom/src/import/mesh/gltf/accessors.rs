@@ -70,10 +70,8 @@ impl File<'_> {
         }
         let (bytes, stride) = self.data(accessor)?;
         self.spend(accessor.count(), size_of::<Vec3>())?;
-        let (size, shares) = (kind.size(), accessor.normalized());
-        let vector =
-            |item: &[u8]| Vec3::from_array([0, 1, 2].map(|i| number(&item[i * size..], kind, shares)));
-        Ok(bytes.chunks(stride).map(vector).collect())
+        let shares = accessor.normalized();
+        Ok(bytes.chunks(stride).map(|item| vector(item, kind, shares)).collect())
     }
 
     /// Four joints per vertex.
@@ -91,12 +89,15 @@ impl File<'_> {
         Ok(bytes.chunks(stride).map(four).collect())
     }
 
-    /// What a shape adds to `count` vertices: those that it moves, ascending.
+    /// What a shape adds to `count` vertices: those that it moves, ascending. Floats, or integers as
+    /// `KHR_mesh_quantization` allows them.
     pub fn deltas(&self, accessor: &Accessor, count: usize) -> Result<Vec<(u32, Vec3)>> {
         let index = accessor.index();
-        if accessor.data_type() != DataType::F32 || accessor.dimensions().multiplicity() != 3 {
+        let kind = accessor.data_type();
+        if kind == DataType::U32 || accessor.dimensions().multiplicity() != 3 {
             return Err(self.wrong_kind(accessor));
         }
+        let vector = |item: &[u8]| vector(item, kind, accessor.normalized());
         if accessor.count() != count {
             let have = accessor.count();
             return Err(
@@ -105,14 +106,14 @@ impl File<'_> {
         }
         let mut given: Vec<(u32, Vec3)> = match accessor.view() {
             Some(_) => {
-                let items = self.items(accessor)?;
+                let (bytes, stride) = self.items(accessor)?;
                 self.spend(count, size_of::<(u32, Vec3)>())?;
-                (0..).zip(vectors(items)).collect()
+                (0..).zip(bytes.chunks(stride).map(vector)).collect()
             }
             None => Vec::new(),
         };
         if let Some(sparse) = accessor.sparse() {
-            self.overlay(index, count, &sparse, &mut given)?;
+            self.overlay(accessor, &sparse, &mut given)?;
         }
         if given.iter().any(|(_, delta)| !delta.is_finite()) {
             return Err(self.problem(format!("accessor {index} has numbers that are not finite")));
@@ -124,22 +125,23 @@ impl File<'_> {
     /// Puts the vectors that a sparse accessor names into those that it has otherwise, or between them.
     fn overlay(
         &self,
-        index: usize,
-        count: usize,
+        accessor: &Accessor,
         sparse: &gltf::accessor::sparse::Sparse,
         given: &mut Vec<(u32, Vec3)>,
     ) -> Result<()> {
+        let (index, count, kind) = (accessor.index(), accessor.count(), accessor.data_type());
         let (n, indices, values) = (sparse.count(), sparse.indices(), sparse.values());
         let size = indices.index_type().size();
         let outside =
             || self.problem(format!("accessor {index} with {n} sparse items does not fit its buffer"));
         let at = self.window(&indices.view(), indices.offset(), n, size, size).ok_or_else(outside)?;
-        let vector = size_of::<[f32; 3]>();
-        let to = self.window(&values.view(), values.offset(), n, vector, vector).ok_or_else(outside)?;
+        let wide = 3 * kind.size();
+        let to = self.window(&values.view(), values.offset(), n, wide, wide).ok_or_else(outside)?;
         self.spend(n, size_of::<(u32, Vec3)>())?;
         let dense = !given.is_empty();
         let mut least = 0u64;
-        for (b, value) in at.chunks_exact(size).zip(vectors((to, vector))) {
+        let values = to.chunks_exact(wide).map(|item| vector(item, kind, accessor.normalized()));
+        for (b, value) in at.chunks_exact(size).zip(values) {
             let vertex = match indices.index_type() {
                 IndexType::U8 => u32::from(b[0]),
                 IndexType::U16 => u32::from(u16::from_le_bytes([b[0], b[1]])),
@@ -221,10 +223,7 @@ fn number(b: &[u8], kind: DataType, shares: bool) -> f32 {
     if shares { (value / most).max(-1.0) } else { value }
 }
 
-/// Vectors of floats that lie `stride` bytes apart.
-fn vectors((bytes, stride): (&[u8], usize)) -> impl Iterator<Item = Vec3> {
-    bytes.chunks(stride).map(|item| {
-        let at = |i: usize| f32::from_le_bytes([item[i], item[i + 1], item[i + 2], item[i + 3]]);
-        Vec3::new(at(0), at(4), at(8))
-    })
+/// Three of them, one after the other.
+fn vector(item: &[u8], kind: DataType, shares: bool) -> Vec3 {
+    Vec3::from_array([0, 1, 2].map(|i| number(&item[i * kind.size()..], kind, shares)))
 }

@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 
 use super::{Source, file::File};
 use crate::{
-    Strands,
+    Look, Strands,
     error::{At, Result},
     import::Raw,
     orient,
@@ -34,6 +34,9 @@ pub(in crate::import) fn read(source: &Source) -> Result<Raw> {
         let strands = groom.get("strands").and_then(Value::as_object);
         let part = Part { file: &file, of: strands.ok_or_else(|| at("it has no strands".into()))?, groom: i };
         let read = part.read(source.lenient)?;
+        if let (None, Some(material)) = (raw.look, groom.get("material")) {
+            raw.look = Some(part.look(material)?);
+        }
         let names = groom.get("groupNames").and_then(Value::as_object);
         for (id, name) in names.into_iter().flatten() {
             let id = id.parse().map_err(|_| at(format!("“{id}” is no number of a group")))?;
@@ -76,7 +79,29 @@ impl Part<'_> {
     }
 
     fn number(&self, key: &str, otherwise: f32) -> Result<f32> {
-        let Some(value) = self.of.get(key) else { return Ok(otherwise) };
+        self.number_of(self.of, key, otherwise)
+    }
+
+    /// What the hair looks like.
+    fn look(&self, material: &Value) -> Result<Look> {
+        let of = material.as_object().ok_or_else(|| self.problem("its material is no object"))?;
+        let (number, brown) = (|key, otherwise| self.number_of(of, key, otherwise), Look::default());
+        let look = Look {
+            eumelanin: number("eumelanin", brown.eumelanin)?,
+            pheomelanin: number("pheomelanin", brown.pheomelanin)?,
+            roughness: [
+                number("longitudinalRoughness", brown.roughness[0])?,
+                number("azimuthalRoughness", brown.roughness[1])?,
+            ],
+            tilt: number("cuticleTilt", brown.tilt)?,
+            ior: number("ior", brown.ior)?,
+        };
+        look.check().map_err(|error| self.problem(error))?;
+        Ok(look)
+    }
+
+    fn number_of(&self, of: &Map<String, Value>, key: &str, otherwise: f32) -> Result<f32> {
+        let Some(value) = of.get(key) else { return Ok(otherwise) };
         let number = value.as_f64().map(|n| n as f32).filter(|n| n.is_finite());
         number.ok_or_else(|| self.problem(format!("{key} is no finite number")))
     }
