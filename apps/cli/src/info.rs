@@ -133,7 +133,9 @@ fn as_text(report: &ImportReport, anatomy: Option<&Anatomy>) -> String {
         line(
             &mut out,
             "look",
-            format!("melanin {eumelanin}, {pheomelanin}; roughness {along}, {around}; scales {tilt:.1}°; ior {ior}"),
+            format!(
+                "melanin {eumelanin}, {pheomelanin}; roughness {along}, {around}; scales {tilt:.1}°; ior {ior}"
+            ),
         );
     }
     if let Some(text) = followers(report) {

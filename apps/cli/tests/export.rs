@@ -58,7 +58,7 @@ fn the_character_is_written_with_what_bends_it() {
 #[test]
 fn one_file_has_body_and_hair() {
     let folder = tempfile::tempdir().unwrap();
-    let style = ["export", "--style", "short", "--strands", "100"];
+    let style = ["export", "--style", "short", "--strands", "100", "--color", "red"];
     let (done, said) = tresses(folder.path(), &[&style[..], &["--out", "all.glb"]].concat());
     if !done && said.contains("adapter") {
         assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none(), "{said}");
@@ -73,6 +73,7 @@ fn one_file_has_body_and_hair() {
             done && said.contains("3 joints") && said.contains("1 unit is 1 m: the file says so"),
             "{said}"
         );
+        assert!(said.contains("melanin 0.12, 1.5"), "{said}");
     }
     // What the schema names is all that is written, and in the file.
     let bytes = std::fs::read(folder.path().join("all.glb")).unwrap();
@@ -81,6 +82,9 @@ fn one_file_has_body_and_hair() {
     let schema = include_str!("../../../docs/schema/EXT_tresses_hair.schema.json");
     let schema: serde_json::Value = serde_json::from_str(schema).unwrap();
     let groom = &json["extensions"]["EXT_tresses_hair"]["grooms"][0];
+    let material = &schema["$defs"]["groom"]["properties"]["material"]["properties"];
+    let written = groom["material"].as_object().unwrap();
+    assert!(written.len() == 6 && written.keys().all(|key| material.get(key).is_some()), "{written:?}");
     for (of, written) in [("groom", groom), ("strands", &groom["strands"])] {
         let (known, required) = (&schema["$defs"][of]["properties"], &schema["$defs"][of]["required"]);
         for key in written.as_object().unwrap().keys() {

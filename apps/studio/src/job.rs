@@ -229,7 +229,7 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready
     let physics = settings.physics();
     let stage = Scene::new(gpu, pipelines, character, colliders, &physics, &quality, progress).await;
     let mut stage = stage?;
-    settings.apply(&mut stage.picture, &mut stage.hair.set.material);
+    stage.dress(&settings);
     stage.set_surroundings(surroundings.clone());
     progress.step("drawing the first picture", 0.0).await;
     first_picture(&mut stage)?;

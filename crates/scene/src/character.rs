@@ -22,7 +22,8 @@ use tresses::{
     glam::Vec3,
     gpu::Gpu,
     groom::{
-        BindOptions, Groom, GuideCount, Look, Restyle, Rig, SdfGrid, Strands, TriMesh, bind, bind_filled, curve,
+        BindOptions, Groom, GuideCount, Look, Restyle, Rig, SdfGrid, Strands, TriMesh, bind, bind_filled,
+        curve,
         grow::{self, Curls, Growth, Paint, ScalpMap},
         import::{self, Given, ImportOptions, ImportReport},
         lint, mannequin,

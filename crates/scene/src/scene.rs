@@ -299,6 +299,11 @@ impl Scene {
         {
             (*as_then, *lights) = (turned(&settings.lights), surroundings.lights(&settings.lights));
         }
+        self.dress(settings);
+    }
+
+    /// What of `settings` is the look of hair and picture.
+    pub fn dress(&mut self, settings: &Settings) {
         settings.apply(&mut self.picture, &mut self.hair.set.material, self.look.as_ref());
     }
 

@@ -467,8 +467,7 @@ fn read_all<P: AsRef<Path>>(
             return Err(Error::File { path, at: At::File, problem });
         }
     }
-    let report =
-        ImportReport {
+    let report = ImportReport {
         files,
         placement,
         head_placement,

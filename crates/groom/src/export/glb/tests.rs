@@ -140,13 +140,17 @@ fn fine_hair_is_written_as_floats_and_comes_back_to_the_bit() {
     let black = Look { eumelanin: f32::NAN, ..Default::default() };
     let wrong = Hair { name: "", strands: &strands, packed: false, look: Some(&black) };
     assert!(character(None, &[wrong]).unwrap_err().to_string().contains("eumelanin"));
-    assert!(character(None, &[Hair { name: "", strands: &Strands::default(), packed: false, look: None }]).is_err());
+    assert!(
+        character(None, &[Hair { name: "", strands: &Strands::default(), packed: false, look: None }])
+            .is_err()
+    );
 }
 
 #[test]
 fn what_is_broken_is_said_in_a_sentence() {
     let strands = strands();
-    let whole = character(None, &[Hair { name: "hair", strands: &strands, packed: true, look: None }]).unwrap();
+    let whole =
+        character(None, &[Hair { name: "hair", strands: &strands, packed: true, look: None }]).unwrap();
     let error = |from: &str, to: &str| {
         assert_eq!(from.len(), to.len());
         let mut bytes = whole.clone();

@@ -82,7 +82,7 @@ fn quantised_shapes_are_those_of_floats() {
     glb.root["accessors"][shape]["normalized"] = json!(true);
     let view = glb.root["accessors"][shape]["bufferView"].as_u64().unwrap() as usize;
     glb.root["bufferViews"][view]["byteStride"] = json!(8);
-    glb.root["meshes"][1]["primitives"][0]["targets"] = json!([{"POSITION": shape}]);
+    glb.root["meshes"][0]["primitives"][0]["targets"][1] = json!({"POSITION": shape});
     glb.root["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
     glb.root["extensionsUsed"] = json!(["KHR_mesh_quantization"]);
     let rig = read(glb.bytes()).unwrap().rig.unwrap();
