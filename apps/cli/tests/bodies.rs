@@ -141,6 +141,8 @@ fn danced(name: &str, seconds: f32, deforms: bool, grown: f32) -> Option<(f32, u
     }
     let (motion, pivot) = (Motion::named(if walks { "still" } else { "dance" }).unwrap(), scene.pivot());
     let vertices = scene.hair.guides.vertex_count as usize;
+    // A groom that was made for another head rests deep in this one.
+    let reach = if walks { 0.3 } else { 0.03 };
     // How deep each vertex is below the skin, where that is now.
     let depths = |scene: &Scene, body: Pose| -> Vec<f32> {
         let (gpu, hair) = (&scene.gpu, &scene.hair);
@@ -152,7 +154,7 @@ fn danced(name: &str, seconds: f32, deforms: bool, grown: f32) -> Option<(f32, u
         let bvh = Bvh::new(&skin);
         let depth = |p: &[f32; 4]| {
             let p = hair.place().point(Vec3::new(p[0], p[1], p[2]));
-            let Some(near) = bvh.closest_point_within(p, 0.03) else { return -1.0 };
+            let Some(near) = bvh.closest_point_within(p, reach) else { return -1.0 };
             let [a, b, c] = skin.triangles[near.triangle as usize].map(|i| skin.positions[i as usize]);
             let out = (p - near.point).dot((b - a).cross(c - a));
             if out < 0.0 { near.distance } else { -near.distance }
@@ -202,8 +204,10 @@ fn no_hair_of_any_style_stays_in_a_body_that_dances_for_ten_seconds() {
         let Some((deepest, longest, _)) = danced(style, 10.0, true, 0.0) else { return };
         assert!(longest <= STEPS, "{style}: {deepest} m, {longest} steps");
     }
-    for deforms in [true, false] {
-        danced("characters/CesiumMan.glb", 6.0, deforms, 0.0);
+    // A body of few triangles, under hair that does not fit it: the less deep, the more of its skin is known.
+    let [skin, joints] = [true, false].map(|deforms| danced("characters/CesiumMan.glb", 6.0, deforms, 0.0));
+    if let (Some(skin), Some(joints)) = (skin, joints) {
+        assert!(skin.0 < 0.8 * joints.0 && skin.2 < joints.2, "{skin:?} {joints:?}");
     }
     // In skin that leaves fields which go with joints alone it does.
     assert!(danced("long", 3.0, false, 0.0).unwrap().1 > STEPS);
