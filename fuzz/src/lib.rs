@@ -2,7 +2,7 @@
 
 use bolero::TypeGenerator;
 use tresses_groom::{
-    Cooked, SdfGrid, Strands, TriMesh,
+    Cooked, Look, SdfGrid, Strands, TriMesh,
     cooked::HEADER,
     error::Result,
     export::{Format, encode, glb},
@@ -146,7 +146,8 @@ pub fn written(format: Format) -> Vec<u8> {
 /// As [`written`].
 pub fn packed() -> Vec<u8> {
     let (mesh, strands) = (tetrahedron(), strands());
-    let hair = [glb::Hair { name: "hair", strands: &strands, packed: true }];
+    let look = Look::default();
+    let hair = [glb::Hair { name: "hair", strands: &strands, packed: true, look: Some(&look) }];
     glb::character(Some((&mesh, None)), &hair).expect("a character is written")
 }
 
