@@ -102,7 +102,14 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     if !args.as_is {
         report.placement.reasons.iter().for_each(|r| println!("  {r}"));
     }
-    report.placement.doubts.iter().filter(|_| !args.as_is).for_each(|d| println!("  in doubt: {d}"));
+    let of_head = report.head_placement.iter().flat_map(|placement| &placement.doubts);
+    report
+        .placement
+        .doubts
+        .iter()
+        .chain(of_head)
+        .filter(|_| !args.as_is)
+        .for_each(|d| println!("  in doubt: {d}"));
     encoded.notes.iter().for_each(|n| println!("  {n}"));
     if !report.followers.is_empty() {
         println!(

@@ -256,6 +256,29 @@ fn collide() {
     let found = wgsl_layout("collide::shape::Places").0;
     assert_eq!(found[..members.len()], members);
     assert_eq!(found[members.len()..], [("list".to_string(), size)]);
+
+    use tresses::collide::deform::{DeformHead, DeformNode, DeformPart};
+    assert_eq!(
+        wgsl_layout("collide::deform::gather::DeformNode"),
+        rust_layout!(DeformNode { triangle, b, rest, c })
+    );
+    assert_eq!(
+        wgsl_layout("collide::deform::deforms::DeformPart"),
+        rust_layout!(DeformPart { rotation, translation, _pad_a, low, _pad_b, per_metre, _pad_c })
+    );
+    let (members, size) = rust_layout!(DeformHead {
+        count,
+        position_first,
+        position_stride,
+        side,
+        fresh,
+        most,
+        _pad_a,
+        _pad_b,
+    });
+    let found = wgsl_layout("collide::deform::deforms::Deforms").0;
+    assert_eq!(found[..members.len()], members);
+    assert_eq!(found[members.len()..], [("parts".to_string(), size)]);
 }
 
 #[test]

@@ -74,6 +74,10 @@ impl Texture {
     }
 }
 
+/// The pictures of a coat.
+#[cfg(feature = "textures")]
+const PICTURES: [fn(&mut Coat) -> &mut Texture; 2] = [|coat| &mut coat.base, |coat| &mut coat.relief];
+
 impl Paint {
     /// [`of`](Self::of) a vertex without pictures.
     pub const NONE: u8 = u8::MAX;
@@ -86,22 +90,43 @@ impl Paint {
             && self.of.iter().all(known)
             && self.places.iter().all(|place| place.is_finite())
             && self.coats.iter().all(|coat| coat.base.is_whole() && coat.relief.is_whole())
-            && self.coats.len() < usize::from(Self::NONE)
+            && self.coats.len() <= usize::from(Self::NONE)
     }
 
     /// Brings all base pictures to one size, and all reliefs: that of the largest, at most `most` texels along an edge.
     #[cfg(feature = "textures")]
     pub fn level(&mut self, most: u32) {
-        let pictures: [fn(&mut Coat) -> &mut Texture; 2] = [|coat| &mut coat.base, |coat| &mut coat.relief];
-        for picture in pictures {
-            let sizes = self.coats.iter_mut().map(|coat| [picture(coat).width, picture(coat).height]);
-            let size = sizes.fold([1; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]).map(|n| n.min(most));
+        for picture in PICTURES {
+            let size = self.largest(picture).map(|n| n.min(most));
             for coat in &mut self.coats {
                 if [picture(coat).width, picture(coat).height] != size {
                     *picture(coat) = picture(coat).resized(size);
                 }
             }
         }
+    }
+
+    /// The same, as large as fits into so many bytes.
+    #[cfg(feature = "textures")]
+    pub fn level_within(&mut self, bytes: u64) {
+        let mut most = 1 << 15;
+        let takes = |paint: &mut Self, most: u32| {
+            let one = PICTURES.map(|picture| {
+                let [width, height] = paint.largest(picture).map(|n| u64::from(n.min(most)));
+                4 * width * height
+            });
+            paint.coats.len() as u64 * one.iter().sum::<u64>()
+        };
+        while most > 1 && takes(self, most) > bytes {
+            most /= 2;
+        }
+        self.level(most);
+    }
+
+    #[cfg(feature = "textures")]
+    fn largest(&mut self, picture: fn(&mut Coat) -> &mut Texture) -> [u32; 2] {
+        let sizes = self.coats.iter_mut().map(|coat| [picture(coat).width, picture(coat).height]);
+        sizes.fold([1; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])])
     }
 
     /// The linear albedo of a vertex, where its coat has one.
@@ -174,7 +199,7 @@ mod tests {
             cutout: None,
         };
         let mut paint = Paint { coats: vec![coat(2), coat(8), coat(64)], ..Default::default() };
-        paint.level(16);
+        paint.level_within(3 * (4 * 16 * 16 + 4));
         for (coat, was) in paint.coats.iter().zip([2, 8, 64]) {
             assert!(coat.base.is_whole() && [coat.base.width, coat.base.height] == [16; 2]);
             assert!(coat.base.rgba.chunks(4).all(|t| t == [was, 0, 0, 255]));

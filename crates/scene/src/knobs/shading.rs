@@ -20,7 +20,7 @@ const KNOBS: &[Knob] = rows! { "shading";
     "color" "Colour" [shading.color] choice::<HairColor>(),
         flag(flag("color", "NAME|RRGGBB").common().first(COLOR)
             .about("Colour of the hair: a name, or an sRGB colour such as 5a3b28")),
-        "The colours of the file, a preset, the sRGB colour below, or the pigments below.";
+        "The colours or the material of the file, a preset, the sRGB colour below, or the pigments below.";
     "srgb" "sRGB colour" [shading.srgb] Kind::Color,
         "The colour of much hair in neutral light, when Colour is srgb.";
     "eumelanin" "Eumelanin" [shading.eumelanin] number(PLAIN, 0.0, 100.0).log(),

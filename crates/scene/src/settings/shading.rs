@@ -14,7 +14,7 @@ use tresses::{
 /// Where hair has its colour from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum HairColor {
-    /// The file's colours where it has some, else brown.
+    /// The file's colours where it has some, else what it has the hair look like, else brown.
     #[default]
     File,
     /// Light blond.
@@ -125,18 +125,27 @@ impl Settings {
         let mut own = self.clone();
         own.shading.color = HairColor::Melanin;
         (own.shading.eumelanin, own.shading.pheomelanin) = (look.eumelanin, look.pheomelanin);
-        let shape = &mut own.shading.material.fiber.shape;
-        if *shape == FiberShape::default() {
-            let [longitudinal, azimuthal] = look.roughness;
-            *shape = FiberShape { longitudinal, azimuthal, tilt: look.tilt, eta: look.ior }.clamped();
-        }
+        own.shading.material.fiber.shape = self.shape_of(look);
         HairMaterial { file_colors: true, ..own.material() }
+    }
+
+    /// The shape of fibres of hair that looks like `look`.
+    fn shape_of(&self, look: &Look) -> FiberShape {
+        let own = self.shading.material.fiber.shape;
+        let [longitudinal, azimuthal] = look.roughness;
+        let theirs = FiberShape { longitudinal, azimuthal, tilt: look.tilt, eta: look.ior };
+        if own == FiberShape::default() { theirs.clamped() } else { own }
     }
 
     /// What hair of these settings looks like, where that is a matter of pigments; `file` is what the file's does.
     pub fn look(&self, file: Option<&Look>) -> Option<Look> {
+        let mut shape = self.shading.material.fiber.shape;
         let (eumelanin, pheomelanin) = match self.shading.color {
-            HairColor::File => return file.copied(),
+            HairColor::File => {
+                let file = file?;
+                shape = self.shape_of(file);
+                (file.eumelanin, file.pheomelanin)
+            }
             HairColor::Srgb => return None,
             HairColor::Blond => (0.25, 0.05),
             HairColor::Brown => (1.3, 0.2),
@@ -144,7 +153,7 @@ impl Settings {
             HairColor::Black => (6.0, 0.3),
             HairColor::Melanin => (self.shading.eumelanin, self.shading.pheomelanin),
         };
-        let FiberShape { longitudinal, azimuthal, tilt, eta } = self.shading.material.fiber.shape;
+        let FiberShape { longitudinal, azimuthal, tilt, eta } = shape;
         Some(Look { eumelanin, pheomelanin, roughness: [longitudinal, azimuthal], tilt, ior: eta })
     }
 
@@ -213,6 +222,7 @@ mod tests {
         // What is said of it here counts for more.
         settings.set("shading.roughness_along", 0.5).unwrap();
         assert_eq!(settings.material_of(Some(&red)).fiber.shape.azimuthal, 0.3);
+        assert_eq!(settings.look(Some(&red)).unwrap().roughness, [0.5, 0.3]);
         settings.set("shading.color", "black").unwrap();
         assert_eq!(settings.material_of(Some(&red)), settings.material());
         let black = settings.look(Some(&red)).unwrap();

@@ -1,7 +1,7 @@
 //! Colliders: capsules, ellipsoids and signed distance fields, up to
-//! [`MAX_COLLIDERS`](crate::constants::MAX_COLLIDERS) in total, each rigid and each with its own pose. This
-//! is a service, not a stage: every kernel that needs obstacles binds the same group as `@group(1)` and
-//! calls `nearest.wesl`.
+//! [`MAX_COLLIDERS`](crate::constants::MAX_COLLIDERS) in total, each with its own pose and rigid, but for what
+//! [skin](deform) does to a field. This is a service, not a stage: every kernel that needs obstacles binds the same
+//! group as `@group(1)` and calls `nearest.wesl`.
 //!
 //! ```text
 //! SdfGrid, mesh ─► tiles of one 3-D texture ─┐

@@ -66,9 +66,9 @@ pub struct Moments<'a> {
 }
 
 /// A collider that moves farther in one fixed step, metres, has jumped: it pushes nothing on its way.
-const JUMP: f32 = 0.3;
+pub(super) const JUMP: f32 = 0.3;
 /// The same for a turn, radians.
-const JUMP_ANGLE: f32 = 1.0;
+pub(super) const JUMP_ANGLE: f32 = 1.0;
 
 /// How what is given in a frame's space gets to where hair is simulated.
 #[derive(Clone, Copy, Debug)]

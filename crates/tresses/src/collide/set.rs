@@ -229,7 +229,9 @@ impl ColliderSet {
         }
         queue.write_buffer(&self.table, 0, bytemuck::bytes_of(&*table));
         let count_at = std::mem::offset_of!(Places, count) as u64;
-        queue.write_buffer(&self.places, count_at, bytemuck::bytes_of(&(count as u32)));
+        let side = self.deformation.as_ref().map_or(0, Deformation::side);
+        // The count, and what stands behind it.
+        queue.write_buffer(&self.places, count_at, bytemuck::bytes_of(&[count as u32, side]));
         self.track.replace(anchors);
         self.list = colliders.to_vec();
         (self.spheres, self.count) = (spheres, count as u32);

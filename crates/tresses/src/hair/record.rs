@@ -32,6 +32,9 @@ impl Hair {
         self.substeps = frame.simulation.substeps;
         let back = self.sleep.carried(frame);
         if self.dozes(frame) {
+            if let Some(deformation) = &mut self.colliders.deformation {
+                deformation.forget();
+            }
             self.shifts = false;
             return Ok(0);
         }

@@ -97,6 +97,11 @@ fn normals_and_roughness_are_seen() {
         println!("{towards}: {away} {even} {there}");
         assert!(there > even + 10.0 && away < even - 10.0);
     }
+    // As rough as can be, lit from behind and at the edge: no light, and numbers all the same.
+    for light in [Vec3::NEG_Z, Vec3::X, Vec3::new(1.0, 0.0, -1e-3)] {
+        let dark = bright([128, 128, 255, 255], light);
+        assert!(dark < 100.0, "{light}: {dark}");
+    }
     // A mirror throws light back where it comes from, where the eye is.
     let [smooth, rough] =
         [60, 250].map(|blue| bright([128, 128, blue, 255], Vec3::Z + Vec3::new(-0.15, 0.15, 0.0)));

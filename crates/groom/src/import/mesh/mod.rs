@@ -32,6 +32,10 @@ pub struct RawMesh {
     pub notes: Vec<String>,
 }
 
+/// The most bytes that the pictures of several files may take.
+#[cfg(feature = "textures")]
+const ROOM: u64 = 1 << 30;
+
 /// The body's colour where only some parts of a mesh have one: a neutral skin, linear.
 const PLAIN: glam::Vec3 = glam::Vec3::new(0.45, 0.32, 0.265);
 
@@ -81,7 +85,7 @@ pub(super) fn read_from<P: AsRef<Path>>(files: Files<'_>, paths: &[P]) -> Result
     #[cfg(feature = "textures")]
     if let Some(paint) = all.as_mut().and_then(|all| all.mesh.paint.as_mut()) {
         // Pictures of several files have one size, too.
-        Arc::make_mut(paint).level(u32::MAX);
+        Arc::make_mut(paint).level_within(ROOM);
     }
     all.ok_or_else(|| Error::Unusable("no head mesh is given".into()))
 }

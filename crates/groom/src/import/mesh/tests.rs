@@ -279,13 +279,34 @@ fn materials_have_their_pictures() {
 #[cfg(feature = "textures")]
 #[test]
 fn a_picture_that_cannot_be_read_is_told() {
-    for (picture, why) in [(&b"not a picture"[..], "format"), (&png()[..40], "picture 0"), (&[][..], "")] {
-        let raw = parse(Files::Disk, Path::new("a.glb"), &painted(picture, ""));
-        // An empty view is no view.
-        let Ok(raw) = raw else { continue };
+    let told = |bytes: Vec<u8>, why: &str| {
+        let raw = parse(Files::Disk, Path::new("a.glb"), &bytes).unwrap();
         assert!(raw.mesh.paint.is_none() && raw.mesh.triangles.len() == 2);
-        assert!(raw.notes.len() == 1 && raw.notes[0].contains(why), "{:?}", raw.notes);
-    }
-    let beside = String::from_utf8_lossy(&painted(&png(), "")).replace("\"index\":0", "\"index\":7");
-    assert!(parse(Files::Disk, Path::new("a.glb"), beside.as_bytes()).is_err());
+        assert!(raw.notes.len() == 1 && raw.notes[0].contains(why), "{why}: {:?}", raw.notes);
+    };
+    told(painted(b"not a picture", ""), "format");
+    told(painted(&png()[..40], ""), "picture 0");
+    // What the crate would unwrap.
+    let edited = |from: &str, to: &str| glb::edited(&painted(&png(), ""), from, to);
+    told(edited(r#"{"bufferView":3,"mimeType":"image/png"}"#, "{}"), "neither in the file nor beside it");
+    told(edited(r#""bufferView":3,"mimeType":"image/png""#, r#""uri":"nowhere.png""#), "nowhere.png");
+    told(edited(r#""TEXCOORD_0":2"#, r#""TEXCOORD_0":0"#), "wrong kind of numbers");
+    let far = r#","extensions":{"KHR_texture_transform":{"scale":[1e38,1e38],"offset":[3e38,3e38]}}"#;
+    told(painted(&png(), far), "not finite");
+    // Without a word of what kind it is, it is what its first bytes say.
+    let raw = parse(Files::Disk, Path::new("a.glb"), &edited(r#","mimeType":"image/png""#, "")).unwrap();
+    assert!(raw.mesh.paint.is_some() && raw.notes.is_empty());
+}
+
+/// Small files may hold large pictures.
+#[cfg(feature = "textures")]
+#[test]
+fn pictures_take_no_more_than_there_is_room_for() {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let large = image::GrayImage::new(4096, 4096);
+    large.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+    let raw = parse(Files::Disk, Path::new("a.glb"), &painted(&bytes.into_inner(), "")).unwrap();
+    assert!(raw.notes.is_empty(), "{:?}", raw.notes);
+    let base = &raw.mesh.paint.unwrap().coats[0].base;
+    assert_eq!([base.width, base.height], [2048; 2]);
 }

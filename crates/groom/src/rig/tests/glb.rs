@@ -161,6 +161,15 @@ pub fn arm() -> (Glb, Parts) {
     (glb, Parts { joints, weights, inverse, sparse, bend })
 }
 
+/// The GLB file with another text in place of one in its JSON.
+#[cfg(feature = "textures")]
+pub fn edited(file: &[u8], from: &str, to: &str) -> Vec<u8> {
+    let length = u32::from_le_bytes(file[12..16].try_into().unwrap()) as usize;
+    let json = std::str::from_utf8(&file[20..20 + length]).unwrap();
+    assert!(json.contains(from), "{from}");
+    pack(json.replace(from, to).trim_end().as_bytes().to_vec(), file[28 + length..].to_vec())
+}
+
 /// A GLB file of its two chunks.
 pub fn pack(mut json: Vec<u8>, mut bin: Vec<u8>) -> Vec<u8> {
     json.resize(json.len().next_multiple_of(4), b' ');

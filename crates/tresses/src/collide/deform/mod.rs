@@ -28,7 +28,10 @@
 //! surface. Skin that folds within two nodes, the corners of a mouth, is smooth there. Volume and wind see the deformed
 //! surface, but not that it moves.
 
-use super::ShapeData;
+use super::{
+    ShapeData,
+    places::{JUMP, JUMP_ANGLE},
+};
 use crate::{
     Error, Pose, Result,
     constants::{BUILD_WORKGROUP, DEFORM_NODES},
@@ -276,6 +279,9 @@ impl Deformation {
             if !(pose.translation.is_finite() && pose.rotation.is_normalized()) {
                 return Err(Error::Colliders("the pose of a field that deforms is not finite".into()));
             }
+            // As colliders that jump push nothing on their way.
+            let jump = part.rotation.angle_between(pose.rotation) > JUMP_ANGLE;
+            self.fresh |= jump || part.translation.distance(pose.translation) > JUMP;
             (part.rotation, part.translation) = (pose.rotation, pose.translation);
         }
         if steps {
@@ -287,6 +293,16 @@ impl Deformation {
         let known = [bytemuck::bytes_of(&self.head), bytemuck::cast_slice(&self.parts)].concat();
         queue.write_buffer(&self.buffer, 0, &known);
         Ok(self.head.side)
+    }
+
+    /// The half of the texture that is this frame's.
+    pub(super) fn side(&self) -> u32 {
+        self.head.side
+    }
+
+    /// Nobody has seen how the skin went on: the next frame has it where it is, without a speed.
+    pub(crate) fn forget(&mut self) {
+        self.fresh = true;
     }
 
     /// Records both kernels: after the skin has been bent, before the frame's first step.

@@ -74,6 +74,21 @@ impl File<'_> {
         Ok(bytes.chunks(stride).map(|item| vector(item, kind, shares)).collect())
     }
 
+    /// Pairs: floats, or integers as `KHR_mesh_quantization` allows them for texture coordinates. No check of floats.
+    #[cfg(feature = "textures")]
+    pub fn spots(&self, accessor: &Accessor) -> Result<Vec<glam::Vec2>> {
+        let kind = accessor.data_type();
+        if accessor.dimensions().multiplicity() != 2 || kind == DataType::U32 {
+            return Err(self.wrong_kind(accessor));
+        }
+        let (bytes, stride) = self.data(accessor)?;
+        self.spend(accessor.count(), size_of::<glam::Vec2>())?;
+        let (size, shares) = (kind.size(), accessor.normalized());
+        let pair =
+            |item: &[u8]| glam::Vec2::from_array([0, 1].map(|i| number(&item[i * size..], kind, shares)));
+        Ok(bytes.chunks(stride).map(pair).collect())
+    }
+
     /// Four joints per vertex.
     pub fn joints(&self, accessor: &Accessor) -> Result<Vec<[u16; 4]>> {
         let kind = accessor.data_type();

@@ -1,12 +1,16 @@
 //! Pictures of materials: base colour, normals and roughness.
 //!
 //! A picture that cannot be read is none: a body is of use without. It is said ([`Painter::notes`]). Occlusion and
-//! emission are left out, and metal is painted as if it were not.
+//! emission are left out, and metal is painted as if it were not. All pictures of a material are where its base colour
+//! is, or its roughness where it has none, and repeat.
+//!
+//! A small file may name large pictures, and one picture in many materials: what all of it takes is counted before
+//! anything is decoded or copied.
 
 use std::collections::HashMap;
 
 use glam::{Mat2, Vec2};
-use gltf::{Material, Primitive, Semantic, image::Source as Place, material::AlphaMode, texture::Info};
+use gltf::{Accessor, Material, Primitive, Semantic, material::AlphaMode, texture::Info};
 use image::{ImageReader, Limits, RgbaImage, imageops};
 
 use super::file::{File, embedded, unescape};
@@ -15,11 +19,22 @@ use crate::{
     mesh::paint::{Coat, Paint, Texture, linear},
 };
 
-/// The most texels along an edge of a picture that are kept, and that are read.
-const MOST: u32 = 2048;
+/// The most texels along an edge of a picture that are read.
 const LARGEST: u32 = 16_384;
-/// The most bytes that all pictures of a file may take.
-const ROOM: usize = 512 << 20;
+/// The most bytes that pictures of a file may take, and that all that are decoded may take one after the other.
+const ROOM: u64 = 1 << 30;
+const WORK: u64 = 8 << 30;
+/// The most notes of one file.
+const NOTES: usize = 8;
+
+/// The most texels along an edge of a picture that are kept, in a file of so many materials.
+fn most(materials: usize) -> u32 {
+    match materials {
+        0..=8 => 2048,
+        9..=32 => 1024,
+        _ => 512,
+    }
+}
 
 /// Reads materials, each once.
 #[derive(Default)]
@@ -29,7 +44,9 @@ pub(super) struct Painter {
     coats: HashMap<usize, Option<u8>>,
     /// The pictures that were read, or could not be.
     pictures: HashMap<usize, Option<RgbaImage>>,
-    bytes: usize,
+    /// What is kept, and what was decoded, bytes.
+    kept: u64,
+    decoded: u64,
     notes: Vec<String>,
 }
 
@@ -50,23 +67,34 @@ impl Painter {
         let coat = known.unwrap_or_else(|| self.coat(file, &material));
         self.coats.insert(index, coat);
         let Some(coat) = coat else { return Ok(false) };
-        let places = file.numbers(&places, 2)?;
-        let places = places.as_chunks::<2>().0;
-        if places.len() != count {
-            return Err(file.problem(format!("{} texture coordinates of {count} vertices", places.len())));
+        match spots(file, &places, &guide, count) {
+            Ok(spots) => {
+                self.fill(base);
+                self.paint.places.extend(spots);
+                self.paint.of.resize(base + count, coat);
+                Ok(true)
+            }
+            Err(why) => {
+                self.note(format!("a part of it is not painted: {why}"));
+                Ok(false)
+            }
         }
-        let (turn, shift) = transform(&guide);
-        self.fill(base);
-        self.paint.places.extend(places.iter().map(|place| turn * Vec2::from(*place) + shift));
-        self.paint.of.resize(base + count, coat);
-        Ok(true)
+    }
+
+    fn note(&mut self, note: String) {
+        match self.notes.len() {
+            0..NOTES => self.notes.push(note),
+            NOTES => self.notes.push("more of its pictures are left out".into()),
+            _ => {}
+        }
     }
 
     /// The paint of a mesh of so many vertices, if any of it has some, and what could not be read.
     pub fn finish(mut self, vertices: usize) -> (Option<Paint>, Vec<String>) {
         self.fill(vertices);
-        let any = !self.paint.coats.is_empty();
-        self.paint.level(MOST);
+        let any = self.paint.of.iter().any(|of| *of != Paint::NONE);
+        // All are as large as the largest, in the room that there is.
+        self.paint.level_within(ROOM);
         (any.then_some(self.paint), self.notes)
     }
 
@@ -92,6 +120,12 @@ impl Painter {
             AlphaMode::Mask => Some(material.alpha_cutoff().unwrap_or(0.5)),
             AlphaMode::Blend => Some(0.5),
         };
+        let size = |picture: &Option<RgbaImage>| picture.as_ref().map_or(4, |all| all.as_raw().len() as u64);
+        self.kept = self.kept.saturating_add(size(&base) + size(&normal).max(size(&rough)));
+        if self.kept > ROOM {
+            self.note("its pictures take too much memory".into());
+            return None;
+        }
         let base = tinted(base, pbr.base_color_factor());
         let relief = relief(normal, scale, rough, pbr.roughness_factor());
         self.paint.coats.push(Coat { base, relief, cutout });
@@ -100,23 +134,49 @@ impl Painter {
 
     /// A picture, or nothing, which is noted once.
     fn picture(&mut self, file: &File, texture: &gltf::Texture) -> Option<RgbaImage> {
-        let image = texture.source();
-        if let Some(known) = self.pictures.get(&image.index()) {
+        let index = texture.source().index();
+        if let Some(known) = self.pictures.get(&index) {
             return known.clone();
         }
-        let read = decode(file, &image).and_then(|picture| {
-            self.bytes = self.bytes.saturating_add(picture.as_raw().len());
-            if self.bytes > ROOM { Err("the file has too many".to_owned()) } else { Ok(picture) }
-        });
-        let picture = match read {
+        let picture = match self.decode(file, index) {
             Ok(picture) => Some(picture),
             Err(why) => {
-                self.notes.push(format!("picture {} of its materials is left out: {why}", image.index()));
+                self.note(format!("picture {index} of its materials is left out: {why}"));
                 None
             }
         };
-        self.pictures.insert(image.index(), picture.clone());
+        self.pictures.insert(index, picture.clone());
         picture
+    }
+
+    /// The picture of an image, not larger than is kept.
+    fn decode(&mut self, file: &File, index: usize) -> std::result::Result<RgbaImage, String> {
+        let bytes = bytes(file, index)?;
+        let reader = || {
+            let reader = ImageReader::new(std::io::Cursor::new(&*bytes)).with_guessed_format();
+            reader.map_err(|error| error.to_string())
+        };
+        let (width, height) = reader()?.into_dimensions().map_err(|error| error.to_string())?;
+        if width.min(height) == 0 || width.max(height) > LARGEST {
+            return Err(format!("it is {width} × {height} texels, but from 1 to {LARGEST} are read"));
+        }
+        let most = most(file.document.materials().len());
+        let scale =
+            |n: u32| (u64::from(n) * u64::from(most) / u64::from(width.max(height).max(most))).max(1) as u32;
+        let (small, low) = (scale(width), scale(height));
+        // 16 bits a channel at most before it is brought to 8.
+        self.decoded = self.decoded.saturating_add(8 * u64::from(width) * u64::from(height));
+        self.kept = self.kept.saturating_add(4 * u64::from(small) * u64::from(low));
+        if self.decoded > WORK || self.kept > ROOM {
+            return Err("the file's pictures take too much memory".into());
+        }
+        let mut reader = reader()?;
+        reader.limits(Limits::default());
+        let picture = reader.decode().map_err(|error| error.to_string())?.into_rgba8();
+        match picture.dimensions() == (small, low) {
+            true => Ok(picture),
+            false => Ok(imageops::resize(&picture, small, low, imageops::FilterType::Triangle)),
+        }
     }
 }
 
@@ -136,36 +196,40 @@ fn transform(info: &Info) -> (Mat2, Vec2) {
     (turn, Vec2::from(transform.offset()))
 }
 
-/// The picture of an image.
-fn decode(file: &File, image: &gltf::Image) -> std::result::Result<RgbaImage, String> {
-    let bytes = match image.source() {
-        Place::View { view, .. } => {
-            let buffer = file.buffers.get(view.buffer().index()).ok_or("its buffer does not exist")?;
-            let end = view.offset().checked_add(view.length());
-            let bytes = end.and_then(|end| buffer.get(view.offset()..end));
-            std::borrow::Cow::Borrowed(bytes.ok_or("it does not fit its buffer")?)
-        }
-        Place::Uri { uri, .. } if !uri.contains(':') => {
-            file.companion(&unescape(uri)).map_err(|error| error.to_string())?
-        }
-        Place::Uri { uri, .. } => std::borrow::Cow::Owned(embedded(uri)?),
-    };
-    let mut reader = ImageReader::new(std::io::Cursor::new(&*bytes));
-    let mut limits = Limits::default();
-    (limits.max_image_width, limits.max_image_height) = (Some(LARGEST), Some(LARGEST));
-    reader.limits(limits);
-    let reader = reader.with_guessed_format().map_err(|error| error.to_string())?;
-    let picture = reader.decode().map_err(|error| error.to_string())?.into_rgba8();
-    let (width, height) = picture.dimensions();
-    if width == 0 || height == 0 {
-        return Err("it has no texels".into());
+/// The bytes of an image: the crate asks for what a file may lack.
+fn bytes<'a>(file: &'a File<'_>, index: usize) -> std::result::Result<std::borrow::Cow<'a, [u8]>, String> {
+    let image = file.document.as_json().images.get(index).ok_or("it does not exist")?;
+    if let Some(uri) = &image.uri {
+        return match uri.contains(':') {
+            true => embedded(uri).map(std::borrow::Cow::Owned),
+            false => file.companion(&unescape(uri)).map_err(|error| error.to_string()),
+        };
     }
-    let most = width.max(height);
-    if most <= MOST {
-        return Ok(picture);
+    let view = image.buffer_view.as_ref().and_then(|view| file.document.views().nth(view.value()));
+    let view = view.ok_or("it is neither in the file nor beside it")?;
+    let buffer = file.buffers.get(view.buffer().index()).ok_or("its buffer does not exist")?;
+    let end = view.offset().checked_add(view.length());
+    let bytes = end.and_then(|end| buffer.get(view.offset()..end));
+    Ok(std::borrow::Cow::Borrowed(bytes.ok_or("it does not fit its buffer")?))
+}
+
+/// Where `count` vertices are in the pictures.
+fn spots(
+    file: &File,
+    places: &Accessor,
+    guide: &Info,
+    count: usize,
+) -> std::result::Result<Vec<Vec2>, String> {
+    let places = file.spots(places).map_err(|error| error.to_string())?;
+    if places.len() != count {
+        return Err(format!("{} texture coordinates of {count} vertices", places.len()));
     }
-    let smaller = |n: u32| (u64::from(n) * u64::from(MOST) / u64::from(most)).max(1) as u32;
-    Ok(imageops::resize(&picture, smaller(width), smaller(height), imageops::FilterType::Triangle))
+    let (turn, shift) = transform(guide);
+    let spots: Vec<_> = places.into_iter().map(|place| turn * place + shift).collect();
+    match spots.iter().all(|spot| spot.is_finite()) {
+        true => Ok(spots),
+        false => Err("its texture coordinates are not finite".into()),
+    }
 }
 
 fn texture(picture: RgbaImage) -> Texture {
