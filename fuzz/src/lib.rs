@@ -159,6 +159,44 @@ pub fn body() -> Vec<u8> {
     glb::body(&tetrahedron(), None).expect("a body is written")
 }
 
+/// A PNG of two texels.
+const PNG: [u8; 74] = [
+    137, 80, 78, 71, 13, 10, 26, 10, 0, 0, 0, 13, 73, 72, 68, 82, 0, 0, 0, 2, 0, 0, 0, 1, 8, 6, 0, 0, 0, 244,
+    34, 127, 138, 0, 0, 0, 17, 73, 68, 65, 84, 120, 156, 99, 248, 207, 192, 208, 240, 255, 255, 255, 255, 0,
+    20, 119, 5, 124, 33, 57, 115, 50, 0, 0, 0, 0, 73, 69, 78, 68, 174, 66, 96, 130,
+];
+
+/// A triangle as a file, whose material has a picture for its colour and for its normals.
+pub fn painted() -> Vec<u8> {
+    let json = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+"images":[{"bufferView":3,"mimeType":"image/png"}],"textures":[{"source":0}],
+"materials":[{"alphaMode":"MASK","alphaCutoff":0.25,"normalTexture":{"index":0,"scale":0.5},
+"pbrMetallicRoughness":{"baseColorFactor":[1,0.5,1,1],"roughnessFactor":0.5,"baseColorTexture":{"index":0,
+"extensions":{"KHR_texture_transform":{"offset":[0.5,0],"scale":[2,1],"rotation":0.3}}}}}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":2},"indices":1,"material":0}]}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},
+{"bufferView":1,"componentType":5123,"count":3,"type":"SCALAR"},
+{"bufferView":2,"componentType":5126,"count":3,"type":"VEC2"}],
+"bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":6},
+{"buffer":0,"byteOffset":44,"byteLength":24},{"buffer":0,"byteOffset":68,"byteLength":74}],
+"buffers":[{"byteLength":144}]}"#;
+    let floats = |values: &[f32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
+    let mut bin = floats(&[0., 0., 0., 1., 0., 0., 0., 1., 0.]);
+    bin.extend([0u16, 1, 2, 0].iter().flat_map(|v| v.to_le_bytes()));
+    bin.extend(floats(&[0.25, 0.5, 0.75, 0.5, -0.75, 7.5]));
+    bin.extend(PNG);
+    let mut json = json.as_bytes().to_vec();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    bin.resize(bin.len().next_multiple_of(4), 0);
+    let mut out = b"glTF".to_vec();
+    let total = 12 + 8 + json.len() + 8 + bin.len();
+    out.extend([2, total as u32, json.len() as u32, 0x4E4F_534A].iter().flat_map(|v: &u32| v.to_le_bytes()));
+    out.extend(&json);
+    out.extend([bin.len() as u32, 0x004E_4942].iter().flat_map(|v: &u32| v.to_le_bytes()));
+    out.extend(&bin);
+    out
+}
+
 fn tetrahedron() -> TriMesh {
     let positions = vec![Vec3::ZERO, Vec3::X * 0.1, Vec3::Y * 0.1, Vec3::Z * 0.1];
     let normals = vec![Vec3::NEG_ONE.normalize(), Vec3::X, Vec3::Y, Vec3::Z];

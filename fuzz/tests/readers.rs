@@ -3,8 +3,12 @@
 use std::time::{Duration, Instant};
 
 use bolero::check;
-use tresses_fuzz::{Edit, asset, body, cooked, damaged, groom, mesh, packed, sealed, written};
-use tresses_groom::{error::Result, export::Format};
+use tresses_fuzz::{Edit, asset, body, cooked, damaged, groom, mesh, packed, painted, sealed, written};
+use tresses_groom::{
+    error::Result,
+    export::Format,
+    import::{ImportOptions, read_given_body},
+};
 
 /// A file of some kilobytes that takes longer is an attack, not a file.
 const SOON: Duration = Duration::from_secs(20);
@@ -59,6 +63,13 @@ fn usd_text() {
 #[test]
 fn glb() {
     survives("a.glb", &body(), mesh);
+}
+
+#[test]
+fn painted_glb() {
+    let read = read_given_body(&[("a.glb".into(), painted().into())], &ImportOptions::default());
+    assert!(read.expect("it is whole").mesh.paint.is_some(), "it has its picture");
+    survives("a.glb", &painted(), mesh);
 }
 
 #[test]
