@@ -32,6 +32,7 @@ pub mod range;
 pub mod restyle;
 pub mod rig;
 pub mod sdf;
+pub mod srgb;
 pub mod strands;
 pub mod styles;
 

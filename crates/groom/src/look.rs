@@ -1,6 +1,6 @@
 //! What hair of a file looks like, as far as files say.
 
-use crate::{Error, Result};
+use crate::{Result, range, range::Range};
 
 /// A fibre and its pigment, as the physical models of hair have them (Marschner 2003, d'Eon 2011, Chiang 2016).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,25 +27,29 @@ impl Default for Look {
 }
 
 impl Look {
-    /// Whether all of it is within what the fields say.
+    /// The range of [`eumelanin`](Self::eumelanin).
+    pub const EUMELANIN: Range = range!("eumelanin", 0.0 to 100.0);
+    /// The range of [`pheomelanin`](Self::pheomelanin).
+    pub const PHEOMELANIN: Range = range!("pheomelanin", 0.0 to 100.0);
+    /// The range of both roughnesses.
+    pub const ROUGHNESS: Range = range!("roughness", 0.1 to 1.0);
+    /// The range of [`tilt`](Self::tilt); usual is up to 10 degrees.
+    pub const TILT: Range =
+        range!("tilt of the scales", -0.2 to 0.2, "radians"; usually -0.174_532_925_2 to 0.174_532_925_2);
+    /// The range of [`ior`](Self::ior).
+    pub const IOR: Range = range!("index of refraction", 1.05 to 2.5);
+
+    /// Whether all of it is within its range.
     ///
     /// # Errors
-    /// [`Error::Unusable`] for the first that is not.
+    /// [`crate::Error::Parameter`] for the first that is not.
     pub fn check(&self) -> Result<()> {
         let [along, around] = self.roughness;
-        for (name, value, range) in [
-            ("eumelanin", self.eumelanin, 0.0..=100.0),
-            ("pheomelanin", self.pheomelanin, 0.0..=100.0),
-            ("longitudinalRoughness", along, 0.1..=1.0),
-            ("azimuthalRoughness", around, 0.1..=1.0),
-            ("cuticleTilt", self.tilt, -0.2..=0.2),
-            ("ior", self.ior, 1.05..=2.5),
-        ] {
-            if !range.contains(&value) {
-                let (least, most) = (range.start(), range.end());
-                return Err(Error::Unusable(format!("{name} is {value}, but from {least} to {most}")));
-            }
-        }
-        Ok(())
+        Self::EUMELANIN.check(self.eumelanin)?;
+        Self::PHEOMELANIN.check(self.pheomelanin)?;
+        Self::ROUGHNESS.check(along)?;
+        Self::ROUGHNESS.check(around)?;
+        Self::TILT.check(self.tilt)?;
+        Self::IOR.check(self.ior)
     }
 }

@@ -254,12 +254,9 @@ impl Colliders {
 
     /// The fields of the parts of a body, where they are known.
     pub fn parts(&self) -> impl Iterator<Item = Option<&SdfGrid>> {
-        self.parts.iter().map(|slot| match slot {
-            Slot::Field(field) => match &self.fields[*field] {
-                Field::Grid(grid) => Some(grid),
-                Field::Mesh(..) => None,
-            },
-            Slot::Capsule(_) => None,
+        self.part_fields().map(|field| match &self.fields[field?.0 as usize] {
+            Field::Grid(grid) => Some(grid),
+            Field::Mesh(..) => None,
         })
     }
 

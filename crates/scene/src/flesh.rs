@@ -4,7 +4,7 @@
 //! field deforms ([`tresses::collide::deform`]). Fields of neighbours overlap where they meet, so the skin of a part is
 //! taken [`BEYOND`] farther than the part itself, along the surface: an arm that hangs beside a chest is none of its skin.
 
-use crate::living::{Anatomy, PartForm, by_node, goes_with, holder};
+use crate::living::{Anatomy, PartForm, by_node, owners};
 use tresses::{
     collide::{
         FieldId,
@@ -25,12 +25,8 @@ impl Flesh {
     pub fn new(anatomy: &Anatomy, mesh: &TriMesh, has_head: bool) -> Self {
         let rig = &anatomy.rig;
         let head = anatomy.head.node;
-        let on_head: Vec<bool> = (0..rig.nodes.len() as u32).map(|node| goes_with(rig, node, head)).collect();
-        let of: Vec<u32> = rig.vertices.iter().map(|vertex| holder(rig, vertex)).collect();
-        let of = |vertex: u32| match of[vertex as usize] {
-            node if on_head[node as usize] => head,
-            node => node,
-        };
+        let owners = owners(rig, head);
+        let of = |vertex: u32| owners[vertex as usize];
         let mut shaped = vec![false; rig.vertices.len()];
         for delta in rig.targets.iter().flat_map(|target| &target.deltas) {
             shaped[delta.vertex as usize] = true;

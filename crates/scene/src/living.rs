@@ -121,13 +121,8 @@ impl Anatomy {
         }
         let head = votes.into_iter().max_by_key(|(node, votes)| (*votes, u32::MAX - node));
         let head = head.context("no root lies on the body")?.0;
-        // Eyes and jaws go with the head.
-        let on_head: Vec<bool> =
-            (0..rig.nodes.len() as u32).map(|node| goes_with(&rig, node, head)).collect();
-        let of = |vertex: u32| match holder[vertex as usize] {
-            node if on_head[node as usize] => head,
-            node => node,
-        };
+        let owners = owners(&rig, head);
+        let of = |vertex: u32| owners[vertex as usize];
         let triangles = by_node(mesh, of);
         let reach = strands.iter().map(|strand| strand.windows(2).map(|w| w[0].distance(w[1])).sum::<f32>());
         let reach = reach.fold(0.0f32, f32::max) + 0.05;
@@ -147,7 +142,7 @@ impl Anatomy {
         let (mut fields, mut capsules) = (0, 0);
         for (far, triangles, part) in &mut parts {
             let is_own = |vertex: u32| of(vertex) == part.node;
-            part.vertices = (0..holder.len() as u32).filter(|vertex| is_own(*vertex)).count();
+            part.vertices = (0..owners.len() as u32).filter(|vertex| is_own(*vertex)).count();
             part.fitted = limbs::fit(mesh, triangles, is_own);
             let is_worth = triangles.len() >= LEAST;
             if is_worth && *far < reach && fields < MOST_PARTS {
@@ -276,9 +271,16 @@ pub(crate) fn by_node(mesh: &TriMesh, of: impl Fn(u32) -> u32) -> HashMap<u32, V
 }
 
 /// The node that carries most of a vertex.
-pub(crate) fn holder(rig: &Rig, vertex: &tresses::groom::rig::Bind) -> u32 {
+fn holder(rig: &Rig, vertex: &tresses::groom::rig::Bind) -> u32 {
     let most = (0..vertex.weights.len()).max_by(|a, b| vertex.weights[*a].total_cmp(&vertex.weights[*b]));
     most.and_then(|i| rig.joints.get(usize::from(vertex.joints[i]))).map_or(0, |joint| joint.node)
+}
+
+/// The node that carries most of each vertex; eyes and jaws go with the head.
+pub(crate) fn owners(rig: &Rig, head: u32) -> Vec<u32> {
+    let on_head: Vec<bool> = (0..rig.nodes.len() as u32).map(|node| goes_with(rig, node, head)).collect();
+    let owner = |node: u32| if on_head[node as usize] { head } else { node };
+    rig.vertices.iter().map(|vertex| owner(holder(rig, vertex))).collect()
 }
 
 /// What turns when the head does: its own node, and before that a neck's, if it hangs from one.
@@ -291,7 +293,7 @@ fn turns(rig: &Rig, head: u32) -> Vec<(u32, f32)> {
 }
 
 /// Whether `node` is `head` or below it.
-pub(crate) fn goes_with(rig: &Rig, node: u32, head: u32) -> bool {
+fn goes_with(rig: &Rig, node: u32, head: u32) -> bool {
     let mut at = Some(node);
     while let Some(node) = at {
         if node == head {

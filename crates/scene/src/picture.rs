@@ -6,7 +6,8 @@ mod animation;
 pub use animation::{Animation, Format};
 
 use anyhow::Result;
-use tresses::light::material::linear;
+pub use tresses::groom::srgb::encoded;
+use tresses::groom::srgb::linear;
 
 /// Pixels from top left, row by row, sRGB.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,11 +65,6 @@ fn straight([r, g, b, a]: [u8; 4]) -> [u8; 4] {
         (255.0 * encoded(light.min(1.0)) + 0.5) as u8
     };
     if a == 0 { [0; 4] } else { [divided(r), divided(g), divided(b), a] }
-}
-
-/// What the sRGB curve makes of `light`, both from 0 to 1.
-pub fn encoded(light: f32) -> f32 {
-    if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! What the surface of a mesh is painted with: pictures of its materials, and where each vertex is in them.
 
+use crate::srgb::linear;
 use glam::{Vec2, Vec3};
 
 /// The pictures of a mesh's materials.
@@ -93,34 +94,27 @@ impl Paint {
             && self.coats.len() <= usize::from(Self::NONE)
     }
 
-    /// Brings all base pictures to one size, and all reliefs: that of the largest, at most `most` texels along an edge.
+    /// Brings all base pictures to one size, and all reliefs: that of the largest, or less, so that all of them fit into
+    /// so many bytes.
     #[cfg(feature = "textures")]
-    pub fn level(&mut self, most: u32) {
-        for picture in PICTURES {
-            let size = self.largest(picture).map(|n| n.min(most));
+    pub fn level(&mut self, bytes: u64) {
+        let largest = PICTURES.map(|picture| self.largest(picture));
+        let takes = |most: u32| {
+            let one = largest.map(|size| 4 * size.map(|n| u64::from(n.min(most))).iter().product::<u64>());
+            self.coats.len() as u64 * one.iter().sum::<u64>()
+        };
+        let mut most = 1 << 15;
+        while most > 1 && takes(most) > bytes {
+            most /= 2;
+        }
+        for (picture, size) in PICTURES.into_iter().zip(largest) {
+            let size = size.map(|n| n.min(most));
             for coat in &mut self.coats {
                 if [picture(coat).width, picture(coat).height] != size {
                     *picture(coat) = picture(coat).resized(size);
                 }
             }
         }
-    }
-
-    /// The same, as large as fits into so many bytes.
-    #[cfg(feature = "textures")]
-    pub fn level_within(&mut self, bytes: u64) {
-        let mut most = 1 << 15;
-        let takes = |paint: &mut Self, most: u32| {
-            let one = PICTURES.map(|picture| {
-                let [width, height] = paint.largest(picture).map(|n| u64::from(n.min(most)));
-                4 * width * height
-            });
-            paint.coats.len() as u64 * one.iter().sum::<u64>()
-        };
-        while most > 1 && takes(self, most) > bytes {
-            most /= 2;
-        }
-        self.level(most);
     }
 
     #[cfg(feature = "textures")]
@@ -133,7 +127,7 @@ impl Paint {
     pub fn color(&self, vertex: usize) -> Option<Vec3> {
         let coat = self.coats.get(usize::from(*self.of.get(vertex)?))?;
         let [r, g, b, _] = coat.base.texel(self.places[vertex])?;
-        Some(Vec3::from([r, g, b].map(linear)))
+        Some(Vec3::from([r, g, b].map(|byte| linear(f32::from(byte) / 255.0))))
     }
 
     /// That of a mesh of `vertices`, and behind it that of another of `more`.
@@ -180,12 +174,6 @@ pub(super) mod shared {
     }
 }
 
-/// A byte by sRGB's curve (IEC 61966-2-1), linear.
-pub fn linear(byte: u8) -> f32 {
-    let v = f32::from(byte) / 255.0;
-    if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -199,7 +187,7 @@ mod tests {
             cutout: None,
         };
         let mut paint = Paint { coats: vec![coat(2), coat(8), coat(64)], ..Default::default() };
-        paint.level_within(3 * (4 * 16 * 16 + 4));
+        paint.level(3 * (4 * 16 * 16 + 4));
         for (coat, was) in paint.coats.iter().zip([2, 8, 64]) {
             assert!(coat.base.is_whole() && [coat.base.width, coat.base.height] == [16; 2]);
             assert!(coat.base.rgba.chunks(4).all(|t| t == [was, 0, 0, 255]));

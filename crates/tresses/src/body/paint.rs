@@ -7,9 +7,9 @@ use crate::{
         Binding,
         bindings::{self, group},
     },
-    groom::mesh::{
-        Paint,
-        paint::{Texture, linear},
+    groom::{
+        mesh::{Paint, paint::Texture},
+        srgb::linear,
     },
 };
 use bytemuck::{Pod, Zeroable};
@@ -174,7 +174,7 @@ fn layers(
 fn half(picture: &Texture, is_srgb: bool) -> Texture {
     let [width, height] = [picture.width, picture.height].map(|n| (n / 2).max(1));
     let table: [f32; 256] = std::array::from_fn(|byte| match is_srgb {
-        true => linear(byte as u8),
+        true => linear(byte as f32 / 255.0),
         false => byte as f32 / 255.0,
     });
     // The nearest byte: the curve rises.

@@ -131,10 +131,7 @@ pub struct HairMaterial {
     pub fiber: FiberMaterial,
 }
 
-/// A value of sRGB, 0 to 1, made linear.
-pub fn linear(v: f32) -> f32 {
-    if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
-}
+pub use crate::groom::srgb::linear;
 
 /// An sRGB colour from the usual six hexadecimal digits, made linear.
 pub fn srgb(rgb: u32) -> Vec3 {

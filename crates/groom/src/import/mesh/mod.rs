@@ -85,7 +85,7 @@ pub(super) fn read_from<P: AsRef<Path>>(files: Files<'_>, paths: &[P]) -> Result
     #[cfg(feature = "textures")]
     if let Some(paint) = all.as_mut().and_then(|all| all.mesh.paint.as_mut()) {
         // Pictures of several files have one size, too.
-        Arc::make_mut(paint).level_within(ROOM);
+        Arc::make_mut(paint).level(ROOM);
     }
     all.ok_or_else(|| Error::Unusable("no head mesh is given".into()))
 }

@@ -5,7 +5,7 @@
 //! offset across the fibre and the refraction are those of the eye's ray. Angles: θ is the inclination
 //! towards the tip, φ the azimuth of the light about the fibre, measured from the eye's.
 
-use crate::{groom::range, range::Range};
+use crate::{groom::Look, range::Range};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
@@ -34,12 +34,11 @@ impl Default for FiberShape {
 
 impl FiberShape {
     /// The range of both roughnesses.
-    pub const ROUGHNESS: Range = range!("roughness", 0.1 to 1.0);
+    pub const ROUGHNESS: Range = Look::ROUGHNESS;
     /// The range of [`tilt`](Self::tilt); usual is up to 10 degrees.
-    pub const TILT: Range =
-        range!("tilt of the scales", -0.2 to 0.2, "radians"; usually -0.174_532_925_2 to 0.174_532_925_2);
+    pub const TILT: Range = Look::TILT;
     /// The range of [`eta`](Self::eta).
-    pub const ETA: Range = range!("index of refraction", 1.05 to 2.5);
+    pub const ETA: Range = Look::IOR;
 
     /// Within what the tables can resolve.
     pub fn clamped(&self) -> Self {

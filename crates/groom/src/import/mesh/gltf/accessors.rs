@@ -62,31 +62,21 @@ impl File<'_> {
     }
 
     /// Vectors: floats, or integers as `KHR_mesh_quantization` allows them, shares or as they are. No check of floats.
-    pub fn places(&self, accessor: &Accessor) -> Result<Vec<Vec3>> {
+    pub fn vectors<const N: usize>(&self, accessor: &Accessor) -> Result<Vec<[f32; N]>> {
         let kind = accessor.data_type();
-        if accessor.dimensions().multiplicity() != 3 || kind == DataType::U32 {
+        if accessor.dimensions().multiplicity() != N || kind == DataType::U32 {
             self.data(accessor)?;
             return Err(self.wrong_kind(accessor));
         }
         let (bytes, stride) = self.data(accessor)?;
-        self.spend(accessor.count(), size_of::<Vec3>())?;
+        self.spend(accessor.count(), size_of::<[f32; N]>())?;
         let shares = accessor.normalized();
         Ok(bytes.chunks(stride).map(|item| vector(item, kind, shares)).collect())
     }
 
-    /// Pairs: floats, or integers as `KHR_mesh_quantization` allows them for texture coordinates. No check of floats.
-    #[cfg(feature = "textures")]
-    pub fn spots(&self, accessor: &Accessor) -> Result<Vec<glam::Vec2>> {
-        let kind = accessor.data_type();
-        if accessor.dimensions().multiplicity() != 2 || kind == DataType::U32 {
-            return Err(self.wrong_kind(accessor));
-        }
-        let (bytes, stride) = self.data(accessor)?;
-        self.spend(accessor.count(), size_of::<glam::Vec2>())?;
-        let (size, shares) = (kind.size(), accessor.normalized());
-        let pair =
-            |item: &[u8]| glam::Vec2::from_array([0, 1].map(|i| number(&item[i * size..], kind, shares)));
-        Ok(bytes.chunks(stride).map(pair).collect())
+    /// [`Self::vectors`] that are places or directions.
+    pub fn places(&self, accessor: &Accessor) -> Result<Vec<Vec3>> {
+        Ok(self.vectors(accessor)?.into_iter().map(Vec3::from_array).collect())
     }
 
     /// Four joints per vertex.
@@ -112,7 +102,7 @@ impl File<'_> {
         if kind == DataType::U32 || accessor.dimensions().multiplicity() != 3 {
             return Err(self.wrong_kind(accessor));
         }
-        let vector = |item: &[u8]| vector(item, kind, accessor.normalized());
+        let vector = |item: &[u8]| Vec3::from_array(vector(item, kind, accessor.normalized()));
         if accessor.count() != count {
             let have = accessor.count();
             return Err(
@@ -155,7 +145,8 @@ impl File<'_> {
         self.spend(n, size_of::<(u32, Vec3)>())?;
         let dense = !given.is_empty();
         let mut least = 0u64;
-        let values = to.chunks_exact(wide).map(|item| vector(item, kind, accessor.normalized()));
+        let values =
+            to.chunks_exact(wide).map(|item| Vec3::from_array(vector(item, kind, accessor.normalized())));
         for (b, value) in at.chunks_exact(size).zip(values) {
             let vertex = match indices.index_type() {
                 IndexType::U8 => u32::from(b[0]),
@@ -238,7 +229,7 @@ fn number(b: &[u8], kind: DataType, shares: bool) -> f32 {
     if shares { (value / most).max(-1.0) } else { value }
 }
 
-/// Three of them, one after the other.
-fn vector(item: &[u8], kind: DataType, shares: bool) -> Vec3 {
-    Vec3::from_array([0, 1, 2].map(|i| number(&item[i * kind.size()..], kind, shares)))
+/// Some of them, one after the other.
+fn vector<const N: usize>(item: &[u8], kind: DataType, shares: bool) -> [f32; N] {
+    std::array::from_fn(|i| number(&item[i * kind.size()..], kind, shares))
 }

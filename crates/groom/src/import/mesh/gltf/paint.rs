@@ -16,7 +16,8 @@ use image::{ImageReader, Limits, RgbaImage, imageops};
 use super::file::{File, embedded, unescape};
 use crate::{
     error::Result,
-    mesh::paint::{Coat, Paint, Texture, linear},
+    mesh::paint::{Coat, Paint, Texture},
+    srgb::{encoded, linear},
 };
 
 /// The most texels along an edge of a picture that are read.
@@ -94,7 +95,7 @@ impl Painter {
         self.fill(vertices);
         let any = self.paint.of.iter().any(|of| *of != Paint::NONE);
         // All are as large as the largest, in the room that there is.
-        self.paint.level_within(ROOM);
+        self.paint.level(ROOM);
         (any.then_some(self.paint), self.notes)
     }
 
@@ -220,12 +221,12 @@ fn spots(
     guide: &Info,
     count: usize,
 ) -> std::result::Result<Vec<Vec2>, String> {
-    let places = file.spots(places).map_err(|error| error.to_string())?;
+    let places = file.vectors(places).map_err(|error| error.to_string())?;
     if places.len() != count {
         return Err(format!("{} texture coordinates of {count} vertices", places.len()));
     }
     let (turn, shift) = transform(guide);
-    let spots: Vec<_> = places.into_iter().map(|place| turn * place + shift).collect();
+    let spots: Vec<_> = places.into_iter().map(|place| turn * Vec2::from_array(place) + shift).collect();
     match spots.iter().all(|spot| spot.is_finite()) {
         true => Ok(spots),
         false => Err("its texture coordinates are not finite".into()),
@@ -243,7 +244,10 @@ fn tinted(picture: Option<RgbaImage>, [r, g, b, a]: [f32; 4]) -> Texture {
     if [r, g, b, a] != [1.0; 4] {
         let table = |factor: f32, is_color: bool| -> Vec<u8> {
             let one = |byte: u8| match is_color {
-                true => encoded(linear(byte) * factor),
+                true => {
+                    let light = linear(f32::from(byte) / 255.0) * factor;
+                    (255.0 * encoded(light.clamp(0.0, 1.0)) + 0.5) as u8
+                }
                 false => (f32::from(byte) * factor).clamp(0.0, 255.0) as u8,
             };
             (0..=255).map(one).collect()
@@ -254,13 +258,6 @@ fn tinted(picture: Option<RgbaImage>, [r, g, b, a]: [f32; 4]) -> Texture {
         }
     }
     texture
-}
-
-/// Linear light as a byte by sRGB's curve; the inverse of [`linear`].
-fn encoded(light: f32) -> u8 {
-    let v = light.clamp(0.0, 1.0);
-    let v = if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
-    (255.0 * v + 0.5) as u8
 }
 
 /// Normals and roughness in one picture, as [`Coat::relief`] has them.
