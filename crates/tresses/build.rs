@@ -22,9 +22,12 @@ fn main() {
     let mut varied = String::from("const VARIED: &[(&str, &str, &str, &[u32])] = &[\n");
     for file in shaders(Path::new("src")) {
         let text = fs::read_to_string(&file).expect("a shader is readable");
-        if !["@compute", "@vertex", "@fragment"].iter().any(|e| text.contains(e)) {
+        // Others' shaders call what is in this one.
+        let outside = file.ends_with("outside.wesl");
+        if !outside && !["@compute", "@vertex", "@fragment"].iter().any(|e| text.contains(e)) {
             continue;
         }
+        compiler.options.keep_main = outside;
         let module = file
             .strip_prefix("src")
             .expect("found below src")

@@ -16,7 +16,7 @@ use crate::{
     collide::ColliderPoses,
     draw::{Embed, Surroundings, record::Canvas},
     gpu::{Timings, kernel},
-    light::{self, HairSet, Part, Seen, Shaded, ShadingRate},
+    light::{self, HairSet, Part, SceneShadow, Seen, Shaded, ShadingRate},
     simulate::SimulationParams,
     skinning::Skinning,
     space::{Map, Space},
@@ -245,7 +245,8 @@ impl Recorder<'_> {
         self.picture(strands, &[], bodies, sight)
     }
 
-    /// Only the light of a picture, for those who ask it: the shadow maps and light from all sides.
+    /// Only the light of a picture, for those who ask it: the shadow maps, with those of a `scene`, and light from all
+    /// sides.
     ///
     /// # Errors
     /// As [`record`](Self::record).
@@ -255,6 +256,7 @@ impl Recorder<'_> {
         bodies: &[&Body],
         view: &View,
         picture: &Picture,
+        scene: &[SceneShadow<'_>],
     ) -> Result<()> {
         let parts = view.parts(picture.focus, [strands.len(), bodies.len()], true);
         let shares = self.shares(view, strands, &parts, picture.shading)?;
@@ -262,7 +264,7 @@ impl Recorder<'_> {
         bodies.iter().for_each(|body| body.prepare(self.queue));
         let lit = view.prepare(self.queue, picture, &seen, &parts);
         view.made(&parts);
-        self.cast(&parts, &lit, &seen, bodies)
+        self.cast(&parts, &lit, &seen, bodies, (&picture.lights, scene))
     }
 
     /// The order of the stages that make a picture.
@@ -274,7 +276,11 @@ impl Recorder<'_> {
         sight: Sight<'_>,
     ) -> Result<()> {
         let Sight { view, picture, output, mut shows, asks } = sight;
-        let again = matches!(shows, Shows::Again);
+        let again = matches!(shows, Shows::Again | Shows::Over(_, Surroundings { lit: true, .. }));
+        let over = match &shows {
+            Shows::Over(embed, into) => Some((*embed, *into)),
+            _ => None,
+        };
         let inside = match &mut shows {
             Shows::Inside(views, shown) => Some((&mut **views, *shown)),
             _ => None,
@@ -292,7 +298,8 @@ impl Recorder<'_> {
         let lit = view.prepare(self.queue, picture, &seen, &parts);
         if !again {
             view.made(&parts);
-            self.cast(&parts, &lit, visible, bodies)?;
+            let shadows = over.map_or(&[][..], |(_, into)| into.shadows);
+            self.cast(&parts, &lit, visible, bodies, (&picture.lights, shadows))?;
         }
         let output = output.unwrap_or_else(|| view.targets().picture());
         let draw = &self.pipelines.draw;
@@ -313,10 +320,6 @@ impl Recorder<'_> {
             geometry: Embed::known(view.options().coverage, asks)?,
             labels: asks,
             space: hair.first().map(|hair| hair.drawn_in).unwrap_or_default(),
-        };
-        let over = match &shows {
-            Shows::Over(embed, into) => Some((*embed, *into)),
-            _ => None,
         };
         if let Some((_, into)) = over {
             canvas.geometry = Embed::asked(canvas.coverage, picture.camera.projection, &into)?;
@@ -347,6 +350,7 @@ impl Recorder<'_> {
         draw.record_hair(canvas, visible, over.is_none())?;
         canvas.lap("hair");
         if let Some((embed, into)) = over {
+            embed.record_shade(canvas, &self.pipelines.light, &into)?;
             embed.record(canvas, &into);
             canvas.lap("embed");
             return kernel::refused();
@@ -378,19 +382,21 @@ impl Recorder<'_> {
         kernel::refused()
     }
 
-    /// Shadow maps, then light from all sides.
+    /// Shadow maps, with those of a scene in the light of a picture, then light from all sides.
     fn cast(
         &mut self,
         parts: &[Part<'_>],
         lit: &[crate::light::Lit],
         hair: &[Seen<'_>],
         bodies: &[&Body],
+        (lights, scene): (&light::Lights, &[SceneShadow<'_>]),
     ) -> Result<()> {
         let pipelines = &self.pipelines.light;
         for (part, lit) in parts.iter().zip(lit) {
             let (hair, bodies) = (Part::of(&part.hair, hair), Part::of(&part.bodies, bodies));
+            let scene = part.light.bring(pipelines, lights, lit, scene)?;
             let timings = self.timings.as_deref_mut();
-            part.light.record_shadows(pipelines, self.encoder, timings, lit, &hair, &bodies)?;
+            part.light.record_shadows(pipelines, self.encoder, timings, lit, &hair, (&bodies, &scene))?;
         }
         self.lap("shadow");
         if lit.iter().any(|lit| lit.ambient) {

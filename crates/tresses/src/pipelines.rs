@@ -84,6 +84,11 @@ impl Pipelines {
         }
     }
 
+    /// The layout of [`View::light_group`](crate::View::light_group), for pipelines of others.
+    pub fn light_layout(&self) -> &wgpu::BindGroupLayout {
+        &self.light.frame
+    }
+
     /// Compiles what is wanted and is not there yet, several at once where the platform has threads, telling
     /// `progress`. In a browser this is how to learn of errors; what a frame compiles there on its own is
     /// recorded unseen.

@@ -254,6 +254,13 @@ impl View {
         self.zones.bytes()
     }
 
+    /// What shaders that ask for its light bind, with [`Pipelines::light_layout`]: those of a scene that asks hair for its
+    /// shadow ([`draw::embed::shade::wgsl`](crate::draw::embed::shade::wgsl)). Of a view with [zones](Self::set_zones) it
+    /// is the light around the focus. It is another one after [`set_options`](Self::set_options).
+    pub fn light_group(&self) -> &wgpu::BindGroup {
+        &self.light.frame
+    }
+
     /// Bytes of GPU memory of the shadow maps.
     pub fn shadow_bytes(&self) -> u64 {
         self.light.shadow_bytes()

@@ -578,10 +578,21 @@ fn present() {
 
 #[test]
 fn embed() {
-    use tresses::draw::embed::EmbedUniform;
+    use tresses::{
+        draw::embed::{EmbedUniform, shade::ShadeUniform},
+        light::scene::SceneUniform,
+    };
     assert_eq!(
         wgsl_layout("draw::embed::scene::EmbedUniform"),
         rust_layout!(EmbedUniform { depth, samples, ssaa, origin, size, _pad })
+    );
+    assert_eq!(
+        wgsl_layout("draw::embed::shade::shaded::ShadeUniform"),
+        rust_layout!(ShadeUniform { to_world, eye, origin, size, strength, _pad_a, _pad_b, _pad_c })
+    );
+    assert_eq!(
+        wgsl_layout("light::scene::bring::SceneUniform"),
+        rust_layout!(SceneUniform { to_scene, origin, size, bias, apart, nothing, edge })
     );
 }
 

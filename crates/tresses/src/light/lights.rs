@@ -20,6 +20,11 @@ pub struct Directional {
 impl Directional {
     /// No light.
     pub const OFF: Self = Self { direction: Vec3::Y, irradiance: Vec3::ZERO };
+
+    /// Whether any light comes of it.
+    pub fn is_on(&self) -> bool {
+        self.irradiance.max_element() > 0.0
+    }
 }
 
 /// The radiance that comes from everywhere else: three colours, blended by elevation. Black by default.
@@ -87,7 +92,7 @@ impl Lights {
 
     /// The lights that are on.
     pub fn active(&self) -> impl Iterator<Item = &Directional> {
-        self.directional.iter().filter(|light| light.irradiance.max_element() > 0.0)
+        self.directional.iter().filter(|light| light.is_on())
     }
 }
 

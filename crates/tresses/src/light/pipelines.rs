@@ -1,6 +1,6 @@
 //! The kernels and the pipeline of the stage, and the layouts of what it offers to those that draw.
 
-use super::{ambient, fiber::FiberTables};
+use super::{ambient, fiber::FiberTables, scene};
 use crate::{
     Result,
     body::{self, Body},
@@ -47,6 +47,8 @@ pub struct Pipelines {
     pub(crate) fiber: wgpu::BindGroupLayout,
     pub(super) layer: wgpu::BindGroupLayout,
     shadow_body: Made<(), wgpu::RenderPipeline>,
+    /// Shadow maps of a scene.
+    pub(super) scene: scene::Pipelines,
     /// The hair nearest the light.
     pub(super) splat: Kernel,
     /// Which strand is nearest the light.
@@ -85,10 +87,11 @@ impl Pipelines {
         let shading = |module| Kernel::beside(device, module, &shade_bindings(), &[&nothing, &fiber]);
         Self {
             device: device.clone(),
-            frame: layout(device, "frame", both, &FRAME),
+            frame: layout(device, "frame", both | Stages::COMPUTE, &FRAME),
             hair: layout(device, "hair", both, &HAIR),
             layer: layout(device, "shadow layer", Stages::VERTEX, &[UniformDynamic]),
             shadow_body: Made::default(),
+            scene: scene::Pipelines::new(device),
             splat: maps("light::splat"),
             strand_map: maps("light::strand_map"),
             summary: maps("light::blocks"),

@@ -8,7 +8,7 @@
 use glam::Mat4;
 
 use super::{
-    Lit, Pipelines, Seen,
+    Brought, Lit, Pipelines, Seen,
     lights::{LightsUniform, MAX_LIGHTS, SHADOW_MAPS},
     shadows::{DEEP_FINEST, ShadowMethod},
 };
@@ -171,7 +171,7 @@ impl ShadowMaps {
         mut timings: Option<&mut Timings>,
         lit: &Lit,
         hair: &[Seen<'_>],
-        bodies: &[&Body],
+        (bodies, scene): (&[&Body], &Brought),
     ) -> Result<()> {
         let Lit { method, maps, across, stray, strands, .. } = *lit;
         let casts = method != ShadowMethod::Off;
@@ -198,6 +198,9 @@ impl ShadowMaps {
                     ..Default::default()
                 },
             );
+            if casts {
+                scene.record(&mut pass, i);
+            }
             pass.set_bind_group(0, &self.layer_group, &[(STEP * i as u64) as u32]);
             if let Some(body) = &body {
                 pass.set_pipeline(body);

@@ -1,8 +1,9 @@
 //! The light of one view: its shadow maps, its light from all sides, and the uniform that both are made by.
 
 use super::{
-    Ambient, Chosen, HairSet, Lights, Pipelines, Seen, ShadingRate, ShadowMaps, ShadowMethod, Shadows,
-    Sphere, lights::LightsUniform,
+    Ambient, Brought, Chosen, HairSet, Lights, Pipelines, SceneShadow, Seen, ShadingRate, ShadowMaps,
+    ShadowMethod, Shadows, Sphere,
+    lights::{LightsUniform, SHADOW_MAPS},
 };
 use crate::{
     Result,
@@ -13,6 +14,7 @@ use crate::{
         bindings::{group, uniform},
     },
 };
+use glam::Mat4;
 
 /// The light of a view on the GPU.
 #[derive(Debug)]
@@ -40,6 +42,9 @@ pub(crate) struct Lit {
     pub ambient: bool,
     /// Every so many points of a body's surface stand for all of them.
     pub every: u32,
+    /// From the world to the clip space of each map, and the depth of all of them, metres.
+    pub matrices: [Mat4; SHADOW_MAPS],
+    pub range: f32,
 }
 
 impl State {
@@ -104,10 +109,26 @@ impl State {
             stray: texel.min(super::shadow::STRAY * shadows.bias),
             ambient: shadows.follows_ambient(),
             every: uniform.every,
+            matrices: uniform.shadow,
+            range: uniform.range,
         }
     }
 
-    /// Records the shadow maps: of the lights that are on, and of the sky where its openness is guessed.
+    /// What its maps take of those of a scene, in the light of `lit`.
+    ///
+    /// # Errors
+    /// As [`Brought::new`].
+    pub(crate) fn bring(
+        &self,
+        pipelines: &Pipelines,
+        lights: &Lights,
+        lit: &Lit,
+        shadows: &[SceneShadow<'_>],
+    ) -> Result<Brought> {
+        Brought::new(pipelines, &self.maps, lights, (&lit.matrices, lit.range), shadows)
+    }
+
+    /// Records the shadow maps, with what was brought of a scene: of the lights that are on, and of the sky where its openness is guessed.
     pub(crate) fn record_shadows(
         &self,
         pipelines: &Pipelines,
@@ -115,7 +136,7 @@ impl State {
         timings: Option<&mut Timings>,
         lit: &Lit,
         hair: &[Seen<'_>],
-        bodies: &[&Body],
+        bodies: (&[&Body], &Brought),
     ) -> Result<()> {
         self.maps.record(pipelines, encoder, timings, lit, hair, bodies)
     }

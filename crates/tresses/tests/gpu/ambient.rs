@@ -88,7 +88,7 @@ impl<'a> Bench<'a> {
         let mut encoder = device.create_command_encoder(&Default::default());
         let (hair, bodies): (Vec<_>, Vec<_>) = (self.hair.iter().collect(), self.body.iter().collect());
         Recorder { pipelines: self.pipelines, device, queue, encoder: &mut encoder, timings: None }
-            .light(&hair, &bodies, &self.view, &self.scene)
+            .light(&hair, &bodies, &self.view, &self.scene, &[])
             .expect("it fits");
         probe.record(&mut encoder);
         queue.submit([encoder.finish()]);

@@ -131,8 +131,11 @@ impl<'a> Setup<'a> {
         let known = texture(Embed::GEOMETRY, TextureUsages::COPY_SRC, 1, SIZE);
         let known_view = known.create_view(&Default::default());
         let geometry = asked.then_some(&known_view);
-        let into =
-            Surroundings { color: &picture_view, depth: &depths, origin: self.origin, projection, geometry };
+        let into = Surroundings {
+            origin: self.origin,
+            geometry,
+            ..Surroundings::new(&picture_view, &depths, projection)
+        };
         let sight = Sight { shows: Shows::Over(&self.embed, into), ..Sight::new(&self.view, &self.scene) };
         Recorder { pipelines: self.pipelines, device, queue, encoder: &mut encoder, timings: None }.draw(
             &[&self.hair][..usize::from(self.grown)],

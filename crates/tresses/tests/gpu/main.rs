@@ -17,6 +17,7 @@ mod deform;
 mod draw;
 mod edges;
 mod embed;
+mod embed_shadow;
 mod fiber;
 mod frame;
 mod golden;

@@ -5,8 +5,9 @@ use tresses::{
     body::Body,
     draw::{Coverage, Embed, Surroundings, Targets},
     frame::{Recorder, Shows, Sight},
+    glam::Mat4,
     groom::TriMesh,
-    light::{HairSet, ShadingRate},
+    light::{HairSet, SceneShadow, ShadingRate},
     strands::StrandBuffers,
     view::{Picture, ViewOptions},
 };
@@ -90,12 +91,16 @@ fn embedded(samples: u32, format: wgpu::TextureFormat, color: wgpu::TextureForma
     };
     let geometry = (options.coverage == Coverage::Tiles)
         .then(|| texture(Embed::GEOMETRY, wgpu::TextureUsages::RENDER_ATTACHMENT));
+    let map = texture(wgpu::TextureFormat::Depth24Plus, wgpu::TextureUsages::TEXTURE_BINDING);
     let into = Surroundings {
         color: &texture(color, wgpu::TextureUsages::RENDER_ATTACHMENT),
         depth: &texture(wgpu::TextureFormat::Depth24Plus, wgpu::TextureUsages::TEXTURE_BINDING),
         origin: [0; 2],
         projection: Camera::perspective(0.5, 1.6, 0.01),
         geometry: geometry.as_ref(),
+        shadows: &[SceneShadow { light: 0, depth: &map, part: None, projection: Mat4::IDENTITY, bias: 0.01 }],
+        shade: 1.0,
+        lit: false,
     };
     let mut encoder = device.create_command_encoder(&Default::default());
     let picture = Picture::default();

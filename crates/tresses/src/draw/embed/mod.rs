@@ -19,12 +19,15 @@
 //! Rejected: drawing strips into the scene's own target, which would need its pipelines built for its
 //! format and samples and a coverage of one sample per pixel to be smoothed afterwards.
 
+pub mod shade;
+
 use super::{
     Coverage, Targets,
     record::{Canvas, cleared, pass},
     targets::HDR_FORMAT,
     tiles::geometry,
 };
+use crate::light::SceneShadow;
 use crate::{
     Error, Result,
     gpu::{
@@ -93,6 +96,52 @@ pub struct Surroundings<'a> {
     /// picture before, as after a change of the level of detail, hair counts as standing still before the camera
     /// that moved. Only hair by [`Coverage::Tiles`] knows this.
     pub geometry: Option<&'a wgpu::TextureView>,
+    /// Its own shadow maps: what keeps the lights from hair and from the bodies that shade it
+    /// ([`crate::light::scene`]). At most 16.
+    pub shadows: &'a [SceneShadow<'a>],
+    /// How much of its shadow hair casts on the scene, 0 (none) to 1: the colour that is there is darkened
+    /// ([`shade`]). For scenes whose own shaders do not ask hair for its shadow ([`shade::wgsl`]).
+    pub shade: f32,
+    /// Whether [`Recorder::light`](crate::frame::Recorder::light) was recorded for this picture already, as by a scene
+    /// whose own shaders ask for light: it is not lit anew.
+    pub lit: bool,
+}
+
+impl<'a> Surroundings<'a> {
+    /// A scene of one picture, seen with `projection`, that does not ask where hair is and has no shadows to give or take.
+    pub fn new(color: &'a wgpu::TextureView, depth: &'a wgpu::TextureView, projection: Mat4) -> Self {
+        Self {
+            color,
+            depth,
+            origin: [0; 2],
+            projection,
+            geometry: None,
+            shadows: &[],
+            shade: 0.0,
+            lit: false,
+        }
+    }
+
+    /// A pass over the picture's part of its colour.
+    fn pass<'p>(&self, canvas: &'p mut Canvas<'_>, label: &'static str) -> crate::gpu::RenderPass<'p> {
+        let mut pass = crate::gpu::render_pass(
+            canvas.encoder,
+            &wgpu::RenderPassDescriptor {
+                label: Some(label),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: self.color,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
+                })],
+                timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.render("embed")),
+                ..Default::default()
+            },
+        );
+        let [origin, size] = [self.origin, canvas.targets.size].map(|pixels| pixels.map(|n| n as f32));
+        pass.set_viewport(origin, size);
+        pass
+    }
 }
 
 /// What puts the hair of one view into a scene.
@@ -107,6 +156,7 @@ pub struct Embed {
     edges: Option<(wgpu::RenderPipeline, wgpu::BindGroupLayout)>,
     geometry_layout: wgpu::BindGroupLayout,
     uniform: wgpu::Buffer,
+    shade: shade::Shade,
 }
 
 impl Embed {
@@ -200,6 +250,7 @@ impl Embed {
             composite_layout,
             geometry_layout,
             uniform: uniform(device, "embed", size_of::<EmbedUniform>()),
+            shade: shade::Shade::new(device, format),
         })
     }
 
@@ -249,6 +300,16 @@ impl Embed {
         pass.draw(0..3, 0..1);
     }
 
+    /// Records the shadow of hair over the scene's colour, before the hair.
+    pub(crate) fn record_shade(
+        &self,
+        canvas: &mut Canvas<'_>,
+        light: &crate::light::Pipelines,
+        into: &Surroundings<'_>,
+    ) -> Result<()> {
+        self.shade.record(canvas, light, into)
+    }
+
     /// Records what the targets have of hair over the scene's colour.
     pub(crate) fn record(&self, canvas: &mut Canvas<'_>, into: &Surroundings<'_>) {
         let tiles = canvas.targets.tiles.as_ref();
@@ -262,22 +323,7 @@ impl Embed {
             }
             _ => (&self.composite, self.bind(canvas.device, &self.composite_layout, hair)),
         };
-        let mut pass = crate::gpu::render_pass(
-            canvas.encoder,
-            &wgpu::RenderPassDescriptor {
-                label: Some("embed"),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: into.color,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
-                })],
-                timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.render("embed")),
-                ..Default::default()
-            },
-        );
-        let [origin, size] = [into.origin, canvas.targets.size].map(|pixels| pixels.map(|n| n as f32));
-        pass.set_viewport(origin, size);
+        let mut pass = into.pass(canvas, "embed");
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &group, &[]);
         pass.draw(0..3, 0..1);

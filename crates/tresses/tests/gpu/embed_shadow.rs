@@ -1,0 +1,453 @@
+//! Shadows between hair and a host's scene: the scene's shadow maps keep light from hair, and hair's shadow falls on
+//! the scene, by a pass over its colour and by a function for its shaders.
+
+use crate::common;
+
+use half::f16;
+use tresses::{
+    Camera, Error, Hair, Pose, Result, View,
+    draw::{Coverage, Embed, Surroundings, embed::shade},
+    frame::{Recorder, Shows, Sight},
+    glam::{
+        Mat4, Vec3, Vec4,
+        camera::rh::{
+            proj::directx::{orthographic, perspective},
+            view::look_at_mat4,
+        },
+    },
+    gpu::{Gpu, readback},
+    groom::bind,
+    light::{Directional, Lights, SceneShadow, Sky, Sphere},
+    view::{Picture, ViewOptions},
+    wgpu::{self, TextureFormat, TextureUsages, util::DeviceExt},
+};
+
+const SIZE: [u32; 2] = [96, 80];
+const FOV: f32 = 0.5;
+/// Metres from the eye to the middle of the hair.
+const DISTANCE: f32 = 0.8;
+/// Texels along each edge of the scene's shadow maps.
+const EDGE: u32 = 64;
+const WALL: Vec4 = Vec4::new(0.5, 0.5, 0.5, 1.0);
+
+/// Hair that hangs from a ball, before a wall that faces the eye.
+struct Setup<'a> {
+    gpu: &'a Gpu,
+    embed: Embed,
+    hair: Hair,
+    view: View,
+    picture: Picture,
+    /// Metres from the eye to the wall.
+    wall: f32,
+    samples: u32,
+}
+
+impl<'a> Setup<'a> {
+    fn new(gpu: &'a Gpu, direction: Vec3) -> Self {
+        let Gpu { device, queue, .. } = gpu;
+        let pipelines = common::pipelines().expect("there is a GPU");
+        let groom = bind(&common::hanging(2000, 16, 0.12), &Default::default()).unwrap();
+        let field = common::ball(0.085, 32);
+        let mut hair =
+            Hair::new(device, queue, pipelines, &groom, &Default::default(), Some(&field)).unwrap();
+        common::advance(&mut hair, &common::frame(Pose::IDENTITY, 0.0));
+        let mut lights = Lights {
+            directional: [Directional::OFF; 4],
+            sky: Sky::default(),
+            environment: Default::default(),
+        };
+        // The second: the first is off, so that its map is the first.
+        lights.directional[1] = Directional { direction, irradiance: Vec3::splat(3.0) };
+        let options = ViewOptions {
+            samples: 1,
+            coverage: Coverage::Tiles,
+            shadow_resolution: 256,
+            ..Default::default()
+        };
+        Self {
+            embed: Embed::new(device, (1, Coverage::Tiles), TextureFormat::Rgba16Float).unwrap(),
+            view: View::new(device, pipelines, &options, SIZE, 1).unwrap(),
+            hair,
+            picture: Picture {
+                camera: Camera::look_at(Vec3::Z * DISTANCE, Vec3::ZERO, FOV, SIZE),
+                focus: Sphere { center: Vec3::ZERO, radius: 0.3 },
+                lights,
+                ..Default::default()
+            },
+            wall: 20.0,
+            samples: 1,
+            gpu,
+        }
+    }
+
+    /// The picture with the scene's `shadows`, and with so much of hair's own `shade`.
+    fn drawn(&self, shadows: &[SceneShadow<'_>], shade: f32) -> Result<Vec<Vec4>> {
+        let Gpu { device, queue, .. } = self.gpu;
+        let texture = |format, usage, sample_count| {
+            device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("scene"),
+                size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: usage | TextureUsages::RENDER_ATTACHMENT,
+                view_formats: &[],
+            })
+        };
+        let color = texture(TextureFormat::Rgba16Float, TextureUsages::COPY_SRC, 1);
+        let color_view = color.create_view(&Default::default());
+        let depth = texture(TextureFormat::Depth32Float, TextureUsages::TEXTURE_BINDING, self.samples)
+            .create_view(&Default::default());
+        let aspect = SIZE[0] as f32 / SIZE[1] as f32;
+        let (projection, far) = match self.wall.is_finite() {
+            true => {
+                let projection = perspective(FOV, aspect, 0.05, 50.0);
+                (projection, projection.project_point3(Vec3::NEG_Z * self.wall).z)
+            }
+            false => (Camera::perspective(FOV, aspect, 0.05), 0.0),
+        };
+        let mut encoder = device.create_command_encoder(&Default::default());
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("scene"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &color_view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color { r: 0.5, g: 0.5, b: 0.5, a: 1.0 }),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            ..Default::default()
+        });
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("scene's depth"),
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &depth,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(far),
+                    store: wgpu::StoreOp::Store,
+                }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        let into = Surroundings { shadows, shade, ..Surroundings::new(&color_view, &depth, projection) };
+        let sight = Sight { shows: Shows::Over(&self.embed, into), ..Sight::new(&self.view, &self.picture) };
+        let pipelines = common::pipelines().expect("there is a GPU");
+        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }.draw(
+            &[&self.hair],
+            &[],
+            sight,
+        )?;
+        queue.submit([encoder.finish()]);
+        let bytes = pollster::block_on(readback::texture(device, queue, &color))?;
+        let texels: Vec<[f16; 4]> = bytemuck::pod_collect_to_vec(&bytes);
+        Ok(texels.iter().map(|texel| Vec4::from_array(texel.map(f16::to_f32))).collect())
+    }
+
+    /// A shadow map of the scene of so many columns and rows, whose texel at x and y has what is `metres(x, y)` metres
+    /// from the eye of `projection`; nothing where that is no number.
+    fn map(
+        &self,
+        projection: Mat4,
+        [wide, high]: [u32; 2],
+        metres: impl Fn(u32, u32) -> f32,
+    ) -> wgpu::TextureView {
+        let Gpu { device, queue, .. } = self.gpu;
+        let far = if projection.project_point3(Vec3::NEG_Z).z < projection.project_point3(Vec3::NEG_Z * 2.0).z
+        {
+            1.0
+        } else {
+            0.0
+        };
+        let depth = |x, y| {
+            let z = projection.project_point3(Vec3::NEG_Z * metres(x, y)).z;
+            let depth = if z.is_finite() { z } else { far };
+            (depth.clamp(0.0, 1.0) * 65535.0).round() as u16
+        };
+        let texels: Vec<u16> =
+            (0..high).flat_map(|y| (0..wide).map(move |x| (x, y))).map(|(x, y)| depth(x, y)).collect();
+        let descriptor = wgpu::TextureDescriptor {
+            label: Some("the scene's shadow map"),
+            size: wgpu::Extent3d { width: wide, height: high, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: TextureFormat::Depth16Unorm,
+            usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
+            view_formats: &[],
+        };
+        let order = wgpu::util::TextureDataOrder::LayerMajor;
+        let texture =
+            device.create_texture_with_data(queue, &descriptor, order, bytemuck::cast_slice(&texels));
+        texture.create_view(&Default::default())
+    }
+}
+
+/// A projection of the scene's shadow maps from `at`, an eye in the direction of the light, on the middle.
+fn from(at: Vec3, projection: Mat4) -> Mat4 {
+    projection * look_at_mat4(at, Vec3::ZERO, Vec3::Y)
+}
+
+/// As `orthographic`, with depth from 1 (near) to 0.
+fn reversed(projection: Mat4) -> Mat4 {
+    Mat4::from_cols(Vec4::X, Vec4::Y, Vec4::new(0.0, 0.0, -1.0, 0.0), Vec4::new(0.0, 0.0, 1.0, 1.0))
+        * projection
+}
+
+/// Columns of the picture and whether hair there is as in another.
+fn same(a: &[Vec4], b: &[Vec4], columns: std::ops::Range<usize>) -> bool {
+    let width = SIZE[0] as usize;
+    a.chunks(width).zip(b.chunks(width)).all(|(a, b)| a[columns.clone()] == b[columns.clone()])
+}
+
+/// The light of the hair alone in some columns: there is no sky, and the wall is as it was.
+fn light(picture: &[Vec4], columns: std::ops::Range<usize>) -> f32 {
+    let bright = |texel: &Vec4| (texel.truncate().element_sum() - 1.5).max(0.0);
+    picture.chunks(SIZE[0] as usize).flat_map(|row| &row[columns.clone()]).map(bright).sum()
+}
+
+#[test]
+fn a_scenes_shadow_maps_keep_light_from_hair() {
+    let Some(gpu) = common::gpu() else { return };
+    // From the eye: what is left in the picture is left in the maps.
+    let mut setup = Setup::new(gpu, Vec3::Z);
+    setup.picture.lights.directional[1].irradiance = Vec3::splat(40.0);
+    let free = setup.drawn(&[], 0.0).unwrap();
+    let all = 0..SIZE[0] as usize;
+    let whole = light(&free, all.clone());
+    assert!(whole > 50.0, "{whole}: there is light");
+    let flat = orthographic(-0.4, 0.4, -0.4, 0.4, 0.1, 4.0);
+    let lamp = perspective(0.3, 1.0, 0.1, 4.0);
+    let kinds = [
+        ("orthographic", from(Vec3::Z * 3.0, flat), flat),
+        ("reversed", from(Vec3::Z * 3.0, reversed(flat)), reversed(flat)),
+        ("a lamp", from(Vec3::Z * 3.0, lamp), lamp),
+    ];
+    for (name, projection, own) in kinds {
+        let shadow = |depth| SceneShadow { light: 1, depth, part: None, projection, bias: 0.0 };
+        // The left half is covered, 1 m before the hair.
+        let half = setup.map(own, [EDGE; 2], |x, _| if x < EDGE / 2 { 2.0 } else { f32::NAN });
+        let dark = setup.drawn(&[shadow(&half)], 0.0).unwrap();
+        assert!(same(&dark, &free, 52..96), "{name}: where the map has nothing hair is as without it");
+        let left = light(&dark, 0..44) / light(&free, 0..44);
+        assert!(left < 1e-3, "{name}: {left} of the light behind what keeps it");
+        // All of it, behind the hair: nothing is between.
+        let behind = setup.map(own, [EDGE; 2], |_, _| 3.3);
+        assert!(setup.drawn(&[shadow(&behind)], 0.0).unwrap() == free, "{name}: what is behind hair");
+        // Before the hair, and only as far as a bias leaves it there.
+        let before = setup.map(own, [EDGE; 2], |_, _| 2.7);
+        let biased = SceneShadow { bias: 0.6, ..shadow(&before) };
+        assert_eq!(light(&setup.drawn(&[shadow(&before)], 0.0).unwrap(), all.clone()), 0.0, "{name}");
+        assert!(setup.drawn(&[biased], 0.0).unwrap() == free, "{name}: a bias takes it behind");
+        // Of another light, which is off, and of none.
+        for light in [0, 3, 17] {
+            let other = SceneShadow { light, ..shadow(&before) };
+            assert!(setup.drawn(&[other], 0.0).unwrap() == free, "{name}: light {light}");
+        }
+    }
+
+    // Two maps of one light, parts of one texture, each of which covers half of it.
+    let atlas = setup.map(flat, [2 * EDGE, EDGE], |x, _| if x < EDGE { 2.0 } else { f32::NAN });
+    let left = from(Vec3::Z * 3.0, orthographic(-0.4, 0.0, -0.4, 0.4, 0.1, 4.0));
+    let right = from(Vec3::Z * 3.0, orthographic(0.0, 0.4, -0.4, 0.4, 0.1, 4.0));
+    let part = |origin, projection| SceneShadow {
+        light: 1,
+        depth: &atlas,
+        part: Some([[origin, 0], [EDGE, EDGE]]),
+        projection,
+        bias: 0.0,
+    };
+    let dark = setup.drawn(&[part(0, left), part(EDGE, right)], 0.0).unwrap();
+    assert!(same(&dark, &free, 52..96) && light(&dark, 0..44) < 1e-3 * light(&free, 0..44));
+    let turned = setup.drawn(&[part(EDGE, left), part(0, right)], 0.0).unwrap();
+    assert!(same(&turned, &free, 0..44) && light(&turned, 52..96) < 1e-3 * light(&free, 52..96));
+
+    // What cannot be taken is an error.
+    let refused = |shadows: &[SceneShadow<'_>]| {
+        let error = setup.drawn(shadows, 0.0).expect_err("it is refused");
+        assert!(matches!(error, Error::Parameter { .. }), "{error}");
+        error.to_string()
+    };
+    println!("{}", refused(&[part(0, left); 17]));
+    println!("{}", refused(&[SceneShadow { part: Some([[1, 0], [2 * EDGE, EDGE]]), ..part(0, left) }]));
+    println!("{}", refused(&[SceneShadow { bias: f32::NAN, ..part(0, left) }]));
+    println!("{}", refused(&[SceneShadow { projection: Mat4::ZERO, ..part(0, left) }]));
+}
+
+#[test]
+fn an_edge_of_a_coarse_map_is_a_line() {
+    let Some(gpu) = common::gpu() else { return };
+    let mut setup = Setup::new(gpu, Vec3::Z);
+    setup.picture.lights.directional[1].irradiance = Vec3::splat(40.0);
+    let free = setup.drawn(&[], 0.0).unwrap();
+    // Eight texels of 0.1 m to an edge, of which those above the diagonal are covered: a staircase.
+    let flat = orthographic(-0.4, 0.4, -0.4, 0.4, 0.1, 4.0);
+    let map = setup.map(flat, [8; 2], |x, y| if x + y < 8 { 2.0 } else { f32::NAN });
+    let projection = from(Vec3::Z * 3.0, flat);
+    let shadow = SceneShadow { light: 1, depth: &map, part: None, projection, bias: 0.0 };
+    let dark = setup.drawn(&[shadow], 0.0).unwrap();
+    let focal = 0.5 * SIZE[1] as f32 / (0.5 * FOV).tan();
+    let (mut shaded, mut lit) = ([0; 2], [0; 2]);
+    for (i, (dark, free)) in dark.iter().zip(&free).enumerate() {
+        // Brighter than the wall behind it.
+        if free.x < 0.7 {
+            continue;
+        }
+        let [x, y] = [i % SIZE[0] as usize, i / SIZE[0] as usize].map(|n| n as f32 + 0.5);
+        let at = DISTANCE / focal * Vec3::new(x - 48.0, 40.0 - y, 0.0);
+        // From the line between the middles of texels on either side of the edge, metres; hair is up to 0.1 m nearer
+        // the eye than the middle. Corners of texels are 0.07 m off.
+        let beyond = (at.x - at.y - 0.05) / 2.0_f32.sqrt();
+        if beyond < -0.045 {
+            shaded[usize::from(dark.x > 0.5 + 0.1 * (free.x - 0.5))] += 1;
+        } else if beyond > 0.045 {
+            lit[usize::from(dark != free)] += 1;
+        }
+    }
+    println!("{shaded:?} pixels in the shade, {lit:?} in light");
+    assert!(shaded[0] > 30 && lit[0] > 30);
+    assert!(shaded[1] * 50 < shaded[0] && lit[1] * 50 < lit[0], "beyond the line");
+}
+
+#[test]
+fn hair_casts_its_shadow_on_the_scene() {
+    let Some(gpu) = common::gpu() else { return };
+    let direction = Vec3::new(0.6, 0.0, 0.8);
+    let mut setup = Setup::new(gpu, direction);
+    setup.picture.lights.sky =
+        Sky { zenith: Vec3::splat(0.2), horizon: Vec3::splat(0.2), ground: Vec3::splat(0.2) };
+    // Of a matt surface that faces the eye.
+    let (lamp, sky) = (3.0 * 0.8 / std::f32::consts::PI, 0.2);
+    for (wall, samples) in [(1.0, 1), (1.3, 1), (1.3, 4)] {
+        (setup.wall, setup.samples) = (wall, samples);
+        let plain = setup.drawn(&[], 0.0).unwrap();
+        let shaded = setup.drawn(&[], 1.0).unwrap();
+        let half = setup.drawn(&[], 0.5).unwrap();
+        let is_wall = |i: &usize| plain[*i] == WALL;
+        let walls: Vec<usize> = (0..plain.len()).filter(is_wall).collect();
+        let kept = |picture: &[Vec4], i: usize| picture[i].x / WALL.x;
+        let darkest = walls.iter().map(|i| kept(&shaded, *i)).fold(1.0, f32::min);
+        let least = sky / (sky + lamp);
+        println!(
+            "a wall {wall} m away, {samples} samples: {darkest} of its light at least, {least} of the sky alone"
+        );
+        assert!(darkest < least + 0.1 && darkest > least - 1e-3, "{darkest}");
+        for i in &walls {
+            let expected = 0.5 * (1.0 + kept(&shaded, *i));
+            assert!((kept(&half, *i) - expected).abs() < 2e-3, "half of the shadow");
+        }
+        // It lies where the light goes: to the left.
+        let dark = |columns: std::ops::Range<usize>| {
+            let there = walls.iter().filter(|i| columns.contains(&(**i % SIZE[0] as usize)));
+            there.map(|i| 1.0 - kept(&shaded, *i)).sum::<f32>()
+        };
+        let [left, right] = [dark(0..48), dark(48..96)];
+        println!("{left} pixels of shadow to the left, {right} to the right");
+        assert!(left > 100.0 && right < 0.05 * left);
+        let free = walls.iter().filter(|i| kept(&shaded, **i) == 1.0).count();
+        assert!(free > walls.len() / 3, "{free} of {} pixels keep their bits", walls.len());
+    }
+    // Nothing where there is nothing: at the far end, and for strength that is none.
+    setup.samples = 1;
+    setup.wall = 1.0;
+    let plain = setup.drawn(&[], 0.0).unwrap();
+    for none in [-1.0, f32::NAN] {
+        assert!(setup.drawn(&[], none).unwrap() == plain);
+    }
+    assert!(setup.drawn(&[], 1.0).unwrap() != plain, "the comparer sees no difference");
+    setup.wall = f32::INFINITY;
+    let [plain, shaded] = [0.0, 1.0].map(|shade| setup.drawn(&[], shade).unwrap());
+    assert!(plain == shaded, "what is infinitely far is in no shadow");
+}
+
+/// What the scene's shaders are told of light 0 at some points of surfaces that face `normal`.
+fn told(setup: &Setup<'_>, points: &[Vec3], normal: Vec3) -> Vec<Vec4> {
+    let Gpu { device, queue, .. } = setup.gpu;
+    let pipelines = common::pipelines().expect("there is a GPU");
+    let code = shade::wgsl(1)
+        + "
+        @group(0) @binding(0) var<storage, read_write> points: array<vec4<f32>>;
+        @group(0) @binding(1) var<uniform> normal: vec4<f32>;
+        @compute @workgroup_size(64) fn ask(@builtin(global_invocation_id) id: vec3<u32>) {
+            if id.x < arrayLength(&points) {
+                points[id.x] = vec4(tresses_left_by_hair(u32(points[id.x].w), points[id.x].xyz, normal.xyz), 0.0);
+            }
+        }";
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("a scene's shader"),
+        source: wgpu::ShaderSource::Wgsl(code.into()),
+    });
+    use tresses::gpu::{Binding, bindings};
+    let own = bindings::layout(
+        device,
+        "points",
+        wgpu::ShaderStages::COMPUTE,
+        &[Binding::StorageMut, Binding::Uniform],
+    );
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: None,
+        bind_group_layouts: &[Some(&own), Some(pipelines.light_layout())],
+        immediate_size: 0,
+    });
+    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some("a scene's shader"),
+        layout: Some(&layout),
+        module: &module,
+        entry_point: Some("ask"),
+        compilation_options: Default::default(),
+        cache: None,
+    });
+    let points: Vec<[f32; 4]> = points.iter().map(|at| at.extend(0.0).to_array()).collect();
+    let buffer = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some("points"),
+        contents: bytemuck::cast_slice(&points),
+        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+    });
+    let facing = bindings::uniform(device, "normal", 16);
+    queue.write_buffer(&facing, 0, bytemuck::bytes_of(&normal.extend(0.0).to_array()));
+    let group =
+        bindings::group(device, "points", &own, &[buffer.as_entire_binding(), facing.as_entire_binding()]);
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let mut pass = encoder.begin_compute_pass(&Default::default());
+    pass.set_pipeline(&pipeline);
+    pass.set_bind_group(0, &group, &[]);
+    pass.set_bind_group(1, setup.view.light_group(), &[]);
+    pass.dispatch_workgroups(points.len().div_ceil(64) as u32, 1, 1);
+    drop(pass);
+    queue.submit([encoder.finish()]);
+    pollster::block_on(readback::buffer::<[f32; 4]>(device, queue, &buffer))
+        .unwrap()
+        .into_iter()
+        .map(Vec4::from_array)
+        .collect()
+}
+
+#[test]
+fn a_scenes_own_shaders_can_ask_hair_for_its_shadow() {
+    let Some(gpu) = common::gpu() else { return };
+    let mut setup = Setup::new(gpu, Vec3::new(0.6, 0.0, 0.8));
+    setup.wall = 1.2;
+    // Without a sky the pass leaves of the colour what the function says.
+    let [plain, shaded] = [0.0, 1.0].map(|shade| setup.drawn(&[], shade).unwrap());
+    let focal = 0.5 * SIZE[1] as f32 / (0.5 * FOV).tan();
+    let place = |i: usize| {
+        let [x, y] = [i % SIZE[0] as usize, i / SIZE[0] as usize].map(|n| n as f32 + 0.5);
+        let way = Vec3::new((x - 48.0) / focal, (40.0 - y) / focal, -1.0);
+        Vec3::Z * DISTANCE + setup.wall * way
+    };
+    let walls: Vec<usize> = (0..plain.len()).filter(|i| plain[*i] == WALL).collect();
+    let points: Vec<_> = walls.iter().map(|i| place(*i)).collect();
+    let told = told(&setup, &points, Vec3::Z);
+    let mut darkest = 1.0_f32;
+    for (i, told) in walls.iter().zip(&told) {
+        let found = shaded[*i] / WALL;
+        darkest = darkest.min(told.min_element());
+        assert!((found - *told).truncate().abs().max_element() < 4e-3, "{found} {told} at {}", place(*i));
+    }
+    assert!(darkest < 0.2, "{darkest}: there is a shadow");
+    // Groups are counted as the scene says.
+    assert!(shade::wgsl(3).contains("@group(3)") && !shade::wgsl(3).contains("@group(0)"));
+}
