@@ -76,7 +76,7 @@ type Hairs<'a> = (
     Has<HairMeets>,
 );
 
-type Placed<'a, L> = (&'a L, &'a GlobalTransform, &'a InheritedVisibility, Option<&'a RenderLayers>);
+type Placed<'a, L> = (Entity, &'a L, &'a GlobalTransform, &'a InheritedVisibility, Option<&'a RenderLayers>);
 
 /// Hair, colliders and time.
 pub(crate) fn extract_hair(
@@ -126,6 +126,7 @@ pub(crate) fn extract_light(
     distant: Extract<Query<Placed<'static, DirectionalLight>>>,
     points: Extract<Query<Placed<'static, PointLight>>>,
     spots: Extract<Query<Placed<'static, SpotLight>>>,
+    rects: Extract<Query<Placed<'static, RectLight>>>,
     everywhere: Extract<Res<GlobalAmbientLight>>,
     cameras: Extract<
         Query<
@@ -136,17 +137,19 @@ pub(crate) fn extract_light(
 ) {
     fn shining<'a, L: Component>(
         lights: &'a Query<Placed<'static, L>>,
-        make: fn(&L, &GlobalTransform, RenderLayers) -> SceneLight,
+        make: fn(Entity, &L, &GlobalTransform, RenderLayers) -> SceneLight,
     ) -> impl Iterator<Item = SceneLight> + 'a {
-        lights
-            .iter()
-            .filter(|(_, _, visible, _)| visible.get())
-            .map(move |(light, place, _, layers)| make(light, place, layers.cloned().unwrap_or_default()))
+        lights.iter().filter(|(_, _, _, visible, _)| visible.get()).map(
+            move |(entity, light, place, _, layers)| {
+                make(entity, light, place, layers.cloned().unwrap_or_default())
+            },
+        )
     }
     scene.lights.clear();
     scene.lights.extend(shining(&distant, SceneLight::directional));
     scene.lights.extend(shining(&points, SceneLight::point));
     scene.lights.extend(shining(&spots, SceneLight::spot));
+    scene.lights.extend(shining(&rects, SceneLight::rect));
     scene.cameras.clear();
     for (camera, ambient, layers, view) in &cameras {
         let ambient = match ambient {

@@ -19,29 +19,39 @@ pub(crate) enum Source {
     Point { at: Vec3, range: f32 },
     /// From a place along `axis`, within a cone: the share is `scale` times the cosine plus `offset`, squared.
     Spot { at: Vec3, range: f32, axis: Vec3, scale: f32, offset: f32 },
+    /// From all of the front of a rectangle, half of whose edges are `right` and `up`: that is where it faces.
+    Rect { at: Vec3, range: f32, right: Vec3, up: Vec3 },
 }
 
 /// A light of the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SceneLight {
+    /// Its entity in the main world.
+    pub entity: Entity,
     pub source: Source,
-    /// Illuminance (lux) of a distant light, else luminous intensity (candela), by its colour.
+    /// Illuminance (lux) of a distant light, luminance (candela per square metre) of a rectangle, else luminous intensity
+    /// (candela), by its colour.
     pub strength: Vec3,
     pub layers: RenderLayers,
 }
 
 impl SceneLight {
-    pub fn directional(light: &DirectionalLight, place: &GlobalTransform, layers: RenderLayers) -> Self {
+    pub fn directional(
+        entity: Entity,
+        light: &DirectionalLight,
+        place: &GlobalTransform,
+        layers: RenderLayers,
+    ) -> Self {
         let strength = rgb(light.color) * light.illuminance;
-        Self { source: Source::Distant(place.back().into()), strength, layers }
+        Self { entity, source: Source::Distant(place.back().into()), strength, layers }
     }
 
-    pub fn point(light: &PointLight, place: &GlobalTransform, layers: RenderLayers) -> Self {
+    pub fn point(entity: Entity, light: &PointLight, place: &GlobalTransform, layers: RenderLayers) -> Self {
         let source = Source::Point { at: place.translation(), range: light.range };
-        Self { source, strength: rgb(light.color) * candela(light.intensity), layers }
+        Self { entity, source, strength: rgb(light.color) * candela(light.intensity), layers }
     }
 
-    pub fn spot(light: &SpotLight, place: &GlobalTransform, layers: RenderLayers) -> Self {
+    pub fn spot(entity: Entity, light: &SpotLight, place: &GlobalTransform, layers: RenderLayers) -> Self {
         let outer = light.outer_angle.cos();
         let scale = 1.0 / (light.inner_angle.cos() - outer).max(1e-4);
         let source = Source::Spot {
@@ -51,7 +61,21 @@ impl SceneLight {
             scale,
             offset: -outer * scale,
         };
-        Self { source, strength: rgb(light.color) * candela(light.intensity), layers }
+        Self { entity, source, strength: rgb(light.color) * candela(light.intensity), layers }
+    }
+
+    pub fn rect(entity: Entity, light: &RectLight, place: &GlobalTransform, layers: RenderLayers) -> Self {
+        let scale = place.scale();
+        let size = Vec2::new(light.width * scale.x, light.height * scale.y).abs().max(Vec2::splat(1e-6));
+        let source = Source::Rect {
+            at: place.translation(),
+            range: light.range,
+            right: 0.5 * size.x * place.right(),
+            up: 0.5 * size.y * place.up(),
+        };
+        // As much as a matt surface of its size sends out with its power.
+        let luminance = light.intensity / (size.x * size.y * std::f32::consts::PI);
+        Self { entity, source, strength: rgb(light.color) * luminance, layers }
     }
 
     /// What arrives of it at `place`, through an `exposure`.
@@ -64,6 +88,12 @@ impl SceneLight {
                 let cone = (scale * axis.dot(-direction) + offset).clamp(0.0, 1.0);
                 (direction, share * cone * cone)
             }
+            Source::Rect { at, range, right, up } => {
+                // Counter-clockwise for who sees its front.
+                let corners = [right + up, right - up, -right - up, up - right].map(|corner| at + corner);
+                let light = Directional::from_polygon(&corners, Vec3::ONE, place);
+                (light.direction, light.irradiance.x * left_at(at.distance_squared(place), range))
+            }
         };
         Directional { direction, irradiance: self.strength * share * exposure }
     }
@@ -73,9 +103,14 @@ impl SceneLight {
 /// fading to nothing at `range`.
 fn arriving(way: Vec3, range: f32) -> (Vec3, f32) {
     let square = way.length_squared();
+    (way.normalize_or(Vec3::Y), left_at(square, range) / square.max(NEAREST))
+}
+
+/// The share that is left of a light at the squared distance, of one that ends at `range`.
+fn left_at(square: f32, range: f32) -> f32 {
     let spent = square / (range * range);
     let left = (1.0 - spent * spent).clamp(0.0, 1.0);
-    (way.normalize_or(Vec3::Y), left * left / square.max(NEAREST))
+    left * left
 }
 
 /// Lumens of a light that shines into all directions as candela; Bevy takes those of a spot light so, too.
@@ -89,27 +124,27 @@ pub(crate) fn rgb(color: Color) -> Vec3 {
 }
 
 /// The light at `place` of those of `lights` that are among `layers`, and of an `ambient` radiance (candela per square
-/// metre) from everywhere, through an `exposure`.
+/// metre) from everywhere, through an `exposure`; and which lights those are.
 pub(crate) fn at(
     place: Vec3,
     lights: &[SceneLight],
     layers: &RenderLayers,
     ambient: Vec3,
     exposure: f32,
-) -> Lights {
+) -> (Lights, [Option<Entity>; MAX_LIGHTS]) {
     let seen = lights.iter().filter(|light| light.layers.intersects(layers));
     let mut arriving: Vec<_> = seen
-        .map(|light| light.at(place, exposure))
-        .filter(|light| light.irradiance.max_element() > 0.0)
+        .map(|light| (light.at(place, exposure), light.entity))
+        .filter(|(light, _)| light.is_on())
         .collect();
-    arriving.sort_by(|a, b| b.irradiance.element_sum().total_cmp(&a.irradiance.element_sum()));
-    let mut directional = [Directional::OFF; MAX_LIGHTS];
-    for (slot, light) in directional.iter_mut().zip(arriving) {
-        *slot = light;
+    arriving.sort_by(|(a, _), (b, _)| b.irradiance.element_sum().total_cmp(&a.irradiance.element_sum()));
+    let (mut directional, mut entities) = ([Directional::OFF; MAX_LIGHTS], [None; MAX_LIGHTS]);
+    for (i, (light, entity)) in arriving.into_iter().take(MAX_LIGHTS).enumerate() {
+        (directional[i], entities[i]) = (light, Some(entity));
     }
     let everywhere = ambient * exposure;
     let sky = Sky { zenith: everywhere, horizon: everywhere, ground: everywhere };
-    Lights { directional, sky, environment: Default::default() }
+    (Lights { directional, sky, environment: Default::default() }, entities)
 }
 
 #[cfg(test)]
@@ -121,13 +156,18 @@ mod tests {
     }
 
     fn seen(lights: &[SceneLight], place: Vec3) -> Vec<Directional> {
-        at(place, lights, &RenderLayers::default(), Vec3::ZERO, 1.0).active().copied().collect()
+        at(place, lights, &RenderLayers::default(), Vec3::ZERO, 1.0).0.active().copied().collect()
     }
 
     #[test]
     fn light_falls_with_the_square_of_the_distance_and_ends() {
         let light = PointLight { intensity: 4.0 * std::f32::consts::PI * 100.0, range: 1e6, ..default() };
-        let lamp = SceneLight::point(&light, &GlobalTransform::from_xyz(0.0, 2.0, 0.0), default());
+        let lamp = SceneLight::point(
+            Entity::PLACEHOLDER,
+            &light,
+            &GlobalTransform::from_xyz(0.0, 2.0, 0.0),
+            default(),
+        );
         let [near_by, far] =
             [Vec3::Y, Vec3::NEG_Y * 8.0].map(|place| seen(std::slice::from_ref(&lamp), place)[0]);
         assert!(near(near_by.direction, Vec3::Y) && near(near_by.irradiance, Vec3::splat(100.0)));
@@ -142,7 +182,7 @@ mod tests {
         let light = SpotLight { inner_angle: 0.2, outer_angle: 0.4, range: 1e6, ..default() };
         // Above the origin, looking down.
         let place = Transform::from_xyz(0.0, 1.0, 0.0).looking_at(Vec3::ZERO, Vec3::Z);
-        let spot = [SceneLight::spot(&light, &place.into(), default())];
+        let spot = [SceneLight::spot(Entity::PLACEHOLDER, &light, &place.into(), default())];
         let share = |angle: f32| {
             let place = Vec3::Y + Quat::from_rotation_x(angle) * Vec3::NEG_Y;
             seen(&spot, place).first().map_or(0.0, |light| light.irradiance.x)
@@ -154,11 +194,44 @@ mod tests {
     }
 
     #[test]
+    fn a_rectangle_shines_to_where_it_faces() {
+        let light = RectLight { intensity: 100.0, width: 0.02, height: 0.03, range: 1e6, ..default() };
+        let place = Transform::from_xyz(0.0, 3.0, 0.0).looking_at(Vec3::ZERO, Vec3::Z);
+        let lamp = [SceneLight::rect(Entity::PLACEHOLDER, &light, &place.into(), default())];
+        // Far away it is a point of as much power, by the cosine.
+        let below = seen(&lamp, Vec3::ZERO)[0];
+        let power = 100.0 / std::f32::consts::PI;
+        assert!(near(below.irradiance, Vec3::splat(power / 9.0)) && near(below.direction, Vec3::Y));
+        let aside = seen(&lamp, Vec3::X * 3.0)[0];
+        assert!(near(aside.irradiance, Vec3::splat(power / 18.0 * 0.5_f32.sqrt())), "{}", aside.irradiance);
+        assert!(seen(&lamp, Vec3::Y * 4.0).is_empty(), "there is no light behind it");
+        // Of a wall without end as much arrives as of a sky.
+        let wall = RectLight {
+            intensity: 4e6 * std::f32::consts::PI,
+            width: 2e3,
+            height: 2e3,
+            range: 1e6,
+            ..default()
+        };
+        let wall = [SceneLight::rect(Entity::PLACEHOLDER, &wall, &place.into(), default())];
+        let found = seen(&wall, Vec3::ZERO)[0].irradiance.x;
+        assert!((found / std::f32::consts::PI - 1.0).abs() < 0.01, "{found}");
+        // Twice as large in its transform: a quarter of the luminance of four times the area.
+        let double = [SceneLight::rect(
+            Entity::PLACEHOLDER,
+            &light,
+            &place.with_scale(Vec3::splat(2.0)).into(),
+            default(),
+        )];
+        assert!(near(seen(&double, Vec3::ZERO)[0].irradiance, below.irradiance));
+    }
+
+    #[test]
     fn the_strongest_four_of_the_right_layers_are_taken() {
         let sun = |lux: f32, layer: usize| {
             let light = DirectionalLight { illuminance: lux, ..default() };
             let place = Transform::default().looking_to(Vec3::NEG_Y, Vec3::Z);
-            SceneLight::directional(&light, &place.into(), RenderLayers::layer(layer))
+            SceneLight::directional(Entity::PLACEHOLDER, &light, &place.into(), RenderLayers::layer(layer))
         };
         let lights = [sun(1.0, 0), sun(50.0, 1), sun(5.0, 0), sun(3.0, 0), sun(4.0, 0), sun(2.0, 0)];
         let taken: Vec<_> = seen(&lights, Vec3::ZERO).iter().map(|light| light.irradiance.x).collect();
@@ -167,7 +240,7 @@ mod tests {
             near(seen(&lights, Vec3::ZERO)[0].direction, Vec3::Y),
             "light comes from where it does not go"
         );
-        let dim = at(Vec3::ZERO, &lights, &default(), Vec3::splat(8.0), 0.5);
+        let (dim, _) = at(Vec3::ZERO, &lights, &default(), Vec3::splat(8.0), 0.5);
         assert_eq!((dim.directional[0].irradiance.x, dim.sky.ground.x), (2.5, 4.0));
     }
 }

@@ -75,7 +75,11 @@ impl AssetLoader for HairGroomLoader {
             }
             // Of a body that bends the field is that of its head alone.
             let mesh = cooked.head.as_ref();
-            let whole = if cooked.rig.is_some() { mesh.map(|mesh| sdf::build(mesh, &Default::default())) } else { None };
+            let whole = if cooked.rig.is_some() {
+                mesh.map(|mesh| sdf::build(mesh, &Default::default()))
+            } else {
+                None
+            };
             let head = whole.transpose()?.or(cooked.field);
             return Ok(made(cooked.groom, head, cooked.head));
         }

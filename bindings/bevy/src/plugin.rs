@@ -23,12 +23,19 @@ pub struct TressesPlugin {
     /// How cameras draw hair that have no [`HairView`](crate::HairView) of their own. Its `output` is without effect. Hair
     /// cannot be [peeled](Coverage::DepthPeeling) here.
     pub view: ViewOptions,
+    /// How much of its shadow hair casts on meshes, 0 (none) to 1: their colour is darkened by the lights that light hair
+    /// and that its shadow keeps from them. What does not come of those, as emission or the light of an environment map,
+    /// is darkened alike.
+    pub casts: f32,
 }
 
 impl Default for TressesPlugin {
-    /// All strands in order, tile by tile.
+    /// All strands in order, tile by tile, with all of their shadow.
     fn default() -> Self {
-        Self { view: ViewOptions { samples: 1, coverage: Coverage::Tiles, ..ViewOptions::default() } }
+        Self {
+            view: ViewOptions { samples: 1, coverage: Coverage::Tiles, ..ViewOptions::default() },
+            casts: 1.0,
+        }
     }
 }
 
@@ -47,7 +54,7 @@ impl Plugin for TressesPlugin {
         app.init_resource::<Scene>()
             .init_resource::<render::Wardrobe>()
             .init_resource::<render::Eyes>()
-            .insert_resource(render::DefaultView(self.view))
+            .insert_resource(render::DefaultView { options: self.view, casts: self.casts })
             .add_systems(ExtractSchedule, (extract_hair, extract_light).chain())
             .add_systems(
                 Render,

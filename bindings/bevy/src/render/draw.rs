@@ -7,6 +7,7 @@
 use super::{
     Complaints, Wardrobe,
     prepare::{Worn, seen},
+    shadows::LightShadows,
     simulate::camera,
 };
 use crate::{
@@ -36,7 +37,11 @@ use tresses::{
 
 /// How cameras draw hair that do not say it.
 #[derive(Resource, Clone, Copy, Debug)]
-pub(crate) struct DefaultView(pub ViewOptions);
+pub(crate) struct DefaultView {
+    pub options: ViewOptions,
+    /// How much of its shadow hair casts.
+    pub casts: f32,
+}
 
 /// What cameras have on the GPU, by their entities in the main world.
 #[derive(Resource, Debug, Default)]
@@ -95,6 +100,7 @@ pub(crate) fn draw(
     wardrobe: Res<Wardrobe>,
     mut eyes: ResMut<Eyes>,
     usual: Res<DefaultView>,
+    shadows: LightShadows<'_, '_>,
     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
     mut complaints: Local<Complaints>,
     mut context: RenderContext,
@@ -116,19 +122,22 @@ pub(crate) fn draw(
         return;
     }
     let camera = camera(extracted);
-    let options = eye.options.unwrap_or(usual.0);
+    let options = eye.options.unwrap_or(usual.options);
     let device = device.wgpu_device();
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("hair") });
     let into = Surroundings {
-        color: target.main_texture_view(),
-        depth: &depth.attachment.texture.default_view,
         origin: [extracted.viewport.x, extracted.viewport.y],
-        projection: camera.projection,
-        geometry: None,
+        shade: usual.casts,
+        ..Surroundings::new(
+            target.main_texture_view(),
+            &depth.attachment.texture.default_view,
+            camera.projection,
+        )
     };
     let recorder =
         Recorder { pipelines: &pipelines, device, queue: &queue, encoder: &mut encoder, timings: None };
-    let drawing = Drawing { scene: &scene, eye, seen: &seen, camera, exposure: bevy_camera.exposure };
+    let exposure = bevy_camera.exposure;
+    let drawing = Drawing { scene: &scene, eye, seen: &seen, camera, exposure, shadows: &shadows, entity };
     let made = eyes.sees(entity, device, &pipelines, &options, (camera.size, target.main_texture_format()));
     match made.and_then(|sees| drawing.record(sees, recorder, into)) {
         Ok(()) => context.add_command_buffer(encoder.finish()),
@@ -165,6 +174,9 @@ struct Drawing<'a> {
     seen: &'a [(&'a SceneHair, &'a Worn)],
     camera: Camera,
     exposure: f32,
+    shadows: &'a LightShadows<'a, 'a>,
+    /// The camera.
+    entity: Entity,
 }
 
 impl Drawing<'_> {
@@ -172,10 +184,14 @@ impl Drawing<'_> {
         let (zones, focus) = self.zones();
         sees.view.set_zones(recorder.device, recorder.pipelines, &zones);
         let Self { scene, eye, .. } = self;
-        let lights = lights::at(focus.center, &scene.lights, &eye.layers, eye.ambient, self.exposure);
+        let (lights, of) = lights::at(focus.center, &scene.lights, &eye.layers, eye.ambient, self.exposure);
         let picture = Picture { camera: self.camera, lights, focus, ..Default::default() };
         let hair: Vec<&Hair> = self.seen.iter().map(|(_, worn)| &worn.hair).collect();
         let bodies: Vec<&Body> = self.seen.iter().filter_map(|(_, worn)| worn.body.as_ref()).collect();
+        let heads: Vec<_> =
+            if zones.is_empty() { vec![focus] } else { zones.iter().map(|zone| zone.focus).collect() };
+        let shadows = self.shadows.of(&of, self.entity, &heads);
+        let into = Surroundings { shadows: &shadows, ..into };
         let sight = Sight { shows: Shows::Over(&sees.embed, into), ..Sight::new(&sees.view, &picture) };
         recorder.draw(&hair, &bodies, sight)
     }

@@ -8,6 +8,7 @@
 
 mod draw;
 mod prepare;
+mod shadows;
 mod simulate;
 
 pub(crate) use draw::{DefaultView, Eyes, draw, read_depth};

@@ -26,8 +26,13 @@ pub const SIZE: [u32; 2] = [128, 96];
 /// Radius of the head, metres.
 pub const HEAD: f32 = 0.08;
 
-/// An app that reads assets from `assets`; each update is a sixtieth of a second.
+/// An app that reads assets from `assets`; each update is a sixtieth of a second. Hair casts no shadow on meshes.
 pub fn app(assets: &str) -> App {
+    app_that_casts(assets, 0.0)
+}
+
+/// One whose hair casts so much of its shadow.
+pub fn app_that_casts(assets: &str, casts: f32) -> App {
     let mut app = App::new();
     let window =
         WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..Default::default() };
@@ -41,7 +46,7 @@ pub fn app(assets: &str) -> App {
         .disable::<LogPlugin>()
         .disable::<PipelinedRenderingPlugin>()
         .set(RenderPlugin { synchronous_pipeline_compilation: true, ..Default::default() });
-    app.add_plugins((plugins, TressesPlugin::default()))
+    app.add_plugins((plugins, TressesPlugin { casts, ..Default::default() }))
         .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_micros(16_667)))
         .insert_resource(ClearColor(Color::BLACK));
     while app.plugins_state() == PluginsState::Adding {

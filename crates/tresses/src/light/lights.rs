@@ -21,6 +21,35 @@ impl Directional {
     /// No light.
     pub const OFF: Self = Self { direction: Vec3::Y, irradiance: Vec3::ZERO };
 
+    /// Of a lamp at `at`, metres, as it arrives at `place`, where hair is: its `intensity` (radiance times square metres)
+    /// falls with the square of the distance, below a centimetre no more.
+    pub fn from_point(at: Vec3, intensity: Vec3, place: Vec3) -> Self {
+        const LEAST: f32 = 1e-4;
+        let way = at - place;
+        Self { direction: way.normalize_or(Vec3::Y), irradiance: intensity / way.length_squared().max(LEAST) }
+    }
+
+    /// Of a flat lamp, a polygon with these `corners` (metres) in their order, each point of whose front sends `radiance`
+    /// to all sides, as it arrives at `place`: its direction is the mean of all of it, its irradiance what a surface that
+    /// faces there receives of a polygon that is wholly before it (Lambert's formula, 1760). From where its corners go
+    /// round clockwise there is no light: that is its back.
+    pub fn from_polygon(corners: &[Vec3], radiance: Vec3, place: Vec3) -> Self {
+        let edge = |i: usize| {
+            let [a, b] = [i, (i + 1) % corners.len()].map(|i| corners[i] - place);
+            let across = a.cross(b);
+            // The angle by its tangent, which is exact also where it is small.
+            0.5 * across.length().atan2(a.dot(b)) * across.normalize_or_zero()
+        };
+        let arrives: Vec3 = (0..corners.len()).map(edge).sum();
+        let middle = corners.iter().sum::<Vec3>() / corners.len().max(1) as f32 - place;
+        // Seen counter-clockwise, the edges turn to the place. A place in the plane sees none of it, or is no number.
+        let share = -arrives.length() * arrives.dot(middle).signum();
+        if !(share > 0.0 && share.is_finite()) {
+            return Self::OFF;
+        }
+        Self { direction: -arrives.normalize_or(Vec3::Y), irradiance: share * radiance }
+    }
+
     /// Whether any light comes of it.
     pub fn is_on(&self) -> bool {
         self.irradiance.max_element() > 0.0
@@ -304,6 +333,42 @@ mod tests {
             let near = matrix.project_point3(focus.center + unit * 0.25);
             assert!(near.z.abs() < 2e-3, "{near}");
         }
+    }
+
+    #[test]
+    fn lamps_arrive_as_parallel_light() {
+        let point = Directional::from_point(Vec3::Y * 3.0, Vec3::splat(18.0), Vec3::Y);
+        assert_eq!((point.direction, point.irradiance), (Vec3::Y, Vec3::splat(4.5)));
+        // A square above the place, its front below: from there its corners go round counter-clockwise.
+        let square = |half: f32, y: f32| {
+            [[1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]]
+                .map(|[x, z]| Vec3::new(half * x, y, half * z))
+        };
+        let of = |corners: &[Vec3], place| Directional::from_polygon(corners, Vec3::ONE, place);
+        let near = |found: f32, expected: f32| (found / expected - 1.0).abs() < 2e-3;
+        // Small, it is a point of its area, by the cosine; of a plane without end as much arrives as of a sky.
+        let below = of(&square(0.01, 2.0), Vec3::ZERO);
+        assert!(below.direction.dot(Vec3::Y) > 0.999 && near(below.irradiance.x, 4e-4 / 4.0), "{below:?}");
+        let aside = of(&square(0.01, 2.0), Vec3::X * 2.0);
+        assert!(near(aside.irradiance.x, 4e-4 / 8.0 * 0.5_f32.sqrt()), "{aside:?}");
+        assert!(near(of(&square(1e4, 2.0), Vec3::ZERO).irradiance.x, std::f32::consts::PI));
+        // A disc of many corners over its middle: pi r² / (r² + d²).
+        let disc: Vec<_> = (0..256)
+            .map(|i| (std::f32::consts::TAU * i as f32 / 256.0).sin_cos())
+            .map(|(s, c)| Vec3::new(1.5 * s, 2.0, 1.5 * c))
+            .rev()
+            .collect();
+        let expected = std::f32::consts::PI * 2.25 / 6.25;
+        assert!(near(of(&disc, Vec3::ZERO).irradiance.x, expected), "{:?} {expected}", of(&disc, Vec3::ZERO));
+        // Behind it, in its plane, of too few corners, and where something is no number there is no light.
+        let off = [
+            of(&square(1.0, 2.0), Vec3::Y * 3.0),
+            of(&square(1.0, 2.0), Vec3::new(5.0, 2.0, 0.0)),
+            of(&square(1.0, 2.0)[..2], Vec3::ZERO),
+            of(&[], Vec3::ZERO),
+            of(&square(1.0, 2.0), Vec3::NAN),
+        ];
+        assert!(off.iter().all(|light| !light.is_on()), "{off:?}");
     }
 
     #[test]

@@ -207,7 +207,7 @@ fn covered(picture: &[Vec4], color: Vec4) -> usize {
 }
 
 /// The largest difference of a channel.
-fn difference(a: &[Vec4], b: &[Vec4]) -> f32 {
+pub fn difference(a: &[Vec4], b: &[Vec4]) -> f32 {
     a.iter().zip(b).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max)
 }
 

@@ -1,7 +1,7 @@
 //! Shadows between hair and a host's scene: the scene's shadow maps keep light from hair, and hair's shadow falls on
 //! the scene, by a pass over its colour and by a function for its shaders.
 
-use crate::common;
+use crate::{common, embed::difference};
 
 use half::f16;
 use tresses::{
@@ -350,6 +350,18 @@ fn hair_casts_its_shadow_on_the_scene() {
         let free = walls.iter().filter(|i| kept(&shaded, **i) == 1.0).count();
         assert!(free > walls.len() / 3, "{free} of {} pixels keep their bits", walls.len());
     }
+    // Where the scene keeps the light away hair keeps nothing, whether there is a sky or not.
+    let flat = orthographic(-0.4, 0.4, -0.4, 0.4, 0.1, 4.0);
+    let plate = setup.map(flat, [EDGE; 2], |_, _| 2.0);
+    let projection = from(3.0 * direction, flat);
+    let shadow = SceneShadow { light: 1, depth: &plate, part: None, projection, bias: 0.0 };
+    let sky = setup.picture.lights.sky;
+    for sky in [sky, Sky::default()] {
+        setup.picture.lights.sky = sky;
+        let [plain, shaded] = [0.0, 1.0].map(|shade| setup.drawn(&[shadow], shade).unwrap());
+        assert!(difference(&plain, &shaded) < 1e-3, "{}", difference(&plain, &shaded));
+    }
+    setup.picture.lights.sky = sky;
     // Nothing where there is nothing: at the far end, and for strength that is none.
     setup.samples = 1;
     setup.wall = 1.0;
