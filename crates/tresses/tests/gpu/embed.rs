@@ -79,25 +79,85 @@ impl<'a> Setup<'a> {
         let Gpu { device, queue, .. } = self.gpu;
         let ([width, height], [left, top]) = (SIZE, self.origin);
         let whole = [width + 2 * left, height + 2 * top];
-        let texture = |format, usage, sample_count, [width, height]: [u32; 2]| {
-            device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("scene"),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: usage | TextureUsages::RENDER_ATTACHMENT,
-                view_formats: &[],
-            })
-        };
-        let picture = texture(TextureFormat::Rgba16Float, TextureUsages::COPY_SRC, 1, whole);
-        let picture_view = picture.create_view(&Default::default());
-        let depths =
-            texture(TextureFormat::Depth32Float, TextureUsages::TEXTURE_BINDING, self.samples.0, whole)
-                .create_view(&Default::default());
-        let [r, g, b, a] = color.to_array().map(f64::from);
         let mut encoder = device.create_command_encoder(&Default::default());
+        let behind = (self.samples.1 != 0).then(|| far_away(device, self.samples, projection));
+        let scene = Drawn::new(self.gpu, &mut encoder, (whole, self.samples.0), (color, depth), behind);
+        let known = target(device, Embed::GEOMETRY, TextureUsages::COPY_SRC, (SIZE, 1));
+        let known_view = known.create_view(&Default::default());
+        let geometry = asked.then_some(&known_view);
+        let into = Surroundings {
+            origin: self.origin,
+            geometry,
+            ..Surroundings::new(&scene.color, &scene.depth, projection)
+        };
+        let sight = Sight { shows: Shows::Over(&self.embed, into), ..Sight::new(&self.view, &self.scene) };
+        Recorder { pipelines: self.pipelines, device, queue, encoder: &mut encoder, timings: None }.draw(
+            &[&self.hair][..usize::from(self.grown)],
+            &[],
+            sight,
+        )?;
+        queue.submit([encoder.finish()]);
+        let texels = scene.read(self.gpu)?;
+        let known =
+            bytemuck::pod_collect_to_vec(&pollster::block_on(readback::texture(device, queue, &known))?);
+        Ok([texels, known])
+    }
+
+    /// Where hair is before a wall behind it.
+    fn known(&self, projection: Mat4) -> Vec<Vec4> {
+        let far = projection.project_point3(Vec3::NEG_Z * 20.0).z;
+        let [over, known] = self.drawn(Vec4::ZERO, projection, far, true).expect("it fits");
+        assert!(over.iter().any(|texel| texel.max_element() > 0.01), "there is hair");
+        known
+    }
+
+    /// The same, the scene being a wall that stands `distance` metres from the eye.
+    fn wall(&self, color: Vec4, projection: Mat4, distance: f32) -> Vec<Vec4> {
+        self.over(color, projection, projection.project_point3(Vec3::NEG_Z * distance).z)
+    }
+}
+
+/// A texture that is drawn into: its size, and how many samples its pixels have.
+pub fn target(
+    device: &wgpu::Device,
+    format: TextureFormat,
+    usage: TextureUsages,
+    ([width, height], sample_count): ([u32; 2], u32),
+) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("scene"),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: usage | TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    })
+}
+
+/// A scene of one colour and one depth.
+pub struct Drawn {
+    picture: wgpu::Texture,
+    pub color: wgpu::TextureView,
+    pub depth: wgpu::TextureView,
+}
+
+impl Drawn {
+    /// Of so many pixels and samples of depth, some of which a pipeline puts elsewhere.
+    pub fn new(
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        (size, samples): ([u32; 2], u32),
+        (color, depth): (Vec4, f32),
+        behind: Option<wgpu::RenderPipeline>,
+    ) -> Self {
+        let device = &gpu.device;
+        let picture = target(device, TextureFormat::Rgba16Float, TextureUsages::COPY_SRC, (size, 1));
+        let depths = (TextureFormat::Depth32Float, TextureUsages::TEXTURE_BINDING);
+        let depths = target(device, depths.0, depths.1, (size, samples)).create_view(&Default::default());
+        let picture_view = picture.create_view(&Default::default());
+        let [r, g, b, a] = color.to_array().map(f64::from);
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("scene"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -123,45 +183,19 @@ impl<'a> Setup<'a> {
             }),
             ..Default::default()
         });
-        if self.samples.1 != 0 {
-            pass.set_pipeline(&far_away(device, self.samples, projection));
+        if let Some(behind) = behind {
+            pass.set_pipeline(&behind);
             pass.draw(0..3, 0..1);
         }
         drop(pass);
-        let known = texture(Embed::GEOMETRY, TextureUsages::COPY_SRC, 1, SIZE);
-        let known_view = known.create_view(&Default::default());
-        let geometry = asked.then_some(&known_view);
-        let into = Surroundings {
-            origin: self.origin,
-            geometry,
-            ..Surroundings::new(&picture_view, &depths, projection)
-        };
-        let sight = Sight { shows: Shows::Over(&self.embed, into), ..Sight::new(&self.view, &self.scene) };
-        Recorder { pipelines: self.pipelines, device, queue, encoder: &mut encoder, timings: None }.draw(
-            &[&self.hair][..usize::from(self.grown)],
-            &[],
-            sight,
-        )?;
-        queue.submit([encoder.finish()]);
-        let bytes = pollster::block_on(readback::texture(device, queue, &picture))?;
+        Self { picture, color: picture_view, depth: depths }
+    }
+
+    /// What is in its colour.
+    pub fn read(&self, gpu: &Gpu) -> Result<Vec<Vec4>> {
+        let bytes = pollster::block_on(readback::texture(&gpu.device, &gpu.queue, &self.picture))?;
         let texels: Vec<[f16; 4]> = bytemuck::pod_collect_to_vec(&bytes);
-        let texels = texels.iter().map(|texel| Vec4::from_array(texel.map(f16::to_f32))).collect();
-        let known =
-            bytemuck::pod_collect_to_vec(&pollster::block_on(readback::texture(device, queue, &known))?);
-        Ok([texels, known])
-    }
-
-    /// Where hair is before a wall behind it.
-    fn known(&self, projection: Mat4) -> Vec<Vec4> {
-        let far = projection.project_point3(Vec3::NEG_Z * 20.0).z;
-        let [over, known] = self.drawn(Vec4::ZERO, projection, far, true).expect("it fits");
-        assert!(over.iter().any(|texel| texel.max_element() > 0.01), "there is hair");
-        known
-    }
-
-    /// The same, the scene being a wall that stands `distance` metres from the eye.
-    fn wall(&self, color: Vec4, projection: Mat4, distance: f32) -> Vec<Vec4> {
-        self.over(color, projection, projection.project_point3(Vec3::NEG_Z * distance).z)
+        Ok(texels.iter().map(|texel| Vec4::from_array(texel.map(f16::to_f32))).collect())
     }
 }
 

@@ -1,9 +1,11 @@
 //! Shadows between hair and a host's scene: the scene's shadow maps keep light from hair, and hair's shadow falls on
 //! the scene, by a pass over its colour and by a function for its shaders.
 
-use crate::{common, embed::difference};
+use crate::{
+    common,
+    embed::{Drawn, difference},
+};
 
-use half::f16;
 use tresses::{
     Camera, Error, Hair, Pose, Result, View,
     draw::{Coverage, Embed, Surroundings, embed::shade},
@@ -83,22 +85,6 @@ impl<'a> Setup<'a> {
     /// The picture with the scene's `shadows`, and with so much of hair's own `shade`.
     fn drawn(&self, shadows: &[SceneShadow<'_>], shade: f32) -> Result<Vec<Vec4>> {
         let Gpu { device, queue, .. } = self.gpu;
-        let texture = |format, usage, sample_count| {
-            device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("scene"),
-                size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: usage | TextureUsages::RENDER_ATTACHMENT,
-                view_formats: &[],
-            })
-        };
-        let color = texture(TextureFormat::Rgba16Float, TextureUsages::COPY_SRC, 1);
-        let color_view = color.create_view(&Default::default());
-        let depth = texture(TextureFormat::Depth32Float, TextureUsages::TEXTURE_BINDING, self.samples)
-            .create_view(&Default::default());
         let aspect = SIZE[0] as f32 / SIZE[1] as f32;
         let (projection, far) = match self.wall.is_finite() {
             true => {
@@ -108,32 +94,9 @@ impl<'a> Setup<'a> {
             false => (Camera::perspective(FOV, aspect, 0.05), 0.0),
         };
         let mut encoder = device.create_command_encoder(&Default::default());
-        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("scene"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &color_view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color { r: 0.5, g: 0.5, b: 0.5, a: 1.0 }),
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
-            ..Default::default()
-        });
-        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("scene's depth"),
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &depth,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(far),
-                    store: wgpu::StoreOp::Store,
-                }),
-                stencil_ops: None,
-            }),
-            ..Default::default()
-        });
-        let into = Surroundings { shadows, shade, ..Surroundings::new(&color_view, &depth, projection) };
+        let scene = Drawn::new(self.gpu, &mut encoder, (SIZE, self.samples), (WALL, far), None);
+        let into =
+            Surroundings { shadows, shade, ..Surroundings::new(&scene.color, &scene.depth, projection) };
         let sight = Sight { shows: Shows::Over(&self.embed, into), ..Sight::new(&self.view, &self.picture) };
         let pipelines = common::pipelines().expect("there is a GPU");
         Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }.draw(
@@ -142,9 +105,7 @@ impl<'a> Setup<'a> {
             sight,
         )?;
         queue.submit([encoder.finish()]);
-        let bytes = pollster::block_on(readback::texture(device, queue, &color))?;
-        let texels: Vec<[f16; 4]> = bytemuck::pod_collect_to_vec(&bytes);
-        Ok(texels.iter().map(|texel| Vec4::from_array(texel.map(f16::to_f32))).collect())
+        scene.read(self.gpu)
     }
 
     /// A shadow map of the scene of so many columns and rows, whose texel at x and y has what is `metres(x, y)` metres
