@@ -78,6 +78,7 @@ python: setup ## Build the wheel for Python into dist/python/, install it in tar
 fuzz: setup ## Give readers damaged files, a minute each and 8 GB for all
 	cd fuzz && $(CARGO) fmt --check && ulimit -v 8388608 && \
 		BOLERO_RANDOM_TEST_TIME_MS=60000 BOLERO_RANDOM_ITERATIONS=1000000000 $(LINTED) test
+	TRESSES_DAMAGED_SECONDS=60 $(LINTED) test --workspace --lib -- damaged
 
 release: setup ## Pack the command for this machine into dist/
 	@scripts/release

@@ -7,6 +7,8 @@ pub mod character;
 pub mod colliders;
 pub mod companions;
 pub mod crowd;
+#[cfg(test)]
+mod damaged;
 pub mod face;
 mod flesh;
 pub mod history;

@@ -6,6 +6,7 @@
 
 use super::{
     Complaints, Wardrobe,
+    motion::Motion,
     prepare::{Worn, seen},
     shadows::LightShadows,
     simulate::camera,
@@ -16,6 +17,7 @@ use crate::{
 };
 use bevy::{
     camera::MainPassResolutionOverride,
+    core_pipeline::prepass::ViewPrepassTextures,
     ecs::entity::EntityHashMap,
     prelude::*,
     render::{
@@ -28,7 +30,7 @@ use bevy::{
 use tresses::{
     Camera, Hair, Pipelines, Result, View,
     body::Body,
-    draw::{Embed, Surroundings},
+    draw::{Coverage, Embed, Surroundings},
     frame::{Recorder, Shows, Sight},
     light::{Sphere, Zone},
     view::{Picture, ViewOptions},
@@ -52,6 +54,8 @@ struct Sees {
     view: View,
     embed: Embed,
     format: TextureFormat,
+    /// Where the scene wants to know how it moves.
+    motion: Option<Motion>,
 }
 
 impl Sees {
@@ -63,7 +67,7 @@ impl Sees {
     ) -> Result<Self> {
         let view = View::new(device, pipelines, options, size, 1)?;
         let embed = Embed::new(device, (options.samples, options.coverage), format)?;
-        Ok(Self { view, embed, format })
+        Ok(Self { view, embed, format, motion: None })
     }
 }
 
@@ -90,6 +94,7 @@ type Seeing<'a> = (
     &'a ExtractedCamera,
     &'a ViewTarget,
     &'a ViewDepthStencilTexture,
+    Option<&'a ViewPrepassTextures>,
     Has<MainPassResolutionOverride>,
 );
 
@@ -105,7 +110,7 @@ pub(crate) fn draw(
     mut complaints: Local<Complaints>,
     mut context: RenderContext,
 ) {
-    let (extracted, bevy_camera, target, depth, scaled) = seeing.into_inner();
+    let (extracted, bevy_camera, target, depth, prepass, scaled) = seeing.into_inner();
     let entity = extracted.retained_view_entity.main_entity.entity();
     let (Some(eye), Some(pipelines)) = (scene.cameras.get(&entity), wardrobe.pipelines()) else { return };
     // A camera that has just come gets its wide range for the next frame.
@@ -137,9 +142,14 @@ pub(crate) fn draw(
     let recorder =
         Recorder { pipelines: &pipelines, device, queue: &queue, encoder: &mut encoder, timings: None };
     let exposure = bevy_camera.exposure;
+    // Of several samples in each pixel, which nothing that needs motion has, none is told. Tiles alone know it.
+    let vectors = prepass.and_then(|prepass| prepass.motion_vectors.as_ref()).map(|of| &of.texture);
+    let vectors = vectors
+        .filter(|of| of.texture.sample_count() == 1 && options.coverage == Coverage::Tiles)
+        .map(|of| (&*of.default_view, of.texture.format()));
     let drawing = Drawing { scene: &scene, eye, seen: &seen, camera, exposure, shadows: &shadows, entity };
     let made = eyes.sees(entity, device, &pipelines, &options, (camera.size, target.main_texture_format()));
-    match made.and_then(|sees| drawing.record(sees, recorder, into)) {
+    match made.and_then(|sees| drawing.record(sees, recorder, into, vectors)) {
         Ok(()) => context.add_command_buffer(encoder.finish()),
         Err(error) => complaints.say(format!("camera {entity} cannot show hair: {error}")),
     }
@@ -180,7 +190,14 @@ struct Drawing<'a> {
 }
 
 impl Drawing<'_> {
-    fn record(&self, sees: &mut Sees, mut recorder: Recorder<'_>, into: Surroundings<'_>) -> Result<()> {
+    /// Draws the hair into a scene; how it moves into the scene's motion `vectors`, where it has some.
+    fn record(
+        &self,
+        sees: &mut Sees,
+        mut recorder: Recorder<'_>,
+        into: Surroundings<'_>,
+        vectors: Option<(&wgpu::TextureView, TextureFormat)>,
+    ) -> Result<()> {
         let (zones, focus) = self.zones();
         sees.view.set_zones(recorder.device, recorder.pipelines, &zones);
         let Self { scene, eye, .. } = self;
@@ -191,9 +208,17 @@ impl Drawing<'_> {
         let heads: Vec<_> =
             if zones.is_empty() { vec![focus] } else { zones.iter().map(|zone| zone.focus).collect() };
         let shadows = self.shadows.of(&of, self.entity, &heads);
-        let into = Surroundings { shadows: &shadows, ..into };
+        let (device, size) = (recorder.device, self.camera.size);
+        let moves =
+            vectors.map(|(vectors, format)| (vectors, Motion::of(&mut sees.motion, device, size, format)));
+        let geometry = moves.map(|(_, motion)| &motion.known);
+        let into = Surroundings { shadows: &shadows, geometry, ..into };
         let sight = Sight { shows: Shows::Over(&sees.embed, into), ..Sight::new(&sees.view, &picture) };
-        recorder.draw(&hair, &bodies, sight)
+        recorder.draw(&hair, &bodies, sight)?;
+        if let Some((vectors, motion)) = moves {
+            motion.record(recorder.encoder, vectors, into.origin);
+        }
+        Ok(())
     }
 
     /// A zone of light for each head, where there are several, and what the nearest one covers.

@@ -7,6 +7,7 @@
 //! ```
 
 mod draw;
+mod motion;
 mod prepare;
 mod shadows;
 mod simulate;

@@ -121,3 +121,108 @@ fn hair_of_two_heads_meets() {
     assert!(differ(&alone, &through) < 10, "there is nobody to meet: {}", differ(&alone, &through));
     assert!(differ(&beside, &through) > 60, "{} pixels of {}", differ(&beside, &through), through.len());
 }
+
+/// The motion vectors that a camera has after the last frame, pixel by pixel.
+fn vectors(app: &mut App) -> Vec<Vec2> {
+    use bevy::{core_pipeline::prepass::ViewPrepassTextures, render::RenderApp};
+    use tresses::{
+        gpu::{Binding, bindings, readback},
+        wgpu,
+    };
+    let world = app.sub_app_mut(RenderApp).world_mut();
+    let found = world.query::<&ViewPrepassTextures>().iter(world).next().expect("there is a prepass");
+    let motion = found.motion_vectors.as_ref().expect("that has motion").texture.default_view.clone();
+    let size = found.size;
+    let device = world.resource::<bevy::render::renderer::RenderDevice>().wgpu_device();
+    let queue = world.resource::<bevy::render::renderer::RenderQueue>();
+    // Bevy's texture cannot be copied from.
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: None,
+        source: wgpu::ShaderSource::Wgsl(
+            "@group(0) @binding(0) var motion: texture_2d<f32>;
+            @group(0) @binding(1) var<storage, read_write> out: array<vec2<f32>>;
+            @compute @workgroup_size(1) fn read(@builtin(global_invocation_id) id: vec3<u32>) {
+                out[id.y * textureDimensions(motion).x + id.x] = textureLoad(motion, vec2<i32>(id.xy), 0).xy;
+            }"
+            .into(),
+        ),
+    });
+    let entries = [Binding::Texels2d, Binding::StorageMut];
+    let layout = bindings::layout(device, "motion", wgpu::ShaderStages::COMPUTE, &entries);
+    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: None,
+        layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: None,
+            bind_group_layouts: &[Some(&layout)],
+            immediate_size: 0,
+        })),
+        module: &module,
+        entry_point: Some("read"),
+        compilation_options: Default::default(),
+        cache: None,
+    });
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: 8 * u64::from(size.width * size.height),
+        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+        mapped_at_creation: false,
+    });
+    let bound = [wgpu::BindingResource::TextureView(&motion), buffer.as_entire_binding()];
+    let group = bindings::group(device, "motion", &layout, &bound);
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let mut pass = encoder.begin_compute_pass(&Default::default());
+    pass.set_pipeline(&pipeline);
+    pass.set_bind_group(0, &group, &[]);
+    pass.dispatch_workgroups(size.width, size.height, 1);
+    drop(pass);
+    queue.submit([encoder.finish()]);
+    let found = readback::blocking::buffer::<[f32; 2]>(device, queue, &buffer).expect("the device is there");
+    found.into_iter().map(Vec2::from_array).collect()
+}
+
+#[test]
+fn bevy_is_told_how_hair_moves() {
+    let mut app = app("assets");
+    light(&mut app);
+    let (eye, image) = camera(&mut app);
+    app.world_mut().entity_mut(eye).insert(bevy::core_pipeline::prepass::MotionVectorPrepass);
+    let bare = after(&mut app, 3, &image);
+    let groom = app.world_mut().resource_mut::<Assets<HairGroom>>().add(groom());
+    app.world_mut().spawn(Hair3d(groom));
+    wait(&mut app);
+    let still = seen(&mut app, 30, &image, &bare);
+    assert!(still.len() > 400, "{} pixels of hair", still.len());
+    let at = |[x, y]: &[u32; 2], vectors: &[Vec2]| vectors[(y * 128 + x) as usize];
+    // Well inside the fan, where hair hides what is behind.
+    let inside = |hair: &[[u32; 2]]| -> Vec<[u32; 2]> {
+        let all = |[x, y]: &[u32; 2]| (0..9).all(|k| hair.contains(&[x + k % 3 - 1, y + k / 3 - 1]));
+        hair.iter().filter(|at| all(at)).copied().collect()
+    };
+    let found = vectors(&mut app);
+    let moved = inside(&still).iter().filter(|place| at(place, &found).length() > 2e-3).count();
+    assert!(moved * 20 < still.len(), "{moved} of {} pixels of hair that stands still move", still.len());
+    // The camera goes to the right, by 4 mm a frame, and hair half a metre away to the left in its picture.
+    let way = 0.004;
+    for step in 1..6 {
+        let place = Transform::from_xyz(way * step as f32, 0.0, 0.5);
+        app.world_mut().entity_mut(eye).insert(place);
+        app.update();
+    }
+    let hair = inside(&seen(&mut app, 0, &image, &bare));
+    let found = vectors(&mut app);
+    let expected = -way / (2.0 * 0.5 * 0.4_f32.tan() * 128.0 / 96.0);
+    let (mut right, mut sum) = (0, 0.0);
+    for place in &hair {
+        let moved = at(place, &found);
+        sum += moved.x / hair.len() as f32;
+        right += usize::from((moved.x / expected - 1.0).abs() < 0.15 && moved.y.abs() < 2e-3);
+    }
+    println!(
+        "hair moves by {sum} of the picture's width, expected {expected}; {right} of {} pixels",
+        hair.len()
+    );
+    assert!(right * 10 > 9 * hair.len() && hair.len() > 200);
+    // Beside it what the prepass has written stays: nothing.
+    let beside = (0..96).map(|y| at(&[4, y], &found).length()).fold(0.0, f32::max);
+    assert_eq!(beside, 0.0);
+}

@@ -2,11 +2,11 @@
 //! environments. A [`Source`] names them; here they are read, from the disk or,
 //! in a browser, from a [`Shelf`] of bytes.
 
-mod levels;
+pub(crate) mod levels;
 mod maps;
 mod shelf;
 mod surroundings;
-mod ties;
+pub(crate) mod ties;
 
 pub use levels::levels;
 pub use maps::{ColorSource, MapSource};

@@ -134,7 +134,7 @@ impl Motion {
         Self::parse(&text).with_context(|| path.display().to_string())
     }
 
-    fn parse(text: &str) -> Result<Self> {
+    pub(crate) fn parse(text: &str) -> Result<Self> {
         let File { repeats, keys } = serde_json::from_str(text)?;
         Self::keyed(keys, repeats)
     }
