@@ -33,6 +33,8 @@ pub(crate) struct SceneLight {
     /// (candela), by its colour.
     pub strength: Vec3,
     pub layers: RenderLayers,
+    /// Whether hair casts a shadow in it: as meshes do.
+    pub casts: bool,
 }
 
 impl SceneLight {
@@ -43,12 +45,14 @@ impl SceneLight {
         layers: RenderLayers,
     ) -> Self {
         let strength = rgb(light.color) * light.illuminance;
-        Self { entity, source: Source::Distant(place.back().into()), strength, layers }
+        let source = Source::Distant(place.back().into());
+        Self { entity, source, strength, layers, casts: light.shadow_maps_enabled }
     }
 
     pub fn point(entity: Entity, light: &PointLight, place: &GlobalTransform, layers: RenderLayers) -> Self {
         let source = Source::Point { at: place.translation(), range: light.range };
-        Self { entity, source, strength: rgb(light.color) * candela(light.intensity), layers }
+        let strength = rgb(light.color) * candela(light.intensity);
+        Self { entity, source, strength, layers, casts: light.shadow_maps_enabled }
     }
 
     pub fn spot(entity: Entity, light: &SpotLight, place: &GlobalTransform, layers: RenderLayers) -> Self {
@@ -61,7 +65,8 @@ impl SceneLight {
             scale,
             offset: -outer * scale,
         };
-        Self { entity, source, strength: rgb(light.color) * candela(light.intensity), layers }
+        let strength = rgb(light.color) * candela(light.intensity);
+        Self { entity, source, strength, layers, casts: light.shadow_maps_enabled }
     }
 
     pub fn rect(entity: Entity, light: &RectLight, place: &GlobalTransform, layers: RenderLayers) -> Self {
@@ -75,7 +80,8 @@ impl SceneLight {
         };
         // As much as a matt surface of its size sends out with its power.
         let luminance = light.intensity / (size.x * size.y * std::f32::consts::PI);
-        Self { entity, source, strength: rgb(light.color) * luminance, layers }
+        // Nothing casts a shadow of it in Bevy.
+        Self { entity, source, strength: rgb(light.color) * luminance, layers, casts: false }
     }
 
     /// What arrives of it at `place`, through an `exposure`.
@@ -124,27 +130,26 @@ pub(crate) fn rgb(color: Color) -> Vec3 {
 }
 
 /// The light at `place` of those of `lights` that are among `layers`, and of an `ambient` radiance (candela per square
-/// metre) from everywhere, through an `exposure`; and which lights those are.
+/// metre) from everywhere, through an `exposure`; which lights those are, and in which of them hair casts a shadow.
 pub(crate) fn at(
     place: Vec3,
     lights: &[SceneLight],
     layers: &RenderLayers,
     ambient: Vec3,
     exposure: f32,
-) -> (Lights, [Option<Entity>; MAX_LIGHTS]) {
+) -> (Lights, [Option<Entity>; MAX_LIGHTS], [bool; MAX_LIGHTS]) {
     let seen = lights.iter().filter(|light| light.layers.intersects(layers));
-    let mut arriving: Vec<_> = seen
-        .map(|light| (light.at(place, exposure), light.entity))
-        .filter(|(light, _)| light.is_on())
-        .collect();
+    let mut arriving: Vec<_> =
+        seen.map(|light| (light.at(place, exposure), light)).filter(|(light, _)| light.is_on()).collect();
     arriving.sort_by(|(a, _), (b, _)| b.irradiance.element_sum().total_cmp(&a.irradiance.element_sum()));
     let (mut directional, mut entities) = ([Directional::OFF; MAX_LIGHTS], [None; MAX_LIGHTS]);
-    for (i, (light, entity)) in arriving.into_iter().take(MAX_LIGHTS).enumerate() {
-        (directional[i], entities[i]) = (light, Some(entity));
+    let mut casts = [false; MAX_LIGHTS];
+    for (i, (light, of)) in arriving.into_iter().take(MAX_LIGHTS).enumerate() {
+        (directional[i], entities[i], casts[i]) = (light, Some(of.entity), of.casts);
     }
     let everywhere = ambient * exposure;
     let sky = Sky { zenith: everywhere, horizon: everywhere, ground: everywhere };
-    (Lights { directional, sky, environment: Default::default() }, entities)
+    (Lights { directional, sky, environment: Default::default() }, entities, casts)
 }
 
 #[cfg(test)]
@@ -240,7 +245,7 @@ mod tests {
             near(seen(&lights, Vec3::ZERO)[0].direction, Vec3::Y),
             "light comes from where it does not go"
         );
-        let (dim, _) = at(Vec3::ZERO, &lights, &default(), Vec3::splat(8.0), 0.5);
+        let (dim, ..) = at(Vec3::ZERO, &lights, &default(), Vec3::splat(8.0), 0.5);
         assert_eq!((dim.directional[0].irradiance.x, dim.sky.ground.x), (2.5, 4.0));
     }
 }

@@ -23,9 +23,9 @@ pub struct TressesPlugin {
     /// How cameras draw hair that have no [`HairView`](crate::HairView) of their own. Its `output` is without effect. Hair
     /// cannot be [peeled](Coverage::DepthPeeling) here.
     pub view: ViewOptions,
-    /// How much of its shadow hair casts on meshes, 0 (none) to 1: their colour is darkened by the lights that light hair
-    /// and that its shadow keeps from them. What does not come of those, as emission or the light of an environment map,
-    /// is darkened alike.
+    /// How much of its shadow hair casts on meshes, 0 (none) to 1, in lights with `shadow_maps_enabled`: their colour is
+    /// darkened by what hair keeps of the lights that light it, to 2.5 m behind it. What does not come of those, as
+    /// emission or the light of an environment map, is darkened alike, and so is what is behind a floor.
     pub casts: f32,
 }
 

@@ -314,6 +314,7 @@ impl Recorder<'_> {
             light: (&self.pipelines.light, &view.light),
             parts: &parts,
             camera: &picture.camera,
+            lights: &picture.lights,
             focus: &picture.focus,
             coverage: view.options().coverage,
             rate: picture.shading,

@@ -255,8 +255,9 @@ impl View {
     }
 
     /// What shaders that ask for its light bind, with [`Pipelines::light_layout`]: those of a scene that asks hair for its
-    /// shadow ([`draw::embed::shade::wgsl`](crate::draw::embed::shade::wgsl)). Of a view with [zones](Self::set_zones) it
-    /// is the light around the focus. It is another one after [`set_options`](Self::set_options).
+    /// shadow ([`draw::embed::shade::wgsl`](crate::draw::embed::shade::wgsl)). It is the view's own
+    /// light: hair that lies in a zone ([`set_zones`](Self::set_zones), [`fit_light`](Self::fit_light)) is not in it. It
+    /// is another one after [`set_options`](Self::set_options).
     pub fn light_group(&self) -> &wgpu::BindGroup {
         &self.light.frame
     }

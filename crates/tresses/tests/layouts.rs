@@ -588,7 +588,7 @@ fn embed() {
     );
     assert_eq!(
         wgsl_layout("draw::embed::shade::shaded::ShadeUniform"),
-        rust_layout!(ShadeUniform { to_world, eye, origin, size, strength, _pad_a, _pad_b, _pad_c })
+        rust_layout!(ShadeUniform { to_eye, to_world, origin, size, strength, reach, nothing, lights })
     );
     assert_eq!(
         wgsl_layout("light::scene::bring::SceneUniform"),

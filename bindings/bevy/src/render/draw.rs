@@ -30,7 +30,7 @@ use bevy::{
 use tresses::{
     Camera, Hair, Pipelines, Result, View,
     body::Body,
-    draw::{Coverage, Embed, Surroundings},
+    draw::{Coverage, Embed, Shade, Surroundings},
     frame::{Recorder, Shows, Sight},
     light::{Sphere, Zone},
     view::{Picture, ViewOptions},
@@ -132,7 +132,6 @@ pub(crate) fn draw(
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("hair") });
     let into = Surroundings {
         origin: [extracted.viewport.x, extracted.viewport.y],
-        shade: usual.casts,
         ..Surroundings::new(
             target.main_texture_view(),
             &depth.attachment.texture.default_view,
@@ -147,7 +146,16 @@ pub(crate) fn draw(
     let vectors = vectors
         .filter(|of| of.texture.sample_count() == 1 && options.coverage == Coverage::Tiles)
         .map(|of| (&*of.default_view, of.texture.format()));
-    let drawing = Drawing { scene: &scene, eye, seen: &seen, camera, exposure, shadows: &shadows, entity };
+    let drawing = Drawing {
+        scene: &scene,
+        eye,
+        seen: &seen,
+        camera,
+        exposure,
+        casts: usual.casts,
+        shadows: &shadows,
+        entity,
+    };
     let made = eyes.sees(entity, device, &pipelines, &options, (camera.size, target.main_texture_format()));
     match made.and_then(|sees| drawing.record(sees, recorder, into, vectors)) {
         Ok(()) => context.add_command_buffer(encoder.finish()),
@@ -185,6 +193,8 @@ struct Drawing<'a> {
     camera: Camera,
     exposure: f32,
     shadows: &'a LightShadows<'a, 'a>,
+    /// How much of its shadow hair casts.
+    casts: f32,
     /// The camera.
     entity: Entity,
 }
@@ -201,7 +211,8 @@ impl Drawing<'_> {
         let (zones, focus) = self.zones();
         sees.view.set_zones(recorder.device, recorder.pipelines, &zones);
         let Self { scene, eye, .. } = self;
-        let (lights, of) = lights::at(focus.center, &scene.lights, &eye.layers, eye.ambient, self.exposure);
+        let (lights, of, casts) =
+            lights::at(focus.center, &scene.lights, &eye.layers, eye.ambient, self.exposure);
         let picture = Picture { camera: self.camera, lights, focus, ..Default::default() };
         let hair: Vec<&Hair> = self.seen.iter().map(|(_, worn)| &worn.hair).collect();
         let bodies: Vec<&Body> = self.seen.iter().filter_map(|(_, worn)| worn.body.as_ref()).collect();
@@ -212,7 +223,9 @@ impl Drawing<'_> {
         let moves =
             vectors.map(|(vectors, format)| (vectors, Motion::of(&mut sees.motion, device, size, format)));
         let geometry = moves.map(|(_, motion)| &motion.known);
-        let into = Surroundings { shadows: &shadows, geometry, ..into };
+        let shade = Shade { strength: self.casts, lights: casts, ..Default::default() };
+        let shade = casts.contains(&true).then_some(shade);
+        let into = Surroundings { shadows: &shadows, geometry, shade, ..into };
         let sight = Sight { shows: Shows::Over(&sees.embed, into), ..Sight::new(&sees.view, &picture) };
         recorder.draw(&hair, &bodies, sight)?;
         if let Some((vectors, motion)) = moves {

@@ -64,23 +64,18 @@ impl LightShadows<'_, '_> {
                 continue;
             };
             let projection = projection(view);
-            let open = |head: &usize| !done.contains(&(light, *head));
+            let part = Some([[0; 2], [view.viewport.z, view.viewport.w]]);
+            let shadow = SceneShadow { light, depth: depth_view, part, projection, bias: 0.0 };
             let seen: Vec<_> = (0..heads.len())
-                .filter(open)
-                .filter_map(|head| Some((head, place(&projection, &heads[head])?)))
+                .filter(|head| !done.contains(&(light, *head)))
+                .filter_map(|head| Some((head, shadow.sees(&heads[head])?)))
                 .collect();
-            let Some((head, _)) = seen.first() else { continue };
-            let bias = CLOSE + TEXELS * texel(&projection, heads[*head].center, view.viewport.z);
+            let texels =
+                seen.iter().map(|(head, _)| texel(&projection, heads[*head].center, view.viewport.z));
+            let Some(coarsest) = texels.reduce(f32::max) else { continue };
             // The other faces of a point light have the rest of a head.
             done.extend(seen.iter().filter(|(_, whole)| cascade && *whole).map(|(head, _)| (light, *head)));
-            let size = [view.viewport.z, view.viewport.w];
-            shadows.push(SceneShadow {
-                light,
-                depth: depth_view,
-                part: Some([[0; 2], size]),
-                projection,
-                bias,
-            });
+            shadows.push(SceneShadow { bias: CLOSE + TEXELS * coarsest, ..shadow });
         }
         shadows.truncate(MOST_SCENE_SHADOWS);
         shadows
@@ -100,29 +95,11 @@ fn projection(view: &ExtractedView) -> Mat4 {
     view.clip_from_world.unwrap_or_else(|| view.clip_from_view * view.world_from_view.to_matrix().inverse())
 }
 
-/// How much of the clip space a metre is where w is 1, along both edges of a map.
-#[cfg(feature = "pbr")]
-fn scale(projection: &Mat4) -> Vec2 {
-    Vec2::new(projection.row(0).truncate().length(), projection.row(1).truncate().length())
-}
-
-/// Nothing for a sphere that a map does not see any of, else whether it sees all of it.
-#[cfg(feature = "pbr")]
-fn place(projection: &Mat4, sphere: &Sphere) -> Option<bool> {
-    let at = *projection * sphere.center.extend(1.0);
-    if at.w <= 0.0 {
-        return None;
-    }
-    let middle = at.truncate().truncate().abs() / at.w;
-    let reach = scale(projection) * (sphere.radius / at.w);
-    (middle - reach).cmplt(Vec2::ONE).all().then(|| (middle + reach).cmplt(Vec2::ONE).all())
-}
-
 /// How large a texel of a map of `size`² is at a place, metres.
 #[cfg(feature = "pbr")]
 fn texel(projection: &Mat4, at: Vec3, size: u32) -> f32 {
     let w = (*projection * at.extend(1.0)).w;
-    2.0 * w / (scale(projection).x * size.max(1) as f32)
+    2.0 * w / (projection.row(0).truncate().length() * size.max(1) as f32)
 }
 
 #[cfg(all(test, feature = "pbr"))]
@@ -131,17 +108,12 @@ mod tests {
     use tresses::glam::camera::rh::proj::directx;
 
     #[test]
-    fn maps_know_what_they_see() {
-        let sphere = |x: f32| Sphere { center: Vec3::new(x, 0.0, -5.0), radius: 0.2 };
+    fn texels_grow_with_the_distance_of_lamps() {
         let flat = directx::orthographic(-1.0, 1.0, -1.0, 1.0, 0.0, 10.0);
         let lamp = directx::perspective_infinite_reverse(std::f32::consts::FRAC_PI_2, 1.0, 0.1);
         for (projection, edge) in [(flat, 1.0), (lamp, 5.0)] {
-            assert_eq!(place(&projection, &sphere(edge - 0.3)), Some(true));
-            assert_eq!(place(&projection, &sphere(edge)), Some(false));
-            assert_eq!(place(&projection, &sphere(edge + 0.3)), None);
             let found = texel(&projection, Vec3::NEG_Z * 5.0, 100);
             assert!((found - 0.02 * edge).abs() < 1e-5, "{found}");
         }
-        assert_eq!(place(&lamp, &Sphere { center: Vec3::Z * 5.0, radius: 0.2 }), None, "behind a lamp");
     }
 }

@@ -46,6 +46,6 @@ pub mod targets;
 pub mod tiles;
 
 pub use coverage::Coverage;
-pub use embed::{Embed, Surroundings};
+pub use embed::{Embed, Shade, Surroundings};
 pub use pipelines::Pipelines;
 pub use targets::Targets;

@@ -25,6 +25,8 @@ pub(crate) struct Canvas<'a> {
     /// What is lit by which maps: one part without zones.
     pub parts: &'a [Part<'a>],
     pub camera: &'a Camera,
+    /// The lights of the picture.
+    pub lights: &'a light::Lights,
     /// Where pixels are small enough for what is smooth.
     pub focus: &'a Sphere,
     pub coverage: Coverage,

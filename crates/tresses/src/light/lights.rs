@@ -44,7 +44,7 @@ impl Directional {
         let middle = corners.iter().sum::<Vec3>() / corners.len().max(1) as f32 - place;
         // Seen counter-clockwise, the edges turn to the place. A place in the plane sees none of it, or is no number.
         let share = -arrives.length() * arrives.dot(middle).signum();
-        if !(share > 0.0 && share.is_finite()) {
+        if !(share > 1e-6 && share.is_finite()) {
             return Self::OFF;
         }
         Self { direction: -arrives.normalize_or(Vec3::Y), irradiance: share * radiance }

@@ -45,6 +45,8 @@ pub(crate) struct Lit {
     /// From the world to the clip space of each map, and the depth of all of them, metres.
     pub matrices: [Mat4; SHADOW_MAPS],
     pub range: f32,
+    /// What they cover.
+    pub focus: Sphere,
 }
 
 impl State {
@@ -111,6 +113,7 @@ impl State {
             every: uniform.every,
             matrices: uniform.shadow,
             range: uniform.range,
+            focus: *focus,
         }
     }
 
@@ -125,7 +128,7 @@ impl State {
         lit: &Lit,
         shadows: &[SceneShadow<'_>],
     ) -> Result<Brought> {
-        Brought::new(pipelines, &self.maps, lights, (&lit.matrices, lit.range), shadows)
+        Brought::new(pipelines, &self.maps, lights, (&lit.matrices, lit.range, &lit.focus), shadows)
     }
 
     /// Records the shadow maps, with what was brought of a scene: of the lights that are on, and of the sky where its openness is guessed.

@@ -8,7 +8,7 @@ use crate::{
 
 use tresses::{
     Camera, Error, Hair, Pose, Result, View,
-    draw::{Coverage, Embed, Surroundings, embed::shade},
+    draw::{Coverage, Embed, Shade, Surroundings, embed::shade},
     frame::{Recorder, Shows, Sight},
     glam::{
         Mat4, Vec3, Vec4,
@@ -42,6 +42,9 @@ struct Setup<'a> {
     /// Metres from the eye to the wall.
     wall: f32,
     samples: u32,
+    shade: Shade,
+    /// The scene's projection, if not the usual one.
+    projection: Option<Mat4>,
 }
 
 impl<'a> Setup<'a> {
@@ -78,6 +81,8 @@ impl<'a> Setup<'a> {
             },
             wall: 20.0,
             samples: 1,
+            shade: Shade::default(),
+            projection: None,
             gpu,
         }
     }
@@ -86,15 +91,14 @@ impl<'a> Setup<'a> {
     fn drawn(&self, shadows: &[SceneShadow<'_>], shade: f32) -> Result<Vec<Vec4>> {
         let Gpu { device, queue, .. } = self.gpu;
         let aspect = SIZE[0] as f32 / SIZE[1] as f32;
-        let (projection, far) = match self.wall.is_finite() {
-            true => {
-                let projection = perspective(FOV, aspect, 0.05, 50.0);
-                (projection, projection.project_point3(Vec3::NEG_Z * self.wall).z)
-            }
-            false => (Camera::perspective(FOV, aspect, 0.05), 0.0),
-        };
+        let projection = self.projection.unwrap_or(perspective(FOV, aspect, 0.05, 50.0));
+        // What is infinitely far is where nothing is.
+        let depth = |z: f32| projection.project_point3(Vec3::NEG_Z * z).z;
+        let nothing = if depth(2.0) > depth(1.0) { 1.0 } else { 0.0 };
+        let far = if self.wall.is_finite() { depth(self.wall) } else { nothing };
         let mut encoder = device.create_command_encoder(&Default::default());
         let scene = Drawn::new(self.gpu, &mut encoder, (SIZE, self.samples), (WALL, far), None);
+        let shade = (shade != 0.0).then_some(Shade { strength: shade, ..self.shade });
         let into =
             Surroundings { shadows, shade, ..Surroundings::new(&scene.color, &scene.depth, projection) };
         let sight = Sight { shows: Shows::Over(&self.embed, into), ..Sight::new(&self.view, &self.picture) };
@@ -203,6 +207,10 @@ fn a_scenes_shadow_maps_keep_light_from_hair() {
         let biased = SceneShadow { bias: 0.6, ..shadow(&before) };
         assert_eq!(light(&setup.drawn(&[shadow(&before)], 0.0).unwrap(), all.clone()), 0.0, "{name}");
         assert!(setup.drawn(&[biased], 0.0).unwrap() == free, "{name}: a bias takes it behind");
+        // What is farther from the hair than its map reaches keeps all light, whatever its bias.
+        let far = setup.map(own, [EDGE; 2], |_, _| 1.0);
+        let far = SceneShadow { bias: 0.9, ..shadow(&far) };
+        assert_eq!(light(&setup.drawn(&[far], 0.0).unwrap(), all.clone()), 0.0, "{name}: a far one");
         // Of another light, which is off, and of none.
         for light in [0, 3, 17] {
             let other = SceneShadow { light, ..shadow(&before) };
@@ -235,6 +243,7 @@ fn a_scenes_shadow_maps_keep_light_from_hair() {
     println!("{}", refused(&[part(0, left); 17]));
     println!("{}", refused(&[SceneShadow { part: Some([[1, 0], [2 * EDGE, EDGE]]), ..part(0, left) }]));
     println!("{}", refused(&[SceneShadow { bias: f32::NAN, ..part(0, left) }]));
+    println!("{}", refused(&[SceneShadow { projection: Mat4::NAN, ..part(0, left) }]));
     println!("{}", refused(&[SceneShadow { projection: Mat4::ZERO, ..part(0, left) }]));
 }
 
@@ -331,9 +340,29 @@ fn hair_casts_its_shadow_on_the_scene() {
         assert!(setup.drawn(&[], none).unwrap() == plain);
     }
     assert!(setup.drawn(&[], 1.0).unwrap() != plain, "the comparer sees no difference");
+    // Where the scene has nothing there is no shadow, whichever way its depth runs and wherever it ends.
     setup.wall = f32::INFINITY;
-    let [plain, shaded] = [0.0, 1.0].map(|shade| setup.drawn(&[], shade).unwrap());
-    assert!(plain == shaded, "what is infinitely far is in no shadow");
+    let aspect = SIZE[0] as f32 / SIZE[1] as f32;
+    let half = DISTANCE * (0.5 * FOV).tan();
+    let flat = orthographic(-half * aspect, half * aspect, -half, half, 0.05, 50.0);
+    let usual = perspective(FOV, aspect, 0.05, 1.2);
+    for projection in [usual, Camera::perspective(FOV, aspect, 0.05), flat, reversed(flat)] {
+        setup.projection = Some(projection);
+        let [plain, shaded] = [0.0, 1.0].map(|shade| setup.drawn(&[], shade).unwrap());
+        assert!(plain == shaded, "what is infinitely far is in no shadow");
+    }
+    // It ends as far behind the map as it is to reach, and falls only of the lights that are to cast it.
+    setup.projection = None;
+    setup.wall = 2.0;
+    setup.picture.lights.directional[1].direction = Vec3::new(0.25, 0.0, 1.0).normalize();
+    let plain = setup.drawn(&[], 0.0).unwrap();
+    let cast = difference(&plain, &setup.drawn(&[], 1.0).unwrap());
+    assert!(cast > 0.2, "{cast}: 2 m away there is a shadow");
+    let all = setup.shade;
+    for none in [Shade { reach: 0.5, ..all }, Shade { lights: [true, false, true, true], ..all }] {
+        setup.shade = none;
+        assert!(setup.drawn(&[], 1.0).unwrap() == plain, "{none:?}");
+    }
 }
 
 /// What the scene's shaders are told of light 0 at some points of surfaces that face `normal`.
@@ -423,4 +452,37 @@ fn a_scenes_own_shaders_can_ask_hair_for_its_shadow() {
     assert!(darkest < 0.2, "{darkest}: there is a shadow");
     // Groups are counted as the scene says.
     assert!(shade::wgsl(3).contains("@group(3)") && !shade::wgsl(3).contains("@group(0)"));
+}
+
+#[test]
+fn a_map_knows_what_it_sees() {
+    let Some(gpu) = common::gpu() else { return };
+    let setup = Setup::new(gpu, Vec3::Z);
+    let flat = orthographic(-1.0, 1.0, -1.0, 1.0, 1.0, 9.0);
+    let lamp = Camera::perspective(std::f32::consts::FRAC_PI_2, 1.0, 0.1);
+    let depth = setup.map(flat, [4; 2], |_, _| f32::NAN);
+    let sees = |projection, [x, z]: [f32; 2]| {
+        let shadow = SceneShadow { light: 0, depth: &depth, part: None, projection, bias: 0.0 };
+        shadow.sees(&Sphere { center: Vec3::new(x, 0.0, z), radius: 0.2 })
+    };
+    for projection in [flat, reversed(flat)] {
+        for (at, seen) in [
+            ([0.7, -5.0], Some(true)),
+            ([0.9, -5.0], Some(false)),
+            ([1.1, -5.0], Some(false)),
+            ([1.3, -5.0], None),
+            ([0.0, -0.9], Some(false)),
+            ([0.0, -0.5], None),
+            ([0.0, -8.7], Some(true)),
+            ([0.0, -9.3], None),
+        ] {
+            assert_eq!(sees(projection, at), seen, "{at:?}");
+        }
+    }
+    // The sides of a lamp's map go out at half a right angle: 0.2 m from them is 0.28 m aside.
+    let places =
+        [([4.7, -5.0], Some(true)), ([5.25, -5.0], Some(false)), ([5.3, -5.0], None), ([0.0, 5.0], None)];
+    for (at, seen) in places {
+        assert_eq!(sees(lamp, at), seen, "{at:?}");
+    }
 }

@@ -99,7 +99,7 @@ fn embedded(samples: u32, format: wgpu::TextureFormat, color: wgpu::TextureForma
         projection: Camera::perspective(0.5, 1.6, 0.01),
         geometry: geometry.as_ref(),
         shadows: &[SceneShadow { light: 0, depth: &map, part: None, projection: Mat4::IDENTITY, bias: 0.01 }],
-        shade: 1.0,
+        shade: Some(Default::default()),
         lit: false,
     };
     let mut encoder = device.create_command_encoder(&Default::default());

@@ -21,6 +21,8 @@
 
 pub mod shade;
 
+pub use shade::Shade;
+
 use super::{
     Coverage, Targets,
     record::{Canvas, cleared, pass},
@@ -99,11 +101,12 @@ pub struct Surroundings<'a> {
     /// Its own shadow maps: what keeps the lights from hair and from the bodies that shade it
     /// ([`crate::light::scene`]). At most 16.
     pub shadows: &'a [SceneShadow<'a>],
-    /// How much of its shadow hair casts on the scene, 0 (none) to 1: the colour that is there is darkened
-    /// ([`shade`]). For scenes whose own shaders do not ask hair for its shadow ([`shade::wgsl`]).
-    pub shade: f32,
-    /// Whether [`Recorder::light`](crate::frame::Recorder::light) was recorded for this picture already, as by a scene
-    /// whose own shaders ask for light: it is not lit anew.
+    /// The shadow that hair casts on the scene, whose colour is darkened ([`shade`]): for scenes whose own shaders do not
+    /// ask hair for it ([`shade::wgsl`]).
+    pub shade: Option<Shade>,
+    /// Whether [`Recorder::light`](crate::frame::Recorder::light) was recorded for this picture already, after hair had
+    /// moved, as by a scene whose own shaders ask for light: it is not lit anew, and `shadows` is empty, for it has taken
+    /// those. Without that, hair is in the light of the picture before.
     pub lit: bool,
 }
 
@@ -117,7 +120,7 @@ impl<'a> Surroundings<'a> {
             projection,
             geometry: None,
             shadows: &[],
-            shade: 0.0,
+            shade: None,
             lit: false,
         }
     }
@@ -156,7 +159,7 @@ pub struct Embed {
     edges: Option<(wgpu::RenderPipeline, wgpu::BindGroupLayout)>,
     geometry_layout: wgpu::BindGroupLayout,
     uniform: wgpu::Buffer,
-    shade: shade::Shade,
+    shade: shade::Caster,
 }
 
 impl Embed {
@@ -250,7 +253,7 @@ impl Embed {
             composite_layout,
             geometry_layout,
             uniform: uniform(device, "embed", size_of::<EmbedUniform>()),
-            shade: shade::Shade::new(device, format),
+            shade: shade::Caster::new(device, format),
         })
     }
 
@@ -282,6 +285,13 @@ impl Embed {
     pub(crate) fn asked(coverage: Coverage, of: Mat4, into: &Surroundings<'_>) -> Result<Option<[f32; 4]>> {
         if into.geometry.is_some() && !coverage.is_tiled() {
             return Err(unknown("the geometry of hair in a scene", coverage));
+        }
+        if into.lit && !into.shadows.is_empty() {
+            return Err(Error::Parameter {
+                name: "the number of a scene's shadow maps",
+                value: into.shadows.len().to_string(),
+                range: "none where its light was recorded before: that takes them",
+            });
         }
         // Where hair is says also which samples of the scene it is in front of.
         let asks = into.geometry.is_some() || (coverage.is_tiled() && has_samples(into.depth));

@@ -15,7 +15,7 @@
 //! Rejected: asking the host's maps where hair is shaded, which takes bindings and lookups of every kernel that asks for
 //! light, of all users; reprojecting its depth as points, which leaves holes.
 
-use super::{Lights, ShadowMaps, lights::SHADOW_MAPS};
+use super::{Lights, ShadowMaps, Sphere, lights::SHADOW_MAPS};
 use crate::{
     Error, Result,
     gpu::{
@@ -25,7 +25,7 @@ use crate::{
     },
 };
 use bytemuck::{Pod, Zeroable};
-use glam::{Mat4, Vec3};
+use glam::{Mat4, Vec3, Vec4};
 
 /// The most shadow maps of a scene that a picture takes.
 pub const MOST_SCENE_SHADOWS: usize = 16;
@@ -38,7 +38,8 @@ const APART: f32 = 0.03;
 pub struct SceneShadow<'a> {
     /// Which of [`Lights::directional`] it belongs to. Of one that is off nothing is taken.
     pub light: usize,
-    /// Its depth, seen from the light: one sample per texel, one layer, with `TEXTURE_BINDING`.
+    /// Its depth, seen from the light: one sample per texel, a plain two-dimensional view (of an array one layer) of the
+    /// first mip level, with `TEXTURE_BINDING`.
     pub depth: &'a wgpu::TextureView,
     /// Where it begins in `depth` and how large it is, texels: of an atlas a part. `None` for all of it.
     pub part: Option<[[u32; 2]; 2]>,
@@ -48,6 +49,28 @@ pub struct SceneShadow<'a> {
     /// How much farther from the light everything in it is taken to be, metres. A coarse map whose casters hair lies on,
     /// as a head, needs as much as its texels are large.
     pub bias: f32,
+}
+
+impl SceneShadow<'_> {
+    /// Whether it sees all of a sphere; `None` where it sees nothing of it. Of orthographic maps that has to lie between
+    /// their planes: what is before the nearer one may have been drawn at it, behind the sphere.
+    pub fn sees(&self, sphere: &Sphere) -> Option<bool> {
+        let [x, y, z, w] = [0, 1, 2, 3].map(|i| self.projection.row(i));
+        let within = |plane: Vec4| {
+            plane.dot(sphere.center.extend(1.0)) / plane.truncate().length().max(f32::MIN_POSITIVE)
+        };
+        let sides = [w - x, w + x, w - y, w + y].into_iter();
+        let least = match is_flat(&self.projection) {
+            true => sides.chain([z, w - z]).map(within).fold(f32::INFINITY, f32::min),
+            false => sides.map(within).fold(f32::INFINITY, f32::min),
+        };
+        (least > -sphere.radius).then_some(least >= sphere.radius)
+    }
+}
+
+/// Whether a projection is orthographic.
+fn is_flat(projection: &Mat4) -> bool {
+    projection.row(3).truncate() == Vec3::ZERO
 }
 
 /// What the shader knows of one of them and of the map that it goes into.
@@ -74,9 +97,15 @@ impl SceneUniform {
     /// Of `shadow` in a map of `edge`² texels, to whose clip space `map` leads and whose depth is `range` metres.
     fn new(shadow: &SceneShadow<'_>, map: Mat4, (range, edge): (f32, u32)) -> Self {
         let to_scene = shadow.projection * map.inverse();
-        let [near, far] = [0.0, 1.0].map(|depth| to_scene * Vec3::new(0.0, 0.0, depth).extend(1.0));
-        // Where the light's way goes up in depth, what is cleared is at 1. Exact also where it is nearly one depth.
-        let rises = f64::from(far.z) * f64::from(near.w) > f64::from(near.z) * f64::from(far.w);
+        // Where depth rises from the light on, what is cleared is at 1.
+        let [z, w] = [shadow.projection.row(2), shadow.projection.row(3)];
+        let rises = if is_flat(&shadow.projection) {
+            (to_scene * Vec4::Z).z > 0.0
+        } else {
+            // It is a + b / w, and w grows from the light on.
+            let a = z.truncate().dot(w.truncate()) / w.truncate().length_squared();
+            z.w - a * w.w < 0.0
+        };
         let whole = shadow.depth.texture().size();
         let [origin, size] = shadow.part.unwrap_or([[0; 2], [whole.width, whole.height]]);
         let share = |metres: f32| metres / range.max(1e-6);
@@ -130,17 +159,17 @@ pub(crate) struct Brought {
 }
 
 impl Brought {
-    /// Of `shadows` what `lights` and the view's `maps` take, which lead from the world to `matrices` and whose depth is
-    /// `range` metres.
+    /// Of `shadows` what `lights` and the view's `maps` take, which lead from the world to `matrices`, whose depth is
+    /// `range` metres, and which are around `focus`.
     ///
     /// # Errors
-    /// [`Error::Parameter`] when there are too many, when one has several samples or several layers, or when its part is
+    /// [`Error::Parameter`] when there are too many, when one has several samples or cannot be read, or when its part is
     /// not in it.
     pub fn new(
         pipelines: &super::Pipelines,
         maps: &ShadowMaps,
         lights: &Lights,
-        (matrices, range): (&[Mat4; SHADOW_MAPS], f32),
+        (matrices, range, focus): (&[Mat4; SHADOW_MAPS], f32, &Sphere),
         shadows: &[SceneShadow<'_>],
     ) -> Result<Self> {
         if shadows.is_empty() {
@@ -152,7 +181,7 @@ impl Brought {
             return Err(wrong("the number of shadow maps of a scene", shadows.len(), "at most 16"));
         }
         let on = |light: &usize| lights.directional.get(*light).is_some_and(|light| light.is_on());
-        let taken = shadows.iter().filter(|shadow| on(&shadow.light));
+        let taken = shadows.iter().filter(|shadow| on(&shadow.light) && shadow.sees(focus).is_some());
         let brought = taken.map(|shadow| {
             let map = lights.directional[..shadow.light].iter().filter(|light| light.is_on()).count();
             let values = SceneUniform::new(shadow, matrices[map], (range, maps.resolution));
@@ -197,10 +226,18 @@ fn check(shadow: &SceneShadow<'_>) -> Result<()> {
             "of one sample per texel",
         ));
     }
-    let numbers = shadow.projection.to_cols_array().into_iter().chain([shadow.bias]);
-    if !numbers.into_iter().all(f32::is_finite) || shadow.projection.determinant() == 0.0 {
-        let range = "a projection that can be turned back, and finite numbers";
-        return Err(wrong("the place of a scene's shadow map", "not one", range));
+    if !texture.usage().contains(wgpu::TextureUsages::TEXTURE_BINDING) {
+        return Err(wrong("a scene's shadow map", "one that shaders cannot read", "with TEXTURE_BINDING"));
+    }
+    if !shadow.projection.is_finite() || shadow.projection.determinant() == 0.0 {
+        return Err(wrong(
+            "the projection of a scene's shadow map",
+            "flat, or no numbers",
+            "one of all of space",
+        ));
+    }
+    if !shadow.bias.is_finite() {
+        return Err(wrong("the bias of a scene's shadow map", shadow.bias, "a length, metres"));
     }
     let Some([origin, size]) = shadow.part else { return Ok(()) };
     let whole = texture.size();

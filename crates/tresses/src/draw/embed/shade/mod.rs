@@ -5,16 +5,18 @@
 //!                     └─► a triangle over the picture: colour × with / without
 //! ```
 //!
-//! **The function** ([`wgsl`]) is exact: a scene that asks it for each light darkens what that light gives and nothing
-//! else. It needs the maps of this frame, so that hair is drawn, or [lit](crate::frame::Recorder::light), before.
+//! **The function** ([`wgsl`]) says what hair leaves of a light, whatever bodies leave of it: a scene that asks it for each
+//! light darkens what that light gives and nothing else. It needs the maps of this frame, so that hair is drawn, or
+//! [lit](crate::frame::Recorder::light), before.
 //!
 //! **The pass** ([`Surroundings::shade`]) needs nothing of the scene but its depth. It finds where each pixel's surface
 //! is and how it is turned, and multiplies its colour by the light that a matt white surface there has with hair over that
 //! without, among the lights that light the hair. What it cannot know is which part of the colour is emitted, mirrored, or
 //! the light of others: that is darkened alike. Normals are those of triangles.
 //!
-//! Either reaches as far as a light's map is wide, along the light's way as far as there is something: from the hair to
-//! the floor. A lamp's shadow spreads with distance, this one does not. Each zone casts its own.
+//! Either reaches as far aside as a light's map is wide. Along the light's way the pass ends at a distance
+//! ([`Shade::reach`]): it does not know what is between, and goes through a floor to the one below. A lamp's shadow spreads
+//! with distance, this one does not. In the pass each zone casts its own; the function asks one.
 
 use super::{Surroundings, has_samples};
 use crate::{
@@ -25,10 +27,11 @@ use crate::{
         bindings::{group, layout, uniform},
         pipeline::{Made, Recipe, blended},
     },
-    light, shaders,
+    light::{self, lights::MAX_LIGHTS},
+    shaders,
 };
 use bytemuck::{Pod, Zeroable};
-use glam::{Mat4, Vec4};
+use glam::{Mat4, Vec3};
 
 /// WGSL for a scene's shaders: `tresses_left_by_hair(light: u32, position: vec3<f32>, normal: vec3<f32>) -> vec3<f32>` is
 /// the share of a light (of those that are on) that hair leaves at a point of a surface, of each channel; position (metres)
@@ -39,50 +42,67 @@ pub fn wgsl(group: u32) -> String {
     shaders::source("draw::embed::shade::outside").replace("@group(0)", &format!("@group({group})"))
 }
 
+/// How hair casts its shadow on a scene by a pass over its colour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shade {
+    /// How much of it, 0 to 1.
+    pub strength: f32,
+    /// How far behind the hair's maps it falls, metres; it ends softly over the last quarter.
+    pub reach: f32,
+    /// Which of [`Lights::directional`](crate::light::Lights::directional) hair casts a shadow of.
+    pub lights: [bool; MAX_LIGHTS],
+}
+
+impl Default for Shade {
+    /// All of it, of all lights, as far as a floor is from a head.
+    fn default() -> Self {
+        Self { strength: 1.0, reach: 2.5, lights: [true; MAX_LIGHTS] }
+    }
+}
+
 /// What the shader knows of the scene.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct ShadeUniform {
-    /// From the clip space of the scene, with its own depth, to the world.
+    /// From the clip space of the scene, with its own depth, to that of the eye.
+    pub to_eye: Mat4,
+    /// From the eye to the world.
     pub to_world: Mat4,
-    /// Where the eye is (1), or the direction towards it where it is infinitely far (0).
-    pub eye: Vec4,
     /// [`Surroundings::origin`].
     pub origin: [u32; 2],
     /// Width and height of the picture, pixels.
     pub size: [u32; 2],
-    /// [`Surroundings::shade`].
+    /// [`Shade::strength`].
     pub strength: f32,
-    /// Unused.
-    pub _pad_a: u32,
-    /// Unused.
-    pub _pad_b: u32,
-    /// Unused.
-    pub _pad_c: u32,
+    /// [`Shade::reach`].
+    pub reach: f32,
+    /// The scene's depth of where nothing is.
+    pub nothing: f32,
+    /// A bit for each light that is on, if hair casts its shadow.
+    pub lights: u32,
 }
 
 impl ShadeUniform {
-    fn new(canvas: &Canvas<'_>, into: &Surroundings<'_>) -> Self {
-        let view = canvas.camera.view;
-        let from_eye = view.inverse();
-        // Of an orthographic projection w is 1 everywhere.
-        let eye = if into.projection.w_axis.w == 0.0 { from_eye.w_axis } else { from_eye.z_axis };
+    fn new(shade: &Shade, canvas: &Canvas<'_>, into: &Surroundings<'_>) -> Self {
+        let depth = |z: f32| into.projection.project_point3(Vec3::NEG_Z * z).z;
+        let is_on = canvas.lights.directional.iter().zip(shade.lights).filter(|(light, _)| light.is_on());
+        let bits = is_on.enumerate().map(|(i, (_, casts))| u32::from(casts) << i);
         Self {
-            to_world: (into.projection * view).inverse(),
-            eye,
+            to_eye: into.projection.inverse(),
+            to_world: canvas.camera.view.inverse(),
             origin: into.origin,
             size: canvas.targets.size,
-            strength: into.shade.clamp(0.0, 1.0),
-            _pad_a: 0,
-            _pad_b: 0,
-            _pad_c: 0,
+            strength: shade.strength.clamp(0.0, 1.0),
+            reach: shade.reach.max(0.0),
+            nothing: if depth(2.0) > depth(1.0) { 1.0 } else { 0.0 },
+            lights: bits.sum(),
         }
     }
 }
 
 /// What casts the shadow.
 #[derive(Debug)]
-pub(super) struct Shade {
+pub(super) struct Caster {
     format: wgpu::TextureFormat,
     /// For depth of one sample, and of several.
     layouts: [wgpu::BindGroupLayout; 2],
@@ -90,7 +110,7 @@ pub(super) struct Shade {
     uniform: wgpu::Buffer,
 }
 
-impl Shade {
+impl Caster {
     pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
         let layout = |texture| {
             layout(device, "embed shade", wgpu::ShaderStages::FRAGMENT, &[Binding::Uniform, texture])
@@ -133,12 +153,11 @@ impl Shade {
         into: &Surroundings<'_>,
     ) -> Result<()> {
         // What is no number casts none.
-        if into.shade.max(0.0) == 0.0 {
-            return Ok(());
-        }
+        let casts = |shade: &Shade| shade.strength.max(0.0) > 0.0 && shade.reach.max(0.0) > 0.0;
+        let Some(shade) = into.shade.filter(casts) else { return Ok(()) };
         let many = has_samples(into.depth);
         let pipeline = self.pipeline(canvas.device, light, many)?;
-        let values = ShadeUniform::new(canvas, into);
+        let values = ShadeUniform::new(&shade, canvas, into);
         canvas.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&values));
         let bound = [self.uniform.as_entire_binding(), wgpu::BindingResource::TextureView(into.depth)];
         let own = group(canvas.device, "embed shade", &self.layouts[usize::from(many)], &bound);
