@@ -23,7 +23,7 @@ ifeq ($(XDG_RUNTIME_DIR),)
 export NODEVICE_SELECT ?= 1
 endif
 
-.PHONY: help setup setup-tests demo test proof fuzz truth bench web viewer web-serve python bevy release clean
+.PHONY: help setup setup-tests demo test proof fuzz truth bench web viewer web-serve python bevy package release clean
 
 help: ## Show this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 14
@@ -82,6 +82,9 @@ fuzz: setup ## Give readers damaged files, a minute each and 8 GB for all
 
 release: setup ## Pack the command for this machine into dist/
 	@scripts/release
+
+package: setup ## Pack each crate that is meant to be published, and compile it from what was packed
+	$(CARGO) package --workspace
 
 bevy: setup ## Check the plugin for Bevy and run its tests, without a window
 	cd bindings/bevy && $(CARGO) fmt --check && TRESSES_REQUIRE_GPU=1 $(LINTED) test

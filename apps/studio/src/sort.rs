@@ -41,7 +41,11 @@ pub fn files(mut files: Vec<Read>, in_memory: bool) -> Vec<Answer> {
             }
         });
     }
-    let mut rest = Vec::new();
+    // The pictures of a head's materials go with the head.
+    let heads = files.iter().filter(|(path, _)| has_ending(path, &["gltf"]));
+    let heads: String = heads.map(|(_, bytes)| String::from_utf8_lossy(bytes)).collect();
+    let mut rest: Vec<Read> =
+        files.extract_if(.., |(path, _)| has_ending(path, &["png"]) && is_named(path, &heads)).collect();
     for file in files {
         if has_ending(&file.0, surroundings().kind.extensions()) {
             answers.push(put(surroundings(), file, Vec::new(), in_memory));
@@ -89,9 +93,10 @@ fn what(bytes: &[u8]) -> Option<&'static Companion> {
         .and_then(|(_, key)| companion(key))
 }
 
-/// Whether a list has the name of a file in it.
+/// Whether a text has the name of a file in it, as it is or as part of an address.
 fn is_named(path: &Path, text: &str) -> bool {
-    path.file_name().is_some_and(|name| text.contains(&*name.to_string_lossy()))
+    let Some(name) = path.file_name().map(|name| name.to_string_lossy()) else { return false };
+    text.contains(&*name) || text.contains(&name.replace(' ', "%20"))
 }
 
 fn has_ending(path: &Path, endings: &[&str]) -> bool {
@@ -164,6 +169,22 @@ mod tests {
             };
             assert_eq!(found(&groom), 1);
         }
+    }
+
+    #[test]
+    fn a_head_takes_its_pictures_with_it() {
+        let head =
+            read("far/head.gltf", r#"{"images": [{"uri": "my%20skin.png"}, {"uri": "maps/cut.png"}]}"#);
+        let dropped = vec![read("my skin.png", "a"), head, read("cut.png", "b"), read("density.png", "c")];
+        let answers = files(dropped, true);
+        assert_eq!(answers.len(), 2, "{answers:?}");
+        assert!(answers.iter().any(|a| matches!(a, Answer::Picture(name, _) if name == "density.png")));
+        let names = answers.iter().find_map(|a| match a {
+            Answer::Open(Files::Given(files)) => Some(files.iter().map(|(path, _)| path.clone()).collect()),
+            _ => None,
+        });
+        let names: Vec<PathBuf> = names.expect("the head is opened");
+        assert!(["far/head.gltf", "my skin.png", "cut.png"].iter().all(|name| names.contains(&name.into())));
     }
 
     #[test]
