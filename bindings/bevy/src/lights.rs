@@ -7,9 +7,6 @@
 use bevy::{camera::visibility::RenderLayers, prelude::*};
 use tresses::light::{Directional, Lights, Sky, lights::MAX_LIGHTS};
 
-/// Below this squared distance Bevy's lights become no stronger, m².
-const NEAREST: f32 = 1e-4;
-
 /// Where light comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Source {
@@ -88,9 +85,9 @@ impl SceneLight {
     fn at(&self, place: Vec3, exposure: f32) -> Directional {
         let (direction, share) = match self.source {
             Source::Distant(direction) => (direction, 1.0),
-            Source::Point { at, range } => arriving(at - place, range),
+            Source::Point { at, range } => arriving(at, place, range),
             Source::Spot { at, range, axis, scale, offset } => {
-                let (direction, share) = arriving(at - place, range);
+                let (direction, share) = arriving(at, place, range);
                 let cone = (scale * axis.dot(-direction) + offset).clamp(0.0, 1.0);
                 (direction, share * cone * cone)
             }
@@ -105,11 +102,11 @@ impl SceneLight {
     }
 }
 
-/// The direction of a light that is `way` away, and its irradiance over its intensity: by the square of the distance, and
-/// fading to nothing at `range`.
-fn arriving(way: Vec3, range: f32) -> (Vec3, f32) {
-    let square = way.length_squared();
-    (way.normalize_or(Vec3::Y), left_at(square, range) / square.max(NEAREST))
+/// The direction at `place` of a lamp at `at`, and its irradiance over its intensity: by the square of the distance, no
+/// stronger below a centimetre (as Bevy's own), and fading to nothing at `range`.
+fn arriving(at: Vec3, place: Vec3, range: f32) -> (Vec3, f32) {
+    let light = Directional::from_point(at, Vec3::ONE, place);
+    (light.direction, light.irradiance.x * left_at(at.distance_squared(place), range))
 }
 
 /// The share that is left of a light at the squared distance, of one that ends at `range`.

@@ -131,7 +131,8 @@ impl State {
         Brought::new(pipelines, &self.maps, lights, (&lit.matrices, lit.range, &lit.focus), shadows)
     }
 
-    /// Records the shadow maps, with what was brought of a scene: of the lights that are on, and of the sky where its openness is guessed.
+    /// Records the shadow maps, with what was brought of a scene: of the lights that are on, and of the sky where its
+    /// openness is guessed.
     pub(crate) fn record_shadows(
         &self,
         pipelines: &Pipelines,

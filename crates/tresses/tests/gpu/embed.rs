@@ -13,7 +13,6 @@ use tresses::{
         camera::rh::proj::directx::{orthographic, perspective},
     },
     gpu::{Gpu, readback},
-    groom::bind,
     light::{Lights, Sphere},
     view::{Picture, ViewOptions},
     wgpu::{self, TextureFormat, TextureUsages},
@@ -42,13 +41,9 @@ struct Setup<'a> {
 
 impl<'a> Setup<'a> {
     fn new(gpu: &'a Gpu, options: &ViewOptions, ssaa: u32) -> Self {
-        let Gpu { device, queue, .. } = gpu;
+        let device = &gpu.device;
         let pipelines = common::pipelines().expect("there is a GPU");
-        let groom = bind(&common::hanging(500, 16, 0.12), &Default::default()).unwrap();
-        let field = common::ball(0.085, 32);
-        let mut hair =
-            Hair::new(device, queue, pipelines, &groom, &Default::default(), Some(&field)).unwrap();
-        common::advance(&mut hair, &common::frame(Pose::IDENTITY, 0.0));
+        let hair = common::hair_on_a_ball(500);
         let scene = Picture {
             camera: Camera::look_at(Vec3::Z * DISTANCE, Vec3::ZERO, FOV, SIZE),
             focus: Sphere { center: Vec3::ZERO, radius: 0.3 },

@@ -7,7 +7,7 @@ use crate::{
 };
 
 use tresses::{
-    Camera, Error, Hair, Pose, Result, View,
+    Camera, Error, Hair, Result, View,
     draw::{Coverage, Embed, Shade, Surroundings, embed::shade},
     frame::{Recorder, Shows, Sight},
     glam::{
@@ -18,7 +18,6 @@ use tresses::{
         },
     },
     gpu::{Gpu, readback},
-    groom::bind,
     light::{Directional, Lights, SceneShadow, Sky, Sphere},
     view::{Picture, ViewOptions},
     wgpu::{self, TextureFormat, TextureUsages, util::DeviceExt},
@@ -49,13 +48,9 @@ struct Setup<'a> {
 
 impl<'a> Setup<'a> {
     fn new(gpu: &'a Gpu, direction: Vec3) -> Self {
-        let Gpu { device, queue, .. } = gpu;
+        let device = &gpu.device;
         let pipelines = common::pipelines().expect("there is a GPU");
-        let groom = bind(&common::hanging(2000, 16, 0.12), &Default::default()).unwrap();
-        let field = common::ball(0.085, 32);
-        let mut hair =
-            Hair::new(device, queue, pipelines, &groom, &Default::default(), Some(&field)).unwrap();
-        common::advance(&mut hair, &common::frame(Pose::IDENTITY, 0.0));
+        let hair = common::hair_on_a_ball(2000);
         let mut lights = Lights {
             directional: [Directional::OFF; 4],
             sky: Sky::default(),

@@ -4,13 +4,12 @@ use crate::common;
 
 use half::f16;
 use tresses::{
-    Camera, Error, Hair, Pose, Result, View,
+    Camera, Error, Hair, Result, View,
     camera::ToneMap,
     draw::Coverage,
     frame::{Recorder, Sight},
     glam::{Vec2, Vec3},
     gpu::{Gpu, readback::blocking as readback},
-    groom::bind,
     light::{Lights, Sphere},
     present::Background,
     strands::StrandVertex,
@@ -29,13 +28,9 @@ struct Setup<'a> {
 
 impl<'a> Setup<'a> {
     fn new(gpu: &'a Gpu, samples: u32, coverage: Coverage) -> Self {
-        let Gpu { device, queue, .. } = gpu;
+        let device = &gpu.device;
         let pipelines = common::pipelines().expect("there is a GPU");
-        let groom = bind(&common::hanging(300, 16, 0.12), &Default::default()).unwrap();
-        let field = common::ball(0.085, 32);
-        let mut hair =
-            Hair::new(device, queue, pipelines, &groom, &Default::default(), Some(&field)).unwrap();
-        common::advance(&mut hair, &common::frame(Pose::IDENTITY, 0.0));
+        let hair = common::hair_on_a_ball(300);
         let options = ViewOptions { samples, coverage, shadow_resolution: 64, ..Default::default() };
         let scene = Picture {
             camera: Camera::look_at(Vec3::Z * 0.8, Vec3::ZERO, 0.15, SIZE),

@@ -7,12 +7,12 @@ pub use device::{advance, frame, gpu, pipelines, simulate, submit};
 pub use fixtures::{SINTEL, asset, character, scalp, sintel};
 
 use tresses::{
-    Camera, Pipelines, View,
+    Camera, Hair, Pipelines, Pose, View,
     body::Body,
     frame::{Recorder, Sight},
     glam::{Mat4, Vec3},
     gpu::Gpu,
-    groom::{Groom, SdfGrid, Strands, TriMesh},
+    groom::{Groom, SdfGrid, Strands, TriMesh, bind},
     light::{Directional, HairSet, Lights, MAX_LIGHTS, ShadowMethod, Shadows},
     present::Background,
     view::Picture,
@@ -39,6 +39,17 @@ pub fn hanging(count: usize, vertices: usize, length: f32) -> Strands {
 /// The distance field of a ball around the origin, `resolution` nodes along each side of 40 cm.
 pub fn ball(radius: f32, resolution: u32) -> SdfGrid {
     SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), resolution, |p| p.length() - radius)
+}
+
+/// So many strands of 12 cm that hang from a ball, on the GPU, at rest.
+pub fn hair_on_a_ball(count: usize) -> Hair {
+    let (gpu, pipelines) = (gpu().expect("there is a GPU"), pipelines().expect("there is a GPU"));
+    let groom = bind(&hanging(count, 16, 0.12), &Default::default()).unwrap();
+    let field = ball(0.085, 32);
+    let mut hair =
+        Hair::new(&gpu.device, &gpu.queue, pipelines, &groom, &Default::default(), Some(&field)).unwrap();
+    advance(&mut hair, &frame(Pose::IDENTITY, 0.0));
+    hair
 }
 
 /// The guides' rest positions as the GPU stores them: vertex-major `vec4`s.
