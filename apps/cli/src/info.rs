@@ -13,8 +13,7 @@ use tresses::groom::{
 };
 use tresses_scene::{
     Anatomy,
-    limbs::{Capsule, STANDS_OUT},
-    living::{Part, PartForm},
+    anatomy::{Capsule, Part, PartForm, capsule::STANDS_OUT},
 };
 
 use crate::orient_args::{MomentArgs, OrientArgs};
@@ -47,7 +46,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     options.unrepaired = true;
     let (strands, head, report) = import::read_whole(&args.files, &args.head, &options)?;
     // What is wrong with the strands is said below.
-    let of = |(rig, head): (&Rig, &TriMesh)| Anatomy::new(rig.clone(), head, &strands).ok();
+    let of = |(rig, head): (&Rig, &TriMesh)| Anatomy::new(rig.clone(), head, strands.iter()).ok();
     let anatomy = report.rig.as_ref().zip(head.as_ref()).and_then(of);
     if args.json {
         println!("{}", serde_json::to_string_pretty(&as_json(&report, anatomy.as_ref()))?);

@@ -1,4 +1,4 @@
-//! A character to play with: its head turns on a neck, a ball pushes its hair, the wind blows.
+//! A character to play with, a mesh on joints: its head turns on its neck, a ball pushes its hair, the wind blows.
 //!
 //! `cargo run --release --example character`
 //!
@@ -12,12 +12,14 @@
 //! | M | several samples per pixel, or one |
 
 use bevy::{
+    mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes},
     prelude::*,
     render::renderer::{RenderDevice, RenderQueue},
 };
 use bevy_tresses::{
-    GlobalHairWind, Hair3d, HairCollider, HairGroom, HairMaterial3d, TressesPlugin,
-    groom::{mannequin::NECK_JOINT, styles::Style},
+    GlobalHairWind, Hair3d, HairCollider, HairGroom, HairMaterial3d, HairSkin, TressesPlugin,
+    groom::{mannequin::rig, styles::Style},
+    skinned_mesh,
     tresses::{light::HairMaterial, wind::Wind},
 };
 
@@ -38,9 +40,9 @@ fn main() {
 #[derive(Component)]
 struct Body;
 
-/// What turns on it.
+/// A joint that has this share of a turn of the head.
 #[derive(Component)]
-struct Neck;
+struct Turns(f32);
 
 /// What is pushed into the hair.
 #[derive(Component)]
@@ -51,31 +53,33 @@ fn dress(
     mut grooms: ResMut<Assets<HairGroom>>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
+    mut poses: ResMut<Assets<SkinnedMeshInverseBindposes>>,
     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
 ) -> Result {
     let groom = HairGroom::character(&device, &queue, &Style::Long(Default::default()), Some(15_000))?;
-    let head = meshes.add(groom.head_mesh().ok_or("the character has a head")?);
+    // Torso, neck and head, as a file with a skinned body would bring them.
+    let bust = groom.mesh.as_deref().ok_or("the character has a mesh")?;
+    let (mesh, binds) = skinned_mesh(bust, &rig::rig(bust));
+    let body = commands.spawn((Body, Transform::default(), Visibility::default())).id();
+    let (mut joints, mut parent, mut from) = (Vec::new(), body, Vec3::ZERO);
+    for ((name, at), share) in rig::JOINTS.into_iter().zip([0.0, 0.4, 0.6]) {
+        let place = Transform::from_translation(at - from);
+        let joint = (Name::new(name), Turns(share), place, Visibility::default(), ChildOf(parent));
+        (parent, from) = (commands.spawn(joint).id(), at);
+        joints.push(parent);
+    }
     let skin = materials.add(StandardMaterial {
         base_color: Color::linear_rgb(0.5, 0.36, 0.28),
         perceptual_roughness: 0.6,
         ..Default::default()
     });
-    // The neck is where the joint is; head and hair are around the groom's origin.
-    let from_joint = Transform::from_translation(-NECK_JOINT);
-    commands.spawn((
-        Body,
-        Transform::default(),
-        Visibility::default(),
-        children![(
-            Neck,
-            Transform::from_translation(NECK_JOINT),
-            Visibility::default(),
-            children![
-                (Mesh3d(head), MeshMaterial3d(skin), from_joint),
-                (Hair3d(grooms.add(groom)), HairMaterial3d(HairMaterial::brown()), from_joint),
-            ],
-        )],
-    ));
+    let bent = SkinnedMesh { inverse_bindposes: poses.add(SkinnedMeshInverseBindposes::from(binds)), joints };
+    let mesh = commands
+        .spawn((Mesh3d(meshes.add(mesh)), MeshMaterial3d(skin), bent, Transform::default(), ChildOf(body)))
+        .id();
+    // The groom was made on that mesh: hair rests on it as it is, and goes with its skin.
+    let hair = (Hair3d(grooms.add(groom)), HairMaterial3d(HairMaterial::brown()), HairSkin::new(mesh));
+    commands.spawn((hair, ChildOf(body)));
     Ok(())
 }
 
@@ -113,12 +117,15 @@ fn walk(keys: Res<ButtonInput<KeyCode>>, time: Res<Time>, mut body: Single<&mut 
     body.translation += 0.8 * time.delta_secs() * way.normalize_or_zero();
 }
 
-fn turn(keys: Res<ButtonInput<KeyCode>>, time: Res<Time>, mut neck: Single<&mut Transform, With<Neck>>) {
+fn turn(keys: Res<ButtonInput<KeyCode>>, time: Res<Time>, mut joints: Query<(&mut Transform, &Turns)>) {
     use KeyCode::{KeyA, KeyD, KeyS, KeyW};
     // The head follows quickly, as one does that is shaken.
     let wanted = Quat::from_rotation_y(1.1 * axis(&keys, KeyA, KeyD))
         * Quat::from_rotation_x(0.5 * axis(&keys, KeyW, KeyS));
-    neck.rotation = neck.rotation.slerp(wanted, 1.0 - (-9.0 * time.delta_secs()).exp());
+    for (mut joint, Turns(share)) in &mut joints {
+        let own = Quat::IDENTITY.slerp(wanted, *share);
+        joint.rotation = joint.rotation.slerp(own, 1.0 - (-9.0 * time.delta_secs()).exp());
+    }
 }
 
 fn push(keys: Res<ButtonInput<KeyCode>>, time: Res<Time>, mut ball: Single<&mut Transform, With<Ball>>) {

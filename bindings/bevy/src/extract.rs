@@ -2,8 +2,10 @@
 
 use crate::{
     ColliderShape, GlobalHairWind, Hair3d, HairCollider, HairDetail, HairGroom, HairMaterial3d, HairMeets,
-    HairPhysics, HairReady, HairView, HairWind, NoHair,
+    HairPhysics, HairReady, HairSkin, HairView, HairWind, NoHair,
     lights::{SceneLight, rgb},
+    render::Complaints,
+    skin::{OnSkin, Reading, SkinQueries},
 };
 use bevy::{
     camera::visibility::RenderLayers, ecs::entity::EntityHashMap, light::GlobalAmbientLight, prelude::*,
@@ -35,7 +37,9 @@ pub(crate) struct SceneHair {
     pub entity: Entity,
     /// Nothing while it is being loaded.
     pub groom: Option<HairGroom>,
+    /// Of the entity; on a skin, once hair is there, of what it goes with.
     pub pose: Pose,
+    pub skin: OnSkin,
     pub material: HairMaterial,
     pub physics: SimulationParams,
     pub detail: LodOptions,
@@ -73,6 +77,7 @@ type Hairs<'a> = (
     &'a InheritedVisibility,
     Option<&'a HairWind>,
     Option<&'a RenderLayers>,
+    Option<&'a HairSkin>,
     Has<HairMeets>,
 );
 
@@ -86,15 +91,26 @@ pub(crate) fn extract_hair(
     grooms: Extract<Res<Assets<HairGroom>>>,
     hair: Extract<Query<Hairs<'static>>>,
     colliders: Extract<Query<(Entity, &'static HairCollider, &'static GlobalTransform)>>,
+    skins: SkinQueries,
+    mut reading: Local<Reading>,
+    mut complaints: Local<Complaints>,
 ) {
     scene.dt = time.delta_secs();
     scene.hair.clear();
-    for (entity, hair, material, physics, detail, ready, place, visible, own, layers, meets) in &hair {
+    reading.keep(|entity| hair.contains(entity));
+    for (entity, hair, material, physics, detail, ready, place, visible, own, layers, on, meets) in &hair {
         let wind = own.map_or(wind.0, |wind| wind.0);
+        let pose = pose(place);
+        let skin = on.map_or(Ok(OnSkin::No), |on| skins.find(&mut reading, entity, on, pose.matrix()));
+        let skin = skin.unwrap_or_else(|problem| {
+            complaints.say(problem);
+            OnSkin::Awaited
+        });
         scene.hair.push(SceneHair {
             entity,
             groom: grooms.get(&hair.0).cloned(),
-            pose: pose(place),
+            pose,
+            skin,
             material: material.0,
             physics: SimulationParams { wind, ..physics.0 },
             detail: detail.0,

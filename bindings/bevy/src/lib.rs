@@ -34,6 +34,7 @@ mod loader;
 mod meshes;
 mod plugin;
 mod render;
+mod skin;
 
 pub use components::{
     ColliderShape, GlobalHairWind, Hair3d, HairCollider, HairDetail, HairMaterial3d, HairMeets, HairPhysics,
@@ -41,6 +42,7 @@ pub use components::{
 };
 pub use groom_asset::HairGroom;
 pub use loader::{HairGroomLoader, HairGroomSettings};
-pub use meshes::tri_mesh;
+pub use meshes::{skinned_mesh, tri_mesh};
 pub use plugin::TressesPlugin;
+pub use skin::HairSkin;
 pub use tresses::{self, groom};

@@ -7,11 +7,7 @@ mod open;
 
 pub use growing::Growing;
 
-use crate::{
-    colliders::Field,
-    face::{FaceGroom, FaceHair},
-    living::Anatomy,
-};
+use crate::face::{FaceGroom, FaceHair};
 use anyhow::{Context, Result, ensure};
 use cooked::Known;
 use std::{borrow::Cow, path::PathBuf};
@@ -32,6 +28,7 @@ use tresses::{
             sdf::{self, SdfOptions},
         },
         orient::Placement,
+        rig::anatomy::{Anatomy, Field},
         styles::{self, GridScalp, Style, StyledGuides},
     },
     lod::LodLevel,
@@ -391,7 +388,7 @@ impl Base {
 /// What bends `head`, if something does.
 fn anatomy(rig: Option<Rig>, head: Option<&TriMesh>, strands: &Strands) -> Result<Option<Anatomy>> {
     let Some((rig, head)) = rig.zip(head) else { return Ok(None) };
-    Anatomy::new(rig, head, strands).map(Some)
+    Ok(Some(Anatomy::new(rig, head, strands.iter())?))
 }
 
 /// How high a mesh is, in a unit that makes a handy number: a wrong unit is seen at once.

@@ -20,8 +20,6 @@
 
 use crate::{
     companions::Shelf,
-    limbs::Capsule,
-    living::{Part, PartForm},
     motion::{Key, Motion},
 };
 use anyhow::{Context, Result, ensure};
@@ -32,7 +30,11 @@ use tresses::{
     body::BodyMaterial,
     collide::{Anchor, Collider, ColliderPoses, FieldBuilder, FieldId, FieldSource, Shape},
     glam::Vec3,
-    groom::{SdfGrid, TriMesh, import, mesh::SdfOptions},
+    groom::{
+        SdfGrid, TriMesh, import,
+        mesh::SdfOptions,
+        rig::anatomy::{Capsule, Field, Part, PartForm},
+    },
 };
 
 #[derive(Deserialize)]
@@ -118,15 +120,6 @@ enum Form {
         file: PathBuf,
         resolution: Option<u32>,
     },
-}
-
-/// What a distance field comes from.
-#[derive(Clone, Debug)]
-pub enum Field {
-    /// A mesh in the collider's frame, metres; it is made on the GPU.
-    Mesh(TriMesh, SdfOptions),
-    /// It is known.
-    Grid(SdfGrid),
 }
 
 /// The obstacles of one file.

@@ -10,10 +10,8 @@ pub mod crowd;
 #[cfg(test)]
 mod damaged;
 pub mod face;
-mod flesh;
 pub mod history;
 pub mod knobs;
-pub mod limbs;
 pub mod living;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod measure;
@@ -31,8 +29,9 @@ pub use companions::{Companion, Companions, Shelf, Surroundings};
 pub use crowd::{Crowd, CrowdOptions};
 pub use history::History;
 pub use knobs::{Knob, Value};
-pub use living::{Anatomy, Living};
+pub use living::Living;
 pub use motion::{Gesture, Motion};
 pub use preset::Preset;
 pub use scene::{Facts, Quality, Scene};
 pub use settings::{Change, Changes, Settings};
+pub use tresses::groom::rig::anatomy::{self, Anatomy};

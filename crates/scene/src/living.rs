@@ -1,338 +1,68 @@
-//! A body that bends: which of its joints the hair goes with, what its other parts are to hair, and the poses of its
-//! motions.
-//!
-//! The joint that carries most of the roots is the *head*: hair is simulated relative to it, and its part of the body is
-//! the distance field that hair collides with most. Every other joint near the hair carries a part of the body, a distance
-//! field of its own; parts overlap by a ring of triangles where they meet. What is far from the hair while the body rests,
-//! arms, hands and legs, is a capsule each ([`limbs`]): a hand comes near when it is raised, and is thin all the same.
-//! A file of colliders may say otherwise of any joint ([`Anatomy::arrange`]).
+//! A body that bends: what becomes of its parts, and the poses of its motions.
 
 use anyhow::{Context, Result, bail};
-use std::collections::HashMap;
 use tresses::{
     Hair, Pipelines, Pose,
     body::Body,
-    collide::FieldId,
-    glam::{Mat4, Quat, Vec3},
+    collide::{FieldId, deform::DeformingField},
+    glam::{Quat, Vec3},
     gpu::Gpu,
     groom::{
-        SdfGrid, Strands, TriMesh, mannequin,
-        mesh::{Bvh, SdfOptions, sdf},
-        rig::{Rig, RigPose},
+        RigPose, TriMesh,
+        rig::anatomy::{Anatomy, Capsule, Flesh, PartForm},
     },
     skinning::Skinning,
 };
 
 use crate::{
-    colliders::{Field, Joint, Role},
-    flesh::Flesh,
-    limbs::{self, Capsule, Fitted},
+    colliders::{Joint, Role},
     motion::Gesture,
 };
 
-/// The most parts besides the head that are fields, and that are capsules.
-const MOST_PARTS: usize = 24;
-const MOST_CAPSULES: usize = 48;
-/// Nodes along the longest side of a part's field, and the fewest triangles that are worth one.
-const FINE: u32 = 40;
-const LEAST: usize = 12;
-/// What a neck has of a turn of the head on it.
-const NECK_SHARE: f32 = 0.4;
-
-/// A part of the body that a node carries.
-#[derive(Clone, Debug)]
-pub struct Part {
-    /// Of the rig.
-    pub node: u32,
-    /// Its surface at rest, groom space.
-    pub field: Field,
-    /// What hair collides with.
-    pub form: PartForm,
-    /// Multiplies the coefficient of friction.
-    pub friction: f32,
-    /// How many vertices follow the node most.
-    pub vertices: usize,
-    /// The capsule that is most like it, where it is known and there is one.
-    pub fitted: Option<Fitted>,
-}
-
-/// What a part of a body is to hair.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PartForm {
-    /// Its distance field.
-    Field,
-    /// A capsule, groom space at rest.
-    Capsule(Capsule),
-    /// Hair passes through it.
-    Nothing,
-}
-
-impl Part {
-    fn new(node: u32, field: Field, form: PartForm) -> Self {
-        Self { node, field, form, friction: 1.0, vertices: 0, fitted: None }
-    }
-}
-
-/// A body that bends, and how hair sees it.
-#[derive(Clone, Debug)]
-pub struct Anatomy {
-    /// What moves it.
-    pub rig: Rig,
-    /// The node that hair goes with, and its part of the body.
-    pub head: Part,
-    /// The parts that others carry, those near the hair first.
-    pub parts: Vec<Part>,
-    /// The nodes that turn when the head does, a parent before its children, each with its share of the turn.
-    pub turns: Vec<(u32, f32)>,
-    /// Whether all roots are known to lie on skin that goes with the head's joint, whatever the pose.
-    pub is_rigid: bool,
-}
-
-impl Anatomy {
-    /// Of the built-in character, whose distance field `bust` is.
-    pub fn built_in(mesh: &TriMesh, bust: &SdfGrid) -> Self {
-        use mannequin::rig;
-        let [torso, neck, head] = rig::parts(bust).map(Field::Grid);
-        let part = |node, field| Part::new(node, field, PartForm::Field);
-        Self {
-            rig: rig::rig(mesh),
-            head: part(2, head),
-            parts: vec![part(1, neck), part(0, torso)],
-            turns: rig::SHARES.to_vec(),
-            is_rigid: true,
+/// What `joints` say becomes of the parts of a body that they name; `mesh` is the body's.
+///
+/// # Errors
+/// One sentence for a joint that is not there, that holds nothing, or that is the head's.
+pub fn arrange(anatomy: &mut Anatomy, joints: &[Joint], mesh: &TriMesh) -> Result<()> {
+    for joint in joints {
+        let named = anatomy.named(&joint.joint)?;
+        if named.contains(&anatomy.head.node) {
+            bail!("hair grows on the joint {:?}: its part is always a distance field", joint.joint);
         }
-    }
-
-    /// Of the body `mesh` (groom space) that `strands` grow on.
-    ///
-    /// # Errors
-    /// When no triangle of the body is near any root.
-    pub fn new(rig: Rig, mesh: &TriMesh, strands: &Strands) -> Result<Self> {
-        let holder: Vec<u32> = rig.vertices.iter().map(|vertex| holder(&rig, vertex)).collect();
-        let bvh = Bvh::new(mesh);
-        let mut votes: HashMap<u32, usize> = HashMap::new();
-        let roots: Vec<Vec3> = strands.iter().filter_map(|strand| strand.first().copied()).collect();
-        // Some hundreds tell as much as all.
-        for root in roots.iter().step_by((roots.len() / 500).max(1)) {
-            if let Some(closest) = bvh.closest_point(*root) {
-                let corners = mesh.triangles[closest.triangle as usize];
-                *votes.entry(holder[corners[0] as usize]).or_default() += 1;
+        let mut found = false;
+        for i in 0..anatomy.parts.len() {
+            let node = anatomy.parts[i].node;
+            if !named.contains(&node) {
+                continue;
             }
+            found = true;
+            let known = anatomy.parts[i].fitted;
+            let fitted = match joint.shape {
+                Role::Fitted => known.or_else(|| anatomy.fit(node, mesh)),
+                _ => known,
+            };
+            let part = &mut anatomy.parts[i];
+            part.fitted = fitted;
+            part.friction = joint.friction;
+            part.form = match joint.shape {
+                Role::Nothing => PartForm::Nothing,
+                Role::Field => PartForm::Field,
+                Role::Capsule { from, to, radius } => {
+                    PartForm::Capsule(Capsule { ends: [from, to].map(Vec3::from), radius })
+                }
+                Role::Fitted => {
+                    let fitted = fitted.with_context(|| {
+                        format!("the joint {:?} holds too little to fit a capsule to", joint.joint)
+                    })?;
+                    PartForm::Capsule(fitted.capsule)
+                }
+            };
         }
-        let head = votes.into_iter().max_by_key(|(node, votes)| (*votes, u32::MAX - node));
-        let head = head.context("no root lies on the body")?.0;
-        let owners = owners(&rig, head);
-        let of = |vertex: u32| owners[vertex as usize];
-        let triangles = by_node(mesh, of);
-        let reach = strands.iter().map(|strand| strand.windows(2).map(|w| w[0].distance(w[1])).sum::<f32>());
-        let reach = reach.fold(0.0f32, f32::max) + 0.05;
-        let bounds =
-            roots.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
-        let (mut parts, mut own) = (Vec::new(), TriMesh::default());
-        for (node, triangles) in triangles {
-            let part = cut(mesh, &triangles);
-            let far = apart(bounds, part.bounds());
-            if node == head {
-                own = part;
-            } else {
-                parts.push((far, triangles, Part::new(node, Field::Mesh(part, fine()), PartForm::Nothing)));
-            }
-        }
-        parts.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.node.cmp(&b.2.node)));
-        let (mut fields, mut capsules) = (0, 0);
-        for (far, triangles, part) in &mut parts {
-            let is_own = |vertex: u32| of(vertex) == part.node;
-            part.vertices = (0..owners.len() as u32).filter(|vertex| is_own(*vertex)).count();
-            part.fitted = limbs::fit(mesh, triangles, is_own);
-            let is_worth = triangles.len() >= LEAST;
-            if is_worth && *far < reach && fields < MOST_PARTS {
-                part.form = PartForm::Field;
-                fields += 1;
-            } else if let Some(fitted) = part.fitted.filter(|_| is_worth && capsules < MOST_CAPSULES) {
-                part.form = PartForm::Capsule(fitted.capsule);
-                capsules += 1;
-            }
-        }
-        let parts = parts.into_iter().map(|(.., part)| part).collect();
-        let turns = turns(&rig, head);
-        let head = Part::new(head, Field::Mesh(own, SdfOptions::default()), PartForm::Field);
-        Ok(Self { rig, head, parts, turns, is_rigid: false })
-    }
-
-    /// What to collide with besides the head.
-    pub fn solids(&self) -> impl Iterator<Item = &Part> {
-        self.parts.iter().filter(|part| part.form != PartForm::Nothing)
-    }
-
-    /// Makes the fields of parts that hair collides with. What encloses nothing, as cards of lashes, stays a mesh: it is
-    /// left to the GPU, which asks nothing of one.
-    pub fn measure(&mut self) {
-        for part in self.parts.iter_mut().filter(|part| part.form == PartForm::Field) {
-            if let Field::Mesh(mesh, options) = &part.field
-                && let Ok(grid) = sdf::build(mesh, options)
-            {
-                part.field = Field::Grid(grid);
-            }
+        if !found {
+            bail!("the joint {:?} holds nothing", joint.joint);
         }
     }
-
-    /// Takes fields that were [measured](Self::measure) before, each with the node that carries its part.
-    pub fn know(&mut self, fields: Vec<(u32, SdfGrid)>) {
-        for (node, grid) in fields {
-            if let Some(part) = self.parts.iter_mut().find(|part| part.node == node) {
-                part.field = Field::Grid(grid);
-            }
-        }
-    }
-
-    /// What `joints` say becomes of the parts that they name; `mesh` is the body's.
-    ///
-    /// # Errors
-    /// One sentence for a joint that is not there, that holds nothing, or that is the head's.
-    pub fn arrange(&mut self, joints: &[Joint], mesh: &TriMesh) -> Result<()> {
-        for joint in joints {
-            let named = self.named(&joint.joint)?;
-            if named.contains(&self.head.node) {
-                bail!("hair grows on the joint {:?}: its part is always a distance field", joint.joint);
-            }
-            let mut found = false;
-            for part in self.parts.iter_mut().filter(|part| named.contains(&part.node)) {
-                found = true;
-                part.friction = joint.friction;
-                part.form = match joint.shape {
-                    Role::Nothing => PartForm::Nothing,
-                    Role::Field => PartForm::Field,
-                    Role::Capsule { from, to, radius } => {
-                        PartForm::Capsule(Capsule { ends: [from, to].map(Vec3::from), radius })
-                    }
-                    Role::Fitted => {
-                        let rig = &self.rig;
-                        let of = |vertex: u32| holder(rig, &rig.vertices[vertex as usize]);
-                        let own = || by_node(mesh, of).remove(&part.node).unwrap_or_default();
-                        let fit = || limbs::fit(mesh, &own(), |vertex| of(vertex) == part.node);
-                        part.fitted = part.fitted.or_else(fit);
-                        let fitted = part.fitted.with_context(|| {
-                            format!("the joint {:?} holds too little to fit a capsule to", joint.joint)
-                        })?;
-                        PartForm::Capsule(fitted.capsule)
-                    }
-                };
-            }
-            if !found {
-                bail!("the joint {:?} holds nothing", joint.joint);
-            }
-        }
-        Ok(())
-    }
-
-    /// What a node is called: its name, or `#` and its number.
-    pub fn name(&self, node: u32) -> String {
-        match &*self.rig.nodes[node as usize].name {
-            "" => format!("#{node}"),
-            name => name.to_owned(),
-        }
-    }
-
-    /// The nodes of this name, upper and lower case alike if none is exactly so.
-    fn named(&self, name: &str) -> Result<Vec<u32>> {
-        let all = || 0..self.rig.nodes.len() as u32;
-        let mut found: Vec<u32> = all().filter(|node| self.name(*node) == name).collect();
-        if found.is_empty() {
-            let lower = name.to_lowercase();
-            found = all().filter(|node| self.name(*node).to_lowercase() == lower).collect();
-        }
-        if found.is_empty() {
-            let names: Vec<_> = self.parts.iter().map(|part| self.name(part.node)).collect();
-            let there = if names.is_empty() { "none".into() } else { names.join(", ") };
-            bail!("the body has no joint {name:?}; parts are carried by {there}");
-        }
-        Ok(found)
-    }
-}
-
-/// How finely a part's field is made.
-fn fine() -> SdfOptions {
-    SdfOptions { resolution: FINE, ..Default::default() }
-}
-
-/// The triangles of each node: all with a corner that is `of` it.
-pub(crate) fn by_node(mesh: &TriMesh, of: impl Fn(u32) -> u32) -> HashMap<u32, Vec<[u32; 3]>> {
-    let mut triangles: HashMap<u32, Vec<[u32; 3]>> = HashMap::new();
-    for triangle in &mesh.triangles {
-        let mut nodes = triangle.map(&of);
-        nodes.sort_unstable();
-        for (i, node) in nodes.iter().enumerate() {
-            if i == 0 || nodes[i - 1] != *node {
-                triangles.entry(*node).or_default().push(*triangle);
-            }
-        }
-    }
-    triangles
-}
-
-/// The node that carries most of a vertex.
-fn holder(rig: &Rig, vertex: &tresses::groom::rig::Bind) -> u32 {
-    let most = (0..vertex.weights.len()).max_by(|a, b| vertex.weights[*a].total_cmp(&vertex.weights[*b]));
-    most.and_then(|i| rig.joints.get(usize::from(vertex.joints[i]))).map_or(0, |joint| joint.node)
-}
-
-/// The node that carries most of each vertex; eyes and jaws go with the head.
-pub(crate) fn owners(rig: &Rig, head: u32) -> Vec<u32> {
-    let on_head: Vec<bool> = (0..rig.nodes.len() as u32).map(|node| goes_with(rig, node, head)).collect();
-    let owner = |node: u32| if on_head[node as usize] { head } else { node };
-    rig.vertices.iter().map(|vertex| owner(holder(rig, vertex))).collect()
-}
-
-/// What turns when the head does: its own node, and before that a neck's, if it hangs from one.
-fn turns(rig: &Rig, head: u32) -> Vec<(u32, f32)> {
-    let neck = rig.nodes[head as usize].parent;
-    match neck.filter(|node| rig.nodes[*node as usize].name.to_lowercase().contains("neck")) {
-        Some(neck) => vec![(neck, NECK_SHARE), (head, 1.0 - NECK_SHARE)],
-        None => vec![(head, 1.0)],
-    }
-}
-
-/// Whether `node` is `head` or below it.
-fn goes_with(rig: &Rig, node: u32, head: u32) -> bool {
-    let mut at = Some(node);
-    while let Some(node) = at {
-        if node == head {
-            return true;
-        }
-        at = rig.nodes[node as usize].parent;
-    }
-    false
-}
-
-/// The distance between two boxes, metres.
-fn apart(a: (Vec3, Vec3), b: Option<(Vec3, Vec3)>) -> f32 {
-    b.map_or(f32::INFINITY, |b| (a.0 - b.1).max(b.0 - a.1).max(Vec3::ZERO).length())
-}
-
-/// These triangles of a mesh, with only the vertices that they have.
-fn cut(mesh: &TriMesh, triangles: &[[u32; 3]]) -> TriMesh {
-    let mut places = HashMap::new();
-    let mut part = TriMesh::default();
-    for triangle in triangles {
-        part.triangles.push(triangle.map(|vertex| {
-            *places.entry(vertex).or_insert_with(|| {
-                part.positions.push(mesh.positions[vertex as usize]);
-                part.normals.extend(mesh.normals.get(vertex as usize));
-                part.positions.len() as u32 - 1
-            })
-        }));
-    }
-    part
-}
-
-/// The rigid part of how a node moved: where `now` has what `rest` had, without scale.
-fn moved(now: &Mat4, rest: &Mat4) -> Pose {
-    let matrix = *now * rest.inverse();
-    let (_, rotation, _) = matrix.to_scale_rotation_translation();
-    let rotation = if rotation.is_finite() { rotation.normalize() } else { Quat::IDENTITY };
-    // The node's own origin is where the motion has it, whatever its scale.
-    let (from, to) = (rest.w_axis.truncate(), now.w_axis.truncate());
-    Pose { rotation, translation: to - rotation * from }
+    Ok(())
 }
 
 /// A body on the GPU that bends.
@@ -477,8 +207,8 @@ impl Living {
         self.skinning.pose(&gpu.queue, &pose, body)?;
         let is_bent = pose != self.rest;
         let node = |node: u32| {
-            let [now, rest] = [&pose, &self.rest].map(|pose| rig.to_groom * pose.globals[node as usize]);
-            moved(&now, &rest)
+            let [rest, now] = [&self.rest, &pose].map(|pose| rig.to_groom * pose.globals[node as usize]);
+            Pose::between(&rest, &now)
         };
         let parts = self.anatomy.solids().map(|part| node(part.node)).collect();
         Ok(Stance { head: node(self.anatomy.head.node), parts, is_bent })
@@ -495,7 +225,7 @@ impl Living {
         hair: impl Iterator<Item = &'a mut Hair>,
     ) -> Result<()> {
         let flesh = Flesh::new(&self.anatomy, mesh, has_head);
-        let fields = flesh.fields(fields);
+        let fields = DeformingField::of(&flesh, fields);
         for hair in hair {
             let colliders = &mut hair.colliders;
             colliders.deform(&gpu.device, &gpu.queue, &pipelines.deform, mesh, &body.into(), &fields)?;

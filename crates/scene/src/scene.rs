@@ -12,7 +12,7 @@ use crate::{
     colliders::Colliders,
     companions::Surroundings,
     face::Fringe,
-    living::Living,
+    living::{self, Living},
     settings::{LightSettings, Settings},
 };
 use anyhow::{Context, Result, ensure};
@@ -183,7 +183,7 @@ impl Scene {
         let options = HairOptions { simulation: *physics, lod: quality.lod, ..Default::default() };
         match (&mut character.anatomy, &character.head) {
             (Some(anatomy), Some(mesh)) => {
-                anatomy.arrange(colliders.joints(), mesh).context("colliders")?;
+                living::arrange(anatomy, colliders.joints(), mesh).context("colliders")?;
                 if gpu.tier.software && !cfg!(target_arch = "wasm32") {
                     // A software driver takes many times as long for fields as the threads that it runs on.
                     anatomy.measure();

@@ -6,6 +6,7 @@
 
 use super::{
     Complaints, Wardrobe,
+    living::Living,
     motion::Motion,
     prepare::{Worn, seen},
     shadows::LightShadows,
@@ -215,7 +216,7 @@ impl Drawing<'_> {
             lights::at(focus.center, &scene.lights, &eye.layers, eye.ambient, self.exposure);
         let picture = Picture { camera: self.camera, lights, focus, ..Default::default() };
         let hair: Vec<&Hair> = self.seen.iter().map(|(_, worn)| &worn.hair).collect();
-        let bodies: Vec<&Body> = self.seen.iter().filter_map(|(_, worn)| worn.body.as_ref()).collect();
+        let (bodies, _) = self.bodies();
         let heads: Vec<_> =
             if zones.is_empty() { vec![focus] } else { zones.iter().map(|zone| zone.focus).collect() };
         let shadows = self.shadows.of(&of, self.entity, &heads);
@@ -234,6 +235,24 @@ impl Drawing<'_> {
         Ok(())
     }
 
+    /// What the hair that is seen grows on, and which of it each has: of one skin, that hair and brows are on, once.
+    fn bodies(&self) -> (Vec<&Body>, Vec<Option<usize>>) {
+        let (mut bodies, mut skins) = (Vec::new(), Vec::new());
+        let mut numbers = Vec::with_capacity(self.seen.len());
+        for (_, worn) in self.seen {
+            let skin = worn.living.as_ref().map(Living::entity);
+            numbers.push(worn.body.as_ref().map(|body| {
+                let known = skins.iter().position(|other| skin.is_some() && *other == skin);
+                known.unwrap_or_else(|| {
+                    bodies.push(body);
+                    skins.push(skin);
+                    bodies.len() - 1
+                })
+            }));
+        }
+        (bodies, numbers)
+    }
+
     /// A zone of light for each head, where there are several, and what the nearest one covers.
     fn zones(&self) -> (Vec<Zone>, Sphere) {
         let spheres: Vec<_> = self.seen.iter().map(|(hair, worn)| reach(hair, worn)).collect();
@@ -245,12 +264,10 @@ impl Drawing<'_> {
         if heads.len() < 2 {
             return (Vec::new(), focus);
         }
-        // Bodies are numbered by themselves.
-        let mut next = 0..;
-        let bodies: Vec<_> =
-            self.seen.iter().map(|(_, worn)| worn.body.as_ref().and_then(|_| next.next())).collect();
+        let (_, bodies) = self.bodies();
         let zone = |Head { focus, hair }: Head| {
-            let on = hair.iter().filter_map(|i| bodies[*i]).collect();
+            let mut on: Vec<usize> = hair.iter().filter_map(|i| bodies[*i]).collect();
+            on.dedup();
             let pose = self.seen[hair[0]].0.pose;
             Zone { pose, ..Zone::seen(focus, &self.camera, 0.0, hair, on) }
         };

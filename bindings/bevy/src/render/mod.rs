@@ -7,6 +7,7 @@
 //! ```
 
 mod draw;
+mod living;
 mod motion;
 mod prepare;
 mod shadows;

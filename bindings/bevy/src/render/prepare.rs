@@ -1,9 +1,13 @@
 //! Grooms come to the GPU.
 
-use super::Complaints;
+use super::{
+    Complaints,
+    living::{Living, Plan},
+};
 use crate::{
     HairCollider, HairGroom,
     extract::{Scene, SceneHair},
+    skin::{OnSkin, Skin},
 };
 use bevy::{
     ecs::entity::EntityHashMap,
@@ -28,15 +32,17 @@ pub(crate) struct Worn {
     pub hair: Hair,
     /// Its shadow falls on the hair.
     pub body: Option<Body>,
-    /// Its colliders and their entities.
+    /// What bends that, and the hair with it.
+    pub living: Option<Living>,
+    /// Its colliders besides those of its body, and their entities.
     pub colliders: Vec<(Entity, Collider)>,
     /// Whether the last frame moved it.
     pub moves: bool,
     made_for: Made,
 }
 
-/// Hair, and what it grows on.
-type Dressed = (Hair, Option<Body>);
+/// Hair, what it grows on, and what bends that.
+type Dressed = (Hair, Option<Body>, Option<Living>);
 
 /// What hair was made for.
 #[derive(Clone, Debug)]
@@ -48,12 +54,20 @@ struct Made {
     detail: LodOptions,
     /// Those of the colliders that it can have.
     fields: Vec<Arc<SdfGrid>>,
+    /// What it is on.
+    skin: Option<Arc<Skin>>,
 }
 
+/// What an entity's hair is to be made of: its groom, colliders' fields, skin.
+type Wanted<'a> = (&'a HairGroom, &'a [Arc<SdfGrid>], Option<&'a Arc<Skin>>);
+
 impl Made {
-    fn is(&self, groom: &HairGroom, fields: &[Arc<SdfGrid>]) -> bool {
+    fn is(&self, (groom, fields, skin): Wanted<'_>) -> bool {
         let same = |(a, b): (&Arc<SdfGrid>, _)| Arc::ptr_eq(a, b);
-        self.groom.is(groom) && self.fields.len() == fields.len() && self.fields.iter().zip(fields).all(same)
+        self.groom.is(groom)
+            && self.fields.len() == fields.len()
+            && self.fields.iter().zip(fields).all(same)
+            && self.skin.as_ref().map(Arc::as_ptr) == skin.map(Arc::as_ptr)
     }
 }
 
@@ -119,15 +133,20 @@ pub(crate) fn prepare(
     let pipelines = pipelines.get_or_insert_with(|| Arc::new(Pipelines::new(device.wgpu_device())));
     places.retain(|entity, _| scene.hair.iter().any(|hair| hair.entity == *entity));
     for hair in &scene.hair {
-        let Some(groom) = &hair.groom else { continue };
+        let Some(groom) = hair.groom.as_ref().filter(|_| !matches!(hair.skin, OnSkin::Awaited)) else {
+            hair.ready.store(false, Ordering::Relaxed);
+            continue;
+        };
+        let wanted = (groom, &scene.fields[..], hair.skin.skin());
         let place = places.entry(hair.entity).or_default();
         place.take(complaints);
-        if !place.has(groom, &scene.fields) {
+        if !place.has(wanted) {
             let made = Made {
                 groom: groom.clone(),
                 physics: hair.physics,
                 detail: hair.detail,
                 fields: scene.fields.clone(),
+                skin: hair.skin.skin().cloned(),
             };
             let gpu = (device.wgpu_device(), &**queue, &*pipelines);
             // Heads with the same groom share what does not change.
@@ -139,11 +158,11 @@ pub(crate) fn prepare(
             }
         }
         let worn = places.get(&hair.entity).and_then(|place| place.worn.as_ref());
-        hair.ready.store(worn.is_some_and(|worn| worn.made_for.is(groom, &scene.fields)), Ordering::Relaxed);
+        hair.ready.store(worn.is_some_and(|worn| worn.made_for.is(wanted)), Ordering::Relaxed);
     }
 }
 
-type Gpu<'a> = (&'a wgpu::Device, &'a wgpu::Queue, &'a Arc<Pipelines>);
+pub(super) type Gpu<'a> = (&'a wgpu::Device, &'a wgpu::Queue, &'a Arc<Pipelines>);
 
 /// Hair for `made` from hair that is worn already, if there is such.
 fn twin(
@@ -154,7 +173,7 @@ fn twin(
     let worn =
         places.values().filter_map(|place| place.worn.as_ref()).find(|worn| worn.made_for.is_twin(made))?;
     let hair = worn.hair.another(device, queue, pipelines, &[]);
-    Some(hair.map(|hair| (hair, worn.body.as_ref().map(|body| body.another(device)))))
+    Some(hair.map(|hair| (hair, worn.body.as_ref().map(|body| body.another(device)), None)))
 }
 
 impl Worn {
@@ -169,9 +188,10 @@ impl Worn {
 }
 
 impl Made {
-    /// Whether hair for one is hair for the other.
+    /// Whether hair for one is hair for the other: not where each has a skin of its own.
     fn is_twin(&self, other: &Self) -> bool {
-        self.is(&other.groom, &other.fields) && rest(&self.physics) == rest(&other.physics)
+        let wanted = (&other.groom, &other.fields[..], None);
+        other.skin.is_none() && self.is(wanted) && rest(&self.physics) == rest(&other.physics)
     }
 }
 
@@ -182,8 +202,8 @@ fn rest(physics: &SimulationParams) -> SimulationParams {
 
 impl Place {
     /// Whether this groom is worn, coming or known to be impossible.
-    fn has(&self, groom: &HairGroom, fields: &[Arc<SdfGrid>]) -> bool {
-        let is = |made: &Made| made.is(groom, fields);
+    fn has(&self, wanted: Wanted<'_>) -> bool {
+        let is = |made: &Made| made.is(wanted);
         match &self.coming {
             Some((coming, _)) => is(coming),
             None => {
@@ -210,8 +230,9 @@ impl Place {
     fn arrive(&mut self, made: Made, result: Result<Dressed>, complaints: &mut Complaints) {
         self.failed = None;
         match result {
-            Ok((hair, body)) => {
-                self.worn = Some(Worn { hair, body, colliders: Vec::new(), moves: false, made_for: made });
+            Ok((hair, body, living)) => {
+                self.worn =
+                    Some(Worn { hair, body, living, colliders: Vec::new(), moves: false, made_for: made });
             }
             Err(error) => {
                 complaints.say(format!("hair cannot be made: {error}"));
@@ -225,19 +246,32 @@ impl Place {
 /// Makes hair, on a task: to measure its level of detail takes a while.
 fn make(made: &Made, (device, queue, pipelines): Gpu<'_>) -> Task<Result<Dressed>> {
     let (device, queue, pipelines) = (device.clone(), queue.clone(), pipelines.clone());
-    let Made { groom, physics, detail, fields } = made.clone();
+    let Made { groom, physics, detail, fields, skin } = made.clone();
     AsyncComputeTaskPool::get().spawn(async move {
         let options = HairOptions { simulation: physics, lod: detail, ..groom.options };
-        let fields: Vec<_> = fields.iter().map(|field| FieldSource::Grid(field)).collect();
-        let colliders =
-            ColliderDescriptor { head: groom.head.as_deref(), fields: &fields, ..Default::default() };
+        let mut fields: Vec<_> = fields.iter().map(|field| FieldSource::Grid(field)).collect();
+        let plan = skin.map(|skin| Plan::new(skin, &groom.groom)).transpose()?;
+        let mut colliders = ColliderDescriptor { head: groom.head.as_deref(), ..Default::default() };
+        if let Some(plan) = &plan {
+            fields.extend(plan.fields.iter().map(FieldSource::Grid));
+            colliders.head = Some(&plan.head);
+        }
+        colliders.fields = &fields;
         let mut hair =
             Hair::with_progress(&device, &queue, &pipelines, &groom.groom, &options, &colliders, &()).await?;
         if !groom.ties.is_empty() {
             hair.tie(&device, &queue, &pipelines, &groom.groom, &groom.ties)?;
         }
-        let body = groom.mesh.as_ref().map(|mesh| Body::new(&device, mesh));
-        Ok((hair, body))
+        let of_scene = fields.len() - plan.as_ref().map_or(0, |plan| plan.fields.len());
+        let (body, living) = match plan {
+            Some(plan) => {
+                let (body, living) =
+                    plan.attach((&device, &queue, &pipelines), &mut hair, &groom.groom, of_scene)?;
+                (Some(body), Some(living))
+            }
+            None => (groom.mesh.as_ref().map(|mesh| Body::new(&device, mesh)), None),
+        };
+        Ok((hair, body, living))
     })
 }
 

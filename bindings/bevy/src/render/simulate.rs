@@ -1,7 +1,10 @@
 //! Hair moves, once per frame.
 
-use super::{Complaints, Wardrobe, prepare::Worn};
-use crate::extract::{Eye, Scene, SceneHair};
+use super::{Complaints, Wardrobe, living::Living, prepare::Worn};
+use crate::{
+    extract::{Eye, Scene, SceneHair},
+    skin::OnSkin,
+};
 use bevy::{
     prelude::*,
     render::{
@@ -29,7 +32,7 @@ pub(crate) fn camera(view: &ExtractedView) -> Camera {
 
 /// Moves all hair by a frame, and so finely as the nearest camera sees it.
 pub(crate) fn simulate(
-    scene: Res<Scene>,
+    mut scene: ResMut<Scene>,
     mut wardrobe: ResMut<Wardrobe>,
     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
     views: Query<(MainEntity, &ExtractedView), With<ExtractedCamera>>,
@@ -37,6 +40,15 @@ pub(crate) fn simulate(
     mut context: RenderContext,
 ) {
     let Some(pipelines) = wardrobe.pipelines() else { return };
+    // From here on hair on a skin is where what it goes with has it.
+    for hair in &mut scene.hair {
+        if let (OnSkin::Yes(_, stance), Some(worn)) = (&hair.skin, wardrobe.worn(hair.entity))
+            && let Some(living) = &worn.living
+        {
+            hair.pose = living.head(stance);
+        }
+    }
+    let scene = scene.into_inner();
     let eyes: Vec<_> = views
         .iter()
         .filter_map(|(entity, view)| Some((camera(view), scene.cameras.get(&entity.entity())?)))
@@ -57,7 +69,7 @@ pub(crate) fn simulate(
             device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("hair") });
         let recorder =
             Recorder { pipelines: &pipelines, device, queue: &queue, encoder: &mut encoder, timings: None };
-        match worn.advance(recorder, hair, &scene, &eyes) {
+        match worn.advance(recorder, hair, scene, &eyes) {
             Ok(()) => {
                 worn.moves = true;
                 context.add_command_buffer(encoder.finish());
@@ -92,7 +104,14 @@ impl Worn {
         if let Some((_, camera)) = large.max_by(|(a, _), (b, _)| a.total_cmp(b)) {
             self.hair.look_from(device, queue, camera, &hair.pose);
         }
-        let poses = pushing.iter().map(|(_, _, pose)| *pose).collect();
+        let mut poses = Vec::new();
+        if let (Some(living), Some(body), OnSkin::Yes(_, stance)) =
+            (&mut self.living, &mut self.body, &hair.skin)
+        {
+            living.pose((queue, body, &mut self.hair), &hair.pose, stance, &mut poses)?;
+            recorder.bend(&[living.skinning()])?;
+        }
+        poses.extend(pushing.iter().map(|(_, _, pose)| *pose));
         let colliders = ColliderPoses { head: None, colliders: poses };
         let frame = Frame {
             dt: scene.dt,
@@ -117,8 +136,10 @@ impl Worn {
             return Ok(());
         }
         // Who keeps its place goes on from where it is. Others are not to fly over from the place of one that is gone.
+        let own = self.living.as_ref().map_or(&[][..], Living::colliders);
         let kept = wanted.iter().zip(&self.colliders).take_while(|(new, old)| new.0 == old.0).count();
-        let all: Vec<_> = wanted.iter().map(|(_, collider)| *collider).collect();
+        let kept = own.len() + kept;
+        let all: Vec<_> = own.iter().copied().chain(wanted.iter().map(|(_, collider)| *collider)).collect();
         self.hair.set_colliders(device, queue, &all[..kept])?;
         self.hair.set_colliders(device, queue, &all)?;
         self.colliders = wanted;

@@ -5,3 +5,4 @@ mod files;
 mod motion;
 mod scene;
 mod shadows;
+mod skin;

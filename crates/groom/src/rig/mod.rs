@@ -9,6 +9,7 @@
 //! A pose is small: one matrix per joint and one weight per shape. What is done to each vertex with it
 //! ([`Rig::deform`]) needs nothing else, so a GPU does it as well.
 
+pub mod anatomy;
 mod animation;
 mod deform;
 mod join;

@@ -1,7 +1,6 @@
 //! Characters that were cooked: what opening their files computes was computed before.
 
 use super::{Base, Files, Hair, Styling, anatomy, neck};
-use crate::{colliders::Field, living::Part};
 use anyhow::Result;
 use std::path::{Path, PathBuf};
 use tresses::groom::{
@@ -9,6 +8,7 @@ use tresses::groom::{
     grow::Paint,
     import::{self, ImportOptions},
     mesh,
+    rig::anatomy::{Field, Part},
 };
 
 /// What a cooked groom knows already.

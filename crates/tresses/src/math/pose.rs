@@ -53,6 +53,15 @@ impl Pose {
         }
     }
 
+    /// The rigid part of how a coordinate system has moved: where `now` has what `rest` had. Scales are left out; its own
+    /// origin is where the motion has it, whatever they are. What is flattened has no turn.
+    pub fn between(rest: &Mat4, now: &Mat4) -> Self {
+        let (_, rotation, _) = (*now * rest.inverse()).to_scale_rotation_translation();
+        let rotation = if rotation.is_finite() { rotation.normalize() } else { Quat::IDENTITY };
+        let (from, to) = (rest.w_axis.truncate(), now.w_axis.truncate());
+        Self { rotation, translation: to - rotation * from }
+    }
+
     /// As a column-major matrix.
     pub fn matrix(&self) -> Mat4 {
         Mat4::from_rotation_translation(self.rotation, self.translation)
@@ -69,6 +78,22 @@ mod tests {
         let p = Vec3::new(0.3, 0.2, 0.1);
         assert!((pose.inverse().point(pose.point(p)) - p).length() < 1e-6);
         assert!((pose.after(&pose.inverse()).point(p) - p).length() < 1e-6);
+    }
+
+    #[test]
+    fn what_moves_and_stretches_has_a_rigid_part_about_its_origin() {
+        let own = Quat::from_rotation_x(0.3);
+        let rest = Mat4::from_scale_rotation_translation(Vec3::splat(2.0), own, Vec3::Y);
+        let turn = Quat::from_rotation_z(0.7);
+        let now = Mat4::from_scale_rotation_translation(Vec3::splat(2.0), turn * own, Vec3::X);
+        let pose = Pose::between(&rest, &now);
+        assert!(pose.point(Vec3::Y).distance(Vec3::X) < 1e-6);
+        assert!(pose.rotation.dot(turn).abs() > 0.999_999);
+        // What is stretched is no pose; its origin is where it should be all the same.
+        let stretched = now * Mat4::from_scale(Vec3::new(3.0, 1.0, 1.0));
+        let pose = Pose::between(&rest, &stretched);
+        assert!(pose.point(Vec3::Y).distance(Vec3::X) < 1e-6 && pose.rotation.is_normalized());
+        assert!(Pose::between(&rest, &Mat4::from_scale(Vec3::ZERO)).rotation.is_finite());
     }
 
     #[test]

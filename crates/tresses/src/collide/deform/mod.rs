@@ -29,14 +29,14 @@
 //! surface, but not that it moves.
 
 use super::{
-    ShapeData,
+    FieldId, ShapeData,
     places::{JUMP, JUMP_ANGLE},
 };
 use crate::{
     Error, Pose, Result,
     constants::{BUILD_WORKGROUP, DEFORM_NODES},
     gpu::{Binding, Kernel},
-    groom::{TriMesh, mesh::Bvh},
+    groom::{TriMesh, mesh::Bvh, rig::anatomy::Flesh},
     roots::Skin,
     strands::buffers::filled,
 };
@@ -111,7 +111,7 @@ pub enum Which {
     /// The head's.
     Head,
     /// One of [`ColliderDescriptor::fields`](super::ColliderDescriptor::fields).
-    Field(super::FieldId),
+    Field(FieldId),
 }
 
 /// A field whose body has skin that bends.
@@ -121,6 +121,16 @@ pub struct DeformingField<'a> {
     pub which: Which,
     /// The triangles of the mesh whose skin is around it.
     pub triangles: &'a [[u32; 3]],
+}
+
+impl<'a> DeformingField<'a> {
+    /// Those of a body that bends: of the [`Flesh`] of its head and its other solids those that deform, where the solids
+    /// have the `fields` that are said.
+    pub fn of(flesh: &'a Flesh, fields: impl Iterator<Item = Option<FieldId>>) -> Vec<Self> {
+        let which = std::iter::once(Some(Which::Head)).chain(fields.map(|id| id.map(Which::Field)));
+        let all = flesh.around().zip(which).filter(|(triangles, _)| !triangles.is_empty());
+        all.filter_map(|(triangles, which)| Some(Self { which: which?, triangles })).collect()
+    }
 }
 
 /// The pipelines.

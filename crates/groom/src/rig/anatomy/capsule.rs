@@ -6,7 +6,8 @@
 //! the principal axes of the points and the best is kept. A tube that is open where it was cut gets an axis as long as it
 //! is, a finger one that ends before its tip.
 
-use tresses::{glam::Vec3, groom::TriMesh};
+use crate::TriMesh;
+use glam::Vec3;
 
 /// What stands farther out of a capsule is missed, metres.
 pub const STANDS_OUT: f32 = 5e-3;
@@ -212,7 +213,7 @@ fn solve(mut m: [[f64; 7]; 7], mut b: [f64; 7]) -> Option<[f64; 7]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tresses::glam::Quat;
+    use glam::Quat;
 
     /// A tube along the y axis, `profile` (height, radius) from ring to ring.
     fn tube(profile: &[(f32, f32)]) -> TriMesh {

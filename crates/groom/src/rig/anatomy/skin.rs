@@ -1,17 +1,11 @@
 //! The skin around the parts of a body that bends: which of their distance fields deform with it, and with what of it.
 //!
 //! A part goes with a joint. Its skin leaves it where other joints carry some of it, and where shapes move it: there its
-//! field deforms ([`tresses::collide::deform`]). Fields of neighbours overlap where they meet, so the skin of a part is
+//! field deforms (`collide::deform` of the crate `tresses`). Fields of neighbours overlap where they meet, so the skin of a part is
 //! taken [`BEYOND`] farther than the part itself, along the surface: an arm that hangs beside a chest is none of its skin.
 
-use crate::living::{Anatomy, PartForm, by_node, owners};
-use tresses::{
-    collide::{
-        FieldId,
-        deform::{DeformingField, Which},
-    },
-    groom::{TriMesh, mesh::places},
-};
+use super::{Anatomy, PartForm, by_node, owners};
+use crate::{TriMesh, mesh::places};
 
 /// How far beyond a part skin counts as its, along edges, metres.
 const BEYOND: f32 = 0.04;
@@ -54,18 +48,13 @@ impl Flesh {
         Self(std::iter::once(head).chain(parts).collect())
     }
 
-    /// What deforms, where the other solids have the fields that `fields` say.
-    pub(crate) fn fields<'a>(
-        &'a self,
-        fields: impl Iterator<Item = Option<FieldId>> + 'a,
-    ) -> Vec<DeformingField<'a>> {
-        let which = std::iter::once(Some(Which::Head)).chain(fields.map(|id| id.map(Which::Field)));
-        let all = self.0.iter().zip(which).filter(|(triangles, _)| !triangles.is_empty());
-        all.filter_map(|(triangles, which)| Some(DeformingField { which: which?, triangles })).collect()
+    /// The triangles around each of them, the head first.
+    pub fn around(&self) -> impl Iterator<Item = &[[u32; 3]]> {
+        self.0.iter().map(Vec::as_slice)
     }
 
     /// Whether each of them deforms.
-    pub(crate) fn deforms(&self) -> Vec<bool> {
+    pub fn deforms(&self) -> Vec<bool> {
         self.0.iter().map(|triangles| !triangles.is_empty()).collect()
     }
 }
@@ -126,7 +115,7 @@ impl Surface {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tresses::glam::Vec3;
+    use glam::Vec3;
 
     #[test]
     fn skin_is_followed_along_the_surface() {

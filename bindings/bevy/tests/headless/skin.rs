@@ -1,0 +1,219 @@
+//! Hair on bodies that Bevy bends: by joints, by morph targets, in any units.
+
+use crate::common::{HEAD, Picture, after, app, camera, fan, light, middle, wait};
+use bevy::{
+    mesh::{
+        VertexAttributeValues,
+        morph::{MeshMorphWeights, MorphAttributes},
+        skinning::{SkinnedMesh, SkinnedMeshInverseBindposes},
+    },
+    prelude::*,
+};
+use bevy_tresses::{Hair3d, HairGroom, HairReady, HairSkin, groom::TriMesh, tri_mesh};
+
+/// Frames after which everything that was asked for is there.
+const ALL: usize = 4;
+/// Metres to a pixel where the hair is.
+const PIXEL: f32 = 0.0044;
+
+/// The ball of the fan, `size` times as large, as two joints at its middle have it: the second carries as much of a vertex
+/// as `share` says of its place.
+fn ball(size: f32, share: impl Fn(Vec3) -> f32) -> Mesh {
+    let mut mesh = Sphere::new(HEAD).mesh().uv(24, 16);
+    let Some(VertexAttributeValues::Float32x3(places)) = mesh.attribute_mut(Mesh::ATTRIBUTE_POSITION) else {
+        panic!("a ball has places")
+    };
+    let weights: Vec<[f32; 4]> =
+        places.iter().map(|p| [1.0 - share(Vec3::from(*p)), share(Vec3::from(*p)), 0.0, 0.0]).collect();
+    places.iter_mut().flatten().for_each(|x| *x *= size);
+    let joints = VertexAttributeValues::Uint16x4(vec![[0, 1, 0, 0]; weights.len()]);
+    mesh.with_inserted_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, joints)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, weights)
+}
+
+fn groom() -> HairGroom {
+    HairGroom::from_strands(&fan(1500), &Default::default()).expect("strands are sound")
+}
+
+/// The fan on its ball, which goes with its entity as a whole.
+fn rigid() -> HairGroom {
+    let head: TriMesh = tri_mesh(&ball(1.0, |_| 0.0)).expect("a ball has triangles");
+    groom().with_head(head).expect("a ball is closed")
+}
+
+fn wear(app: &mut App, groom: HairGroom) -> Hair3d {
+    Hair3d(app.world_mut().resource_mut::<Assets<HairGroom>>().add(groom))
+}
+
+/// Two joints at the middle of a ball of this size, the second a child of the first, and the ball on them.
+struct Body {
+    joints: [Entity; 2],
+    mesh: Entity,
+}
+
+/// A body whose vertices are `size` times as large, and its root as much smaller.
+fn body(app: &mut App, size: f32, share: impl Fn(Vec3) -> f32) -> Body {
+    let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(ball(size, share));
+    // Not at the middle of the mesh: binding undoes that.
+    let off = Transform::from_xyz(0.0, 0.02 * size, 0.01 * size);
+    let binds = vec![off.to_matrix().inverse(); 2];
+    let binds = app
+        .world_mut()
+        .resource_mut::<Assets<SkinnedMeshInverseBindposes>>()
+        .add(SkinnedMeshInverseBindposes::from(binds));
+    let world = app.world_mut();
+    let root = world.spawn((Transform::from_scale(Vec3::splat(1.0 / size)), Visibility::default())).id();
+    let first = world.spawn((off, Visibility::default(), ChildOf(root))).id();
+    let second = world.spawn((Transform::default(), Visibility::default(), ChildOf(first))).id();
+    let joints = [first, second];
+    let skin = SkinnedMesh { inverse_bindposes: binds, joints: joints.to_vec() };
+    let mesh = world.spawn((Mesh3d(mesh), skin, Transform::default(), ChildOf(root))).id();
+    Body { joints, mesh }
+}
+
+/// Turns an entity by a bit more in each of some frames.
+fn turn(app: &mut App, entity: Entity, base: Transform, about: Vec3) {
+    for i in 1..=30 {
+        let rotation = Quat::from_rotation_z(0.02 * i as f32);
+        let place = about + rotation * (base.translation - about);
+        app.world_mut().entity_mut(entity).insert(Transform { rotation, translation: place, ..base });
+        app.update();
+    }
+}
+
+/// How far the middle of what differs is from another's, metres.
+fn moved(a: &Picture, b: &Picture, bare: &Picture) -> Vec2 {
+    (middle(&a.changed(bare)) - middle(&b.changed(bare))) * PIXEL
+}
+
+#[test]
+fn joints_carry_hair() {
+    // A ball that all of the second joint carries moves hair as a head does that turns about the same place.
+    let mut app_a = app("assets");
+    light(&mut app_a);
+    let (_, picture) = camera(&mut app_a);
+    let bare = after(&mut app_a, ALL, &picture);
+    let hair = wear(&mut app_a, rigid());
+    let hair = app_a.world_mut().spawn(hair).id();
+    wait(&mut app_a);
+    let rest = after(&mut app_a, ALL, &picture);
+    turn(&mut app_a, hair, Transform::default(), Vec3::new(0.0, 0.02, 0.01));
+    let expected = after(&mut app_a, 0, &picture);
+    expected.keep("rigid");
+    assert!(moved(&expected, &rest, &bare).length() > 0.05, "it turns far");
+    drop(app_a);
+
+    for (name, size, child) in [("skin", 1.0, false), ("child", 1.0, true), ("centimetres", 100.0, true)] {
+        let mut app = app("assets");
+        light(&mut app);
+        let (_, picture) = camera(&mut app);
+        let Body { joints: [_, second], mesh } = body(&mut app, size, |_| 1.0);
+        app.world_mut().entity_mut(mesh).insert(Visibility::Hidden);
+        let bare = after(&mut app, ALL, &picture);
+        let hair = wear(&mut app, groom());
+        let hair = app.world_mut().spawn((hair, HairSkin::new(mesh))).id();
+        if child {
+            // Where the joint has the groom's origin, the middle of the ball.
+            let place = Transform::from_xyz(0.0, -0.02 * size, -0.01 * size);
+            app.world_mut().entity_mut(hair).insert((place, ChildOf(second)));
+        }
+        wait(&mut app);
+        let at_rest = after(&mut app, ALL, &picture);
+        let off = moved(&at_rest, &rest, &bare);
+        assert!(off.length() < 0.3 * PIXEL, "{name}: {off} m off at rest");
+        turn(&mut app, second, Transform::default(), Vec3::ZERO);
+        let turned = after(&mut app, 0, &picture);
+        turned.keep(name);
+        let off = moved(&turned, &expected, &bare);
+        assert!(off.length() < 0.5 * PIXEL, "{name}: {off} m off");
+        let [own, all] = [turned.changed(&bare).len(), expected.changed(&bare).len()];
+        assert!(own.abs_diff(all) < all / 20, "{name}: {own} pixels of hair, not {all}");
+    }
+}
+
+#[test]
+fn skin_that_stretches_and_swells_takes_roots_along() {
+    let mut app = app("assets");
+    light(&mut app);
+    let (_, picture) = camera(&mut app);
+    // The upper half goes with the second joint.
+    let share = |p: Vec3| if p.y > 0.0 { (p.y / 0.02).min(1.0) } else { 0.0 };
+    let Body { joints: [_, second], mesh } = body(&mut app, 1.0, share);
+    app.world_mut().entity_mut(mesh).insert(Visibility::Hidden);
+    let bare = after(&mut app, ALL, &picture);
+    let hair = wear(&mut app, groom());
+    app.world_mut().spawn((hair, HairSkin::new(mesh)));
+    wait(&mut app);
+    let rest = after(&mut app, ALL, &picture);
+    app.world_mut().entity_mut(second).insert(Transform::from_xyz(0.0, 0.06, 0.0));
+    let stretched = after(&mut app, 40, &picture);
+    stretched.keep("stretched");
+    let edge = |of: &Picture, top: bool| {
+        let rows: Vec<u32> = of.changed(&bare).iter().map(|p| p[1]).collect();
+        *if top { rows.iter().min() } else { rows.iter().max() }.expect("there is hair") as f32 * PIXEL
+    };
+    let (up, down) =
+        (edge(&rest, true) - edge(&stretched, true), edge(&stretched, false) - edge(&rest, false));
+    assert!((0.04..0.08).contains(&up), "the upper hair rises by {up} m");
+    assert!(down.abs() < 0.02, "the lower stays: {down} m");
+    app.world_mut().entity_mut(second).insert(Transform::default());
+
+    // A shape that moves what is to the right by 3 cm.
+    let asset = app.world().get::<Mesh3d>(mesh).expect("it has a mesh").0.clone();
+    let mut swollen = ball(1.0, share);
+    let push =
+        |p: &[f32; 3]| MorphAttributes::new(0.03 * Vec3::X * (p[0] / HEAD).max(0.0), Vec3::ZERO, Vec3::ZERO);
+    let Some(VertexAttributeValues::Float32x3(places)) = swollen.attribute(Mesh::ATTRIBUTE_POSITION) else {
+        panic!("a ball has places")
+    };
+    let shape = places.iter().map(push).collect();
+    swollen.set_morph_targets(shape);
+    let swollen = app.world_mut().resource_mut::<Assets<Mesh>>().add(swollen);
+    app.world_mut()
+        .entity_mut(mesh)
+        .insert((Mesh3d(swollen), MeshMorphWeights::Value { weights: vec![0.0] }));
+    drop(asset);
+    app.update();
+    wait(&mut app);
+    let before = after(&mut app, 40, &picture);
+    let still = moved(&before, &rest, &bare);
+    assert!(still.length() < PIXEL, "a shape that there is none of moves hair: {still} m");
+    app.world_mut().entity_mut(mesh).insert(MeshMorphWeights::Value { weights: vec![1.0] });
+    let swollen = after(&mut app, 40, &picture);
+    swollen.keep("swollen");
+    let aside = moved(&swollen, &before, &bare);
+    assert!((0.015..0.035).contains(&aside.x), "it moves by {aside} m");
+}
+
+#[test]
+fn hair_that_does_not_fit_is_not_shown() {
+    let mut app = app("assets");
+    light(&mut app);
+    let (_, picture) = camera(&mut app);
+    let bare = after(&mut app, ALL, &picture);
+    let hair = wear(&mut app, groom());
+    // Of an entity without a mesh, then too far from one.
+    let none = app.world_mut().spawn(Transform::default()).id();
+    let hair = app.world_mut().spawn((hair, HairSkin::new(none))).id();
+    let shown = |app: &mut App| {
+        for _ in 0..100 {
+            app.update();
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        app.world().get::<HairReady>(hair).is_some_and(HairReady::get)
+    };
+    assert!(!shown(&mut app));
+    let Body { mesh, .. } = body(&mut app, 1.0, |_| 0.0);
+    app.world_mut().entity_mut(mesh).insert(Visibility::Hidden);
+    let far = HairSkin { at: Some(Mat4::from_translation(0.05 * Vec3::X)), ..HairSkin::new(mesh) };
+    app.world_mut().entity_mut(hair).insert(far);
+    assert!(!shown(&mut app), "roots are 5 cm away");
+    assert!(after(&mut app, 1, &picture).is(&bare));
+    app.world_mut().entity_mut(hair).insert(HairSkin { reach: 0.06, ..far });
+    assert!(shown(&mut app), "which is allowed");
+    assert!(!after(&mut app, ALL, &picture).is(&bare));
+    // From a skin to none.
+    app.world_mut().entity_mut(hair).remove::<HairSkin>();
+    assert!(shown(&mut app));
+    assert!(!after(&mut app, ALL, &picture).is(&bare));
+}

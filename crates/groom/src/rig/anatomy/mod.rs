@@ -1,0 +1,422 @@
+//! What a body that bends is to hair: which of its joints the hair goes with, and what its other parts are.
+//!
+//! The joint that carries most of the roots is the *head*: hair is simulated relative to it, and its part of the body is
+//! the distance field that hair collides with most. Every other joint near the hair carries a part of the body, a distance
+//! field of its own; parts overlap by a ring of triangles where they meet. What is far from the hair while the body rests,
+//! arms, hands and legs, is a [capsule] each: a hand comes near when it is raised, and is thin all the same.
+
+pub mod capsule;
+mod skin;
+
+pub use capsule::{Capsule, Fitted};
+pub use skin::Flesh;
+
+use glam::Vec3;
+use std::collections::HashMap;
+
+use super::{Bind, Rig};
+use crate::{
+    Error, Result, SdfGrid, TriMesh, curve, mannequin,
+    mesh::{Bvh, SdfOptions, sdf},
+};
+
+/// The most parts besides the head that are fields, and that are capsules.
+const MOST_PARTS: usize = 24;
+const MOST_CAPSULES: usize = 48;
+/// Nodes along the longest side of a part's field, and the fewest triangles that are worth one.
+const FINE: u32 = 40;
+const LEAST: usize = 12;
+/// What a neck has of a turn of the head on it.
+const NECK_SHARE: f32 = 0.4;
+
+/// What a distance field comes from.
+#[derive(Clone, Debug)]
+pub enum Field {
+    /// A mesh in the collider's frame, metres, whose field is still to be made.
+    Mesh(TriMesh, SdfOptions),
+    /// It is known.
+    Grid(SdfGrid),
+}
+
+/// A part of the body that a node carries.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// Of the rig.
+    pub node: u32,
+    /// Its surface at rest, groom space.
+    pub field: Field,
+    /// What hair collides with.
+    pub form: PartForm,
+    /// Multiplies the coefficient of friction.
+    pub friction: f32,
+    /// How many vertices follow the node most.
+    pub vertices: usize,
+    /// The capsule that is most like it, where it is known and there is one.
+    pub fitted: Option<Fitted>,
+}
+
+/// What a part of a body is to hair.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PartForm {
+    /// Its distance field.
+    Field,
+    /// A capsule, groom space at rest.
+    Capsule(Capsule),
+    /// Hair passes through it.
+    Nothing,
+}
+
+impl Part {
+    fn new(node: u32, field: Field, form: PartForm) -> Self {
+        Self { node, field, form, friction: 1.0, vertices: 0, fitted: None }
+    }
+}
+
+/// A body that bends, and how hair sees it.
+#[derive(Clone, Debug)]
+pub struct Anatomy {
+    /// What moves it.
+    pub rig: Rig,
+    /// The node that hair goes with, and its part of the body.
+    pub head: Part,
+    /// The parts that others carry, those near the hair first.
+    pub parts: Vec<Part>,
+    /// The nodes that turn when the head does, a parent before its children, each with its share of the turn.
+    pub turns: Vec<(u32, f32)>,
+    /// Whether all roots are known to lie on skin that goes with the head's joint, whatever the pose.
+    pub is_rigid: bool,
+}
+
+impl Anatomy {
+    /// Of the built-in character, whose distance field `bust` is.
+    pub fn built_in(mesh: &TriMesh, bust: &SdfGrid) -> Self {
+        use mannequin::rig;
+        let [torso, neck, head] = rig::parts(bust).map(Field::Grid);
+        let part = |node, field| Part::new(node, field, PartForm::Field);
+        Self {
+            rig: rig::rig(mesh),
+            head: part(2, head),
+            parts: vec![part(1, neck), part(0, torso)],
+            turns: rig::SHARES.to_vec(),
+            is_rigid: true,
+        }
+    }
+
+    /// Of the body `mesh` (groom space, metres) that hair grows on: each of `lines` is a strand or a guide from its root.
+    ///
+    /// # Errors
+    /// [`Error::Unusable`] when no root is near any triangle of the body.
+    pub fn new<'a>(rig: Rig, mesh: &TriMesh, lines: impl IntoIterator<Item = &'a [Vec3]>) -> Result<Self> {
+        let holder: Vec<u32> = rig.vertices.iter().map(|vertex| holder(&rig, vertex)).collect();
+        let bvh = Bvh::new(mesh);
+        let mut votes: HashMap<u32, usize> = HashMap::new();
+        let (mut roots, mut reach) = (Vec::new(), 0.0f32);
+        for line in lines {
+            roots.extend(line.first());
+            reach = reach.max(curve::length(line));
+        }
+        // Hair is pushed by what it touches, a little before it does.
+        reach += 0.05;
+        // Some hundreds tell as much as all.
+        for root in roots.iter().step_by((roots.len() / 500).max(1)) {
+            if let Some(closest) = bvh.closest_point(*root) {
+                let corners = mesh.triangles[closest.triangle as usize];
+                *votes.entry(holder[corners[0] as usize]).or_default() += 1;
+            }
+        }
+        let head = votes.into_iter().max_by_key(|(node, votes)| (*votes, u32::MAX - node));
+        let head = head.ok_or_else(|| Error::Unusable("no root lies on the body".into()))?.0;
+        let owners = owners(&rig, head);
+        let of = |vertex: u32| owners[vertex as usize];
+        let triangles = by_node(mesh, of);
+        let bounds =
+            roots.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+        let (mut parts, mut own) = (Vec::new(), TriMesh::default());
+        for (node, triangles) in triangles {
+            let part = cut(mesh, &triangles);
+            let far = apart(bounds, part.bounds());
+            if node == head {
+                own = part;
+            } else {
+                parts.push((far, triangles, Part::new(node, Field::Mesh(part, fine()), PartForm::Nothing)));
+            }
+        }
+        parts.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.node.cmp(&b.2.node)));
+        let (mut fields, mut capsules) = (0, 0);
+        for (far, triangles, part) in &mut parts {
+            let is_own = |vertex: u32| of(vertex) == part.node;
+            part.vertices = (0..owners.len() as u32).filter(|vertex| is_own(*vertex)).count();
+            part.fitted = capsule::fit(mesh, triangles, is_own);
+            let is_worth = triangles.len() >= LEAST;
+            if is_worth && *far < reach && fields < MOST_PARTS {
+                part.form = PartForm::Field;
+                fields += 1;
+            } else if let Some(fitted) = part.fitted.filter(|_| is_worth && capsules < MOST_CAPSULES) {
+                part.form = PartForm::Capsule(fitted.capsule);
+                capsules += 1;
+            }
+        }
+        let parts = parts.into_iter().map(|(.., part)| part).collect();
+        let turns = turns(&rig, head);
+        let head = Part::new(head, Field::Mesh(own, SdfOptions::default()), PartForm::Field);
+        Ok(Self { rig, head, parts, turns, is_rigid: false })
+    }
+
+    /// What to collide with besides the head.
+    pub fn solids(&self) -> impl Iterator<Item = &Part> {
+        self.parts.iter().filter(|part| part.form != PartForm::Nothing)
+    }
+
+    /// Makes the fields of parts that hair collides with. What encloses nothing, as cards of lashes, stays a mesh: it is
+    /// left to the GPU, which asks nothing of one.
+    pub fn measure(&mut self) {
+        for part in self.parts.iter_mut().filter(|part| part.form == PartForm::Field) {
+            if let Field::Mesh(mesh, options) = &part.field
+                && let Ok(grid) = sdf::build(mesh, options)
+            {
+                part.field = Field::Grid(grid);
+            }
+        }
+    }
+
+    /// Takes fields that were [measured](Self::measure) before, each with the node that carries its part.
+    pub fn know(&mut self, fields: Vec<(u32, SdfGrid)>) {
+        for (node, grid) in fields {
+            if let Some(part) = self.parts.iter_mut().find(|part| part.node == node) {
+                part.field = Field::Grid(grid);
+            }
+        }
+    }
+
+    /// The capsule that is most like the part of `mesh`, the body's, that `node` carries.
+    pub fn fit(&self, node: u32, mesh: &TriMesh) -> Option<Fitted> {
+        let of = |vertex: u32| holder(&self.rig, &self.rig.vertices[vertex as usize]);
+        let own = by_node(mesh, of).remove(&node).unwrap_or_default();
+        capsule::fit(mesh, &own, |vertex| of(vertex) == node)
+    }
+
+    /// What a node is called: its name, or `#` and its number.
+    pub fn name(&self, node: u32) -> String {
+        match &*self.rig.nodes[node as usize].name {
+            "" => format!("#{node}"),
+            name => name.to_owned(),
+        }
+    }
+
+    /// The nodes of this name, upper and lower case alike if none is exactly so.
+    ///
+    /// # Errors
+    /// [`Error::Unusable`] with the names that there are.
+    pub fn named(&self, name: &str) -> Result<Vec<u32>> {
+        let all = || 0..self.rig.nodes.len() as u32;
+        let mut found: Vec<u32> = all().filter(|node| self.name(*node) == name).collect();
+        if found.is_empty() {
+            let lower = name.to_lowercase();
+            found = all().filter(|node| self.name(*node).to_lowercase() == lower).collect();
+        }
+        if found.is_empty() {
+            let names: Vec<_> = self.parts.iter().map(|part| self.name(part.node)).collect();
+            let there = if names.is_empty() { "none".into() } else { names.join(", ") };
+            let problem = format!("the body has no joint {name:?}; parts are carried by {there}");
+            return Err(Error::Unusable(problem));
+        }
+        Ok(found)
+    }
+}
+
+/// How finely a part's field is made.
+fn fine() -> SdfOptions {
+    SdfOptions { resolution: FINE, ..Default::default() }
+}
+
+/// The triangles of each node: all with a corner that is `of` it.
+fn by_node(mesh: &TriMesh, of: impl Fn(u32) -> u32) -> HashMap<u32, Vec<[u32; 3]>> {
+    let mut triangles: HashMap<u32, Vec<[u32; 3]>> = HashMap::new();
+    for triangle in &mesh.triangles {
+        let mut nodes = triangle.map(&of);
+        nodes.sort_unstable();
+        for (i, node) in nodes.iter().enumerate() {
+            if i == 0 || nodes[i - 1] != *node {
+                triangles.entry(*node).or_default().push(*triangle);
+            }
+        }
+    }
+    triangles
+}
+
+/// The node that carries most of a vertex.
+fn holder(rig: &Rig, vertex: &Bind) -> u32 {
+    let most = (0..vertex.weights.len()).max_by(|a, b| vertex.weights[*a].total_cmp(&vertex.weights[*b]));
+    most.and_then(|i| rig.joints.get(usize::from(vertex.joints[i]))).map_or(0, |joint| joint.node)
+}
+
+/// The node that carries most of each vertex; eyes and jaws go with the head.
+fn owners(rig: &Rig, head: u32) -> Vec<u32> {
+    let on_head: Vec<bool> = (0..rig.nodes.len() as u32).map(|node| goes_with(rig, node, head)).collect();
+    let owner = |node: u32| if on_head[node as usize] { head } else { node };
+    rig.vertices.iter().map(|vertex| owner(holder(rig, vertex))).collect()
+}
+
+/// What turns when the head does: its own node, and before that a neck's, if it hangs from one.
+fn turns(rig: &Rig, head: u32) -> Vec<(u32, f32)> {
+    let neck = rig.nodes[head as usize].parent;
+    match neck.filter(|node| rig.nodes[*node as usize].name.to_lowercase().contains("neck")) {
+        Some(neck) => vec![(neck, NECK_SHARE), (head, 1.0 - NECK_SHARE)],
+        None => vec![(head, 1.0)],
+    }
+}
+
+/// Whether `node` is `head` or below it.
+fn goes_with(rig: &Rig, node: u32, head: u32) -> bool {
+    let mut at = Some(node);
+    while let Some(node) = at {
+        if node == head {
+            return true;
+        }
+        at = rig.nodes[node as usize].parent;
+    }
+    false
+}
+
+/// The distance between two boxes, metres.
+fn apart(a: (Vec3, Vec3), b: Option<(Vec3, Vec3)>) -> f32 {
+    b.map_or(f32::INFINITY, |b| (a.0 - b.1).max(b.0 - a.1).max(Vec3::ZERO).length())
+}
+
+/// These triangles of a mesh, with only the vertices that they have.
+fn cut(mesh: &TriMesh, triangles: &[[u32; 3]]) -> TriMesh {
+    let mut places = HashMap::new();
+    let mut part = TriMesh::default();
+    for triangle in triangles {
+        part.triangles.push(triangle.map(|vertex| {
+            *places.entry(vertex).or_insert_with(|| {
+                part.positions.push(mesh.positions[vertex as usize]);
+                part.normals.extend(mesh.normals.get(vertex as usize));
+                part.positions.len() as u32 - 1
+            })
+        }));
+    }
+    part
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        Strands,
+        mesh::shapes,
+        rig::{Joint, Node, Transform},
+    };
+    use glam::{Mat4, Quat};
+
+    /// A head on a neck on shoulders, each a ball that a node of its own carries, and an eye that goes with the head.
+    fn body() -> (Rig, TriMesh) {
+        let places = [
+            Vec3::new(0.0, 1.0, 0.0),
+            Vec3::new(0.0, 1.3, 0.0),
+            Vec3::new(0.0, 1.5, 0.0),
+            Vec3::new(0.0, 1.5, 0.1),
+        ];
+        let sizes = [0.2, 0.06, 0.1, 0.02];
+        let (mut rig, mut mesh) = (Rig { to_groom: Mat4::IDENTITY, ..Rig::default() }, TriMesh::default());
+        for (i, (place, size)) in places.into_iter().zip(sizes).enumerate() {
+            let mut ball = shapes::sphere(size, 12);
+            ball.compute_normals();
+            let parent = i.checked_sub(1).map(|parent| parent as u32);
+            let from = parent.map_or(Vec3::ZERO, |parent| places[parent as usize]);
+            let rest = Transform { translation: place - from, ..Default::default() };
+            rig.nodes.push(Node { name: format!("{i}"), parent, rest, ..Default::default() });
+            rig.joints.push(Joint { node: i as u32, inverse_bind: Mat4::from_translation(-place) });
+            let first = mesh.positions.len() as u32;
+            for (p, n) in ball.positions.iter().zip(&ball.normals) {
+                rig.vertices.push(Bind::rigid(place + *p, *n, i as u16));
+                mesh.positions.push(place + *p);
+                mesh.normals.push(*n);
+            }
+            mesh.triangles.extend(ball.triangles.iter().map(|t| t.map(|v| v + first)));
+        }
+        (rig, mesh)
+    }
+
+    fn hair(length: f32) -> Strands {
+        let mut strands = Strands::default();
+        for i in 0..20 {
+            let root = Vec3::new(0.02 * (i as f32).sin(), 1.6, 0.02 * (i as f32).cos());
+            strands.push(&[root, root + Vec3::Y * length]);
+        }
+        strands
+    }
+
+    #[test]
+    fn hair_goes_with_what_it_grows_on() {
+        let (rig, mesh) = body();
+        let anatomy = Anatomy::new(rig, &mesh, hair(0.4).iter()).unwrap();
+        assert_eq!(anatomy.head.node, 2);
+        // The eye belongs to it.
+        let Field::Mesh(mesh, _) = &anatomy.head.field else { panic!("a mesh was given") };
+        let (lo, hi) = mesh.bounds().unwrap();
+        assert!((hi.z - 0.12).abs() < 1e-3 && (lo.y - 1.4).abs() < 1e-3, "{lo} {hi}");
+        let nodes: Vec<_> = anatomy.parts.iter().map(|part| part.node).collect();
+        assert_eq!(nodes, [1, 0], "the nearest first");
+        assert!(anatomy.solids().count() == 2 && anatomy.solids().all(|part| part.form == PartForm::Field));
+        // Short hair reaches the neck, not the shoulders: those are a capsule.
+        let (rig, mesh) = body();
+        let short = Anatomy::new(rig, &mesh, hair(0.2).iter()).unwrap();
+        assert_eq!(short.parts.iter().map(|part| part.node).collect::<Vec<_>>(), [1, 0]);
+        assert_eq!(short.parts[0].form, PartForm::Field);
+        let PartForm::Capsule(Capsule { ends: [a, b], radius }) = short.parts[1].form else {
+            panic!("far away")
+        };
+        assert!((radius - 0.2).abs() < 2e-3 && a.distance(b) < 0.01, "{a} {b} {radius}");
+        assert!((0.5 * (a + b)).distance(Vec3::Y) < 2e-3);
+        assert_eq!(short.parts[1].vertices, mesh.positions.len() / 4);
+        // It is found again for whom asks.
+        assert_eq!(short.fit(0, &mesh), short.parts[1].fitted);
+        let (rig, mesh) = body();
+        assert!(Anatomy::new(rig, &mesh, []).is_err(), "there is no hair");
+    }
+
+    #[test]
+    fn a_neck_turns_with_its_head() {
+        let (mut rig, mesh) = body();
+        let anatomy = Anatomy::new(rig.clone(), &mesh, hair(0.4).iter()).unwrap();
+        assert_eq!(anatomy.turns, [(2, 1.0)], "no node is called a neck");
+        rig.nodes[1].name = "mixamorig:Neck".into();
+        let anatomy = Anatomy::new(rig, &mesh, hair(0.4).iter()).unwrap();
+        assert_eq!(anatomy.turns, [(1, NECK_SHARE), (2, 1.0 - NECK_SHARE)]);
+        // In all the head turns as it was told, about its own place on the neck; eyes go with it.
+        let turn = Quat::from_rotation_x(0.5);
+        let turns = anatomy.turns.iter().map(|(node, share)| (*node, Quat::IDENTITY.slerp(turn, *share)));
+        let pose = anatomy.rig.pose_turned(None, &[], &turns.collect::<Vec<_>>());
+        let rest = anatomy.rig.rest_pose();
+        let of =
+            |node: usize, p: Vec3| (pose.globals[node] * rest.globals[node].inverse()).transform_point3(p);
+        let neck = Vec3::new(0.0, 1.3, 0.0);
+        assert!(of(0, neck) == neck, "the torso stays");
+        for node in [2, 3] {
+            let up = of(node, neck + Vec3::Y) - of(node, neck);
+            assert!(up.distance(turn * Vec3::Y) < 1e-5, "{node}: {up}");
+        }
+        assert!(of(1, neck).distance(neck) < 1e-6, "the neck turns where it is");
+        let bent = Quat::from_rotation_x(0.5 * NECK_SHARE) * Vec3::Y * 0.2;
+        assert!(of(2, neck + Vec3::Y * 0.2).distance(neck + bent) < 1e-6, "and the head is on it");
+    }
+
+    #[test]
+    fn the_built_in_character_has_parts() {
+        let mesh = mannequin::mesh(60);
+        let bust = mannequin::sdf(mannequin::FIELD_RESOLUTION);
+        let anatomy = Anatomy::built_in(&mesh, &bust);
+        assert_eq!((anatomy.head.node, anatomy.parts.len(), anatomy.is_rigid), (2, 2, true));
+        let field = |part: &Part| match &part.field {
+            Field::Grid(grid) => grid.clone(),
+            Field::Mesh(..) => panic!("it is known"),
+        };
+        assert!(field(&anatomy.head).sample(mannequin::CROWN).abs() < 2e-3);
+        let shoulder = Vec3::new(0.12, -0.095, -0.06);
+        assert!(
+            field(&anatomy.parts[1]).sample(shoulder).abs() < 0.02
+                && field(&anatomy.head).sample(shoulder) > 0.05
+        );
+    }
+}
