@@ -2,12 +2,16 @@
 
 `python reference_usd.py write FILE`: strands (B-splines, widths per curve, two frames) and guides, each under transforms,
 with Unreal's attributes; `crates/groom/src/import/usd/reference.usdc` is this file. `python reference_usd.py read FILE`:
-prints, as JSON, what curves a file has: how many, how many points, and the sum of these in the world, in metres, Y up."""
+prints, as JSON, what curves a file has: how many, how many points, and the sum of these in the world, in metres, Y up.
+
+`python reference_usd.py skel FILE`: a skeleton of three joints in motion, a body on it with a shape, and hair that goes
+with it, as a whole and point by point; prints where UsdSkel has all points, at rest and in each frame.
+`crates/groom/src/import/usd/reference_skel.usdc` and `.txt` are these."""
 
 import json
 import sys
 
-from pxr import Gf, Sdf, Usd, UsdGeom
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
 
 FRAMES = (24, 25)
 
@@ -66,5 +70,107 @@ def read(path):
     print(json.dumps({"curves": curves, "points": points, "sum": [x, z, -y] if up == "Z" else [x, y, z]}))
 
 
+JOINTS = ["Torso", "Torso/Neck", "Torso/Neck/Head"]
+
+
+def matrix(move, axis=(0, 1, 0), degrees=0.0, scale=1.0):
+    turn = Gf.Matrix4d().SetRotate(Gf.Rotation(Gf.Vec3d(*axis), degrees))
+    return Gf.Matrix4d().SetScale(scale) * turn * Gf.Matrix4d().SetTranslate(Gf.Vec3d(*move))
+
+
+def bind(prim, skeleton, joints, weights, width, constant, own=None):
+    api = UsdSkel.BindingAPI.Apply(prim)
+    api.CreateSkeletonRel().SetTargets([skeleton])
+    api.CreateJointIndicesPrimvar(constant, width).Set(joints)
+    api.CreateJointWeightsPrimvar(constant, width).Set(weights)
+    api.CreateGeomBindTransformAttr().Set(matrix((0.5, 0, 1), (1, 0, 0), 10))
+    if own:
+        api.CreateJointsAttr().Set(own)
+    return api
+
+
+def skel(path):
+    stage = Usd.Stage.CreateNew(path)
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
+    UsdGeom.SetStageMetersPerUnit(stage, 0.01)
+    stage.SetTimeCodesPerSecond(24)
+    root = UsdSkel.Root.Define(stage, "/who")
+    root.AddTransformOp().Set(matrix((1, 2, 3), (0, 0, 1), 15))
+    skeleton = UsdSkel.Skeleton.Define(stage, "/who/bones")
+    skeleton.AddTransformOp().Set(matrix((0, 1, 0), (0, 1, 0), 20, 1.5))
+    skeleton.CreateJointsAttr(JOINTS)
+    places = [matrix((0, 10 * i, i), (1, 0, 0), 5 * i) for i in range(3)]
+    skeleton.CreateBindTransformsAttr(places)
+    skeleton.CreateRestTransformsAttr([matrix((0, 9 + i, 0), (0, 0, 1), 4 * i) for i in range(3)])
+    walk = UsdSkel.Animation.Define(stage, "/who/walk")
+    walk.CreateJointsAttr([JOINTS[2], JOINTS[0], JOINTS[1]])
+    walk.CreateBlendShapesAttr(["jaw"])
+    for frame, time in enumerate(FRAMES):
+        turns = [Gf.Rotation(Gf.Vec3d(0, 1, 1), 30 * frame + 10 * i).GetQuat() for i in range(3)]
+        walk.CreateTranslationsAttr().Set([Gf.Vec3f(frame, 8 + i, 0.5 * i) for i in range(3)], time)
+        walk.CreateRotationsAttr().Set([Gf.Quatf(turn) for turn in turns], time)
+        walk.CreateScalesAttr().Set([Gf.Vec3h(1, 1 + 0.25 * frame, 1)] * 3, time)
+        walk.CreateBlendShapeWeightsAttr().Set([0.5 * frame], time)
+    UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets([walk.GetPath()])
+
+    body = UsdGeom.Mesh.Define(stage, "/who/body")
+    corners = [Gf.Vec3f(x, 7 * y, z) for y in range(4) for x, z in ((0, 0), (1, 0), (0, 1))]
+    faces = [[3 * y + a, 3 * y + b, 3 * y + c] for y in range(3) for a, b, c in ((0, 1, 3), (1, 4, 3), (2, 0, 5))]
+    body.CreatePointsAttr(corners)
+    body.CreateFaceVertexCountsAttr([3] * len(faces))
+    body.CreateFaceVertexIndicesAttr(sum(faces, []))
+    shares = [(min(i // 3, 2), min(i // 3 + 1, 2), 0.25 * (i % 4)) for i in range(12)]
+    joints, weights = sum(([a, b] for a, b, _ in shares), []), sum(([1 - w, w] for _, _, w in shares), [])
+    api = bind(body.GetPrim(), skeleton.GetPath(), joints, weights, 2, False)
+    jaw = UsdSkel.BlendShape.Define(stage, "/who/body/jaw")
+    jaw.CreateOffsetsAttr([Gf.Vec3f(0, -1, 2), Gf.Vec3f(1, 0, 0)])
+    jaw.CreatePointIndicesAttr([11, 9])
+    api.CreateBlendShapesAttr(["jaw"])
+    api.CreateBlendShapeTargetsRel().SetTargets([jaw.GetPath()])
+
+    for name in ("whole", "parts"):
+        hair = UsdGeom.BasisCurves.Define(stage, "/who/" + name)
+        hair.CreateTypeAttr("linear")
+        hair.CreateCurveVertexCountsAttr([3, 3])
+        hair.CreatePointsAttr([Gf.Vec3f(i, 21 + 2 * k, k * k) for i in range(2) for k in range(3)])
+        if name == "whole":
+            bind(hair.GetPrim(), skeleton.GetPath(), [2, 1], [0.75, 0.25], 2, True)
+        else:
+            bind(hair.GetPrim(), skeleton.GetPath(), [1, 0] * 6, [0.5, 0.5] * 3 + [0.0, 1.0] * 3, 2, False, JOINTS[1:])
+    stage.GetRootLayer().Save()
+
+    cache = UsdSkel.Cache()
+    cache.Populate(root, Usd.PrimDefaultPredicate)
+    query = cache.GetSkelQuery(skeleton)
+    for moment in (None,) + FRAMES:
+        time = Usd.TimeCode(moment) if moment else Usd.TimeCode.EarliestTime()
+        bones = query.ComputeSkinningTransforms(time) if moment else None
+        if bones is None:
+            # At rest: the chain of rest transforms, behind the inverse of the bind transforms.
+            now = []
+            for i, rest in enumerate(skeleton.GetRestTransformsAttr().Get()):
+                now.append(rest * now[i - 1] if i else rest)
+            bones = [place.GetInverse() * at for place, at in zip(places, now)]
+        world = UsdGeom.XformCache(time).GetLocalToWorldTransform(skeleton.GetPrim())
+        for name in ("body", "whole", "parts"):
+            prim = stage.GetPrimAtPath("/who/" + name)
+            skin = cache.GetSkinningQuery(prim)
+            points = list(UsdGeom.PointBased(prim).GetPointsAttr().Get())
+            if name == "body" and moment:
+                share = walk.GetBlendShapeWeightsAttr().Get(time)[0]
+                for index, offset in zip(jaw.GetPointIndicesAttr().Get(), jaw.GetOffsetsAttr().Get()):
+                    points[index] += offset * share
+            # Brought into the order of the prim's own joints by the query.
+            own = Vt.Matrix4dArray(bones)
+            if skin.IsRigidlyDeformed():
+                moved = skin.ComputeSkinnedTransform(own, time)
+                points = [moved.Transform(Gf.Vec3d(p)) for p in points]
+            else:
+                points = Vt.Vec3fArray(points)
+                skin.ComputeSkinnedPoints(own, points, time)
+            for point in points:
+                print(moment or "rest", name, *(f"{x:.5f}" for x in world.Transform(Gf.Vec3d(point))))
+
+
 if __name__ == "__main__":
-    {"write": write, "read": read}[sys.argv[1]](sys.argv[2])
+    {"write": write, "read": read, "skel": skel}[sys.argv[1]](sys.argv[2])

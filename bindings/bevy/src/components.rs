@@ -89,6 +89,12 @@ pub struct HairWind(pub Wind);
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub struct HairView(pub ViewOptions);
 
+/// A camera for which hair writes its depth, where it hides more than half of what is behind: for depth of field, fog in
+/// volumes and what else goes by depth after the main pass. Of hair drawn [by tiles](tresses::draw::Coverage::Tiles), as
+/// it is by default.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub struct HairDepth;
+
 /// A 3D camera that sees no hair, and need not have [`Hdr`](bevy::camera::Hdr).
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct NoHair;

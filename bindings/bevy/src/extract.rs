@@ -1,14 +1,17 @@
 //! What of the main world the next frame of hair needs.
 
 use crate::{
-    ColliderShape, GlobalHairWind, Hair3d, HairCollider, HairDetail, HairGroom, HairMaterial3d, HairMeets,
-    HairPhysics, HairReady, HairSkin, HairView, HairWind, NoHair,
+    ColliderShape, GlobalHairWind, Hair3d, HairCollider, HairDepth, HairDetail, HairGroom, HairMaterial3d,
+    HairMeets, HairPhysics, HairReady, HairSkin, HairView, HairWind, NoHair,
     lights::{SceneLight, rgb},
     render::Complaints,
     skin::{OnSkin, Reading, SkinQueries},
 };
 use bevy::{
-    camera::visibility::RenderLayers, ecs::entity::EntityHashMap, light::GlobalAmbientLight, prelude::*,
+    camera::visibility::RenderLayers,
+    ecs::entity::EntityHashMap,
+    light::{GlobalAmbientLight, LightProbe},
+    prelude::*,
     render::Extract,
 };
 use std::sync::{Arc, atomic::AtomicBool};
@@ -28,6 +31,8 @@ pub(crate) struct Scene {
     /// Those of the colliders, each once.
     pub fields: Vec<Arc<SdfGrid>>,
     pub lights: Vec<SceneLight>,
+    /// Reflection probes, by the order of entities.
+    pub probes: Vec<SceneSky>,
     pub cameras: EntityHashMap<Eye>,
 }
 
@@ -57,7 +62,52 @@ pub(crate) struct Eye {
     pub layers: RenderLayers,
     /// Candela per square metre, from everywhere.
     pub ambient: Vec3,
+    /// Its environment map.
+    pub sky: Option<SceneSky>,
+    /// Whether hair writes its depth.
+    pub depth: bool,
     pub options: Option<ViewOptions>,
+}
+
+/// An environment map, everywhere or in a box.
+#[derive(Clone, Debug)]
+pub(crate) struct SceneSky {
+    pub map: AssetId<Image>,
+    /// Candela per square metre of a value of 1.
+    pub intensity: f32,
+    /// From the map to the world.
+    pub rotation: Quat,
+    /// From the world to a unit cube around the origin that it fills, and the share of the cube, from its faces inwards,
+    /// along which it fades.
+    inside: Option<(Mat4, Vec3)>,
+}
+
+impl SceneSky {
+    fn new(light: &EnvironmentMapLight, of: Option<(&GlobalTransform, &LightProbe)>) -> Self {
+        let mut sky = Self {
+            map: light.diffuse_map.id(),
+            intensity: light.intensity,
+            rotation: light.rotation,
+            inside: None,
+        };
+        if let Some((place, probe)) = of {
+            let (_, rotation, _) = place.to_scale_rotation_translation();
+            sky.rotation = (rotation * light.rotation).normalize();
+            sky.inside = Some((place.to_matrix().inverse(), probe.falloff));
+        }
+        sky
+    }
+
+    /// The share that it has of what lights a place.
+    pub fn share(&self, place: Vec3) -> f32 {
+        let Some((to_cube, falloff)) = &self.inside else { return 1.0 };
+        let from_face = 0.5 - to_cube.transform_point3(place).abs();
+        if !(from_face.cmpgt(Vec3::ZERO).all()) {
+            return 0.0;
+        }
+        // As Bevy's shader has it.
+        (from_face / falloff.max(Vec3::splat(1e-4))).min(Vec3::ONE).min_element()
+    }
 }
 
 /// Position and rotation of an entity, without its scale.
@@ -146,9 +196,19 @@ pub(crate) fn extract_light(
     everywhere: Extract<Res<GlobalAmbientLight>>,
     cameras: Extract<
         Query<
-            (Entity, Option<&'static AmbientLight>, Option<&'static RenderLayers>, Option<&'static HairView>),
+            (
+                Entity,
+                Option<&'static AmbientLight>,
+                Option<&'static EnvironmentMapLight>,
+                Option<&'static RenderLayers>,
+                Option<&'static HairView>,
+                Has<HairDepth>,
+            ),
             (With<Camera3d>, Without<NoHair>),
         >,
+    >,
+    probes: Extract<
+        Query<(Entity, &'static EnvironmentMapLight, &'static GlobalTransform, &'static LightProbe)>,
     >,
 ) {
     fn shining<'a, L: Component>(
@@ -167,12 +227,19 @@ pub(crate) fn extract_light(
     scene.lights.extend(shining(&spots, SceneLight::spot));
     scene.lights.extend(shining(&rects, SceneLight::rect));
     scene.cameras.clear();
-    for (camera, ambient, layers, view) in &cameras {
+    for (camera, ambient, sky, layers, view, depth) in &cameras {
         let ambient = match ambient {
             Some(light) => rgb(light.color) * light.brightness,
             None => rgb(everywhere.color) * everywhere.brightness,
         };
         let layers = layers.cloned().unwrap_or_default();
-        scene.cameras.insert(camera, Eye { layers, ambient, options: view.map(|view| view.0) });
+        let (sky, options) = (sky.map(|light| SceneSky::new(light, None)), view.map(|view| view.0));
+        scene.cameras.insert(camera, Eye { layers, ambient, sky, depth, options });
     }
+    let mut all: Vec<_> = probes
+        .iter()
+        .map(|(entity, light, place, probe)| (entity, SceneSky::new(light, Some((place, probe)))))
+        .collect();
+    all.sort_by_key(|(entity, _)| *entity);
+    scene.probes = all.into_iter().map(|(_, sky)| sky).collect();
 }

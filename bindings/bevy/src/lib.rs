@@ -37,8 +37,8 @@ mod render;
 mod skin;
 
 pub use components::{
-    ColliderShape, GlobalHairWind, Hair3d, HairCollider, HairDetail, HairMaterial3d, HairMeets, HairPhysics,
-    HairReady, HairView, HairWind, NoHair,
+    ColliderShape, GlobalHairWind, Hair3d, HairCollider, HairDepth, HairDetail, HairMaterial3d, HairMeets,
+    HairPhysics, HairReady, HairView, HairWind, NoHair,
 };
 pub use groom_asset::HairGroom;
 pub use loader::{HairGroomLoader, HairGroomSettings};

@@ -54,13 +54,14 @@ impl Plugin for TressesPlugin {
         app.init_resource::<Scene>()
             .init_resource::<render::Wardrobe>()
             .init_resource::<render::Eyes>()
+            .init_resource::<render::Skies>()
             .insert_resource(render::DefaultView { options: self.view, casts: self.casts })
             .add_systems(ExtractSchedule, (extract_hair, extract_light).chain())
             .add_systems(
                 Render,
                 (
                     render::read_depth.after(prepare_view_targets).in_set(RenderSystems::PrepareViews),
-                    render::prepare.in_set(RenderSystems::PrepareResources),
+                    (render::prepare, render::measure_skies).in_set(RenderSystems::PrepareResources),
                 ),
             )
             .add_systems(RenderGraph, render::simulate.in_set(RenderGraphSystems::Begin))

@@ -6,11 +6,12 @@
 
 use super::{
     Complaints, Wardrobe,
+    known::{Known, Targets},
     living::Living,
-    motion::Motion,
     prepare::{Worn, seen},
     shadows::LightShadows,
     simulate::camera,
+    skies::Skies,
 };
 use crate::{
     extract::{Eye, Scene, SceneHair},
@@ -55,8 +56,8 @@ struct Sees {
     view: View,
     embed: Embed,
     format: TextureFormat,
-    /// Where the scene wants to know how it moves.
-    motion: Option<Motion>,
+    /// Where the scene wants to know where it is.
+    known: Option<Known>,
 }
 
 impl Sees {
@@ -68,7 +69,7 @@ impl Sees {
     ) -> Result<Self> {
         let view = View::new(device, pipelines, options, size, 1)?;
         let embed = Embed::new(device, (options.samples, options.coverage), format)?;
-        Ok(Self { view, embed, format, motion: None })
+        Ok(Self { view, embed, format, known: None })
     }
 }
 
@@ -107,6 +108,7 @@ pub(crate) fn draw(
     mut eyes: ResMut<Eyes>,
     usual: Res<DefaultView>,
     shadows: LightShadows<'_, '_>,
+    skies: Res<Skies>,
     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
     mut complaints: Local<Complaints>,
     mut context: RenderContext,
@@ -142,11 +144,19 @@ pub(crate) fn draw(
     let recorder =
         Recorder { pipelines: &pipelines, device, queue: &queue, encoder: &mut encoder, timings: None };
     let exposure = bevy_camera.exposure;
-    // Of several samples in each pixel, which nothing that needs motion has, none is told. Tiles alone know it.
+    // Tiles alone know where hair is. Motion of several samples in each pixel, which nothing that needs it has, is not told.
+    let tiled = options.coverage == Coverage::Tiles;
+    if eye.depth && !tiled {
+        complaints.say(format!("camera {entity} has HairDepth, which only hair drawn by tiles can give"));
+    }
     let vectors = prepass.and_then(|prepass| prepass.motion_vectors.as_ref()).map(|of| &of.texture);
-    let vectors = vectors
-        .filter(|of| of.texture.sample_count() == 1 && options.coverage == Coverage::Tiles)
-        .map(|of| (&*of.default_view, of.texture.format()));
+    let vectors = vectors.filter(|of| of.texture.sample_count() == 1 && tiled);
+    let own_depth = (eye.depth && tiled).then(|| depth.texture());
+    let targets = Targets {
+        motion: vectors.map(|of| (&*of.default_view, of.texture.format())),
+        depth: own_depth
+            .map(|of| (&*depth.attachment.texture.default_view, (of.format(), of.sample_count()))),
+    };
     let drawing = Drawing {
         scene: &scene,
         eye,
@@ -155,10 +165,11 @@ pub(crate) fn draw(
         exposure,
         casts: usual.casts,
         shadows: &shadows,
+        skies: &skies,
         entity,
     };
     let made = eyes.sees(entity, device, &pipelines, &options, (camera.size, target.main_texture_format()));
-    match made.and_then(|sees| drawing.record(sees, recorder, into, vectors)) {
+    match made.and_then(|sees| drawing.record(sees, recorder, into, targets)) {
         Ok(()) => context.add_command_buffer(encoder.finish()),
         Err(error) => complaints.say(format!("camera {entity} cannot show hair: {error}")),
     }
@@ -194,6 +205,7 @@ struct Drawing<'a> {
     camera: Camera,
     exposure: f32,
     shadows: &'a LightShadows<'a, 'a>,
+    skies: &'a Skies,
     /// How much of its shadow hair casts.
     casts: f32,
     /// The camera.
@@ -201,19 +213,21 @@ struct Drawing<'a> {
 }
 
 impl Drawing<'_> {
-    /// Draws the hair into a scene; how it moves into the scene's motion `vectors`, where it has some.
+    /// Draws the hair into a scene, and where it is into what `targets` the scene has for that.
     fn record(
         &self,
         sees: &mut Sees,
         mut recorder: Recorder<'_>,
         into: Surroundings<'_>,
-        vectors: Option<(&wgpu::TextureView, TextureFormat)>,
+        targets: Targets<'_>,
     ) -> Result<()> {
         let (zones, focus) = self.zones();
         sees.view.set_zones(recorder.device, recorder.pipelines, &zones);
         let Self { scene, eye, .. } = self;
-        let (lights, of, casts) =
+        let (mut lights, of, casts) =
             lights::at(focus.center, &scene.lights, &eye.layers, eye.ambient, self.exposure);
+        let around = self.skies.at(focus.center, eye, &scene.probes);
+        lights.environment = lights.environment.blended(1.0, &around, self.exposure);
         let picture = Picture { camera: self.camera, lights, focus, ..Default::default() };
         let hair: Vec<&Hair> = self.seen.iter().map(|(_, worn)| &worn.hair).collect();
         let (bodies, _) = self.bodies();
@@ -221,16 +235,15 @@ impl Drawing<'_> {
             if zones.is_empty() { vec![focus] } else { zones.iter().map(|zone| zone.focus).collect() };
         let shadows = self.shadows.of(&of, self.entity, &heads);
         let (device, size) = (recorder.device, self.camera.size);
-        let moves =
-            vectors.map(|(vectors, format)| (vectors, Motion::of(&mut sees.motion, device, size, format)));
-        let geometry = moves.map(|(_, motion)| &motion.known);
+        let known = targets.any().then(|| Known::of(&mut sees.known, device, size, &targets));
+        let geometry = known.map(|known| &known.view);
         let shade = Shade { strength: self.casts, lights: casts, ..Default::default() };
         let shade = casts.contains(&true).then_some(shade);
         let into = Surroundings { shadows: &shadows, geometry, shade, ..into };
         let sight = Sight { shows: Shows::Over(&sees.embed, into), ..Sight::new(&sees.view, &picture) };
         recorder.draw(&hair, &bodies, sight)?;
-        if let Some((vectors, motion)) = moves {
-            motion.record(recorder.encoder, vectors, into.origin);
+        if let Some(known) = known {
+            known.record(recorder.encoder, &targets, into.origin);
         }
         Ok(())
     }

@@ -1,21 +1,23 @@
 //! Hair in the render world.
 //!
 //! ```text
-//! Render       prepare: grooms come to the GPU, on a task each
+//! Render       prepare: grooms come to the GPU, on a task each; measure_skies: the light of environment maps
 //! RenderGraph  simulate: all hair moves, once per frame
 //! Core3d       draw: hair into this camera's colour, by its depth
 //! ```
 
 mod draw;
+mod known;
 mod living;
-mod motion;
 mod prepare;
 mod shadows;
 mod simulate;
+mod skies;
 
 pub(crate) use draw::{DefaultView, Eyes, draw, read_depth};
 pub(crate) use prepare::{Wardrobe, prepare};
 pub(crate) use simulate::simulate;
+pub(crate) use skies::{Skies, measure_skies};
 
 use bevy::log::error;
 use std::collections::BTreeSet;

@@ -131,6 +131,20 @@ pub fn after(app: &mut App, frames: usize, image: &Handle<Image>) -> Picture {
     Picture { width: texture.width(), pixels: bytes.as_chunks::<4>().0.to_vec() }
 }
 
+/// What is in an image once it is drawn and stands still: shaders and tables are loaded while the first frames go by.
+pub fn settled(app: &mut App, image: &Handle<Image>) -> Picture {
+    let mut last = after(app, 3, image);
+    for _ in 0..200 {
+        let next = after(app, 1, image);
+        if next.is(&last) && next.pixels.iter().all(|pixel| pixel[3] == 255) {
+            return next;
+        }
+        last = next;
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    panic!("the picture does not come");
+}
+
 /// A picture, row by row from above.
 #[derive(Clone)]
 pub struct Picture {

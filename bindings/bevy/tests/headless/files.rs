@@ -1,6 +1,6 @@
 //! Grooms come from files, and anew when these change.
 
-use crate::common::{after, app, camera, fan, light, middle, wait};
+use crate::common::{after, app, camera, fan, light, middle, settled, wait};
 use bevy::prelude::*;
 use bevy_tresses::{Hair3d, HairGroom, HairGroomSettings};
 use std::{fs, path::Path, time::Duration};
@@ -25,7 +25,7 @@ fn a_groom_is_loaded_and_loaded_again() {
     let mut app = app(&folder.to_string_lossy());
     light(&mut app);
     let (_, image) = camera(&mut app);
-    let bare = after(&mut app, 3, &image);
+    let bare = settled(&mut app, &image);
     for name in ["fan.hair", "fan.tfx", "fan.obj", "fan.ply"] {
         write(&folder.join(name), 900);
         let server = app.world().resource::<AssetServer>().clone();

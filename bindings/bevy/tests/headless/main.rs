@@ -5,4 +5,5 @@ mod files;
 mod motion;
 mod scene;
 mod shadows;
+mod skies;
 mod skin;

@@ -1,9 +1,24 @@
-//! Hair goes with its entity, and what pushes it moves it.
+//! Hair goes with its entity, what pushes it moves it, and Bevy is told where it is.
 
-use crate::common::{Picture, after, app, camera, groom, light, middle, wait};
-use bevy::prelude::*;
-use bevy_tresses::{GlobalHairWind, Hair3d, HairCollider, HairGroom, HairMaterial3d, HairMeets, tri_mesh};
-use tresses::{light::HairMaterial, wind::Wind};
+use crate::common::{Picture, SIZE, after, app, camera, groom, light, middle, settled, wait};
+use bevy::{
+    core_pipeline::prepass::ViewPrepassTextures,
+    prelude::*,
+    render::{
+        RenderApp,
+        renderer::{RenderDevice, RenderQueue},
+        view::ViewDepthStencilTexture,
+    },
+};
+use bevy_tresses::{
+    GlobalHairWind, Hair3d, HairCollider, HairDepth, HairGroom, HairMaterial3d, HairMeets, tri_mesh,
+};
+use tresses::{
+    gpu::{Binding, bindings, readback},
+    light::HairMaterial,
+    wgpu,
+    wind::Wind,
+};
 
 /// Where hair is.
 fn seen(app: &mut App, frames: usize, image: &Handle<Image>, bare: &Picture) -> Vec<[u32; 2]> {
@@ -15,7 +30,7 @@ fn hair_goes_with_joints_and_gives_way() {
     let mut app = app("assets");
     let light = light(&mut app);
     let (_, image) = camera(&mut app);
-    let bare = after(&mut app, 3, &image);
+    let bare = settled(&mut app, &image);
     let groom = app.world_mut().resource_mut::<Assets<HairGroom>>().add(groom());
     // A joint turns the head, whose hair is its child.
     let joint = app.world_mut().spawn((Transform::default(), Visibility::default())).id();
@@ -105,7 +120,7 @@ fn hair_of_two_heads_meets() {
     let mut app = app("assets");
     light(&mut app);
     let (_, image) = camera(&mut app);
-    let bare = after(&mut app, 3, &image);
+    let bare = settled(&mut app, &image);
     let groom = app.world_mut().resource_mut::<Assets<HairGroom>>().add(groom());
     let left = app.world_mut().spawn(Hair3d(groom.clone())).id();
     // The second one's fan reaches into the first one's.
@@ -122,33 +137,31 @@ fn hair_of_two_heads_meets() {
     assert!(differ(&beside, &through) > 60, "{} pixels of {}", differ(&beside, &through), through.len());
 }
 
-/// The motion vectors that a camera has after the last frame, pixel by pixel.
-fn vectors(app: &mut App) -> Vec<Vec2> {
-    use bevy::{core_pipeline::prepass::ViewPrepassTextures, render::RenderApp};
-    use tresses::{
-        gpu::{Binding, bindings, readback},
-        wgpu,
+/// What is in a texture that cannot be copied from, as this binding, pixel by pixel.
+fn texels(app: &App, view: &wgpu::TextureView, binding: Binding) -> Vec<Vec2> {
+    let world = app.sub_app(RenderApp).world();
+    let device = world.resource::<RenderDevice>().wgpu_device();
+    let queue = world.resource::<RenderQueue>();
+    let [width, height] = SIZE;
+    let (kind, load) = match binding {
+        Binding::Depth => ("texture_depth_2d", "vec2(textureLoad(map, at, 0))"),
+        Binding::DepthMultisampled => ("texture_depth_multisampled_2d", "vec2(textureLoad(map, at, 3))"),
+        _ => ("texture_2d<f32>", "textureLoad(map, at, 0).xy"),
     };
-    let world = app.sub_app_mut(RenderApp).world_mut();
-    let found = world.query::<&ViewPrepassTextures>().iter(world).next().expect("there is a prepass");
-    let motion = found.motion_vectors.as_ref().expect("that has motion").texture.default_view.clone();
-    let size = found.size;
-    let device = world.resource::<bevy::render::renderer::RenderDevice>().wgpu_device();
-    let queue = world.resource::<bevy::render::renderer::RenderQueue>();
-    // Bevy's texture cannot be copied from.
+    let shader = format!(
+        "@group(0) @binding(0) var map: {kind};
+        @group(0) @binding(1) var<storage, read_write> out: array<vec2<f32>>;
+        @compute @workgroup_size(1) fn read(@builtin(global_invocation_id) id: vec3<u32>) {{
+            let at = vec2<i32>(id.xy);
+            out[id.y * {width}u + id.x] = {load};
+        }}"
+    );
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,
-        source: wgpu::ShaderSource::Wgsl(
-            "@group(0) @binding(0) var motion: texture_2d<f32>;
-            @group(0) @binding(1) var<storage, read_write> out: array<vec2<f32>>;
-            @compute @workgroup_size(1) fn read(@builtin(global_invocation_id) id: vec3<u32>) {
-                out[id.y * textureDimensions(motion).x + id.x] = textureLoad(motion, vec2<i32>(id.xy), 0).xy;
-            }"
-            .into(),
-        ),
+        source: wgpu::ShaderSource::Wgsl(shader.into()),
     });
-    let entries = [Binding::Texels2d, Binding::StorageMut];
-    let layout = bindings::layout(device, "motion", wgpu::ShaderStages::COMPUTE, &entries);
+    let entries = [binding, Binding::StorageMut];
+    let layout = bindings::layout(device, "texels", wgpu::ShaderStages::COMPUTE, &entries);
     let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: None,
         layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -163,21 +176,74 @@ fn vectors(app: &mut App) -> Vec<Vec2> {
     });
     let buffer = device.create_buffer(&wgpu::BufferDescriptor {
         label: None,
-        size: 8 * u64::from(size.width * size.height),
+        size: 8 * u64::from(width * height),
         usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
         mapped_at_creation: false,
     });
-    let bound = [wgpu::BindingResource::TextureView(&motion), buffer.as_entire_binding()];
-    let group = bindings::group(device, "motion", &layout, &bound);
+    let bound = [wgpu::BindingResource::TextureView(view), buffer.as_entire_binding()];
+    let group = bindings::group(device, "texels", &layout, &bound);
     let mut encoder = device.create_command_encoder(&Default::default());
     let mut pass = encoder.begin_compute_pass(&Default::default());
     pass.set_pipeline(&pipeline);
     pass.set_bind_group(0, &group, &[]);
-    pass.dispatch_workgroups(size.width, size.height, 1);
+    pass.dispatch_workgroups(width, height, 1);
     drop(pass);
     queue.submit([encoder.finish()]);
     let found = readback::blocking::buffer::<[f32; 2]>(device, queue, &buffer).expect("the device is there");
     found.into_iter().map(Vec2::from_array).collect()
+}
+
+/// The motion vectors that a camera has after the last frame, pixel by pixel.
+fn vectors(app: &mut App) -> Vec<Vec2> {
+    let world = app.sub_app_mut(RenderApp).world_mut();
+    let found = world.query::<&ViewPrepassTextures>().iter(world).next().expect("there is a prepass");
+    let motion = found.motion_vectors.as_ref().expect("that has motion").texture.default_view.clone();
+    texels(app, &motion, Binding::Texels2d)
+}
+
+/// The depth that a camera has after the last frame, pixel by pixel: 1 at the near plane.
+fn depths(app: &mut App) -> Vec<f32> {
+    let world = app.sub_app_mut(RenderApp).world_mut();
+    let found = world.query::<&ViewDepthStencilTexture>().iter(world).next().expect("there is a camera");
+    let many = found.texture().sample_count() > 1;
+    let view = found.attachment.texture.default_view.clone();
+    let binding = if many { Binding::DepthMultisampled } else { Binding::Depth };
+    texels(app, &view, binding).into_iter().map(|depth| depth.x).collect()
+}
+
+#[test]
+fn hair_writes_depth_where_it_is_asked_to() {
+    let mut app = app("assets");
+    light(&mut app);
+    let (eye, image) = camera(&mut app);
+    let bare = settled(&mut app, &image);
+    let groom = app.world_mut().resource_mut::<Assets<HairGroom>>().add(groom());
+    app.world_mut().spawn(Hair3d(groom));
+    wait(&mut app);
+    let hair = inside(&seen(&mut app, 4, &image, &bare));
+    assert!(hair.len() > 200, "{} pixels of hair", hair.len());
+    for msaa in [Msaa::Off, Msaa::Sample4] {
+        app.world_mut().entity_mut(eye).insert(msaa);
+        app.world_mut().entity_mut(eye).remove::<HairDepth>();
+        let before = after(&mut app, 4, &image);
+        assert!(depths(&mut app).iter().all(|depth| *depth == 0.0), "{msaa:?}: there is nothing but hair");
+        app.world_mut().entity_mut(eye).insert(HairDepth);
+        assert!(after(&mut app, 4, &image).is(&before), "{msaa:?}: the picture is the same");
+        // The near plane is at 10 cm, hair half a metre away, give or take the 4 cm that the fan is thick.
+        let found = depths(&mut app);
+        let depth = |[x, y]: &[u32; 2]| found[(y * 128 + x) as usize];
+        let right = hair.iter().filter(|at| (depth(at) - 0.2).abs() < 0.025).count();
+        let none = hair.iter().filter(|at| depth(at) == 0.0).count();
+        assert!(right * 20 > 19 * hair.len(), "{msaa:?}: {right} of {} pixels are as deep", hair.len());
+        assert_eq!(right + none, hair.len(), "{msaa:?}: what is thin writes nothing");
+        assert!((0..96).all(|y| found[y * 128 + 4] == 0.0), "{msaa:?}: and nothing beside it");
+    }
+}
+
+/// Those of the pixels of hair that are well inside the fan, where it hides what is behind.
+fn inside(hair: &[[u32; 2]]) -> Vec<[u32; 2]> {
+    let around = |[x, y]: &[u32; 2], k: u32| [(x + k % 3).wrapping_sub(1), (y + k / 3).wrapping_sub(1)];
+    hair.iter().filter(|at| (0..9).all(|k| hair.contains(&around(at, k)))).copied().collect()
 }
 
 #[test]
@@ -186,18 +252,13 @@ fn bevy_is_told_how_hair_moves() {
     light(&mut app);
     let (eye, image) = camera(&mut app);
     app.world_mut().entity_mut(eye).insert(bevy::core_pipeline::prepass::MotionVectorPrepass);
-    let bare = after(&mut app, 3, &image);
+    let bare = settled(&mut app, &image);
     let groom = app.world_mut().resource_mut::<Assets<HairGroom>>().add(groom());
     app.world_mut().spawn(Hair3d(groom));
     wait(&mut app);
     let still = seen(&mut app, 30, &image, &bare);
     assert!(still.len() > 400, "{} pixels of hair", still.len());
     let at = |[x, y]: &[u32; 2], vectors: &[Vec2]| vectors[(y * 128 + x) as usize];
-    // Well inside the fan, where hair hides what is behind.
-    let inside = |hair: &[[u32; 2]]| -> Vec<[u32; 2]> {
-        let all = |[x, y]: &[u32; 2]| (0..9).all(|k| hair.contains(&[x + k % 3 - 1, y + k / 3 - 1]));
-        hair.iter().filter(|at| all(at)).copied().collect()
-    };
     let found = vectors(&mut app);
     let moved = inside(&still).iter().filter(|place| at(place, &found).length() > 2e-3).count();
     assert!(moved * 20 < still.len(), "{moved} of {} pixels of hair that stands still move", still.len());
@@ -209,6 +270,10 @@ fn bevy_is_told_how_hair_moves() {
         app.update();
     }
     let hair = inside(&seen(&mut app, 0, &image, &bare));
+    eprintln!(
+        "EDGE {:?}",
+        seen(&mut app, 0, &image, &bare).iter().filter(|p| p[0] == 0 || p[1] == 0).collect::<Vec<_>>()
+    );
     let found = vectors(&mut app);
     let expected = -way / (2.0 * 0.5 * 0.4_f32.tan() * 128.0 / 96.0);
     let (mut right, mut sum) = (0, 0.0);

@@ -1,6 +1,6 @@
 //! Hair among what Bevy draws: hidden by it, over it, in several cameras, gone with its entity.
 
-use crate::common::{after, app, camera, groom, image, light, middle, wait};
+use crate::common::{after, app, camera, groom, image, light, middle, settled, wait};
 use bevy::{
     camera::{RenderTarget, ScalingMode, Viewport, visibility::RenderLayers},
     prelude::*,
@@ -32,7 +32,7 @@ fn hair_is_among_what_bevy_draws() {
     light(&mut app);
     let (camera, picture) = camera(&mut app);
     let wall = cube(&mut app, Color::srgb(0.2, 0.4, 0.8), -0.3, 2.0);
-    let bare = after(&mut app, ALL, &picture);
+    let bare = settled(&mut app, &picture);
     assert!(after(&mut app, 2, &picture).is(&bare), "a scene without hair stands still");
 
     let hair = wear(&mut app, Vec3::ZERO);
@@ -118,7 +118,7 @@ fn each_camera_sees_hair_from_where_it_is() {
     };
     part(0, 0.5, 1);
     part(128, -0.5, 2);
-    let [bare, bare_split] = [(&front), (&split)].map(|image| after(&mut app, ALL, image));
+    let [bare, bare_split] = [(&front), (&split)].map(|image| settled(&mut app, image));
     wear(&mut app, Vec3::ZERO);
     let seen = after(&mut app, ALL, &front).changed(&bare);
     let both = after(&mut app, 0, &split);
@@ -143,7 +143,7 @@ fn heads_share_a_groom_and_have_their_own_place() {
     let mut app = app("assets");
     light(&mut app);
     let (_, picture) = camera(&mut app);
-    let bare = after(&mut app, ALL, &picture);
+    let bare = settled(&mut app, &picture);
     // Away from each other, so that each has a zone of light.
     let first = wear(&mut app, Vec3::NEG_X * 0.25);
     let groom = app.world().get::<Hair3d>(first).cloned().expect("it wears hair");

@@ -1,6 +1,6 @@
 //! Shadows between hair and Bevy's meshes, by every kind of light.
 
-use crate::common::{after, app, app_that_casts, camera, groom, wait};
+use crate::common::{after, app, app_that_casts, camera, groom, settled, wait};
 use bevy::{light::GlobalAmbientLight, prelude::*};
 use bevy_tresses::{Hair3d, HairGroom};
 
@@ -41,7 +41,7 @@ fn meshes_shade_hair() {
     let mut app = app("assets");
     app.insert_resource(GlobalAmbientLight { brightness: 0.0, ..Default::default() });
     let (_, picture) = camera(&mut app);
-    let bare = after(&mut app, ALL, &picture);
+    let bare = settled(&mut app, &picture);
     let hair = app.world_mut().resource_mut::<Assets<HairGroom>>().add(groom());
     app.world_mut().spawn(Hair3d(hair));
     wait(&mut app);
@@ -75,7 +75,7 @@ fn hair_shades_meshes() {
         lamp(&mut app, 0);
         let (_, picture) = camera(&mut app);
         block(&mut app, Transform::from_xyz(0.0, 0.0, -0.3).with_scale(Vec3::new(2.0, 2.0, 0.01)));
-        let bare = after(&mut app, ALL, &picture);
+        let bare = settled(&mut app, &picture);
         let hair = app.world_mut().resource_mut::<Assets<HairGroom>>().add(groom());
         app.world_mut().spawn(Hair3d(hair));
         wait(&mut app);

@@ -1,6 +1,6 @@
 //! Hair on bodies that Bevy bends: by joints, by morph targets, in any units.
 
-use crate::common::{HEAD, Picture, after, app, camera, fan, light, middle, wait};
+use crate::common::{HEAD, Picture, after, app, camera, fan, light, middle, settled, wait};
 use bevy::{
     mesh::{
         VertexAttributeValues,
@@ -92,7 +92,7 @@ fn joints_carry_hair() {
     let mut app_a = app("assets");
     light(&mut app_a);
     let (_, picture) = camera(&mut app_a);
-    let bare = after(&mut app_a, ALL, &picture);
+    let bare = settled(&mut app_a, &picture);
     let hair = wear(&mut app_a, rigid());
     let hair = app_a.world_mut().spawn(hair).id();
     wait(&mut app_a);
@@ -109,7 +109,7 @@ fn joints_carry_hair() {
         let (_, picture) = camera(&mut app);
         let Body { joints: [_, second], mesh } = body(&mut app, size, |_| 1.0);
         app.world_mut().entity_mut(mesh).insert(Visibility::Hidden);
-        let bare = after(&mut app, ALL, &picture);
+        let bare = settled(&mut app, &picture);
         let hair = wear(&mut app, groom());
         let hair = app.world_mut().spawn((hair, HairSkin::new(mesh))).id();
         if child {
@@ -140,7 +140,7 @@ fn skin_that_stretches_and_swells_takes_roots_along() {
     let share = |p: Vec3| if p.y > 0.0 { (p.y / 0.02).min(1.0) } else { 0.0 };
     let Body { joints: [_, second], mesh } = body(&mut app, 1.0, share);
     app.world_mut().entity_mut(mesh).insert(Visibility::Hidden);
-    let bare = after(&mut app, ALL, &picture);
+    let bare = settled(&mut app, &picture);
     let hair = wear(&mut app, groom());
     app.world_mut().spawn((hair, HairSkin::new(mesh)));
     wait(&mut app);
@@ -190,7 +190,7 @@ fn hair_that_does_not_fit_is_not_shown() {
     let mut app = app("assets");
     light(&mut app);
     let (_, picture) = camera(&mut app);
-    let bare = after(&mut app, ALL, &picture);
+    let bare = settled(&mut app, &picture);
     let hair = wear(&mut app, groom());
     // Of an entity without a mesh, then too far from one.
     let none = app.world_mut().spawn(Transform::default()).id();

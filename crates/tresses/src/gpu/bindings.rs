@@ -25,6 +25,8 @@ pub enum Binding {
     Texture2d,
     /// `texture_2d_array<f32>` of a filterable format.
     Texture2dArray,
+    /// `texture_cube<f32>` of a filterable format.
+    Cube,
     /// `texture_multisampled_2d<f32>`.
     TextureMultisampled,
     /// `texture_3d<f32>` of a filterable format.
@@ -79,6 +81,7 @@ impl Binding {
             Self::StorageMut => buffer(BufferBindingType::Storage { read_only: false }, false),
             Self::Texture2d => texture(filterable, TextureViewDimension::D2, false),
             Self::Texture2dArray => texture(filterable, TextureViewDimension::D2Array, false),
+            Self::Cube => texture(filterable, TextureViewDimension::Cube, false),
             Self::TextureMultisampled => {
                 texture(TextureSampleType::Float { filterable: false }, TextureViewDimension::D2, true)
             }

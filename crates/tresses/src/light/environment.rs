@@ -2,7 +2,7 @@
 //! regions as directional lights, which cast shadows.
 
 use super::{Directional, lights::MAX_LIGHTS};
-use glam::Vec3;
+use glam::{Mat3, Quat, Vec3};
 use std::f32::consts::{PI, TAU};
 
 /// Radiance from all directions, as real spherical harmonics up to the second band.
@@ -27,6 +27,9 @@ fn basis(d: Vec3) -> [f32; 9] {
     ]
 }
 
+/// What is left of each harmonic in the mean over a hemisphere, weighted by the cosine (Ramamoorthi and Hanrahan 2001).
+pub(super) const BANDS: [f32; 9] = [1.0, 2.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0, 0.25, 0.25, 0.25, 0.25, 0.25];
+
 /// The cosine of the angle around the brightest pixel within which a directional light is collected: 8 degrees.
 const CONE: f32 = 0.990_268;
 
@@ -47,10 +50,46 @@ impl Environment {
     /// Mean radiance over the hemisphere around `normal` (unit), weighted by the cosine: twin of
     /// `environment::surroundings`, without the sky (Ramamoorthi and Hanrahan 2001).
     pub fn around(&self, normal: Vec3) -> Vec3 {
-        let band = |i: usize| [1.0, 2.0 / 3.0, 0.25][(i > 0) as usize + (i > 3) as usize];
-        let sum: Vec3 =
-            basis(normal).iter().enumerate().map(|(i, y)| self.coefficients[i] * *y * band(i)).sum();
-        sum.max(Vec3::ZERO)
+        let each = basis(normal).into_iter().zip(BANDS).zip(self.coefficients);
+        each.map(|((y, band), sum)| sum * y * band).sum::<Vec3>().max(Vec3::ZERO)
+    }
+
+    /// The same surroundings, turned.
+    pub fn turned(&self, rotation: Quat) -> Self {
+        let [constant, y, z, x, xy, yz, zz, xz, squares] = self.coefficients;
+        // The first band is a vector for each colour, the second a symmetric matrix without trace.
+        let turn = Mat3::from_quat(rotation);
+        let mut coefficients = [Vec3::ZERO; 9];
+        coefficients[0] = constant;
+        for color in 0..3 {
+            let first = turn * Vec3::new(x[color], y[color], z[color]);
+            let [xy, yz, zz, xz, squares] = [xy, yz, zz, xz, squares].map(|sum| sum[color]);
+            let [cross, along, aside] = [0.5 * 1.092_548, 0.315_392, 0.546_274];
+            let second = Mat3::from_cols(
+                Vec3::new(-along * zz + aside * squares, cross * xy, cross * xz),
+                Vec3::new(cross * xy, -along * zz - aside * squares, cross * yz),
+                Vec3::new(cross * xz, cross * yz, 2.0 * along * zz),
+            );
+            let second = turn * second * turn.transpose();
+            let turned = [
+                first.y,
+                first.z,
+                first.x,
+                second.x_axis.y / cross,
+                second.y_axis.z / cross,
+                second.z_axis.z / (2.0 * along),
+                second.x_axis.z / cross,
+                (second.x_axis.x - second.y_axis.y) / (2.0 * aside),
+            ];
+            coefficients[1..].iter_mut().zip(turned).for_each(|(sum, new)| sum[color] = new);
+        }
+        Self { coefficients }
+    }
+
+    /// Both together, each times its share.
+    pub fn blended(&self, share: f32, other: &Self, of_other: f32) -> Self {
+        let both = |i: usize| share * self.coefficients[i] + of_other * other.coefficients[i];
+        Self { coefficients: std::array::from_fn(both) }
     }
 
     /// Reads an equirectangular picture of `width` × `height` pixels of linear radiance, from the top
@@ -145,6 +184,30 @@ mod tests {
             assert!((made.around(normal) - 0.25).abs().max_element() < 1e-3);
             assert!((Environment::uniform(Vec3::splat(0.25)).around(normal) - 0.25).length() < 1e-5);
         }
+    }
+
+    #[test]
+    fn what_is_turned_is_seen_where_it_has_come_to() {
+        let coefficients = std::array::from_fn(|i| Vec3::new(2.0 - i as f32, (i as f32).sin(), 0.3));
+        let environment = Environment { coefficients };
+        let raw = |of: &Environment, d: Vec3| -> Vec3 {
+            basis(d).into_iter().zip(of.coefficients).map(|(y, sum)| y * sum).sum()
+        };
+        let rotation = Quat::from_euler(glam::EulerRot::YXZ, 0.7, -1.1, 2.3);
+        let turned = environment.turned(rotation);
+        for d in [Vec3::X, Vec3::NEG_Y, Vec3::new(0.48, 0.6, -0.64), Vec3::new(-0.36, 0.48, 0.8)] {
+            let off = raw(&turned, rotation * d) - raw(&environment, d);
+            assert!(off.abs().max_element() < 1e-5, "{off}");
+            assert!(
+                (raw(&turned, d) - raw(&environment, d)).length() > 0.1,
+                "the comparer sees no difference"
+            );
+        }
+        let both = environment.blended(0.5, &turned, 2.0);
+        assert!(
+            (raw(&both, Vec3::X) - 0.5 * raw(&environment, Vec3::X) - 2.0 * raw(&turned, Vec3::X)).length()
+                < 1e-5
+        );
     }
 
     #[test]

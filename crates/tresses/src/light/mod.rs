@@ -47,7 +47,8 @@
 //! lock and per strand, sharp glints in the first, a lobe of light that shines through from behind.
 //!
 //! **Environments** ([`Environment`], [`Sky`]): three colours by elevation, or a picture as spherical
-//! harmonics; its small bright parts become directional lights, with shadows.
+//! harmonics; its small bright parts become directional lights, with shadows. Cube maps of engines are measured on the GPU
+//! ([`CubeProbe`]).
 //!
 //! **Ambient light** ([`ambient`]): the visibility of the sky within the hair and the light that the body
 //! reflects onto it, propagated through a grid of cells and read by hair and body.
@@ -61,6 +62,7 @@
 pub mod ambient;
 mod asked;
 pub mod chosen;
+pub mod cube;
 pub mod environment;
 pub mod fiber;
 pub mod hair;
@@ -78,6 +80,7 @@ pub mod zone;
 
 pub use ambient::Ambient;
 pub use chosen::Chosen;
+pub use cube::{CubeLight, CubeMap, CubeProbe};
 pub use environment::Environment;
 pub(crate) use hair::Seen;
 pub use hair::{HairSet, Shaded};

@@ -12,6 +12,7 @@ mod collide;
 mod common;
 mod counts;
 mod crowd;
+mod cube;
 mod curls;
 mod deform;
 mod draw;

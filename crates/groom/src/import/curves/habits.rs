@@ -6,6 +6,8 @@ use crate::import::Raw;
 #[derive(Default)]
 pub(in crate::import) struct Habits {
     pub moved: usize,
+    /// Objects that a skeleton carries.
+    pub bound: usize,
     pub curved: Vec<&'static str>,
     pub closed: usize,
     pub rational: usize,
@@ -27,6 +29,7 @@ impl Habits {
         let mut say = |any: bool, note: String| raw.notes.extend(any.then_some(note));
         say(objects > 1, format!("{objects} objects of curves"));
         say(self.moved > 0, format!("the transforms above {} of them are applied", self.moved));
+        say(self.bound > 0, format!("{} of them go with the joints of a skeleton", self.bound));
         say(
             !self.curved.is_empty(),
             format!("{} curves are cut into straight pieces", self.curved.join(" and ")),

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use glam::Vec3;
+use glam::{DMat4, Vec3};
 use openusd::{
     sdf::Value,
     usd::{Prim, TimeCode},
@@ -10,6 +10,7 @@ use openusd::{
 
 use super::{
     Moment, Scene, Source, guarded,
+    skel::{Bound, Skeleton, Skeletons},
     tree::{Object, Purpose, Schema, Tree, when},
     value,
 };
@@ -37,6 +38,9 @@ struct Reading<'r> {
     scene: &'r Scene<'r, 'r>,
     tree: &'r Tree,
     time: TimeCode,
+    skeletons: Skeletons,
+    /// What each skeleton brings its points with, and the skeleton's place.
+    palettes: Vec<(Vec<DMat4>, DMat4)>,
     groom: Groom,
 }
 
@@ -53,14 +57,21 @@ impl<'r> Reading<'r> {
             }
             return Err(scene.problem(problem));
         }
-        let times = tree.times(scene, &all)?;
+        let skeletons = Skeletons::read(scene, tree)?;
+        let mut times = tree.times(scene, &all)?;
+        times.extend(skeletons.times(scene)?);
+        times.sort_by(f64::total_cmp);
+        times.dedup();
         let (time, told) = when(scene, &times, moment)?;
         let places = tree.places(scene, time)?;
         let mut groom = Groom::new("USD", Names { width: "widths", uv: "st" });
         groom.raw.notes.extend(told);
         groom.raw.notes.extend(scene.missing());
         groom.raw.declared = scene.declared()?;
-        let mut reading = Self { scene, tree, time, groom };
+        let palette =
+            |skeleton: &Skeleton| Ok((skeleton.palette(scene, moment, time)?, skeleton.place(&places)));
+        let palettes = skeletons.0.iter().map(palette).collect::<Result<Vec<_>>>()?;
+        let mut reading = Self { scene, tree, time, skeletons, palettes, groom };
         let objects = reading.chosen(all, &places)?;
         let guides = |object: &Object| {
             object.purpose == Purpose::Guide || object.names.iter().any(|n| curves::names_guides(n))
@@ -121,7 +132,15 @@ impl<'r> Reading<'r> {
         };
         let starts = curves::starts(&counts, flat.len() / 3).map_err(broken)?;
         let end = starts.last().map_or(0, |end| *end as usize);
-        let points: Vec<Vec3> = flat.as_chunks().0[..end].iter().map(|p| Vec3::from(*p)).collect();
+        let mut points: Vec<Vec3> = flat.as_chunks().0[..end].iter().map(|p| Vec3::from(*p)).collect();
+        let mut matrix = shared.matrix;
+        let whole = (object, flat.len() / 3);
+        if let Some(bound) = Bound::of(scene, self.tree, whole, &self.skeletons, self.time)? {
+            let (palette, place) = &self.palettes[bound.skeleton];
+            bound.bring(palette, &mut points);
+            matrix = *place;
+            self.groom.habits.bound += 1;
+        }
         drop(flat);
         let (cut, inner) = self.cut(object, &starts)?;
         scene.take(cut.iter().map(|curve| curve.len() as u64).sum())?;
@@ -140,8 +159,10 @@ impl<'r> Reading<'r> {
             "displayColor" if viewers => Ok(None),
             _ => values(place, name),
         };
-        self.groom
-            .add(&curves::Object { starts: &starts, points: &points, cut: &cut, inner, ..shared }, &values)
+        self.groom.add(
+            &curves::Object { starts: &starts, points: &points, cut: &cut, inner, matrix, ..shared },
+            &values,
+        )
     }
 
     /// How each curve is cut, and whether curves end before their outermost points.
@@ -220,7 +241,7 @@ impl<'r> Reading<'r> {
 const ONE_COLOR: &str = "“displayColor” is one for all of an object, as viewers draw it, and is not used";
 
 /// The values of one name that the first of `prims` has, as a primvar or as they are.
-fn param<'p>(
+pub(super) fn param<'p>(
     scene: &Scene,
     prims: impl Iterator<Item = &'p Prim>,
     name: &str,

@@ -5,19 +5,20 @@ use openusd::sdf::Value;
 
 use super::{
     Moment, Scene, Source, guarded,
+    skel::{Bound, Rigging, Skeletons},
     tree::{Object, Purpose, Schema, Tree, when},
     value,
 };
 use crate::{
-    TriMesh,
+    Rig, TriMesh,
     error::Result,
     import::{mesh::fan, source::excerpt},
     orient::Choice,
 };
 
-/// Reads all meshes of a file that are meant to be seen, at their first sample, and what is said of their unit and
-/// axes. Normals are left to whoever needs them.
-pub(in crate::import) fn read(source: &Source) -> Result<(TriMesh, Choice)> {
+/// Reads all meshes of a file that are meant to be seen, at their first sample or, on a skeleton, at rest; what bends
+/// them, and what is said of their unit and axes. Normals are left to whoever needs them.
+pub(in crate::import) fn read(source: &Source) -> Result<(TriMesh, Option<Rig>, Choice)> {
     guarded(source, || {
         let scene = Scene::open(source)?;
         let tree = Tree::read(&scene)?;
@@ -25,6 +26,8 @@ pub(in crate::import) fn read(source: &Source) -> Result<(TriMesh, Choice)> {
             tree.objects.iter().filter(|object| object.schema == Schema::Mesh).collect();
         let (time, _) = when(&scene, &tree.times(&scene, &objects)?, Moment::First)?;
         let places = tree.places(&scene, time)?;
+        let skeletons = Skeletons::read(&scene, &tree)?;
+        let mut rigging = Rigging::new(&scene, &skeletons, &places)?;
         let mut mesh = TriMesh::default();
         for object in objects {
             let (matrix, seen) = Tree::of(object, &places);
@@ -43,20 +46,28 @@ pub(in crate::import) fn read(source: &Source) -> Result<(TriMesh, Choice)> {
             let (counts, corners) = (integers("faceVertexCounts")?, integers("faceVertexIndices")?);
             scene.take(points.len() as u64 / 3 + corners.len() as u64)?;
             let base = mesh.positions.len() as u32;
-            let moved = |p: &[f32; 3]| matrix.transform_point3(DVec3::from(Vec3::from(*p))).as_vec3();
-            mesh.positions.extend(points.as_chunks().0.iter().map(moved));
+            let points: Vec<Vec3> = points.as_chunks().0.iter().map(|p| Vec3::from(*p)).collect();
+            let bound = Bound::of(&scene, &tree, (object, points.len()), &skeletons, time)?;
+            rigging.add(&scene, (object, matrix), bound.as_ref(), &points, time)?;
+            let own = match &bound {
+                Some(bound) => skeletons.0[bound.skeleton].place(&places) * bound.geom,
+                None => matrix,
+            };
+            let moved = |p: &Vec3| matrix.transform_point3(DVec3::from(*p)).as_vec3();
+            mesh.positions.extend(points.iter().map(moved));
             let hand = scene.say(object.prim.attribute("orientation").get::<Value>())?;
             let left = hand.as_ref().and_then(value::text).as_deref() == Some("leftHanded");
             fan(
                 &counts,
                 &corners,
-                points.len() / 3,
+                points.len(),
                 base,
-                left != (matrix.determinant() < 0.0),
+                left != (own.determinant() < 0.0),
                 &mut mesh.triangles,
             )
             .map_err(|problem| scene.problem(format!("{path}: {problem}")))?;
         }
-        Ok((mesh, scene.declared()?))
+        let rig = rigging.finish(&scene, &skeletons, &tree.animations, &mut mesh)?;
+        Ok((mesh, rig, scene.declared()?))
     })
 }

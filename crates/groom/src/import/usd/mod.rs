@@ -2,15 +2,16 @@
 //!
 //! ```text
 //! layers: bytes, what they refer to ─► openusd: composed stage ─► tree: prims, transforms ─┬─► curves ─► strands
-//! value: numbers of any type                                                               └─► mesh ─► triangles
+//! value: numbers of any type                                      skel: joints, bindings ──┴─► mesh ─► triangles, a rig
 //! ```
 //!
 //! The crate `openusd` reads layers and composes them; what prims mean is decided here, by the schemas `BasisCurves`,
-//! `NurbsCurves`, `Mesh` and, above them, `Xform`. One moment of what is animated is read ([`Moment`]).
+//! `NurbsCurves`, `Mesh`, above them `Xform`, and `Skeleton`, `SkelAnimation` and `BlendShape` beside them. One moment of what is animated is read ([`Moment`]).
 
 mod curves;
 mod layers;
 mod mesh;
+mod skel;
 #[cfg(test)]
 mod tests;
 mod tree;

@@ -14,6 +14,7 @@ use crate::{
 };
 
 const REFERENCE: &[u8] = include_bytes!("reference.usdc");
+const SKELETON: &[u8] = include_bytes!("reference_skel.usdc");
 
 fn read(name: &str, bytes: &[u8], moment: Moment) -> Result<Raw, String> {
     parse_at(Path::new(name), bytes, false, moment).map_err(|error| error.to_string())
@@ -437,4 +438,108 @@ fn what_would_take_all_stack_or_memory_is_refused() {
     assert!(says("").contains("neither curves nor meshes"));
     let wrong = says("def BasisCurves \"a\" {\n  int[] x = [1, }\n}");
     assert!(wrong.contains("a.usda at line 3: "), "{wrong}");
+}
+
+/// Where Pixar's `UsdSkel` has the points of a prim of `reference_skel.usdc`, at rest or in a frame.
+fn skinned(moment: &str, name: &str) -> Vec<Vec3> {
+    let line = |line: &str| -> Option<Vec3> {
+        let mut words = line.split(' ');
+        let of = [words.next()?, words.next()?];
+        let numbers: Vec<f32> = words.map(|word| word.parse().unwrap()).collect();
+        (of == [moment, name]).then(|| Vec3::from_slice(&numbers))
+    };
+    include_str!("reference_skel.txt").lines().filter_map(line).collect()
+}
+
+fn farthest(a: &[Vec3], b: &[Vec3]) -> f32 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
+}
+
+#[test]
+fn skeletons_carry_hair_as_in_the_reference_implementation() {
+    let known = [skinned("rest", "whole"), skinned("24", "whole"), skinned("25", "whole")];
+    assert!(
+        known[0].len() == 6 && farthest(&known[0], &known[1]) > 1.0 && farthest(&known[1], &known[2]) > 1.0
+    );
+    for (moment, frame) in [(Moment::First, "rest"), (Moment::Frame(0), "24"), (Moment::Frame(1), "25")] {
+        let raw = read("a.usdc", SKELETON, moment).unwrap();
+        let expected = [skinned(frame, "whole"), skinned(frame, "parts")].concat();
+        let off = farthest(&raw.strands.positions, &expected);
+        assert!(off < 1e-3, "{frame}: {off}");
+        let notes = raw.notes.join("\n");
+        assert!(notes.contains("2 of them go with the joints of a skeleton"), "{notes}");
+    }
+}
+
+#[test]
+fn skeletons_bend_meshes_as_in_the_reference_implementation() {
+    let raw =
+        mesh::read_given(&[(PathBuf::from("a.usdc"), Cow::Borrowed(SKELETON))], Path::new("a.usdc")).unwrap();
+    let (mut body, rig) = (raw.mesh, raw.rig.expect("it bends"));
+    assert!(farthest(&body.positions, &skinned("rest", "body")) < 1e-3);
+    assert!(body.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-4));
+    let names: Vec<_> = rig.nodes.iter().map(|node| node.name.as_str()).collect();
+    assert_eq!(names, ["", "bones", "Torso", "Neck", "Head"]);
+    let walk = rig.animation("walk").expect("it has the animation");
+    assert!((walk.length - 1.0 / 24.0).abs() < 1e-6, "{}", walk.length);
+    assert_eq!(rig.target("jaw"), Some(0));
+    // The last key, just before it starts again.
+    for (time, frame) in [(0.0, "24"), (walk.length * 0.99999, "25")] {
+        rig.deform(&rig.pose(walk, time), &mut body);
+        let off = farthest(&body.positions, &skinned(frame, "body"));
+        assert!(off < 5e-3, "{frame}: {off}");
+    }
+    assert!(farthest(&skinned("24", "body"), &skinned("25", "body")) > 1.0, "frames differ");
+}
+
+#[test]
+fn broken_skeletons_are_refused() {
+    let scene = |skeleton: &str, binding: &str| {
+        text(&format!(
+            "def SkelRoot \"a\" {{
+                def Skeleton \"s\" {{ {skeleton} }}
+                def BasisCurves \"hair\" (prepend apiSchemas = [\"SkelBindingAPI\"]) {{
+                    uniform token type = \"linear\"
+                    int[] curveVertexCounts = [2]
+                    point3f[] points = [(0, 1, 0), (0, 2, 0)]
+                    rel skel:skeleton = </a/s>
+                    {binding}
+                }}
+            }}"
+        ))
+    };
+    let two = "uniform token[] joints = [\"A\", \"A/B\"]
+        uniform matrix4d[] bindTransforms = [((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1)), ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,1,0,1))]
+        uniform matrix4d[] restTransforms = [((1,0,0,0),(0,1,0,0),(0,0,1,0),(5,0,0,1)), ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,1,0,1))]";
+    let on = |joints: &str, weights: &str, size: u32| {
+        format!(
+            "int[] primvars:skel:jointIndices = [{joints}] (elementSize = {size} interpolation = \"constant\")
+            float[] primvars:skel:jointWeights = [{weights}] (elementSize = {size} interpolation = \"constant\")"
+        )
+    };
+    let moved = scene(two, &on("1", "1", 1)).unwrap();
+    assert!(farthest(&moved.strands.positions, &[Vec3::new(5.0, 1.0, 0.0), Vec3::new(5.0, 2.0, 0.0)]) < 1e-5);
+    let alone = scene(two, "").unwrap();
+    assert_eq!(alone.strands.positions[0], Vec3::Y, "without joints it is where it is");
+    for (skeleton, binding, why) in [
+        (two.to_owned(), on("2", "1", 1), "a joint 2 of 2"),
+        (two.to_owned(), on("-1", "1", 1), "a joint -1 of 2"),
+        (two.to_owned(), on("0, 1, 0", "1, 0, 1", 1), "3 joints and 3 weights of 2 points"),
+        (two.to_owned(), on("0", "1, 2", 1), "1 joints and 2 weights"),
+        (
+            two.replace("\"A\", \"A/B\"", "\"A/B\", \"A\""),
+            on("0", "1", 1),
+            "stands before what it hangs from",
+        ),
+        (two.replace("(5,0,0,1)", "(5,0,0,0)"), on("0", "1", 1), "flatten"),
+        (two.replace("\"A\", ", ""), on("0", "1", 1), "2 bindTransforms of 1 joints"),
+        ("uniform token[] joints = [\"A\"]".into(), on("0", "1", 1), "at no place"),
+    ] {
+        let error = scene(&skeleton, &binding).err().unwrap_or_default();
+        assert!(error.contains(why), "{why}: {error}");
+    }
+    // Weights of nothing leave a point where it was bound.
+    let nothing = scene(two, &on("1", "0", 1)).unwrap();
+    assert_eq!(nothing.strands.positions[0], Vec3::Y);
 }

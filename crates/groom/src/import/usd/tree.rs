@@ -50,6 +50,10 @@ pub(super) struct Object {
 #[derive(Default)]
 pub(super) struct Tree {
     pub objects: Vec<Object>,
+    /// Skeletons, each with its index among the transforms.
+    pub skeletons: Vec<(Prim, usize)>,
+    /// What moves skeletons.
+    pub animations: Vec<Prim>,
     /// Each with the one above it, which comes before it.
     prims: Vec<(Prim, Option<usize>)>,
 }
@@ -100,7 +104,13 @@ impl Tree {
         let own = self.prims.len();
         self.prims.push((prim.clone(), place.above));
         let kind = scene.say(prim.type_name())?;
-        let schema = match kind.as_ref().map(|kind| kind.as_str()) {
+        let kind = kind.as_ref().map(|kind| kind.as_str());
+        match kind {
+            Some("Skeleton") => self.skeletons.push((prim.clone(), own)),
+            Some("SkelAnimation") => self.animations.push(prim.clone()),
+            _ => {}
+        }
+        let schema = match kind {
             Some("BasisCurves") => Some(Schema::Basis),
             Some("NurbsCurves") => Some(Schema::Nurbs),
             Some("HermiteCurves") => Some(Schema::Hermite),
@@ -122,7 +132,12 @@ impl Tree {
 
     /// A prim and all it is in, the innermost first.
     pub fn up(&self, object: &Object) -> impl Iterator<Item = &Prim> {
-        let mut next = Some(object.own);
+        self.above(object.own)
+    }
+
+    /// The same of the prim with this index among the transforms.
+    pub fn above(&self, own: usize) -> impl Iterator<Item = &Prim> {
+        let mut next = Some(own);
         std::iter::from_fn(move || {
             let (prim, above) = &self.prims[next?];
             next = *above;
@@ -267,8 +282,7 @@ fn operation(name: &str, value: &Value) -> Option<DMat4> {
             all[axis] = numbers[0];
             Some(if moves { DMat4::from_translation(all) } else { DMat4::from_scale(all) })
         }
-        // Rows of a matrix that multiplies from the right are columns of one that multiplies from the left.
-        ("transform", 16) => Some(DMat4::from_cols_slice(numbers.get(..16)?)),
+        ("transform", 16) => value::matrices(value).first().copied(),
         (_, 1) if matches!(axes, "X" | "Y" | "Z") => {
             Some(about(axes.chars().next().unwrap_or_default(), numbers[0]))
         }

@@ -1,6 +1,7 @@
 //! Values of any type as numbers or texts.
 
 use bytemuck::cast_slice;
+use glam::DMat4;
 use openusd::{gf::f16, sdf::Value};
 
 /// What becomes a number.
@@ -99,4 +100,20 @@ pub(super) fn rotation(value: &Value) -> Option<[f64; 4]> {
         Value::Quatd(q) => Some([q.x, q.y, q.z, q.w]),
         _ => None,
     }
+}
+
+/// Several rotations as x, y, z and w.
+pub(super) fn rotations(value: &Value) -> Vec<[f64; 4]> {
+    match value {
+        Value::QuathVec(all) => all.iter().map(|q| [q.x, q.y, q.z, q.w].map(f16::to_f64)).collect(),
+        Value::QuatfVec(all) => all.iter().map(|q| [q.x, q.y, q.z, q.w].map(f64::from)).collect(),
+        Value::QuatdVec(all) => all.iter().map(|q| [q.x, q.y, q.z, q.w]).collect(),
+        one => rotation(one).into_iter().collect(),
+    }
+}
+
+/// Matrices, one or many. Rows of those that multiply from the right are columns of those that multiply from the left.
+pub(super) fn matrices(value: &Value) -> Vec<DMat4> {
+    let row = row(value, |number| number).filter(|(_, width)| *width == 16);
+    row.unwrap_or_default().0.as_chunks::<16>().0.iter().map(DMat4::from_cols_array).collect()
 }

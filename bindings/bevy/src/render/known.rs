@@ -1,0 +1,214 @@
+//! Where hair is, for what Bevy does after it: motion vectors for temporal antialiasing and motion blur, depth for depth of
+//! field and fog.
+//!
+//! The prepass has written how its meshes have moved, the main pass how deep they are. After hair is drawn, the library
+//! tells where it is and how far it has moved in each pixel (`Surroundings::geometry`); where hair hides more than half of
+//! what is behind, its motion and its depth take the place of those of the meshes, motion in Bevy's terms: parts of the
+//! picture, to the right and down.
+
+use tresses::{
+    draw::Embed,
+    gpu::{Binding, bindings},
+    wgpu::{self, TextureFormat, TextureUsages},
+};
+
+const SHADER: &str = "
+@group(0) @binding(0) var known: texture_2d<f32>;
+
+struct Corner { @builtin(position) clip: vec4<f32>, @location(0) place: vec2<f32> }
+
+@vertex fn corner(@builtin(vertex_index) i: u32) -> Corner {
+    let place = vec2(f32(i & 1u), f32(i >> 1u)) * 2.0;
+    return Corner(vec4(place * vec2(2.0, -2.0) + vec2(-1.0, 1.0), 0.0, 1.0), place);
+}
+
+fn found(place: vec2<f32>) -> vec4<f32> {
+    return textureLoad(known, vec2<i32>(place * vec2<f32>(textureDimensions(known))), 0);
+}
+
+@fragment fn moved(in: Corner) -> @location(0) vec2<f32> {
+    let here = found(in.place);
+    if here.w < 0.5 { discard; }
+    return here.xy / vec2<f32>(textureDimensions(known));
+}
+
+@fragment fn deep(in: Corner) -> @builtin(frag_depth) f32 {
+    let here = found(in.place);
+    if here.w < 0.5 { discard; }
+    return here.z;
+}";
+
+/// Where it is to be told.
+#[derive(Clone, Copy)]
+pub(super) struct Targets<'a> {
+    /// Motion vectors of one sample per pixel, and their format.
+    pub motion: Option<(&'a wgpu::TextureView, TextureFormat)>,
+    /// The scene's depth.
+    pub depth: Option<(&'a wgpu::TextureView, Depth)>,
+}
+
+/// The kind of a depth target: its format and its samples per pixel.
+type Depth = (TextureFormat, u32);
+
+impl Targets<'_> {
+    /// Whether there is any.
+    pub fn any(&self) -> bool {
+        self.motion.is_some() || self.depth.is_some()
+    }
+}
+
+/// What a camera has for telling where its hair is.
+#[derive(Debug)]
+pub(super) struct Known {
+    /// What the library writes.
+    pub view: wgpu::TextureView,
+    size: [u32; 2],
+    group: wgpu::BindGroup,
+    layout: wgpu::PipelineLayout,
+    module: wgpu::ShaderModule,
+    motion: Option<(TextureFormat, wgpu::RenderPipeline)>,
+    depth: Option<(Depth, wgpu::RenderPipeline)>,
+}
+
+impl Known {
+    /// For pictures of `size`.
+    fn new(device: &wgpu::Device, size: [u32; 2]) -> Self {
+        let label = Some("where hair is");
+        let texture = device.create_texture(&wgpu::TextureDescriptor {
+            label,
+            size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: Embed::GEOMETRY,
+            usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        });
+        let view = texture.create_view(&Default::default());
+        let bound =
+            bindings::layout(device, "where hair is", wgpu::ShaderStages::FRAGMENT, &[Binding::Texels2d]);
+        let group =
+            bindings::group(device, "where hair is", &bound, &[wgpu::BindingResource::TextureView(&view)]);
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label,
+            bind_group_layouts: &[Some(&bound)],
+            immediate_size: 0,
+        });
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label,
+            source: wgpu::ShaderSource::Wgsl(SHADER.into()),
+        });
+        Self { view, size, group, layout, module, motion: None, depth: None }
+    }
+
+    /// That of a camera whose pictures are of `size`, with what these targets need, made where it is not there or another.
+    pub fn of<'a>(
+        kept: &'a mut Option<Self>,
+        device: &wgpu::Device,
+        size: [u32; 2],
+        targets: &Targets<'_>,
+    ) -> &'a Self {
+        let known = match kept.take() {
+            Some(known) if known.size == size => known,
+            _ => Self::new(device, size),
+        };
+        let known = kept.insert(known);
+        if let Some((_, format)) = targets.motion
+            && known.motion.as_ref().is_none_or(|(of, _)| *of != format)
+        {
+            let target = Some(format.into());
+            known.motion = Some((format, known.pipeline(device, "moved", &[target], None)));
+        }
+        if let Some((_, kind)) = targets.depth
+            && known.depth.as_ref().is_none_or(|(of, _)| *of != kind)
+        {
+            known.depth = Some((kind, known.pipeline(device, "deep", &[], Some(kind))));
+        }
+        known
+    }
+
+    fn pipeline(
+        &self,
+        device: &wgpu::Device,
+        entry: &str,
+        targets: &[Option<wgpu::ColorTargetState>],
+        depth: Option<Depth>,
+    ) -> wgpu::RenderPipeline {
+        let (module, compilation_options) = (&self.module, wgpu::PipelineCompilationOptions::default());
+        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("where hair is"),
+            layout: Some(&self.layout),
+            vertex: wgpu::VertexState {
+                module,
+                entry_point: Some("corner"),
+                compilation_options: compilation_options.clone(),
+                buffers: &[],
+            },
+            primitive: Default::default(),
+            depth_stencil: depth.map(|(format, _)| wgpu::DepthStencilState {
+                format,
+                depth_write_enabled: Some(true),
+                // Bevy's depth is 1 at the eye.
+                depth_compare: Some(wgpu::CompareFunction::GreaterEqual),
+                stencil: Default::default(),
+                bias: Default::default(),
+            }),
+            multisample: wgpu::MultisampleState {
+                count: depth.map_or(1, |(_, samples)| samples),
+                ..Default::default()
+            },
+            fragment: Some(wgpu::FragmentState {
+                module,
+                entry_point: Some(entry),
+                compilation_options,
+                targets,
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    }
+
+    /// Records what is known of what was drawn into targets where the picture begins at `origin`.
+    pub fn record(&self, encoder: &mut wgpu::CommandEncoder, targets: &Targets<'_>, origin: [u32; 2]) {
+        if let (Some((view, _)), Some((_, pipeline))) = (targets.motion, &self.motion) {
+            let color = wgpu::RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
+            };
+            self.pass(encoder, pipeline, (&[Some(color)], None), origin);
+        }
+        if let (Some((view, _)), Some((_, pipeline))) = (targets.depth, &self.depth) {
+            let depth = wgpu::RenderPassDepthStencilAttachment {
+                view,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store }),
+                stencil_ops: None,
+            };
+            self.pass(encoder, pipeline, (&[], Some(depth)), origin);
+        }
+    }
+
+    fn pass(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        pipeline: &wgpu::RenderPipeline,
+        (color_attachments, depth_stencil_attachment): (
+            &[Option<wgpu::RenderPassColorAttachment<'_>>],
+            Option<wgpu::RenderPassDepthStencilAttachment<'_>>,
+        ),
+        origin: [u32; 2],
+    ) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("where hair is"),
+            color_attachments,
+            depth_stencil_attachment,
+            ..Default::default()
+        });
+        let [x, y, width, height] = [origin[0], origin[1], self.size[0], self.size[1]].map(|n| n as f32);
+        pass.set_viewport(x, y, width, height, 0.0, 1.0);
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &self.group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+}

@@ -1,0 +1,136 @@
+//! Environment maps and reflection probes: what their cube maps hold, as hair is lit by it.
+//!
+//! Bevy has them on the GPU, some of them only there, so they are measured there ([`CubeProbe`]); the sums come some frames
+//! later. Maps that Bevy filters itself change without a word: all are measured again from time to time.
+
+use super::Complaints;
+use crate::extract::{Eye, Scene, SceneSky};
+use bevy::{
+    asset::AssetId,
+    platform::collections::HashMap,
+    prelude::*,
+    render::{
+        render_asset::RenderAssets,
+        renderer::{RenderDevice, RenderQueue},
+        texture::GpuImage,
+    },
+};
+use tresses::{
+    light::{CubeLight, CubeMap, CubeProbe, Environment},
+    wgpu,
+};
+
+/// Frames from one measurement of a map to the next.
+const AGAIN: u32 = 60;
+
+/// Bevy asks its cube maps by directions whose third axis is the other way.
+const MIRROR: Mat3 = Mat3::from_diagonal(Vec3::new(1.0, 1.0, -1.0));
+
+#[derive(Debug, Default)]
+struct Sky {
+    /// Of an intensity of 1, not turned.
+    environment: Environment,
+    coming: Option<CubeLight>,
+    /// Frames since it was asked.
+    age: u32,
+    /// Whether it is asked at all.
+    refused: bool,
+}
+
+/// What is known of all cube maps.
+#[derive(Resource, Debug, Default)]
+pub(crate) struct Skies {
+    probe: Option<CubeProbe>,
+    known: HashMap<AssetId<Image>, Sky>,
+    complaints: Complaints,
+}
+
+/// Measures the maps of the scene.
+pub(crate) fn measure_skies(
+    scene: Res<Scene>,
+    images: Res<RenderAssets<GpuImage>>,
+    mut skies: ResMut<Skies>,
+    (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
+) {
+    let Skies { probe, known, complaints } = &mut *skies;
+    if scene.hair.is_empty() {
+        known.clear();
+        return;
+    }
+    let of_cameras = scene.cameras.values().filter_map(|eye| eye.sky.as_ref());
+    let mut wanted: Vec<_> = of_cameras.chain(&scene.probes).map(|sky| sky.map).collect();
+    wanted.sort();
+    wanted.dedup();
+    known.retain(|map, _| wanted.contains(map));
+    let device = device.wgpu_device();
+    for map in wanted {
+        let Some(image) = images.get(map) else { continue };
+        let sky = known.entry(map).or_insert_with(|| Sky { age: AGAIN, ..Default::default() });
+        sky.age = sky.age.saturating_add(1);
+        match sky.coming.as_mut().and_then(CubeLight::take) {
+            Some(Ok(environment)) => (sky.environment, sky.coming) = (environment, None),
+            Some(Err(error)) => {
+                complaints.say(format!("an environment map cannot light hair: {error}"));
+                (sky.coming, sky.refused) = (None, true);
+            }
+            None => {}
+        }
+        if sky.coming.is_some() || sky.age < AGAIN || sky.refused {
+            continue;
+        }
+        sky.age = 0;
+        let begun = usable(device, image).and_then(|view| {
+            let probe = probe.get_or_insert_with(|| CubeProbe::new(device));
+            let begun = probe.measure(device, &queue, &view, CubeMap::Irradiance, MIRROR);
+            begun.map_err(|error| error.to_string())
+        });
+        match begun {
+            Ok(light) => sky.coming = Some(light),
+            Err(problem) => {
+                complaints.say(format!("an environment map cannot light hair: {problem}"));
+                sky.refused = true;
+            }
+        }
+    }
+}
+
+/// A view of all six faces, or why there is none.
+fn usable(device: &wgpu::Device, image: &GpuImage) -> Result<wgpu::TextureView, String> {
+    let (format, layers) = (image.texture.format(), image.texture.depth_or_array_layers());
+    if layers < 6 || image.texture.dimension() != wgpu::TextureDimension::D2 {
+        return Err(format!("it has {layers} layers, a cube has six"));
+    }
+    let filtered = format.sample_type(None, Some(device.features()));
+    if filtered != Some(wgpu::TextureSampleType::Float { filterable: true }) {
+        return Err(format!("this device does not filter {format:?}"));
+    }
+    Ok((*image.texture).create_view(&wgpu::TextureViewDescriptor {
+        label: Some("environment map"),
+        dimension: Some(wgpu::TextureViewDimension::Cube),
+        array_layer_count: Some(6),
+        ..Default::default()
+    }))
+}
+
+impl Skies {
+    /// What lights hair at `place`: that of the probes around it, as far as they go that of its camera.
+    pub fn at(&self, place: Vec3, eye: &Eye, probes: &[SceneSky]) -> Environment {
+        let of = |sky: &SceneSky| {
+            let known = self.known.get(&sky.map);
+            let turned = known.map(|known| known.environment.turned(sky.rotation));
+            turned.unwrap_or_default().blended(sky.intensity, &Environment::default(), 0.0)
+        };
+        let around = probes.iter().map(|sky| (sky, sky.share(place))).filter(|(_, share)| *share > 0.0);
+        let (mut light, mut sum) = (Environment::default(), 0.0);
+        for (sky, share) in around {
+            light = light.blended(1.0, &of(sky), share);
+            sum += share;
+        }
+        // As Bevy's shader: more than one of each is their mean.
+        match &eye.sky {
+            Some(sky) if sum < 1.0 => light.blended(1.0, &of(sky), 1.0 - sum),
+            _ if sum > 0.0 => light.blended(1.0 / sum, &Environment::default(), 0.0),
+            _ => light,
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! Hair in the light of environment maps and reflection probes.
+
+use crate::common::{Picture, after, app, camera, fan, settled, wait};
+use bevy::{
+    light::{GlobalAmbientLight, LightProbe},
+    prelude::*,
+};
+use bevy_tresses::{Hair3d, HairGroom};
+
+/// Frames after which a map is measured.
+const MEASURED: usize = 8;
+/// Candela per square metre.
+const BRIGHT: f32 = 4000.0;
+
+/// The mean brightness of the upper and of the lower half of what differs.
+fn halves(of: &Picture, bare: &Picture) -> [f32; 2] {
+    let (above, below): (Vec<_>, Vec<_>) = of.changed(bare).into_iter().partition(|[_, y]| *y < 48);
+    [of.brightness(&above), of.brightness(&below)]
+}
+
+#[test]
+fn environment_maps_and_probes_light_hair() {
+    let mut app = app("assets");
+    app.insert_resource(GlobalAmbientLight { brightness: 0.0, ..Default::default() });
+    let (eye, image) = camera(&mut app);
+    let bare = settled(&mut app, &image);
+    let groom = HairGroom::from_strands(&fan(1500), &Default::default()).expect("strands are sound");
+    let groom = app.world_mut().resource_mut::<Assets<HairGroom>>().add(groom);
+    app.world_mut().spawn(Hair3d(groom));
+    wait(&mut app);
+
+    // The same from everywhere is what ambient light is.
+    app.insert_resource(GlobalAmbientLight { brightness: BRIGHT, ..Default::default() });
+    let ambient = after(&mut app, MEASURED, &image);
+    let [above, below] = halves(&ambient, &bare);
+    assert!(above > 20.0 && below > 20.0, "{above} {below}");
+    app.insert_resource(GlobalAmbientLight { brightness: 0.0, ..Default::default() });
+    let dark = after(&mut app, 4, &image);
+    let map = |app: &mut App, [top, middle, bottom]: [Color; 3]| {
+        let mut images = app.world_mut().resource_mut::<Assets<Image>>();
+        EnvironmentMapLight::hemispherical_gradient(&mut images, top, middle, bottom).with_intensity(BRIGHT)
+    };
+    let white = map(&mut app, [Color::WHITE; 3]);
+    app.world_mut().entity_mut(eye).insert(white.clone());
+    let lit = after(&mut app, MEASURED, &image);
+    lit.keep("environment");
+    let off = lit.changed(&ambient).len();
+    assert!(off < 20, "{off} pixels differ from ambient light");
+    assert!(dark.changed(&ambient).len() > 400, "the comparer sees no difference");
+
+    // Light from above; turned about the view it comes from below.
+    let grey = Color::linear_rgb(0.5, 0.5, 0.5);
+    let sky = map(&mut app, [Color::WHITE, grey, Color::BLACK]);
+    app.world_mut().entity_mut(eye).insert(sky.clone());
+    let upright = after(&mut app, MEASURED, &image);
+    upright.keep("sky");
+    let over = EnvironmentMapLight { rotation: Quat::from_rotation_z(std::f32::consts::PI), ..sky };
+    app.world_mut().entity_mut(eye).insert(over);
+    let turned = after(&mut app, MEASURED, &image);
+    let ([above, below], [top, bottom]) = (halves(&upright, &bare), halves(&turned, &bare));
+    let mirrored = (above - bottom).abs().max((below - top).abs());
+    assert!(above > below + 2.0 && mirrored < 1.0, "{above} {below} upright, {top} {bottom} turned");
+
+    // A probe around the hair takes its place, as far as it goes.
+    app.world_mut().entity_mut(eye).remove::<EnvironmentMapLight>();
+    let red = map(&mut app, [Color::linear_rgb(1.0, 0.0, 0.0); 3]);
+    app.world_mut().entity_mut(eye).insert(red);
+    let view = after(&mut app, MEASURED, &image);
+    let probe = (LightProbe::new(), white, Transform::from_scale(Vec3::splat(2.0)));
+    let probe = app.world_mut().spawn(probe).id();
+    let inside = after(&mut app, MEASURED, &image);
+    let off = inside.changed(&ambient).len();
+    assert!(off < 20, "{off} pixels differ from the probe's light");
+    app.world_mut().entity_mut(probe).insert(Transform::from_xyz(5.0, 0.0, 0.0));
+    assert!(after(&mut app, MEASURED, &image).is(&view), "a probe is seen from outside");
+    assert!(view.changed(&ambient).len() > 400, "the comparer sees no difference");
+    app.world_mut().despawn(probe);
+    app.world_mut().entity_mut(eye).remove::<EnvironmentMapLight>();
+    assert!(after(&mut app, 4, &image).is(&dark), "a map that is gone lights hair");
+}
