@@ -1,13 +1,18 @@
-//! `tresses bake`: simulated hair as an Alembic cache, for programs that play it back.
+//! `tresses bake`: simulated hair as an Alembic or USD cache, for programs that play it back.
 
 use crate::{export::drawn, files, load, progress, progress::Preparing, say, settings_args::SettingsArgs};
 use anyhow::{Result, ensure};
-use std::{path::PathBuf, sync::Arc};
+use std::{
+    io::{Seek, Write},
+    path::PathBuf,
+    sync::Arc,
+};
 use tresses::{
     Pipelines,
+    glam::Vec3,
     gpu::Gpu,
     groom::{
-        export::abc::{Cache, Options},
+        export::{abc, usda},
         formats,
         orient::Unit,
     },
@@ -35,16 +40,17 @@ pub struct Args {
     /// The unit of the file: cm for Unreal and Maya [default: m]
     #[arg(long, value_name = "UNIT")]
     pub out_unit: Option<Unit>,
-    /// The cache (.abc)
+    /// The cache (.abc, or .usda, which is text and several times as large)
     #[arg(long, value_name = "FILE", default_value = "out/hair.abc")]
     pub out: PathBuf,
 }
 
 /// Runs `tresses bake`.
 pub fn run(args: &Args) -> Result<()> {
+    let extension = formats::extension(&args.out);
     ensure!(
-        formats::extension(&args.out) == "abc",
-        "{}: a cache is written as .abc (Alembic)",
+        matches!(&*extension, "abc" | "usda"),
+        "{}: a cache is written as .abc (Alembic) or .usda (USD)",
         args.out.display()
     );
     let motion = Motion::open(&args.motion)?;
@@ -70,10 +76,19 @@ pub fn run(args: &Args) -> Result<()> {
     let (pivot, step) = (scene.pivot(), 1.0 / args.fps);
     scene.reset(&motion.gesture(0.0, pivot))?;
     let first = drawn(&scene, [&scene.hair.strands])?;
-    let options = Options { unit: args.out_unit.unwrap_or(Unit(1.0)), rate: args.fps, ..Default::default() };
+    let unit = args.out_unit.unwrap_or(Unit(1.0));
     let bar = progress::frames("baking", u64::from(frames));
     files::stream(&args.out, |file| {
-        let mut cache = Cache::new(file, &first, options)?;
+        let mut cache = match &*extension {
+            "usda" => {
+                let options = usda::CacheOptions { unit, rate: args.fps, frames };
+                Cache::Usd(usda::Cache::new(file, &first, options)?)
+            }
+            _ => {
+                let options = abc::Options { unit, rate: args.fps, ..Default::default() };
+                Cache::Alembic(abc::Cache::new(file, &first, options)?)
+            }
+        };
         cache.frame(&first.positions)?;
         bar.inc(1);
         for frame in 1..frames {
@@ -81,11 +96,35 @@ pub fn run(args: &Args) -> Result<()> {
             cache.frame(&drawn(&scene, [&scene.hair.strands])?.positions)?;
             bar.inc(1);
         }
-        cache.finish()?;
-        Ok(())
+        cache.finish()
     })?;
     bar.finish_and_clear();
     let (count, vertices) = (first.len(), first.positions.len());
     say!("{}: {frames} frames of {count} strands, {vertices} vertices", args.out.display());
     Ok(())
+}
+
+/// A cache in the making.
+#[allow(clippy::large_enum_variant)] // There is one.
+enum Cache<W> {
+    Alembic(abc::Cache<W>),
+    Usd(usda::Cache<W>),
+}
+
+impl<W: Write + Seek> Cache<W> {
+    fn frame(&mut self, positions: &[Vec3]) -> Result<()> {
+        match self {
+            Self::Alembic(cache) => cache.frame(positions)?,
+            Self::Usd(cache) => cache.frame(positions)?,
+        }
+        Ok(())
+    }
+
+    fn finish(self) -> Result<()> {
+        match self {
+            Self::Alembic(cache) => drop(cache.finish()?),
+            Self::Usd(cache) => drop(cache.finish()?),
+        }
+        Ok(())
+    }
 }

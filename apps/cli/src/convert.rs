@@ -18,13 +18,13 @@ use crate::{
     progress::Preparing,
 };
 
-/// Convert grooms to .hair, .tfx, .obj, .data, .ply, .glb, .abc or .usda, in metres, Y up, face towards +Z; or cook
+/// Convert grooms to .hair, .tfx, .obj, .data, .ply, .glb, .abc, .usda or .usdc, in metres, Y up, face towards +Z; or cook
 /// one with its head (.tresses), which then opens at once.
 #[derive(clap::Args)]
 #[command(override_usage = "tresses convert [OPTIONS] <IN>... <OUT>")]
 pub struct Args {
     /// Groom files (.tfx, .hair, .obj, .data, .ply, .glb, .abc, .usd), several are joined, or a cooked one (.tresses); the last one is the file to write,
-    /// whose extension (.hair, .tfx, .obj, .data, .ply, .glb, .abc, .usda, .tresses) decides the format.
+    /// whose extension (.hair, .tfx, .obj, .data, .ply, .glb, .abc, .usda, .usdc, .tresses) decides the format.
     // One list, since two would forbid options between them.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
@@ -34,7 +34,7 @@ pub struct Args {
     /// Keep unit and axes of the input.
     #[arg(long)]
     as_is: bool,
-    /// The unit of the file to write, .abc and .usda only: cm for Unreal and Maya [default: m]
+    /// The unit of the file to write, Alembic and USD only: cm for Unreal and Maya [default: m]
     #[arg(long, value_name = "UNIT", conflicts_with = "as_is")]
     out_unit: Option<Unit>,
     /// Compress a .glb (EXT_meshopt_compression): smaller, but what cannot read that opens nothing of it

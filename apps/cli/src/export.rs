@@ -12,7 +12,8 @@ use tresses::{
     gpu::Gpu,
     groom::{
         Strands, TriMesh,
-        export::{self, Format, glb},
+        export::{self, Format, glb, usda},
+        formats,
     },
     lod::{LodMode, LodOptions},
     strands::StrandBuffers,
@@ -24,8 +25,8 @@ use tresses_scene::{Companions, Gesture, Scene, Shelf, motion};
 pub struct Args {
     #[command(flatten)]
     pub settings: SettingsArgs,
-    /// The file for the strands, whose extension (.hair, .tfx, .obj, .data, .ply, .glb, .abc, .usda) decides the format; a .glb
-    /// also has what is drawn with the hair, and what bends it
+    /// The file for the strands, whose extension (.hair, .tfx, .obj, .data, .ply, .glb, .abc, .usda, .usdc) decides the
+    /// format; .glb, .usda and .usdc also have what is drawn with the hair, and what bends it
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
     /// A file for brows, lashes and beard of the built-in character, as for the strands
@@ -34,7 +35,7 @@ pub struct Args {
     /// Compress the .glb of --out (EXT_meshopt_compression): smaller, but what cannot read that opens nothing of it
     #[arg(long)]
     pub packed: bool,
-    /// A file for what is drawn with the hair: .obj, or .glb, which also has what bends it
+    /// A file for what is drawn with the hair: .obj, or .glb, .usda, .usdc, which also have what bends it
     #[arg(long, value_name = "FILE")]
     pub head_out: Option<PathBuf>,
 }
@@ -43,10 +44,9 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let format = Format::of(&args.out)?;
     let face_format = args.face_out.as_deref().map(Format::of).transpose()?;
-    let extension = args.head_out.as_deref().and_then(Path::extension);
-    let is_glb = extension.is_some_and(|e| e == "glb");
-    let is_known = is_glb || extension.is_some_and(|e| e == "obj");
-    ensure!(args.head_out.is_none() || is_known, "a head is written as .obj or .glb");
+    let head_extension = args.head_out.as_deref().map(formats::extension).unwrap_or_default();
+    let is_known = matches!(&*head_extension, "obj" | "glb" | "usda" | "usdc");
+    ensure!(args.head_out.is_none() || is_known, "a head is written as .obj, .glb, .usda or .usdc");
     ensure!(!args.packed || format == Format::Glb, "only a .glb is compressed: leave --packed out");
     let preset = args.settings.preset()?;
     preset.settings.check()?;
@@ -75,17 +75,27 @@ pub fn run(args: &Args) -> Result<()> {
     scene.set_lod(LodOptions { mode: LodMode::Off, ..Default::default() })?;
     scene.reset(&Gesture::default())?;
     let strands = drawn(&scene, [&scene.hair.strands])?;
-    let mut said = match (format, &head) {
-        (Format::Glb, head) => {
+    let body = head.as_ref().map(|head| (head, rig.as_ref()));
+    let whole = match format {
+        Format::Glb => {
             let look = scene.look(&preset.settings);
             let look = look.as_ref();
             let hair = [glb::Hair { name: "hair", strands: &strands, packed: args.packed, look }];
-            let bytes = glb::character(head.as_ref().map(|head| (head, rig.as_ref())), &hair)?;
+            Some(glb::character(body, &hair)?)
+        }
+        Format::Usda | Format::Usdc => {
+            let hair = [usda::HairOf { name: "hair", strands: &strands }];
+            Some(of_usd(format == Format::Usdc, usda::character(body, &hair)?)?)
+        }
+        _ => None,
+    };
+    let mut said = match whole {
+        Some(bytes) => {
             files::write(&args.out, &bytes)?;
             let body = head.as_ref().map(|head| format!(", a body of {} triangles", head.triangles.len()));
             counted(&args.out, &strands) + &body.unwrap_or_default()
         }
-        _ => write_strands(&args.out, format, &strands)?,
+        None => write_strands(&args.out, format, &strands)?,
     };
     if let (Some(path), Some(format)) = (&args.face_out, face_format) {
         ensure!(!scene.face.is_empty(), "nothing grows on this face: leave --face-out out");
@@ -94,19 +104,25 @@ pub fn run(args: &Args) -> Result<()> {
     }
     if let (Some(path), Some(head)) = (&args.head_out, &head) {
         write!(said, "\n{}: {} triangles", path.display(), head.triangles.len())?;
-        if is_glb {
-            files::write(path, &glb::body(head, rig.as_ref())?)?;
-            if let Some(rig) = &rig {
-                let (joints, shapes) = (rig.joints.len(), rig.targets.len());
-                write!(said, ", {joints} joints, {shapes} shapes, {} animations", rig.animations.len())?;
-            }
-        } else {
-            files::write(path, obj(head).as_bytes())?;
+        let bytes = match &*head_extension {
+            "obj" => obj(head).into_bytes(),
+            "glb" => glb::body(head, rig.as_ref())?,
+            usd => of_usd(usd == "usdc", usda::character(Some((head, rig.as_ref())), &[])?)?,
+        };
+        files::write(path, &bytes)?;
+        if let Some(rig) = rig.as_ref().filter(|_| head_extension != "obj") {
+            let (joints, shapes) = (rig.joints.len(), rig.targets.len());
+            write!(said, ", {joints} joints, {shapes} shapes, {} animations", rig.animations.len())?;
         }
     }
     drop(preparing);
     say!("{said}");
     Ok(())
+}
+
+/// A text of USD as it is, or packed.
+fn of_usd(packed: bool, text: Vec<u8>) -> Result<Vec<u8>> {
+    Ok(if packed { usda::packed(&text)? } else { text })
 }
 
 /// Writes `strands`; what was written, in words.

@@ -264,4 +264,15 @@ fn usd_of_pixar_reads_what_we_write() {
     let (ours, points) = (sum(&folder.join("ours.obj")), read["points"].as_u64().unwrap());
     assert!(same(ours, &read["sum"], points), "{ours:?} {read}");
     assert!(!same([ours[0], ours[1] + 0.01, ours[2]], &read["sum"], points), "tells what differs");
+    // A character in motion, at rest and in its twelfth frame.
+    tresses(folder, &["export", "--style", "bob", "--strands", "500", "--out", "bob.usda"]);
+    for code in ["0", "12"] {
+        tresses(folder, &["convert", "bob.usda", "bob.obj", "--as-is", "--frame", code]);
+        let (ours, posed) = (sum(&folder.join("bob.obj")), run(&["posed", "bob.usda", code]));
+        let posed: Value = serde_json::from_str(&posed).unwrap();
+        let hair = &posed["BasisCurves"];
+        let points = hair["points"].as_u64().unwrap();
+        assert!(same(ours, &hair["sum"], points), "{ours:?} {hair}");
+        assert!(!same(ours, &posed["Mesh"]["sum"], points), "tells what differs");
+    }
 }

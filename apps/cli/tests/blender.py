@@ -1,4 +1,4 @@
-"""A character made in Blender: `blender --background --python blender.py -- body.glb`.
+"""A character made in Blender: `blender --background --python blender.py -- body.glb`, or `body.usdc`, which has one action.
 
 Shoulders, a neck and a head, one skin over three bones, 1.8 units high, Z up as Blender has it; a shape, two actions."""
 
@@ -89,4 +89,12 @@ for name, axis, degrees in (("Turn", 1, 50), ("Nod", 0, 20)):
     track.strips.new(name, 0, action)
 armature.animation_data.action = None
 
-bpy.ops.export_scene.gltf(filepath=sys.argv[-1], export_format="GLB")
+if sys.argv[-1].endswith(".glb"):
+    bpy.ops.export_scene.gltf(filepath=sys.argv[-1], export_format="GLB")
+else:
+    # Scenes of USD have one time, and so one action.
+    for track in list(armature.animation_data.nla_tracks)[1:]:
+        armature.animation_data.nla_tracks.remove(track)
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 0, 48
+    bpy.ops.wm.usd_export(filepath=sys.argv[-1], export_animation=True)

@@ -102,6 +102,30 @@ fn one_file_has_body_and_hair() {
 }
 
 #[test]
+fn usd_has_body_hair_and_skeleton_in_one_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let style = ["export", "--style", "short", "--strands", "100"];
+    let write = [&style[..], &["--out", "all.usdc", "--head-out", "body.usda"]].concat();
+    let (done, said) = tresses(folder.path(), &write);
+    if !done && said.contains("adapter") {
+        assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none(), "{said}");
+        return println!("skipped: {said}");
+    }
+    assert!(
+        done && said.contains("a body of") && said.contains("3 joints, 3 shapes, 5 animations"),
+        "{said}"
+    );
+    for args in [&["info", "all.usdc"][..], &["info", "all.usdc", "--head", "body.usda"]] {
+        let (done, said) = tresses(folder.path(), args);
+        assert!(done && said.contains("3 joints") && said.contains("animation Walk,"), "{said}");
+        assert!(said.contains("shape Jaw") && said.contains("go with the joints of a skeleton"), "{said}");
+    }
+    let moves = ["--animation", "Walk", "--size", "48x48", "--frames", "2", "--out", "a.webp"];
+    let (done, said) = tresses(folder.path(), &[&["render", "all.usdc"][..], &moves].concat());
+    assert!(done, "{said}");
+}
+
+#[test]
 fn what_cannot_be_written_is_refused_in_a_sentence() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("bad.tfx"), "none").unwrap();

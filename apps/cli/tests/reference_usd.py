@@ -4,6 +4,9 @@
 with Unreal's attributes; `crates/groom/src/import/usd/reference.usdc` is this file. `python reference_usd.py read FILE`:
 prints, as JSON, what curves a file has: how many, how many points, and the sum of these in the world, in metres, Y up.
 
+`python reference_usd.py posed FILE CODE`: where UsdSkel has the points of a character at a time code: how many, and their
+sum, by the type of their prim.
+
 `python reference_usd.py skel FILE`: a skeleton of three joints in motion, a body on it with a shape, and hair that goes
 with it, as a whole and point by point; prints where UsdSkel has all points, at rest and in each frame.
 `crates/groom/src/import/usd/reference_skel.usdc` and `.txt` are these."""
@@ -172,5 +175,31 @@ def skel(path):
                 print(moment or "rest", name, *(f"{x:.5f}" for x in world.Transform(Gf.Vec3d(point))))
 
 
+def posed(path, code):
+    stage = Usd.Stage.Open(path)
+    time = Usd.TimeCode(float(code))
+    root = UsdSkel.Root(stage.GetDefaultPrim())
+    cache = UsdSkel.Cache()
+    cache.Populate(root, Usd.PrimDefaultPredicate)
+    skeleton = next(UsdSkel.Skeleton(prim) for prim in stage.Traverse() if prim.IsA(UsdSkel.Skeleton))
+    bones = Vt.Matrix4dArray(cache.GetSkelQuery(skeleton).ComputeSkinningTransforms(time))
+    world = UsdGeom.XformCache(time).GetLocalToWorldTransform(skeleton.GetPrim())
+    found = {}
+    for prim in stage.Traverse():
+        if not prim.IsA(UsdGeom.PointBased):
+            continue
+        skin, points = cache.GetSkinningQuery(prim), Vt.Vec3fArray(UsdGeom.PointBased(prim).GetPointsAttr().Get())
+        if skin.IsRigidlyDeformed():
+            moved = skin.ComputeSkinnedTransform(bones, time)
+            points = [moved.Transform(Gf.Vec3d(p)) for p in points]
+        else:
+            skin.ComputeSkinnedPoints(bones, points, time)
+        total = Gf.Vec3d(0, 0, 0)
+        for point in points:
+            total += world.Transform(Gf.Vec3d(point)) * UsdGeom.GetStageMetersPerUnit(stage)
+        found[str(prim.GetTypeName())] = {"points": len(points), "sum": list(total)}
+    print(json.dumps(found))
+
+
 if __name__ == "__main__":
-    {"write": write, "read": read, "skel": skel}[sys.argv[1]](sys.argv[2])
+    {"write": write, "read": read, "skel": skel, "posed": posed}[sys.argv[1]](*sys.argv[2:])

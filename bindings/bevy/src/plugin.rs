@@ -25,7 +25,7 @@ pub struct TressesPlugin {
     pub view: ViewOptions,
     /// How much of its shadow hair casts on meshes, 0 (none) to 1, in lights with `shadow_maps_enabled`: their colour is
     /// darkened by what hair keeps of the lights that light it, to 2.5 m behind it. What does not come of those, as
-    /// emission or the light of an environment map, is darkened alike, and so is what is behind a floor.
+    /// emission, is darkened alike, and so is what is behind a floor.
     pub casts: f32,
 }
 

@@ -98,7 +98,7 @@ impl Strands {
     /// file : path
     ///     Replaced if there is one.
     /// unit : str, optional
-    ///     The unit of the file, ``.abc`` and ``.usda`` only: ``"cm"`` for Unreal and Maya.
+    ///     The unit of the file, Alembic and USD only: ``"cm"`` for Unreal and Maya.
     /// oriented : bool
     ///     Whether the file says that it is in metres, Y up, face towards +Z; False for strands that are not.
     ///

@@ -4,11 +4,17 @@ use std::path::Path;
 
 const ALEMBIC: &[&str] = when(cfg!(feature = "alembic"), &["abc"]);
 const USD: &[&str] = when(cfg!(feature = "usd"), &["usd", "usda", "usdc", "usdz"]);
+const USDC: &[&str] = when(cfg!(feature = "usd"), &["usdc"]);
 const COOKED: &[&str] = when(cfg!(feature = "cooked"), &["tresses"]);
 
 const READ: &[&[&str]] = &[&["tfx", "hair", "obj", "data", "ply", "glb", "gltf"], ALEMBIC, USD, COOKED];
-const WRITES: &[&[&str]] =
-    &[&["tfx", "hair", "obj", "data", "ply"], when(cfg!(feature = "gltf"), &["glb"]), ALEMBIC, &["usda"]];
+const WRITES: &[&[&str]] = &[
+    &["tfx", "hair", "obj", "data", "ply"],
+    when(cfg!(feature = "gltf"), &["glb"]),
+    ALEMBIC,
+    &["usda"],
+    USDC,
+];
 const FACES: &[&[&str]] = &[&["obj", "gltf", "glb", "tfxmesh"], ALEMBIC, USD];
 const MOVES: &[&[&str]] = &[ALEMBIC, USD];
 
@@ -64,6 +70,11 @@ pub fn is_cooked(path: &Path) -> bool {
 /// Whether a file is called as glTF is, which may hold meshes, grooms or both.
 pub fn is_gltf(path: &Path) -> bool {
     matches!(&*extension(path), "glb" | "gltf")
+}
+
+/// Whether a groom that is called so may hold its body.
+pub fn may_hold_body(path: &Path) -> bool {
+    is_gltf(path) || extension(path).starts_with("usd")
 }
 
 /// Extensions for a sentence, `joint` before the last: ".tfx, .hair or .obj".

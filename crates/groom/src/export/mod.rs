@@ -1,5 +1,5 @@
-//! Writers: `.hair`, `.tfx` version 4, OBJ polylines, `.data`, PLY lines, Alembic and USD (text) for strands, GLB for
-//! strands and bodies.
+//! Writers: `.hair`, `.tfx` version 4, OBJ polylines, `.data`, PLY lines and Alembic for strands, GLB and USD (text, and
+//! with the feature `usd` binary) for strands and bodies.
 //!
 //! Reading a written file back gives the same strands, bit for bit, but for GLB, whose positions may be shares of a box in
 //! 16 bits; what a format cannot hold is listed in
@@ -15,7 +15,7 @@ mod hair;
 mod obj_lines;
 mod ply;
 mod tfx;
-mod usda;
+pub mod usda;
 
 #[cfg(feature = "usd")]
 pub(crate) use usda::DOC as USD_DOC;
@@ -50,6 +50,9 @@ pub enum Format {
     Abc,
     /// USD as text: what Alembic has.
     Usda,
+    /// USD, binary: the same.
+    #[cfg(feature = "usd")]
+    Usdc,
 }
 
 impl Format {
@@ -66,6 +69,8 @@ impl Format {
             #[cfg(feature = "alembic")]
             "abc" => Ok(Self::Abc),
             "usda" => Ok(Self::Usda),
+            #[cfg(feature = "usd")]
+            "usdc" => Ok(Self::Usdc),
             #[cfg(feature = "cooked")]
             "tresses" => Err(Error::File {
                 path: path.to_path_buf(),
@@ -102,6 +107,8 @@ pub fn encode_in(strands: &Strands, format: Format, unit: Unit) -> Result<Encode
             abc::encode(strands, abc::Options { unit, ..Default::default() })
         }
         Format::Usda if !strands.is_empty() => Ok(usda::encode(strands, Some(unit))),
+        #[cfg(feature = "usd")]
+        Format::Usdc if !strands.is_empty() => packed(usda::encode(strands, Some(unit))),
         _ => Err(Error::Unusable("only Alembic and USD files are written in other units than metres".into())),
     }
 }
@@ -129,7 +136,14 @@ pub fn encode(strands: &Strands, format: Format, oriented: bool) -> Result<Encod
         #[cfg(feature = "alembic")]
         Format::Abc => abc::encode(strands, abc::Options { oriented, ..Default::default() }),
         Format::Usda => Ok(usda::encode(strands, oriented.then_some(Unit(1.0)))),
+        #[cfg(feature = "usd")]
+        Format::Usdc => packed(usda::encode(strands, oriented.then_some(Unit(1.0)))),
     }
+}
+
+#[cfg(feature = "usd")]
+fn packed(text: Encoded) -> Result<Encoded> {
+    Ok(Encoded { bytes: usda::packed(&text.bytes)?, ..text })
 }
 
 fn lost(notes: &mut Vec<String>, any: bool, what: &str) {

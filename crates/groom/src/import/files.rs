@@ -72,8 +72,13 @@ fn has_hair(bytes: &[u8]) -> bool {
     holds(bytes, b"EXT_tresses_hair")
 }
 
-/// Whether the groom called `name` holds a body too, which is its head where no other is given: a glTF file may hold both.
+/// Whether the groom called `name` holds a body too, which is its head where no other is given: a glTF file may hold both,
+/// and a USD file whose hair and body are on a skeleton, or that we wrote.
 pub fn holds_body(name: &Path, bytes: &[u8]) -> bool {
+    #[cfg(feature = "usd")]
+    if formats::extension(name).starts_with("usd") {
+        return super::usd::holds_body(name, bytes);
+    }
     formats::is_gltf(name) && has_hair(bytes) && holds(bytes, b"\"meshes\"")
 }
 

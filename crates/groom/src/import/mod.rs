@@ -283,7 +283,7 @@ pub fn read_whole<P: AsRef<Path>, H: AsRef<Path>>(
     let mut all = Heads::of(heads);
     if all.paths.is_empty() {
         all.own = true;
-        for path in paths.iter().map(AsRef::as_ref).filter(|path| formats::is_gltf(path)) {
+        for path in paths.iter().map(AsRef::as_ref).filter(|path| formats::may_hold_body(path)) {
             // What cannot be read, the reader of the groom says.
             if std::fs::read(path).is_ok_and(|bytes| holds_body(path, &bytes)) {
                 all.paths.push(path);
@@ -431,7 +431,8 @@ fn read_all<P: AsRef<Path>>(
     let (mut strands, mut followers) = (raw.strands, raw.followers);
     let mut head = if heads.paths.is_empty() { None } else { Some(mesh::read_from(from, &heads.paths)?) };
     let (placement, mut head_placement) = match &head {
-        Some(head) if heads.own => {
+        // What says all of it needs no head to compare with.
+        Some(head) if heads.own && raw.declared == orient::Choice::METRES => {
             let groom = orient::groom(&strands, &raw.declared, &options.orient);
             (groom, Some(orient::head(head, &options.orient_head.or(options.orient))))
         }

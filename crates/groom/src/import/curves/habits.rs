@@ -29,7 +29,8 @@ impl Habits {
         let mut say = |any: bool, note: String| raw.notes.extend(any.then_some(note));
         say(objects > 1, format!("{objects} objects of curves"));
         say(self.moved > 0, format!("the transforms above {} of them are applied", self.moved));
-        say(self.bound > 0, format!("{} of them go with the joints of a skeleton", self.bound));
+        let of = if self.bound == 1 { String::new() } else { format!(" of {} objects", self.bound) };
+        say(self.bound > 0, format!("curves{of} go with the joints of a skeleton"));
         say(
             !self.curved.is_empty(),
             format!("{} curves are cut into straight pieces", self.curved.join(" and ")),

@@ -92,6 +92,11 @@ impl<'s, 'a> Scene<'s, 'a> {
         Ok(self.text("documentation")?.is_some_and(|doc| doc.starts_with("Blender")))
     }
 
+    /// Whether we wrote it.
+    fn is_ours(&self) -> Result<bool> {
+        Ok(self.text("documentation")?.as_deref() == Some(crate::export::USD_DOC))
+    }
+
     /// What is said of unit and axes.
     fn declared(&self) -> Result<Choice> {
         let up = self.text("upAxis")?.and_then(|axis| match axis.as_str() {
@@ -103,7 +108,7 @@ impl<'s, 'a> Scene<'s, 'a> {
         let metres = self.say(self.stage.stage_metadata("metersPerUnit"))?;
         let metres = metres.as_ref().and_then(value::number).map(|metres| metres as f32);
         let unit = metres.filter(|metres| metres.is_finite() && *metres > 0.0).map(Unit);
-        let ours = self.text("documentation")?.as_deref() == Some(crate::export::USD_DOC);
+        let ours = self.is_ours()?;
         // What we write says its unit only where it is upright.
         if ours && up == Some(Axis::Y) && unit.is_some() {
             return Ok(Choice { unit, ..Choice::METRES });
@@ -131,6 +136,25 @@ pub(super) fn holds_curves(path: &Path, bytes: &[u8]) -> bool {
         Ok(tree.objects.is_empty() || tree.objects.iter().any(|object| object.schema != Schema::Mesh))
     })
     .unwrap_or(true)
+}
+
+/// Whether a file holds curves and a body that belongs to them: both on a skeleton, or written by us.
+pub(super) fn holds_body(path: &Path, bytes: &[u8]) -> bool {
+    // Text is large, and says it as it is.
+    let says = |word: &[u8]| bytes.windows(word.len()).any(|window| window == word);
+    let text = bytes.starts_with(b"#usda");
+    if text && !(says(b"def Mesh") && (says(b"def Skeleton") || says(crate::export::USD_DOC.as_bytes()))) {
+        return false;
+    }
+    let source = Source { path, bytes, files: Files::Given(&[]), lenient: true };
+    guarded(&source, || {
+        let scene = Scene::open(&source)?;
+        let tree = Tree::read(&scene)?;
+        let meshes = tree.objects.iter().filter(|object| object.schema == Schema::Mesh).count();
+        let belongs = !tree.skeletons.is_empty() || scene.is_ours()?;
+        Ok(meshes > 0 && meshes < tree.objects.len() && belongs)
+    })
+    .unwrap_or(false)
 }
 
 /// Runs what calls the crate: should it panic, that is an error of the file.

@@ -1,15 +1,17 @@
-//! Against a file of Pixar's USD (`apps/cli/tests/reference_usd.py` makes it), texts of our own, and broken ones.
+//! Against files of Pixar's USD (`apps/cli/tests/reference_usd.py` makes it), texts of our own, and broken ones.
 
 use std::{borrow::Cow, io::Cursor, path::Path, path::PathBuf};
 
-use glam::{Vec2, Vec3};
+use glam::{Mat4, Quat, Vec2, Vec3};
 use openusd::{usda, usdc, usdz};
 
 use crate::{
-    Strands,
+    Rig, Strands, TriMesh,
     export::{self, Format},
-    import::{Files, Given, Kind, Moment, Raw, Source, kind, mesh, parse_at, read_given},
+    import::{Files, Given, Kind, Moment, Raw, Source, kind, mesh, mesh::RawMesh, parse_at, read_given},
+    mannequin,
     orient::{Axis, Choice, Unit},
+    rig::{Animation, Channel, Curve, Property},
     strands::Mark,
 };
 
@@ -377,7 +379,7 @@ fn change_every(step: usize) {
     strands.marks.truncate(3);
     let said = export::encode(&strands, Format::Usda, true).unwrap().bytes;
     let packed = others(std::str::from_utf8(&said).unwrap());
-    let files = [("a.usdc", REFERENCE), ("a.usda", &said), ("a.usdz", &packed[1].1)];
+    let files = [("a.usdc", REFERENCE), ("b.usdc", SKELETON), ("a.usda", &said), ("a.usdz", &packed[1].1)];
     for (name, sound) in files {
         let (mut refused, mut changed) = (0, 0);
         let whole = read(name, sound, Moment::First).unwrap().strands;
@@ -397,12 +399,37 @@ fn change_every(step: usize) {
                 refused += 1;
             }
         };
+        // A body, where it has one.
+        let bends = |bytes: &[u8]| {
+            let given = [(PathBuf::from(name), Cow::Borrowed(bytes))];
+            match mesh::read_given(&given, Path::new(name)) {
+                Ok(raw) => {
+                    let (count, rig) = (raw.mesh.positions.len(), raw.rig.unwrap_or_default());
+                    assert!(
+                        count <= 16 * sound.len() && matches!(rig.vertices.len(), n if n == 0 || n == count)
+                    );
+                    let joints = rig.vertices.iter().flat_map(|vertex| vertex.joints);
+                    assert!(joints.max().is_none_or(|most| usize::from(most) < rig.joints.len()));
+                    assert!(rig.joints.iter().all(|joint| (joint.node as usize) < rig.nodes.len()));
+                    for animation in &rig.animations {
+                        rig.deform(&rig.pose(animation, 0.5 * animation.length), &mut raw.mesh.clone());
+                    }
+                }
+                Err(error) => {
+                    let said = error.to_string();
+                    assert!(!said.contains('\n') && said.len() < 600 && !said.contains("gave up"), "{said}");
+                }
+            }
+        };
         let mut bytes = sound.to_vec();
         for i in (0..bytes.len()).step_by(step) {
             for with in [0x01, 0x80, 0xff, bytes[i]] {
                 // The last of them is 0.
                 bytes[i] ^= with;
                 check(&bytes);
+                if sound == SKELETON {
+                    bends(&bytes);
+                }
                 bytes[i] = sound[i];
             }
         }
@@ -468,7 +495,7 @@ fn skeletons_carry_hair_as_in_the_reference_implementation() {
         let off = farthest(&raw.strands.positions, &expected);
         assert!(off < 1e-3, "{frame}: {off}");
         let notes = raw.notes.join("\n");
-        assert!(notes.contains("2 of them go with the joints of a skeleton"), "{notes}");
+        assert!(notes.contains("curves of 2 objects go with the joints of a skeleton"), "{notes}");
     }
 }
 
@@ -480,7 +507,7 @@ fn skeletons_bend_meshes_as_in_the_reference_implementation() {
     assert!(farthest(&body.positions, &skinned("rest", "body")) < 1e-3);
     assert!(body.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-4));
     let names: Vec<_> = rig.nodes.iter().map(|node| node.name.as_str()).collect();
-    assert_eq!(names, ["", "bones", "Torso", "Neck", "Head"]);
+    assert_eq!((names, rig.joints.len()), (vec!["bones", "Torso", "Neck", "Head"], 3));
     let walk = rig.animation("walk").expect("it has the animation");
     assert!((walk.length - 1.0 / 24.0).abs() < 1e-6, "{}", walk.length);
     assert_eq!(rig.target("jaw"), Some(0));
@@ -542,4 +569,117 @@ fn broken_skeletons_are_refused() {
     // Weights of nothing leave a point where it was bound.
     let nothing = scene(two, &on("1", "0", 1)).unwrap();
     assert_eq!(nothing.strands.positions[0], Vec3::Y);
+}
+
+/// A body of `rig` and hair on its first vertices, written and read back.
+fn written_body(body: &TriMesh, rig: &Rig, strands: &Strands, packed: bool) -> (RawMesh, Vec<u8>) {
+    let hair = [export::usda::HairOf { name: "hair", strands }];
+    let mut bytes = export::usda::character(Some((body, Some(rig))), &hair).unwrap();
+    let mut name = "a.usda";
+    if packed {
+        (bytes, name) = (export::usda::packed(&bytes).unwrap(), "a.usdc");
+    }
+    let given = [(PathBuf::from(name), Cow::Borrowed(&bytes[..]))];
+    (mesh::read_given(&given, Path::new(name)).unwrap(), bytes)
+}
+
+#[test]
+fn bodies_with_hair_are_written_and_bend_as_they_did() {
+    let bust = mannequin::mesh(40);
+    let mut built_in = mannequin::rig::rig(&bust);
+    let turn = |angle: f32| Quat::from_rotation_y(angle).to_array();
+    let curve = |values: Vec<f32>| Curve { times: vec![0.0, 0.5, 1.0], values, ..Default::default() };
+    let turns = curve([0.0, 0.7, -0.3].map(turn).concat());
+    let shape = built_in.target("Jaw").unwrap() as u32;
+    built_in.animations.push(Animation {
+        name: "Look around".into(),
+        length: 1.0,
+        channels: vec![
+            Channel { node: 2, property: Property::Rotation, curve: turns },
+            Channel { node: 0, property: Property::Weights(vec![shape]), curve: curve(vec![0.0, 1.0, 0.5]) },
+        ],
+    });
+    // And one whose rest is not where it was bound, in centimetres.
+    let given = [(PathBuf::from("a.usdc"), Cow::Borrowed(SKELETON))];
+    let raw = mesh::read_given(&given, Path::new("a.usdc")).unwrap();
+    let (mut other, mut rig) = (raw.mesh, raw.rig.unwrap());
+    rig.to_groom =
+        Mat4::from_scale_rotation_translation(Vec3::splat(0.01), Quat::from_rotation_y(0.4), Vec3::X);
+    rig.deform(&rig.rest_pose(), &mut other);
+    for (body, rig, packed) in [(&bust, &built_in, false), (&bust, &built_in, true), (&other, &rig, false)] {
+        // A strand on every seventh vertex, or so many that there are some.
+        let mut strands = Strands::default();
+        let step = (body.positions.len() / 40).max(1);
+        for (p, n) in body.positions.iter().zip(&body.normals).step_by(step) {
+            strands.push(&[*p, *p + 0.01 * *n, *p + 0.03 * *n]);
+        }
+        strands.radii = vec![4e-5; strands.positions.len()];
+        let (raw, bytes) = written_body(body, rig, &strands, packed);
+        let (mut found, back) = (raw.mesh, raw.rig.expect("it bends"));
+        assert_eq!(found.triangles, body.triangles);
+        assert!(farthest(&found.positions, &body.positions) < 1e-5);
+        let names = |rig: &Rig| rig.targets.iter().map(|target| target.name.clone()).collect::<Vec<_>>();
+        assert_eq!((names(&back), back.animations.len()), (names(rig), 1));
+        let (animation, own) = (&rig.animations[0], &back.animations[0]);
+        let mut expected = body.clone();
+        let mut most = 0.0f32;
+        for part in [0.0, 0.25, 0.6, 0.99] {
+            rig.deform(&rig.pose(animation, part * animation.length), &mut expected);
+            back.deform(&back.pose(own, part * own.length), &mut found);
+            let off = farthest(&found.positions, &expected.positions);
+            assert!(off < 2e-3, "{part}: {off}");
+            most = most.max(farthest(&expected.positions, &body.positions));
+        }
+        assert!(most > 0.01, "it moves by {most}");
+        let name = if packed { "a.usdc" } else { "a.usda" };
+        let raw = read(name, &bytes, Moment::First).unwrap();
+        assert!(farthest(&raw.strands.positions, &strands.positions) < 1e-5);
+        let thick = raw.strands.radii.iter().map(|radius| (radius / 4e-5 - 1.0).abs()).fold(0.0, f32::max);
+        assert!(thick < 1e-3, "{thick}");
+        // Roots go with the skin.
+        let frames = (own.length * 24.0).round() as u32;
+        let (late, middle) = (frames.div_ceil(2), frames.div_ceil(2) as f32 / frames as f32);
+        let late = read(name, &bytes, Moment::Frame(late)).unwrap().strands;
+        // Shapes do not move hair.
+        let mut still = rig.pose(animation, own.length * middle.min(1.0 - 1e-6));
+        still.weights.iter_mut().for_each(|weight| *weight = 0.0);
+        rig.deform(&still, &mut expected);
+        let roots: Vec<Vec3> = late.iter().map(|line| line[0]).collect();
+        let skin: Vec<Vec3> = expected.positions.iter().step_by(step).copied().collect();
+        let off = farthest(&roots, &skin);
+        assert!(off < 3e-3, "roots are {off} from their skin");
+    }
+    let empty = [export::usda::HairOf { name: "hair", strands: &Strands::default() }];
+    assert!(export::usda::character(None, &empty).is_err());
+    assert!(export::usda::character(Some((&other, Some(&built_in))), &[]).is_err(), "another's rig");
+    // Without a rig nothing is bound.
+    let plain = export::usda::character(Some((&bust, None)), &[]).unwrap();
+    let given = [(PathBuf::from("a.usda"), Cow::Borrowed(&plain[..]))];
+    let raw = mesh::read_given(&given, Path::new("a.usda")).unwrap();
+    assert!(raw.rig.is_none() && farthest(&raw.mesh.positions, &bust.positions) == 0.0);
+}
+
+#[test]
+fn caches_are_written_frame_by_frame() {
+    let strands = groom();
+    let options = export::usda::CacheOptions { unit: Unit(0.01), rate: 12.0, frames: 3 };
+    let mut cache = export::usda::Cache::new(Vec::new(), &strands, options).unwrap();
+    let at = |frame: usize| -> Vec<Vec3> {
+        strands.positions.iter().map(|p| *p + Vec3::Y * 0.5 * frame as f32).collect()
+    };
+    (0..3).for_each(|frame| cache.frame(&at(frame)).unwrap());
+    assert!(cache.frame(&[Vec3::ZERO]).is_err());
+    let bytes = cache.finish().unwrap();
+    for frame in 0..3 {
+        let raw = read("a.usda", &bytes, Moment::Frame(frame)).unwrap();
+        assert_eq!(raw.declared, Choice { unit: Some(Unit(0.01)), ..Choice::METRES });
+        let metres: Vec<Vec3> = raw.strands.positions.iter().map(|p| *p * 0.01).collect();
+        assert!(farthest(&metres, &at(frame as usize)) < 1e-5);
+        assert_eq!(
+            (raw.strands.marks.len(), raw.strands.colors.len()),
+            (strands.len(), strands.positions.len())
+        );
+        assert!(raw.notes.join("\n").contains("3 frames from 0.000 to 0.167 s"), "{:?}", raw.notes);
+    }
+    assert!(read("a.usda", &bytes, Moment::Frame(3)).is_err());
 }

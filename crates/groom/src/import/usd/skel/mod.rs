@@ -38,6 +38,8 @@ pub(super) struct Skeleton {
     pub prim: Prim,
     /// The paths of joints below each other, by which animations and bindings name them.
     pub joints: Vec<String>,
+    /// What they are called, where that is said.
+    pub names: Vec<String>,
     pub parents: Vec<Option<usize>>,
     /// Where joints were when geometry was bound, the world of that time.
     pub bind: Vec<DMat4>,
@@ -93,6 +95,8 @@ impl Skeleton {
             |name: &str| scene.say(prim.attribute(name.to_owned()).get_at::<Value>(TimeCode::EARLIEST));
         let joints = value("joints")?.as_ref().map(value::texts).unwrap_or_default();
         let parents = parents(&joints).map_err(broken)?;
+        let names = value("jointNames")?.as_ref().map(value::texts).unwrap_or_default();
+        let names = if names.len() == joints.len() { names } else { joints.clone() };
         let matrices = |name: &str| -> Result<Vec<DMat4>> {
             let all = value(name)?.as_ref().map(value::matrices).unwrap_or_default();
             if !all.is_empty() && all.len() != joints.len() {
@@ -125,7 +129,7 @@ impl Skeleton {
                 break;
             }
         }
-        Ok(Self { prim: prim.clone(), joints, parents, bind, rest, animation, own })
+        Ok(Self { prim: prim.clone(), joints, names, parents, bind, rest, animation, own })
     }
 
     /// From its space to the file's.

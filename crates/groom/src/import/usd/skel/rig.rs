@@ -30,13 +30,13 @@ pub(in crate::import::usd) struct Rigging {
     bends: bool,
 }
 
-/// What never bends stands at this joint, in the file's space.
-const STILL: u16 = 0;
+/// What never bends follows this joint, the last, until it is known whether there is any.
+const STILL: u16 = u16::MAX;
 
 impl Rigging {
     /// Of the skeletons of a file.
     pub fn new(scene: &Scene, skeletons: &Skeletons, places: &[(DMat4, bool)]) -> Result<Self> {
-        let mut rig = Rig::still(&TriMesh::default());
+        let mut rig = Rig::default();
         let mut first = Vec::new();
         for skeleton in &skeletons.0 {
             let node = |name: &str, parent: Option<usize>, matrix: Mat4| Node {
@@ -48,13 +48,13 @@ impl Rigging {
             };
             let root = rig.nodes.len();
             first.push((root, rig.joints.len()));
-            if rig.joints.len() + skeleton.joints.len() > MAX_JOINTS {
+            if rig.joints.len() + skeleton.joints.len() >= MAX_JOINTS {
                 return Err(scene.problem(format!("more than {MAX_JOINTS} joints")));
             }
             rig.nodes.push(node(skeleton.prim.path().as_str(), None, skeleton.place(places).as_mat4()));
-            for (i, path) in skeleton.joints.iter().enumerate() {
+            for (i, name) in skeleton.names.iter().enumerate() {
                 let parent = skeleton.parents[i].map_or(root, |parent| root + 1 + parent);
-                rig.nodes.push(node(path, Some(parent), skeleton.rest[i].as_mat4()));
+                rig.nodes.push(node(name, Some(parent), skeleton.rest[i].as_mat4()));
                 let inverse_bind = skeleton.bind[i].inverse().as_mat4();
                 rig.joints.push(Joint { node: (root + 1 + i) as u32, inverse_bind });
             }
@@ -168,6 +168,13 @@ impl Rigging {
     ) -> Result<Option<Rig>> {
         if !self.bends && self.rig.targets.is_empty() {
             return Ok(None);
+        }
+        if self.rig.nodes.is_empty() || self.rig.vertices.iter().any(|vertex| vertex.joints[0] == STILL) {
+            let joint = self.rig.joints.len() as u16;
+            self.rig.joints.push(Joint { node: self.rig.nodes.len() as u32, inverse_bind: Mat4::IDENTITY });
+            self.rig.nodes.push(Node::default());
+            let still = self.rig.vertices.iter_mut().filter(|vertex| vertex.joints[0] == STILL);
+            still.for_each(|vertex| vertex.joints = [joint; INFLUENCES]);
         }
         // What moves a skeleton comes first.
         let own = |prim: &&Prim| {

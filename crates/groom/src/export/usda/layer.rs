@@ -1,0 +1,99 @@
+//! The text of a layer. Rust prints a float so that it reads back exactly.
+
+use std::fmt::{Display, Write};
+
+use glam::{DMat4, Vec3};
+
+/// A layer in the making: what it says so far, and how many prims are open.
+#[derive(Default)]
+pub(super) struct Layer {
+    text: String,
+    depth: usize,
+}
+
+impl Layer {
+    /// Begins a file with these lines about all of it.
+    pub fn new(lines: &[String]) -> Self {
+        let text =
+            lines.iter().fold(String::from("#usda 1.0\n(\n"), |text, line| text + "    " + line + "\n");
+        Self { text: text + ")\n", depth: 0 }
+    }
+
+    pub fn line(&mut self, line: impl Display) {
+        // Writing into a string cannot fail.
+        let _ = writeln!(self.text, "{:1$}{line}", "", 4 * self.depth);
+    }
+
+    /// Opens a prim.
+    pub fn open(&mut self, schema: &str, name: &str, apis: &[&str]) {
+        self.text.push('\n');
+        match apis {
+            [] => self.line(format_args!("def {schema} \"{name}\"")),
+            apis => {
+                let apis: Vec<_> = apis.iter().map(|api| format!("\"{api}\"")).collect();
+                self.line(format_args!("def {schema} \"{name}\" ("));
+                self.line(format_args!("    prepend apiSchemas = [{}]", apis.join(", ")));
+                self.line(")");
+            }
+        }
+        self.line("{");
+        self.depth += 1;
+    }
+
+    pub fn close(&mut self) {
+        self.depth -= 1;
+        self.line("}");
+    }
+
+    /// One attribute, and what is said of its values, as what they belong to.
+    pub fn list<T: Display>(&mut self, name: &str, values: impl IntoIterator<Item = T>, about: &[String]) {
+        let list = listed(values);
+        match about {
+            [] => self.line(format_args!("{name} = {list}")),
+            about => {
+                self.line(format_args!("{name} = {list} ("));
+                about.iter().for_each(|word| self.line(format_args!("    {word}")));
+                self.line(")");
+            }
+        }
+    }
+
+    /// An attribute over time: codes and values.
+    pub fn samples(&mut self, name: &str, samples: impl IntoIterator<Item = (u32, String)>) {
+        self.line(format_args!("{name}.timeSamples = {{"));
+        samples.into_iter().for_each(|(code, value)| self.line(format_args!("    {code}: {value},")));
+        self.line("}");
+    }
+
+    pub fn finish(self) -> String {
+        self.text
+    }
+}
+
+/// What values belong to.
+pub(super) fn per(interpolation: &str) -> Vec<String> {
+    vec![format!("interpolation = \"{interpolation}\"")]
+}
+
+pub(super) fn listed<T: Display>(values: impl IntoIterator<Item = T>) -> String {
+    let mut text = String::from("[");
+    for (i, value) in values.into_iter().enumerate() {
+        let _ = write!(text, "{}{value}", if i == 0 { "" } else { ", " });
+    }
+    text + "]"
+}
+
+pub(super) fn point(p: &Vec3) -> String {
+    format!("({}, {}, {})", p.x, p.y, p.z)
+}
+
+pub(super) fn quoted(text: &str) -> String {
+    // Neither joints nor shapes of files are called so that more would be needed.
+    format!("\"{}\"", text.replace(['"', '\\', '\n', '\r'], "_"))
+}
+
+/// Columns of a matrix that multiplies from the left are rows of one that multiplies from the right.
+pub(super) fn matrix(m: &DMat4) -> String {
+    let rows = m.to_cols_array_2d().map(|[a, b, c, d]| format!("({a}, {b}, {c}, {d})"));
+    format!("( {} )", rows.join(", "))
+}
