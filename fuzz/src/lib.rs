@@ -5,7 +5,7 @@ use tresses_groom::{
     Cooked, Look, SdfGrid, Strands, TriMesh,
     cooked::HEADER,
     error::Result,
-    export::{Format, encode, glb},
+    export::{Format, encode, glb, usda},
     glam::{Mat4, Vec2, Vec3},
     import::{Given, ImportOptions, read_given, read_given_body},
     rig::{Animation, Bind, Channel, Curve, Delta, Joint, Node, Property, Rig, Target},
@@ -204,6 +204,16 @@ fn tetrahedron() -> TriMesh {
     TriMesh { positions, normals, triangles, ..Default::default() }
 }
 
+/// A body on a skeleton with a shape, an animation and hair, as text of USD.
+///
+/// # Panics
+/// As [`written`].
+pub fn living() -> Vec<u8> {
+    let (mesh, strands) = (tetrahedron(), strands());
+    let hair = [usda::HairOf { name: "hair", strands: &strands }];
+    usda::character(Some((&mesh, Some(&rig(&mesh)))), &hair).expect("a character is written")
+}
+
 /// A file among the optional assets, where there are any.
 pub fn asset(path: &str) -> Option<Vec<u8>> {
     std::fs::read(std::path::Path::new(&std::env::var_os("TRESSES_ASSETS")?).join(path)).ok()
@@ -221,6 +231,25 @@ pub fn mesh(name: &str, bytes: &[u8]) -> Result<usize> {
     read_given_body(&files, &ImportOptions::default()).map(|body| body.mesh.positions.len())
 }
 
+/// Two joints, a shape and an animation of both.
+fn rig(mesh: &TriMesh) -> Rig {
+    let bind = |(p, n): (&Vec3, &Vec3)| Bind::rigid(*p, *n, 0);
+    let curve = |values| Curve { times: vec![0.0, 1.0], values, ..Default::default() };
+    let turn = Channel { node: 1, property: Property::Rotation, curve: curve(vec![0.5; 8]) };
+    let smile = Channel { node: 1, property: Property::Weights(vec![0]), curve: curve(vec![0.0, 1.0]) };
+    Rig {
+        nodes: vec![Node::default(), Node { parent: Some(0), weights: vec![(0, 0.5)], ..Default::default() }],
+        joints: vec![Joint { node: 1, inverse_bind: Mat4::IDENTITY }],
+        vertices: mesh.positions.iter().zip(&mesh.normals).map(bind).collect(),
+        targets: vec![Target {
+            name: "smile".into(),
+            deltas: vec![Delta { vertex: 2, position: Vec3::X, normal: Vec3::ZERO }],
+        }],
+        animations: vec![Animation { name: "nod".into(), length: 1.0, channels: vec![turn, smile] }],
+        to_groom: Mat4::IDENTITY,
+    }
+}
+
 /// A cooked groom on a head with joints and a shape.
 ///
 /// # Panics
@@ -231,23 +260,7 @@ pub fn cooked() -> Vec<u8> {
     let (strands, _, report) = read_given(&given, &options).expect("strands");
     let mesh = tetrahedron();
     let field = SdfGrid::from_fn(Vec3::splat(-0.1), Vec3::splat(0.1), 3, |p| p.length() - 0.05);
-    let bind = |(p, n): (&Vec3, &Vec3)| Bind::rigid(*p, *n, 0);
-    let channel = Channel {
-        node: 1,
-        property: Property::Rotation,
-        curve: Curve { times: vec![0.0, 1.0], values: vec![0.5; 8], ..Default::default() },
-    };
-    let rig = Rig {
-        nodes: vec![Node::default(), Node { parent: Some(0), weights: vec![(0, 0.5)], ..Default::default() }],
-        joints: vec![Joint { node: 1, inverse_bind: Mat4::IDENTITY }],
-        vertices: mesh.positions.iter().zip(&mesh.normals).map(bind).collect(),
-        targets: vec![Target {
-            name: "smile".into(),
-            deltas: vec![Delta { vertex: 2, position: Vec3::X, normal: Vec3::ZERO }],
-        }],
-        animations: vec![Animation { name: "nod".into(), length: 1.0, channels: vec![channel] }],
-        to_groom: Mat4::IDENTITY,
-    };
+    let rig = rig(&mesh);
     let mut cooked =
         Cooked::new(strands, Some(mesh), Some(field.clone()), Some(rig), &report).expect("a groom");
     cooked.parts = vec![(0, field)];

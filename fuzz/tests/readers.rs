@@ -3,10 +3,12 @@
 use std::time::{Duration, Instant};
 
 use bolero::check;
-use tresses_fuzz::{Edit, asset, body, cooked, damaged, groom, mesh, packed, painted, sealed, written};
+use tresses_fuzz::{
+    Edit, asset, body, cooked, damaged, groom, living, mesh, packed, painted, sealed, written,
+};
 use tresses_groom::{
     error::Result,
-    export::Format,
+    export::{Format, usda},
     import::{ImportOptions, read_given_body},
 };
 
@@ -58,6 +60,27 @@ fn alembic() {
 #[test]
 fn usd_text() {
     survives("a.usda", &written(Format::Usda), groom);
+}
+
+/// Hair that goes with joints, and the body that they bend.
+#[test]
+fn usd_skeleton() {
+    survives("a.usda", &living(), groom);
+}
+
+#[test]
+fn usd_body() {
+    survives("a.usda", &living(), mesh);
+}
+
+#[test]
+fn usd_binary() {
+    survives("a.usdc", &usda::packed(&living()).expect("it is packed"), groom);
+}
+
+#[test]
+fn usd_binary_body() {
+    survives("a.usdc", &usda::packed(&living()).expect("it is packed"), mesh);
 }
 
 #[test]

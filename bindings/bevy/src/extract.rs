@@ -1,10 +1,12 @@
 //! What of the main world the next frame of hair needs.
 
+#[cfg(feature = "pbr")]
+use crate::render::Thickness;
 use crate::{
     ColliderShape, GlobalHairWind, Hair3d, HairCollider, HairDepth, HairDetail, HairGroom, HairMaterial3d,
     HairMeets, HairPhysics, HairReady, HairSkin, HairView, HairWind, NoHair,
     lights::{SceneLight, rgb},
-    render::Complaints,
+    render::{Complaints, Fog},
     skin::{OnSkin, Reading, SkinQueries},
 };
 use bevy::{
@@ -13,6 +15,11 @@ use bevy::{
     light::{GlobalAmbientLight, LightProbe},
     prelude::*,
     render::Extract,
+};
+#[cfg(feature = "pbr")]
+use bevy::{
+    color::ColorToComponents,
+    pbr::{DistanceFog, FogFalloff},
 };
 use std::sync::{Arc, atomic::AtomicBool};
 use tresses::{
@@ -66,6 +73,8 @@ pub(crate) struct Eye {
     pub sky: Option<SceneSky>,
     /// Whether hair writes its depth.
     pub depth: bool,
+    /// What is between it and hair.
+    pub fog: Option<Fog>,
     pub options: Option<ViewOptions>,
 }
 
@@ -207,6 +216,7 @@ pub(crate) fn extract_light(
             (With<Camera3d>, Without<NoHair>),
         >,
     >,
+    #[cfg(feature = "pbr")] fogs: Extract<Query<&'static DistanceFog>>,
     probes: Extract<
         Query<(Entity, &'static EnvironmentMapLight, &'static GlobalTransform, &'static LightProbe)>,
     >,
@@ -234,7 +244,11 @@ pub(crate) fn extract_light(
         };
         let layers = layers.cloned().unwrap_or_default();
         let (sky, options) = (sky.map(|light| SceneSky::new(light, None)), view.map(|view| view.0));
-        scene.cameras.insert(camera, Eye { layers, ambient, sky, depth, options });
+        #[cfg(feature = "pbr")]
+        let fog = fogs.get(camera).ok().map(fog_of);
+        #[cfg(not(feature = "pbr"))]
+        let fog = None;
+        scene.cameras.insert(camera, Eye { layers, ambient, sky, depth, fog, options });
     }
     let mut all: Vec<_> = probes
         .iter()
@@ -242,4 +256,18 @@ pub(crate) fn extract_light(
         .collect();
     all.sort_by_key(|(entity, _)| *entity);
     scene.probes = all.into_iter().map(|(_, sky)| sky).collect();
+}
+
+#[cfg(feature = "pbr")]
+fn fog_of(fog: &DistanceFog) -> Fog {
+    let exponential = |power, lost, seen| Thickness::Exponential { power, lost, seen };
+    let thickness = match fog.falloff {
+        FogFalloff::Linear { start, end } => Thickness::Linear(start, end),
+        FogFalloff::Exponential { density } => exponential(1.0, Vec3::splat(density), Vec3::splat(density)),
+        FogFalloff::ExponentialSquared { density } => {
+            exponential(2.0, Vec3::splat(density), Vec3::splat(density))
+        }
+        FogFalloff::Atmospheric { extinction, inscattering } => exponential(1.0, extinction, inscattering),
+    };
+    Fog { color: fog.color.to_linear().to_vec4(), thickness }
 }

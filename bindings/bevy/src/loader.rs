@@ -10,7 +10,7 @@ use std::{borrow::Cow, path::PathBuf, sync::Arc};
 use tresses::{
     HairOptions,
     groom::{
-        BindOptions, Fill, Groom, GuideCount, Head, SdfGrid, TriMesh, bind, bind_filled, fill, formats,
+        BindOptions, Fill, Groom, GuideCount, Head, SdfGrid, TriMesh, bind, bind_filled, fill,
         import::{self, Given},
         mesh::sdf,
     },
@@ -28,7 +28,9 @@ pub struct HairGroomSettings {
     pub guides: Option<u32>,
 }
 
-/// Loads a [`HairGroom`] from every format that [`import`] reads. Unit and axes are guessed where files do not say them.
+/// Loads a [`HairGroom`] from every format that [`import`] reads: `assets.load::<HairGroom>(path)`, as a field of that type
+/// has it. By their extensions alone only the formats of grooms come to it: `.glb` is left to the loader of scenes. Unit and
+/// axes are guessed where files do not say them.
 #[derive(Debug, Default, TypePath)]
 pub struct HairGroomLoader;
 
@@ -101,9 +103,13 @@ impl AssetLoader for HairGroomLoader {
     }
 
     fn extensions(&self) -> &[&str] {
-        formats::GROOMS
+        // A label, as of a scene in a file, leaves nothing but the extension to choose a loader by.
+        OWN
     }
 }
+
+/// What nothing but hair is in.
+const OWN: &[&str] = &["tfx", "hair", "tresses"];
 
 fn made(groom: Groom, head: Option<SdfGrid>, mesh: Option<TriMesh>) -> HairGroom {
     HairGroom {

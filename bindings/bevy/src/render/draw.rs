@@ -152,7 +152,12 @@ pub(crate) fn draw(
     let vectors = prepass.and_then(|prepass| prepass.motion_vectors.as_ref()).map(|of| &of.texture);
     let vectors = vectors.filter(|of| of.texture.sample_count() == 1 && tiled);
     let own_depth = (eye.depth && tiled).then(|| depth.texture());
+    if eye.fog.is_some() && !tiled {
+        complaints.say(format!("the fog of camera {entity} reaches only hair that is drawn by tiles"));
+    }
+    let picture = (target.main_texture_view(), target.main_texture_format());
     let targets = Targets {
+        fog: eye.fog.filter(|_| tiled).map(|fog| (&**picture.0, picture.1, fog)),
         motion: vectors.map(|of| (&*of.default_view, of.texture.format())),
         depth: own_depth
             .map(|of| (&*depth.attachment.texture.default_view, (of.format(), of.sample_count()))),
@@ -243,7 +248,8 @@ impl Drawing<'_> {
         let sight = Sight { shows: Shows::Over(&sees.embed, into), ..Sight::new(&sees.view, &picture) };
         recorder.draw(&hair, &bodies, sight)?;
         if let Some(known) = known {
-            known.record(recorder.encoder, &targets, into.origin);
+            let place = (into.origin, self.camera.projection);
+            known.record((recorder.queue, recorder.encoder), &targets, place);
         }
         Ok(())
     }

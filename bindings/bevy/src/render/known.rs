@@ -1,18 +1,21 @@
 //! Where hair is, for what Bevy does after it: motion vectors for temporal antialiasing and motion blur, depth for depth of
-//! field and fog.
+//! field, and fog.
 //!
 //! The prepass has written how its meshes have moved, the main pass how deep they are. After hair is drawn, the library
 //! tells where it is and how far it has moved in each pixel (`Surroundings::geometry`); where hair hides more than half of
 //! what is behind, its motion and its depth take the place of those of the meshes, motion in Bevy's terms: parts of the
 //! picture, to the right and down.
 
+use super::fog::{Fog, Fogged};
+use bevy::math::Mat4;
 use tresses::{
     draw::Embed,
     gpu::{Binding, bindings},
     wgpu::{self, TextureFormat, TextureUsages},
 };
 
-const SHADER: &str = "
+/// A triangle over a picture, and what is known at a place of it.
+pub(super) const VERTEX: &str = "
 @group(0) @binding(0) var known: texture_2d<f32>;
 
 struct Corner { @builtin(position) clip: vec4<f32>, @location(0) place: vec2<f32> }
@@ -24,8 +27,9 @@ struct Corner { @builtin(position) clip: vec4<f32>, @location(0) place: vec2<f32
 
 fn found(place: vec2<f32>) -> vec4<f32> {
     return textureLoad(known, vec2<i32>(place * vec2<f32>(textureDimensions(known))), 0);
-}
+}";
 
+const FRAGMENTS: &str = "
 @fragment fn moved(in: Corner) -> @location(0) vec2<f32> {
     let here = found(in.place);
     if here.w < 0.5 { discard; }
@@ -45,6 +49,8 @@ pub(super) struct Targets<'a> {
     pub motion: Option<(&'a wgpu::TextureView, TextureFormat)>,
     /// The scene's depth.
     pub depth: Option<(&'a wgpu::TextureView, Depth)>,
+    /// The picture that fog goes over, and its format.
+    pub fog: Option<(&'a wgpu::TextureView, TextureFormat, Fog)>,
 }
 
 /// The kind of a depth target: its format and its samples per pixel.
@@ -53,7 +59,7 @@ type Depth = (TextureFormat, u32);
 impl Targets<'_> {
     /// Whether there is any.
     pub fn any(&self) -> bool {
-        self.motion.is_some() || self.depth.is_some()
+        self.motion.is_some() || self.depth.is_some() || self.fog.is_some()
     }
 }
 
@@ -68,6 +74,7 @@ pub(super) struct Known {
     module: wgpu::ShaderModule,
     motion: Option<(TextureFormat, wgpu::RenderPipeline)>,
     depth: Option<(Depth, wgpu::RenderPipeline)>,
+    fog: Option<Fogged>,
 }
 
 impl Known {
@@ -96,9 +103,9 @@ impl Known {
         });
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label,
-            source: wgpu::ShaderSource::Wgsl(SHADER.into()),
+            source: wgpu::ShaderSource::Wgsl([VERTEX, FRAGMENTS].concat().into()),
         });
-        Self { view, size, group, layout, module, motion: None, depth: None }
+        Self { view, size, group, layout, module, motion: None, depth: None, fog: None }
     }
 
     /// That of a camera whose pictures are of `size`, with what these targets need, made where it is not there or another.
@@ -123,6 +130,11 @@ impl Known {
             && known.depth.as_ref().is_none_or(|(of, _)| *of != kind)
         {
             known.depth = Some((kind, known.pipeline(device, "deep", &[], Some(kind))));
+        }
+        if let Some((_, format, _)) = targets.fog
+            && known.fog.as_ref().is_none_or(|fog| fog.format != format)
+        {
+            known.fog = Some(Fogged::new(device, &known.view, format));
         }
         known
     }
@@ -168,16 +180,16 @@ impl Known {
         })
     }
 
-    /// Records what is known of what was drawn into targets where the picture begins at `origin`.
-    pub fn record(&self, encoder: &mut wgpu::CommandEncoder, targets: &Targets<'_>, origin: [u32; 2]) {
+    /// Records what is known of what was drawn into targets where the picture, seen with `projection`, begins at `origin`.
+    pub fn record(
+        &self,
+        (queue, encoder): (&wgpu::Queue, &mut wgpu::CommandEncoder),
+        targets: &Targets<'_>,
+        (origin, projection): ([u32; 2], Mat4),
+    ) {
         if let (Some((view, _)), Some((_, pipeline))) = (targets.motion, &self.motion) {
-            let color = wgpu::RenderPassColorAttachment {
-                view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
-            };
-            self.pass(encoder, pipeline, (&[Some(color)], None), origin);
+            let mut pass = self.pass(encoder, &[Some(over(view))], None, origin);
+            self.draw(&mut pass, pipeline);
         }
         if let (Some((view, _)), Some((_, pipeline))) = (targets.depth, &self.depth) {
             let depth = wgpu::RenderPassDepthStencilAttachment {
@@ -185,20 +197,28 @@ impl Known {
                 depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store }),
                 stencil_ops: None,
             };
-            self.pass(encoder, pipeline, (&[], Some(depth)), origin);
+            let mut pass = self.pass(encoder, &[], Some(depth), origin);
+            self.draw(&mut pass, pipeline);
+        }
+        if let (Some((view, _, fog)), Some(fogged)) = (&targets.fog, &self.fog) {
+            let mut pass = self.pass(encoder, &[Some(over(view))], None, origin);
+            fogged.draw(queue, &mut pass, fog, projection);
         }
     }
 
-    fn pass(
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline) {
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &self.group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+
+    fn pass<'e>(
         &self,
-        encoder: &mut wgpu::CommandEncoder,
-        pipeline: &wgpu::RenderPipeline,
-        (color_attachments, depth_stencil_attachment): (
-            &[Option<wgpu::RenderPassColorAttachment<'_>>],
-            Option<wgpu::RenderPassDepthStencilAttachment<'_>>,
-        ),
+        encoder: &'e mut wgpu::CommandEncoder,
+        color_attachments: &[Option<wgpu::RenderPassColorAttachment<'_>>],
+        depth_stencil_attachment: Option<wgpu::RenderPassDepthStencilAttachment<'_>>,
         origin: [u32; 2],
-    ) {
+    ) -> wgpu::RenderPass<'e> {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("where hair is"),
             color_attachments,
@@ -207,8 +227,16 @@ impl Known {
         });
         let [x, y, width, height] = [origin[0], origin[1], self.size[0], self.size[1]].map(|n| n as f32);
         pass.set_viewport(x, y, width, height, 0.0, 1.0);
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, &self.group, &[]);
-        pass.draw(0..3, 0..1);
+        pass
+    }
+}
+
+/// A target that is drawn over.
+fn over(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
+    wgpu::RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
     }
 }

@@ -7,6 +7,7 @@
 //! ```
 
 mod draw;
+mod fog;
 mod known;
 mod living;
 mod prepare;
@@ -15,6 +16,7 @@ mod simulate;
 mod skies;
 
 pub(crate) use draw::{DefaultView, Eyes, draw, read_depth};
+pub(crate) use fog::{Fog, Thickness};
 pub(crate) use prepare::{Wardrobe, prepare};
 pub(crate) use simulate::simulate;
 pub(crate) use skies::{Skies, measure_skies};

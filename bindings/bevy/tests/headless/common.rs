@@ -201,3 +201,9 @@ pub fn middle(pixels: &[[u32; 2]]) -> Vec2 {
     let sum: Vec2 = pixels.iter().map(|[x, y]| Vec2::new(*x as f32, *y as f32)).sum();
     sum / pixels.len().max(1) as f32
 }
+
+/// Those of the pixels of hair that are well inside the fan, where it hides what is behind.
+pub fn inside(hair: &[[u32; 2]]) -> Vec<[u32; 2]> {
+    let around = |[x, y]: &[u32; 2], k: u32| [(x + k % 3).wrapping_sub(1), (y + k / 3).wrapping_sub(1)];
+    hair.iter().filter(|at| (0..9).all(|k| hair.contains(&around(at, k)))).copied().collect()
+}

@@ -2,6 +2,7 @@
 
 mod common;
 mod files;
+mod gltf;
 mod motion;
 mod scene;
 mod shadows;

@@ -1,6 +1,6 @@
 //! Hair goes with its entity, what pushes it moves it, and Bevy is told where it is.
 
-use crate::common::{Picture, SIZE, after, app, camera, groom, light, middle, settled, wait};
+use crate::common::{Picture, SIZE, after, app, camera, groom, inside, light, middle, settled, wait};
 use bevy::{
     core_pipeline::prepass::ViewPrepassTextures,
     prelude::*,
@@ -238,12 +238,6 @@ fn hair_writes_depth_where_it_is_asked_to() {
         assert_eq!(right + none, hair.len(), "{msaa:?}: what is thin writes nothing");
         assert!((0..96).all(|y| found[y * 128 + 4] == 0.0), "{msaa:?}: and nothing beside it");
     }
-}
-
-/// Those of the pixels of hair that are well inside the fan, where it hides what is behind.
-fn inside(hair: &[[u32; 2]]) -> Vec<[u32; 2]> {
-    let around = |[x, y]: &[u32; 2], k: u32| [(x + k % 3).wrapping_sub(1), (y + k / 3).wrapping_sub(1)];
-    hair.iter().filter(|at| (0..9).all(|k| hair.contains(&around(at, k)))).copied().collect()
 }
 
 #[test]

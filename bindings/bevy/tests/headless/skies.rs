@@ -1,7 +1,8 @@
-//! Hair in the light of environment maps and reflection probes.
+//! Hair in the light of environment maps and reflection probes, and in fog.
 
-use crate::common::{Picture, after, app, camera, fan, settled, wait};
+use crate::common::{Picture, after, app, camera, fan, inside, light, settled, wait};
 use bevy::{
+    core_pipeline::tonemapping::Tonemapping,
     light::{GlobalAmbientLight, LightProbe},
     prelude::*,
 };
@@ -77,4 +78,63 @@ fn environment_maps_and_probes_light_hair() {
     app.world_mut().despawn(probe);
     app.world_mut().entity_mut(eye).remove::<EnvironmentMapLight>();
     assert!(after(&mut app, 4, &image).is(&dark), "a map that is gone lights hair");
+}
+
+#[test]
+fn fog_lies_before_hair() {
+    let mut app = app("assets");
+    light(&mut app);
+    let (eye, image) = camera(&mut app);
+    // Colours as they are.
+    app.world_mut().entity_mut(eye).insert(Tonemapping::None);
+    let bare = settled(&mut app, &image);
+    let groom = HairGroom::from_strands(&fan(1500), &Default::default()).expect("strands are sound");
+    let groom = app.world_mut().resource_mut::<Assets<HairGroom>>().add(groom);
+    app.world_mut().spawn(Hair3d(groom));
+    wait(&mut app);
+    let clear = after(&mut app, 4, &image);
+    let hair = clear.changed(&bare);
+    let fog =
+        |falloff| DistanceFog { color: Color::linear_rgb(0.0, 0.3, 0.0), falloff, ..Default::default() };
+    let mut seen = |falloff| {
+        app.world_mut().entity_mut(eye).insert(fog(falloff));
+        after(&mut app, 4, &image)
+    };
+    // What is there none of changes nothing, nor what begins behind the hair.
+    for none in [FogFalloff::Exponential { density: 0.0 }, FogFalloff::Linear { start: 1.0, end: 2.0 }] {
+        assert!(seen(none).is(&clear));
+    }
+    // All of it leaves the colour of the fog where hair hides what is behind; the background has none.
+    let dense: Vec<_> = inside(&hair).into_iter().filter(|[x, _]| *x < 92).collect();
+    assert!(dense.len() > 150, "{} pixels", dense.len());
+    let thick = seen(FogFalloff::Linear { start: 0.0, end: 0.1 });
+    thick.keep("thick fog");
+    let [r, g, b] = mean(&thick, &dense);
+    assert!(r < 10.0 && b < 10.0 && g > 60.0, "{r} {g} {b}");
+    assert!(thick.changed(&bare).iter().all(|pixel| hair.contains(pixel)), "there is fog beside the hair");
+    // Half way it is between both, whichever way it gets there: half of the light at half a metre.
+    let density = 2.0 * std::f32::consts::LN_2;
+    let linear = seen(FogFalloff::Linear { start: 0.0, end: 1.0 });
+    let half = mean(&linear, &hair);
+    let ends = [mean(&clear, &hair), mean(&thick, &hair)];
+    assert!(half[0] > ends[1][0] + 5.0 && half[0] < ends[0][0] - 5.0, "{half:?} between {ends:?}");
+    let square = 2.0 * std::f32::consts::LN_2.sqrt();
+    for other in [
+        FogFalloff::Exponential { density },
+        FogFalloff::ExponentialSquared { density: square },
+        FogFalloff::Atmospheric { extinction: Vec3::splat(density), inscattering: Vec3::splat(density) },
+    ] {
+        let found = mean(&seen(other.clone()), &hair);
+        let off = (0..3).map(|i| (found[i] - half[i]).abs()).fold(0.0, f32::max);
+        assert!(off < 3.0, "{other:?}: {found:?} where a line has {half:?}");
+    }
+}
+
+/// The mean of each channel of some pixels.
+fn mean(of: &Picture, pixels: &[[u32; 2]]) -> [f32; 3] {
+    let channel = |k: usize| {
+        let all = pixels.iter().map(|[x, y]| f32::from(of.pixels[(y * of.width + x) as usize][k]));
+        all.sum::<f32>() / pixels.len() as f32
+    };
+    [0, 1, 2].map(channel)
 }
