@@ -12,6 +12,7 @@ use tresses::{
 
 /// How light is lost, and fog seen, with the distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(not(feature = "pbr"), expect(dead_code))] // Fog is that feature's.
 pub(crate) enum Thickness {
     /// From nothing at the first distance to all at the second, metres.
     Linear(f32, f32),

@@ -16,7 +16,9 @@ mod simulate;
 mod skies;
 
 pub(crate) use draw::{DefaultView, Eyes, draw, read_depth};
-pub(crate) use fog::{Fog, Thickness};
+pub(crate) use fog::Fog;
+#[cfg(feature = "pbr")]
+pub(crate) use fog::Thickness;
 pub(crate) use prepare::{Wardrobe, prepare};
 pub(crate) use simulate::simulate;
 pub(crate) use skies::{Skies, measure_skies};
