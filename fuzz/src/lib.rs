@@ -204,14 +204,14 @@ fn tetrahedron() -> TriMesh {
     TriMesh { positions, normals, triangles, ..Default::default() }
 }
 
-/// A body on a skeleton with a shape, an animation and hair, as text of USD.
+/// A body on a skeleton with a shape and an animation, and perhaps `hair`, as text of USD.
 ///
 /// # Panics
 /// As [`written`].
-pub fn living() -> Vec<u8> {
+pub fn living(hair: bool) -> Vec<u8> {
     let (mesh, strands) = (tetrahedron(), strands());
-    let hair = [usda::HairOf { name: "hair", strands: &strands }];
-    usda::character(Some((&mesh, Some(&rig(&mesh)))), &hair).expect("a character is written")
+    let hair = &[usda::HairOf { name: "hair", strands: &strands }][..usize::from(hair)];
+    usda::character(Some((&mesh, Some(&rig(&mesh)))), hair).expect("a character is written")
 }
 
 /// A file among the optional assets, where there are any.

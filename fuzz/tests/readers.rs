@@ -65,22 +65,22 @@ fn usd_text() {
 /// Hair that goes with joints, and the body that they bend.
 #[test]
 fn usd_skeleton() {
-    survives("a.usda", &living(), groom);
+    survives("a.usda", &living(true), groom);
 }
 
 #[test]
 fn usd_body() {
-    survives("a.usda", &living(), mesh);
+    survives("a.usda", &living(false), mesh);
 }
 
 #[test]
 fn usd_binary() {
-    survives("a.usdc", &usda::packed(&living()).expect("it is packed"), groom);
+    survives("a.usdc", &usda::packed(&living(true)).expect("it is packed"), groom);
 }
 
 #[test]
 fn usd_binary_body() {
-    survives("a.usdc", &usda::packed(&living()).expect("it is packed"), mesh);
+    survives("a.usdc", &usda::packed(&living(false)).expect("it is packed"), mesh);
 }
 
 #[test]

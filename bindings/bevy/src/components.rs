@@ -123,7 +123,8 @@ pub enum ColliderShape {
     Field(Arc<SdfGrid>),
 }
 
-/// An obstacle for all hair, where its entity is: a hand, a shoulder, a ball. At most 127 of them.
+/// An obstacle for all hair, where its entity is: a hand, a shoulder, a ball. At most 127 of them, less on a
+/// [skin](crate::HairSkin), whose own parts are up to 72.
 ///
 /// The head of a groom needs none, it has its distance field ([`HairGroom::head`]).
 #[derive(Component, Clone, Debug)]

@@ -102,7 +102,9 @@ impl SceneSky {
         if let Some((place, probe)) = of {
             let (_, rotation, _) = place.to_scale_rotation_translation();
             sky.rotation = (rotation * light.rotation).normalize();
-            sky.inside = Some((place.to_matrix().inverse(), probe.falloff));
+            // The box is turned as the light is.
+            let from_cube = place.to_matrix() * Mat4::from_quat(light.rotation);
+            sky.inside = Some((from_cube.inverse(), probe.falloff));
         }
         sky
     }
@@ -156,7 +158,7 @@ pub(crate) fn extract_hair(
 ) {
     scene.dt = time.delta_secs();
     scene.hair.clear();
-    reading.keep(|entity| hair.contains(entity));
+    reading.keep(|entity| hair.get(entity).is_ok_and(|(.., on, _)| on.is_some()));
     for (entity, hair, material, physics, detail, ready, place, visible, own, layers, on, meets) in &hair {
         let wind = own.map_or(wind.0, |wind| wind.0);
         let pose = pose(place);

@@ -11,8 +11,8 @@ use tresses::groom::{
     rig::{Bind, Joint},
 };
 
-/// The triangles of a mesh, to grow hair on or to push it; nothing where it is no list of triangles with positions and
-/// normals that the main world still has.
+/// The triangles of a mesh, to grow hair on or to push it; nothing where it is no list of triangles between vertices with
+/// positions and normals that the main world still has.
 pub fn tri_mesh(mesh: &Mesh) -> Option<TriMesh> {
     if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
         return None;
@@ -29,6 +29,9 @@ pub fn tri_mesh(mesh: &Mesh) -> Option<TriMesh> {
         Ok(None) => (0..u32::try_from(positions.len()).ok()?).collect(),
         Err(_) => return None,
     };
+    if normals.len() != positions.len() || corners.iter().any(|i| *i as usize >= positions.len()) {
+        return None;
+    }
     Some(TriMesh { positions, normals, triangles: corners.as_chunks::<3>().0.to_vec(), ..TriMesh::default() })
 }
 
@@ -81,7 +84,9 @@ mod tests {
         assert_eq!((cube.positions.len(), cube.triangles.len()), (24, 12));
         assert_eq!(tri_mesh(&mesh(&cube)), Some(cube.clone()));
         let other = TriMesh { triangles: cube.triangles[1..].to_vec(), ..cube.clone() };
-        assert_ne!(tri_mesh(&mesh(&other)), Some(cube), "the comparer sees no difference");
+        assert_ne!(tri_mesh(&mesh(&other)), Some(cube.clone()), "the comparer sees no difference");
+        let torn = mesh(&TriMesh { triangles: vec![[0, 1, 99]], ..cube });
+        assert_eq!(tri_mesh(&torn), None, "a corner is none of its vertices");
         let flat = mesh(&other).with_removed_attribute(Mesh::ATTRIBUTE_NORMAL);
         assert_eq!(tri_mesh(&flat), None);
         assert_eq!(tri_mesh(&Segment3d::new(Vec3::ZERO, Vec3::X).into()), None, "a line has none");

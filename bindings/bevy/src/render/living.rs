@@ -1,7 +1,7 @@
 //! Hair on a skin that Bevy bends: what of the body it collides with, and where that is in each frame.
 
 use super::prepare::Gpu;
-use crate::skin::{Skin, Stance};
+use crate::skin::{OnSkin, Skin, Stance};
 use bevy::prelude::Entity;
 use std::sync::Arc;
 use tresses::{
@@ -83,7 +83,7 @@ impl Plan {
         hair.colliders.deform(device, queue, &pipelines.deform, &skin.mesh, &(&body).into(), &deforming)?;
         let deforms = flesh.deforms();
         let head = anatomy.head.node;
-        Ok((body, Living { skin, skinning, head, parts, colliders, deforms }))
+        Ok((body, Living { skin, skinning, head, parts, colliders, deforms, stance: None }))
     }
 }
 
@@ -100,6 +100,8 @@ pub(crate) struct Living {
     colliders: Vec<Collider>,
     /// Whether the head's field deforms, and those of the other parts.
     deforms: Vec<bool>,
+    /// Where its joints were last; it stays there while the hair's skin is none, awaited or another one.
+    stance: Option<Stance>,
 }
 
 impl Living {
@@ -118,9 +120,15 @@ impl Living {
         &self.skinning
     }
 
-    /// Where what hair goes with is.
-    pub fn head(&self, stance: &Stance) -> Pose {
-        self.skin.node(self.head, stance)
+    /// Takes note of where the joints of the skin are that its hair is on now, and says where what hair goes with is; nothing
+    /// before that is known.
+    pub fn head(&mut self, on: &OnSkin) -> Option<Pose> {
+        if let OnSkin::Yes(skin, stance) = on
+            && Arc::ptr_eq(skin, &self.skin)
+        {
+            self.stance.get_or_insert_default().clone_from(stance);
+        }
+        self.stance.as_ref().map(|stance| self.skin.node(self.head, stance))
     }
 
     /// Brings all of it to where it is in a frame, relative to `head`; the poses of its colliders go to `poses`.
@@ -128,9 +136,9 @@ impl Living {
         &mut self,
         (queue, body, hair): (&wgpu::Queue, &mut Body, &mut Hair),
         head: &Pose,
-        stance: &Stance,
         poses: &mut Vec<Pose>,
     ) -> Result<()> {
+        let Some(stance) = &self.stance else { return Ok(()) };
         self.skinning.pose(queue, &self.skin.pose(head, stance), body)?;
         if let Some(roots) = &mut hair.roots {
             roots.pose = *head;

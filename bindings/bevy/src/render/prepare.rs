@@ -20,6 +20,7 @@ use tresses::{
     Hair, HairOptions, Pipelines, Pose, Result,
     body::Body,
     collide::{Collider, ColliderDescriptor, FieldSource},
+    constants::MAX_COLLIDERS,
     groom::SdfGrid,
     lod::LodOptions,
     simulate::SimulationParams,
@@ -183,7 +184,13 @@ impl Worn {
         let known = |(entity, collider, pose): &(Entity, HairCollider, Pose)| {
             Some((*entity, collider.collider(&self.made_for.fields)?, *pose))
         };
-        scene.colliders.iter().filter_map(known).collect()
+        scene.colliders.iter().filter_map(known).take(self.room()).collect()
+    }
+
+    /// How many of the scene's colliders there is room for, besides the head and the other parts of a body.
+    pub fn room(&self) -> usize {
+        let own = self.living.as_ref().map_or(0, |living| living.colliders().len());
+        (MAX_COLLIDERS as usize).saturating_sub(1 + own)
     }
 }
 

@@ -1,10 +1,7 @@
 //! Hair moves, once per frame.
 
 use super::{Complaints, Wardrobe, living::Living, prepare::Worn};
-use crate::{
-    extract::{Eye, Scene, SceneHair},
-    skin::OnSkin,
-};
+use crate::extract::{Eye, Scene, SceneHair};
 use bevy::{
     prelude::*,
     render::{
@@ -42,10 +39,14 @@ pub(crate) fn simulate(
     let Some(pipelines) = wardrobe.pipelines() else { return };
     // From here on hair on a skin is where what it goes with has it.
     for hair in &mut scene.hair {
-        if let (OnSkin::Yes(_, stance), Some(worn)) = (&hair.skin, wardrobe.worn(hair.entity))
-            && let Some(living) = &worn.living
+        if let Some(worn) = wardrobe.worn_mut(hair.entity)
+            && let Some(living) = &mut worn.living
         {
-            hair.pose = living.head(stance);
+            // A body of which nothing is known yet is not seen.
+            match living.head(&hair.skin) {
+                Some(head) => hair.pose = head,
+                None => hair.visible = false,
+            }
         }
     }
     let scene = scene.into_inner();
@@ -69,6 +70,11 @@ pub(crate) fn simulate(
             device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("hair") });
         let recorder =
             Recorder { pipelines: &pipelines, device, queue: &queue, encoder: &mut encoder, timings: None };
+        if worn.room() < scene.colliders.len() {
+            let room = worn.room();
+            complaints
+                .say(format!("hair has room for {room} colliders besides its body's: the last are left out"));
+        }
         match worn.advance(recorder, hair, scene, &eyes) {
             Ok(()) => {
                 worn.moves = true;
@@ -76,6 +82,8 @@ pub(crate) fn simulate(
             }
             Err(error) => {
                 worn.moves = false;
+                // A body that was bent on the way stays so: the same pose is not recorded twice.
+                context.add_command_buffer(encoder.finish());
                 complaints.say(format!("hair of entity {} cannot move: {error}", hair.entity));
             }
         }
@@ -105,10 +113,8 @@ impl Worn {
             self.hair.look_from(device, queue, camera, &hair.pose);
         }
         let mut poses = Vec::new();
-        if let (Some(living), Some(body), OnSkin::Yes(_, stance)) =
-            (&mut self.living, &mut self.body, &hair.skin)
-        {
-            living.pose((queue, body, &mut self.hair), &hair.pose, stance, &mut poses)?;
+        if let (Some(living), Some(body)) = (&mut self.living, &mut self.body) {
+            living.pose((queue, body, &mut self.hair), &hair.pose, &mut poses)?;
             recorder.bend(&[living.skinning()])?;
         }
         poses.extend(pushing.iter().map(|(_, _, pose)| *pose));

@@ -33,8 +33,6 @@ struct Sky {
     coming: Option<CubeLight>,
     /// Frames since it was asked.
     age: u32,
-    /// Whether it is asked at all.
-    refused: bool,
 }
 
 /// What is known of all cube maps.
@@ -71,11 +69,11 @@ pub(crate) fn measure_skies(
             Some(Ok(environment)) => (sky.environment, sky.coming) = (environment, None),
             Some(Err(error)) => {
                 complaints.say(format!("an environment map cannot light hair: {error}"));
-                (sky.coming, sky.refused) = (None, true);
+                sky.coming = None;
             }
             None => {}
         }
-        if sky.coming.is_some() || sky.age < AGAIN || sky.refused {
+        if sky.coming.is_some() || sky.age < AGAIN {
             continue;
         }
         sky.age = 0;
@@ -88,7 +86,6 @@ pub(crate) fn measure_skies(
             Ok(light) => sky.coming = Some(light),
             Err(problem) => {
                 complaints.say(format!("an environment map cannot light hair: {problem}"));
-                sky.refused = true;
             }
         }
     }
@@ -97,8 +94,9 @@ pub(crate) fn measure_skies(
 /// A view of all six faces, or why there is none.
 fn usable(device: &wgpu::Device, image: &GpuImage) -> Result<wgpu::TextureView, String> {
     let (format, layers) = (image.texture.format(), image.texture.depth_or_array_layers());
-    if layers < 6 || image.texture.dimension() != wgpu::TextureDimension::D2 {
-        return Err(format!("it has {layers} layers, a cube has six"));
+    let flat = image.texture.dimension() == wgpu::TextureDimension::D2;
+    if layers < 6 || !flat || image.texture.width() != image.texture.height() {
+        return Err(format!("it has {layers} layers, a cube has six, which are squares"));
     }
     let filtered = format.sample_type(None, Some(device.features()));
     if filtered != Some(wgpu::TextureSampleType::Float { filterable: true }) {

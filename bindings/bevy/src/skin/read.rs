@@ -44,7 +44,15 @@ pub(crate) struct SkinQueries<'w, 's> {
 }
 
 /// What a skin was read for: it is read again when this changes.
-type Key = (HairSkin, AssetId<Mesh>, Option<(AssetId<SkinnedMeshInverseBindposes>, Vec<Entity>)>);
+#[derive(Debug, PartialEq)]
+struct Key {
+    on: HairSkin,
+    mesh: AssetId<Mesh>,
+    binds: Option<AssetId<SkinnedMeshInverseBindposes>>,
+    joints: Vec<Entity>,
+    /// The place of the joint that carries the hair.
+    carrier: Option<usize>,
+}
 
 /// What was read, by the entities of the hair.
 #[derive(Debug, Default)]
@@ -67,8 +75,11 @@ impl SkinQueries<'_, '_> {
         place: Mat4,
     ) -> Result<OnSkin, String> {
         let Ok((mesh, own, skinned, morph)) = self.bodies.get(on.mesh) else {
-            return Err(format!("hair is to be on entity {}, which has no mesh", on.mesh));
+            return Err("hair is to be on an entity that has no mesh".into());
         };
+        if !(on.reach.is_finite() && on.at.is_none_or(|at| at.is_finite())) {
+            return Err("hair is on a skin at a place that is no number".into());
+        }
         let (Some(asset), binds) =
             (self.meshes.get(&mesh.0), skinned.map(|skinned| self.binds.get(&skinned.inverse_bindposes)))
         else {
@@ -77,7 +88,8 @@ impl SkinQueries<'_, '_> {
         if binds.is_some_and(|binds| binds.is_none()) {
             return Ok(OnSkin::Awaited);
         }
-        let joints: Vec<Entity> = skinned.map_or_else(|| vec![on.mesh], |skinned| skinned.joints.clone());
+        let alone = [on.mesh];
+        let joints: &[Entity] = skinned.map_or(&alone, |skinned| &skinned.joints);
         let stance = Stance {
             joints: match skinned {
                 Some(_) => joints.iter().map(|joint| self.place(*joint)).collect(),
@@ -91,14 +103,36 @@ impl SkinQueries<'_, '_> {
                 None => Vec::new(),
             },
         };
-        let key = (*on, mesh.0.id(), skinned.map(|skinned| (skinned.inverse_bindposes.id(), joints.clone())));
-        let known = reading.0.get(&entity).filter(|(of, _)| *of == key).map(|(_, skin)| skin.clone());
+        let carrier = self.above(entity).find_map(|up| place_of(joints, up));
+        let of_binds = skinned.map(|skinned| skinned.inverse_bindposes.id());
+        let is = |key: &Key| {
+            (key.on, key.mesh, key.binds, key.carrier) == (*on, mesh.0.id(), of_binds, carrier)
+                && key.joints == joints
+        };
+        let known = reading.0.get(&entity).filter(|(key, _)| is(key)).map(|(_, skin)| skin.clone());
         let skin = match known {
             Some(skin) => skin,
             None => {
                 let identity = [Mat4::IDENTITY];
                 let binds = binds.flatten().map_or(&identity[..], |binds| binds);
-                match self.read(on, asset, (&joints, binds), &stance, (entity, place)) {
+                if binds.len() < joints.len() || joints.is_empty() {
+                    return Err(format!(
+                        "hair is on {} joints with {} bind poses",
+                        joints.len(),
+                        binds.len()
+                    ));
+                }
+                let to_mesh = on.at.unwrap_or_else(|| {
+                    carrier
+                        .map_or(Mat4::IDENTITY, |i| binds[i].inverse() * stance.joints[i].inverse() * place)
+                });
+                if !to_mesh.is_finite() || to_mesh.determinant().abs() < 1e-12 {
+                    // It may grow from nothing: it is tried again.
+                    return Err("a joint above hair is flattened".into());
+                }
+                let key =
+                    Key { on: *on, mesh: mesh.0.id(), binds: of_binds, joints: joints.to_vec(), carrier };
+                match self.read(on, asset, (joints, binds), to_mesh) {
                     Ok(skin) => {
                         let skin = Some(Arc::new(skin));
                         reading.0.insert(entity, (key, skin.clone()));
@@ -106,7 +140,7 @@ impl SkinQueries<'_, '_> {
                     }
                     Err(problem) => {
                         reading.0.insert(entity, (key, None));
-                        return Err(format!("hair cannot be on the mesh of entity {}: {problem}", on.mesh));
+                        return Err(format!("hair cannot be on a mesh: {problem}"));
                     }
                 }
             }
@@ -124,12 +158,8 @@ impl SkinQueries<'_, '_> {
         on: &HairSkin,
         asset: &Mesh,
         (joints, binds): (&[Entity], &[Mat4]),
-        stance: &Stance,
-        (hair, place): (Entity, Mat4),
+        to_mesh: Mat4,
     ) -> Result<Skin, String> {
-        if binds.len() < joints.len() || joints.is_empty() {
-            return Err(format!("it has {} joints and {} bind poses", joints.len(), binds.len()));
-        }
         // Parents before their children, as a rig has them.
         let parent = |joint: Entity| self.above(joint).skip(1).find_map(|up| place_of(joints, up));
         let depth = |joint: Entity| self.above(joint).filter(|up| joints.contains(up)).count();
@@ -144,13 +174,6 @@ impl SkinQueries<'_, '_> {
         let nodes = order.iter().map(node).collect();
         let joint = |(node, i): (usize, &usize)| Joint { node: node as u32, inverse_bind: binds[*i] };
         let palette: Vec<Joint> = order.iter().enumerate().map(joint).collect();
-        let to_mesh = on.at.unwrap_or_else(|| {
-            let carrier = self.above(hair).find_map(|up| place_of(joints, up));
-            carrier.map_or(Mat4::IDENTITY, |i| binds[i].inverse() * stance.joints[i].inverse() * place)
-        });
-        if !to_mesh.is_finite() || to_mesh.determinant().abs() < 1e-12 {
-            return Err("a joint above the hair is flattened".into());
-        }
         let mut mesh = tri_mesh(asset)
             .ok_or("it is no list of triangles with positions and normals that the main world has")?;
         let numbers: Vec<u16> = (0..joints.len()).map(|i| node_of(i) as u16).collect();
@@ -214,6 +237,9 @@ fn bound(asset: &Mesh, mesh: &TriMesh, numbers: &[u16]) -> Result<Vec<Bind>, Str
         }
         Ok(bind)
     };
+    if joints.len() != mesh.positions.len() || weights.len() != joints.len() {
+        return Err("it has not a joint and a weight for each vertex".into());
+    }
     all.zip(joints.iter().zip(weights)).map(bind).collect()
 }
 

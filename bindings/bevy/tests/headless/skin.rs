@@ -183,6 +183,10 @@ fn skin_that_stretches_and_swells_takes_roots_along() {
     swollen.keep("swollen");
     let aside = moved(&swollen, &before, &bare);
     assert!((0.015..0.035).contains(&aside.x), "it moves by {aside} m");
+    // Without its body it stays where it was.
+    app.world_mut().despawn(mesh);
+    let left = moved(&after(&mut app, 10, &picture), &swollen, &bare);
+    assert!(left.length() < 0.3 * PIXEL, "hair without its body goes {left} m");
 }
 
 #[test]

@@ -7,6 +7,8 @@ mod skel;
 
 pub use cache::{Cache, CacheOptions};
 
+use std::collections::HashMap;
+
 use super::{Encoded, lost};
 use crate::{Error, Result, Rig, Strands, TriMesh, orient::Unit};
 use layer::{Layer, per, point};
@@ -17,7 +19,7 @@ pub(crate) const DOC: &str = "Tresses groom";
 /// Hair of a character.
 #[derive(Clone, Copy, Debug)]
 pub struct HairOf<'a> {
-    /// What it is called: letters, digits and underscores.
+    /// What it is called, as far as USD lets it: letters, digits and underscores, none twice.
     pub name: &'a str,
     /// At rest, in metres, Y up.
     pub strands: &'a Strands,
@@ -55,11 +57,12 @@ pub(super) fn encode(strands: &Strands, unit: Option<Unit>) -> Encoded {
 }
 
 /// A character as text: the body (metres, Y up), which `rig` bends, if there is one, and hair at rest, which then goes with
-/// the joints that the skin at its roots goes with. Read back, it bends as `rig` does, exactly so at 24, 25, 30, 50 or 60
-/// frames a second.
+/// the joints that the skin at its roots goes with. Read back, it bends as `rig` does at 24, 25, 30, 50 or 60 frames a
+/// second, but for scales, which USD has as half floats; shapes that the body rests in are a part of it then.
 ///
 /// # Errors
-/// [`Error::Unusable`] for a rig of another mesh, for a joint that flattens, and for hair without strands.
+/// [`Error::Unusable`] for a rig of another mesh, for a joint that flattens what it holds, for animations of more than
+/// 100,000 frames or scales that half floats do not hold, and for hair without strands.
 pub fn character(body: Option<(&TriMesh, Option<&Rig>)>, hair: &[HairOf<'_>]) -> Result<Vec<u8>> {
     if hair.iter().any(|hair| hair.strands.is_empty()) {
         return Err(Error::Unusable("a groom without strands is not written".into()));
@@ -88,8 +91,9 @@ pub fn character(body: Option<(&TriMesh, Option<&Rig>)>, hair: &[HairOf<'_>]) ->
                 skel::surface(&mut layer, mesh, points, normals);
                 layer.close();
             }
+            let mut used = HashMap::from([("body".to_owned(), 1)]);
             for hair in hair {
-                layer.open("BasisCurves", hair.name, &[]);
+                layer.open("BasisCurves", &skel::unique(&mut used, "", hair.name), &[]);
                 let curves = Curves { strands: hair.strands, scale: 1.0 };
                 curves.points(&mut layer);
                 curves.beside_points(&mut layer);

@@ -4,7 +4,7 @@
 //! more below it that stay where it is. Points of body and hair are written where they were bound, so that both fit each
 //! other in programs that do not know skeletons, too. Animations are sampled frame by frame ([`rate`]).
 
-use std::collections::HashSet;
+use std::collections::HashMap;
 
 use glam::{DMat4, DVec3, Mat4, Vec3};
 
@@ -15,7 +15,7 @@ use super::{
 use crate::{
     Error, Result, Strands, TriMesh,
     mesh::Bvh,
-    rig::{Animation, INFLUENCES, Rig, Target},
+    rig::{Animation, INFLUENCES, Node, Rig, Target},
 };
 
 /// Frames per second: those of films, television and games, whichever all keys of a rig's animations lie on, else many.
@@ -25,6 +25,10 @@ pub(super) fn rate(rig: &Rig) -> f32 {
     [24.0, 25.0, 30.0, 50.0].into_iter().find(on).unwrap_or(60.0)
 }
 
+/// The longest animation, frames.
+const MOST_FRAMES: f32 = 100_000.0;
+/// The largest of half floats, which scales are.
+const MOST_SCALE: f64 = 65_504.0;
 /// The most joints that a strand goes with.
 const HELD: usize = 4;
 
@@ -42,18 +46,20 @@ impl Joints {
     fn new(rig: &Rig) -> Result<Self> {
         let globals = rig.rest_pose().globals;
         let mut all = Self { paths: vec![], names: vec![], bind: vec![], rest: vec![], of: vec![] };
-        let mut used = HashSet::new();
+        let mut used = HashMap::new();
         for (i, node) in rig.nodes.iter().enumerate() {
             let above = node.parent.map(|parent| all.paths[parent as usize].clone() + "/");
             all.paths.push(unique(&mut used, &above.unwrap_or_default(), &node.name));
             all.names.push(node.name.clone());
-            all.bind.push(globals[i].as_dmat4());
+            // Of what holds nothing it does not matter where it was bound.
+            let global = globals[i].as_dmat4();
+            all.bind.push(if global.determinant() == 0.0 { DMat4::IDENTITY } else { global });
             all.rest.push(node.matrix.unwrap_or_else(|| node.rest.matrix()).as_dmat4());
         }
         let mut taken = vec![false; rig.nodes.len()];
         for joint in &rig.joints {
             let (node, bind) = (joint.node as usize, joint.inverse_bind.as_dmat4().inverse());
-            if !bind.is_finite() {
+            if !bind.is_finite() || bind.determinant() == 0.0 {
                 return Err(Error::Unusable("a joint that flattens what it holds is not written".into()));
             }
             if !std::mem::replace(&mut taken[node], true) {
@@ -76,15 +82,16 @@ impl Joints {
     }
 }
 
-/// A name that a path may have, and no other of those in `used` has, behind `above`.
-fn unique(used: &mut HashSet<String>, above: &str, name: &str) -> String {
-    let plain = identifier(name);
-    let mut path = format!("{above}{plain}");
-    let mut count = 2;
-    while !used.insert(path.clone()) {
-        path = format!("{above}{plain}_{count}");
-        count += 1;
+/// A name that a path may have, and no other of those in `used` has, behind `above`; `used` counts those of one name.
+pub(super) fn unique(used: &mut HashMap<String, u32>, above: &str, name: &str) -> String {
+    let plain = format!("{above}{}", identifier(name));
+    let mut path = plain.clone();
+    while used.contains_key(&path) {
+        let count = used.entry(plain.clone()).or_insert(1);
+        *count += 1;
+        path = format!("{plain}_{count}");
     }
+    used.insert(path.clone(), 1);
     path
 }
 
@@ -103,8 +110,8 @@ pub(super) fn put(layer: &mut Layer, (mesh, rig): (&TriMesh, &Rig), hair: &[Hair
         return Err(Error::Unusable("a rig of another mesh is not written".into()));
     }
     let joints = Joints::new(rig)?;
-    let mut used = HashSet::from(["skeleton", "body"].map(str::to_owned));
-    used.extend(hair.iter().map(|hair| hair.name.to_owned()));
+    let mut used = HashMap::from(["skeleton", "body"].map(|name| (name.to_owned(), 1)));
+    let names: Vec<String> = hair.iter().map(|hair| unique(&mut used, "", hair.name)).collect();
     let animations: Vec<String> =
         rig.animations.iter().map(|animation| unique(&mut used, "", &animation.name)).collect();
 
@@ -122,19 +129,33 @@ pub(super) fn put(layer: &mut Layer, (mesh, rig): (&TriMesh, &Rig), hair: &[Hair
     }
     layer.close();
     for (animation, name) in rig.animations.iter().zip(&animations) {
-        moves(layer, (name, rate(rig)), animation, rig, &joints);
+        moves(layer, (name, rate(rig)), animation, rig, &joints)?;
     }
     body(layer, mesh, rig, &joints);
     let rest: Vec<DMat4> = rig.rest_pose().palette.iter().map(Mat4::as_dmat4).collect();
     let bvh = Bvh::new(mesh);
-    for hair in hair {
-        on_skin(layer, hair, (mesh, rig), (&joints, &rest, &bvh))?;
+    for (hair, name) in hair.iter().zip(&names) {
+        on_skin(layer, (name, hair.strands), (mesh, rig), (&joints, &rest, &bvh))?;
     }
     Ok(())
 }
 
-fn moves(layer: &mut Layer, (name, rate): (&str, f32), animation: &Animation, rig: &Rig, joints: &Joints) {
-    let frames = (animation.length * rate).round().max(0.0) as u32;
+fn moves(
+    layer: &mut Layer,
+    (name, rate): (&str, f32),
+    animation: &Animation,
+    rig: &Rig,
+    joints: &Joints,
+) -> Result<()> {
+    let frames = (animation.length * rate).round().max(0.0);
+    if frames > MOST_FRAMES {
+        return Err(Error::Unusable(format!(
+            "the animation {name} of {} s is not written: the longest has {MOST_FRAMES} frames",
+            animation.length
+        )));
+    }
+    let frames = frames as u32;
+    let resting = rig.rest_pose().weights;
     layer.open("SkelAnimation", name, &[]);
     let nodes = rig.nodes.len();
     layer.list("uniform token[] joints", joints.paths[..nodes].iter().map(|path| quoted(path)), &[]);
@@ -143,12 +164,16 @@ fn moves(layer: &mut Layer, (name, rate): (&str, f32), animation: &Animation, ri
             // The end of a loop is its last moment, not its first.
             let time = (frame as f32 / rate).min(animation.length * (1.0 - 1e-6));
             let pose = rig.pose(animation, time);
-            let local = |(i, node): (usize, &crate::rig::Node)| {
+            let local = |(i, node): (usize, &Node)| {
                 let above = node.parent.map_or(DMat4::IDENTITY, |up| pose.globals[up as usize].as_dmat4());
-                (above.inverse() * pose.globals[i].as_dmat4()).to_scale_rotation_translation()
+                // Below what is flattened nothing is seen, wherever it is.
+                let own = if above.determinant() == 0.0 { DMat4::IDENTITY } else { above.inverse() };
+                parts_of(&(own * pose.globals[i].as_dmat4()))
             };
             let parts: Vec<_> = rig.nodes.iter().enumerate().map(local).collect();
-            (frame, parts, pose.weights)
+            // Points are written as shapes have them at rest: only what is more moves them.
+            let weights = pose.weights.iter().zip(&resting).map(|(now, rest)| now - rest).collect::<Vec<_>>();
+            (frame, parts, weights)
         })
         .collect();
     let three = |v: &DVec3| point(&v.as_vec3());
@@ -169,23 +194,44 @@ fn moves(layer: &mut Layer, (name, rate): (&str, f32), animation: &Animation, ri
         poses.iter().map(|(frame, parts, _)| (*frame, listed(parts.iter().map(|(scale, ..)| three(scale))))),
     );
     if !rig.targets.is_empty() {
-        let names = rig.targets.iter().map(|target| quoted(&target.name));
-        layer.list("uniform token[] blendShapes", names, &[]);
+        layer.list("uniform token[] blendShapes", shape_names(rig), &[]);
         let weights = poses.iter().map(|(frame, _, weights)| (*frame, listed(weights)));
         layer.samples("float[] blendShapeWeights", weights);
     }
     layer.close();
+    let widest = poses.iter().flat_map(|(_, parts, _)| parts).map(|(scale, ..)| scale.abs().max_element());
+    match widest.fold(0.0, f64::max) <= MOST_SCALE {
+        true => Ok(()),
+        false => Err(Error::Unusable(format!("the animation {name} scales by more than USD can hold"))),
+    }
+}
+
+/// Scale, turn and place of a joint in its parent's space; a joint that is flattened is not turned.
+fn parts_of(local: &DMat4) -> (DVec3, glam::DQuat, DVec3) {
+    let (scale, turn, place) = local.to_scale_rotation_translation();
+    if turn.is_finite() && scale.is_finite() {
+        return (scale, turn, place);
+    }
+    let scale = DVec3::new(
+        local.x_axis.truncate().length(),
+        local.y_axis.truncate().length(),
+        local.z_axis.truncate().length(),
+    );
+    (scale, glam::DQuat::IDENTITY, local.w_axis.truncate())
 }
 
 fn body(layer: &mut Layer, mesh: &TriMesh, rig: &Rig, joints: &Joints) {
     layer.open("Mesh", "body", &["SkelBindingAPI"]);
     let vertices = &rig.vertices;
-    surface(
-        layer,
-        mesh,
-        vertices.iter().map(|v| point(&v.position)),
-        vertices.iter().map(|v| point(&v.normal)),
-    );
+    let (mut places, mut normals): (Vec<Vec3>, Vec<Vec3>) =
+        vertices.iter().map(|vertex| (vertex.position, vertex.normal)).unzip();
+    for (target, weight) in rig.targets.iter().zip(rig.rest_pose().weights).filter(|(_, w)| *w != 0.0) {
+        for delta in &target.deltas {
+            places[delta.vertex as usize] += weight * delta.position;
+            normals[delta.vertex as usize] += weight * delta.normal;
+        }
+    }
+    surface(layer, mesh, places.iter().map(point), normals.iter().map(point));
     let held = |i: usize| vertices[i].weights.iter().filter(|weight| **weight > 0.0).count();
     let width = (0..vertices.len()).map(held).max().unwrap_or(0).max(1);
     let own = |i: usize| -> Vec<(usize, f32)> {
@@ -194,11 +240,10 @@ fn body(layer: &mut Layer, mesh: &TriMesh, rig: &Rig, joints: &Joints) {
         all.map(|k| (joints.of[usize::from(bind.joints[k])], bind.weights[k])).collect()
     };
     bound(layer, (0..vertices.len()).map(own), width, false);
-    let mut used = HashSet::new();
+    let mut used = HashMap::new();
     let shapes: Vec<String> = rig.targets.iter().map(|target| unique(&mut used, "", &target.name)).collect();
     if !shapes.is_empty() {
-        let names = rig.targets.iter().map(|target| quoted(&target.name));
-        layer.list("uniform token[] skel:blendShapes", names, &[]);
+        layer.list("uniform token[] skel:blendShapes", shape_names(rig), &[]);
         let paths = shapes.iter().map(|shape| format!("</character/body/{shape}>"));
         layer.list("rel skel:blendShapeTargets", paths, &[]);
     }
@@ -233,6 +278,17 @@ fn shape(layer: &mut Layer, name: &str, target: &Target) {
     layer.close();
 }
 
+/// The names of the rig's shapes, each once.
+fn shape_names(rig: &Rig) -> Vec<String> {
+    let mut used = HashMap::<String, u32>::new();
+    let name = |target: &Target| {
+        let count = used.entry(target.name.clone()).or_insert(0);
+        *count += 1;
+        if *count == 1 { quoted(&target.name) } else { quoted(&format!("{} {count}", target.name)) }
+    };
+    rig.targets.iter().map(name).collect()
+}
+
 /// Which joints carry each point, so many at most, or once for all of them.
 fn bound(layer: &mut Layer, points: impl Iterator<Item = Vec<(usize, f32)>>, width: usize, once: bool) {
     let (mut joints, mut weights) = (Vec::new(), Vec::new());
@@ -251,11 +307,10 @@ fn bound(layer: &mut Layer, points: impl Iterator<Item = Vec<(usize, f32)>>, wid
 /// Hair whose strands go with the skin that their roots are on.
 fn on_skin(
     layer: &mut Layer,
-    hair: &HairOf<'_>,
+    (name, strands): (&str, &Strands),
     (mesh, rig): (&TriMesh, &Rig),
     (joints, rest, bvh): (&Joints, &[DMat4], &Bvh),
 ) -> Result<()> {
-    let strands = hair.strands;
     let mut moved = Strands { positions: Vec::with_capacity(strands.positions.len()), ..strands.clone() };
     let mut held = Vec::with_capacity(strands.len());
     for line in strands.iter() {
@@ -269,7 +324,7 @@ fn on_skin(
         moved.positions.extend(line.iter().map(|p| back.transform_point3(DVec3::from(*p)).as_vec3()));
         held.push(own.into_iter().map(|(joint, weight)| (joints.of[joint], weight)).collect::<Vec<_>>());
     }
-    layer.open("BasisCurves", hair.name, &["SkelBindingAPI"]);
+    layer.open("BasisCurves", name, &["SkelBindingAPI"]);
     // Widths are in the space of the skeleton.
     let scale = rig.to_groom.determinant().abs().cbrt();
     let curves = Curves { strands: &moved, scale: 1.0 };

@@ -102,8 +102,8 @@ fn parse(files: Files<'_>, path: &Path, bytes: &[u8]) -> Result<RawMesh> {
         "abc" => RawMesh { mesh: super::abc::read_mesh(&source)?, ..RawMesh::default() },
         #[cfg(feature = "usd")]
         "usd" | "usda" | "usdc" | "usdz" => {
-            let (mesh, rig, declared) = super::usd::read_mesh(&source)?;
-            RawMesh { mesh, declared, rig, ..RawMesh::default() }
+            let (mesh, rig, declared, notes) = super::usd::read_mesh(&source)?;
+            RawMesh { mesh, declared, rig, notes }
         }
         #[cfg(feature = "gltf")]
         "gltf" | "glb" => {

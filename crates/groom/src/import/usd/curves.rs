@@ -9,7 +9,7 @@ use openusd::{
 };
 
 use super::{
-    Moment, Scene, Source, guarded,
+    Moment, READS_PER_BYTE, Scene, Source, guarded,
     skel::{Bound, Skeleton, Skeletons},
     tree::{Object, Purpose, Schema, Tree, when},
     value,
@@ -59,7 +59,7 @@ impl<'r> Reading<'r> {
         }
         let skeletons = Skeletons::read(scene, tree)?;
         let mut times = tree.times(scene, &all)?;
-        times.extend(skeletons.times(scene)?);
+        times.extend(skeletons.times(scene, tree, &all)?);
         times.sort_by(f64::total_cmp);
         times.dedup();
         let (time, told) = when(scene, &times, moment)?;
@@ -259,6 +259,14 @@ pub(super) fn param<'p>(
             let indices = scene.say(prim.attribute(format!("{name}:indices")).get_at::<Value>(time))?;
             if let Some((indices, _)) = indices.as_ref().and_then(|all| value::row(all, |index| index as i64))
             {
+                // Long values that few numbers stand for may be more than all memory.
+                let most = scene.bytes.get().saturating_mul(READS_PER_BYTE);
+                if width > 16 && (indices.len() as u64).saturating_mul(width as u64) > most {
+                    let (path, name) = (excerpt(prim.path().as_str()), excerpt(&name));
+                    return Err(
+                        scene.problem(format!("{path}: {name} is more than so small a file can mean"))
+                    );
+                }
                 flat = Param::picked(&flat, &indices, width).map_err(|index| {
                     let (path, name) = (excerpt(prim.path().as_str()), excerpt(&name));
                     scene.problem(format!(

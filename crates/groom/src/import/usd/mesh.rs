@@ -17,8 +17,8 @@ use crate::{
 };
 
 /// Reads all meshes of a file that are meant to be seen, at their first sample or, on a skeleton, at rest; what bends
-/// them, and what is said of their unit and axes. Normals are left to whoever needs them.
-pub(in crate::import) fn read(source: &Source) -> Result<(TriMesh, Option<Rig>, Choice)> {
+/// them, what is said of their unit and axes, and what was left out. Normals are left to whoever needs them.
+pub(in crate::import) fn read(source: &Source) -> Result<(TriMesh, Option<Rig>, Choice, Vec<String>)> {
     guarded(source, || {
         let scene = Scene::open(source)?;
         let tree = Tree::read(&scene)?;
@@ -67,7 +67,7 @@ pub(in crate::import) fn read(source: &Source) -> Result<(TriMesh, Option<Rig>, 
             )
             .map_err(|problem| scene.problem(format!("{path}: {problem}")))?;
         }
-        let rig = rigging.finish(&scene, &skeletons, &tree.animations, &mut mesh)?;
-        Ok((mesh, rig, scene.declared()?))
+        let (rig, notes) = rigging.finish(&scene, &skeletons, &tree.animations, &mut mesh)?;
+        Ok((mesh, rig, scene.declared()?, notes))
     })
 }

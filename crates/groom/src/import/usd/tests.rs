@@ -559,7 +559,7 @@ fn broken_skeletons_are_refused() {
             on("0", "1", 1),
             "stands before what it hangs from",
         ),
-        (two.replace("(5,0,0,1)", "(5,0,0,0)"), on("0", "1", 1), "flatten"),
+        (two.replacen("(0,0,0,1)", "(0,0,0,0)", 1), on("0", "1", 1), "flatten"),
         (two.replace("\"A\", ", ""), on("0", "1", 1), "2 bindTransforms of 1 joints"),
         ("uniform token[] joints = [\"A\"]".into(), on("0", "1", 1), "at no place"),
     ] {
@@ -606,7 +606,15 @@ fn bodies_with_hair_are_written_and_bend_as_they_did() {
     rig.to_groom =
         Mat4::from_scale_rotation_translation(Vec3::splat(0.01), Quat::from_rotation_y(0.4), Vec3::X);
     rig.deform(&rig.rest_pose(), &mut other);
-    for (body, rig, packed) in [(&bust, &built_in, false), (&bust, &built_in, true), (&other, &rig, false)] {
+    // And one that rests with its jaw half open.
+    let mut open = built_in.clone();
+    open.nodes[0].weights = vec![(shape, 0.5)];
+    let mut opened = bust.clone();
+    open.deform(&open.rest_pose(), &mut opened);
+    assert!(farthest(&opened.positions, &bust.positions) > 1e-3);
+    let all =
+        [(&bust, &built_in, false), (&bust, &built_in, true), (&other, &rig, false), (&opened, &open, false)];
+    for (body, rig, packed) in all {
         // A strand on every seventh vertex, or so many that there are some.
         let mut strands = Strands::default();
         let step = (body.positions.len() / 40).max(1);
@@ -642,13 +650,33 @@ fn bodies_with_hair_are_written_and_bend_as_they_did() {
         let late = read(name, &bytes, Moment::Frame(late)).unwrap().strands;
         // Shapes do not move hair.
         let mut still = rig.pose(animation, own.length * middle.min(1.0 - 1e-6));
-        still.weights.iter_mut().for_each(|weight| *weight = 0.0);
+        still.weights = rig.rest_pose().weights;
         rig.deform(&still, &mut expected);
         let roots: Vec<Vec3> = late.iter().map(|line| line[0]).collect();
         let skin: Vec<Vec3> = expected.positions.iter().step_by(step).copied().collect();
         let off = farthest(&roots, &skin);
         assert!(off < 3e-3, "roots are {off} from their skin");
     }
+    // A joint that is scaled to nothing, in names that no path may have, twice.
+    let mut gone = built_in.clone();
+    let scales = [Vec3::ONE, Vec3::ZERO, Vec3::ONE].map(|s| s.to_array()).concat();
+    let vanish = Channel { node: 1, property: Property::Scale, curve: curve(scales) };
+    gone.animations[0].channels.push(vanish);
+    gone.animations.push(gone.animations[0].clone());
+    gone.targets.push(gone.targets[0].clone());
+    let text = export::usda::character(Some((&bust, Some(&gone))), &[]).unwrap();
+    let said = String::from_utf8_lossy(&text);
+    assert!(!said.contains("NaN") && said.contains("\"Breath 2\"") && said.contains("Look_around_2"));
+    let given = [(PathBuf::from("a.usda"), Cow::Borrowed(&text[..]))];
+    let back = mesh::read_given(&given, Path::new("a.usda")).unwrap().rig.unwrap();
+    assert_eq!((back.animations.len(), back.targets.len()), (2, 4));
+    let (mut found, mut expected) = (bust.clone(), bust.clone());
+    back.deform(&back.pose(&back.animations[0], 0.5), &mut found);
+    gone.deform(&gone.pose(&gone.animations[0], 0.5), &mut expected);
+    assert!(farthest(&found.positions, &expected.positions) < 2e-3);
+    gone.animations[0].length = 1e7;
+    let error = export::usda::character(Some((&bust, Some(&gone))), &[]).unwrap_err().to_string();
+    assert!(error.contains("100000 frames"), "{error}");
     let empty = [export::usda::HairOf { name: "hair", strands: &Strands::default() }];
     assert!(export::usda::character(None, &empty).is_err());
     assert!(export::usda::character(Some((&other, Some(&built_in))), &[]).is_err(), "another's rig");
@@ -657,6 +685,53 @@ fn bodies_with_hair_are_written_and_bend_as_they_did() {
     let given = [(PathBuf::from("a.usda"), Cow::Borrowed(&plain[..]))];
     let raw = mesh::read_given(&given, Path::new("a.usda")).unwrap();
     assert!(raw.rig.is_none() && farthest(&raw.mesh.positions, &bust.positions) == 0.0);
+}
+
+#[test]
+fn what_no_joint_holds_goes_with_its_skeleton_and_motions_that_make_no_sense_are_left_out() {
+    let one = "((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1))";
+    let scene = format!(
+        "#usda 1.0
+        def SkelRoot \"a\" {{
+            def Skeleton \"s\" {{
+                uniform token[] joints = [\"A\"]
+                uniform matrix4d[] bindTransforms = [{one}]
+                uniform matrix4d[] restTransforms = [((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,3,0,1))]
+                double3 xformOp:translate = (7, 0, 0)
+                uniform token[] xformOpOrder = [\"xformOp:translate\"]
+                rel skel:animationSource = </a/turn>
+            }}
+            def SkelAnimation \"turn\" {{
+                uniform token[] joints = [\"A\"]
+                quatf[] rotations.timeSamples = {{ 0: [(1,0,0,0)], 24: [(0,1,0,0)] }}
+            }}
+            def SkelAnimation \"held\" {{
+                uniform token[] joints = [\"A\"]
+                float3[] translations = [(0, 5, 0)]
+                quatf[] rotations = [(1, 0, 0, 0)]
+            }}
+            def Mesh \"m\" (prepend apiSchemas = [\"SkelBindingAPI\"]) {{
+                int[] faceVertexCounts = [3]
+                int[] faceVertexIndices = [0, 1, 2]
+                point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+                rel skel:skeleton = </a/s>
+                int[] primvars:skel:jointIndices = [0, 0, 0] (elementSize = 1 interpolation = \"vertex\")
+                float[] primvars:skel:jointWeights = [1, 1, 0] (elementSize = 1 interpolation = \"vertex\")
+            }}
+        }}"
+    );
+    let given = [(PathBuf::from("a.usda"), Cow::Borrowed(scene.as_bytes()))];
+    let raw = mesh::read_given(&given, Path::new("a.usda")).unwrap();
+    let places = [Vec3::new(7.0, 3.0, 0.0), Vec3::new(8.0, 3.0, 0.0), Vec3::new(7.0, 1.0, 0.0)];
+    assert!(farthest(&raw.mesh.positions, &places) < 1e-5, "{:?}", raw.mesh.positions);
+    let rig = raw.rig.unwrap();
+    let names: Vec<_> = rig.animations.iter().map(|animation| animation.name.as_str()).collect();
+    assert_eq!((names, rig.animations[0].length), (vec!["held"], 0.0));
+    let mut held = raw.mesh.clone();
+    rig.deform(&rig.pose(&rig.animations[0], 0.0), &mut held);
+    assert!(held.positions[0].distance(Vec3::new(7.0, 5.0, 0.0)) < 1e-5, "{}", held.positions[0]);
+    let notes = raw.notes.join("\n");
+    assert!(notes.contains("an animation is left out") && notes.contains("/a/turn"), "{notes}");
 }
 
 #[test]

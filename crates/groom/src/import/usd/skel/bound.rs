@@ -55,14 +55,16 @@ impl Bound {
             let [given, shares] = [joints.flat.len(), weights.flat.len()];
             return Err(broken(format!("{given} joints and {shares} weights of {points} points")));
         }
-        let own = &skeletons.0[skeleton].joints;
+        let own = &skeletons.0[skeleton];
         // Its own list of joints, where it has one.
-        let listed = scene.say(object.prim.attribute("skel:joints").get_at::<Value>(time))?;
+        let mut above =
+            tree.up(object).map(|prim| scene.say(prim.attribute("skel:joints").get_at::<Value>(time)));
+        let listed = above.find_map(Result::transpose).transpose()?;
         let listed = listed.as_ref().map(value::texts).unwrap_or_default();
         let places: Vec<Option<u32>> = match listed.is_empty() {
-            true => (0..own.len() as u32).map(Some).collect(),
+            true => (0..own.joints.len() as u32).map(Some).collect(),
             false => {
-                let place = |name: &String| own.iter().position(|other| other == name).map(|at| at as u32);
+                let place = |name: &String| own.places.get(name).map(|at| *at as u32);
                 listed.iter().map(place).collect()
             }
         };
@@ -76,8 +78,9 @@ impl Bound {
                 None => return Err(broken(format!("a joint {joint} of {}", places.len()))),
             }
         }
-        let geom =
-            scene.say(object.prim.attribute("primvars:skel:geomBindTransform").get_at::<Value>(time))?;
+        let name = "primvars:skel:geomBindTransform";
+        let mut above = tree.up(object).map(|prim| scene.say(prim.attribute(name).get_at::<Value>(time)));
+        let geom = above.find_map(Result::transpose).transpose()?;
         let geom = geom.as_ref().and_then(|value| value::matrices(value).first().copied());
         let geom = geom.unwrap_or(DMat4::IDENTITY);
         if !geom.is_finite() || geom.determinant() == 0.0 {

@@ -21,13 +21,17 @@ use openusd::{
     sdf::Value,
     usd::{Prim, TimeCode},
 };
+use std::collections::HashMap;
 
 use super::{
     Moment, Scene,
     tree::{Object, Tree},
     value,
 };
-use crate::{error::Result, import::source::excerpt};
+use crate::{error::Result, import::source::excerpt, rig::MAX_JOINTS};
+
+/// The longest path of a joint, bytes.
+const LONGEST: usize = 4096;
 
 /// All that a file has of it.
 #[derive(Default)]
@@ -38,6 +42,8 @@ pub(super) struct Skeleton {
     pub prim: Prim,
     /// The paths of joints below each other, by which animations and bindings name them.
     pub joints: Vec<String>,
+    /// Where each path stands among them.
+    pub places: HashMap<String, usize>,
     /// What they are called, where that is said.
     pub names: Vec<String>,
     pub parents: Vec<Option<usize>>,
@@ -71,10 +77,16 @@ impl Skeletons {
         Ok(None)
     }
 
-    /// The time codes at which what moves any of them is sampled.
-    pub fn times(&self, scene: &Scene) -> Result<Vec<f64>> {
-        let mut all = Vec::new();
-        for prim in self.0.iter().filter_map(|skeleton| skeleton.animation.as_ref()) {
+    /// The time codes at which what moves the skeletons of some objects is sampled.
+    pub fn times(&self, scene: &Scene, tree: &Tree, objects: &[&Object]) -> Result<Vec<f64>> {
+        let (mut all, mut used) = (Vec::new(), vec![false; self.0.len()]);
+        for object in objects {
+            if let Some(skeleton) = self.of(scene, tree, object)? {
+                used[skeleton] = true;
+            }
+        }
+        let used = self.0.iter().zip(used).filter(|(_, used)| *used);
+        for prim in used.filter_map(|(skeleton, _)| skeleton.animation.as_ref()) {
             for name in MOVES {
                 all.extend(scene.say(prim.attribute(name).time_sample_times())?);
             }
@@ -94,7 +106,14 @@ impl Skeleton {
         let value =
             |name: &str| scene.say(prim.attribute(name.to_owned()).get_at::<Value>(TimeCode::EARLIEST));
         let joints = value("joints")?.as_ref().map(value::texts).unwrap_or_default();
-        let parents = parents(&joints).map_err(broken)?;
+        if joints.len() > MAX_JOINTS || joints.iter().any(|path| path.len() > LONGEST) {
+            return Err(broken(format!(
+                "more than {MAX_JOINTS} joints, or paths of more than {LONGEST} bytes"
+            )));
+        }
+        let places: HashMap<String, usize> =
+            joints.iter().enumerate().map(|(i, path)| (path.clone(), i)).collect();
+        let parents = parents(&joints, &places).map_err(broken)?;
         let names = value("jointNames")?.as_ref().map(value::texts).unwrap_or_default();
         let names = if names.len() == joints.len() { names } else { joints.clone() };
         let matrices = |name: &str| -> Result<Vec<DMat4>> {
@@ -102,7 +121,9 @@ impl Skeleton {
             if !all.is_empty() && all.len() != joints.len() {
                 return Err(broken(format!("{} {name} of {} joints", all.len(), joints.len())));
             }
-            match all.iter().all(|matrix| matrix.is_finite() && matrix.determinant() != 0.0) {
+            // What is bound where it was flat has no way back; what rests flat may.
+            let fits = |m: &DMat4| m.is_finite() && (name == "restTransforms" || m.determinant() != 0.0);
+            match all.iter().all(fits) {
                 true => Ok(all),
                 false => Err(broken(format!("{name} that are not finite or flatten"))),
             }
@@ -129,7 +150,7 @@ impl Skeleton {
                 break;
             }
         }
-        Ok(Self { prim: prim.clone(), joints, names, parents, bind, rest, animation, own })
+        Ok(Self { prim: prim.clone(), joints, places, names, parents, bind, rest, animation, own })
     }
 
     /// From its space to the file's.
@@ -142,10 +163,10 @@ impl Skeleton {
     pub fn palette(&self, scene: &Scene, moment: Moment, time: TimeCode) -> Result<Vec<DMat4>> {
         let mut local = self.rest.clone();
         if let Some(animation) = self.animation.as_ref().filter(|_| !matches!(moment, Moment::First)) {
-            let moves = Moves::at(scene, animation, time)?;
-            for (name, moved) in moves.joints.iter().zip(&moves.places) {
-                if let Some(joint) = self.joints.iter().position(|own| own == name) {
-                    local[joint] = *moved;
+            let joints = animated(scene, animation)?;
+            for (name, moved) in joints.iter().zip(moves(scene, animation, joints.len(), time)?) {
+                if let Some(joint) = self.places.get(name) {
+                    local[*joint] = moved;
                 }
             }
         }
@@ -154,44 +175,36 @@ impl Skeleton {
     }
 }
 
-/// The moves of joints at a time.
-struct Moves {
-    joints: Vec<String>,
-    /// Each in the space of its parent.
-    places: Vec<DMat4>,
+/// The joints that an animation moves.
+fn animated(scene: &Scene, prim: &Prim) -> Result<Vec<String>> {
+    let value = scene.say(prim.attribute("joints").get_at::<Value>(TimeCode::EARLIEST))?;
+    Ok(value.as_ref().map(value::texts).unwrap_or_default())
 }
 
-impl Moves {
-    fn at(scene: &Scene, prim: &Prim, time: TimeCode) -> Result<Self> {
-        let value = |name: &str| scene.say(prim.attribute(name.to_owned()).get_at::<Value>(time));
-        let joints = value("joints")?.as_ref().map(value::texts).unwrap_or_default();
-        let three = |name: &str| -> Result<Vec<f64>> {
-            let row = value(name)?.as_ref().and_then(|value| value::row(value, |number| number));
-            Ok(row.filter(|(_, width)| *width == 3).map(|(flat, _)| flat).unwrap_or_default())
-        };
-        let (moved, scaled) = (three("translations")?, three("scales")?);
-        let turned = value("rotations")?.as_ref().map(value::rotations).unwrap_or_default();
-        let count = joints.len();
-        if moved.len() != 3 * count
-            || turned.len() != count
-            || !matches!(scaled.len(), 0) && scaled.len() != 3 * count
-        {
-            let path = excerpt(prim.path().as_str());
-            let problem = format!("{path}: moves that do not fit its {count} joints");
-            return Err(scene.problem(problem));
-        }
-        let place = |i: usize| {
-            let at = |row: &[f64]| DVec3::from_slice(&row[3 * i..]);
-            let scale = if scaled.is_empty() { DVec3::ONE } else { at(&scaled) };
-            DMat4::from_scale_rotation_translation(scale, rotation(turned[i]), at(&moved))
-        };
-        let places: Vec<_> = (0..count).map(place).collect();
-        match places.iter().all(|place| place.is_finite()) {
-            true => Ok(Self { joints, places }),
-            false => {
-                Err(scene.problem(format!("{}: moves that are not finite", excerpt(prim.path().as_str()))))
-            }
-        }
+/// Where an animation has its joints at a time, each in the space of its parent.
+fn moves(scene: &Scene, prim: &Prim, count: usize, time: TimeCode) -> Result<Vec<DMat4>> {
+    let value = |name: &str| scene.say(prim.attribute(name.to_owned()).get_at::<Value>(time));
+    let broken = |what: &str| scene.problem(format!("{}: {what}", excerpt(prim.path().as_str())));
+    let three = |name: &str| -> Result<Vec<f64>> {
+        let row = value(name)?.as_ref().and_then(|value| value::row(value, |number| number));
+        Ok(row.filter(|(_, width)| *width == 3).map(|(flat, _)| flat).unwrap_or_default())
+    };
+    let (moved, scaled) = (three("translations")?, three("scales")?);
+    let turned = value("rotations")?.as_ref().map(value::rotations).unwrap_or_default();
+    let fits =
+        moved.len() == 3 * count && turned.len() == count && (scaled.is_empty() || scaled.len() == 3 * count);
+    if !fits {
+        return Err(broken(&format!("moves that do not fit its {count} joints")));
+    }
+    let place = |i: usize| {
+        let at = |row: &[f64]| DVec3::from_slice(&row[3 * i..]);
+        let scale = if scaled.is_empty() { DVec3::ONE } else { at(&scaled) };
+        DMat4::from_scale_rotation_translation(scale, rotation(turned[i]), at(&moved))
+    };
+    let places: Vec<_> = (0..count).map(place).collect();
+    match places.iter().all(DMat4::is_finite) {
+        true => Ok(places),
+        false => Err(broken("moves that are not finite")),
     }
 }
 
@@ -202,9 +215,7 @@ fn rotation(xyzw: [f64; 4]) -> DQuat {
 }
 
 /// What each joint hangs from: the nearest that its path leads through.
-fn parents(joints: &[String]) -> Result<Vec<Option<usize>>, String> {
-    let known: std::collections::HashMap<&str, usize> =
-        joints.iter().enumerate().map(|(i, path)| (path.as_str(), i)).collect();
+fn parents(joints: &[String], known: &HashMap<String, usize>) -> Result<Vec<Option<usize>>, String> {
     let parent = |(i, path): (usize, &String)| {
         let mut above = path.as_str();
         while let Some((shorter, _)) = above.rsplit_once('/') {

@@ -7,7 +7,7 @@ use openusd::{
 };
 use std::collections::HashMap;
 
-use super::{Bound, MOVES, Moves, Skeletons, value};
+use super::{Bound, MOVES, Skeleton, Skeletons, animated, moves, value};
 use crate::{
     TriMesh,
     error::Result,
@@ -26,6 +26,10 @@ pub(in crate::import::usd) struct Rigging {
     rig: Rig,
     /// The node and the joint of the rig at which each skeleton's begin: its own place, then its joints.
     first: Vec<(usize, usize)>,
+    /// The joint that stands for the skeleton's own place, where something goes with that.
+    roots: Vec<Option<u16>>,
+    /// What was left out.
+    notes: Vec<String>,
     targets: HashMap<String, usize>,
     bends: bool,
 }
@@ -48,7 +52,8 @@ impl Rigging {
             };
             let root = rig.nodes.len();
             first.push((root, rig.joints.len()));
-            if rig.joints.len() + skeleton.joints.len() >= MAX_JOINTS {
+            // With room for one more of each skeleton and for what stands still.
+            if rig.joints.len() + skeleton.joints.len() + skeletons.0.len() + 1 > MAX_JOINTS {
                 return Err(scene.problem(format!("more than {MAX_JOINTS} joints")));
             }
             rig.nodes.push(node(skeleton.prim.path().as_str(), None, skeleton.place(places).as_mat4()));
@@ -59,7 +64,8 @@ impl Rigging {
                 rig.joints.push(Joint { node: (root + 1 + i) as u32, inverse_bind });
             }
         }
-        Ok(Self { rig, first, targets: HashMap::new(), bends: false })
+        let roots = vec![None; first.len()];
+        Ok(Self { rig, first, roots, notes: Vec::new(), targets: HashMap::new(), bends: false })
     }
 
     /// Adds the vertices of a mesh, in its own space, whose transform is `matrix`.
@@ -75,24 +81,31 @@ impl Rigging {
         let own = bound.map_or(matrix, |bound| bound.geom);
         for (i, point) in points.iter().enumerate() {
             let place = own.transform_point3(DVec3::from(*point)).as_vec3();
-            self.rig.vertices.push(match bound {
+            let bind = match bound {
                 Some(bound) => self.held(bound, i, place),
                 None => Bind::rigid(place, Vec3::Y, STILL),
-            });
+            };
+            self.rig.vertices.push(bind);
         }
         self.bends |= bound.is_some();
         self.shapes(scene, object, own, (base, points.len()), time)
     }
 
     /// A vertex with the strongest of its joints.
-    fn held(&self, bound: &Bound, point: usize, place: Vec3) -> Bind {
+    fn held(&mut self, bound: &Bound, point: usize, place: Vec3) -> Bind {
         let first = self.first[bound.skeleton].1;
         let mut all: Vec<(u32, f32)> = bound.at(point).collect();
         all.sort_by(|a, b| b.1.total_cmp(&a.1));
         all.truncate(INFLUENCES);
         let sum: f32 = all.iter().map(|(_, weight)| weight).sum();
         if all.is_empty() {
-            return Bind::rigid(place, Vec3::Y, STILL);
+            // What no joint holds goes with the skeleton as a whole.
+            let (rig, root) = (&mut self.rig, self.first[bound.skeleton].0 as u32);
+            let joint = *self.roots[bound.skeleton].get_or_insert_with(|| {
+                rig.joints.push(Joint { node: root, inverse_bind: Mat4::IDENTITY });
+                (rig.joints.len() - 1) as u16
+            });
+            return Bind::rigid(place, Vec3::Y, joint);
         }
         let mut bind = Bind { position: place, normal: Vec3::Y, joints: [0; 8], weights: [0.0; 8] };
         for (slot, (joint, weight)) in all.into_iter().enumerate() {
@@ -165,9 +178,9 @@ impl Rigging {
         skeletons: &Skeletons,
         animations: &[Prim],
         mesh: &mut TriMesh,
-    ) -> Result<Option<Rig>> {
+    ) -> Result<(Option<Rig>, Vec<String>)> {
         if !self.bends && self.rig.targets.is_empty() {
-            return Ok(None);
+            return Ok((None, Vec::new()));
         }
         if self.rig.nodes.is_empty() || self.rig.vertices.iter().any(|vertex| vertex.joints[0] == STILL) {
             let joint = self.rig.joints.len() as u16;
@@ -182,13 +195,18 @@ impl Rigging {
         };
         let (first, others): (Vec<&Prim>, Vec<&Prim>) = animations.iter().partition(own);
         for prim in first.into_iter().chain(others) {
-            let animation = self.animation(scene, skeletons, prim)?;
-            self.rig.animations.extend(animation.filter(|animation| !animation.channels.is_empty()));
+            match self.animation(scene, skeletons, prim) {
+                Ok(animation) => {
+                    self.rig.animations.extend(animation.filter(|animation| !animation.channels.is_empty()));
+                }
+                // A body whose motion makes no sense is one all the same.
+                Err(error) => self.notes.push(format!("an animation is left out: {error}")),
+            }
         }
         let rest = self.rig.rest_pose();
         self.rig.deform(&rest, mesh);
         mesh.normals.clear();
-        Ok(Some(self.rig))
+        Ok((Some(self.rig), self.notes))
     }
 
     /// An animation of the joints and shapes that it names; it begins with its first key.
@@ -204,29 +222,38 @@ impl Rigging {
             all.dedup();
             Ok(all)
         };
-        let (moves, weights) = (times(&MOVES)?, times(&["blendShapeWeights"])?);
-        let all = moves.iter().chain(&weights).copied();
+        let (mut stamps, weights) = (times(&MOVES)?, times(&["blendShapeWeights"])?);
+        let joints = animated(scene, prim)?;
+        let held = scene.say(prim.attribute(MOVES[0]).get_at::<Value>(TimeCode::EARLIEST))?.is_some();
+        if stamps.is_empty() && weights.is_empty() && held {
+            // A pose that is held.
+            stamps.push(0.0);
+        }
+        let all = stamps.iter().chain(&weights).copied();
         let Some(start) = all.clone().reduce(f64::min) else { return Ok(None) };
         let end = all.fold(start, f64::max);
         let seconds = |time: &f64| ((time - start) / per_second) as f32;
         let mut channels = Vec::new();
-        if !moves.is_empty() {
-            let mut keys: Vec<Moves> = Vec::with_capacity(moves.len());
-            for time in &moves {
-                let key = Moves::at(scene, prim, TimeCode::new(*time))?;
-                scene.take(key.joints.len() as u64)?;
-                keys.push(key);
+        if !stamps.is_empty() {
+            let mut keys = Vec::with_capacity(stamps.len());
+            for time in &stamps {
+                scene.take(joints.len() as u64)?;
+                keys.push(moves(scene, prim, joints.len(), TimeCode::new(*time))?);
             }
-            let stamps: Vec<f32> = moves.iter().map(seconds).collect();
-            let joints = &keys[0].joints;
-            if keys.iter().any(|key| key.joints.len() != joints.len()) {
-                return Err(scene.problem(format!("{}: joints that change", excerpt(prim.path().as_str()))));
-            }
+            let stamps: Vec<f32> = stamps.iter().map(seconds).collect();
+            // What moves some skeletons moves no others.
+            let moved =
+                |skeleton: &Skeleton| skeleton.animation.as_ref().map(Prim::path) == Some(prim.path());
+            let free = !skeletons.0.iter().any(moved);
             for (skeleton, (root, _)) in skeletons.0.iter().zip(&self.first) {
+                if !free && !moved(skeleton) {
+                    continue;
+                }
                 for (at, name) in joints.iter().enumerate() {
-                    let Some(joint) = skeleton.joints.iter().position(|own| own == name) else { continue };
+                    let Some(joint) = skeleton.places.get(name) else { continue };
+                    scene.take(keys.len() as u64)?;
                     let node = (root + 1 + joint) as u32;
-                    let parts = keys.iter().map(|key| Transform::from_matrix(key.places[at].as_mat4()));
+                    let parts = keys.iter().map(|key| Transform::from_matrix(key[at].as_mat4()));
                     let parts: Vec<Transform> = parts.collect();
                     let curve = |values: Vec<f32>| Curve {
                         interpolation: Interpolation::Linear,
