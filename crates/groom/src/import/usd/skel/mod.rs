@@ -12,6 +12,8 @@
 
 mod bound;
 mod rig;
+#[cfg(test)]
+mod tests;
 
 pub(super) use bound::Bound;
 pub(super) use rig::Rigging;

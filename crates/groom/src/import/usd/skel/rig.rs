@@ -225,9 +225,9 @@ impl Rigging {
         let (mut stamps, weights) = (times(&MOVES)?, times(&["blendShapeWeights"])?);
         let joints = animated(scene, prim)?;
         let held = scene.say(prim.attribute(MOVES[0]).get_at::<Value>(TimeCode::EARLIEST))?.is_some();
-        if stamps.is_empty() && weights.is_empty() && held {
+        if stamps.is_empty() && held {
             // A pose that is held.
-            stamps.push(0.0);
+            stamps.push(weights.first().copied().unwrap_or(0.0));
         }
         let all = stamps.iter().chain(&weights).copied();
         let Some(start) = all.clone().reduce(f64::min) else { return Ok(None) };
