@@ -84,6 +84,8 @@ release: setup ## Pack the command for this machine into dist/
 	@scripts/release
 
 package: setup ## Pack each crate that is meant to be published, and compile it from what was packed
+	# Cargo keeps what it unpacked of a version for good, though that version is not out yet.
+	rm -rf target/package $${CARGO_HOME:-$$HOME/.cargo}/registry/src/-*/tresses*
 	$(CARGO) package --workspace
 
 bevy: setup ## Check the plugin for Bevy and run its tests, without a window
