@@ -84,8 +84,9 @@ release: setup ## Pack the command for this machine into dist/
 	@scripts/release
 
 package: setup ## Pack each crate that is meant to be published, and compile it from what was packed
-	# Cargo keeps what it unpacked of a version for good, though that version is not out yet.
+	# Cargo keeps what it unpacked and compiled of a version for good, though that version is not out yet.
 	rm -rf target/package $${CARGO_HOME:-$$HOME/.cargo}/registry/src/-*/tresses*
+	$(CARGO) clean --quiet -p tresses-groom -p tresses -p tresses-scene -p tresses-studio
 	$(CARGO) package --workspace
 
 bevy: setup ## Check the plugin for Bevy and run its tests, without a window
