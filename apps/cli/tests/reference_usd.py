@@ -23,11 +23,16 @@ def curve(i, frame, guide):
     return [(i + 0.1 * k * k * (i + 1), 10.0 * k, 0.5 * frame * k) for k in range(2 if guide else 6)]
 
 
-def write(path):
+def begun(path):
     stage = Usd.Stage.CreateNew(path)
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
     UsdGeom.SetStageMetersPerUnit(stage, 0.01)
     stage.SetTimeCodesPerSecond(24)
+    return stage
+
+
+def write(path):
+    stage = begun(path)
     top = UsdGeom.Xform.Define(stage, "/hair")
     stage.SetDefaultPrim(top.GetPrim())
     top.AddTranslateOp().Set(Gf.Vec3d(1, 2, 3))
@@ -93,10 +98,7 @@ def bind(prim, skeleton, joints, weights, width, constant, own=None):
 
 
 def skel(path):
-    stage = Usd.Stage.CreateNew(path)
-    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
-    UsdGeom.SetStageMetersPerUnit(stage, 0.01)
-    stage.SetTimeCodesPerSecond(24)
+    stage = begun(path)
     root = UsdSkel.Root.Define(stage, "/who")
     root.AddTransformOp().Set(matrix((1, 2, 3), (0, 0, 1), 15))
     skeleton = UsdSkel.Skeleton.Define(stage, "/who/bones")

@@ -3,7 +3,7 @@
 //! What is behind hair has its own fog. The fog before hair goes over the picture as thick as hair is opaque, by how far the
 //! library says that it is: exact where hair hides what is behind, and nearly so where it is thin.
 
-use super::known::VERTEX;
+use super::known::{VERTEX, pipeline};
 use bevy::math::{Mat4, Vec3, Vec4};
 use tresses::{
     gpu::{Binding, bindings},
@@ -98,35 +98,13 @@ impl Fogged {
             operation: wgpu::BlendOperation::Add,
         };
         let blend = Some(wgpu::BlendState { color: over(wgpu::BlendFactor::One), alpha });
-        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label,
-            layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label,
-                bind_group_layouts: &[Some(&bound)],
-                immediate_size: 0,
-            })),
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("corner"),
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
-            primitive: Default::default(),
-            depth_stencil: None,
-            multisample: Default::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("thick"),
-                compilation_options: Default::default(),
-                targets: &[Some(wgpu::ColorTargetState {
-                    format,
-                    blend,
-                    write_mask: wgpu::ColorWrites::ALL,
-                })],
-            }),
-            multiview_mask: None,
-            cache: None,
+            bind_group_layouts: &[Some(&bound)],
+            immediate_size: 0,
         });
+        let target = wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL };
+        let pipeline = pipeline(device, (&layout, &module), "thick", &[Some(target)], None);
         Self { pipeline, group, uniform, format }
     }
 

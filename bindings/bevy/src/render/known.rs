@@ -54,7 +54,7 @@ pub(super) struct Targets<'a> {
 }
 
 /// The kind of a depth target: its format and its samples per pixel.
-type Depth = (TextureFormat, u32);
+pub(super) type Depth = (TextureFormat, u32);
 
 impl Targets<'_> {
     /// Whether there is any.
@@ -124,12 +124,12 @@ impl Known {
             && known.motion.as_ref().is_none_or(|(of, _)| *of != format)
         {
             let target = Some(format.into());
-            known.motion = Some((format, known.pipeline(device, "moved", &[target], None)));
+            known.motion = Some((format, pipeline(device, known.shader(), "moved", &[target], None)));
         }
         if let Some((_, kind)) = targets.depth
             && known.depth.as_ref().is_none_or(|(of, _)| *of != kind)
         {
-            known.depth = Some((kind, known.pipeline(device, "deep", &[], Some(kind))));
+            known.depth = Some((kind, pipeline(device, known.shader(), "deep", &[], Some(kind))));
         }
         if let Some((_, format, _)) = targets.fog
             && known.fog.as_ref().is_none_or(|fog| fog.format != format)
@@ -139,45 +139,8 @@ impl Known {
         known
     }
 
-    fn pipeline(
-        &self,
-        device: &wgpu::Device,
-        entry: &str,
-        targets: &[Option<wgpu::ColorTargetState>],
-        depth: Option<Depth>,
-    ) -> wgpu::RenderPipeline {
-        let (module, compilation_options) = (&self.module, wgpu::PipelineCompilationOptions::default());
-        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("where hair is"),
-            layout: Some(&self.layout),
-            vertex: wgpu::VertexState {
-                module,
-                entry_point: Some("corner"),
-                compilation_options: compilation_options.clone(),
-                buffers: &[],
-            },
-            primitive: Default::default(),
-            depth_stencil: depth.map(|(format, _)| wgpu::DepthStencilState {
-                format,
-                depth_write_enabled: Some(true),
-                // Bevy's depth is 1 at the eye.
-                depth_compare: Some(wgpu::CompareFunction::GreaterEqual),
-                stencil: Default::default(),
-                bias: Default::default(),
-            }),
-            multisample: wgpu::MultisampleState {
-                count: depth.map_or(1, |(_, samples)| samples),
-                ..Default::default()
-            },
-            fragment: Some(wgpu::FragmentState {
-                module,
-                entry_point: Some(entry),
-                compilation_options,
-                targets,
-            }),
-            multiview_mask: None,
-            cache: None,
-        })
+    fn shader(&self) -> Shader<'_> {
+        (&self.layout, &self.module)
     }
 
     /// Records what is known of what was drawn into targets where the picture, seen with `projection`, begins at `origin`.
@@ -229,6 +192,50 @@ impl Known {
         pass.set_viewport(x, y, width, height, 0.0, 1.0);
         pass
     }
+}
+
+/// What a shader binds, and the shader, which begins with [`VERTEX`].
+pub(super) type Shader<'a> = (&'a wgpu::PipelineLayout, &'a wgpu::ShaderModule);
+
+/// The pipeline of an entry that is drawn as a triangle over a picture, into `targets` or as `depth`.
+pub(super) fn pipeline(
+    device: &wgpu::Device,
+    (layout, module): Shader<'_>,
+    entry: &str,
+    targets: &[Option<wgpu::ColorTargetState>],
+    depth: Option<Depth>,
+) -> wgpu::RenderPipeline {
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(entry),
+        layout: Some(layout),
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some("corner"),
+            compilation_options: Default::default(),
+            buffers: &[],
+        },
+        primitive: Default::default(),
+        depth_stencil: depth.map(|(format, _)| wgpu::DepthStencilState {
+            format,
+            depth_write_enabled: Some(true),
+            // Bevy's depth is 1 at the eye.
+            depth_compare: Some(wgpu::CompareFunction::GreaterEqual),
+            stencil: Default::default(),
+            bias: Default::default(),
+        }),
+        multisample: wgpu::MultisampleState {
+            count: depth.map_or(1, |(_, samples)| samples),
+            ..Default::default()
+        },
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some(entry),
+            compilation_options: Default::default(),
+            targets,
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
 }
 
 /// A target that is drawn over.

@@ -113,22 +113,16 @@ fn usable(device: &wgpu::Device, image: &GpuImage) -> Result<wgpu::TextureView, 
 impl Skies {
     /// What lights hair at `place`: that of the probes around it, as far as they go that of its camera.
     pub fn at(&self, place: Vec3, eye: &Eye, probes: &[SceneSky]) -> Environment {
-        let of = |sky: &SceneSky| {
-            let known = self.known.get(&sky.map);
-            let turned = known.map(|known| known.environment.turned(sky.rotation));
-            turned.unwrap_or_default().blended(sky.intensity, &Environment::default(), 0.0)
-        };
-        let around = probes.iter().map(|sky| (sky, sky.share(place))).filter(|(_, share)| *share > 0.0);
-        let (mut light, mut sum) = (Environment::default(), 0.0);
-        for (sky, share) in around {
-            light = light.blended(1.0, &of(sky), share);
-            sum += share;
-        }
-        // As Bevy's shader: more than one of each is their mean.
-        match &eye.sky {
-            Some(sky) if sum < 1.0 => light.blended(1.0, &of(sky), 1.0 - sum),
-            _ if sum > 0.0 => light.blended(1.0 / sum, &Environment::default(), 0.0),
-            _ => light,
-        }
+        let around: Vec<_> = probes.iter().map(|sky| (sky, sky.share(place))).collect();
+        let sum: f32 = around.iter().map(|(_, share)| share).sum();
+        // As Bevy's shader: what probes leave is the camera's; where it has none, or they leave none, their mean counts.
+        let left = if eye.sky.is_some() { (1.0 - sum).max(0.0) } else { 0.0 };
+        let whole = if left > 0.0 || sum <= 0.0 { 1.0 } else { sum };
+        let skies = around.into_iter().chain(eye.sky.as_ref().map(|sky| (sky, left)));
+        let lit = skies.filter_map(|(sky, share)| {
+            let turned = self.known.get(&sky.map)?.environment.turned(sky.rotation);
+            Some((turned, share / whole * sky.intensity))
+        });
+        lit.fold(Environment::default(), |light, (sky, share)| light.blended(1.0, &sky, share))
     }
 }

@@ -18,12 +18,24 @@ impl Rig {
     /// Writes the positions and normals of the mesh in a pose, in the groom's space. Its vertices are those
     /// of the rig, in its order; what it has beyond them stays.
     pub fn deform(&self, pose: &RigPose, mesh: &mut TriMesh) {
+        self.shape(&pose.weights, mesh);
+        let vertices = mesh.positions.iter_mut().zip(&mut mesh.normals);
+        for ((p, n), bind) in vertices.zip(&self.vertices) {
+            let by = blend(&pose.palette, bind);
+            *p = by.transform_point3(*p);
+            *n = turn(&by, *n);
+        }
+    }
+
+    /// Writes the positions and normals that shapes with these weights give the mesh before joints carry it, in the space of
+    /// the file's mesh.
+    pub(crate) fn shape(&self, weights: &[f32], mesh: &mut TriMesh) {
         mesh.normals.resize(mesh.positions.len(), Vec3::Y);
         let vertices = mesh.positions.iter_mut().zip(&mut mesh.normals);
         for ((p, n), bind) in vertices.zip(&self.vertices) {
             (*p, *n) = (bind.position, bind.normal);
         }
-        for (target, weight) in self.targets.iter().zip(&pose.weights).filter(|(_, w)| **w != 0.0) {
+        for (target, weight) in self.targets.iter().zip(weights).filter(|(_, w)| **w != 0.0) {
             for delta in &target.deltas {
                 let vertex = delta.vertex as usize;
                 if let (Some(p), Some(n)) = (mesh.positions.get_mut(vertex), mesh.normals.get_mut(vertex)) {
@@ -31,12 +43,6 @@ impl Rig {
                     *n += delta.normal * *weight;
                 }
             }
-        }
-        let vertices = mesh.positions.iter_mut().zip(&mut mesh.normals);
-        for ((p, n), bind) in vertices.zip(&self.vertices) {
-            let by = blend(&pose.palette, bind);
-            *p = by.transform_point3(*p);
-            *n = turn(&by, *n);
         }
     }
 

@@ -69,9 +69,9 @@ pub fn character(body: Option<(&TriMesh, Option<&Rig>)>, hair: &[HairOf<'_>]) ->
     }
     let mut lines = begun(&About { prim: "character", unit: Some(Unit(1.0)) });
     let rig = body.and_then(|(_, rig)| rig);
+    let rate = rig.map_or(0.0, skel::rate);
     if let Some(rig) = rig.filter(|rig| !rig.animations.is_empty()) {
-        let (longest, rate) =
-            (rig.animations.iter().map(|it| it.length).fold(0.0, f32::max), skel::rate(rig));
+        let longest = rig.animations.iter().map(|it| it.length).fold(0.0, f32::max);
         let last = (longest * rate).round();
         lines.extend([
             format!("timeCodesPerSecond = {rate}"),
@@ -83,12 +83,11 @@ pub fn character(body: Option<(&TriMesh, Option<&Rig>)>, hair: &[HairOf<'_>]) ->
     let mut layer = Layer::new(&lines);
     layer.open(if rig.is_some() { "SkelRoot" } else { "Xform" }, "character", &[]);
     match body {
-        Some((mesh, Some(rig))) => skel::put(&mut layer, (mesh, rig), hair)?,
+        Some((mesh, Some(rig))) => skel::put(&mut layer, (mesh, rig), rate, hair)?,
         other => {
             if let Some((mesh, _)) = other {
                 layer.open("Mesh", "body", &[]);
-                let (points, normals) = (mesh.positions.iter().map(point), mesh.normals.iter().map(point));
-                skel::surface(&mut layer, mesh, points, normals);
+                skel::surface(&mut layer, mesh);
                 layer.close();
             }
             let mut used = HashMap::from([("body".to_owned(), 1)]);

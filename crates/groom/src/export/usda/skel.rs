@@ -43,8 +43,7 @@ struct Joints {
 }
 
 impl Joints {
-    fn new(rig: &Rig) -> Result<Self> {
-        let globals = rig.rest_pose().globals;
+    fn new(rig: &Rig, globals: &[Mat4]) -> Result<Self> {
         let mut all = Self { paths: vec![], names: vec![], bind: vec![], rest: vec![], of: vec![] };
         let mut used = HashMap::new();
         for (i, node) in rig.nodes.iter().enumerate() {
@@ -64,8 +63,6 @@ impl Joints {
             }
             if !std::mem::replace(&mut taken[node], true) {
                 all.bind[node] = bind;
-                all.of.push(node);
-                continue;
             }
             if all.bind[node] == bind {
                 all.of.push(node);
@@ -104,12 +101,18 @@ fn identifier(name: &str) -> String {
     }
 }
 
-/// Writes the skeleton, its animations, the body and the hair on it.
-pub(super) fn put(layer: &mut Layer, (mesh, rig): (&TriMesh, &Rig), hair: &[HairOf<'_>]) -> Result<()> {
+/// Writes the skeleton, its animations at so many frames per second, the body and the hair on it.
+pub(super) fn put(
+    layer: &mut Layer,
+    (mesh, rig): (&TriMesh, &Rig),
+    rate: f32,
+    hair: &[HairOf<'_>],
+) -> Result<()> {
     if rig.vertices.len() != mesh.positions.len() {
         return Err(Error::Unusable("a rig of another mesh is not written".into()));
     }
-    let joints = Joints::new(rig)?;
+    let rest = rig.rest_pose();
+    let joints = Joints::new(rig, &rest.globals)?;
     let mut used = HashMap::from(["skeleton", "body"].map(|name| (name.to_owned(), 1)));
     let names: Vec<String> = hair.iter().map(|hair| unique(&mut used, "", hair.name)).collect();
     let animations: Vec<String> =
@@ -129,10 +132,10 @@ pub(super) fn put(layer: &mut Layer, (mesh, rig): (&TriMesh, &Rig), hair: &[Hair
     }
     layer.close();
     for (animation, name) in rig.animations.iter().zip(&animations) {
-        moves(layer, (name, rate(rig)), animation, rig, &joints)?;
+        moves(layer, (name, rate), animation, (rig, &rest.weights), &joints)?;
     }
-    body(layer, mesh, rig, &joints);
-    let rest: Vec<DMat4> = rig.rest_pose().palette.iter().map(Mat4::as_dmat4).collect();
+    body(layer, mesh, (rig, &rest.weights), &joints);
+    let rest: Vec<DMat4> = rest.palette.iter().map(Mat4::as_dmat4).collect();
     let bvh = Bvh::new(mesh);
     for (hair, name) in hair.iter().zip(&names) {
         on_skin(layer, (name, hair.strands), (mesh, rig), (&joints, &rest, &bvh))?;
@@ -144,7 +147,7 @@ fn moves(
     layer: &mut Layer,
     (name, rate): (&str, f32),
     animation: &Animation,
-    rig: &Rig,
+    (rig, resting): (&Rig, &[f32]),
     joints: &Joints,
 ) -> Result<()> {
     let frames = (animation.length * rate).round().max(0.0);
@@ -155,7 +158,6 @@ fn moves(
         )));
     }
     let frames = frames as u32;
-    let resting = rig.rest_pose().weights;
     layer.open("SkelAnimation", name, &[]);
     let nodes = rig.nodes.len();
     layer.list("uniform token[] joints", joints.paths[..nodes].iter().map(|path| quoted(path)), &[]);
@@ -172,7 +174,7 @@ fn moves(
             };
             let parts: Vec<_> = rig.nodes.iter().enumerate().map(local).collect();
             // Points are written as shapes have them at rest: only what is more moves them.
-            let weights = pose.weights.iter().zip(&resting).map(|(now, rest)| now - rest).collect::<Vec<_>>();
+            let weights = pose.weights.iter().zip(resting).map(|(now, rest)| now - rest).collect::<Vec<_>>();
             (frame, parts, weights)
         })
         .collect();
@@ -220,18 +222,12 @@ fn parts_of(local: &DMat4) -> (DVec3, glam::DQuat, DVec3) {
     (scale, glam::DQuat::IDENTITY, local.w_axis.truncate())
 }
 
-fn body(layer: &mut Layer, mesh: &TriMesh, rig: &Rig, joints: &Joints) {
+fn body(layer: &mut Layer, mesh: &TriMesh, (rig, resting): (&Rig, &[f32]), joints: &Joints) {
     layer.open("Mesh", "body", &["SkelBindingAPI"]);
     let vertices = &rig.vertices;
-    let (mut places, mut normals): (Vec<Vec3>, Vec<Vec3>) =
-        vertices.iter().map(|vertex| (vertex.position, vertex.normal)).unzip();
-    for (target, weight) in rig.targets.iter().zip(rig.rest_pose().weights).filter(|(_, w)| *w != 0.0) {
-        for delta in &target.deltas {
-            places[delta.vertex as usize] += weight * delta.position;
-            normals[delta.vertex as usize] += weight * delta.normal;
-        }
-    }
-    surface(layer, mesh, places.iter().map(point), normals.iter().map(point));
+    let mut bound_at = mesh.clone();
+    rig.shape(resting, &mut bound_at);
+    surface(layer, &bound_at);
     let held = |i: usize| vertices[i].weights.iter().filter(|weight| **weight > 0.0).count();
     let width = (0..vertices.len()).map(held).max().unwrap_or(0).max(1);
     let own = |i: usize| -> Vec<(usize, f32)> {
@@ -254,16 +250,11 @@ fn body(layer: &mut Layer, mesh: &TriMesh, rig: &Rig, joints: &Joints) {
 }
 
 /// Triangles, their vertices, and their colours where they have some.
-pub(super) fn surface(
-    layer: &mut Layer,
-    mesh: &TriMesh,
-    points: impl Iterator<Item = String>,
-    normals: impl Iterator<Item = String>,
-) {
+pub(super) fn surface(layer: &mut Layer, mesh: &TriMesh) {
     layer.list("int[] faceVertexCounts", mesh.triangles.iter().map(|_| 3), &[]);
     layer.list("int[] faceVertexIndices", mesh.triangles.as_flattened(), &[]);
-    layer.list("point3f[] points", points, &[]);
-    layer.list("normal3f[] normals", normals, &per("vertex"));
+    layer.list("point3f[] points", mesh.positions.iter().map(point), &[]);
+    layer.list("normal3f[] normals", mesh.normals.iter().map(point), &per("vertex"));
     if mesh.colors.len() == mesh.positions.len() {
         layer.list("color3f[] primvars:displayColor", mesh.colors.iter().map(point), &per("vertex"));
     }
@@ -311,9 +302,9 @@ fn on_skin(
     (mesh, rig): (&TriMesh, &Rig),
     (joints, rest, bvh): (&Joints, &[DMat4], &Bvh),
 ) -> Result<()> {
-    let mut moved = Strands { positions: Vec::with_capacity(strands.positions.len()), ..strands.clone() };
+    let mut moved = strands.clone();
     let mut held = Vec::with_capacity(strands.len());
-    for line in strands.iter() {
+    for (i, line) in strands.iter().enumerate() {
         let own = carriers(line[0], mesh, rig, bvh);
         let sum =
             own.iter().fold(DMat4::ZERO, |sum, (joint, weight)| sum + rest[*joint] * f64::from(*weight));
@@ -321,17 +312,18 @@ fn on_skin(
         if !back.is_finite() {
             return Err(Error::Unusable("hair on skin that is flattened at rest is not written".into()));
         }
-        moved.positions.extend(line.iter().map(|p| back.transform_point3(DVec3::from(*p)).as_vec3()));
+        for p in &mut moved.positions[strands.range(i)] {
+            *p = back.transform_point3(DVec3::from(*p)).as_vec3();
+        }
         held.push(own.into_iter().map(|(joint, weight)| (joints.of[joint], weight)).collect::<Vec<_>>());
     }
     layer.open("BasisCurves", name, &["SkelBindingAPI"]);
     // Widths are in the space of the skeleton.
     let scale = rig.to_groom.determinant().abs().cbrt();
+    moved.radii.iter_mut().for_each(|radius| *radius /= scale);
     let curves = Curves { strands: &moved, scale: 1.0 };
     curves.points(layer);
-    let mut thick = moved.clone();
-    thick.radii.iter_mut().for_each(|radius| *radius /= scale);
-    Curves { strands: &thick, scale: 1.0 }.beside_points(layer);
+    curves.beside_points(layer);
     // Hair on one joint says so once.
     let once = held.iter().all(|own| own.len() == 1 && *own == held[0]);
     let width = held.iter().map(Vec::len).max().unwrap_or(1);

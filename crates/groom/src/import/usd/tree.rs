@@ -1,6 +1,6 @@
 //! The prims of a scene that have shapes, and the transforms above them.
 
-use glam::{DMat4, DQuat, DVec3};
+use glam::{DMat4, DVec3};
 use openusd::{
     sdf::{self, Value},
     usd::{Prim, PrimPredicate, TimeCode},
@@ -257,12 +257,7 @@ fn operation(name: &str, value: &Value) -> Option<DMat4> {
     let mut parts = name.split(':');
     let kind = parts.next().filter(|space| *space == "xformOp").and_then(|_| parts.next())?;
     if kind == "orient" {
-        let rotation = DQuat::from_array(value::rotation(value)?);
-        return Some(DMat4::from_quat(if rotation.length() > 0.0 {
-            rotation.normalize()
-        } else {
-            DQuat::IDENTITY
-        }));
+        return Some(DMat4::from_quat(value::turn(value::rotation(value)?)));
     }
     let (numbers, width) = value::row(value, |number| number)?;
     let three = || DVec3::from_slice(numbers.get(..3).unwrap_or(&[0.0; 3]));

@@ -1,7 +1,7 @@
 //! Values of any type as numbers or texts.
 
 use bytemuck::cast_slice;
-use glam::DMat4;
+use glam::{DMat4, DQuat};
 use openusd::{gf::f16, sdf::Value};
 
 /// What becomes a number.
@@ -100,6 +100,12 @@ pub(super) fn rotation(value: &Value) -> Option<[f64; 4]> {
         Value::Quatd(q) => Some([q.x, q.y, q.z, q.w]),
         _ => None,
     }
+}
+
+/// A turn, of any four numbers.
+pub(super) fn turn(xyzw: [f64; 4]) -> DQuat {
+    let turn = DQuat::from_array(xyzw);
+    if turn.length() > 0.0 { turn.normalize() } else { DQuat::IDENTITY }
 }
 
 /// Several rotations as x, y, z and w.

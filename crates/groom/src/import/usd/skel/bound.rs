@@ -1,9 +1,9 @@
 //! What of a prim goes with which joints.
 
 use glam::{DMat4, DVec3, Vec3};
-use openusd::{sdf::Value, usd::TimeCode};
+use openusd::usd::TimeCode;
 
-use super::{Skeletons, value};
+use super::{Skeletons, inherited, value};
 use crate::{
     error::Result,
     import::{
@@ -57,9 +57,7 @@ impl Bound {
         }
         let own = &skeletons.0[skeleton];
         // Its own list of joints, where it has one.
-        let mut above =
-            tree.up(object).map(|prim| scene.say(prim.attribute("skel:joints").get_at::<Value>(time)));
-        let listed = above.find_map(Result::transpose).transpose()?;
+        let listed = inherited(scene, tree.up(object), "skel:joints", time)?;
         let listed = listed.as_ref().map(value::texts).unwrap_or_default();
         let places: Vec<Option<u32>> = match listed.is_empty() {
             true => (0..own.joints.len() as u32).map(Some).collect(),
@@ -78,9 +76,7 @@ impl Bound {
                 None => return Err(broken(format!("a joint {joint} of {}", places.len()))),
             }
         }
-        let name = "primvars:skel:geomBindTransform";
-        let mut above = tree.up(object).map(|prim| scene.say(prim.attribute(name).get_at::<Value>(time)));
-        let geom = above.find_map(Result::transpose).transpose()?;
+        let geom = inherited(scene, tree.up(object), "primvars:skel:geomBindTransform", time)?;
         let geom = geom.as_ref().and_then(|value| value::matrices(value).first().copied());
         let geom = geom.unwrap_or(DMat4::IDENTITY);
         if !geom.is_finite() || geom.determinant() == 0.0 {

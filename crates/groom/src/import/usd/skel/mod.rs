@@ -18,9 +18,9 @@ mod tests;
 pub(super) use bound::Bound;
 pub(super) use rig::Rigging;
 
-use glam::{DMat4, DQuat, DVec3};
+use glam::{DMat4, DVec3};
 use openusd::{
-    sdf::Value,
+    sdf::{Path, Value},
     usd::{Prim, TimeCode},
 };
 use std::collections::HashMap;
@@ -70,13 +70,8 @@ impl Skeletons {
         if self.0.is_empty() {
             return Ok(None);
         }
-        for prim in tree.up(object) {
-            let targets = scene.say(prim.relationship("skel:skeleton").forwarded_targets())?;
-            if let Some(target) = targets.first() {
-                return Ok(self.0.iter().position(|skeleton| skeleton.prim.path() == target));
-            }
-        }
-        Ok(None)
+        let target = target(scene, tree.up(object), "skel:skeleton")?;
+        Ok(target.and_then(|target| self.0.iter().position(|skeleton| *skeleton.prim.path() == target)))
     }
 
     /// The time codes at which what moves the skeletons of some objects is sampled.
@@ -144,14 +139,9 @@ impl Skeleton {
             rest = bind.iter().enumerate().map(local).collect();
         }
         // What moves it stands at it or above it.
-        let mut animation = None;
-        for prim in tree.above(own) {
-            let targets = scene.say(prim.relationship("skel:animationSource").forwarded_targets())?;
-            if let Some(target) = targets.first() {
-                animation = tree.animations.iter().find(|prim| prim.path() == target).cloned();
-                break;
-            }
-        }
+        let source = target(scene, tree.above(own), "skel:animationSource")?;
+        let animation =
+            source.and_then(|source| tree.animations.iter().find(|prim| *prim.path() == source).cloned());
         Ok(Self { prim: prim.clone(), joints, places, names, parents, bind, rest, animation, own })
     }
 
@@ -175,6 +165,31 @@ impl Skeleton {
         let now = chained(&self.parents, &local);
         Ok(now.iter().zip(&self.bind).map(|(now, bind)| *now * bind.inverse()).collect())
     }
+}
+
+/// What the innermost of some prims that says it refers to by this name.
+fn target<'p>(
+    scene: &Scene,
+    prims: impl Iterator<Item = &'p Prim>,
+    name: &'static str,
+) -> Result<Option<Path>> {
+    for prim in prims {
+        let targets = scene.say(prim.relationship(name).forwarded_targets())?;
+        if let Some(target) = targets.into_iter().next() {
+            return Ok(Some(target));
+        }
+    }
+    Ok(None)
+}
+
+/// The value that the innermost of some prims that has one has of this name.
+fn inherited<'p>(
+    scene: &Scene,
+    mut prims: impl Iterator<Item = &'p Prim>,
+    name: &'static str,
+    time: TimeCode,
+) -> Result<Option<Value>> {
+    prims.find_map(|prim| scene.say(prim.attribute(name).get_at(time)).transpose()).transpose()
 }
 
 /// The joints that an animation moves.
@@ -201,19 +216,13 @@ fn moves(scene: &Scene, prim: &Prim, count: usize, time: TimeCode) -> Result<Vec
     let place = |i: usize| {
         let at = |row: &[f64]| DVec3::from_slice(&row[3 * i..]);
         let scale = if scaled.is_empty() { DVec3::ONE } else { at(&scaled) };
-        DMat4::from_scale_rotation_translation(scale, rotation(turned[i]), at(&moved))
+        DMat4::from_scale_rotation_translation(scale, value::turn(turned[i]), at(&moved))
     };
     let places: Vec<_> = (0..count).map(place).collect();
     match places.iter().all(DMat4::is_finite) {
         true => Ok(places),
         false => Err(broken("moves that are not finite")),
     }
-}
-
-/// A turn, of any four numbers.
-fn rotation(xyzw: [f64; 4]) -> DQuat {
-    let turn = DQuat::from_array(xyzw);
-    if turn.is_finite() && turn.length_squared() > 0.0 { turn.normalize() } else { DQuat::IDENTITY }
 }
 
 /// What each joint hangs from: the nearest that its path leads through.
