@@ -1,33 +1,44 @@
 //! Links every entry-point shader of `src/**/*.wesl` into one plain WGSL file of `OUT_DIR` and writes the tables
 //! `shaders.rs` that `src/shaders.rs` includes: those that are there as they are, and those that are there for each value
-//! of a constant (`constants::VARIANTS`), which differ by one line and are kept once.
+//! of a constant (`constants::VARIANTS`), which differ by one line and are kept once. Shaders import shared structs from
+//! the module `structs`, which `build/structs.rs` generates.
 
 use std::{
     env, fs,
     path::{Path, PathBuf},
 };
 
+use wesl::{
+    resolver::{Router, StandardResolver, VirtualResolver},
+    syntax::ModulePath,
+};
+
 #[path = "src/constants.rs"]
 mod constants;
+#[path = "build/structs.rs"]
+mod structs;
+
+/// The shared structs of `tresses-groom`.
+const GROOM: [&str; 3] = ["bound/binding.rs", "bound/strand.rs", "mesh/bvh/flat.rs"];
 
 fn main() {
     println!("cargo:rerun-if-changed=src");
+    println!("cargo:rerun-if-changed=build");
     println!("cargo:rerun-if-changed=build.rs");
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
-    let mut compiler = wesl::Compiler::default();
-    for (name, value) in constants::SHARED {
-        compiler.options.constants.set(*name, *value);
-    }
+    let structs = shared_structs();
+    fs::write(out.join("structs.wesl"), &structs).expect("OUT_DIR is writable");
+    let mut options = wesl::CompileOptions::default();
     let mut table = String::from("const PLAIN: &[(&str, &str)] = &[\n");
     let mut varied = String::from("const VARIED: &[(&str, &str, &str, &[u32])] = &[\n");
-    for file in shaders(Path::new("src")) {
+    for file in files(Path::new("src"), "wesl") {
         let text = fs::read_to_string(&file).expect("a shader is readable");
         // Others' shaders call what is in this one.
         let outside = file.ends_with("outside.wesl");
         if !outside && !["@compute", "@vertex", "@fragment"].iter().any(|e| text.contains(e)) {
             continue;
         }
-        compiler.options.keep_main = outside;
+        options.keep_main = outside;
         let module = file
             .strip_prefix("src")
             .expect("found below src")
@@ -36,12 +47,19 @@ fn main() {
             .map(|part| part.to_str().expect("shader paths are ASCII"))
             .collect::<Vec<_>>()
             .join("::");
-        let path = format!("package::{module}").parse().expect("a module path");
         let variants = constants::VARIANTS.iter().find(|(of, ..)| *of == module);
-        if let Some((_, constant, values)) = variants {
-            compiler.options.constants.set(*constant, values[0]);
+        let mut own = StandardResolver::new("src");
+        let variant = variants.map(|(_, constant, values)| (*constant, values[0]));
+        for (name, value) in constants::SHARED.iter().copied().chain(variant) {
+            own.add_constant(name, value);
         }
-        let linked = compiler.compile_module("src", &path).unwrap_or_else(|error| panic!("{error}"));
+        let mut resolver = Router::new();
+        let mut generated = VirtualResolver::new();
+        generated.add_module(module_path("package"), structs.clone().into());
+        resolver.mount_resolver(module_path("structs"), generated);
+        resolver.mount_fallback_resolver(own);
+        let main = module_path(&format!("package::{module}"));
+        let linked = wesl::compile(&main, &options, &resolver).unwrap_or_else(|error| panic!("{error}"));
         let text = linked.syntax.to_string();
         let file = out.join(format!("{}.wgsl", module.replace("::", "_")));
         fs::write(&file, &text).expect("OUT_DIR is writable");
@@ -60,14 +78,34 @@ fn main() {
     fs::write(out.join("shaders.rs"), table + "];\n" + &varied + "];\n").expect("OUT_DIR is writable");
 }
 
-fn shaders(dir: &Path) -> Vec<PathBuf> {
+fn module_path(path: &str) -> ModulePath {
+    path.parse().expect("a module path")
+}
+
+/// The WGSL of all shared structs.
+fn shared_structs() -> String {
+    let groom = PathBuf::from(
+        env::var_os("DEP_TRESSES_GROOM_SRC").expect("the build script of tresses-groom sets it"),
+    );
+    let groom = GROOM.map(|file| groom.join(file));
+    let read = |file: &PathBuf| {
+        println!("cargo:rerun-if-changed={}", file.display());
+        let text = fs::read_to_string(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        (file.display().to_string(), text)
+    };
+    let sources: Vec<_> = files(Path::new("src"), "rs").iter().chain(&groom).map(read).collect();
+    structs::generate(&sources, constants::SHARED).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Paths of the files below `dir` with an extension, in order.
+fn files(dir: &Path, extension: &str) -> Vec<PathBuf> {
     let mut files: Vec<_> = fs::read_dir(dir)
         .expect("the source tree is readable")
         .flat_map(|entry| {
             let path = entry.expect("a directory entry").path();
             if path.is_dir() {
-                shaders(&path)
-            } else if path.extension().is_some_and(|extension| extension == "wesl") {
+                files(&path, extension)
+            } else if path.extension().is_some_and(|found| found == extension) {
                 vec![path]
             } else {
                 vec![]

@@ -18,6 +18,8 @@ pub const SHARED: &[(&str, u32)] = &[
     ("BUILD_WORKGROUP", BUILD_WORKGROUP),
     ("DEFORM_NODES", DEFORM_NODES),
     ("MAX_LIGHTS", MAX_LIGHTS),
+    ("SHADOW_MAPS", SHADOW_MAPS),
+    ("MAX_GUSTS", MAX_GUSTS),
     ("SHADOW_BLOCK", SHADOW_BLOCK),
     ("DEEP_LAYERS", DEEP_LAYERS),
     ("COVER_STRANDS", COVER_STRANDS),
@@ -79,6 +81,10 @@ pub const BUILD_WORKGROUP: u32 = 64;
 pub const DEFORM_NODES: u32 = 20;
 /// The most directional lights of a scene.
 pub const MAX_LIGHTS: u32 = 4;
+/// The most shadow maps: one per light, and one from above for the sky.
+pub const SHADOW_MAPS: u32 = MAX_LIGHTS + 1;
+/// The most gust modes of a step's uniforms.
+pub const MAX_GUSTS: u32 = 24;
 /// Edge of a block of shadow map texels, which hold how much hair there is and how high.
 pub const SHADOW_BLOCK: u32 = 4;
 /// Layers of a deep opacity map.

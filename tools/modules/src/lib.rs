@@ -49,14 +49,16 @@ impl Modules {
 
     /// The circles: for each folder with one, the arrows between the modules that reach each other.
     pub fn circles(&self) -> Vec<Vec<Arrow>> {
-        let folders: BTreeSet<&[String]> = self.files.keys().map(|m| &m[..m.len().saturating_sub(1)]).collect();
+        let folders: BTreeSet<&[String]> =
+            self.files.keys().map(|m| &m[..m.len().saturating_sub(1)]).collect();
         folders.into_iter().filter_map(|folder| circle(self.arrows(folder))).collect()
     }
 
     /// [`circles`](Self::circles) as text; empty without any.
     pub fn report(&self) -> String {
         let line = |arrow: &Arrow| format!("  {} -> {}   ({})\n", arrow.from, arrow.to, arrow.because);
-        let circle = |arrows: &Vec<Arrow>| format!("circle:\n{}", arrows.iter().map(line).collect::<String>());
+        let circle =
+            |arrows: &Vec<Arrow>| format!("circle:\n{}", arrows.iter().map(line).collect::<String>());
         self.circles().iter().map(circle).collect()
     }
 
@@ -104,8 +106,7 @@ impl Modules {
 
     fn file(&mut self, path: &Path, module: Module) {
         let text = fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-        let tokens: TokenStream =
-            text.parse().unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        let tokens: TokenStream = text.parse().unwrap_or_else(|error| panic!("{}: {error}", path.display()));
         self.files.insert(module.clone(), path.to_path_buf());
         self.named.entry(module.clone()).or_default();
         let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
@@ -154,8 +155,11 @@ impl Modules {
                     (i, test) = (i + 3, false);
                 }
                 "use" => {
-                    let public = i > 0 && (tokens[i - 1].to_string() == "pub" || i > 1 && tokens[i - 2].to_string() == "pub");
-                    let end = (i..tokens.len()).find(|k| tokens[*k].to_string() == ";").unwrap_or(tokens.len());
+                    let public = i > 0
+                        && (tokens[i - 1].to_string() == "pub"
+                            || i > 1 && tokens[i - 2].to_string() == "pub");
+                    let end =
+                        (i..tokens.len()).find(|k| tokens[*k].to_string() == ";").unwrap_or(tokens.len());
                     if !test {
                         let mut found = Vec::new();
                         tree(&tokens[i + 1..end], Vec::new(), &mut found);
@@ -172,7 +176,8 @@ impl Modules {
                 }
                 _ => {
                     // An item ends with a block or a semicolon; what precedes it of one under `cfg(test)` is left out too.
-                    let ends = word == ";" || matches!(&tokens[i], TokenTree::Group(g) if g.delimiter() == proc_macro2::Delimiter::Brace);
+                    let ends = word == ";"
+                        || matches!(&tokens[i], TokenTree::Group(g) if g.delimiter() == proc_macro2::Delimiter::Brace);
                     if !test {
                         self.paths(std::iter::once(tokens[i].clone()).collect(), module);
                         if word == "crate" || word == "super" {
@@ -196,7 +201,8 @@ impl Modules {
             match &tokens[i] {
                 TokenTree::Group(group) => self.paths(group.stream(), module),
                 TokenTree::Ident(ident) if ident == "use" => {
-                    let end = (i..tokens.len()).find(|k| tokens[*k].to_string() == ";").unwrap_or(tokens.len());
+                    let end =
+                        (i..tokens.len()).find(|k| tokens[*k].to_string() == ";").unwrap_or(tokens.len());
                     let mut found = Vec::new();
                     tree(&tokens[i + 1..end], Vec::new(), &mut found);
                     for (path, _) in found {

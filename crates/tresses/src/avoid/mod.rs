@@ -117,9 +117,7 @@ pub struct AvoidParams {
     /// See [`crate::strands::Drawn::stride`].
     pub stride: f32,
     /// Unused.
-    pub _pad_a: u32,
-    /// Unused.
-    pub _pad_b: u32,
+    pub _pad: [u32; 2],
 }
 
 /// What is remembered of one strand.
@@ -127,7 +125,7 @@ pub struct AvoidParams {
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct StrandState {
     /// The first vertex that penetrates; [`NO_HIT`] between frames and where none does.
-    pub hit: u32,
+    pub hit: crate::gpu::Atomic,
     /// How far the strand has changed over, 0..=1.
     pub amount: f32,
     /// From where on it is the clump's, metres from its root.
@@ -232,8 +230,7 @@ impl Avoidance {
             shift,
             rest_count: strands.vertex_count,
             stride: strands.drawn.stride,
-            _pad_a: 0,
-            _pad_b: 0,
+            _pad: [0; 2],
         };
         queue.write_buffer(&self.params, 0, bytemuck::bytes_of(&params));
     }

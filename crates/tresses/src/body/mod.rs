@@ -7,7 +7,7 @@ pub(crate) use paint::Painted;
 pub use surface::Surface;
 pub(crate) use surface::points_for;
 
-use bytemuck::{Pod, Zeroable};
+use bytemuck::{NoUninit, Pod, Zeroable};
 use glam::{Mat4, Vec3};
 use std::ops::Range;
 use wgpu::util::DeviceExt;
@@ -84,7 +84,7 @@ pub struct BodyUniform {
 
 /// A vertex of a body.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, NoUninit)]
 struct BodyVertex {
     position: Vec3,
     normal: Vec3,

@@ -12,12 +12,12 @@ use crate::{
         srgb::linear,
     },
 };
-use bytemuck::{Pod, Zeroable};
+use bytemuck::NoUninit;
 use wgpu::util::DeviceExt;
 
 /// What a vertex has of its paint.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, NoUninit)]
 struct PaintVertex {
     place: [f32; 2],
     /// The layer, and from the ninth bit on [`Coat::cutout`](crate::groom::mesh::paint::Coat::cutout) in 255ths.

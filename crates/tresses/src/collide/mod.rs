@@ -67,7 +67,7 @@ use glam::{Quat, Vec3};
 
 pub use build::FieldBuilder;
 pub(crate) use places::Journey;
-pub use places::{Moments, Place, Places};
+pub use places::{Moments, Place, PlacesHead};
 pub use set::{ColliderSet, layout};
 pub use shape::{ShapeData, ShapeTable};
 pub use volume::{Bounds, FieldVolume};

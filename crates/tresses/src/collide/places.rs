@@ -37,7 +37,7 @@ impl Place {
 /// The header of the buffer of places; after it come those at drawing, then those of the moments.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Places {
+pub struct PlacesHead {
     /// Time between moments, s.
     pub interval: f32,
     /// The number of the last moment.

@@ -2,7 +2,7 @@
 
 use super::{
     Anchor, Bounds, Collider, ColliderDescriptor, ColliderPoses, FieldBuilder, FieldId, FieldSource,
-    FieldVolume, Moments, Place, Places, Shape, ShapeData, ShapeTable,
+    FieldVolume, Moments, Place, PlacesHead, Shape, ShapeData, ShapeTable,
     atlas::{Atlas, pack},
     build::Plan,
     deform::{self, Deformation, DeformingField, Which},
@@ -228,7 +228,7 @@ impl ColliderSet {
             self.regroup(device);
         }
         queue.write_buffer(&self.table, 0, bytemuck::bytes_of(&*table));
-        let count_at = std::mem::offset_of!(Places, count) as u64;
+        let count_at = std::mem::offset_of!(PlacesHead, count) as u64;
         let side = self.deformation.as_ref().map_or(0, Deformation::side);
         // The count, and what stands behind it.
         queue.write_buffer(&self.places, count_at, bytemuck::bytes_of(&[count as u32, side]));
@@ -315,13 +315,13 @@ impl ColliderSet {
             let spheres = self.spheres.iter().cycle();
             poses.iter().zip(spheres).map(|(p, (center, bound))| Place::new(p, *center, *bound)).collect()
         };
-        let header = size_of::<Places>() as u64;
+        let header = size_of::<PlacesHead>() as u64;
         let now = list(&self.track.now);
         queue.write_buffer(&self.places, header, bytemuck::cast_slice(&now));
         if !steps.is_empty() {
             let interval = frame.step / frame.substeps as f32;
             let moments = steps.len() as u32 * frame.substeps;
-            let places = Places { interval, moments, count: self.count, side: side.unwrap_or(0) };
+            let places = PlacesHead { interval, moments, count: self.count, side: side.unwrap_or(0) };
             queue.write_buffer(&self.places, 0, bytemuck::bytes_of(&places));
             let at = header + size_of_val(&*now) as u64;
             queue.write_buffer(&self.places, at, bytemuck::cast_slice(&list(&self.track.moments)));

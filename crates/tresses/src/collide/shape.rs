@@ -47,7 +47,7 @@ pub struct ShapeData {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct ShapeTable {
-    /// The shapes; how many there are stands in [`Places`](super::Places).
+    /// The shapes; how many there are stands in [`PlacesHead`](super::PlacesHead).
     pub list: [ShapeData; MAX_COLLIDERS as usize],
 }
 

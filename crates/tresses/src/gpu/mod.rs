@@ -18,6 +18,9 @@ pub use kernel::Kernel;
 pub use pass::{ComputePass, Counts, RenderPass, compute_pass, render_pass};
 pub use timings::{Clock, Timings, wall};
 
+/// A `u32` that shaders change atomically.
+pub type Atomic = u32;
+
 /// The adapter of all unit tests, opened once, or `None` where the machine has none and need not have one.
 #[cfg(test)]
 pub(crate) fn for_tests() -> Option<&'static Gpu> {

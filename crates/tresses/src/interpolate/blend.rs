@@ -23,11 +23,7 @@ pub struct InterpolateParams {
     /// See [`crate::strands::Drawn::stride`].
     pub stride: f32,
     /// Unused.
-    pub _pad_a: u32,
-    /// Unused.
-    pub _pad_b: u32,
-    /// Unused.
-    pub _pad_c: u32,
+    pub _pad: [u32; 3],
 }
 
 impl InterpolateParams {

@@ -157,8 +157,8 @@ impl Sphere {
     }
 }
 
-/// The number of shadow maps there may be: one per light, and one from above for the sky.
-pub const SHADOW_MAPS: usize = MAX_LIGHTS + 1;
+/// See [`crate::constants::SHADOW_MAPS`].
+pub const SHADOW_MAPS: usize = crate::constants::SHADOW_MAPS as usize;
 
 /// What the shaders know of a light that is on.
 #[repr(C)]
@@ -174,7 +174,8 @@ pub struct LightUniform {
     pub _pad_b: u32,
 }
 
-/// What the shaders know of [`Lights`] and [`Shadows`].
+/// What the shaders know of [`Lights`] and [`Shadows`]. Shaders never pass it by value: a copy of its arrays is memory
+/// that a driver may not get rid of.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct LightsUniform {
@@ -235,7 +236,7 @@ pub struct LightsUniform {
     /// Texels along each edge of a map that knows the strand nearest each light; 0 for none.
     pub strand_map: u32,
     /// Unused.
-    pub _pad_d: u32,
+    pub _pad: u32,
 }
 
 impl Lights {
@@ -293,7 +294,7 @@ impl Lights {
             zone: 0,
             every: 1,
             strand_map: 0,
-            _pad_d: 0,
+            _pad: 0,
         }
     }
 }

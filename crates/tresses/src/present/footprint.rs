@@ -24,11 +24,7 @@ pub struct Footprint {
     /// How many there are.
     pub count: u32,
     /// Unused.
-    pub _pad_a: u32,
-    /// Unused.
-    pub _pad_b: u32,
-    /// Unused.
-    pub _pad_c: u32,
+    pub _pad: [u32; 3],
 }
 
 /// Radius of the disc, pixels, times the root of the number of samples.

@@ -50,11 +50,7 @@ pub struct PresentUniform {
     /// [`ToneMap::desaturation`].
     pub desaturation: f32,
     /// Unused.
-    pub _pad_a: f32,
-    /// Unused.
-    pub _pad_b: f32,
-    /// Unused.
-    pub _pad_c: f32,
+    pub _pad: [u32; 3],
 }
 
 /// The pipelines of the stage, each made when it is first needed.
@@ -190,9 +186,7 @@ impl State {
             exposure: tone.exposure,
             shoulder: tone.shoulder.clamp(0.0, 0.99),
             desaturation: tone.desaturation,
-            _pad_a: 0.0,
-            _pad_b: 0.0,
-            _pad_c: 0.0,
+            _pad: [0; 3],
         };
         queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
     }

@@ -137,11 +137,7 @@ pub struct RootsUniform {
     /// 1 where nothing is known of the frame before.
     pub fresh: u32,
     /// Unused.
-    pub _pad_a: u32,
-    /// Unused.
-    pub _pad_b: u32,
-    /// Unused.
-    pub _pad_c: u32,
+    pub _pad: [u32; 3],
 }
 
 /// One groom's share of the stage.

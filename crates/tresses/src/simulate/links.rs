@@ -77,11 +77,7 @@ pub struct LinkUniforms {
     /// Length of the step, s.
     pub span: f32,
     /// Unused.
-    pub _pad_a: u32,
-    /// Unused.
-    pub _pad_b: u32,
-    /// Unused.
-    pub _pad_c: u32,
+    pub _pad: [u32; 3],
 }
 
 impl LinkUniforms {

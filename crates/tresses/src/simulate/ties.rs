@@ -176,11 +176,7 @@ pub struct Member {
     /// Its place in the buffers of guides.
     pub vertex: u32,
     /// Unused.
-    pub _pad_a: u32,
-    /// Unused.
-    pub _pad_b: u32,
-    /// Unused.
-    pub _pad_c: u32,
+    pub _pad: [u32; 3],
 }
 
 /// What ties hold of a groom, before the GPU.

@@ -1,5 +1,5 @@
-//! The GPU data that stages share. One file pair per buffer: the Rust struct and its WESL twin,
-//! compared byte by byte in `tests/layouts.rs`.
+//! The GPU data that stages share. One file pair per buffer: the Rust struct, and WESL that
+//! packs and unpacks it.
 //!
 //! ```text
 //! guides     rest, info                   written once           read by simulate, tessellate

@@ -38,7 +38,7 @@ pub struct TessellateParams {
     /// Where the head is now, metres.
     pub head_translation: Vec3,
     /// Unused.
-    pub _pad_b: u32,
+    pub _pad: u32,
 }
 
 impl TessellateParams {
@@ -64,7 +64,7 @@ impl TessellateParams {
             span,
             twists: f32::from(u8::from(twists)),
             head_translation: now.translation,
-            _pad_b: 0,
+            _pad: 0,
         }
     }
 }

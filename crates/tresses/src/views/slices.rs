@@ -47,11 +47,7 @@ pub struct SliceUniform {
     /// [`Slices::contours`].
     pub contours: f32,
     /// Unused.
-    pub _pad_a: u32,
-    /// Unused.
-    pub _pad_b: u32,
-    /// Unused.
-    pub _pad_c: u32,
+    pub _pad: [u32; 3],
 }
 
 /// The pipelines: in the scene the body hides what is behind it, panels lie over everything.
@@ -88,9 +84,7 @@ impl SlicesPipeline {
                 panels: u32::from(slices.panels.is_some()),
                 panel: slices.panels.unwrap_or_default(),
                 contours: slices.contours,
-                _pad_a: 0,
-                _pad_b: 0,
-                _pad_c: 0,
+                _pad: [0; 3],
             },
         );
         let resources = [

@@ -37,11 +37,7 @@ pub struct StrandsUniform {
     /// The number that is drawn brightest.
     pub high: f32,
     /// Unused.
-    pub _pad_a: u32,
-    /// Unused.
-    pub _pad_b: u32,
-    /// Unused.
-    pub _pad_c: u32,
+    pub _pad: [u32; 3],
 }
 
 /// The pipeline.
@@ -64,14 +60,7 @@ impl StrandsKernel {
         seen: &Seen<'_>,
         (eye, quantity, high): (Vec3, StrandQuantity, f32),
     ) {
-        let uniform = StrandsUniform {
-            eye,
-            quantity: quantity as u32,
-            high: high.max(1e-9),
-            _pad_a: 0,
-            _pad_b: 0,
-            _pad_c: 0,
-        };
+        let uniform = StrandsUniform { eye, quantity: quantity as u32, high: high.max(1e-9), _pad: [0; 3] };
         let uniform = constant(device, "debug strands", &uniform);
         let (set, strands) = (seen.hair, &hair.strands);
         let buffers = [

@@ -173,9 +173,7 @@ pub struct VolumeUniforms {
     /// Samples of a guide.
     pub samples: u32,
     /// Unused.
-    pub _pad_a: u32,
-    /// Unused.
-    pub _pad_b: u32,
+    pub _pad: [u32; 2],
     /// From the axes of velocities to those of the grid's momentum, quaternion: those of another groom's may differ.
     pub turn: [f32; 4],
 }
@@ -189,9 +187,7 @@ pub struct Blur {
     /// How many cells are read for four, from `radius` below the first on.
     pub taps: i32,
     /// Unused.
-    pub _pad_a: u32,
-    /// Unused.
-    pub _pad_b: u32,
+    pub _pad: [u32; 2],
     /// Of each cell that is read, its weight in each of the four.
     pub weights: [[f32; 4]; MAX_TAPS as usize],
 }
@@ -221,7 +217,7 @@ impl Blur {
                 *weight = half.get(k.abs_diff(radius + c)).map_or(0.0, |w| (w / sum) as f32);
             }
         }
-        Self { radius: radius as i32, taps: 2 * radius as i32 + 4, _pad_a: 0, _pad_b: 0, weights }
+        Self { radius: radius as i32, taps: 2 * radius as i32 + 4, _pad: [0; 2], weights }
     }
 }
 

@@ -86,8 +86,8 @@ impl Wind {
     }
 }
 
-/// Most gust modes of a step's uniforms.
-pub const MAX_GUSTS: usize = 24;
+/// See [`crate::constants::MAX_GUSTS`].
+pub const MAX_GUSTS: usize = crate::constants::MAX_GUSTS as usize;
 
 /// Uniforms of the fluid's kernels in one step. Positions are relative to the grid's corner.
 #[repr(C)]

@@ -66,9 +66,7 @@ pub struct DeformHead {
     /// [`MOST`].
     pub most: f32,
     /// Unused.
-    pub _pad_a: u32,
-    /// Unused.
-    pub _pad_b: u32,
+    pub _pad: [u32; 2],
 }
 
 /// A field that deforms.

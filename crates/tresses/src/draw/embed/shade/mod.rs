@@ -37,7 +37,7 @@ use glam::{Mat4, Vec3};
 /// the share of a light (of those that are on) that hair leaves at a point of a surface, of each channel; position (metres)
 /// and normal (unit) are in the space that hair is drawn in. Bindings are those of `@group(group)`:
 /// [`View::light_group`](crate::View::light_group) with [`Pipelines::light_layout`](crate::Pipelines::light_layout).
-/// All other names in it begin with `package_`, or are those of its bindings.
+/// All other names in it begin with `package_`, `constants_` or `structs_`.
 pub fn wgsl(group: u32) -> String {
     shaders::source("draw::embed::shade::outside").replace("@group(0)", &format!("@group({group})"))
 }
