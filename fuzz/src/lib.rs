@@ -5,9 +5,10 @@ use tresses_groom::{
     Cooked, Look, SdfGrid, Strands, TriMesh,
     cooked::HEADER,
     error::Result,
-    export::{Format, encode, glb, usda},
+    export::{Hair, Writer},
     glam::{Mat4, Vec2, Vec3},
     import::{Given, ImportOptions, read_given, read_given_body},
+    orient::Unit,
     rig::{Animation, Bind, Channel, Curve, Delta, Joint, Node, Property, Rig, Target},
 };
 
@@ -132,12 +133,16 @@ pub fn strands() -> Strands {
     strands
 }
 
+fn writer(name: &str) -> &'static Writer {
+    Writer::of(name).expect("a format that is written")
+}
+
 /// The strands as a file.
 ///
 /// # Panics
 /// When they cannot be written: a fault of the writer.
-pub fn written(format: Format) -> Vec<u8> {
-    encode(&strands(), format, true).expect("strands are written").bytes
+pub fn written(name: &str) -> Vec<u8> {
+    writer(name).strands(&strands(), Some(Unit(1.0))).expect("strands are written").bytes
 }
 
 /// The strands and a body of four vertices as one compressed file.
@@ -147,8 +152,8 @@ pub fn written(format: Format) -> Vec<u8> {
 pub fn packed() -> Vec<u8> {
     let (mesh, strands) = (tetrahedron(), strands());
     let look = Look::default();
-    let hair = [glb::Hair { name: "hair", strands: &strands, packed: true, look: Some(&look) }];
-    glb::character(Some((&mesh, None)), &hair).expect("a character is written")
+    let hair = [Hair { name: "hair", strands: &strands, packed: true, look: Some(&look) }];
+    writer("a.glb").character(Some((&mesh, None)), &hair).expect("a character is written")
 }
 
 /// A body of four vertices as a file.
@@ -156,7 +161,7 @@ pub fn packed() -> Vec<u8> {
 /// # Panics
 /// As [`written`].
 pub fn body() -> Vec<u8> {
-    glb::body(&tetrahedron(), None).expect("a body is written")
+    writer("a.glb").mesh(&tetrahedron(), None).expect("a body is written")
 }
 
 /// A PNG of two texels.
@@ -208,10 +213,10 @@ fn tetrahedron() -> TriMesh {
 ///
 /// # Panics
 /// As [`written`].
-pub fn living(hair: bool) -> Vec<u8> {
+pub fn living(name: &str, hair: bool) -> Vec<u8> {
     let (mesh, strands) = (tetrahedron(), strands());
-    let hair = &[usda::HairOf { name: "hair", strands: &strands }][..usize::from(hair)];
-    usda::character(Some((&mesh, Some(&rig(&mesh)))), hair).expect("a character is written")
+    let hair = &[Hair { name: "hair", strands: &strands, packed: false, look: None }][..usize::from(hair)];
+    writer(name).character(Some((&mesh, Some(&rig(&mesh)))), hair).expect("a character is written")
 }
 
 /// A file among the optional assets, where there are any.
@@ -256,7 +261,7 @@ fn rig(mesh: &TriMesh) -> Rig {
 /// When what is written cannot be read.
 pub fn cooked() -> Vec<u8> {
     let options = ImportOptions::default();
-    let given: [Given<'_>; 1] = [("a.tfx".into(), written(Format::Tfx).into())];
+    let given: [Given<'_>; 1] = [("a.tfx".into(), written("a.tfx").into())];
     let (strands, _, report) = read_given(&given, &options).expect("strands");
     let mesh = tetrahedron();
     let field = SdfGrid::from_fn(Vec3::splat(-0.1), Vec3::splat(0.1), 3, |p| p.length() - 0.05);

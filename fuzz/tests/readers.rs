@@ -8,7 +8,6 @@ use tresses_fuzz::{
 };
 use tresses_groom::{
     error::Result,
-    export::{Format, usda},
     import::{ImportOptions, read_given_body},
 };
 
@@ -29,58 +28,58 @@ fn survives(name: &str, file: &[u8], read: fn(&str, &[u8]) -> Result<usize>) {
 
 #[test]
 fn tfx() {
-    survives("a.tfx", &written(Format::Tfx), groom);
+    survives("a.tfx", &written("a.tfx"), groom);
 }
 
 #[test]
 fn hair() {
-    survives("a.hair", &written(Format::Hair), groom);
+    survives("a.hair", &written("a.hair"), groom);
 }
 
 #[test]
 fn obj_lines() {
-    survives("a.obj", &written(Format::Obj), groom);
+    survives("a.obj", &written("a.obj"), groom);
 }
 
 #[test]
 fn data() {
-    survives("a.data", &written(Format::Data), groom);
+    survives("a.data", &written("a.data"), groom);
 }
 
 #[test]
 fn ply() {
-    survives("a.ply", &written(Format::Ply), groom);
+    survives("a.ply", &written("a.ply"), groom);
 }
 
 #[test]
 fn alembic() {
-    survives("a.abc", &written(Format::Abc), groom);
+    survives("a.abc", &written("a.abc"), groom);
 }
 
 #[test]
 fn usd_text() {
-    survives("a.usda", &written(Format::Usda), groom);
+    survives("a.usda", &written("a.usda"), groom);
 }
 
 /// Hair that goes with joints, and the body that they bend.
 #[test]
 fn usd_skeleton() {
-    survives("a.usda", &living(true), groom);
+    survives("a.usda", &living("a.usda", true), groom);
 }
 
 #[test]
 fn usd_body() {
-    survives("a.usda", &living(false), mesh);
+    survives("a.usda", &living("a.usda", false), mesh);
 }
 
 #[test]
 fn usd_binary() {
-    survives("a.usdc", &usda::packed(&living(true)).expect("it is packed"), groom);
+    survives("a.usdc", &living("a.usdc", true), groom);
 }
 
 #[test]
 fn usd_binary_body() {
-    survives("a.usdc", &usda::packed(&living(false)).expect("it is packed"), mesh);
+    survives("a.usdc", &living("a.usdc", false), mesh);
 }
 
 #[test]
@@ -97,7 +96,7 @@ fn painted_glb() {
 
 #[test]
 fn glb_hair() {
-    survives("a.glb", &written(Format::Glb), groom);
+    survives("a.glb", &written("a.glb"), groom);
 }
 
 #[test]

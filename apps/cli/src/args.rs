@@ -2,6 +2,7 @@
 
 use crate::orient_args::OrientArgs;
 use std::{path::PathBuf, str::FromStr};
+use tresses::groom::formats;
 use tresses_scene::Preset;
 
 /// The widest or highest picture, pixels.
@@ -17,17 +18,28 @@ const LIMITS: &str = "16 to 16384 pixels, and the picture at most 33,177,600 (76
 #[derive(Clone, Debug, Default, clap::Args)]
 #[command(next_help_heading = "Hair")]
 pub struct SourceArgs {
-    /// Groom files (.tfx, .hair, .obj, .data, .ply, .glb, .abc, .usd), joined into one groom, or a cooked one (.tresses); without any, a built-in style
-    #[arg(value_name = "GROOM", help_heading = None)]
+    /// Groom files
+    #[arg(value_name = "GROOM", help_heading = None, help = grooms_help("joined into one groom; without any, a built-in style"))]
     pub grooms: Vec<PathBuf>,
-    /// The head that the groom grows on and collides with (.obj, .gltf, .glb); may be given again, for eyes and clothes
-    #[arg(long, value_name = "MESH", requires = "grooms")]
+    /// The head that the groom grows on and collides with
+    #[arg(long, value_name = "MESH", requires = "grooms", help = head_help("may be given again, for eyes and clothes"))]
     pub head: Vec<PathBuf>,
     /// A built-in hairstyle: long, bob, curly or short
     #[arg(long, value_name = "NAME", conflicts_with = "grooms")]
     pub style: Option<String>,
     #[command(flatten)]
     pub orientation: OrientArgs,
+}
+
+/// The help of groom files.
+pub fn grooms_help(more: &str) -> String {
+    format!("Groom files ({}), {more}", formats::listed(formats::GROOMS, "or"))
+}
+
+/// The help of heads.
+pub fn head_help(more: &str) -> String {
+    let meshes = formats::listed(formats::MESHES, "or");
+    format!("The mesh that the groom grows on and collides with ({meshes}); {more}")
 }
 
 impl SourceArgs {

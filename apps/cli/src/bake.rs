@@ -1,19 +1,13 @@
 //! `tresses bake`: simulated hair as an Alembic or USD cache, for programs that play it back.
 
-use crate::{export::drawn, files, load, progress, progress::Preparing, say, settings_args::SettingsArgs};
-use anyhow::{Result, ensure};
-use std::{
-    io::{Seek, Write},
-    path::PathBuf,
-    sync::Arc,
-};
+use crate::{export::drawn, files, progress, progress::Preparing, say, settings_args::SettingsArgs};
+use anyhow::Result;
+use std::path::PathBuf;
 use tresses::{
-    Pipelines,
-    glam::Vec3,
     gpu::Gpu,
     groom::{
-        export::{abc, usda},
-        formats,
+        export::{CacheOptions, Writer},
+        formats::{self, Content},
         orient::Unit,
     },
     lod::{LodMode, LodOptions},
@@ -40,19 +34,14 @@ pub struct Args {
     /// The unit of the file: cm for Unreal and Maya [default: m]
     #[arg(long, value_name = "UNIT")]
     pub out_unit: Option<Unit>,
-    /// The cache (.abc, or .usda, which is text and several times as large)
-    #[arg(long, value_name = "FILE", default_value = "out/hair.abc")]
+    /// The cache
+    #[arg(long, value_name = "FILE", default_value = "out/hair.abc", help = out_help())]
     pub out: PathBuf,
 }
 
 /// Runs `tresses bake`.
 pub fn run(args: &Args) -> Result<()> {
-    let extension = formats::extension(&args.out);
-    ensure!(
-        matches!(&*extension, "abc" | "usda"),
-        "{}: a cache is written as .abc (Alembic) or .usda (USD)",
-        args.out.display()
-    );
+    let writer = Writer::holding(&args.out, Content::Frames)?;
     let motion = Motion::open(&args.motion)?;
     let period = (motion.duration() * args.fps).round().clamp(1.0, MAX_FRAMES as f64);
     let frames = args.frames.unwrap_or(period as u32);
@@ -60,43 +49,34 @@ pub fn run(args: &Args) -> Result<()> {
     preset.settings.check()?;
     let preparing = Preparing::new("opening the GPU");
     let gpu = pollster::block_on(Gpu::open())?;
-    let pipelines = Arc::new(Pipelines::new(&gpu.device));
-    let character = load::load(&preset, &gpu, &pipelines.simulate, &preparing)?;
+    let character = pollster::block_on(preset.character(&gpu.context, &preparing))?;
     for note in &character.notes {
         preparing.suspend(|| eprintln!("note: {note}"));
     }
     let colliders = Companions::of(&preset.source, Shelf::default()).colliders()?;
     let (physics, quality) = (preset.settings.physics(), preset.settings.quality([16, 16], 1)?);
-    let scene = Scene::new(gpu, pipelines, character, colliders, &physics, &quality, &preparing);
+    let scene = Scene::new(gpu, character, colliders, &physics, &quality, &preparing);
     let mut scene = pollster::block_on(scene)?;
     scene.apply(&preset.settings)?;
     // All of it, however far away.
     scene.set_lod(LodOptions { mode: LodMode::Off, ..Default::default() })?;
     drop(preparing);
-    let (pivot, step) = (scene.pivot(), 1.0 / args.fps);
+    let (pivot, step) = (scene.character.neck(), 1.0 / args.fps);
     scene.reset(&motion.gesture(0.0, pivot))?;
-    let first = drawn(&scene, [&scene.hair.strands])?;
+    let first = drawn(&scene, [&scene.character.hair().strands])?;
     let unit = args.out_unit.unwrap_or(Unit(1.0));
     let bar = progress::frames("baking", u64::from(frames));
     files::stream(&args.out, |file| {
-        let mut cache = match &*extension {
-            "usda" => {
-                let options = usda::CacheOptions { unit, rate: args.fps, frames };
-                Cache::Usd(usda::Cache::new(file, &first, options)?)
-            }
-            _ => {
-                let options = abc::Options { unit, rate: args.fps, ..Default::default() };
-                Cache::Alembic(abc::Cache::new(file, &first, options)?)
-            }
-        };
+        let mut cache =
+            writer.cache(Box::new(file), &first, CacheOptions { unit, rate: args.fps, frames })?;
         cache.frame(&first.positions)?;
         bar.inc(1);
         for frame in 1..frames {
             scene.advance(&motion.gesture(f64::from(frame) * step, pivot), step as f32)?;
-            cache.frame(&drawn(&scene, [&scene.hair.strands])?.positions)?;
+            cache.frame(&drawn(&scene, [&scene.character.hair().strands])?.positions)?;
             bar.inc(1);
         }
-        cache.finish()
+        Ok(cache.finish()?)
     })?;
     bar.finish_and_clear();
     let (count, vertices) = (first.len(), first.positions.len());
@@ -104,27 +84,7 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// A cache in the making.
-#[allow(clippy::large_enum_variant)] // There is one.
-enum Cache<W> {
-    Alembic(abc::Cache<W>),
-    Usd(usda::Cache<W>),
-}
-
-impl<W: Write + Seek> Cache<W> {
-    fn frame(&mut self, positions: &[Vec3]) -> Result<()> {
-        match self {
-            Self::Alembic(cache) => cache.frame(positions)?,
-            Self::Usd(cache) => cache.frame(positions)?,
-        }
-        Ok(())
-    }
-
-    fn finish(self) -> Result<()> {
-        match self {
-            Self::Alembic(cache) => drop(cache.finish()?),
-            Self::Usd(cache) => drop(cache.finish()?),
-        }
-        Ok(())
-    }
+fn out_help() -> String {
+    let all = formats::listed(&formats::written(Content::Frames), "or");
+    format!("The cache ({all}; text, .usda, is several times as large as .abc)")
 }

@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail, ensure};
 use tresses::groom::{
-    export::{self, Encoded, Format, glb},
-    formats,
+    export::{Encoded, Hair, Writer},
+    formats::{self, Content, GROOMS, WRITTEN},
     import::{self, ImportOptions},
     orient::{Axis, Choice, Unit},
 };
 
-use tresses_scene::{Base, Files};
+use tresses::character::{CharacterFiles, CharacterSource};
 
 use crate::{
     files,
@@ -18,15 +18,13 @@ use crate::{
     progress::Preparing,
 };
 
-/// Convert grooms to .hair, .tfx, .obj, .data, .ply, .glb, .abc, .usda or .usdc, in metres, Y up, face towards +Z; or cook
-/// one with its head (.tresses), which then opens at once.
+/// Convert grooms into other formats, in metres, Y up, face towards +Z; or cook one with its head (.tresses), which then
+/// opens at once.
 #[derive(clap::Args)]
 #[command(override_usage = "tresses convert [OPTIONS] <IN>... <OUT>")]
 pub struct Args {
-    /// Groom files (.tfx, .hair, .obj, .data, .ply, .glb, .abc, .usd), several are joined, or a cooked one (.tresses); the last one is the file to write,
-    /// whose extension (.hair, .tfx, .obj, .data, .ply, .glb, .abc, .usda, .usdc, .tresses) decides the format.
     // One list, since two would forbid options between them.
-    #[arg(required = true, value_name = "FILE")]
+    #[arg(required = true, value_name = "FILE", help = files_help())]
     files: Vec<PathBuf>,
     /// The mesh that the groom grows on, to orient it by; a .glb and a .tresses get it, too.
     #[arg(long, value_name = "MESH")]
@@ -46,6 +44,13 @@ pub struct Args {
     orient: OrientArgs,
 }
 
+fn files_help() -> String {
+    let [read, written] = [GROOMS, WRITTEN].map(|list| formats::listed(list, "or"));
+    format!(
+        "Groom files ({read}), several are joined; the last one is the file to write, whose extension ({written}, or .tresses for a cooked one) decides the format"
+    )
+}
+
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
     let Some((output, inputs)) = args.files.split_last().filter(|(_, inputs)| !inputs.is_empty()) else {
@@ -61,29 +66,29 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         ensure!(args.out_unit.is_none(), "a cooked groom is in metres: leave --out-unit out");
         return cook(inputs, &args.head, &options, output);
     }
-    let format = Format::of(output)?;
+    let writer = Writer::of(output)?;
     if args.as_is {
         options.orient =
             Choice { unit: Some(Unit(1.0)), up: Some(Axis::Y), front: Some(Axis::Z), mirror: Some(false) };
         // Lengths in an unknown unit cannot be called too short.
         options.unrepaired = true;
     }
-    ensure!(!args.packed || format == Format::Glb, "only a .glb is compressed: leave --packed out");
+    ensure!(!args.packed || writer.compresses, "only a .glb is compressed: leave --packed out");
     let (strands, head, report) = if args.as_is {
         let (strands, report) = import::read(inputs, &options)?;
         (strands, None, report)
     } else {
         import::read_whole(inputs, &args.head, &options)?
     };
-    let encoded = match args.out_unit {
-        Some(unit) => export::encode_in(&strands, format, unit)?,
-        None if format == Format::Glb && !args.as_is => {
-            let body = head.as_ref().map(|head| (head, report.rig.as_ref()));
-            let look = report.look.as_ref();
-            let hair = glb::Hair { name: "hair", strands: &strands, packed: args.packed, look };
-            Encoded { bytes: glb::character(body, &[hair])?, notes: Vec::new() }
-        }
-        None => export::encode(&strands, format, !args.as_is)?,
+    // A file that holds the material of the hair gets the body, too.
+    let whole = writer.holds(Content::Look) && !args.as_is && args.out_unit.is_none();
+    let encoded = if whole {
+        let body = head.as_ref().map(|head| (head, report.rig.as_ref()));
+        let look = report.look.as_ref();
+        let hair = Hair { name: "hair", strands: &strands, packed: args.packed, look };
+        Encoded::from(writer.character(body, &[hair])?)
+    } else {
+        writer.strands(&strands, args.out_unit.or((!args.as_is).then_some(Unit(1.0))))?
     };
     files::write(output, &encoded.bytes)?;
     let done = report.repaired;
@@ -96,7 +101,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         done.merged_vertices,
         done.resampled_strands
     );
-    if let Some(head) = head.filter(|_| format == Format::Glb) {
+    if let Some(head) = head.filter(|_| whole) {
         println!("  with its body of {} triangles", head.triangles.len());
     }
     if !args.as_is {
@@ -122,7 +127,11 @@ pub fn run(args: Args) -> anyhow::Result<()> {
 /// Writes all that opening a groom on its head computes.
 fn cook(grooms: &[PathBuf], heads: &[PathBuf], options: &ImportOptions, out: &Path) -> anyhow::Result<()> {
     let preparing = Preparing::new("reading the groom");
-    let base = pollster::block_on(Base::imported(&Files::Disk { grooms, heads }, options, &preparing))?;
+    let base = pollster::block_on(CharacterSource::imported(
+        &CharacterFiles::Disk { grooms, heads },
+        options,
+        &preparing,
+    ))?;
     let cooked = base.cook()?.context("only grooms of files are cooked")?;
     let bytes = cooked.write()?;
     files::write(out, &bytes)?;

@@ -2,15 +2,12 @@
 
 use crate::{
     photographer::Photographer,
-    picture::{Frame, Kind, Output, Picture},
-    progress, render,
+    picture::{Frame, Output, Picture},
+    progress,
 };
 use anyhow::{Result, ensure};
-use tresses::{
-    groom::mannequin::facial::Beard,
-    lod::{Budget, budget::COARSEST},
-};
-use tresses_scene::{Crowd, CrowdOptions, Motion, Settings, crowd::ROWS, words::grouped};
+use tresses::budget::{Budget, COARSEST, HeadChosen};
+use tresses_scene::{Crowd, CrowdOptions, Motion, crowd::ROWS, words::grouped};
 
 /// The most heads of a crowd.
 const MOST: u32 = 1000;
@@ -50,25 +47,8 @@ impl CrowdArgs {
         self.crowd.is_some()
     }
 
-    /// Refuses what a crowd has not.
-    pub fn check(&self, args: &render::Args, settings: &Settings) -> Result<()> {
-        if !self.is_given() {
-            return Ok(());
-        }
-        let one = args.distance.is_some() || args.distance_to.is_some() || args.zoom != 1.0;
-        ensure!(
-            !one,
-            "a crowd is seen from where all of it is in the picture: leave out --zoom and --distance"
-        );
-        ensure!(!Kind::of(&args.out)?.has_layers(), "a crowd is drawn without layers: .png instead of .exr");
-        ensure!(!args.transparent, "--transparent is for one head: leave out --crowd");
-        ensure!(args.debug.debug.is_none(), "--debug looks into one head: leave out --crowd");
-        ensure!(
-            args.animation.is_none() && args.morphs.is_empty(),
-            "the heads of a crowd are rigid: leave out --animation and --morph"
-        );
-        let shaved = settings.style.face.beard == Beard::None;
-        ensure!(shaved, "nothing grows on the faces of a crowd: leave out --beard");
+    /// Refuses budgets that are none.
+    pub fn check(&self) -> Result<()> {
         // Also false for what is no number.
         let is_some = |value: f64| value > 0.0 && value.is_finite();
         ensure!(self.crowd_ms.is_none_or(|ms| is_some(ms.into())), "--crowd-ms must be a number above 0");
@@ -85,39 +65,45 @@ impl CrowdArgs {
     }
 }
 
-/// Draws a crowd of the hair of `scene`, and says what was written and at which levels.
-pub fn render(scene: &mut Photographer, motion: &Motion, frames: u32, args: &render::Args) -> Result<String> {
-    let options = CrowdOptions { heads: args.crowd.crowd.unwrap_or(1), rows: ROWS, pigments: true };
+/// Draws `frames` frames of a crowd of the hair of `scene`, `fps` in a second, into `output`; says what was written and
+/// at which levels.
+pub fn render(
+    scene: &mut Photographer,
+    motion: &Motion,
+    (frames, fps): (u32, f64),
+    args: &CrowdArgs,
+    mut output: Output,
+) -> Result<String> {
+    let options = CrowdOptions { heads: args.crowd.unwrap_or(1), rows: ROWS, pigments: true };
     let mut crowd = Crowd::new(scene, &options)?;
-    crowd.budget = args.crowd.budget();
-    let timed = crowd.budget.milliseconds.is_finite();
-    let mut output = Output::create(&args.out, (args.size.width, args.size.height), frames, args.fps)?;
+    crowd.budget.budget = args.budget();
+    let timed = crowd.budget.budget.milliseconds.is_finite();
     let bar = progress::frames("drawing", u64::from(frames));
     // What work costs here is not known before some is done: the first levels are found by trying.
     for trial in 0..if timed { TRIALS } else { 0 } {
-        crowd.choose_anew();
+        crowd.budget.choose_anew();
         let measured = scene.measured_crowd(&mut crowd, motion, (0.0, 0.0), false)?;
         // The first compiles.
         if trial > 0 {
             let work = crowd.chosen().work;
-            crowd.costs.fit(&work, measured.wall);
+            crowd.budget.costs.fit(&work, measured.wall);
         }
     }
     if timed {
-        crowd.choose_anew();
+        crowd.budget.choose_anew();
     }
     for frame in 0..frames {
-        let seconds = if frame == 0 { 0.0 } else { 1.0 / args.fps };
-        let time = f64::from(frame) / args.fps;
+        let seconds = if frame == 0 { 0.0 } else { 1.0 / fps };
+        let time = f64::from(frame) / fps;
         if timed {
             // Costs are known by frames: the picture itself is drawn once more.
             let measured = scene.measured_crowd(&mut crowd, motion, (time, seconds as f32), false)?;
             let work = crowd.chosen().work;
-            crowd.costs.fit(&work, measured.wall);
+            crowd.budget.costs.fit(&work, measured.wall);
         } else {
-            let mut encoder = scene.gpu.device.create_command_encoder(&Default::default());
+            let mut encoder = scene.gpu.context.device().create_command_encoder(&Default::default());
             crowd.record_advance(scene, &mut encoder, None, motion, (time, seconds as f32))?;
-            scene.gpu.queue.submit([encoder.finish()]);
+            scene.gpu.context.queue().submit([encoder.finish()]);
         }
         if !output.keeps_only_last() || frame + 1 == frames {
             output.add(Frame::Shown(picture(scene, &crowd)?))?;
@@ -132,14 +118,14 @@ pub fn render(scene: &mut Photographer, motion: &Motion, frames: u32, args: &ren
 /// The picture of the last frame. Blocks.
 fn picture(scene: &mut Photographer, crowd: &Crowd) -> Result<Picture> {
     loop {
-        let mut encoder = scene.gpu.device.create_command_encoder(&Default::default());
+        let mut encoder = scene.gpu.context.device().create_command_encoder(&Default::default());
         crowd.record_draw(scene, &mut encoder, None)?;
-        scene.gpu.queue.submit([encoder.finish()]);
+        scene.gpu.context.queue().submit([encoder.finish()]);
         if pollster::block_on(scene.is_complete())? {
             break;
         }
     }
-    let rgba = pollster::block_on(scene.targets().read(&scene.gpu.device, &scene.gpu.queue))?;
+    let rgba = pollster::block_on(scene.targets().read())?;
     let [width, height] = scene.targets().size;
     Ok(Picture { width, height, rgba })
 }
@@ -147,11 +133,11 @@ fn picture(scene: &mut Photographer, crowd: &Crowd) -> Result<Picture> {
 /// What was chosen for the last frame, and what it takes.
 pub fn said(crowd: &Crowd, scene: &Photographer) -> String {
     let chosen = crowd.chosen();
-    let seen = chosen.heads.iter().filter(|head| head.seen).count();
-    let asleep = chosen.heads.iter().filter(|head| head.asleep).count();
-    let sum = |of: &dyn Fn(&tresses::lod::HeadChosen) -> u64| grouped(chosen.heads.iter().map(of).sum());
+    let seen = crowd.hair().filter(|hair| hair.is_seen()).count();
+    let asleep = crowd.hair().filter(|hair| hair.is_asleep()).count();
+    let sum = |of: &dyn Fn(&HeadChosen) -> u64| grouped(chosen.heads.iter().map(of).sum());
     let [shared, own, view] = crowd.bytes(scene).map(|bytes| bytes as f64 * 1e-6);
-    let budget = crowd.budget;
+    let budget = crowd.budget.budget;
     let kept = if chosen.fits {
         ""
     } else if chosen.bias < COARSEST {

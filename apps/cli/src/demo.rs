@@ -72,7 +72,7 @@ pub fn run(args: &Args) -> Result<()> {
     let drawing = Preparing::new("drawing the picture");
     let camera = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), PICTURE.aspect(), 1.0);
     let mut output = Output::create(&args.out.join("demo.png"), (PICTURE.width, PICTURE.height), 1, 1.0)?;
-    let pivot = scene.pivot();
+    let pivot = scene.character.neck();
     scene.reset(&motion.gesture(0.0, pivot))?;
     output.add(scene.frame(&camera, output.kind())?)?;
     let picture = output.finish()?;
@@ -96,11 +96,11 @@ pub fn run(args: &Args) -> Result<()> {
 /// Brings `scene` to the finest of [`LOOPS`] whose loop is drawn within [`LOOP_SECONDS`], or the coarsest: its size,
 /// and how long it will take, seconds.
 fn fit(scene: &mut Photographer, motion: &Motion, frames: f64) -> Result<(Size, f64)> {
-    let pivot = scene.pivot();
+    let pivot = scene.character.neck();
     let mut fitting = (LOOPS[0].0, 0.0);
     for (i, (size, share)) in LOOPS.into_iter().enumerate() {
         let mode = if share < 1.0 { LodMode::Fixed(share) } else { LodMode::Off };
-        let options = LodOptions { mode, ..scene.hair.lod.options };
+        let options = LodOptions { mode, ..scene.character.hair().lod.options };
         scene.set_lod(options)?;
         scene.resize([size.width, size.height])?;
         let camera = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), size.aspect(), 0.95);

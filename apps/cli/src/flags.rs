@@ -4,10 +4,10 @@ use anyhow::Result;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches, error::ErrorKind};
 use std::{marker::PhantomData, str::FromStr};
 use tresses_scene::{
-    Settings,
-    companions::{COMPANIONS, ColorSource, Companion, Kind as Companionship, MapSource},
+    Companion, Settings, Source,
+    companions::{ColorSource, MapSource},
     knobs::{Flag, Kind, Knob, SECTIONS, flags::Assigned},
-    preset::Source,
+    source::{COMPANIONS, Kind as Companionship},
 };
 
 /// Which rows of the table a command has flags of.

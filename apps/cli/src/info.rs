@@ -21,11 +21,9 @@ use crate::orient_args::{MomentArgs, OrientArgs};
 /// Report what a groom holds, how it is oriented, and what is odd about it.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Groom files (.tfx, .hair, .obj, .data, .ply, .glb, .abc, .usd), several are one groom; or a cooked one (.tresses).
-    #[arg(required = true, value_name = "FILE")]
+    #[arg(required = true, value_name = "FILE", help = crate::args::grooms_help("several are one groom"))]
     files: Vec<PathBuf>,
-    /// The mesh that the groom grows on (.obj, .gltf, .glb, .tfxmesh, .abc, .usd); several are one head.
-    #[arg(long, value_name = "MESH")]
+    #[arg(long, value_name = "MESH", help = crate::args::head_help("several are one head"))]
     head: Vec<PathBuf>,
     /// Print JSON instead of text.
     #[arg(long)]

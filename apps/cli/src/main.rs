@@ -16,7 +16,6 @@ mod flags;
 mod info;
 mod interrupt;
 mod knobs;
-mod load;
 mod manuals;
 mod orient_args;
 mod photographer;
@@ -162,3 +161,13 @@ macro_rules! say {
     }};
 }
 use say;
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn modules_have_no_circles() {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/main.rs");
+        let report = tresses_modules::Modules::read(&root).report();
+        assert!(report.is_empty(), "{report}");
+    }
+}

@@ -3,7 +3,6 @@
 use crate::{
     args::Size,
     debug::{self, Debug},
-    load,
     picture::{Frame, Kind, Picture, layers},
     progress::Preparing,
 };
@@ -12,7 +11,7 @@ use std::{
     ops::{Deref, DerefMut},
     sync::Arc,
 };
-use tresses::{Pipelines, Wanted, gpu::Gpu, present::Background};
+use tresses::{PipelineRequest, gpu::Gpu, present::Background};
 use tresses_scene::{Companions, Preset, Scene, Shelf, Viewpoint, scene::Asked};
 
 /// A scene, and what is shown over its pictures.
@@ -38,42 +37,52 @@ impl DerefMut for Photographer {
 impl Photographer {
     /// Opens the GPU, reads or grows the character of `preset` and brings it there.
     pub fn open(preset: &Preset, size: Size) -> Result<Self> {
-        Self::with_samples(preset, size, false, true)
+        Self::with_samples(None, preset, size, (false, true))
     }
 
     /// The same for pictures of hair at rest, which need fewer pipelines.
     pub fn open_still(preset: &Preset, size: Size) -> Result<Self> {
-        Self::with_samples(preset, size, false, false)
+        Self::with_samples(None, preset, size, (false, false))
     }
 
     /// The same with fewer samples per pixel where the adapter offers no more.
     pub fn with_samples_at_most(preset: &Preset, size: Size) -> Result<Self> {
-        Self::with_samples(preset, size, true, true)
+        Self::with_samples(None, preset, size, (true, true))
     }
 
-    fn with_samples(preset: &Preset, size: Size, fewer: bool, moves: bool) -> Result<Self> {
+    /// The same on a GPU that is open already.
+    pub fn on(gpu: Gpu, preset: &Preset, size: Size) -> Result<Self> {
+        Self::with_samples(Some(gpu), preset, size, (true, true))
+    }
+
+    fn with_samples(
+        gpu: Option<Gpu>,
+        preset: &Preset,
+        size: Size,
+        (fewer, moves): (bool, bool),
+    ) -> Result<Self> {
         let settings = &preset.settings;
         settings.check()?;
         let companions = Companions::of(&preset.source, Shelf::default());
         let surroundings = companions.surroundings()?;
         let preparing = Preparing::new("opening the GPU");
-        let gpu = pollster::block_on(Gpu::open())?;
-        let most = gpu.tier.max_samples;
+        let gpu = gpu.map_or_else(|| pollster::block_on(Gpu::open()), Ok)?;
+        let most = gpu.context.tier().max_samples;
         let mut quality = settings.quality([size.width, size.height], most)?;
         ensure!(
-            quality.samples <= most || fewer,
+            quality.view.samples <= most || fewer,
             "{} samples per pixel were requested, but {} offers at most {most}",
-            quality.samples,
+            quality.view.samples,
             gpu.info.name
         );
-        quality.samples = quality.samples.min(most);
-        let pipelines = Arc::new(Pipelines::new(&gpu.device));
-        let compile = |wanted: Vec<Wanted>| pollster::block_on(pipelines.prepare(&wanted, &()));
+        quality.view.samples = quality.view.samples.min(most);
+        let context = gpu.context.clone();
+        let compile = |requests: Vec<PipelineRequest>| pollster::block_on(context.prepare(&requests, &()));
         // Shaders are compiled while the character is made.
         let mut scene = std::thread::scope(|scope| -> Result<Scene> {
-            let at_rest = settings.pipelines(quality.view_options());
+            let at_rest = settings.pipelines(quality.view);
             let at_rest = scope.spawn(move || compile(at_rest));
-            let character = load::load(preset, &gpu, &pipelines.simulate, &preparing)?;
+            let character = pollster::block_on(preset.character(&context, &preparing))?;
             for note in &character.notes {
                 preparing.suspend(|| eprintln!("note: {note}"));
             }
@@ -81,15 +90,14 @@ impl Photographer {
             let physics = settings.physics();
             let in_motion = settings.pipelines_of_motion(&character.guide_vertices());
             let in_motion = moves.then(|| scope.spawn(move || compile(in_motion)));
-            let made = pipelines.clone();
-            let scene = Scene::new(gpu, made, character, colliders, &physics, &quality, &preparing);
+            let scene = Scene::new(gpu, character, colliders, &physics, &quality, &preparing);
             let scene = pollster::block_on(scene)?;
             for compiling in [Some(at_rest), in_motion].into_iter().flatten() {
                 compiling.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
             }
             Ok(scene)
         })?;
-        if let Some(roots) = scene.roots.filter(|roots| roots.farthest > 0.01) {
+        if let Some(roots) = scene.character.roots().filter(|roots| roots.farthest > 0.01) {
             let [mean, farthest] = [roots.mean, roots.farthest].map(|metres| 1e3 * metres);
             eprintln!("note: roots are {mean:.1} mm from the body in the mean, {farthest:.0} mm at most");
         }
@@ -127,14 +135,14 @@ impl Photographer {
             debug.prepare(scene)?;
         }
         loop {
-            let mut encoder = scene.gpu.device.create_command_encoder(&Default::default());
+            let mut encoder = scene.gpu.context.device().create_command_encoder(&Default::default());
             scene.record_draw(&mut encoder, None, camera)?;
-            scene.gpu.queue.submit([encoder.finish()]);
+            scene.gpu.context.queue().submit([encoder.finish()]);
             if pollster::block_on(scene.is_complete())? {
                 break;
             }
         }
-        let rgba = pollster::block_on(scene.targets().read(&scene.gpu.device, &scene.gpu.queue))?;
+        let rgba = pollster::block_on(scene.targets().read())?;
         let [width, height] = scene.targets().size;
         let mut picture = Picture { width, height, rgba };
         if let (Some(debug), Some(shown)) = (&self.debug, self.scene.shown()) {
@@ -156,11 +164,10 @@ impl Photographer {
 
     /// How many pixels of the picture the hair covers, whatever is before it. Blocks.
     pub fn hair_pixels(&mut self, camera: &Viewpoint) -> Result<f64> {
-        let bodies = (self.scene.body.take(), self.scene.obstacles.take());
+        let asked = Asked { bare: true, ..Asked::default() };
         let background = std::mem::replace(&mut self.scene.picture.background, Background::transparent());
-        let picture = self.picture(camera);
+        let captured = pollster::block_on(self.scene.capture(camera, asked));
         self.scene.picture.background = background;
-        (self.scene.body, self.scene.obstacles) = bodies;
-        Ok(picture?.rgba.as_chunks::<4>().0.iter().map(|[.., alpha]| f64::from(*alpha) / 255.0).sum())
+        Ok(captured?.color.as_chunks::<4>().0.iter().map(|[.., alpha]| f64::from(*alpha) / 255.0).sum())
     }
 }

@@ -101,7 +101,9 @@ pub fn run(args: &Args) -> Result<()> {
         *hair_hair = HairHair { speed: 0.0, friction: 0.0, ..HairHair::default() };
     }
     args.debug.check(&preset.settings.physics())?;
-    args.crowd.check(args, &preset.settings)?;
+    if args.crowd.is_given() {
+        check_crowd(args)?;
+    }
     ensure!(
         !args.transparent || kind.has_alpha(),
         "{}: --transparent is for .png and .exr, alone or numbered",
@@ -111,10 +113,10 @@ pub fn run(args: &Args) -> Result<()> {
         Film::check(&args.out)?;
     }
     if kind.has_layers() {
-        let (edges, (_, coverage)) = (&preset.settings.edges, preset.settings.sampling(16)?);
+        let (_, coverage) = preset.settings.sampling(16)?;
         ensure!(args.debug.debug.is_none(), "--debug shows colours: .png instead of .exr");
         ensure!(
-            coverage == Coverage::Tiles && edges.ssaa == 1,
+            coverage == Coverage::Tiles && preset.settings.ssaa == 1,
             "where hair is, is known of pictures by tiles without supersampling only: leave out --coverage and --ssaa"
         );
     }
@@ -127,7 +129,8 @@ pub fn run(args: &Args) -> Result<()> {
     let period = bend(&mut scene, &motion, args)?.unwrap_or(motion.duration());
     let frames = frames(period)?;
     if args.crowd.is_given() {
-        let written = crowd::render(&mut scene, &motion, frames, args)?;
+        let output = Output::create(&args.out, (args.size.width, args.size.height), frames, args.fps)?;
+        let written = crowd::render(&mut scene, &motion, (frames, args.fps), &args.crowd, output)?;
         say!("{written}");
         return Ok(());
     }
@@ -143,11 +146,21 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
+/// Refuses what a crowd has not.
+fn check_crowd(args: &Args) -> Result<()> {
+    let one = args.distance.is_some() || args.distance_to.is_some() || args.zoom != 1.0;
+    ensure!(!one, "a crowd is seen from where all of it is in the picture: leave out --zoom and --distance");
+    ensure!(!Kind::of(&args.out)?.has_layers(), "a crowd is drawn without layers: .png instead of .exr");
+    ensure!(!args.transparent, "--transparent is for one head: leave out --crowd");
+    ensure!(args.debug.debug.is_none(), "--debug looks into one head: leave out --crowd");
+    args.crowd.check()
+}
+
 /// Gives the body its motion and its shapes, as `args` have them; how long the motion is, seconds, if there is one.
 fn bend(scene: &mut Photographer, motion: &Motion, args: &Args) -> Result<Option<f64>> {
     // Built-in motions name shapes of the built-in character, which others need not have.
     let keyed = motion.shapes().filter(|_| !NAMES.contains(&args.motion.as_str()));
-    let Some(living) = &mut scene.living else {
+    let Some(rig) = scene.character.rig_mut() else {
         let wanted = args.animation.is_some() || !args.morphs.is_empty() || keyed.count() > 0;
         ensure!(
             !wanted,
@@ -156,19 +169,19 @@ fn bend(scene: &mut Photographer, motion: &Motion, args: &Args) -> Result<Option
         return Ok(None);
     };
     if let Some(name) = &args.animation
-        && living.animations().next().is_none()
+        && rig.animations().next().is_none()
     {
         bail!(
             "the body has no animation {name:?}; it has none of its own; --motion has {}",
             NAMES[1..].join(", ")
         );
     }
-    living.set_animation(args.animation.as_deref())?;
-    keyed.map(|name| living.find_shape(name)).collect::<Result<Vec<_>>>()?;
+    rig.set_animation(args.animation.as_deref())?;
+    keyed.map(|name| rig.find_shape(name)).collect::<tresses::Result<Vec<_>>>()?;
     for (name, weight) in &args.morphs {
-        living.set_shape(name, *weight)?;
+        rig.set_shape(name, *weight)?;
     }
-    Ok(living.duration().map(f64::from).filter(|seconds| *seconds > 0.0))
+    Ok(rig.duration().map(f64::from).filter(|seconds| *seconds > 0.0))
 }
 
 fn record(
@@ -231,7 +244,7 @@ fn play(
     work: &'static str,
     mut each: impl FnMut(&mut Photographer, u32, &Viewpoint) -> Result<()>,
 ) -> Result<()> {
-    let pivot = scene.pivot();
+    let pivot = scene.character.neck();
     let step = 1.0 / times.fps;
     let mut time = times.lead;
     let last = times.frames.max(2) - 1;
@@ -249,11 +262,11 @@ fn play(
         let camera = at(frame);
         if frame > 0 {
             // The level of detail is that of where the head was.
-            let head = scene.head();
+            let head = scene.character.head();
             scene.watch(&shot.with(&camera, &head));
             scene.advance(&motion.gesture(f64::from(frame) * step, pivot), step as f32)?;
         }
-        let head = scene.head();
+        let head = scene.character.head();
         each(scene, frame, &shot.with(&camera, &head))?;
         bar.inc(1);
     }

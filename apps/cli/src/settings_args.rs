@@ -163,7 +163,7 @@ mod tests {
         let path = folder.path().join("preset.toml");
         let file = path.to_str().unwrap();
         let mut all = Settings::default();
-        all.wind.speed = 3.0;
+        all.set_wind_speed(3.0);
         all.lights.rim = 2.0;
         Preset { settings: all.clone(), ..Default::default() }.save(&path, Extent::Changed).unwrap();
         assert_eq!(parse(&["--preset", file]).unwrap().settings, all);
@@ -182,7 +182,7 @@ mod tests {
             // And a default that is given explicitly wins as well.
         }
         let calm = parse(&["--preset", file, "--wind", "0"]).unwrap().settings;
-        assert_eq!((calm.wind.speed, calm.lights.rim), (0.0, 2.0));
+        assert_eq!((calm.wind_speed(), calm.lights.rim), (0.0, 2.0));
     }
 
     #[test]
@@ -256,7 +256,7 @@ mod tests {
         let settings = &other.settings;
         assert!(settings.gives("style.curl_shrink") && !settings.gives("style.curl_flatness"));
         assert_eq!(settings.sampling(4).unwrap(), (4, Coverage::SampleMask));
-        assert_eq!((settings.edges.layers, settings.edges.ssaa), (8, 2), "not given, so they stay");
+        assert_eq!((settings.peeled_layers, settings.ssaa), (8, 2), "not given, so they stay");
         let varied = parse(&["--preset", file, "--curl", "shrink=0.2"]).unwrap();
         assert!(varied.settings.gives("style.curl_flatness"), "the same curl, varied");
     }

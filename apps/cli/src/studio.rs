@@ -62,10 +62,10 @@ mod tests {
     fn the_window_begins_as_the_options_say() {
         assert_eq!(options(&[]).unwrap(), Options::default());
         let begun = options(&["--style", "bob", "--set", "wind.speed=3"]).unwrap();
-        assert_eq!((begun.style.as_deref(), begun.settings.wind.speed), (Some("bob"), 3.0));
+        assert_eq!((begun.style.as_deref(), begun.settings.wind_speed()), (Some("bob"), 3.0));
         let preset = concat!(env!("CARGO_MANIFEST_DIR"), "/../../presets/storm.toml");
         let storm = options(&["--preset", preset]).unwrap();
-        assert_eq!((storm.style.as_deref(), storm.settings.wind.speed), (Some("long"), 14.0));
+        assert_eq!((storm.style.as_deref(), storm.settings.wind_speed()), (Some("long"), 14.0));
         let sparse = options(&["--density-map", "noise"]).unwrap();
         assert_eq!(sparse.companions.names().density_map.as_deref(), Some("noise"));
     }

@@ -3,16 +3,15 @@
 use std::{
     path::{Path, PathBuf},
     process::Command,
-    sync::Arc,
 };
 use tresses::{
-    Pipelines, Pose,
-    body::Body,
+    Pose,
+    body::{Body, Skin, Words},
     glam::Vec3,
     gpu::{Gpu, readback::blocking::buffer as readback},
     groom::{TriMesh, mesh::Bvh, styles::Style},
 };
-use tresses_scene::{Character, Colliders, Motion, Preset, Quality, Scene};
+use tresses_scene::{Colliders, Motion, Preset, Quality, Scene};
 
 fn tresses(folder: &Path, args: &[&str]) -> (bool, String) {
     let out = Command::new(env!("CARGO_BIN_EXE_tresses")).current_dir(folder).args(args).output().unwrap();
@@ -136,7 +135,6 @@ fn danced(name: &str, seconds: f32, deforms: bool, grown: f32) -> Option<(f32, u
             return None;
         }
     };
-    let pipelines = Arc::new(Pipelines::new(&gpu.device));
     let mut preset = Preset::default();
     preset.settings.set("style.strands", 300u32).unwrap();
     let walks = name.ends_with(".glb");
@@ -147,28 +145,29 @@ fn danced(name: &str, seconds: f32, deforms: bool, grown: f32) -> Option<(f32, u
     } else {
         preset.source.style = Some(name.to_owned());
     }
-    let character = Character::open(&preset, &gpu, &pipelines.simulate, &());
+    let character = preset.character(&gpu.context, &());
     let character = pollster::block_on(character).unwrap();
     let mesh = character.head.clone().unwrap();
     let (settings, quality) = (&preset.settings, Quality::new([16, 16]));
     let physics = settings.physics();
-    let scene = Scene::new(gpu, pipelines, character, Colliders::default(), &physics, &quality, &());
+    let scene = Scene::new(gpu, character, Colliders::default(), &physics, &quality, &());
     let mut scene = pollster::block_on(scene).unwrap();
     scene.apply(settings).unwrap();
-    if let Some(living) = scene.living.as_mut().filter(|_| walks) {
-        let first = living.animations().next().map(str::to_owned);
-        living.set_animation(first.as_deref()).unwrap();
+    if let Some(rig) = scene.character.rig_mut().filter(|_| walks) {
+        let first = rig.animations().next().map(str::to_owned);
+        rig.set_animation(first.as_deref()).unwrap();
     }
-    let (motion, pivot) = (Motion::named(if walks { "still" } else { "dance" }).unwrap(), scene.pivot());
-    let vertices = scene.hair.guides.vertex_count as usize;
+    let (motion, pivot) =
+        (Motion::named(if walks { "still" } else { "dance" }).unwrap(), scene.character.neck());
+    let vertices = scene.character.hair().guides.vertex_count as usize;
     // A groom that was made for another head rests deep in this one.
     let reach = if walks { 0.3 } else { 0.03 };
     // How deep each vertex is below the skin, where that is now.
     let depths = |scene: &Scene, body: Pose| -> Vec<f32> {
-        let (gpu, hair) = (&scene.gpu, &scene.hair);
-        let at: Vec<[f32; 4]> = readback(&gpu.device, &gpu.queue, &hair.guides.current).unwrap();
-        let skin = scene.body.as_ref().unwrap().vertices();
-        let skin: Vec<f32> = readback(&gpu.device, &gpu.queue, skin).unwrap();
+        let (context, hair) = (&scene.gpu.context, scene.character.hair());
+        let at: Vec<[f32; 4]> = readback(context, &hair.guides.current).unwrap();
+        let skin = scene.character.body().unwrap().vertices();
+        let skin: Vec<f32> = readback(context, skin).unwrap();
         let skin = skin.chunks(Body::WORDS as usize).map(|v| body.point(Vec3::from_slice(v))).collect();
         let skin = TriMesh { positions: skin, triangles: mesh.triangles.clone(), ..TriMesh::default() };
         let bvh = Bvh::new(&skin);
@@ -190,10 +189,12 @@ fn danced(name: &str, seconds: f32, deforms: bool, grown: f32) -> Option<(f32, u
     for step in 1..=(seconds * 60.0) as u32 {
         let gesture = motion.gesture(f64::from(step) / 60.0, pivot);
         scene.advance(&gesture, 1.0 / 60.0).unwrap();
-        if !deforms && scene.hair.colliders.deformation.is_some() {
-            let (gpu, pipelines, skin) = (&scene.gpu, &scene.pipelines, scene.body.as_ref().unwrap().into());
-            let colliders = &mut scene.hair.colliders;
-            colliders.deform(&gpu.device, &gpu.queue, &pipelines.deform, &mesh, &skin, &[]).unwrap();
+        if !deforms && scene.character.hair().colliders.deformation.is_some() {
+            let vertices = scene.character.body().unwrap().vertices().clone();
+            let [positions, normals] = [0, 3].map(|first| (&vertices, Words { first, stride: Body::WORDS }));
+            let skin = Skin { positions, normals };
+            let colliders = &mut scene.character.hair_mut().colliders;
+            colliders.deform(&mesh, &skin, &[]).unwrap();
         }
         for (i, (depth, rest)) in depths(&scene, gesture.body).into_iter().zip(&rest).enumerate() {
             let depth = depth - rest.max(0.0);

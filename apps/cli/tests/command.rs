@@ -128,8 +128,6 @@ fn what_a_crowd_has_not_is_refused() {
     for heads in ["0", "100000", "many"] {
         refuses(&["render", "--crowd", heads], "--crowd");
     }
-    refuses(&["render", "--crowd", "5", "--beard", "full"], "leave out --beard");
-    refuses(&["render", "--crowd", "5", "--animation", "Walk"], "rigid");
     refuses(&["render", "--crowd", "5", "--zoom", "close"], "--zoom");
     refuses(&["render", "--crowd", "5", "--debug", "guides"], "--debug");
     refuses(&["render", "--crowd-mb", "5"], "--crowd");

@@ -5,9 +5,9 @@
 
 #![cfg(target_os = "linux")]
 
-use std::{process::Command, str::FromStr, sync::Arc};
+use std::{process::Command, str::FromStr};
 use tresses::{
-    Pipelines,
+    character::CharacterSource,
     draw::Coverage,
     gpu::Gpu,
     groom::styles::Style,
@@ -15,8 +15,7 @@ use tresses::{
     views::{DebugView, Shown},
 };
 use tresses_scene::{
-    Base, Colliders, Companions, Motion, Quality, Scene, Settings, Shelf, Viewpoint, camera::Angle,
-    preset::Source,
+    Colliders, Companions, Motion, Quality, Scene, Settings, Shelf, Source, Viewpoint, camera::Angle,
 };
 
 /// Frames after which nothing new is made: pipelines, buffers of all sizes, the driver's variants of shaders.
@@ -83,11 +82,10 @@ fn work() {
         Err(error) => return println!("no GPU adapter: {error}"),
     };
     let mut quality = Quality::new(SIZES[0]);
-    (quality.shadow_resolution, quality.ambient_cells) = (64, 8);
+    (quality.view.shadow_resolution, quality.view.ambient_cells) = (64, 8);
     if samples > 0 {
-        (quality.coverage, quality.samples) = (Coverage::SampleMask, samples);
+        (quality.view.coverage, quality.view.samples) = (Coverage::SampleMask, samples);
     }
-    let pipelines = Arc::new(Pipelines::new(&gpu.device));
     let mut settings = Settings::default();
     settings.set("wind.speed", 3.0f32).expect("there is wind");
     settings.set("wind.cells", 16u32).expect("air in large cells");
@@ -96,14 +94,14 @@ fn work() {
     let source = Source::default();
     let maps = Companions::of(&source, Shelf::default()).maps().expect("none");
     let styling = settings.styling(Some(&style), &maps).expect("a styling");
-    let base = pollster::block_on(Base::built_in(&style, &gpu, &pipelines.simulate, &())).expect("a base");
+    let base = pollster::block_on(CharacterSource::built_in(&gpu.context, &style, &())).expect("a base");
     let character = pollster::block_on(base.dress(&styling, &())).expect("a character");
     let physics = settings.physics();
-    let scene = Scene::new(gpu, pipelines, character, Colliders::default(), &physics, &quality, &());
+    let scene = Scene::new(gpu, character, Colliders::default(), &physics, &quality, &());
     let mut scene = pollster::block_on(scene).expect("a scene");
     scene.apply(&settings).expect("settings are in their ranges");
     let motion = Motion::named("turn").expect("a built-in motion");
-    let pivot = scene.pivot();
+    let pivot = scene.character.neck();
     scene.reset(&motion.gesture(0.0, pivot)).expect("the hair comes to rest");
     let (mut leaked, mut held) = (Vec::new(), Vec::new());
     for frame in 0..frames {
@@ -118,10 +116,10 @@ fn work() {
         scene.watch(&camera);
         let pose = motion.gesture(f64::from(frame) / 24.0, pivot);
         scene.advance(&pose, 1.0 / 24.0).expect("a step");
-        let mut encoder = scene.gpu.device.create_command_encoder(&Default::default());
+        let mut encoder = scene.gpu.context.device().create_command_encoder(&Default::default());
         scene.record_draw(&mut encoder, None, &camera).expect("a picture");
-        scene.gpu.queue.submit([encoder.finish()]);
-        pollster::block_on(scene.targets().read(&scene.gpu.device, &scene.gpu.queue)).expect("pixels");
+        scene.gpu.context.queue().submit([encoder.finish()]);
+        pollster::block_on(scene.targets().read()).expect("pixels");
         leaked.push(vec![1u8; leak as usize]);
         held.push(resident());
     }

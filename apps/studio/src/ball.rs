@@ -1,8 +1,8 @@
 //! A ball that is dropped on the head and rolls off through the hair. The coupling is one-way: hair
 //! yields to it, the head bounces it, and hair does not affect its path.
 
+use tresses::character::Bounds;
 use tresses::{Pose, glam::Vec3, groom::SdfGrid};
-use tresses_scene::Bounds;
 
 /// Radius, metres.
 pub const RADIUS: f32 = 0.035;

@@ -2,7 +2,10 @@
 
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
 use std::sync::Arc;
-use tresses::gpu::{Gpu, Tier};
+use tresses::{
+    Context,
+    gpu::{Gpu, Tier},
+};
 
 /// How egui creates its device.
 pub fn configuration() -> WgpuConfiguration {
@@ -44,9 +47,7 @@ fn limits(adapter: &wgpu::Adapter) -> wgpu::Limits {
 pub fn gpu(state: &eframe::egui_wgpu::RenderState) -> Gpu {
     Gpu {
         adapter: state.adapter.clone(),
-        device: state.device.clone(),
-        queue: state.queue.clone(),
         info: state.adapter.get_info(),
-        tier: Tier::of(&state.adapter),
+        context: Context::new(&state.device, &state.queue).with_tier(Tier::of(&state.adapter)),
     }
 }

@@ -1,6 +1,9 @@
 //! File dialogs of the desktop, which do not block the window.
 
-use crate::{files::Files, hosted::Command, sort, task};
+use crate::{
+    answer::{Answer, Read},
+    sort, task,
+};
 use eframe::egui::{self, DroppedFileHandle};
 use rfd::AsyncFileDialog;
 use std::{
@@ -10,30 +13,8 @@ use std::{
     time::Duration,
 };
 use tresses::groom::formats;
-use tresses_scene::{Companion, Preset, Shelf, preset::Extent};
+use tresses_scene::{Companion, Preset, preset::Extent};
 use web_time::Instant;
-
-/// A file that was read.
-pub type Read = (PathBuf, Vec<u8>);
-
-/// What a person chose.
-#[derive(Clone, Debug)]
-pub enum Answer {
-    /// Groom and head files to open.
-    Open(Files),
-    /// The text of a preset, where it is from, and the files that came with it.
-    Preset(PathBuf, String, Shelf),
-    /// A file beside the hair, and the bytes that came with it.
-    Companion(&'static Companion, String, Shelf),
-    /// A picture that may be any map.
-    Picture(String, Shelf),
-    /// What the page around it wants.
-    Do(Command),
-    /// Something was written.
-    Wrote(String),
-    /// Something went wrong.
-    Failed(String),
-}
 
 /// What is saved.
 #[derive(Clone, Debug)]
@@ -77,42 +58,49 @@ impl Content {
     }
 }
 
-/// Answers on their way.
-#[derive(Clone, Default)]
-pub struct Dialogs(Arc<Mutex<Vec<Answer>>>);
+/// Answers on their way to a window.
+#[derive(Clone)]
+pub struct Dialogs {
+    answers: Arc<Mutex<Vec<Answer>>>,
+    context: egui::Context,
+}
 
 impl Dialogs {
+    /// Dialogs of the window of `context`.
+    pub fn new(context: &egui::Context) -> Self {
+        Self { answers: Arc::default(), context: context.clone() }
+    }
+
     /// What has been answered since the last call.
     pub fn take(&self) -> Vec<Answer> {
-        std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner))
+        std::mem::take(&mut *self.answers.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// Tells the window.
-    pub fn tell(&self, context: &egui::Context, answer: Answer) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(answer);
-        context.request_repaint();
+    pub fn tell(&self, answer: Answer) {
+        self.answers.lock().unwrap_or_else(PoisonError::into_inner).push(answer);
+        self.context.request_repaint();
     }
 
     /// Says so if the dialog that was asked for at `asked` did not open.
-    fn nothing(&self, context: &egui::Context, asked: Instant) {
+    fn nothing(&self, asked: Instant) {
         if no_dialog(asked) {
             let help = "drop files on the window or name them on the command line";
-            self.tell(context, Answer::Failed(format!("{MISSING}: {help}")));
+            self.tell(Answer::Failed(format!("{MISSING}: {help}")));
         }
     }
 
     /// Asks for files, and tells what is to be done with them.
     fn ask(
         &self,
-        context: &egui::Context,
         ask: impl FnOnce() -> AsyncFileDialog + Send + 'static,
         sort: impl FnOnce(Vec<Read>) -> Vec<Answer> + Send + 'static,
     ) {
-        let (dialogs, context) = (self.clone(), context.clone());
+        let dialogs = self.clone();
         task::spawn(move || async move {
             let asked = Instant::now();
             let Some(files) = ask().pick_files().await else {
-                dialogs.nothing(&context, asked);
+                dialogs.nothing(asked);
                 return;
             };
             let mut read = Vec::new();
@@ -120,28 +108,28 @@ impl Dialogs {
                 read.push((path_of(file), file.read().await));
             }
             for answer in sort(read) {
-                dialogs.tell(&context, answer);
+                dialogs.tell(answer);
             }
         });
     }
 
     /// Asks for a groom, a head, or both.
-    pub fn open(&self, context: &egui::Context) {
+    pub fn open(&self) {
         let ask = || {
             let ask = AsyncFileDialog::new().set_title("Open a groom, a head, or both");
             ask.add_filter("Grooms and heads", &[formats::GROOMS, formats::MESHES].concat())
         };
-        self.ask(context, ask, |files| sort::files(files, sort::IN_MEMORY));
+        self.ask(ask, |files| sort::files(files, sort::IN_MEMORY));
     }
 
     /// Asks for a preset.
-    pub fn preset(&self, context: &egui::Context) {
+    pub fn preset(&self) {
         let ask = || AsyncFileDialog::new().set_title("Open a preset").add_filter("Presets", &["toml"]);
-        self.ask(context, ask, |files| sort::files(files, sort::IN_MEMORY));
+        self.ask(ask, |files| sort::files(files, sort::IN_MEMORY));
     }
 
     /// Asks for a file beside the hair.
-    pub fn companion(&self, context: &egui::Context, companion: &'static Companion) {
+    pub fn companion(&self, companion: &'static Companion) {
         let ask = move || {
             let mut endings = companion.kind.extensions().to_vec();
             if sort::IN_MEMORY {
@@ -150,12 +138,12 @@ impl Dialogs {
             }
             AsyncFileDialog::new().set_title(companion.title).add_filter(companion.title, &endings)
         };
-        self.ask(context, ask, move |files| vec![sort::chosen(companion, files, sort::IN_MEMORY)]);
+        self.ask(ask, move |files| vec![sort::chosen(companion, files, sort::IN_MEMORY)]);
     }
 
     /// Takes what was dropped on the window: a groom, a head, a preset, maps, obstacles, surroundings.
-    pub fn dropped(&self, context: &egui::Context, files: Vec<DroppedFileHandle>) {
-        let (dialogs, context) = (self.clone(), context.clone());
+    pub fn dropped(&self, files: Vec<DroppedFileHandle>) {
+        let dialogs = self.clone();
         task::spawn(move || async move {
             let mut read = Vec::new();
             for file in files {
@@ -167,22 +155,22 @@ impl Dialogs {
                     Ok(bytes) => read.push((file.path().to_path_buf(), bytes)),
                     Err(error) => {
                         let name = file.path().display();
-                        dialogs.tell(&context, Answer::Failed(format!("{name} cannot be read: {error}")));
+                        dialogs.tell(Answer::Failed(format!("{name} cannot be read: {error}")));
                         return;
                     }
                 }
             }
             for answer in sort::files(read, sort::IN_MEMORY) {
-                dialogs.tell(&context, answer);
+                dialogs.tell(answer);
             }
         });
     }
 
     /// Asks where `content` shall go, with `name` as a proposal.
     #[cfg(not(target_arch = "wasm32"))]
-    pub fn save(&self, context: &egui::Context, title: &str, name: &str, content: impl Into<Content>) {
+    pub fn save(&self, title: &str, name: &str, content: impl Into<Content>) {
         let content = content.into();
-        let (dialogs, context) = (self.clone(), context.clone());
+        let dialogs = self.clone();
         let (title, name) = (title.to_owned(), name.to_owned());
         task::spawn(move || async move {
             let asked = Instant::now();
@@ -192,22 +180,19 @@ impl Dialogs {
                 None if no_dialog(asked) => write_here(&name, &content),
                 None => return,
             };
-            dialogs.tell(&context, answer);
+            dialogs.tell(answer);
         });
     }
 
     /// Offers `content` for download as `name`: where it goes is the browser's business.
     #[cfg(target_arch = "wasm32")]
-    pub fn save(&self, context: &egui::Context, _: &str, name: &str, content: impl Into<Content>) {
-        let done = content.into().bytes(Path::new(name)).map(|bytes| crate::web::download(name, &bytes));
-        self.tell(
-            context,
-            match done {
-                Ok(Ok(())) => Answer::Wrote(format!("{name} is handed to the browser as a download")),
-                Ok(Err(error)) => Answer::Failed(format!("{name} cannot be downloaded: {error:?}")),
-                Err(error) => Answer::Failed(format!("{name} cannot be written: {error}")),
-            },
-        );
+    pub fn save(&self, _: &str, name: &str, content: impl Into<Content>) {
+        let done = content.into().bytes(Path::new(name)).map(|bytes| crate::page::download(name, &bytes));
+        self.tell(match done {
+            Ok(Ok(())) => Answer::Wrote(format!("{name} is handed to the browser as a download")),
+            Ok(Err(error)) => Answer::Failed(format!("{name} cannot be downloaded: {error:?}")),
+            Err(error) => Answer::Failed(format!("{name} cannot be written: {error}")),
+        });
     }
 }
 

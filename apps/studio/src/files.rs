@@ -1,8 +1,8 @@
 //! Files that were chosen or dropped: paths on a desktop, bytes in a browser.
 
 use std::{path::PathBuf, sync::Arc};
+use tresses::character::CharacterFiles;
 use tresses::groom::import::Given;
-use tresses_scene::character;
 
 /// The files of a groom and its head.
 #[derive(Clone, Debug)]
@@ -31,10 +31,10 @@ impl PartialEq for Files {
 
 impl Files {
     /// As the readers take them.
-    pub fn borrowed(&self) -> character::Files<'_> {
+    pub fn borrowed(&self) -> CharacterFiles<'_> {
         match self {
-            Self::Disk { grooms, heads } => character::Files::Disk { grooms, heads },
-            Self::Given(files) => character::Files::Given(files),
+            Self::Disk { grooms, heads } => CharacterFiles::Disk { grooms, heads },
+            Self::Given(files) => CharacterFiles::Given(files),
         }
     }
 

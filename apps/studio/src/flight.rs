@@ -130,15 +130,16 @@ mod tests {
         };
         let woken = Arc::new(AtomicU32::new(0));
         let start = || {
-            let parts = (0..8).map(|_| gpu.device.create_command_encoder(&Default::default()).finish());
+            let parts =
+                (0..8).map(|_| gpu.context.device().create_command_encoder(&Default::default()).finish());
             let woken = woken.clone();
-            Flight::start(&gpu.queue, Instant::now(), parts.collect(), move || {
+            Flight::start(gpu.context.queue(), Instant::now(), parts.collect(), move || {
                 woken.fetch_add(1, Ordering::Relaxed);
             })
         };
         let wait = |flight: &Flight| {
             while flight.landed().is_none() {
-                gpu.device.poll(wgpu::PollType::Poll).unwrap();
+                gpu.context.device().poll(wgpu::PollType::Poll).unwrap();
             }
             flight.progress()
         };

@@ -1,16 +1,35 @@
-//! The hair that is shown, with its files, and the transitions between hairs.
+//! A hair: its source and its companions.
 
-use crate::{
-    app::{Shown, Studio},
-    files::Files,
-    job::{Job, Order, Source},
-};
-use eframe::egui;
-use tresses::groom::styles::Style;
-use tresses_scene::{Companion, Companions, Settings, Shelf, preset, settings::HairColor};
+use crate::files::Files;
+use tresses::groom::{import::ImportOptions, styles::Style};
+use tresses_scene::{Companion, Companions, Settings, settings::HairColor, source};
 
 /// The key of the colours painted on the scalp.
-const COLORS: &str = "color_map";
+pub const COLORS: &str = "color_map";
+
+/// Groom and head.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Source {
+    /// A built-in style, by its name.
+    Style(String),
+    /// The files of one groom, and of the head it grows on if there are any.
+    Files {
+        /// The files.
+        files: Files,
+        /// Units and axes.
+        options: Box<ImportOptions>,
+    },
+}
+
+impl Source {
+    /// A few words for a title.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Style(name) => name.clone(),
+            Self::Files { files, .. } => files.name(),
+        }
+    }
+}
 
 /// Which hair, and the maps, obstacles and surroundings beside it.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,7 +53,7 @@ impl Hair {
     }
 
     /// The settings under which one sees it: colours that were `painted` for it hide behind no other.
-    fn seen_with(&self, settings: &Settings, painted: Option<&str>) -> Settings {
+    pub fn seen_with(&self, settings: &Settings, painted: Option<&str>) -> Settings {
         let mut settings = settings.clone();
         if painted.is_some() && painted == self.companions.names().color_map.as_deref() {
             settings.shading.color = HairColor::File;
@@ -43,13 +62,12 @@ impl Hair {
     }
 
     /// What leads from `before` to this, a word or two.
-    fn step_from(&self, before: &Self) -> String {
+    pub fn step_from(&self, before: &Self) -> String {
         if self.source != before.source {
             return format!("Hair: {}", self.source.name());
         }
         let name = |hair: &Self, companion: &Companion| hair.companions.name(companion);
-        let mut turned =
-            tresses_scene::companions::COMPANIONS.iter().filter(|c| name(self, c) != name(before, c));
+        let mut turned = source::COMPANIONS.iter().filter(|c| name(self, c) != name(before, c));
         match (turned.next(), turned.next()) {
             (Some(one), None) => one.title.into(),
             _ => "Files".into(),
@@ -57,7 +75,7 @@ impl Hair {
     }
 
     /// As a preset names it; bytes of a browser have no place that could be named.
-    pub fn named(&self) -> preset::Source {
+    pub fn named(&self) -> source::Source {
         let mut source = self.companions.names().clone();
         match &self.source {
             Source::Style(name) => source.style = Some(name.clone()),
@@ -71,97 +89,10 @@ impl Hair {
     }
 }
 
-impl Studio {
-    /// The hair that is shown, or will be when the work that is under way is done.
-    pub(crate) fn wanted(&self) -> Hair {
-        let coming = self.job.as_ref().map(|job| &job.hair);
-        coming.or(self.shown.as_ref().map(|shown| &shown.hair)).cloned().unwrap_or_default()
-    }
-
-    /// Starts to make `source` ready, read anew; what is shown stays until then.
-    pub(crate) fn open(&mut self, context: &egui::Context, source: Source) {
-        let companions = self.wanted().companions;
-        self.make(context, Hair { source, companions }, true);
-    }
-
-    /// Puts a file in its place beside the hair, or takes it away.
-    pub(crate) fn put(
-        &mut self,
-        context: &egui::Context,
-        companion: &Companion,
-        name: Option<String>,
-        files: &Shelf,
-    ) {
-        let Hair { source, companions } = self.wanted();
-        if companion.key == COLORS {
-            self.painted.clone_from(&name);
-        }
-        let hair = Hair { source, companions: companions.with(companion, name, files) };
-        if companion.kind.is_of_hair() { self.make(context, hair, false) } else { self.light(context, hair) }
-    }
-
-    /// Goes to `hair`, if it is not there already.
-    pub(crate) fn go_to(&mut self, context: &egui::Context, hair: Hair) {
-        self.painted = None;
-        if self.job.as_ref().is_some_and(|job| job.hair == hair) {
-            return;
-        }
-        if self.shown.as_ref().is_some_and(|shown| shown.hair == hair) {
-            // Whatever was on its way is wanted no longer, but for what settings have asked for.
-            self.regrow |= self.job.take().is_some();
-            return;
-        }
-        self.light(context, hair);
-    }
-
-    /// Starts to make `hair` ready: only its light where nothing else is another.
-    fn light(&mut self, context: &egui::Context, hair: Hair) {
-        let same = self.shown.as_ref().is_some_and(|shown| shown.hair.is_lit_otherwise(&hair));
-        if same && self.job.as_ref().is_none_or(Job::is_light) {
-            (self.error, self.said) = (None, None);
-            self.job = Some(Job::light(context, hair));
-        } else {
-            self.make(context, hair, false);
-        }
-    }
-
-    /// Starts to make `hair` ready; `fresh`: its files are read although they are those that are shown.
-    pub(crate) fn make(&mut self, context: &egui::Context, hair: Hair, fresh: bool) {
-        let shown = self.shown.as_ref().filter(|shown| !fresh && shown.hair.source == hair.source);
-        let base = shown.map(|shown| shown.base.clone());
-        // Light stays if it is the same file.
-        let same_light = |shown: &&Shown| {
-            let light = |hair: &Hair| hair.companions.names().environment.clone();
-            light(&shown.hair) == light(&hair) && !shown.hair.companions.files_differ(&hair.companions)
-        };
-        let surroundings = shown.filter(same_light).and_then(|shown| shown.surroundings.clone());
-        let pipelines = self.pipelines.clone();
-        (self.regrow, self.rebuild) = (false, false);
-        let settings = self.settings.now().clone();
-        let keep = base.is_some();
-        self.start(context, Order { hair, base, surroundings, pipelines, settings, keep });
-    }
-
-    /// `hair` is shown from here on, which is a step that can be undone. Colours that were painted for it are
-    /// seen at once, whatever colour it had: that belongs to the same step.
-    pub(crate) fn arrived(&mut self, context: &egui::Context, hair: &Hair) {
-        let painted = self.painted.take();
-        if self.shown.is_none() {
-            // The first is where one begins.
-            self.settings.set_hair(hair.clone());
-            return;
-        }
-        let label = hair.step_from(self.settings.hair());
-        let before = self.settings.now().clone();
-        self.settings.change_both(hair.seen_with(&before, painted.as_deref()), hair.clone(), &label);
-        self.follow(context, &before);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tresses_scene::companions::companion;
+    use tresses_scene::{Shelf, source::companion};
 
     #[test]
     fn what_changed_is_named() {

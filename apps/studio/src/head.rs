@@ -1,11 +1,11 @@
 //! Dragging the head: it follows the pointer on a spring and swings back when released.
 
+use tresses::character::Gesture;
 use tresses::{
     Pose,
     glam::{Quat, Vec2, Vec3},
     groom::SdfGrid,
 };
-use tresses_scene::Gesture;
 
 /// How fast a held head follows, rad/s.
 const HELD: f32 = 22.0;

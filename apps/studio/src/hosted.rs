@@ -1,8 +1,7 @@
 //! The studio in somebody else's page: without panels, told what to do by name, and telling what has come of it.
 
-use crate::{app::Studio, state::State};
+use crate::{messages::Messages, renderer::Renderer, state::State};
 use anyhow::{Context, Result, bail};
-use eframe::egui;
 use tresses_scene::{
     Value,
     camera::Angle,
@@ -64,47 +63,30 @@ impl Command {
 /// What a host is called with after every frame of the window: how things are.
 pub type Tell = Box<dyn Fn(&State)>;
 
-impl Studio {
-    /// Does what a host wants.
-    pub(crate) fn do_for_host(&mut self, context: &egui::Context, command: Command) {
-        self.dirty = true;
-        match command {
-            Command::Set(knob, value) => {
-                let mut settings = self.settings.now().clone();
-                match knob.set(&mut settings, value) {
-                    Ok(()) => self.change(context, settings, knob.label),
-                    Err(error) => self.error = Some(format!("{error:#}")),
-                }
-            }
-            Command::Playing(playing) => self.play.playing = playing,
-            Command::Motion(name) => {
-                self.play.choose(name);
-                self.play.playing = true;
-            }
-            Command::Animation(name) => {
-                self.animation = Some(name);
-                if self.job.is_none() {
-                    self.animate();
-                }
-            }
-            Command::Camera(angle) => self.orbit.frame(angle),
-        }
-    }
+/// The page around the studio, if there is one.
+#[derive(Default)]
+pub struct Host {
+    /// Called after every frame of the window.
+    pub tell: Option<Tell>,
+    /// The animation that a body is to begin with, once it is there.
+    pub animation: Option<Option<String>>,
+}
 
+impl Host {
     /// Does what was asked for of a body that is there now.
-    pub(crate) fn animate(&mut self) {
-        let Some(show) = &mut self.show else { return };
+    pub fn animate(&mut self, renderer: &mut Renderer, messages: &mut Messages) {
+        let Some(show) = &mut renderer.show else { return };
         let Some(name) = self.animation.take() else { return };
-        let Some(living) = &mut show.stage.living else {
-            self.error = Some("this body has no animations".into());
+        let Some(living) = show.stage.character.rig_mut() else {
+            messages.error = Some("this body has no animations".into());
             return;
         };
         if let Err(error) = living.set_animation(name.as_deref()) {
-            self.error = Some(format!("{error:#}"));
+            messages.fail(error);
             return;
         }
-        show.stage.seek(0.0);
-        self.play.playing |= name.is_some();
+        show.stage.character.seek(0.0);
+        renderer.playback.play.playing |= name.is_some();
     }
 }
 

@@ -1,73 +1,59 @@
 //! Long operations in the background: pipelines, then a character on the GPU.
 
-use crate::{files::Files, hair::Hair, task, turn};
+use crate::{
+    hair::{Hair, Source},
+    task,
+};
 use anyhow::Result;
 use eframe::egui;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tresses::{
-    Pipelines, Progress,
-    gpu::Gpu,
-    groom::{import::ImportOptions, styles::Style},
+    Progress,
+    character::{CharacterSource, Gesture},
+    draw::Coverage,
+    gpu::{Gpu, Tier},
+    groom::styles::Style,
+    view::ViewOptions,
 };
-use tresses_scene::{Base, Gesture, Quality, Scene, Settings, Surroundings};
+use tresses_scene::{Quality, Scene, Settings, Surroundings};
 
 /// Size of the very first picture, which nobody sees, pixels.
 const FIRST: [u32; 2] = [487, 305];
 /// How long work goes on before the window gets its turn.
 const PATIENCE: std::time::Duration = std::time::Duration::from_millis(40);
 
-/// Groom and head.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Source {
-    /// A built-in style, by its name.
-    Style(String),
-    /// The files of one groom, and of the head it grows on if there are any.
-    Files {
-        /// Which.
-        files: Files,
-        /// What is known of units and axes.
-        options: Box<ImportOptions>,
-    },
-}
-
-impl Source {
-    /// A few words for a title.
-    pub fn name(&self) -> String {
-        match self {
-            Self::Style(name) => name.clone(),
-            Self::Files { files, .. } => files.name(),
-        }
-    }
-}
-
 /// What is to be made ready.
 pub struct Order {
     /// Which hair, with what beside it.
     pub hair: Hair,
     /// What is there of it already.
-    pub base: Option<Arc<Base>>,
+    pub base: Option<Arc<CharacterSource>>,
     /// Its surroundings, if they are read already.
     pub surroundings: Option<Arc<Surroundings>>,
-    /// The pipelines, if they are made already.
-    pub pipelines: Option<Arc<Pipelines>>,
     /// How.
     pub settings: Settings,
     /// Whether camera and motion stay as they are.
     pub keep: bool,
 }
 
+/// The character on the screen.
+pub struct Shown {
+    /// Its source and companions.
+    pub hair: Hair,
+    /// Notes for the user, a sentence each.
+    pub notes: Vec<String>,
+    /// The groom before styling, and the import report.
+    pub base: Arc<CharacterSource>,
+    /// The environment map; `None` for the photographer's lights.
+    pub surroundings: Option<Arc<Surroundings>>,
+}
+
 /// A character that is ready to be shown.
 pub struct Ready {
     /// On the GPU.
     pub stage: Scene,
-    /// What it was made from.
-    pub hair: Hair,
-    /// What can be styled anew.
-    pub base: Arc<Base>,
-    /// What lights it instead of a photographer.
-    pub surroundings: Option<Arc<Surroundings>>,
-    /// What the user should know.
-    pub notes: Vec<String>,
+    /// Its source, for display and for later jobs.
+    pub shown: Shown,
     /// Whether camera and motion stay as they are.
     pub keep: bool,
 }
@@ -189,7 +175,7 @@ impl Job {
 }
 
 async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready> {
-    let Order { hair, base, surroundings, pipelines, settings, keep } = order;
+    let Order { hair, base, surroundings, settings, keep } = order;
     let Hair { source, companions } = &hair;
     // What can be refused is refused before anything is made.
     progress.step("reading maps and environments", 0.0).await;
@@ -198,15 +184,14 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready
         Some(surroundings) => Some(surroundings),
         None => companions.surroundings()?.map(Arc::new),
     };
-    let options = turn::draw_options(&settings, &gpu.tier)?;
-    let pipelines = pipelines.unwrap_or_else(|| Arc::new(Pipelines::new(&gpu.device)));
+    let options = view_options(&settings, gpu.context.tier())?;
     let base = match (base, source) {
         (Some(base), _) => base,
         (None, Source::Style(name)) => {
-            Arc::new(Base::built_in(&name.parse::<Style>()?, &gpu, &pipelines.simulate, progress).await?)
+            Arc::new(CharacterSource::built_in(&gpu.context, &name.parse::<Style>()?, progress).await?)
         }
         (None, Source::Files { files, options }) => {
-            Arc::new(Base::imported(&files.borrowed(), options, progress).await?)
+            Arc::new(CharacterSource::imported(&files.borrowed(), options, progress).await?)
         }
     };
     let styling = settings.styling(base.style(), &maps)?;
@@ -215,38 +200,44 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready
     // What is compiled already is there at once.
     let mut wanted = settings.pipelines(options);
     wanted.extend(settings.pipelines_of_motion(&character.guide_vertices()));
-    pipelines.prepare(&wanted, progress).await?;
-    let quality = Quality {
-        samples: options.samples,
-        coverage: options.coverage,
-        shadow_resolution: options.shadow_resolution,
-        strand_map: options.strand_map,
-        ambient_cells: options.ambient_cells,
-        ssaa: settings.edges.ssaa,
-        lod: settings.lod(),
-        ..Quality::new(FIRST)
-    };
+    gpu.context.prepare(&wanted, progress).await?;
+    let quality = Quality { size: FIRST, view: options, ssaa: settings.ssaa, lod: settings.lod() };
     let physics = settings.physics();
-    let stage = Scene::new(gpu, pipelines, character, colliders, &physics, &quality, progress).await;
+    let stage = Scene::new(gpu, character, colliders, &physics, &quality, progress).await;
     let mut stage = stage?;
     stage.dress(&settings);
     stage.set_surroundings(surroundings.clone());
     progress.step("drawing the first picture", 0.0).await;
     first_picture(&mut stage)?;
-    Ok(Ready { stage, hair, base, surroundings, notes, keep })
+    Ok(Ready { stage, shown: Shown { hair, notes, base, surroundings }, keep })
+}
+
+/// How pictures are sampled: as `settings` say, and where they say nothing so that it is fast.
+pub fn view_options(settings: &Settings, tier: Tier) -> tresses::Result<ViewOptions> {
+    if settings.gives("edges.samples") || settings.gives("edges.coverage") {
+        return settings.view_options(tier.max_samples);
+    }
+    let mut fast = ViewOptions { samples: 4, coverage: Coverage::SampleMask, ..settings.view };
+    if tier.software {
+        fast.samples = 1;
+        fast.shadow_resolution = fast.shadow_resolution.min(256);
+        // An eighth of the cells, whose work does not fall with the strands.
+        fast.ambient_cells = fast.ambient_cells.min(12);
+    }
+    Ok(fast)
 }
 
 /// Drivers finish compiling when something is drawn: better here than in the window.
 fn first_picture(stage: &mut Scene) -> Result<()> {
-    let mut encoder = stage.gpu.device.create_command_encoder(&Default::default());
+    let mut encoder = stage.gpu.context.device().create_command_encoder(&Default::default());
     let camera = tresses_scene::Viewpoint::portrait(Default::default(), stage.subject(), 1.0, 1.0);
-    stage.hair.reset();
+    stage.character.hair_mut().reset();
     for seconds in [0.0, 1.0 / 60.0] {
         stage.record_advance(&mut encoder, None, &Gesture::default(), seconds)?;
     }
     stage.record_draw(&mut encoder, None, &camera)?;
-    stage.gpu.queue.submit([encoder.finish()]);
+    stage.gpu.context.queue().submit([encoder.finish()]);
     #[cfg(not(target_arch = "wasm32"))]
-    stage.gpu.device.poll(wgpu::PollType::wait_indefinitely())?;
+    stage.gpu.context.device().poll(wgpu::PollType::wait_indefinitely())?;
     Ok(())
 }

@@ -1,10 +1,12 @@
 //! The studio: one interactive viewer of hair, in a window and in the browser.
 //!
 //! ```text
-//! app ──► viewport, panels      user input, frame by frame
-//!  │
-//!  ├─ job ──► task              long operations: pipelines, grooms; a thread natively, an async task in the browser
-//!  └─ stage                     the only file that talks to the renderer: a frame into a texture
+//! app ──► panels, viewport            user input, frame by frame; each borrows the parts it needs
+//!  ├──► document ──► job ──► task      settings, hair, history; jobs on a thread natively, async tasks in the browser
+//!  ├──► record, picture, hosted        a loop or a picture as a file; the host page
+//!  │      └──► renderer ──► stage      when and how finely a frame is drawn; only `stage` talks to the renderer
+//!  │             └──► playback         transport, hand and ball
+//!  └──► dialog, loss, messages
 //! ```
 //!
 //! egui owns window, device and queue ([`device`] says what it asks the adapter for); [`stage`] draws
@@ -13,38 +15,42 @@
 //! the window's own go between. Frame time controls the resolution ([`pace`]). Nothing is drawn unless hair moves or
 //! something changed.
 
+pub mod answer;
 pub mod app;
-pub mod arrive;
 pub mod ball;
 pub mod blit;
 pub mod device;
 pub mod dialog;
+pub mod document;
 pub mod events;
 pub mod files;
 pub mod flight;
-pub mod frame;
 pub mod hair;
 pub mod head;
 pub mod hosted;
 pub mod job;
 pub mod loss;
+pub mod messages;
 
 #[cfg(not(target_arch = "wasm32"))]
 mod native;
 pub mod options;
 pub mod orbit;
 pub mod pace;
+#[cfg(target_arch = "wasm32")]
+mod page;
 pub mod panels;
 pub mod picture;
 pub mod play;
+pub mod playback;
 pub mod record;
+pub mod renderer;
 pub mod sort;
 pub mod stage;
 pub mod state;
 pub mod task;
 pub mod theme;
 pub mod tool;
-pub mod turn;
 pub mod viewport;
 #[cfg(target_arch = "wasm32")]
 mod web;

@@ -1,8 +1,20 @@
 //! A device that is lost, or refuses its work: one sentence, and another window.
 
-use crate::app::Studio;
+use crate::options::Options;
 use eframe::egui;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{
+    Arc, Mutex, PoisonError,
+    atomic::{AtomicBool, Ordering},
+};
+
+/// Options of the open window, for the next one if its device is lost.
+static SHOWN: Mutex<Option<Box<Options>>> = Mutex::new(None);
+
+/// Why the device of the window is gone.
+static GONE: Mutex<Option<String>> = Mutex::new(None);
+
+/// Whether a device that is destroyed counts as lost: only a test destroys one that is in use.
+static DESTROYS: AtomicBool = AtomicBool::new(false);
 
 /// Why nothing can be drawn any more.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,35 +26,22 @@ pub struct Loss {
 }
 
 /// What the driver has reported so far.
-pub type Lost = Arc<Mutex<Option<Loss>>>;
+#[derive(Clone, Debug, Default)]
+pub struct Lost(Arc<Mutex<Option<Loss>>>);
 
-impl Studio {
-    /// Closes a window that has no device any more; [`crate::native::run`] opens another. Whether it does:
-    /// then nothing must be shown, as there is nothing to draw it with.
-    #[cfg(not(target_arch = "wasm32"))]
-    pub(crate) fn leaves_if_gone(&mut self, context: &egui::Context) -> bool {
-        crate::native::lose_for_tests(&self.gpu.device, self.show.as_ref().map_or(0, |show| show.frames));
-        crate::native::remember(self.again());
-        let gone = self.is_gone();
-        if gone {
-            context.send_viewport_cmd(egui::ViewportCommand::Close);
-        }
-        gone
-    }
-
+impl Lost {
     /// Why nothing can be drawn any more.
-    pub(crate) fn lost(&self) -> Option<String> {
+    pub fn sentence(&self) -> Option<String> {
         self.loss().map(|loss| loss.sentence)
     }
 
     /// Whether there is no device any more with which a window could say so.
-    #[cfg(not(target_arch = "wasm32"))]
-    pub(crate) fn is_gone(&self) -> bool {
+    pub fn is_gone(&self) -> bool {
         self.loss().is_some_and(|loss| loss.is_gone)
     }
 
     fn loss(&self) -> Option<Loss> {
-        self.lost.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 }
 
@@ -52,16 +51,15 @@ pub fn listen(device: &wgpu::Device, context: &egui::Context, lost: &Lost) {
         let (lost, context, sentence) = (lost.clone(), context.clone(), sentence.to_owned());
         move |message: String| {
             let first = message.lines().next().unwrap_or_default().to_owned();
-            let mut lost = lost.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut lost = lost.0.lock().unwrap_or_else(PoisonError::into_inner);
             // What comes first is the cause; what is gone is worse than what is refused.
             if lost.as_ref().is_none_or(|before| is_gone && !before.is_gone) {
                 let cause = if first.is_empty() { sentence.clone() } else { format!("{sentence}: {first}") };
                 // egui has no device to draw it with.
                 #[cfg(target_arch = "wasm32")]
-                crate::web::say(&cause);
-                #[cfg(not(target_arch = "wasm32"))]
+                crate::page::say(&cause);
                 if is_gone {
-                    crate::native::gone(&cause);
+                    *GONE.lock().unwrap_or_else(PoisonError::into_inner) = Some(cause.clone());
                 }
                 *lost = Some(Loss { sentence: cause, is_gone });
             }
@@ -70,12 +68,8 @@ pub fn listen(device: &wgpu::Device, context: &egui::Context, lost: &Lost) {
     };
     let gone = tell("The GPU was lost", true);
     device.set_device_lost_callback(move |reason, message| {
-        #[cfg(target_arch = "wasm32")]
-        let destroys = false;
-        #[cfg(not(target_arch = "wasm32"))]
-        let destroys = crate::native::DESTROYS.load(std::sync::atomic::Ordering::Relaxed);
         // That of a window that closes is none.
-        if destroys || reason != wgpu::DeviceLostReason::Destroyed {
+        if DESTROYS.load(Ordering::Relaxed) || reason != wgpu::DeviceLostReason::Destroyed {
             gone(message);
         }
     });
@@ -84,6 +78,36 @@ pub fn listen(device: &wgpu::Device, context: &egui::Context, lost: &Lost) {
         eprintln!("{error}");
         wrong(error.to_string());
     }));
+}
+
+/// Keeps the options that open the window again.
+pub fn remember(shown: Options) {
+    *SHOWN.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(shown));
+}
+
+/// The reason if the window's device is gone, and the options that open the window again. Takes both.
+pub fn take() -> (Option<String>, Option<Box<Options>>) {
+    let gone = GONE.lock().unwrap_or_else(PoisonError::into_inner).take();
+    (gone, SHOWN.lock().unwrap_or_else(PoisonError::into_inner).take())
+}
+
+/// Loses the device after the frame that `TRESSES_STUDIO_LOSE_AT` names, once: a test of what follows.
+pub fn lose_for_tests(device: &wgpu::Device, frames: u64) {
+    static DONE: AtomicBool = AtomicBool::new(false);
+    let at = std::env::var("TRESSES_STUDIO_LOSE_AT").ok().and_then(|text| text.parse::<u64>().ok());
+    if at.is_some_and(|at| frames >= at) && !DONE.swap(true, Ordering::Relaxed) {
+        DESTROYS.store(true, Ordering::Relaxed);
+        device.destroy();
+        // Calls back, here or on the thread that watches over frames; whatever it says, the device is gone.
+        for _ in 0..1000 {
+            let _ = device.poll(wgpu::PollType::Poll);
+            if GONE.lock().unwrap_or_else(PoisonError::into_inner).is_some() {
+                break;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        DESTROYS.store(false, Ordering::Relaxed);
+    }
 }
 
 #[cfg(all(test, not(target_arch = "wasm32")))]
@@ -98,21 +122,21 @@ mod tests {
             return;
         };
         let (context, lost) = (egui::Context::default(), Lost::default());
-        let now = |lost: &Mutex<Option<Loss>>| lost.lock().unwrap().clone();
-        listen(&gpu.device, &context, &lost);
+        let now = Lost::loss;
+        listen(gpu.context.device(), &context, &lost);
         assert_eq!(now(&lost), None);
         // Refused work is told, and leaves a device.
         let usage = wgpu::BufferUsages::empty();
-        let _ = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        let _ = gpu.context.device().create_buffer(&wgpu::BufferDescriptor {
             label: None,
             size: 4,
             usage,
             mapped_at_creation: false,
         });
         assert!(now(&lost).is_some_and(|loss| !loss.is_gone && loss.sentence.contains("refused")));
-        crate::native::DESTROYS.store(true, std::sync::atomic::Ordering::Relaxed);
-        gpu.device.destroy();
-        let _ = gpu.device.poll(wgpu::PollType::Poll);
+        DESTROYS.store(true, Ordering::Relaxed);
+        gpu.context.device().destroy();
+        let _ = gpu.context.device().poll(wgpu::PollType::Poll);
         assert!(now(&lost).is_some_and(|loss| loss.is_gone && loss.sentence.starts_with("The GPU was lost")));
     }
 }

@@ -1,30 +1,15 @@
 //! The window.
 
-use crate::{app::Studio, device, options::Options};
+use crate::{app::Studio, device, loss, options::Options};
 use anyhow::{Result, anyhow};
 use eframe::egui;
-use std::{
-    panic::{self, AssertUnwindSafe},
-    sync::{
-        Mutex, PoisonError,
-        atomic::{AtomicBool, Ordering},
-    },
-};
+use std::panic::{self, AssertUnwindSafe};
 
 /// The window's size at first, points.
 const SIZE: [f32; 2] = [1280.0, 800.0];
 
 /// How often a device may be lost before it is given up.
 const MOST: u32 = 3;
-
-/// What the window shows, to be shown by another if its device is lost.
-static SHOWN: Mutex<Option<Box<Options>>> = Mutex::new(None);
-
-/// Why the device of the window is gone.
-static GONE: Mutex<Option<String>> = Mutex::new(None);
-
-/// Whether a device that is destroyed counts as lost: only a test destroys one that is in use.
-pub(crate) static DESTROYS: AtomicBool = AtomicBool::new(false);
 
 /// Opens the window and returns when it is closed. A window that loses its device is opened again.
 ///
@@ -35,8 +20,7 @@ pub fn run(options: Options) -> Result<()> {
     for _ in 0..=MOST {
         // Whoever asks a device that is gone for memory panics, wgpu's helpers and egui's painter among them.
         let done = panic::catch_unwind(AssertUnwindSafe(|| open(next)));
-        let gone = GONE.lock().unwrap_or_else(PoisonError::into_inner).take();
-        let shown = SHOWN.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let (gone, shown) = loss::take();
         next = match (done, gone, shown) {
             (Ok(_), Some(why), Some(shown)) => {
                 let trouble = format!("{why}. This is the studio opened again");
@@ -49,35 +33,6 @@ pub fn run(options: Options) -> Result<()> {
         };
     }
     Err(anyhow!("the GPU was lost {} times; the studio gives it up", MOST + 1))
-}
-
-/// The window shows this.
-pub(crate) fn remember(shown: Options) {
-    *SHOWN.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(shown));
-}
-
-/// The window that is open has no device any more.
-pub(crate) fn gone(why: &str) {
-    *GONE.lock().unwrap_or_else(PoisonError::into_inner) = Some(why.to_owned());
-}
-
-/// Loses the device after the frame that `TRESSES_STUDIO_LOSE_AT` names, once: a test of what follows.
-pub(crate) fn lose_for_tests(device: &wgpu::Device, frames: u64) {
-    static DONE: AtomicBool = AtomicBool::new(false);
-    let at = std::env::var("TRESSES_STUDIO_LOSE_AT").ok().and_then(|text| text.parse::<u64>().ok());
-    if at.is_some_and(|at| frames >= at) && !DONE.swap(true, Ordering::Relaxed) {
-        DESTROYS.store(true, Ordering::Relaxed);
-        device.destroy();
-        // Calls back, here or on the thread that watches over frames; whatever it says, the device is gone.
-        for _ in 0..1000 {
-            let _ = device.poll(wgpu::PollType::Poll);
-            if GONE.lock().unwrap_or_else(PoisonError::into_inner).is_some() {
-                break;
-            }
-            std::thread::sleep(std::time::Duration::from_millis(1));
-        }
-        DESTROYS.store(false, Ordering::Relaxed);
-    }
 }
 
 fn open(options: Options) -> Result<()> {

@@ -1,7 +1,8 @@
 //! The user's camera: it orbits a point, pans and zooms, and moves smoothly to named views.
 
+use tresses::character::Bounds;
 use tresses::glam::{Vec2, Vec3};
-use tresses_scene::camera::{Angle, Bounds, VERTICAL_FOV, Viewpoint};
+use tresses_scene::camera::{Angle, VERTICAL_FOV, Viewpoint};
 
 /// Nearest and farthest that a camera may come to what it looks at, metres.
 const DISTANCE: (f32, f32) = (0.05, 10.0);

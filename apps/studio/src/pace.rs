@@ -49,7 +49,7 @@ impl Level {
     /// When the level of detail is out of its range.
     pub fn dress(&self, stage: &mut Scene, settings: &Settings) -> Result<()> {
         stage.take(settings);
-        if stage.gpu.tier.software {
+        if stage.gpu.context.tier().software {
             // Its coarse maps shade what casts the shadow sooner.
             stage.picture.shadows.bias *= 2.0;
         }

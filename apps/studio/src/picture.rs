@@ -1,48 +1,54 @@
 //! The picture as a file.
 
-use crate::{app::Studio, dialog::Answer, stage::Moment, task};
+use crate::{answer::Answer, dialog::Dialogs, messages::Messages, renderer::Renderer, task};
 use anyhow::Result;
-use eframe::egui;
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
+use tresses_scene::Settings;
 
-impl Studio {
+/// The request for a picture as a file.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Snapshot {
+    /// Whether the picture is to be saved.
+    pub wanted: bool,
+    /// Whether the last frame was drawn to be saved.
+    pub kept: bool,
+}
+
+impl Snapshot {
     /// Saves the picture on request, at the window's full size and quality; no frame is under way. Whether one is
     /// begun for it.
-    pub(crate) fn save_picture(&mut self, context: &egui::Context) -> bool {
-        let Some(show) = self.show.as_ref().filter(|_| self.wants_picture && self.recording.is_none()) else {
-            return false;
-        };
-        let picture = show.picture().filter(|picture| picture.level == *self.pace.finest());
-        let Some(size) = picture.map(|picture| picture.size).filter(|_| !self.dirty || self.kept) else {
-            match self.draw_in_full(context) {
+    pub fn save(
+        &mut self,
+        renderer: &mut Renderer,
+        settings: &Settings,
+        dialogs: &Dialogs,
+        messages: &mut Messages,
+    ) -> bool {
+        let Some(show) = renderer.show.as_ref().filter(|_| self.wanted) else { return false };
+        let level = renderer.pace.finest();
+        let picture = show.picture().filter(|picture| picture.level == *level);
+        let Some(size) = picture.map(|picture| picture.size).filter(|_| !renderer.dirty || self.kept) else {
+            // The hair in its current state, however long it takes.
+            let moment = renderer.prepare(level, settings, messages);
+            match renderer.draw(&moment) {
                 Ok(()) => self.kept = true,
-                Err(error) => (self.wants_picture, self.error) = (false, Some(format!("{error:#}"))),
+                Err(error) => {
+                    self.wanted = false;
+                    messages.fail(error);
+                }
             }
             return true;
         };
-        (self.wants_picture, self.kept) = (false, false);
-        let (device, copy) = (self.gpu.device.clone(), show.copy());
-        let (dialogs, context) = (self.dialogs.clone(), context.clone());
+        *self = Self::default();
+        let (copy, dialogs) = (show.copy(), dialogs.clone());
         task::spawn(move || async move {
-            let done = async { encode(size, &copy?.wait(&device).await?) };
+            let done = async { encode(size, &copy?.wait().await?) };
             match done.await {
-                Ok(bytes) => dialogs.save(&context, "Save the picture", "tresses.png", bytes),
-                Err(error) => dialogs.tell(&context, Answer::Failed(format!("{error:#}"))),
+                Ok(bytes) => dialogs.save("Save the picture", "tresses.png", bytes),
+                Err(error) => dialogs.tell(Answer::Failed(format!("{error:#}"))),
             }
         });
         false
-    }
-
-    /// Draws the hair in its current state, however long it takes.
-    fn draw_in_full(&mut self, context: &egui::Context) -> Result<()> {
-        let level = self.pace.finest();
-        self.dress(level);
-        let (gesture, camera, size) = (self.gesture(), self.orbit.camera(), self.size_at(level));
-        let (ssaa, ball) = (self.ssaa_at(level, size), self.ball.map(|ball| ball.at));
-        let (again, level, parts) = (false, *level, self.pace.is_long(level));
-        let Some(show) = &mut self.show else { return Ok(()) };
-        let moment = Moment { gesture, seconds: 0.0, camera, size, ssaa, ball, again, level, parts };
-        show.draw(&self.state, context, &moment)
     }
 }
 

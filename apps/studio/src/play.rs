@@ -1,7 +1,8 @@
 //! Time: what plays, how fast, and where the motion is.
 
+use tresses::character::Gesture;
 use tresses::glam::Vec3;
-use tresses_scene::motion::{Gesture, Motion};
+use tresses_scene::motion::Motion;
 
 /// What a single step takes, seconds.
 pub const STEP: f32 = 1.0 / 60.0;

@@ -4,16 +4,19 @@
 #[cfg(not(target_arch = "wasm32"))]
 use crate::task;
 use crate::{
-    app::Studio,
-    dialog::{Answer, Dialogs},
+    answer::Answer,
+    dialog::Dialogs,
+    messages::Messages,
     pace::{Level, Pace},
     play::Play,
-    stage::Moment,
+    renderer::Renderer,
 };
 use anyhow::Result;
-use eframe::egui;
 use tresses::gpu::readback::Pending;
-use tresses_scene::picture::{Format, Picture};
+use tresses_scene::{
+    Settings,
+    picture::{Format, Picture},
+};
 
 /// The most pixels along a side.
 pub const LARGEST: u32 = 4096;
@@ -87,33 +90,78 @@ impl Recording {
     fn level(&self, pace: &Pace) -> &'static Level {
         if self.next < self.lead { pace.level() } else { pace.finest() }
     }
+
+    /// Hands the last frame to the encoder and draws the next. Returns whether more frames follow.
+    fn draw(
+        &mut self,
+        renderer: &mut Renderer,
+        settings: &Settings,
+        messages: &mut Messages,
+    ) -> Result<bool> {
+        if let Some(show) = renderer.show.as_ref().filter(|_| std::mem::take(&mut self.kept)) {
+            self.copy = Some(show.copy()?);
+        }
+        if let Some(copy) = &mut self.copy {
+            let Some(rgba) = copy.take() else {
+                renderer.look_again();
+                return Ok(true);
+            };
+            let [width, height] = self.wish.size;
+            self.encoder.add(Picture { width, height, rgba: rgba? })?;
+            (self.copy, self.written) = (None, self.written + 1);
+        }
+        if self.next == self.lead + self.frames {
+            return Ok(false);
+        }
+        let step = 1.0 / f64::from(self.wish.fps);
+        let level = self.level(&renderer.pace);
+        let kept = self.next >= self.lead;
+        renderer.playback.play.time = f64::from(self.next) * step;
+        let mut moment = renderer.prepare(level, settings, messages);
+        moment.seconds = if self.next == 0 { 0.0 } else { step as f32 };
+        (moment.ball, moment.parts) = (None, renderer.gpu.context.tier().software && kept);
+        if kept {
+            let size = self.wish.size;
+            (moment.size, moment.ssaa) = (size, renderer.ssaa_at(level, size, settings));
+        }
+        renderer.draw(&moment)?;
+        (self.kept, self.next) = (kept, self.next + 1);
+        Ok(true)
+    }
 }
 
-impl Studio {
-    /// Seconds after which everything begins anew: the body's animation where it has one, else the motion.
-    pub(crate) fn period(&self) -> f64 {
-        let living = self.show.as_ref().and_then(|show| show.stage.living.as_ref());
-        let animation = living.and_then(|living| living.duration()).filter(|length| *length > 0.0);
-        animation.map_or_else(|| self.play.period(), f64::from)
+/// The recorder of loops.
+#[derive(Default)]
+pub struct Recorder {
+    /// Options of the next recording.
+    pub wish: Wish,
+    /// The recording under way.
+    pub recording: Option<Recording>,
+}
+
+impl Recorder {
+    /// Whether a loop is being recorded.
+    pub fn is_busy(&self) -> bool {
+        self.recording.is_some()
     }
 
     /// Starts to record as the wish has it.
-    pub(crate) fn record(&mut self, context: &egui::Context) {
-        let (wish, period) = (self.wish, self.period());
-        let Some(show) = &mut self.show else { return };
+    pub fn start(&mut self, renderer: &mut Renderer, dialogs: &Dialogs, messages: &mut Messages) {
+        let (wish, period) = (self.wish, renderer.period());
+        let Some(show) = &mut renderer.show else { return };
         let frames = wish.frames(period);
-        let encoder = Encoder::new(context, &self.dialogs, wish, frames);
+        let encoder = Encoder::new(dialogs, wish, frames);
         // Where a motion is cut before its end there is no loop to be closed.
         let periods = wish.length(period) / period;
         let closes = periods.fract().min(1.0 - periods.fract()) < 1e-3;
         let lead = if closes { (period * f64::from(wish.fps)).round() as u32 } else { 0 };
-        let before = self.play.clone();
-        self.play.playing = false;
-        self.play.begin();
-        self.ball = None;
-        show.stage.rewind();
-        (self.error, self.said) = (None, None);
-        self.pace.moved();
+        let before = renderer.playback.play.clone();
+        renderer.playback.play.playing = false;
+        renderer.playback.play.begin();
+        renderer.playback.ball = None;
+        show.stage.character.reset();
+        messages.clear();
+        renderer.pace.moved();
         self.recording = Some(Recording {
             wish,
             frames,
@@ -128,65 +176,29 @@ impl Studio {
     }
 
     /// Stops recording; what is there is thrown away.
-    pub(crate) fn stop_recording(&mut self) {
+    pub fn stop(&mut self, renderer: &mut Renderer, messages: &mut Messages) {
         if let Some(recording) = self.recording.take() {
-            self.play = recording.before;
-            (self.dirty, self.said) = (true, Some("The recording was stopped; nothing was written".into()));
+            (renderer.playback.play, renderer.dirty) = (recording.before, true);
+            messages.said = Some("The recording was stopped; nothing was written".into());
         }
     }
 
-    /// The next frame of the recording; no frame is under way. Whether there is a recording.
-    pub(crate) fn record_on(&mut self, context: &egui::Context) -> bool {
+    /// Draws the next frame of the recording; no frame is under way. Returns whether there is a recording.
+    pub fn go_on(&mut self, renderer: &mut Renderer, settings: &Settings, messages: &mut Messages) -> bool {
         let Some(mut recording) = self.recording.take() else { return false };
-        match self.record_frame(context, &mut recording) {
-            Ok(true) => self.recording = Some(recording),
+        match recording.draw(renderer, settings, messages) {
+            Ok(true) => {
+                self.recording = Some(recording);
+                return true;
+            }
             Ok(false) => {
-                self.play = recording.before;
-                self.dirty = true;
                 recording.encoder.finish();
-                self.said = Some("The loop is recorded".into());
+                messages.said = Some("The loop is recorded".into());
             }
-            Err(error) => {
-                self.play = recording.before;
-                (self.dirty, self.error) = (true, Some(format!("{error:#}")));
-            }
+            Err(error) => messages.fail(error),
         }
+        (renderer.playback.play, renderer.dirty) = (recording.before, true);
         true
-    }
-
-    /// Whether there is more to come.
-    fn record_frame(&mut self, context: &egui::Context, recording: &mut Recording) -> Result<bool> {
-        if let Some(show) = self.show.as_ref().filter(|_| std::mem::take(&mut recording.kept)) {
-            recording.copy = Some(show.copy()?);
-        }
-        if let Some(copy) = &mut recording.copy {
-            let Some(rgba) = copy.take() else {
-                // Nobody calls when it has arrived.
-                context.request_repaint_after(std::time::Duration::from_millis(5));
-                return Ok(true);
-            };
-            let [width, height] = recording.wish.size;
-            recording.encoder.add(Picture { width, height, rgba: rgba? })?;
-            (recording.copy, recording.written) = (None, recording.written + 1);
-        }
-        if recording.next == recording.lead + recording.frames {
-            return Ok(false);
-        }
-        let step = 1.0 / f64::from(recording.wish.fps);
-        let level = recording.level(&self.pace);
-        let kept = recording.next >= recording.lead;
-        let size = if kept { recording.wish.size } else { self.size_at(level) };
-        let ssaa = self.ssaa_at(level, size);
-        self.play.time = f64::from(recording.next) * step;
-        let seconds = if recording.next == 0 { 0.0 } else { step as f32 };
-        self.dress(level);
-        let (gesture, camera) = (self.gesture(), self.orbit.camera());
-        let (level, parts) = (*level, self.gpu.tier.software && kept);
-        let Some(show) = &mut self.show else { return Ok(false) };
-        let moment = Moment { gesture, seconds, camera, size, ssaa, ball: None, again: false, level, parts };
-        show.draw(&self.state, context, &moment)?;
-        (recording.kept, recording.next) = (kept, recording.next + 1);
-        Ok(true)
     }
 }
 
@@ -201,9 +213,9 @@ struct Encoder(std::sync::mpsc::Sender<Option<Picture>>);
 
 #[cfg(not(target_arch = "wasm32"))]
 impl Encoder {
-    fn new(context: &egui::Context, dialogs: &Dialogs, wish: Wish, frames: u32) -> Self {
+    fn new(dialogs: &Dialogs, wish: Wish, frames: u32) -> Self {
         let (sender, receiver) = std::sync::mpsc::channel::<Option<Picture>>();
-        let (context, dialogs) = (context.clone(), dialogs.clone());
+        let dialogs = dialogs.clone();
         task::spawn(move || async move {
             // Without an end the recording was stopped: nothing is written.
             let encode = || -> Result<Option<Vec<u8>>> {
@@ -217,11 +229,9 @@ impl Encoder {
                 Ok(None)
             };
             match encode() {
-                Ok(Some(bytes)) => dialogs.save(&context, "Save the loop", &name(wish.format), bytes),
+                Ok(Some(bytes)) => dialogs.save("Save the loop", &name(wish.format), bytes),
                 Ok(None) => {}
-                Err(error) => {
-                    dialogs.tell(&context, Answer::Failed(format!("the loop cannot be written: {error:#}")))
-                }
+                Err(error) => dialogs.tell(Answer::Failed(format!("the loop cannot be written: {error:#}"))),
             }
         });
         Self(sender)
@@ -241,16 +251,15 @@ impl Encoder {
 #[cfg(target_arch = "wasm32")]
 struct Encoder {
     animation: Result<Box<dyn tresses_scene::picture::Animation>>,
-    context: egui::Context,
     dialogs: Dialogs,
     name: String,
 }
 
 #[cfg(target_arch = "wasm32")]
 impl Encoder {
-    fn new(context: &egui::Context, dialogs: &Dialogs, wish: Wish, frames: u32) -> Self {
+    fn new(dialogs: &Dialogs, wish: Wish, frames: u32) -> Self {
         let animation = wish.format.begin(wish.size, frames, f64::from(wish.fps));
-        Self { animation, context: context.clone(), dialogs: dialogs.clone(), name: name(wish.format) }
+        Self { animation, dialogs: dialogs.clone(), name: name(wish.format) }
     }
 
     fn add(&mut self, picture: Picture) -> Result<()> {
@@ -262,8 +271,8 @@ impl Encoder {
 
     fn finish(self) {
         match self.animation.and_then(|animation| animation.finish()) {
-            Ok(bytes) => self.dialogs.save(&self.context, "Save the loop", &self.name, bytes),
-            Err(error) => self.dialogs.tell(&self.context, Answer::Failed(format!("{error:#}"))),
+            Ok(bytes) => self.dialogs.save("Save the loop", &self.name, bytes),
+            Err(error) => self.dialogs.tell(Answer::Failed(format!("{error:#}"))),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Dispatch of files that were chosen or dropped, by name and content.
 
 use crate::{
-    dialog::{Answer, Read},
+    answer::{Answer, Read},
     files::Files,
 };
 use std::{
@@ -12,7 +12,7 @@ use std::{
 use tresses::groom::import::{self, Kind};
 use tresses_scene::{
     Companion, Shelf,
-    companions::{COMPANIONS, companion},
+    source::{COMPANIONS, companion},
 };
 
 /// Whether files are there as bytes only. On a desktop, readers go to the disk again: there they find the

@@ -10,10 +10,11 @@ use anyhow::Result;
 use eframe::{egui, egui_wgpu::RenderState};
 use std::time::Duration;
 use tresses::{
+    character::Gesture,
     glam::Vec3,
     gpu::{Timings, readback::Pending, timings::Rows},
 };
-use tresses_scene::{Facts, Gesture, Scene, Viewpoint};
+use tresses_scene::{Facts, Scene, Viewpoint};
 use web_time::Instant;
 
 /// What a frame is made for.
@@ -80,10 +81,10 @@ pub struct Show {
 impl Show {
     /// Shows `stage` in the window of `state`.
     pub fn new(stage: Scene, state: &RenderState) -> Self {
-        let gpu = &stage.gpu;
-        let watcher = Watcher::new(&gpu.device);
-        let timed = gpu.tier.timestamps && !gpu.tier.software;
-        let timings = timed.then(|| Timings::new(&gpu.device, &gpu.queue));
+        let context = &stage.gpu.context;
+        let watcher = Watcher::new(context.device());
+        let timed = context.tier().timestamps && !context.tier().software;
+        let timings = timed.then(|| Timings::new(context));
         let (rows, stages) = (None, Vec::new());
         Self {
             stage,
@@ -123,7 +124,7 @@ impl Show {
         let view = targets.picture();
         let seen = match self.picture.take().filter(|picture| picture.view == *view) {
             Some(same) => same.seen,
-            None => self.blit.of(&self.stage.gpu.device, view),
+            None => self.blit.of(self.stage.gpu.context.device(), view),
         };
         self.picture = Some(Picture {
             seen,
@@ -207,7 +208,7 @@ impl Show {
         let wake = move || context.request_repaint_after(Duration::from_nanos(1));
         let flight = Flight::start(&state.queue, begun, recorded, wake);
         if is_timed && let Some(timings) = &mut self.timings {
-            self.rows = Some(timings.later(&state.device, &state.queue));
+            self.rows = Some(timings.later(&self.stage.gpu.context));
         }
         self.watcher.watch(&flight);
         self.flight = Some((flight, moment.level));
@@ -216,7 +217,6 @@ impl Show {
 
     /// The picture of the last frame, which has landed, on its way to the CPU.
     pub fn copy(&self) -> tresses::Result<Pending> {
-        let gpu = &self.stage.gpu;
-        Pending::texture(&gpu.device, &gpu.queue, self.stage.targets().picture().texture())
+        Pending::texture(&self.stage.gpu.context, self.stage.targets().picture().texture())
     }
 }

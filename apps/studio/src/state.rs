@@ -1,7 +1,5 @@
 //! The studio's state, reported for tests that drive it from outside.
 
-use crate::{app::Studio, job::Job, stage::Show};
-use eframe::egui;
 use serde::Serialize;
 use std::sync::{Mutex, PoisonError};
 
@@ -65,45 +63,4 @@ pub fn publish(state: State) {
 pub fn json() -> String {
     let state = STATE.lock().unwrap_or_else(PoisonError::into_inner);
     state.as_ref().and_then(|state| serde_json::to_string(state).ok()).unwrap_or_else(|| "{}".into())
-}
-
-impl Studio {
-    /// What others may know.
-    pub(crate) fn publish(&self, context: &egui::Context) {
-        let show = self.show.as_ref();
-        let picture = show.and_then(Show::picture);
-        let state = State {
-            frames: show.map_or(0, |show| show.frames),
-            seen: self.seen,
-            painted: context.cumulative_frame_nr(),
-            strands: show.map_or(0, |show| show.facts().strands),
-            file: self.shown.as_ref().map(|shown| shown.hair.source.name()).unwrap_or_default(),
-            companions: self.shown.as_ref().map_or_else(Vec::new, |shown| {
-                shown.hair.companions.all().map(|(what, name)| format!("{}: {name}", what.key)).collect()
-            }),
-            step: self.job.as_ref().map(Job::step).unwrap_or_default().into(),
-            error: self.error.clone().or_else(|| self.lost()).unwrap_or_default(),
-            playing: self.play.playing,
-            time: self.play.time,
-            size: picture.map_or([0; 2], |picture| picture.size),
-            ssaa: picture.map_or(0, |picture| picture.ssaa),
-            drawn: picture.map_or(0, |picture| picture.strands),
-            parts: self.refined().map_or([0; 2], <[usize; 2]>::from),
-            distance: self.orbit.camera().distance(),
-            milliseconds: show.map_or(0.0, |show| show.milliseconds),
-            adapter: self.gpu.info.name.clone(),
-            lost: self.lost().is_some(),
-            busy: self.dirty
-                || self.recording.is_some()
-                || self.may_refine(context)
-                || self.play.is_due()
-                || self.is_live()
-                || self.orbit.is_gliding()
-                || show.is_some_and(Show::is_under_way),
-        };
-        if let Some(tell) = &self.host {
-            tell(&state);
-        }
-        publish(state);
-    }
 }

@@ -72,3 +72,11 @@ pub fn apply(context: &egui::Context) {
         style.text_styles.insert(TextStyle::Monospace, FontId::new(12.0, FontFamily::Monospace));
     });
 }
+
+/// A dark backdrop for controls on the picture.
+pub fn plate() -> egui::Frame {
+    egui::Frame::new()
+        .fill(Color32::from_rgba_unmultiplied(0x16, 0x17, 0x19, 205))
+        .corner_radius(6.0)
+        .inner_margin(egui::Margin::symmetric(6, 6))
+}

@@ -1,18 +1,20 @@
 //! The viewport: the picture, and the pointer in it.
 
 use crate::{
-    app::Studio,
-    head, panels,
+    head,
+    messages::Messages,
+    renderer::Renderer,
     stage::{Picture, Show},
     theme,
     tool::Tool,
 };
 use eframe::egui::{
-    self, Align2, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui, vec2,
+    Align2, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui, vec2,
 };
 use tresses::{
     glam::{Vec2, Vec3},
-    simulate::grab::{Ray, Target},
+    math::Ray,
+    simulate::grab::Target,
 };
 use tresses_scene::camera::Angle;
 
@@ -23,49 +25,127 @@ const TURN: f32 = 0.008;
 /// Radius of a lock that is pulled, metres.
 const LOCK: f32 = 0.02;
 
-/// Shows the picture and takes what the pointer does.
-pub fn show(studio: &mut Studio, ui: &mut Ui) {
-    let rect = ui.available_rect_before_wrap();
-    let response = ui.allocate_rect(rect, Sense::click_and_drag());
-    let area = rect.size() * ui.ctx().pixels_per_point();
-    if area != studio.area {
-        (studio.area, studio.dirty) = (area, true);
+/// The picture's place in the window: tool and pointer.
+#[derive(Debug, Default)]
+pub struct Viewport {
+    /// The tool of a drag.
+    pub tool: Tool,
+    /// Last position of the pointer in a drag.
+    pointer: Option<Pos2>,
+    /// [Number](Picture::number) of the picture in the window, or 0.
+    pub seen: u64,
+}
+
+impl Viewport {
+    /// Shows the picture, in its own form while it `records`, and takes what the pointer does. Returns where it is.
+    pub fn show(
+        &mut self,
+        renderer: &mut Renderer,
+        records: bool,
+        messages: &mut Messages,
+        ui: &mut Ui,
+    ) -> Rect {
+        let rect = ui.available_rect_before_wrap();
+        let response = ui.allocate_rect(rect, Sense::click_and_drag());
+        let area = rect.size() * ui.ctx().pixels_per_point();
+        if area != renderer.area {
+            (renderer.area, renderer.dirty) = (area, true);
+        }
+        renderer.orbit.set_aspect(rect.width() / rect.height().max(1.0));
+        self.pointer(renderer, messages, ui, &response);
+        let painter = ui.painter_at(rect);
+        let picture = renderer.show.as_ref().and_then(Show::picture);
+        let place = picture.map(|picture| if records { fitted(picture, rect) } else { rect });
+        if place != Some(rect) {
+            painter.rect_filled(rect, 0.0, Color32::from_rgb(0x24, 0x26, 0x29));
+        }
+        if let (Some(picture), Some(place)) = (picture, place) {
+            painter.add(picture.seen.at(place));
+        }
+        self.seen = picture.map_or(0, |picture| picture.number);
+        rect
     }
-    studio.orbit.set_aspect(rect.width() / rect.height().max(1.0));
-    pointer(studio, ui, &response);
-    let painter = ui.painter_at(rect);
-    let picture = studio.show.as_ref().and_then(Show::picture);
-    let place = picture.map(|picture| fitted(studio, picture, rect));
-    if place != Some(rect) {
-        painter.rect_filled(rect, 0.0, Color32::from_rgb(0x24, 0x26, 0x29));
-    }
-    if let (Some(picture), Some(place)) = (picture, place) {
-        painter.add(picture.seen.at(place));
-    }
-    studio.seen = picture.map_or(0, |picture| picture.number);
-    if let Some(sentence) = studio.lost() {
-        message(ui, rect, &sentence, theme::ALARM);
-    } else {
-        panels::overlay::show(studio, ui, rect);
+
+    fn pointer(&mut self, renderer: &mut Renderer, messages: &mut Messages, ui: &Ui, response: &Response) {
+        let rect = response.rect;
+        let (shift, press, now, touch) = ui.input(|input| {
+            (
+                input.modifiers.shift,
+                input.pointer.press_origin(),
+                input.pointer.latest_pos(),
+                input.multi_touch(),
+            )
+        });
+        // From where it was pressed: a drag is known as one only after a few points.
+        let from = if response.drag_started() { press } else { self.pointer };
+        self.pointer = now.filter(|_| response.dragged());
+        let delta =
+            from.zip(self.pointer).map_or(Vec2::ZERO, |(from, to)| Vec2::new(to.x - from.x, to.y - from.y));
+        if response.drag_started_by(PointerButton::Primary)
+            && self.tool == Tool::Hand
+            && let Some(depth) = press.and_then(|at| head_under(renderer, rect, at))
+        {
+            renderer.playback.hand.take(depth);
+        }
+        if let Some(touch) = touch {
+            renderer.playback.hand.release();
+            renderer.orbit.zoom(touch.zoom_delta);
+            let by = touch.translation_delta;
+            renderer.orbit.pan(Vec2::new(by.x, by.y), rect.height());
+            // Any of the fingers may be the one that moves.
+            renderer.dirty = true;
+        } else if response.dragged_by(PointerButton::Primary) {
+            if let Some(depth) = renderer.playback.hand.held() {
+                if shift {
+                    renderer.playback.hand.turn(delta * TURN);
+                } else {
+                    let (right, up) = renderer.orbit.plane();
+                    let metres = renderer.orbit.height_at(depth) / rect.height();
+                    let by: Vec3 = (right * delta.x - up * delta.y) * metres;
+                    renderer.playback.hand.drag(by);
+                }
+            } else if self.tool == Tool::Lock {
+                // See `lock`.
+            } else if shift {
+                renderer.orbit.pan(delta, rect.height());
+            } else {
+                renderer.orbit.turn(delta);
+            }
+            renderer.dirty |= delta != Vec2::ZERO;
+        } else if response.dragged_by(PointerButton::Secondary) {
+            renderer.orbit.turn(delta);
+            renderer.dirty |= delta != Vec2::ZERO;
+        } else if response.dragged_by(PointerButton::Middle) {
+            renderer.orbit.pan(delta, rect.height());
+            renderer.dirty |= delta != Vec2::ZERO;
+        }
+        lock(self.tool, renderer, messages, ui, response);
+        if renderer.playback.hand.held().is_some() && !response.dragged_by(PointerButton::Primary) {
+            renderer.playback.hand.release();
+        }
+        if response.double_clicked() {
+            renderer.orbit.frame(Angle::default());
+            renderer.dirty = true;
+        }
+        hover(renderer, self.tool, ui, response);
     }
 }
 
-/// Where the picture goes: everywhere, unless one of another form is recorded.
-fn fitted(studio: &Studio, picture: &Picture, rect: Rect) -> Rect {
-    if studio.recording.is_none() {
-        return rect;
-    }
+/// Where a picture of another form goes.
+fn fitted(picture: &Picture, rect: Rect) -> Rect {
     let [width, height] = picture.size.map(|side| side as f32);
     let scale = (rect.width() / width).min(rect.height() / height);
     Rect::from_center_size(rect.center(), scale * vec2(width, height))
 }
 
-fn message(ui: &Ui, rect: Rect, text: &str, color: Color32) {
+/// Shows `sentence` over the picture at `rect`: why it cannot be drawn any more.
+pub fn alarm(sentence: &str, ui: &Ui, rect: Rect) {
     let painter = ui.painter_at(rect);
-    let galley = painter.layout(text.into(), FontId::proportional(15.0), color, 0.7 * rect.width());
+    let galley =
+        painter.layout(sentence.into(), FontId::proportional(15.0), theme::ALARM, 0.7 * rect.width());
     let place = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());
     painter.rect_filled(place.expand2(vec2(18.0, 12.0)), 6.0, Color32::from_black_alpha(200));
-    painter.galley(place.min, galley, color);
+    painter.galley(place.min, galley, theme::ALARM);
 }
 
 /// Where in the picture `at` is, -1 to 1 from left to right and from bottom to top.
@@ -75,82 +155,23 @@ fn place(rect: Rect, at: Pos2) -> Vec2 {
 }
 
 /// How far the head under the pointer is, metres.
-fn head_under(studio: &Studio, rect: Rect, at: Pos2) -> Option<f32> {
-    let stage = &studio.show.as_ref()?.stage;
-    let (eye, direction) = studio.orbit.ray(place(rect, at));
-    head::hit(stage.field.as_ref()?, &stage.head(), eye, direction)
-}
-
-fn pointer(studio: &mut Studio, ui: &Ui, response: &Response) {
-    let rect = response.rect;
-    let (shift, press, now, touch) = ui.input(|input| {
-        (input.modifiers.shift, input.pointer.press_origin(), input.pointer.latest_pos(), input.multi_touch())
-    });
-    // From where it was pressed: a drag is known as one only after a few points.
-    let from = if response.drag_started() { press } else { studio.pointer };
-    studio.pointer = now.filter(|_| response.dragged());
-    let delta =
-        from.zip(studio.pointer).map_or(Vec2::ZERO, |(from, to)| Vec2::new(to.x - from.x, to.y - from.y));
-    if response.drag_started_by(PointerButton::Primary)
-        && studio.tool == Tool::Hand
-        && let Some(depth) = press.and_then(|at| head_under(studio, rect, at))
-    {
-        studio.hand.take(depth);
-    }
-    if let Some(touch) = touch {
-        studio.hand.release();
-        studio.orbit.zoom(touch.zoom_delta);
-        let by = touch.translation_delta;
-        studio.orbit.pan(Vec2::new(by.x, by.y), rect.height());
-        // Any of the fingers may be the one that moves.
-        studio.dirty = true;
-    } else if response.dragged_by(PointerButton::Primary) {
-        if let Some(depth) = studio.hand.held() {
-            if shift {
-                studio.hand.turn(delta * TURN);
-            } else {
-                let (right, up) = studio.orbit.plane();
-                let metres = studio.orbit.height_at(depth) / rect.height();
-                let by: Vec3 = (right * delta.x - up * delta.y) * metres;
-                studio.hand.drag(by);
-            }
-        } else if studio.tool == Tool::Lock {
-            // See `lock`.
-        } else if shift {
-            studio.orbit.pan(delta, rect.height());
-        } else {
-            studio.orbit.turn(delta);
-        }
-        studio.dirty |= delta != Vec2::ZERO;
-    } else if response.dragged_by(PointerButton::Secondary) {
-        studio.orbit.turn(delta);
-        studio.dirty |= delta != Vec2::ZERO;
-    } else if response.dragged_by(PointerButton::Middle) {
-        studio.orbit.pan(delta, rect.height());
-        studio.dirty |= delta != Vec2::ZERO;
-    }
-    lock(studio, ui, response, press);
-    if studio.hand.held().is_some() && !response.dragged_by(PointerButton::Primary) {
-        studio.hand.release();
-    }
-    if response.double_clicked() {
-        studio.orbit.frame(Angle::default());
-        studio.dirty = true;
-    }
-    hover(studio, ui, response);
+fn head_under(renderer: &Renderer, rect: Rect, at: Pos2) -> Option<f32> {
+    let stage = &renderer.show.as_ref()?.stage;
+    let (eye, direction) = renderer.orbit.ray(place(rect, at));
+    head::hit(stage.character.field()?, &stage.character.head(), eye, direction)
 }
 
 /// Pulls a lock.
-fn lock(studio: &mut Studio, ui: &Ui, response: &Response, press: Option<Pos2>) {
+fn lock(tool: Tool, renderer: &mut Renderer, messages: &mut Messages, ui: &Ui, response: &Response) {
     let rect = response.rect;
-    let ray = |studio: &Studio, at: Pos2| {
-        let (origin, direction) = studio.orbit.ray(place(rect, at));
+    let ray = |at: Pos2| {
+        let (origin, direction) = renderer.orbit.ray(place(rect, at));
         Ray { origin, direction }
     };
-    let begins = studio.tool == Tool::Lock && response.drag_started_by(PointerButton::Primary);
-    let from = press.map(|at| ray(studio, at));
-    let to = ui.input(|input| input.pointer.latest_pos()).map(|at| ray(studio, at));
-    let Some(hair) = studio.show.as_mut().map(|show| &mut show.stage.hair) else { return };
+    let begins = tool == Tool::Lock && response.drag_started_by(PointerButton::Primary);
+    let from = ui.input(|input| input.pointer.press_origin()).map(ray);
+    let to = ui.input(|input| input.pointer.latest_pos()).map(ray);
+    let Some(hair) = renderer.show.as_mut().map(|show| show.stage.character.hair_mut()) else { return };
     if !response.dragged_by(PointerButton::Primary) {
         hair.release();
         return;
@@ -161,11 +182,11 @@ fn lock(studio: &mut Studio, ui: &Ui, response: &Response, press: Option<Pos2>) 
         (None, None) => Ok(()),
     };
     if let Err(error) = done {
-        studio.error = Some(error.to_string());
+        messages.fail(error);
     }
 }
 
-fn hover(studio: &mut Studio, ui: &Ui, response: &Response) {
+fn hover(renderer: &mut Renderer, tool: Tool, ui: &Ui, response: &Response) {
     if !response.contains_pointer() {
         return;
     }
@@ -176,27 +197,19 @@ fn hover(studio: &mut Studio, ui: &Ui, response: &Response) {
         return;
     }
     if wheel != 0.0 || pinch != 1.0 {
-        studio.orbit.zoom((wheel * WHEEL).exp() * pinch);
-        studio.dirty = true;
+        renderer.orbit.zoom((wheel * WHEEL).exp() * pinch);
+        renderer.dirty = true;
     }
-    let icon = if studio.hand.held().is_some() {
+    let icon = if renderer.playback.hand.held().is_some() {
         CursorIcon::Grabbing
     } else if response.dragged() {
         CursorIcon::Move
-    } else if studio.tool == Tool::Hand
-        && response.hover_pos().is_some_and(|at| head_under(studio, response.rect, at).is_some())
+    } else if tool == Tool::Hand
+        && response.hover_pos().is_some_and(|at| head_under(renderer, response.rect, at).is_some())
     {
         CursorIcon::Grab
     } else {
         CursorIcon::Default
     };
     ui.ctx().set_cursor_icon(icon);
-}
-
-/// A dark backdrop for controls on the picture.
-pub fn plate() -> egui::Frame {
-    egui::Frame::new()
-        .fill(Color32::from_rgba_unmultiplied(0x16, 0x17, 0x19, 205))
-        .corner_radius(6.0)
-        .inner_margin(egui::Margin::symmetric(6, 6))
 }

@@ -1,30 +1,23 @@
 //! The page: a canvas instead of a window.
 
 use crate::{
+    answer::{Answer, Read},
     app::Studio,
     device,
-    dialog::{Answer, Dialogs, Read},
+    dialog::Dialogs,
     hosted::Command,
     options::Options,
-    sort,
+    page, sort,
     state::{self, State},
 };
-use eframe::egui;
 use std::{cell::RefCell, panic, rc::Rc};
 use wasm_bindgen::{JsCast, JsValue, prelude::*};
-
-/// Where the page says in words what the canvas cannot show.
-const MESSAGE: &str = "message";
-
-/// The button that loads the page again.
-const AGAIN: &str = "again";
 
 /// A studio in a canvas: the whole of it, or nothing but its picture in a page of others.
 #[wasm_bindgen]
 pub struct Viewer {
     runner: eframe::WebRunner,
     dialogs: Dialogs,
-    context: egui::Context,
     /// How it is, once there was a frame.
     state: Rc<RefCell<Option<State>>>,
 }
@@ -56,34 +49,34 @@ impl Viewer {
         }
         let web = eframe::WebOptions { wgpu_options: device::configuration(), ..Default::default() };
         let state = Rc::new(RefCell::new(None));
-        let opened: Rc<RefCell<Option<(Dialogs, egui::Context)>>> = Rc::default();
+        let opened: Rc<RefCell<Option<Dialogs>>> = Rc::default();
         let create: eframe::AppCreator<'static> = {
             let (state, opened) = (state.clone(), opened.clone());
             Box::new(move |context| {
                 let mut studio = Studio::new(context, options)?;
-                *opened.borrow_mut() = Some((studio.dialogs.clone(), context.egui_ctx.clone()));
-                studio.host = Some(Box::new(move |now| tell(now, &state, &told)));
+                *opened.borrow_mut() = Some(studio.dialogs.clone());
+                studio.host.tell = Some(Box::new(move |now| tell(now, &state, &told)));
                 Ok(Box::new(studio) as Box<dyn eframe::App>)
             })
         };
         let runner = eframe::WebRunner::new();
         runner.start(canvas, web, create).await?;
-        let (dialogs, context) = opened.take().ok_or("the studio did not open")?;
-        later.into_iter().for_each(|answer| dialogs.tell(&context, answer));
-        Ok(Self { runner, dialogs, context, state })
+        let dialogs = opened.take().ok_or("the studio did not open")?;
+        later.into_iter().for_each(|answer| dialogs.tell(answer));
+        Ok(Self { runner, dialogs, state })
     }
 
     /// Shows other files: names and `Uint8Array`s in turn, as if they were dropped.
     pub fn load(&self, files: js_sys::Array) {
         for answer in sort::files(read(&files), true) {
-            self.dialogs.tell(&self.context, answer);
+            self.dialogs.tell(answer);
         }
     }
 
     /// Sets `playing`, `motion`, `animation`, `camera` or a parameter by its path.
     pub fn set(&self, name: &str, value: &str) -> Result<(), JsValue> {
         let command = Command::of(name, value).map_err(|error| format!("{error:#}"))?;
-        self.dialogs.tell(&self.context, Answer::Do(command));
+        self.dialogs.tell(Answer::Do(command));
         Ok(())
     }
 
@@ -172,50 +165,11 @@ fn pairs(query: &str) -> Result<Vec<(String, String)>, JsValue> {
     Ok(js_sys::Array::from(&pairs).iter().map(|pair| (text(&pair, 0), text(&pair, 1))).collect())
 }
 
-/// How long bytes of a download are kept for the browser to take, milliseconds.
-const TAKEN: i32 = 60_000;
-
-/// Has the browser download `bytes` as the file `name`.
-///
-/// # Errors
-/// What the browser says.
-pub(crate) fn download(name: &str, bytes: &[u8]) -> Result<(), JsValue> {
-    let window = web_sys::window().ok_or("there is no window")?;
-    let document = window.document().ok_or("there is no document")?;
-    let parts = js_sys::Array::of1(&js_sys::Uint8Array::from(bytes));
-    let kind = web_sys::BlobPropertyBag::new();
-    kind.set_type("application/octet-stream");
-    let blob = web_sys::Blob::new_with_u8_array_sequence_and_options(&parts, &kind)?;
-    let url = web_sys::Url::create_object_url_with_blob(&blob)?;
-    let link: web_sys::HtmlAnchorElement = document.create_element("a")?.dyn_into()?;
-    link.set_href(&url);
-    link.set_download(name);
-    link.click();
-    let forget = Closure::once_into_js(move || web_sys::Url::revoke_object_url(&url));
-    window.set_timeout_with_callback_and_timeout_and_arguments_0(forget.unchecked_ref(), TAKEN)?;
-    Ok(())
-}
-
-/// Says a sentence over the canvas, for whatever happens after which nothing is drawn any more.
-pub(crate) fn say(sentence: &str) {
-    let element = web_sys::window()
-        .and_then(|window| window.document())
-        .and_then(|document| document.get_element_by_id(MESSAGE));
-    let Some(element) = element else { return };
-    element.set_text_content(Some(sentence));
-    // Otherwise the page stays as it is: there is nowhere else to say it.
-    let _ = element.remove_attribute("hidden");
-    let again = web_sys::window().and_then(|window| window.document()?.get_element_by_id(AGAIN));
-    if let Some(again) = again {
-        let _ = again.remove_attribute("hidden");
-    }
-}
-
 /// After a panic, which the console has in full, the page says that it has ended.
 fn say_panics() {
     let before = panic::take_hook();
     panic::set_hook(Box::new(move |info| {
         before(info);
-        say("The studio has ended because of an error of its own, which the browser's console shows.");
+        page::say("The studio has ended because of an error of its own, which the browser's console shows.");
     }));
 }

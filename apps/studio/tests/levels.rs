@@ -1,8 +1,8 @@
 //! Lower quality levels cover as much as full quality: a small picture has coarser hair, not less.
 
-use std::{path::Path, sync::Arc};
+use std::path::Path;
 use tresses::{
-    Pipelines,
+    character::{CharacterSource, Gesture},
     glam::Vec3,
     gpu::{Gpu, Timings},
     groom::styles::Style,
@@ -10,15 +10,12 @@ use tresses::{
     present::Background,
 };
 use tresses_scene::{
-    Base, Colliders, Quality, Scene, Settings, Viewpoint,
-    camera::Angle,
-    measure::Measured,
-    motion::{Gesture, Motion},
+    Colliders, Quality, Scene, Settings, Viewpoint, camera::Angle, measure::Measured, motion::Motion,
     settings::HairColor,
 };
 use tresses_studio::{
+    job,
     pace::{LEVELS, Level},
-    turn,
 };
 
 /// Width and height of the picture in a window of the size that it opens in, points.
@@ -31,22 +28,15 @@ fn stage() -> Option<(Scene, Settings)> {
     };
     let mut settings = Settings::default();
     settings.shading.color = HairColor::Blond;
-    let options = turn::draw_options(&settings, &gpu.tier).unwrap();
-    let quality = Quality {
-        samples: options.samples,
-        coverage: options.coverage,
-        shadow_resolution: options.shadow_resolution,
-        ambient_cells: options.ambient_cells,
-        ..Quality::new([64, 64])
-    };
-    let pipelines = Arc::new(Pipelines::new(&gpu.device));
+    let view = job::view_options(&settings, gpu.context.tier()).unwrap();
+    let quality = Quality { view, ..Quality::new([64, 64]) };
     let stage = pollster::block_on(async {
-        let base = Base::built_in(&Style::default(), &gpu, &pipelines.simulate, &()).await.unwrap();
+        let base = CharacterSource::built_in(&gpu.context, &Style::default(), &()).await.unwrap();
         let styling = settings.styling(base.style(), &Default::default()).unwrap();
         let character = base.dress(&styling, &()).await.unwrap();
         let physics = settings.physics();
         let (colliders, progress) = (Colliders::default(), &());
-        Scene::new(gpu, pipelines, character, colliders, &physics, &quality, progress).await.unwrap()
+        Scene::new(gpu, character, colliders, &physics, &quality, progress).await.unwrap()
     });
     Some((stage, settings))
 }
@@ -57,18 +47,18 @@ fn picture(stage: &mut Scene, settings: &Settings, level: &Level, view: Angle) -
     level.dress(stage, settings).unwrap();
     assert_eq!(stage.lighting, settings.lights, "each level has all lights");
     // Skin is black in any light, hair is not: what is which is seen of every pixel.
-    let body = &mut stage.body.as_mut().unwrap().material;
+    let body = &mut stage.character.body_mut().unwrap().material;
     (body.color, body.gloss) = (Vec3::ZERO, 0.0);
     stage.picture.tone.exposure *= 16.0;
     stage.picture.background = Background::transparent();
     let camera = Viewpoint::portrait(view, stage.subject(), AREA[0] / AREA[1], 1.0);
-    let mut encoder = stage.gpu.device.create_command_encoder(&Default::default());
+    let mut encoder = stage.gpu.context.device().create_command_encoder(&Default::default());
     stage.watch(&camera);
-    stage.rewind();
+    stage.character.reset();
     stage.record_advance(&mut encoder, None, &Gesture::default(), 0.0).unwrap();
     stage.record_draw(&mut encoder, None, &camera).unwrap();
-    stage.gpu.queue.submit([encoder.finish()]);
-    pollster::block_on(stage.targets().read(&stage.gpu.device, &stage.gpu.queue)).unwrap()
+    stage.gpu.context.queue().submit([encoder.finish()]);
+    pollster::block_on(stage.targets().read()).unwrap()
 }
 
 /// Blocks along each edge of a picture.
@@ -120,10 +110,10 @@ fn a_frame_in_parts_is_the_same_picture() {
     let camera = Viewpoint::portrait(Angle::default(), stage.subject(), AREA[0] / AREA[1], 1.0);
     let mut picture = |leave: Option<usize>| {
         Level::STILL.dress(&mut stage, &settings).unwrap();
-        stage.rewind();
-        let (device, queue) = (stage.gpu.device.clone(), stage.gpu.queue.clone());
+        stage.character.reset();
+        let context = stage.gpu.context.clone();
         let (mut apart, mut encoder) =
-            (Timings::of_parts(), device.create_command_encoder(&Default::default()));
+            (Timings::of_parts(), context.device().create_command_encoder(&Default::default()));
         let mut timings = leave.map(|_| &mut apart);
         stage.record_advance(&mut encoder, timings.as_deref_mut(), &Gesture::default(), 0.0).unwrap();
         stage.record_draw(&mut encoder, timings, &camera).unwrap();
@@ -132,10 +122,10 @@ fn a_frame_in_parts_is_the_same_picture() {
         let all = parts.len();
         for (i, part) in parts.into_iter().enumerate() {
             if Some(i) != leave {
-                queue.submit([part]);
+                context.queue().submit([part]);
             }
         }
-        (pollster::block_on(stage.targets().read(&device, &queue)).unwrap(), all)
+        (pollster::block_on(stage.targets().read()).unwrap(), all)
     };
     let (whole, one) = picture(None);
     let (parts, all) = picture(Some(usize::MAX));
@@ -164,12 +154,12 @@ fn what_a_level_takes() {
     let all = LEVELS.iter().enumerate().map(|(i, level)| (i.to_string(), level));
     for (name, level) in all.skip(3).chain([("still".into(), &Level::STILL)]) {
         stage.resample(AREA.map(|side| (side * level.scale).round() as u32), level.ssaa).unwrap();
-        stage.rewind();
+        stage.character.reset();
         let (frames, mut rows, mut whole) =
             (if level.ssaa > 1 { 6 } else { 40 }, Vec::<(&str, f64)>::new(), 0.0);
         for frame in 0..frames {
             level.dress(&mut stage, &settings).unwrap();
-            let pose = motion.gesture(f64::from(frame) / 30.0, stage.pivot());
+            let pose = motion.gesture(f64::from(frame) / 30.0, stage.character.neck());
             let Measured { wall: all, stages, .. } =
                 stage.measured_frame(&pose, 1.0 / 30.0, &camera).unwrap();
             if frame < frames / 2 {

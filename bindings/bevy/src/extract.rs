@@ -1,13 +1,11 @@
 //! What of the main world the next frame of hair needs.
 
-#[cfg(feature = "pbr")]
-use crate::render::Thickness;
 use crate::{
     ColliderShape, GlobalHairWind, Hair3d, HairCollider, HairDepth, HairDetail, HairGroom, HairMaterial3d,
     HairMeets, HairPhysics, HairReady, HairSkin, HairView, HairWind, NoHair,
+    error_log::ErrorLog,
     lights::{SceneLight, rgb},
-    render::{Complaints, Fog},
-    skin::{OnSkin, Reading, SkinQueries},
+    skin::{SkinCache, SkinQueries, SkinState},
 };
 use bevy::{
     camera::visibility::RenderLayers,
@@ -40,32 +38,32 @@ pub(crate) struct Scene {
     pub lights: Vec<SceneLight>,
     /// Reflection probes, by the order of entities.
     pub probes: Vec<SceneSky>,
-    pub cameras: EntityHashMap<Eye>,
+    pub cameras: EntityHashMap<SceneCamera>,
 }
 
 /// An entity's hair.
 #[derive(Clone, Debug)]
 pub(crate) struct SceneHair {
     pub entity: Entity,
-    /// Nothing while it is being loaded.
+    /// `None` while it is being loaded.
     pub groom: Option<HairGroom>,
-    /// Of the entity; on a skin, once hair is there, of what it goes with.
+    /// Of the entity.
     pub pose: Pose,
-    pub skin: OnSkin,
+    pub skin: SkinState,
     pub material: HairMaterial,
     pub physics: SimulationParams,
     pub detail: LodOptions,
     pub layers: RenderLayers,
     pub visible: bool,
-    /// Whether it meets others that do.
+    /// Whether it has [`HairMeets`].
     pub meets: bool,
-    /// Whether it is there, to be told.
+    /// The flag of [`HairReady`].
     pub ready: Arc<AtomicBool>,
 }
 
-/// What a camera sees hair with.
+/// A camera that sees hair.
 #[derive(Clone, Debug)]
-pub(crate) struct Eye {
+pub(crate) struct SceneCamera {
     pub layers: RenderLayers,
     /// Candela per square metre, from everywhere.
     pub ambient: Vec3,
@@ -73,9 +71,21 @@ pub(crate) struct Eye {
     pub sky: Option<SceneSky>,
     /// Whether hair writes its depth.
     pub depth: bool,
-    /// What is between it and hair.
-    pub fog: Option<Fog>,
+    /// The fog between it and hair.
+    pub fog: Option<SceneFog>,
     pub options: Option<ViewOptions>,
+}
+
+/// A camera's fog, as the shader of the fog pass reads it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SceneFog {
+    /// Linear color; alpha is the share of the fog that is seen.
+    pub color: Vec4,
+    /// Light that is lost per metre, by channel; `w` is the power of the distance. Where that is 0 the fog is linear, from
+    /// nothing at `x` to all at `y`, metres.
+    pub lost: Vec4,
+    /// Light of the fog per metre, by channel.
+    pub seen: Vec4,
 }
 
 /// An environment map, everywhere or in a box.
@@ -127,7 +137,7 @@ fn pose(place: &GlobalTransform) -> Pose {
     Pose { rotation: rotation.normalize(), translation }
 }
 
-type Hairs<'a> = (
+type HairQuery<'a> = (
     Entity,
     &'a Hair3d,
     &'a HairMaterial3d,
@@ -142,7 +152,8 @@ type Hairs<'a> = (
     Has<HairMeets>,
 );
 
-type Placed<'a, L> = (Entity, &'a L, &'a GlobalTransform, &'a InheritedVisibility, Option<&'a RenderLayers>);
+type LightQuery<'a, L> =
+    (Entity, &'a L, &'a GlobalTransform, &'a InheritedVisibility, Option<&'a RenderLayers>);
 
 /// Hair, colliders and time.
 pub(crate) fn extract_hair(
@@ -150,22 +161,22 @@ pub(crate) fn extract_hair(
     time: Extract<Res<Time>>,
     wind: Extract<Res<GlobalHairWind>>,
     grooms: Extract<Res<Assets<HairGroom>>>,
-    hair: Extract<Query<Hairs<'static>>>,
+    hair: Extract<Query<HairQuery<'static>>>,
     colliders: Extract<Query<(Entity, &'static HairCollider, &'static GlobalTransform)>>,
     skins: SkinQueries,
-    mut reading: Local<Reading>,
-    mut complaints: Local<Complaints>,
+    mut cache: Local<SkinCache>,
+    mut errors: Local<ErrorLog>,
 ) {
     scene.dt = time.delta_secs();
     scene.hair.clear();
-    reading.keep(|entity| hair.get(entity).is_ok_and(|(.., on, _)| on.is_some()));
+    cache.keep(|entity| hair.get(entity).is_ok_and(|(.., on, _)| on.is_some()));
     for (entity, hair, material, physics, detail, ready, place, visible, own, layers, on, meets) in &hair {
         let wind = own.map_or(wind.0, |wind| wind.0);
         let pose = pose(place);
-        let skin = on.map_or(Ok(OnSkin::No), |on| skins.find(&mut reading, entity, on, pose.matrix()));
+        let skin = on.map_or(Ok(SkinState::Off), |on| skins.find(&mut cache, entity, on, pose.matrix()));
         let skin = skin.unwrap_or_else(|problem| {
-            complaints.say(problem);
-            OnSkin::Awaited
+            errors.report(problem);
+            SkinState::Awaited
         });
         scene.hair.push(SceneHair {
             entity,
@@ -197,13 +208,13 @@ pub(crate) fn extract_hair(
     }
 }
 
-/// Lights and eyes.
+/// Lights and cameras.
 pub(crate) fn extract_light(
     mut scene: ResMut<Scene>,
-    distant: Extract<Query<Placed<'static, DirectionalLight>>>,
-    points: Extract<Query<Placed<'static, PointLight>>>,
-    spots: Extract<Query<Placed<'static, SpotLight>>>,
-    rects: Extract<Query<Placed<'static, RectLight>>>,
+    distant: Extract<Query<LightQuery<'static, DirectionalLight>>>,
+    points: Extract<Query<LightQuery<'static, PointLight>>>,
+    spots: Extract<Query<LightQuery<'static, SpotLight>>>,
+    rects: Extract<Query<LightQuery<'static, RectLight>>>,
     everywhere: Extract<Res<GlobalAmbientLight>>,
     cameras: Extract<
         Query<
@@ -224,7 +235,7 @@ pub(crate) fn extract_light(
     >,
 ) {
     fn shining<'a, L: Component>(
-        lights: &'a Query<Placed<'static, L>>,
+        lights: &'a Query<LightQuery<'static, L>>,
         make: fn(Entity, &L, &GlobalTransform, RenderLayers) -> SceneLight,
     ) -> impl Iterator<Item = SceneLight> + 'a {
         lights.iter().filter(|(_, _, _, visible, _)| visible.get()).map(
@@ -250,7 +261,7 @@ pub(crate) fn extract_light(
         let fog = fogs.get(camera).ok().map(fog_of);
         #[cfg(not(feature = "pbr"))]
         let fog = None;
-        scene.cameras.insert(camera, Eye { layers, ambient, sky, depth, fog, options });
+        scene.cameras.insert(camera, SceneCamera { layers, ambient, sky, depth, fog, options });
     }
     let mut all: Vec<_> = probes
         .iter()
@@ -261,15 +272,12 @@ pub(crate) fn extract_light(
 }
 
 #[cfg(feature = "pbr")]
-fn fog_of(fog: &DistanceFog) -> Fog {
-    let exponential = |power, lost, seen| Thickness::Exponential { power, lost, seen };
-    let thickness = match fog.falloff {
-        FogFalloff::Linear { start, end } => Thickness::Linear(start, end),
-        FogFalloff::Exponential { density } => exponential(1.0, Vec3::splat(density), Vec3::splat(density)),
-        FogFalloff::ExponentialSquared { density } => {
-            exponential(2.0, Vec3::splat(density), Vec3::splat(density))
-        }
-        FogFalloff::Atmospheric { extinction, inscattering } => exponential(1.0, extinction, inscattering),
+fn fog_of(fog: &DistanceFog) -> SceneFog {
+    let (power, lost, seen) = match fog.falloff {
+        FogFalloff::Linear { start, end } => (0.0, Vec3::new(start, end, 0.0), Vec3::ZERO),
+        FogFalloff::Exponential { density } => (1.0, Vec3::splat(density), Vec3::splat(density)),
+        FogFalloff::ExponentialSquared { density } => (2.0, Vec3::splat(density), Vec3::splat(density)),
+        FogFalloff::Atmospheric { extinction, inscattering } => (1.0, extinction, inscattering),
     };
-    Fog { color: fog.color.to_linear().to_vec4(), thickness }
+    SceneFog { color: fog.color.to_linear().to_vec4(), lost: lost.extend(power), seen: seen.extend(0.0) }
 }

@@ -7,9 +7,9 @@ use bevy::{
 };
 use std::sync::Arc;
 use tresses::{
-    HairOptions, drape,
+    Context, HairOptions, drape,
     groom::{BindOptions, Groom, SdfGrid, Strands, TriMesh, bind, mesh::sdf, styles::Style},
-    simulate::{self, Tie},
+    simulate::Tie,
 };
 
 /// A groom, and the head that it grows on. Cheap to clone: what is large is shared.
@@ -68,16 +68,10 @@ impl HairGroom {
         style: &Style,
         strands: Option<u32>,
     ) -> tresses::Result<Self> {
-        let device = device.wgpu_device();
-        let simulate = simulate::Pipelines::new(device);
-        let made = pollster::block_on(drape::character(device, queue, &simulate, style, strands))?;
-        Ok(Self {
-            groom: Arc::new(made.groom),
-            head: Some(Arc::new(made.field)),
-            mesh: Some(Arc::new(made.mesh)),
-            ties: Vec::new(),
-            options: HairOptions::default(),
-        })
+        let context = Context::new(device.wgpu_device(), queue);
+        let made = pollster::block_on(drape::character(&context, style, strands))?;
+        let (head, mesh) = (Some(Arc::new(made.field)), Some(Arc::new(made.mesh)));
+        Ok(Self { head, mesh, ..Self::new(made.groom) })
     }
 
     /// The same hair with what holds it together or to the head, where that is at rest.

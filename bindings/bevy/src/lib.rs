@@ -27,6 +27,7 @@
 //! that looks along Bevy's forward (-Z) is turned by half a turn about Y.
 
 mod components;
+mod error_log;
 mod extract;
 mod groom_asset;
 mod lights;

@@ -7,13 +7,10 @@ use bevy::{
 };
 use serde::{Deserialize, Serialize};
 use std::{borrow::Cow, path::PathBuf, sync::Arc};
-use tresses::{
-    HairOptions,
-    groom::{
-        BindOptions, Fill, Groom, GuideCount, Head, SdfGrid, TriMesh, bind, bind_filled, fill,
-        import::{self, Given},
-        mesh::sdf,
-    },
+use tresses::groom::{
+    BindOptions, Fill, Groom, GuideCount, Head, SdfGrid, TriMesh, bind, bind_filled, fill,
+    import::{self, Given},
+    mesh::sdf,
 };
 
 /// How a groom is loaded.
@@ -34,17 +31,17 @@ pub struct HairGroomSettings {
 #[derive(Debug, Default, TypePath)]
 pub struct HairGroomLoader;
 
-/// Why a groom could not be loaded.
+/// A file beside the groom's own that cannot be read.
 #[derive(Debug)]
-struct Unreadable(String);
+struct LoadError(String);
 
-impl std::fmt::Display for Unreadable {
+impl std::fmt::Display for LoadError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.0)
     }
 }
 
-impl std::error::Error for Unreadable {}
+impl std::error::Error for LoadError {}
 
 impl AssetLoader for HairGroomLoader {
     type Asset = HairGroom;
@@ -64,7 +61,7 @@ impl AssetLoader for HairGroomLoader {
         for name in &settings.beside {
             let beside: AssetPath<'static> = path.resolve_embed_str(name)?;
             let bytes = context.read_asset_bytes(beside.clone()).await;
-            let bytes = bytes.map_err(|error| Unreadable(format!("{path} needs {name}: {error}")))?;
+            let bytes = bytes.map_err(|error| LoadError(format!("{path} needs {name}: {error}")))?;
             files.push((PathBuf::from(beside.path()), Cow::Owned(bytes)));
         }
         #[cfg(feature = "cooked")]
@@ -83,7 +80,7 @@ impl AssetLoader for HairGroomLoader {
                 None
             };
             let head = whole.transpose()?.or(cooked.field);
-            return Ok(made(cooked.groom, head, cooked.head));
+            return Ok(asset(cooked.groom, head, cooked.head));
         }
         let (strands, mesh, report) = import::read_given(&files, &Default::default())?;
         for note in report.files.iter().flat_map(|file| &file.notes) {
@@ -99,7 +96,7 @@ impl AssetLoader for HairGroomLoader {
             }
             None => bind(&strands, &options)?,
         };
-        Ok(made(groom, head, mesh))
+        Ok(asset(groom, head, mesh))
     }
 
     fn extensions(&self) -> &[&str] {
@@ -111,12 +108,6 @@ impl AssetLoader for HairGroomLoader {
 /// What nothing but hair is in.
 const OWN: &[&str] = &["tfx", "hair", "tresses"];
 
-fn made(groom: Groom, head: Option<SdfGrid>, mesh: Option<TriMesh>) -> HairGroom {
-    HairGroom {
-        groom: Arc::new(groom),
-        head: head.map(Arc::new),
-        mesh: mesh.map(Arc::new),
-        ties: Vec::new(),
-        options: HairOptions::default(),
-    }
+fn asset(groom: Groom, head: Option<SdfGrid>, mesh: Option<TriMesh>) -> HairGroom {
+    HairGroom { head: head.map(Arc::new), mesh: mesh.map(Arc::new), ..HairGroom::new(groom) }
 }

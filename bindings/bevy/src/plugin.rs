@@ -10,18 +10,18 @@ use bevy::{
     core_pipeline::schedule::{Core3d, Core3dSystems},
     prelude::*,
     render::{
-        ExtractSchedule, Render, RenderApp, RenderSystems,
+        ExtractSchedule, GpuResourceAppExt, Render, RenderApp, RenderSystems,
         renderer::{RenderGraph, RenderGraphSystems},
         view::prepare_view_targets,
     },
 };
-use tresses::{draw::Coverage, view::ViewOptions};
+use tresses::view::ViewOptions;
 
 /// Hair, for an app with Bevy's renderer: after [`DefaultPlugins`].
 #[derive(Clone, Debug)]
 pub struct TressesPlugin {
     /// How cameras draw hair that have no [`HairView`](crate::HairView) of their own. Its `output` is without effect. Hair
-    /// cannot be [peeled](Coverage::DepthPeeling) here.
+    /// cannot be [peeled](tresses::draw::Coverage::DepthPeeling) here.
     pub view: ViewOptions,
     /// How much of its shadow hair casts on meshes, 0 (none) to 1, in lights with `shadow_maps_enabled`: their colour is
     /// darkened by what hair keeps of the lights that light it, to 2.5 m behind it. What does not come of those, as
@@ -32,10 +32,8 @@ pub struct TressesPlugin {
 impl Default for TressesPlugin {
     /// All strands in order, tile by tile, with all of their shadow.
     fn default() -> Self {
-        Self {
-            view: ViewOptions { samples: 1, coverage: Coverage::Tiles, ..ViewOptions::default() },
-            casts: 1.0,
-        }
+        // The samples of a view are those of meshes, which Bevy draws itself.
+        Self { view: ViewOptions { samples: 1, ..ViewOptions::default() }, casts: 1.0 }
     }
 }
 
@@ -52,9 +50,10 @@ impl Plugin for TressesPlugin {
             return;
         };
         app.init_resource::<Scene>()
-            .init_resource::<render::Wardrobe>()
-            .init_resource::<render::Eyes>()
-            .init_resource::<render::Skies>()
+            .init_gpu_resource::<render::HairContext>()
+            .init_gpu_resource::<render::Wardrobe>()
+            .init_gpu_resource::<render::CameraViews>()
+            .init_gpu_resource::<render::Skies>()
             .insert_resource(render::DefaultView { options: self.view, casts: self.casts })
             .add_systems(ExtractSchedule, (extract_hair, extract_light).chain())
             .add_systems(

@@ -26,6 +26,11 @@ pub fn floats<'py, T: Pod>(
     array(py, shape, bytemuck::cast_slice(values).to_vec())
 }
 
+/// Points as an array [n, 3].
+pub fn points<'py>(py: Python<'py>, points: &[Vec3]) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+    floats(py, &[points.len(), 3], points)
+}
+
 /// Numbers and their shape, as `dtype` of NumPy, C order; `what` names them in an error.
 fn given<T: Element + Copy>(
     of: &Bound<'_, PyAny>,

@@ -2,10 +2,11 @@
 
 use crate::{
     arrays::{array, floats},
-    device::Device,
+    device,
+    files::{Orientation, paths},
     mesh::Mesh,
     raised,
-    reading::{Orientation, paths, unknown},
+    reading::unknown,
     settings::{self, settings_of},
     strands::Strands,
     work::run,
@@ -13,17 +14,19 @@ use crate::{
 use numpy::PyArrayDyn;
 use pyo3::{prelude::*, types::PyDict};
 use std::path::PathBuf;
-use tresses::{groom, groom::import::ImportOptions, lod};
-use tresses_scene::{
-    Base, Character, Companions, Preset, Shelf, companions, preset::Source, settings::Settings,
+use tresses::{
+    character::{CharacterParts, CharacterSource},
+    groom::{self, import::ImportOptions},
+    lod,
 };
+use tresses_scene::{Companions, Preset, Shelf, Source, settings::Settings, source};
 
 /// Hair, ready to be simulated: guides, which are simulated, and strands, which are drawn and follow them; on a head, or on
 /// none. Made by `built_in`, `read`, `of` or `preset`.
 #[pyclass(frozen, module = "tresses")]
 pub struct Groom {
     /// With its strands in the order in which they are drawn.
-    pub character: Character,
+    pub character: CharacterParts,
     /// The files beside it.
     pub source: Source,
     /// With what it was made.
@@ -36,8 +39,8 @@ pub struct Groom {
 fn companions_of(source: &mut Source, files: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
     for (key, file) in files.into_iter().flatten() {
         let key: String = key.extract()?;
-        let companion = companions::companion(&key)
-            .ok_or_else(|| unknown(&key, companions::COMPANIONS.iter().map(|companion| companion.key)))?;
+        let companion = source::companion(&key)
+            .ok_or_else(|| unknown(&key, source::COMPANIONS.iter().map(|companion| companion.key)))?;
         let file: PathBuf = file.extract()?;
         companion.set(source, Some(file.to_string_lossy().into_owned()));
     }
@@ -45,7 +48,7 @@ fn companions_of(source: &mut Source, files: Option<&Bound<'_, PyDict>>) -> PyRe
 }
 
 impl Groom {
-    fn new(mut character: Character, preset: Preset) -> Self {
+    fn new(mut character: CharacterParts, preset: Preset) -> Self {
         let strands = &mut character.groom.strands;
         // As the GPU has them; to order what is in order changes nothing.
         let order = lod::order(strands);
@@ -54,10 +57,8 @@ impl Groom {
     }
 
     fn open(py: Python<'_>, preset: Preset, progress: Option<Py<PyAny>>) -> PyResult<Self> {
-        let character = run(py, progress, async |teller| {
-            let Device { gpu, pipelines } = Device::open()?;
-            Character::open(&preset, &gpu, &pipelines.simulate, teller).await
-        })?;
+        let character =
+            run(py, progress, async |teller| preset.character(&device::open()?.context, teller).await)?;
         Ok(Self::new(character, preset))
     }
 }
@@ -148,8 +149,9 @@ impl Groom {
         let settings = settings_of(settings)?;
         let character = run(py, progress, async |teller| {
             let maps = Companions::of(&source, Shelf::default()).maps()?;
-            let base = Base::given(strands.0.clone(), head.map(|head| head.0.clone()), teller).await?;
-            base.dress(&settings.styling(None, &maps)?, teller).await
+            let base =
+                CharacterSource::given(strands.0.clone(), head.map(|head| head.0.clone()), teller).await?;
+            Ok(base.dress(&settings.styling(None, &maps)?, teller).await?)
         })?;
         Ok(Self::new(character, Preset { name: None, source, settings }))
     }

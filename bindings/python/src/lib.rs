@@ -6,6 +6,7 @@
 
 mod arrays;
 mod device;
+mod files;
 mod groom;
 mod mesh;
 mod motion;

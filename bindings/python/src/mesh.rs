@@ -2,16 +2,16 @@
 
 use crate::{
     TressesError,
-    arrays::{array, floats, given_integers, given_points, given_points_for},
+    arrays::{array, given_integers, given_points, given_points_for, points},
+    files::{Orientation, paths},
     raised,
-    reading::{Orientation, paths},
 };
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use tresses::{
     glam::Vec3,
-    groom::{TriMesh, export::glb, import},
+    groom::{TriMesh, export::Writer, formats::Content, import},
 };
 
 /// A triangle mesh, for example a head that hair grows on.
@@ -68,8 +68,8 @@ impl Mesh {
         Ok(Self(mesh))
     }
 
-    /// Reads a head or body from one or more files (.obj, .gltf, .glb, .tfxmesh, .abc) and brings it into metres, Y up, face
-    /// towards +Z; ``unit``, ``up``, ``front`` and ``mirror`` say what would be guessed.
+    /// Reads a head or body from one or more files (``formats()["heads"]``) and brings it into metres, Y up, face towards +Z;
+    ///  ``unit``, ``up``, ``front`` and ``mirror`` say what would be guessed.
     #[staticmethod]
     #[pyo3(signature = (files, *, unit=None, up=None, front=None, mirror=None))]
     fn read(
@@ -86,13 +86,10 @@ impl Mesh {
         py.detach(|| import::read_head(&files, &options)).map(|(mesh, _)| Self(mesh)).map_err(raised)
     }
 
-    /// Writes it as a ``.glb`` file.
+    /// Writes a file, whose ending says the format (``formats()["meshes_written"]``).
     fn write(&self, py: Python<'_>, file: PathBuf) -> PyResult<()> {
-        if file.extension().is_none_or(|extension| extension != "glb") {
-            return Err(TressesError::new_err(format!("{}: a mesh is written as .glb", file.display())));
-        }
         py.detach(|| -> anyhow::Result<()> {
-            std::fs::write(&file, glb::body(&self.0, None)?)
+            std::fs::write(&file, Writer::holding(&file, Content::Mesh)?.mesh(&self.0, None)?)
                 .map_err(|error| anyhow::anyhow!("{}: {error}", file.display()))
         })
         .map_err(raised)
@@ -126,9 +123,4 @@ impl Mesh {
     fn __repr__(&self) -> String {
         format!("Mesh({} vertices, {} triangles)", self.0.positions.len(), self.0.triangles.len())
     }
-}
-
-/// Points as an array [n, 3].
-pub fn points<'py>(py: Python<'py>, points: &[Vec3]) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
-    floats(py, &[points.len(), 3], points)
 }

@@ -3,10 +3,10 @@
 use crate::{TressesError, arrays::array, pose::vector};
 use numpy::PyArrayDyn;
 use pyo3::{prelude::*, types::PyDict};
-use tresses::{glam::Mat4, groom::Strands};
+use tresses::{character::Bounds, glam::Mat4, groom::Strands};
 use tresses_scene::{
     Viewpoint,
-    camera::{Angle, Bounds},
+    camera::Angle,
     scene::{Asked, Captured},
 };
 

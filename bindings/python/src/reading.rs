@@ -2,52 +2,18 @@
 
 use crate::{
     TressesError,
+    files::{Orientation, paths},
     mesh::Mesh,
     raised,
     strands::{Finding, Strands},
 };
-use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
-use std::path::PathBuf;
+use pyo3::{prelude::*, types::PyDict};
 use tresses::groom::{
-    formats as endings, import,
-    orient::{Axis, Choice, Placement, Unit},
+    export::Writer,
+    formats::{self as endings, Content},
+    import,
+    orient::Placement,
 };
-
-/// A path, or several: each a `str` or an `os.PathLike`.
-pub fn paths(of: &Bound<'_, PyAny>) -> PyResult<Vec<PathBuf>> {
-    if let Ok(path) = of.extract::<PathBuf>() {
-        return Ok(vec![path]);
-    }
-    let several = of.try_iter().map_err(|_| PyTypeError::new_err("files are a path or a list of paths"))?;
-    several.map(|path| path?.extract()).collect()
-}
-
-/// What is known of a file's unit and axes, in words.
-#[derive(Default)]
-pub struct Orientation {
-    /// `cm`, or metres per unit.
-    pub unit: Option<String>,
-    /// `y`, `-z`.
-    pub up: Option<String>,
-    /// Likewise.
-    pub front: Option<String>,
-    /// Whether the file is a mirror image.
-    pub mirror: Option<bool>,
-}
-
-impl Orientation {
-    /// As the library has it.
-    pub fn choice(&self) -> PyResult<Choice> {
-        let axis =
-            |text: &Option<String>| text.as_deref().map(str::parse::<Axis>).transpose().map_err(raised);
-        Ok(Choice {
-            unit: self.unit.as_deref().map(str::parse::<Unit>).transpose().map_err(raised)?,
-            up: axis(&self.up)?,
-            front: axis(&self.front)?,
-            mirror: self.mirror,
-        })
-    }
-}
 
 /// What files held, in metres, Y up, face towards +Z.
 #[pyclass(frozen, get_all, module = "tresses")]
@@ -143,13 +109,20 @@ pub fn read(
     })
 }
 
-/// The endings of files: a dict of ``grooms`` (read), ``written`` and ``heads`` (read).
+/// The endings of files: a dict of ``grooms`` and ``heads`` (read), ``written``, ``meshes_written`` and, of those, ``any_unit``
+/// (written in other units than metres, too).
 #[pyfunction]
 pub fn formats(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("grooms", endings::GROOMS)?;
     dict.set_item("written", endings::WRITTEN)?;
     dict.set_item("heads", endings::MESHES)?;
+    let all = endings::FORMATS.iter().flat_map(|format| format.writers);
+    let of = |kept: fn(&Writer) -> bool| {
+        all.clone().filter(|it| kept(it)).map(|it| it.extension).collect::<Vec<_>>()
+    };
+    dict.set_item("meshes_written", of(|writer| writer.holds(Content::Mesh)))?;
+    dict.set_item("any_unit", of(|writer| writer.any_unit))?;
     Ok(dict)
 }
 

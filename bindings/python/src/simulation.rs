@@ -6,7 +6,7 @@
 use crate::{
     TressesError,
     arrays::floats,
-    device::Device,
+    device,
     groom::Groom,
     picture::{self, Wanted, matrix, viewpoint},
     pose::{Told, pose, told, vector},
@@ -18,10 +18,9 @@ use anyhow::ensure;
 use numpy::PyArrayDyn;
 use pyo3::{prelude::*, types::PyDict};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use tresses::{Camera, clock::MAX_STEPS, glam::Vec3, gpu::Gpu, present::Background};
+use tresses::{Camera, character::Gesture, clock::MAX_STEPS, glam::Vec3, gpu::Gpu, present::Background};
 use tresses_scene::{
-    Companions, Gesture, Quality, Scene, Shelf, camera::VERTICAL_FOV, scene::Asked,
-    settings::Settings as Values,
+    Companions, Quality, Scene, Shelf, camera::VERTICAL_FOV, scene::Asked, settings::Settings as Values,
 };
 
 /// The longest step, seconds.
@@ -96,16 +95,16 @@ impl Simulation {
 
 impl Inner {
     fn take(&mut self, said: &Said) -> anyhow::Result<()> {
-        if let Some(living) = &self.scene.living {
+        if let Some(rig) = self.scene.character.rig() {
             for (name, _) in &said.gesture.shapes {
-                living.find_shape(name)?;
+                rig.find_shape(name)?;
             }
         }
         if let Some(wind) = said.wind {
-            let mut physics = self.scene.physics;
+            let mut physics = self.scene.character.physics;
             physics.wind.velocity = wind;
             physics.check()?;
-            self.scene.physics = physics;
+            self.scene.character.physics = physics;
         }
         Ok(())
     }
@@ -142,15 +141,15 @@ impl Simulation {
         }
         let settings = settings_of_groom(all.0, groom)?;
         let inner = run(py, progress, async |teller| {
-            let Device { gpu, pipelines } = Device::open()?;
+            let gpu = device::open()?;
             let companions = Companions::of(&groom.source, Shelf::default());
             let (colliders, surroundings) = (companions.colliders()?, companions.surroundings()?);
             let character = groom.character.clone();
             let quality = sampled(&settings, [16, 16], &gpu)?;
             let motion = settings.pipelines_of_motion(&character.guide_vertices());
-            pipelines.prepare(&motion, teller).await?;
+            gpu.context.prepare(&motion, teller).await?;
             let physics = settings.physics();
-            let scene = Scene::new(gpu, pipelines, character, colliders, &physics, &quality, teller);
+            let scene = Scene::new(gpu, character, colliders, &physics, &quality, teller);
             let mut scene = scene.await?;
             scene.apply(&settings)?;
             scene.set_surroundings(surroundings.map(Arc::new));
@@ -194,7 +193,7 @@ impl Simulation {
             inner.begin()?;
             inner.take(&said)?;
             // A frame of the library has so many fixed steps at most, and leaves the rest out.
-            let most = MAX_STEPS as f32 * inner.scene.physics.step;
+            let most = MAX_STEPS as f32 * inner.scene.character.physics.step;
             let parts = (dt / most).ceil().max(1.0) as u32;
             let from = inner.gesture.clone();
             for part in 1..=parts {
@@ -246,7 +245,7 @@ impl Simulation {
         run(py, None, async |_| {
             let mut inner = self.lock();
             inner.begin()?;
-            inner.scene.drawn([&inner.scene.hair.strands]).await
+            inner.scene.drawn([&inner.scene.character.hair().strands]).await
         })
         .map(Strands)
     }
@@ -257,8 +256,8 @@ impl Simulation {
             let mut inner = self.lock();
             inner.begin()?;
             let mut all = Vec::new();
-            for face in &inner.scene.face {
-                all.push(inner.scene.drawn([&face.hair.strands]).await?);
+            for hair in inner.scene.character.grooms().skip(1) {
+                all.push(inner.scene.drawn([&hair.strands]).await?);
             }
             Ok(all)
         })?;
@@ -270,7 +269,7 @@ impl Simulation {
         let (shape, guides) = run(py, None, async |_| {
             let mut inner = self.lock();
             inner.begin()?;
-            let guides = &inner.scene.hair.guides;
+            let guides = &inner.scene.character.hair().guides;
             let shape = [guides.count as usize, guides.vertex_count as usize, 3];
             Ok((shape, inner.scene.guides().await?))
         })?;
@@ -344,13 +343,12 @@ impl Simulation {
                 "where hair is, is known of pictures without supersampling: set edges.ssaa to 1"
             );
             scene.set_quality(&quality)?;
-            scene.pipelines.prepare(&settings.pipelines(quality.view_options()), &()).await?;
+            scene.gpu.context.prepare(&settings.pipelines(quality.view), &()).await?;
             scene.picture.background = background;
             let captured = scene.capture(&view, asked).await?;
             let mut strands = Vec::new();
             if wanted.needs_strands() {
-                let all = std::iter::once(&scene.hair).chain(scene.face.iter().map(|face| &face.hair));
-                for hair in all {
+                for hair in scene.character.grooms() {
                     strands.push(scene.drawn([&hair.strands]).await?);
                 }
             }
@@ -382,19 +380,19 @@ impl Simulation {
     /// Seconds since the hair was put to rest.
     #[getter]
     fn time(&self, py: Python<'_>) -> f64 {
-        py.detach(|| self.lock().scene.time())
+        py.detach(|| self.lock().scene.character.time())
     }
 
     /// The joint that the head turns about, metres: 3 numbers.
     #[getter]
     fn pivot(&self, py: Python<'_>) -> [f32; 3] {
-        py.detach(|| self.lock().scene.pivot().to_array())
+        py.detach(|| self.lock().scene.character.neck().to_array())
     }
 
     /// Where the head is, relative to where it rests: translation and quaternion (x, y, z, w).
     #[getter]
     fn head(&self, py: Python<'_>) -> Told {
-        py.detach(|| told(&self.lock().scene.head()))
+        py.detach(|| told(&self.lock().scene.character.head()))
     }
 
     /// The names of the body's shapes.
@@ -402,7 +400,7 @@ impl Simulation {
     fn shapes(&self, py: Python<'_>) -> Vec<String> {
         py.detach(|| {
             let inner = self.lock();
-            inner.scene.living.iter().flat_map(|living| living.shapes()).map(str::to_owned).collect()
+            inner.scene.character.rig().into_iter().flat_map(|rig| rig.shapes()).map(str::to_owned).collect()
         })
     }
 
@@ -441,12 +439,12 @@ impl Simulation {
 
 /// How pictures of `size` are sampled.
 fn sampled(settings: &Values, size: [u32; 2], gpu: &Gpu) -> anyhow::Result<Quality> {
-    let most = gpu.tier.max_samples;
+    let most = gpu.context.tier().max_samples;
     let quality = settings.quality(size, most)?;
     ensure!(
-        quality.samples <= most,
+        quality.view.samples <= most,
         "{} samples per pixel, but {} offers at most {most}",
-        quality.samples,
+        quality.view.samples,
         gpu.info.name
     );
     Ok(quality)

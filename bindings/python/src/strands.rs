@@ -2,8 +2,10 @@
 
 use crate::{
     TressesError,
-    arrays::{array, floats, given_integers, given_numbers_for, given_pairs, given_points, given_points_for},
-    mesh::{Mesh, points},
+    arrays::{
+        array, floats, given_integers, given_numbers_for, given_pairs, given_points, given_points_for, points,
+    },
+    mesh::Mesh,
     raised,
 };
 use numpy::PyArrayDyn;
@@ -13,7 +15,7 @@ use pyo3::{
     types::{PyDict, PyList},
 };
 use std::path::PathBuf;
-use tresses::groom::{self, export, import::MAX_VERTICES, lint, orient::Unit};
+use tresses::groom::{self, MAX_VERTICES, export::Writer, lint, orient::Unit};
 
 /// Strands of hair: lines, root first.
 ///
@@ -98,7 +100,7 @@ impl Strands {
     /// file : path
     ///     Replaced if there is one.
     /// unit : str, optional
-    ///     The unit of the file, Alembic and USD only: ``"cm"`` for Unreal and Maya.
+    ///     The unit of the file, for formats that can be in any (``formats()["any_unit"]``): ``"cm"`` for Unreal and Maya.
     /// oriented : bool
     ///     Whether the file says that it is in metres, Y up, face towards +Z; False for strands that are not.
     ///
@@ -115,11 +117,11 @@ impl Strands {
         oriented: bool,
     ) -> PyResult<Vec<String>> {
         py.detach(|| -> anyhow::Result<Vec<String>> {
-            let format = export::Format::of(&file)?;
-            let encoded = match unit {
-                Some(unit) => export::encode_in(&self.0, format, unit.parse::<Unit>()?)?,
-                None => export::encode(&self.0, format, oriented)?,
+            let unit = match unit {
+                Some(unit) => Some(unit.parse::<Unit>()?),
+                None => oriented.then_some(Unit(1.0)),
             };
+            let encoded = Writer::of(&file)?.strands(&self.0, unit)?;
             std::fs::write(&file, &encoded.bytes)
                 .map_err(|error| anyhow::anyhow!("{}: {error}", file.display()))?;
             Ok(encoded.notes)

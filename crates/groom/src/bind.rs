@@ -2,11 +2,10 @@
 
 mod marked;
 
-use super::{BoundStrands, Groom, Guides, Strands, bound, bound::Influence, curve, fill::Filled};
 use crate::{
-    Error, MAX_GUIDE_VERTICES, MAX_STRAND_VERTICES, Result,
-    bound::{Strand, strand::pack_color},
-    hash,
+    BoundStrands, Error, Groom, Guides, MAX_GUIDE_VERTICES, MAX_STRAND_VERTICES, Result, Strands,
+    bound::{self, Influence, Strand, strand::pack_color},
+    curve, hash,
 };
 use glam::{UVec3, Vec3};
 use marked::Marked;
@@ -62,25 +61,52 @@ pub fn bind(strands: &Strands, options: &BindOptions) -> Result<Groom> {
     bind_any(strands, options, None)
 }
 
-/// The same for a groom that was [filled](crate::fill()): guides are chosen among the given strands, and as many
-/// as for all of them; new strands follow the guides of their parents, one to three, and none that runs apart
-/// from them. [`GuideCount::All`] makes every given strand a guide.
-///
-/// # Errors
-/// As [`bind`].
-pub fn bind_filled(filled: &Filled, options: &BindOptions) -> Result<Groom> {
-    // Where a map has left none of the given strands, guides are chosen among all.
-    bind_any(&filled.strands, options, (filled.given > 0).then_some(filled))
+/// The given strands that a new one is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parents {
+    /// Indices of given strands. The first lends its curls, its number of vertices and its attributes.
+    pub strands: [u32; 3],
+    /// What each counts in the path; the sum is 1. A strand that counts 0 is none.
+    pub weights: [f32; 3],
 }
 
-fn bind_any(strands: &Strands, options: &BindOptions, filled: Option<&Filled>) -> Result<Groom> {
+impl Parents {
+    /// One strand alone.
+    pub(crate) fn one(strand: u32) -> Self {
+        Self { strands: [strand; 3], weights: [1.0, 0.0, 0.0] }
+    }
+
+    /// Those that count, with what they count.
+    pub fn iter(&self) -> impl Iterator<Item = (u32, f32)> {
+        self.strands.into_iter().zip(self.weights).filter(|(_, weight)| *weight > 0.0)
+    }
+}
+
+/// The origins of strands that were grown between given ones.
+pub(crate) struct Origins<'a> {
+    /// How many strands are given; they come first.
+    pub given: usize,
+    /// For each given strand its index before some were left out, by which parents are named.
+    pub original: &'a [u32],
+    /// For each new strand its parents.
+    pub parents: &'a [Parents],
+    /// Whether two given strands run together, so that hair may follow both.
+    pub runs_with: &'a dyn Fn(u32, u32) -> bool,
+}
+
+/// [`bind`] for strands of which some were grown between the others.
+pub(crate) fn bind_any(
+    strands: &Strands,
+    options: &BindOptions,
+    origins: Option<&Origins<'_>>,
+) -> Result<Groom> {
     if strands.is_empty() {
         return Err(Error::Unusable("the groom has no strands".into()));
     }
     if let Some(i) = (0..strands.len()).find(|i| strands.range(*i).len() < 2) {
         return Err(Error::Unusable(format!("strand {i} has fewer than two vertices")));
     }
-    let given = filled.map_or(strands.len(), |filled| filled.given);
+    let given = origins.map_or(strands.len(), |origins| origins.given);
     let typical = typical_vertices(&strands.offsets[..=given]);
     let guide_vertices = options.guide_vertices.unwrap_or(if options.guides == GuideCount::All {
         typical.clamp(8, MAX_GUIDE_VERTICES)
@@ -104,7 +130,8 @@ fn bind_any(strands: &Strands, options: &BindOptions, filled: Option<&Filled>) -
         }
     };
     let marked = Marked::of(strands, given, options);
-    let all = marked.is_none() && (options.guides == GuideCount::All || (filled.is_some() && count >= given));
+    let all =
+        marked.is_none() && (options.guides == GuideCount::All || (origins.is_some() && count >= given));
     let chosen: Vec<u32> = match &marked {
         Some(marked) => marked.guides.clone(),
         None if all => (0..given as u32).collect(),
@@ -121,7 +148,7 @@ fn bind_any(strands: &Strands, options: &BindOptions, filled: Option<&Filled>) -
 
     let mut bound = BoundStrands::new(strand_vertices);
     let finder = Finder::new(&shapes, &chosen);
-    let mut lineage = filled.map(|filled| Lineage::new(filled, &chosen));
+    let mut lineage = origins.map(|origins| Lineage::new(origins, &chosen));
     for i in 0..strands.len() {
         let influences = if all && i < given {
             vec![Influence { guide: i as u32, weight: 1.0, scale: 1.0 }]
@@ -129,7 +156,10 @@ fn bind_any(strands: &Strands, options: &BindOptions, filled: Option<&Filled>) -
             let own = strands.length(i);
             let shape = |i: usize| Shapes::of(strands.strand(i));
             let mut found = match &lineage {
-                Some(lineage) if i >= given => lineage.follow(i, &finder, &shapes, shape),
+                Some(lineage) if i >= given => {
+                    let pinned = strands.tip_pinned.get(i) == Some(&true);
+                    lineage.follow(i, pinned, &finder, &shapes, shape)
+                }
                 _ if let Some(found) = marked.as_ref().and_then(|marked| marked.follow(strands, i)) => found,
                 _ => finder.nearest(&shapes, &shapes.points[i], shapes.pinned[i], |_| true),
             };
@@ -161,7 +191,7 @@ fn bind_any(strands: &Strands, options: &BindOptions, filled: Option<&Filled>) -
 
 /// Whom new strands follow: those whom their parents follow.
 struct Lineage<'a> {
-    filled: &'a Filled,
+    origins: &'a Origins<'a>,
     chosen: &'a [u32],
     /// For each strand that was given to be filled, which one it is now, if it is left.
     now: HashMap<u32, u32>,
@@ -170,24 +200,25 @@ struct Lineage<'a> {
 }
 
 impl<'a> Lineage<'a> {
-    fn new(filled: &'a Filled, chosen: &'a [u32]) -> Self {
-        let now = (0u32..).zip(&filled.original).map(|(i, was)| (*was, i)).collect();
-        Self { filled, chosen, now, follows: Vec::with_capacity(filled.given) }
+    fn new(origins: &'a Origins<'a>, chosen: &'a [u32]) -> Self {
+        let now = (0u32..).zip(origins.original).map(|(i, was)| (*was, i)).collect();
+        Self { origins, chosen, now, follows: Vec::with_capacity(origins.given) }
     }
 
     /// The guides of new strand `i`; those nearest in shape where none of its parents is left.
     fn follow(
         &self,
         i: usize,
+        pinned: bool,
         finder: &Finder,
         shapes: &Shapes,
         shape: impl Fn(usize) -> [Vec3; 3],
     ) -> Vec<Influence> {
-        let parents = &self.filled.parents[i - self.filled.given];
+        let parents = &self.origins.parents[i - self.origins.given];
         let lead = parents.strands[0];
         let together = |guide: u32| {
-            let strand = self.filled.original[self.chosen[guide as usize] as usize];
-            self.filled.runs_with(lead, strand)
+            let strand = self.origins.original[self.chosen[guide as usize] as usize];
+            (self.origins.runs_with)(lead, strand)
         };
         let mut found: Vec<Influence> = Vec::new();
         for (parent, share) in parents.iter() {
@@ -202,7 +233,6 @@ impl<'a> Lineage<'a> {
         }
         found.retain(|influence| together(influence.guide));
         if found.is_empty() {
-            let pinned = self.filled.strands.tip_pinned.get(i) == Some(&true);
             return finder.nearest(shapes, &shape(i), pinned, together);
         }
         found.sort_by(|a, b| b.weight.total_cmp(&a.weight).then(a.guide.cmp(&b.guide)));

@@ -1,6 +1,9 @@
 //! Guides on the CPU: the strands that are simulated.
 
-use super::{curve, grow::ScalpMap, styles::scalp_uv};
+use crate::{
+    curve,
+    scalp::{ScalpMap, scalp_uv},
+};
 use glam::Vec3;
 
 /// Guides with a fixed number of vertices each.
@@ -10,18 +13,18 @@ pub struct Guides {
     /// Vertices per guide, 3 to [`crate::MAX_GUIDE_VERTICES`].
     pub vertex_count: u32,
     /// Rest positions, groom space, metres; guide after guide, root first.
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub positions: Vec<Vec3>,
     /// One per guide: multiplier of the stiffness, from the scalp map.
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub stiffness: Vec<f32>,
     /// One per guide: how many drawn strands it stands for.
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub strands: Vec<f32>,
     /// One per guide: whether its tip follows the head, as its root does.
     pub tip_pinned: Vec<bool>,
     /// One per guide: the number of the group that its file has it in; or empty.
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub groups: Vec<i32>,
 }
 

@@ -9,44 +9,62 @@
 //!
 //! A mesh that comes with joints, shapes or animations comes with a [`Rig`], which poses it.
 //!
+//! A module uses only modules of the lines above its own (`tests/modules.rs` checks this list):
+//!
+//! ```text
+//! bulk curve error hash progress rice sdf srgb strands │ plain data, coding of numbers
+//! mesh random range scalp                              │ triangle meshes; the scalp and maps on it
+//! guides lint look rig                                 │ simulated strands; checks; materials; bodies that bend
+//! bound mannequin orient                               │ drawn strands; the built-in character; units and axes
+//! bind formats report styles                           │ guides for strands; files; recipes of hairstyles
+//! cooked export                                        │ grooms that open at once; writers
+//! import                                               │ readers
+//! grow                                                 │ strands from guides
+//! fill restyle                                         │ strands between strands; curls and clumps for them
+//! ```
+//!
 //! Everything here runs on the CPU and needs no GPU. The crate `tresses` simulates and draws a [`Groom`];
 //! it re-exports this one as `tresses::groom`.
 
 pub mod bind;
 pub mod bound;
 #[cfg(feature = "cooked")]
+mod bulk;
+#[cfg(feature = "cooked")]
 pub mod cooked;
 pub mod curve;
+pub mod error;
 pub mod export;
 pub mod fill;
 pub mod formats;
 pub mod grow;
 pub mod guides;
+pub mod hash;
 pub mod import;
 pub mod lint;
 pub mod look;
 pub mod mannequin;
 pub mod mesh;
 pub mod orient;
+pub mod progress;
+mod random;
 pub mod range;
+mod report;
 pub mod restyle;
+mod rice;
 pub mod rig;
+pub mod scalp;
 pub mod sdf;
 pub mod srgb;
 pub mod strands;
 pub mod styles;
 
-pub mod error;
-pub mod hash;
-pub mod progress;
-mod rice;
-
-pub use bind::{BindOptions, GuideCount, bind, bind_filled};
+pub use bind::{BindOptions, GuideCount, bind};
 pub use bound::{BoundStrands, Groom, Influence};
 #[cfg(feature = "cooked")]
 pub use cooked::Cooked;
 pub use error::{Error, Result};
-pub use fill::{Fill, Filled, Followers, Head, fill};
+pub use fill::{Fill, Filled, Head, bind_filled, fill};
 pub use glam;
 pub use guides::Guides;
 pub use look::Look;
@@ -55,9 +73,11 @@ pub use progress::Progress;
 pub use restyle::Restyle;
 pub use rig::{Rig, RigPose};
 pub use sdf::SdfGrid;
-pub use strands::Strands;
+pub use strands::{Followers, Strands};
 
 /// The most vertices a guide may have.
 pub const MAX_GUIDE_VERTICES: u32 = 64;
 /// The most vertices a drawn strand may have.
 pub const MAX_STRAND_VERTICES: u32 = 64;
+/// The most vertices a groom may have: 16 bytes each fill the largest buffer that WebGPU can bind.
+pub const MAX_VERTICES: u64 = 1 << 28;

@@ -16,11 +16,9 @@ use super::{
     Groom,
     bound::BoundStrands,
     curve,
-    grow::{Clumps, CurlStrand, Curls, Growth, ScalpMap, Twist, Unrest, frames_from, unrest},
-    styles::{
-        random::{Rng, smoothstep},
-        scalp_uv,
-    },
+    grow::{Clumps, CurlStrand, Curls, Growth, Twist, Unrest, frames_from, unrest},
+    random::{Rng, smoothstep},
+    scalp::{ScalpMap, scalp_uv},
 };
 use crate::{
     Result,

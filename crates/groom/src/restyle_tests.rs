@@ -1,5 +1,5 @@
 use super::*;
-use crate::{BindOptions, GuideCount, Strands, bind, styles::spread_direction};
+use crate::{BindOptions, GuideCount, Strands, bind, scalp::spread_direction};
 use glam::Vec2;
 
 /// Strands of 20 cm that leave a head of 9 cm straight, bound with 64 vertices.

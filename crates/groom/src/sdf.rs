@@ -13,7 +13,7 @@ pub struct SdfGrid {
     /// Distance between neighbouring nodes, metres.
     pub cell: f32,
     /// Distances, x fastest.
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub distances: Vec<f32>,
 }
 

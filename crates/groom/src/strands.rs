@@ -9,19 +9,19 @@ use glam::{Vec2, Vec3};
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Strands {
     /// One more than there are strands; starts with 0, never falls.
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub offsets: Vec<u32>,
     /// One per vertex, metres.
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub positions: Vec<Vec3>,
     /// One per vertex, metres, or empty where the source has none.
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub radii: Vec<f32>,
     /// Linear sRGB, one per vertex, or empty.
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub colors: Vec<Vec3>,
     /// Scalp texture coordinates, one per strand, or empty.
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub root_uvs: Vec<Vec2>,
     /// One per strand: whether the tip is fixed to the head as the root is; or empty for none.
     pub tip_pinned: Vec<bool>,
@@ -43,6 +43,17 @@ pub struct Mark {
     pub closest: [i32; 3],
     /// How far it follows each; all 0 where the file does not say.
     pub weights: [f32; 3],
+}
+
+/// The followers of one strand.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
+pub struct Followers {
+    /// How many.
+    pub count: u32,
+    /// How far from the strand at most, metres; `None` where the file does not say: half as far as its
+    /// neighbours are.
+    pub radius: Option<f32>,
 }
 
 impl Strands {

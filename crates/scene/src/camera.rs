@@ -1,15 +1,12 @@
 //! Portrait cameras: positions from which the head and its hair fill the picture.
 
-use tresses::{Pose, glam::Vec3};
+use tresses::{Pose, character::Bounds, glam::Vec3};
 
 /// The vertical field of view of every camera, radians: a portrait lens.
 pub const VERTICAL_FOV: f32 = 30.0 / 180.0 * std::f32::consts::PI;
 
 /// How much of the picture's height or width the subject fills.
 const FILL: f32 = 0.9;
-
-/// The height that must be in the picture below the top of the hair or head, metres: a head with its chin.
-const HEAD_HEIGHT: f32 = 0.27;
 
 /// From where the head is seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -44,24 +41,6 @@ impl Angle {
             Self::Back => (180.0, 6.0),
         }
     }
-}
-
-/// A box, smallest and largest corner, metres.
-pub type Bounds = (Vec3, Vec3);
-
-/// What a portrait shows of the hair's and the head's boxes: all hair, the head to its chin, not the shoulders.
-pub fn subject(hair: Bounds, head: Option<Bounds>) -> Bounds {
-    let top = head.map_or(hair.1.y, |head| head.1.y.max(hair.1.y));
-    let mut lo = hair.0;
-    let mut hi = hair.1;
-    hi.y = top;
-    if let Some(head) = head {
-        lo.y = lo.y.min((top - HEAD_HEIGHT).max(head.0.y));
-        // A bust's shoulders are wider than the picture needs to be; its face is not.
-        lo.z = lo.z.min(head.0.z.max(hair.0.z - 0.05));
-        hi.z = hi.z.max(head.1.z.min(hair.1.z + 0.05));
-    }
-    (lo, hi)
 }
 
 /// Where a camera is and what it looks at.
@@ -215,15 +194,5 @@ mod tests {
             Viewpoint::portrait(Angle::Front, HAIR, 1.6, 2.0).eye.z
                 < Viewpoint::portrait(Angle::Front, HAIR, 1.6, 1.0).eye.z
         );
-    }
-
-    #[test]
-    fn short_hair_shows_the_chin_and_no_shoulders() {
-        let hair = (Vec3::new(-0.09, 1.60, -0.10), Vec3::new(0.09, 1.70, 0.08));
-        let bust = (Vec3::new(-0.25, 1.20, -0.15), Vec3::new(0.25, 1.69, 0.12));
-        let (lo, hi) = subject(hair, Some(bust));
-        assert!((hi.y - lo.y - HEAD_HEIGHT).abs() < 1e-5);
-        assert!(hi.x < 0.1 && hi.z >= 0.12);
-        assert_eq!(subject(hair, None), hair);
     }
 }

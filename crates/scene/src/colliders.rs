@@ -19,21 +19,22 @@
 //! at rest), or `none`.
 
 use crate::{
-    companions::Shelf,
     motion::{Key, Motion},
+    shelf::Shelf,
 };
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use tresses::{
     Pose,
     body::BodyMaterial,
-    collide::{Anchor, Collider, ColliderPoses, FieldBuilder, FieldId, FieldSource, Shape},
+    character::Obstacle,
+    collide::{Anchor, Collider, FieldBuilder, FieldId, FieldSource, Shape},
     glam::Vec3,
     groom::{
-        SdfGrid, TriMesh, import,
+        TriMesh, import,
         mesh::SdfOptions,
-        rig::anatomy::{Capsule, Field, Part, PartForm},
+        rig::anatomy::{Anatomy, Capsule, Field, PartForm},
     },
 };
 
@@ -78,6 +79,22 @@ pub enum Role {
     /// Hair passes through it.
     #[serde(rename = "none")]
     Nothing,
+}
+
+impl Joint {
+    /// The collider of its part, to which `fitted` is the capsule that is most like it.
+    fn form(&self, fitted: Option<Capsule>) -> Result<PartForm> {
+        Ok(match self.shape {
+            Role::Nothing => PartForm::Nothing,
+            Role::Field => PartForm::Field,
+            Role::Capsule { from, to, radius } => {
+                PartForm::Capsule(Capsule { ends: [from, to].map(Vec3::from), radius })
+            }
+            Role::Fitted => PartForm::Capsule(fitted.with_context(|| {
+                format!("the joint {:?} holds too little to fit a capsule to", self.joint)
+            })?),
+        })
+    }
 }
 
 #[derive(Deserialize)]
@@ -125,27 +142,16 @@ enum Form {
 /// The obstacles of one file.
 #[derive(Default)]
 pub struct Colliders {
-    /// What they are.
+    /// Their shapes.
     pub list: Vec<Collider>,
-    /// What each looks like, in its own frame.
-    pub looks: Vec<TriMesh>,
+    /// The mesh of each, in its own frame.
+    looks: Vec<TriMesh>,
     motions: Vec<Motion>,
     fields: Vec<Field>,
-    /// What is said of the joints of a body that bends.
+    /// The roles of joints of a skinned body.
     joints: Vec<Joint>,
-    /// Those of the list, behind those of the file, that are parts of a body that bends.
-    parts: Vec<Slot>,
-    /// The middle of a ball, which is the last of the list, metres.
-    ball: Option<Vec3>,
-}
-
-/// A part of a body among the colliders.
-#[derive(Clone, Copy, Debug)]
-enum Slot {
-    /// Which of the fields.
-    Field(usize),
-    /// Where a capsule's own frame is while the body rests.
-    Capsule(Pose),
+    /// The middle of a ball and its radius, metres.
+    ball: Option<(Vec3, f32)>,
 }
 
 impl Colliders {
@@ -216,59 +222,38 @@ impl Colliders {
         &self.joints
     }
 
-    /// Adds parts of a body that bends: obstacles that are not drawn, for the body is.
-    pub fn add_parts<'a>(&mut self, parts: impl IntoIterator<Item = &'a Part>) {
-        for part in parts {
-            let (shape, slot) = match part.form {
-                PartForm::Nothing => continue,
-                PartForm::Capsule(Capsule { ends: [a, b], radius }) => {
-                    let (shape, pose) = Shape::capsule(a, b, radius);
-                    (shape, Slot::Capsule(pose))
+    /// Gives the parts of a body the roles that the file says; `mesh` is the body's.
+    ///
+    /// # Errors
+    /// One sentence for a joint that is not there, that holds nothing, or that is the head's.
+    pub fn arrange(&self, anatomy: &mut Anatomy, mesh: &TriMesh) -> Result<()> {
+        for joint in &self.joints {
+            let named = anatomy.named(&joint.joint)?;
+            if named.contains(&anatomy.head.node) {
+                bail!("hair grows on the joint {:?}: its part is always a distance field", joint.joint);
+            }
+            let mut found = false;
+            for i in 0..anatomy.parts.len() {
+                let node = anatomy.parts[i].node;
+                if !named.contains(&node) {
+                    continue;
                 }
-                PartForm::Field => {
-                    self.fields.push(part.field.clone());
-                    let field = self.fields.len() - 1;
-                    (Shape::Field(FieldId(field as u32)), Slot::Field(field))
-                }
-            };
-            self.list.push(Collider { friction: part.friction, ..Collider::new(shape) });
-            self.looks.push(TriMesh::default());
-            self.parts.push(slot);
+                found = true;
+                let known = anatomy.parts[i].fitted;
+                let fitted = match joint.shape {
+                    Role::Fitted => known.or_else(|| anatomy.fit(node, mesh)),
+                    _ => known,
+                };
+                let part = &mut anatomy.parts[i];
+                part.fitted = fitted;
+                part.friction = joint.friction;
+                part.form = joint.form(fitted.map(|fitted| fitted.capsule))?;
+            }
+            if !found {
+                bail!("the joint {:?} holds nothing", joint.joint);
+            }
         }
-    }
-
-    /// Which fields the parts of a body are.
-    pub(crate) fn part_fields(&self) -> impl Iterator<Item = Option<FieldId>> {
-        self.parts.iter().map(|slot| match slot {
-            Slot::Field(field) => Some(FieldId(*field as u32)),
-            Slot::Capsule(_) => None,
-        })
-    }
-
-    /// The fields of the parts of a body, where they are known.
-    pub fn parts(&self) -> impl Iterator<Item = Option<&SdfGrid>> {
-        self.part_fields().map(|field| match &self.fields[field?.0 as usize] {
-            Field::Grid(grid) => Some(grid),
-            Field::Mesh(..) => None,
-        })
-    }
-
-    /// Where the parts of a body are whose nodes are at `nodes`.
-    fn placed(&self, nodes: &[Pose]) -> impl Iterator<Item = Pose> {
-        debug_assert_eq!(nodes.len(), self.parts.len());
-        self.parts.iter().zip(nodes).map(|(slot, node)| match slot {
-            Slot::Field(_) => *node,
-            Slot::Capsule(own) => node.after(own),
-        })
-    }
-
-    /// Where all of them are that go with a body as one piece, which is at `pose`.
-    pub fn carried(&self, pose: Pose) -> ColliderPoses {
-        let nodes = vec![pose; self.parts.len()];
-        let own = std::iter::repeat_n(pose, self.motions.len());
-        let ball = self.ball.map(|_| pose);
-        let colliders = own.chain(self.placed(&nodes)).chain(ball).collect();
-        ColliderPoses { head: None, colliders }
+        Ok(())
     }
 
     /// The distance fields of the meshes.
@@ -280,41 +265,35 @@ impl Colliders {
         self.fields.iter().map(source).collect()
     }
 
-    /// A ball of `radius` metres is at a place of the world, metres, or there is none. Whether it has come
-    /// or gone: the list is another one then.
+    /// Places a ball of `radius` metres in the world, metres; `None` removes it. Returns whether it has come or gone.
     pub fn set_ball(&mut self, at: Option<Vec3>, radius: f32) -> bool {
         let had = self.ball.is_some();
-        self.ball = at;
-        match (had, at) {
-            (false, Some(_)) => {
-                self.list.push(Collider::new(Shape::sphere(radius)));
-                self.looks.push(ball(|p| p * radius));
-            }
-            (true, None) => {
-                self.list.pop();
-                self.looks.pop();
-            }
-            _ => return false,
-        }
-        true
+        self.ball = at.map(|at| (at, radius));
+        had != at.is_some()
     }
 
-    /// Where they are at `time`, seconds, and the nodes that carry the parts of a body that bends.
-    pub fn poses(&self, time: f64, parts: &[Pose]) -> ColliderPoses {
-        let pose = |motion: &Motion| motion.pose(time, Vec3::ZERO);
-        let ball = self.ball.map(|at| Pose { translation: at, ..Pose::IDENTITY });
-        ColliderPoses {
-            head: None,
-            colliders: self.motions.iter().map(pose).chain(self.placed(parts)).chain(ball).collect(),
-        }
+    /// The ball.
+    pub fn ball(&self) -> Option<Obstacle> {
+        self.ball.map(|(at, radius)| Obstacle {
+            id: 0,
+            collider: Collider::new(Shape::sphere(radius)),
+            pose: Pose { translation: at, ..Pose::IDENTITY },
+        })
     }
 
-    /// What they look like, where `poses` have them.
+    /// Their poses at `time`, seconds, without the ball's.
+    pub fn poses(&self, time: f64) -> Vec<Pose> {
+        self.motions.iter().map(|motion| motion.pose(time, Vec3::ZERO)).collect()
+    }
+
+    /// Their mesh, the ball's last, with each where `poses` have it; at its origin where they do not.
     pub fn mesh(&self, poses: &[Pose]) -> TriMesh {
         let mut all = TriMesh::default();
-        // As bodies without colours are drawn.
+        // As bodies without colors are drawn.
         let skin = BodyMaterial::default().color;
-        for (look, pose) in self.looks.iter().zip(poses) {
+        let ball = self.ball.map(|(_, radius)| ball(|p| p * radius));
+        let poses = poses.iter().copied().chain(std::iter::repeat(Pose::IDENTITY));
+        for (look, pose) in self.looks.iter().chain(&ball).zip(poses) {
             let first = all.positions.len() as u32;
             all.positions.extend(look.positions.iter().map(|p| pose.point(*p)));
             all.normals.extend(look.normals.iter().map(|n| pose.rotation * *n));
@@ -357,6 +336,7 @@ fn ball(stretch: impl Fn(Vec3) -> Vec3) -> TriMesh {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tresses::groom::mannequin;
 
     fn parse(text: &str) -> Result<Colliders> {
         Colliders::parse(text.as_bytes(), Path::new(""), &Shelf::default())
@@ -384,14 +364,14 @@ mod tests {
         let all = parse(text).unwrap();
         assert_eq!((all.list.len(), all.looks.len()), (2, 2));
         assert_eq!((all.list[1].anchor, all.list[1].friction), (Anchor::Head, 2.0));
-        assert!((all.poses(1.0, &[]).colliders[0].translation - Vec3::X * 0.5).length() < 1e-6);
-        assert_eq!(all.poses(9.0, &[]).colliders[0].translation, Vec3::X);
+        assert!((all.poses(1.0)[0].translation - Vec3::X * 0.5).length() < 1e-6);
+        assert_eq!(all.poses(9.0)[0].translation, Vec3::X);
         let (lo, hi) = all.looks[0].bounds().unwrap();
         assert!((hi.y - 0.13).abs() < 1e-4 && (lo.y + 0.13).abs() < 1e-4 && (hi.x - 0.03).abs() < 1e-4);
         // Outwards.
         let look = &all.looks[1];
         assert!(look.positions.iter().zip(&look.normals).all(|(p, n)| p.dot(*n) > 0.0));
-        let together = all.mesh(&all.poses(0.0, &[]).colliders);
+        let together = all.mesh(&all.poses(0.0));
         assert_eq!(together.positions.len(), together.normals.len());
         assert_eq!(together.triangles.len(), look.triangles.len() + all.looks[0].triangles.len());
     }
@@ -400,10 +380,45 @@ mod tests {
     fn a_ball_comes_and_goes() {
         let mut all = Colliders::default();
         assert!(all.set_ball(Some(Vec3::Y), 0.03) && !all.set_ball(Some(Vec3::X), 0.03));
-        assert_eq!((all.list.len(), all.looks.len()), (1, 1));
-        assert_eq!(all.poses(0.0, &[]).colliders[0].translation, Vec3::X);
+        let ball = all.ball().unwrap();
+        assert_eq!((ball.pose.translation, ball.collider.shape), (Vec3::X, Shape::sphere(0.03)));
+        assert!(!all.mesh(&[ball.pose]).triangles.is_empty());
         assert!(all.set_ball(None, 0.03) && !all.set_ball(None, 0.03));
-        assert!(all.list.is_empty() && all.looks.is_empty() && all.poses(0.0, &[]).colliders.is_empty());
+        assert!(all.ball().is_none() && all.mesh(&[]).triangles.is_empty());
+    }
+
+    #[test]
+    fn joints_get_the_roles_of_the_file() {
+        let mesh = mannequin::mesh(60);
+        let built_in = Anatomy::built_in(&mesh, &mannequin::sdf(mannequin::FIELD_RESOLUTION));
+        let arranged = |joints: &str| {
+            let mut anatomy = built_in.clone();
+            parse(&format!(r#"{{"joints": [{joints}]}}"#))?.arrange(&mut anatomy, &mesh)?;
+            Ok::<_, anyhow::Error>(anatomy)
+        };
+        let anatomy = arranged(
+            r#"{"joint": "torso", "shape": {"capsule": {"from": [0, 1, 0], "to": [0.3, 1, 0], "radius": 0.1}}, "friction": 2},
+               {"joint": "Neck", "shape": "none"}"#,
+        )
+        .unwrap();
+        let solids: Vec<_> = anatomy.solids().collect();
+        let [torso] = &solids[..] else { panic!("the neck is none") };
+        assert!(
+            torso.friction == 2.0 && matches!(torso.form, PartForm::Capsule(Capsule { radius: 0.1, .. }))
+        );
+        let anatomy =
+            arranged(r#"{"joint": "Neck", "shape": "fit"}, {"joint": "Torso", "shape": "field"}"#).unwrap();
+        let PartForm::Capsule(neck) = anatomy.parts[0].form else { panic!("it was to be fitted") };
+        assert!((0.03..0.09).contains(&neck.radius), "{neck:?}");
+        assert_eq!(anatomy.parts[1].form, PartForm::Field);
+        for (joints, why) in [
+            (r#"{"joint": "Tail", "shape": "none"}"#, "no joint \"Tail\"; parts are carried by Neck, Torso"),
+            (r#"{"joint": "Head", "shape": "none"}"#, "hair grows on"),
+            (r#"{"joint": "Neck", "shape": "none", "friction": null}"#, "invalid type"),
+        ] {
+            let error = arranged(joints).err().map(|error| format!("{error:#}")).unwrap_or_default();
+            assert!(error.contains(why), "{joints}: {error}");
+        }
     }
 
     #[test]

@@ -1,7 +1,4 @@
-//! A crowd: many heads with the same groom, each with a place, a pose, a phase of the motion and a pigment of its own.
-//!
-//! Each is one piece: they share the body on the GPU, so that none bends on its own. Neck and shoulders, which hair collides
-//! with, go with the head.
+//! A crowd: many characters with the same groom, each with a place, a phase of the motion and a pigment of its own.
 
 use crate::{
     camera::{VERTICAL_FOV, Viewpoint},
@@ -10,13 +7,13 @@ use crate::{
 };
 use anyhow::{Result, ensure};
 use tresses::{
-    Hair, Pose,
-    body::Body,
-    frame::{Frame, Recorder, Sight},
+    Character, Hair, Pose,
+    budget::Chosen,
+    character::{CrowdBudget, Drawing, Gesture},
     glam::{Quat, Vec3},
-    gpu::{Gpu, Timings},
-    light::{FiberMaterial, HairMaterial, Sphere, Zone},
-    lod::{Budget, Chosen, Costs, Held, LodOptions},
+    gpu::Timings,
+    light::{FiberMaterial, HairMaterial},
+    lod::LodOptions,
     math::hash::pcg,
 };
 
@@ -38,44 +35,36 @@ pub struct CrowdOptions {
     pub pigments: bool,
 }
 
-/// One head.
+/// One character of the crowd.
 struct Head {
-    hair: Hair,
-    body: Option<Body>,
+    character: Character,
     /// From groom space of a head that looks ahead to where it stands.
     place: Pose,
     /// The share of the motion's period by which it is ahead.
     phase: f64,
-    now: Pose,
 }
 
-/// Many heads with the groom of a scene, and whoever looks at them.
+/// Many instances of the character of a scene, and the camera that sees them.
 pub struct Crowd {
     heads: Vec<Head>,
-    /// Who looks at them.
+    /// The camera.
     pub camera: Viewpoint,
-    /// What they may cost.
-    pub budget: Budget,
-    /// What work costs.
-    pub costs: Costs,
-    chosen: Chosen,
-    pivot: Vec3,
-    reach: f32,
+    /// The most that they may cost, the cost of work, and the levels of the last frame.
+    pub budget: CrowdBudget,
 }
 
 impl Crowd {
-    /// Heads with the groom and the head of `scene`, in its light and with its levels of detail: let those be [`levels`]
-    /// before its hair is made, for which it is measured.
+    /// Instances of the character of `scene`, with its material, animation and levels of detail: let those be [`levels`]
+    /// before its hair is uploaded, for which it is measured.
     ///
     /// # Errors
-    /// When there are other obstacles than the body, which all heads would share; when the adapter cannot hold them.
+    /// When the scene has obstacles, which all heads would share, or when the adapter cannot hold them.
     pub fn new(scene: &mut Scene, options: &CrowdOptions) -> Result<Self> {
         ensure!(options.heads > 0, "a crowd has one head at least");
         ensure!(
-            scene.obstacles.is_none(),
-            "the hair of a crowd knows of no obstacle but its head: leave out colliders"
+            scene.character.props.is_empty(),
+            "the hair of a crowd knows of no obstacle but its body: leave out colliders"
         );
-        scene.stand_still()?;
         let (lo, hi) = scene.subject();
         let middle = 0.5 * (lo + hi);
         let rows = rows(options, scene.targets().size);
@@ -85,31 +74,19 @@ impl Crowd {
         let pitch = 0.5 * (down(options.rows[0]) + down(options.rows[1]));
         let camera =
             Viewpoint { eye, target: eye + Vec3::new(0.0, -pitch.sin(), -pitch.cos()) * options.rows[0] };
-        let Gpu { device, queue, .. } = &scene.gpu;
-        let materials = pigments(scene.hair.set.material, options.pigments);
+        let materials = pigments(scene.character.hair().set.material, options.pigments);
         let mut heads = Vec::new();
         for (i, at) in rows.into_iter().enumerate() {
             let random = |k: u32| pcg(8 * i as u32 + k) as f32 / u32::MAX as f32;
-            let mut hair = scene.hair.another(device, queue, &scene.pipelines, scene.colliders())?;
-            hair.set.material = materials[pcg(i as u32 + 31) as usize % materials.len()];
-            hair.lod.options = scene.hair.lod.options;
-            hair.avoidance.options = scene.hair.avoidance.options;
+            let mut character = scene.character.instance()?;
+            character.set_material(materials[pcg(i as u32 + 31) as usize % materials.len()]);
             // Towards the camera, give or take a quarter of a turn.
             let yaw = (random(0) - 0.5) * 1.6 + (-at.x).atan2(-at.z);
             let turn = Pose::about(middle, Quat::from_rotation_y(yaw));
             let place = Pose { translation: turn.translation + at, ..turn };
-            let body = scene.body.as_ref().map(|body| body.another(device));
-            heads.push(Head { hair, body, place, phase: f64::from(random(3)), now: place });
+            heads.push(Head { character, place, phase: f64::from(random(3)) });
         }
-        Ok(Self {
-            heads,
-            camera,
-            budget: Budget::default(),
-            costs: Costs::default(),
-            chosen: Chosen::default(),
-            pivot: scene.pivot(),
-            reach: scene.picture.focus.radius,
-        })
+        Ok(Self { heads, camera, budget: CrowdBudget::default() })
     }
 
     /// How many heads there are.
@@ -122,35 +99,25 @@ impl Crowd {
         self.heads.is_empty()
     }
 
-    /// The levels that were chosen for the last frame.
+    /// The levels that were chosen for the last frame, groom by groom.
     pub fn chosen(&self) -> &Chosen {
-        &self.chosen
+        &self.budget.chosen
     }
 
-    /// The levels of the next frame are chosen without regard to those of the last: nobody has seen that.
-    pub fn choose_anew(&mut self) {
-        self.chosen = Chosen::default();
-    }
-
-    /// From here on their levels are chosen so.
+    /// Sets the options of their levels of detail.
     pub fn set_lod(&mut self, options: LodOptions) {
-        self.heads.iter_mut().for_each(|head| head.hair.lod.options = options);
+        self.heads.iter_mut().for_each(|head| head.character.set_lod(options));
     }
 
-    /// All hair at rest, where heads are at `time` of the motion, seconds.
+    /// Puts all hair to rest at the next frame.
     pub fn reset(&mut self) {
-        self.heads.iter_mut().for_each(|head| head.hair.reset());
+        self.heads.iter_mut().for_each(|head| head.character.reset());
     }
 
-    /// Bytes of GPU memory: what heads share, and of each; then of the view.
+    /// Bytes of GPU memory: of what heads share, of each, and of the view.
     pub fn bytes(&self, scene: &Scene) -> [u64; 3] {
-        let shared = self
-            .heads
-            .first()
-            .map_or(0, |head| head.hair.shared_bytes() + head.body.as_ref().map_or(0, Body::shared_bytes));
-        let own = self.heads.iter().map(|head| {
-            head.hair.own_bytes() + head.body.as_ref().map_or(0, |body| body.bytes() - body.shared_bytes())
-        });
+        let shared = self.heads.first().map_or(0, |head| head.character.shared_bytes());
+        let own = self.heads.iter().map(|head| head.character.own_bytes());
         let view = &scene.view;
         let lit = view.shadow_bytes() + view.ambient_bytes() + view.zone_bytes() + view.shaded_bytes();
         [shared, own.sum(), lit + view.targets().bytes()]
@@ -159,8 +126,15 @@ impl Crowd {
     /// Bytes of GPU memory that a [budget](Self::budget) is about, after a picture: of the hair of all heads, and of what a
     /// view holds for it and its light.
     pub fn held(&self, scene: &Scene) -> u64 {
-        let shared = self.heads.first().map_or(0, |head| head.hair.shared_bytes());
-        let own: u64 = self.heads.iter().map(|head| head.hair.own_bytes()).sum();
+        let grooms = || self.heads.iter().flat_map(|head| head.character.grooms());
+        let shared: u64 = self
+            .heads
+            .iter()
+            .take(1)
+            .flat_map(|head| head.character.grooms())
+            .map(|hair| hair.shared_bytes())
+            .sum();
+        let own: u64 = grooms().map(|hair| hair.own_bytes()).sum();
         let view = &scene.view;
         shared + own + view.zone_bytes() + view.shaded_bytes() + view.targets().hair_bytes()
     }
@@ -178,56 +152,20 @@ impl Crowd {
         motion: &Motion,
         (time, seconds): (f64, f32),
     ) -> Result<()> {
-        let camera = self.camera;
-        scene.look_from(&camera);
-        let eye = scene.eye(&camera);
-        for head in &mut self.heads {
-            let ahead = head.phase * motion.duration();
-            head.now = head.place.after(&motion.pose(time + ahead, self.pivot));
-            if let Some(body) = &mut head.body {
-                body.pose = head.now;
-            }
+        scene.look_from(&self.camera);
+        let eye = [scene.eye(&self.camera)];
+        let neck = scene.character.neck();
+        for Head { character, place, phase } in &mut self.heads {
+            let ahead = *phase * motion.duration();
+            let gesture = motion.gesture(time + ahead, neck);
+            character.gesture = Gesture { body: place.after(&gesture.body), ..gesture };
+            // Bodies walk out of step too.
+            let period = character.rig().and_then(|rig| rig.duration()).unwrap_or_default();
+            character.seek(time - f64::from(seconds) + *phase * f64::from(period));
         }
-        let Gpu { device, queue, .. } = &scene.gpu;
-        let (lo, hi) = scene.subject();
-        let middle = 0.5 * (lo + hi);
-        // Where the neck stands, so that maps do not move with every turn of the head.
-        let focus = |head: &Head| Sphere { center: head.place.point(middle), radius: self.reach };
-        let foci: Vec<_> = self.heads.iter().map(focus).collect();
-        let light = |i: usize, bias: f32| Zone::seen(foci[i], &eye, bias, Vec::new(), Vec::new()).bytes();
-        let held = Held { vertex: Held::BY_TILES, head: &light };
-        let mut all: Vec<_> = self.heads.iter_mut().map(|head| (&mut head.hair, head.now)).collect();
-        let bias = (!self.chosen.heads.is_empty()).then_some(self.chosen.bias);
-        self.chosen = self.budget.look_from(device, queue, &self.costs, &eye, &mut all, bias, &held);
-        let mut nearest = (f32::INFINITY, scene.picture.focus);
-        let mut zones = Vec::new();
-        for (i, head) in self.heads.iter().enumerate().filter(|(_, head)| head.hair.is_seen()) {
-            let focus = foci[i];
-            let away = focus.center.distance(camera.eye);
-            if away < nearest.0 {
-                nearest = (away, focus);
-            }
-            let bodies = if head.body.is_some() { vec![i] } else { Vec::new() };
-            let zone = Zone::seen(focus, &eye, self.chosen.bias, vec![i], bodies);
-            zones.push(Zone { pose: head.now, ..zone });
-        }
-        scene.picture.focus = nearest.1;
-        let pipelines = scene.pipelines.clone();
-        scene.view.set_zones(device, &pipelines, &zones);
-        let mut recorder = Recorder { pipelines: &pipelines, device, queue, encoder, timings };
-        for head in &mut self.heads {
-            // Its neck and shoulders go with it.
-            let colliders = scene.carried(head.now);
-            let frame = Frame {
-                dt: seconds,
-                head: head.now,
-                colliders: &colliders,
-                simulation: &scene.physics,
-                ..Frame::default()
-            };
-            recorder.advance(&mut head.hair, &frame)?;
-        }
-        Ok(())
+        let mut all: Vec<_> = self.heads.iter_mut().map(|head| &mut head.character).collect();
+        let frame = scene.gpu.context.frame(encoder).timed(timings).seen_by(&eye);
+        Ok(frame.within(&mut self.budget).advance(&mut all, seconds)?)
     }
 
     /// Records the picture of that frame into the view of `scene`.
@@ -236,21 +174,23 @@ impl Crowd {
     /// When the adapter cannot hold what the view needs.
     pub fn record_draw(
         &self,
-        scene: &Scene,
+        scene: &mut Scene,
         encoder: &mut wgpu::CommandEncoder,
         timings: Option<&mut Timings>,
     ) -> Result<()> {
-        let Gpu { device, queue, .. } = &scene.gpu;
-        let mut recorder = Recorder { pipelines: &scene.pipelines, device, queue, encoder, timings };
-        let hair: Vec<_> = self.heads.iter().map(|head| &head.hair).collect();
-        let bodies: Vec<_> = self.heads.iter().filter_map(|head| head.body.as_ref()).collect();
-        recorder.draw(&hair, &bodies, Sight::new(&scene.view, &scene.picture))?;
-        Ok(())
+        let all: Vec<_> = self.heads.iter().map(|head| &head.character).collect();
+        let mut frame = scene.gpu.context.frame(encoder).timed(timings);
+        Ok(frame.draw_as(&mut scene.view, &all, Drawing::new(&scene.picture))?)
     }
 
-    /// How far each head is from the camera, metres.
+    /// The hair of each head.
+    pub fn hair(&self) -> impl Iterator<Item = &Hair> {
+        self.heads.iter().map(|head| head.character.hair())
+    }
+
+    /// The distance of each head from the camera, metres.
     pub fn distances(&self) -> Vec<f32> {
-        let of = |head: &Head| head.place.point(self.pivot).distance(self.camera.eye);
+        let of = |head: &Head| head.place.point(head.character.neck()).distance(self.camera.eye);
         self.heads.iter().map(of).collect()
     }
 }

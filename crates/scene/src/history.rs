@@ -152,7 +152,7 @@ mod tests {
         }
         history.settle();
         drag(&mut history, 10.0);
-        let wind = with(history.now(), |s| s.wind.speed = 5.0);
+        let wind = with(history.now(), |s| s.set_wind_speed(5.0));
         history.change(wind.clone(), "?");
         assert_eq!(history.undoes(), Some("Speed"));
         assert_eq!(history.undo().unwrap().simulation.drag, 10.0);
@@ -172,13 +172,13 @@ mod tests {
         let mut history = History::new(Settings::default(), "bob");
         drag(&mut history, 5.0);
         let storm = with(&Settings::default(), |s| {
-            s.wind.speed = 14.0;
+            s.set_wind_speed(14.0);
             s.set("style.frizz", 0.001).unwrap();
         });
         history.change(storm.clone(), "storm");
         assert_eq!(history.undoes(), Some("storm"));
         // What follows does not run into it.
-        let other = with(&storm, |s| s.wind.speed = 15.0);
+        let other = with(&storm, |s| s.set_wind_speed(15.0));
         history.change(other, "?");
         assert_eq!(history.undo(), Some(&storm));
         assert_eq!(history.undo().unwrap().simulation.drag, 5.0);
@@ -220,11 +220,11 @@ mod tests {
         assert_eq!(*history.hair(), "long");
         // Hair with settings that belong to it is one step.
         let before = history.now().clone();
-        history.change_both(with(&before, |s| s.wind.speed = 5.0), "painted", "Colours");
+        history.change_both(with(&before, |s| s.set_wind_speed(5.0)), "painted", "Colours");
         assert_eq!(history.undo(), Some(&before));
         assert_eq!((*history.hair(), history.redoes()), ("long", Some("Colours")));
         history.redo();
-        assert_eq!((*history.hair(), history.now().wind.speed), ("painted", 5.0));
+        assert_eq!((*history.hair(), history.now().wind_speed()), ("painted", 5.0));
     }
 
     #[test]

@@ -1,12 +1,8 @@
 //! Measures frames, stage by stage. Blocks, so it is not for a browser.
 
-use crate::{
-    camera::Viewpoint,
-    crowd::Crowd,
-    motion::{Gesture, Motion},
-    scene::Scene,
-};
+use crate::{camera::Viewpoint, crowd::Crowd, motion::Motion, scene::Scene};
 use anyhow::Result;
+use tresses::character::Gesture;
 use tresses::gpu::{Clock, Counts, Timings};
 
 /// A frame that was waited for.
@@ -24,7 +20,7 @@ impl Scene {
     /// What is measured from here on is measured by `clock`, on adapters whose own timestamps do not compare.
     pub fn measure_by(&mut self, clock: Clock) {
         self.clock = clock;
-        let tier = &self.gpu.tier;
+        let tier = &self.gpu.context.tier();
         if tier.software || !tier.timestamps {
             self.timings = Timings::by(clock);
         }
@@ -41,9 +37,9 @@ impl Scene {
         let start = (self.clock)();
         let mut timings = std::mem::replace(&mut self.timings, Timings::by(self.clock));
         // On a software driver they are those of a clock that waits for each part.
-        let tier = &self.gpu.tier;
+        let tier = &self.gpu.context.tier();
         let mut timed = (tier.timestamps || tier.software).then_some(&mut timings);
-        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let mut encoder = self.gpu.context.device().create_command_encoder(&Default::default());
         self.record_advance(&mut encoder, timed.as_deref_mut(), gesture, seconds)?;
         self.record_draw(&mut encoder, timed, camera)?;
         timings.resolve(&mut encoder);
@@ -58,7 +54,7 @@ impl Scene {
     /// submitted and waited for alone where there are none that compare.
     pub fn measured_advance(&mut self, gesture: &Gesture, seconds: f32) -> Result<Vec<(&'static str, f64)>> {
         let mut timings = std::mem::replace(&mut self.timings, Timings::by(self.clock));
-        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let mut encoder = self.gpu.context.device().create_command_encoder(&Default::default());
         self.record_advance(&mut encoder, Some(&mut timings), gesture, seconds)?;
         timings.resolve(&mut encoder);
         self.submit(encoder)?;
@@ -78,7 +74,7 @@ impl Scene {
         let start = (self.clock)();
         let mut timings = std::mem::replace(&mut self.timings, Timings::by(self.clock));
         let mut timed = staged.then_some(&mut timings);
-        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let mut encoder = self.gpu.context.device().create_command_encoder(&Default::default());
         crowd.record_advance(self, &mut encoder, timed.as_deref_mut(), motion, times)?;
         crowd.record_draw(self, &mut encoder, timed)?;
         if staged {
@@ -96,7 +92,7 @@ impl Scene {
     pub fn measured_whole(&mut self, gesture: &Gesture, seconds: f32, camera: &Viewpoint) -> Result<f64> {
         self.watch(camera);
         let start = (self.clock)();
-        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let mut encoder = self.gpu.context.device().create_command_encoder(&Default::default());
         self.record_advance(&mut encoder, None, gesture, seconds)?;
         self.record_draw(&mut encoder, None, camera)?;
         self.submit(encoder)?;
@@ -111,6 +107,6 @@ impl Scene {
 
     /// The rows of the frame that was waited for.
     fn read_timings(&mut self) -> Result<Vec<(&'static str, f64)>> {
-        Ok(pollster::block_on(self.timings.read(&self.gpu.device, &self.gpu.queue))?)
+        Ok(pollster::block_on(self.timings.read(&self.gpu.context))?)
     }
 }

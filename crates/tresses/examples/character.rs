@@ -4,18 +4,14 @@
 //! `cargo run --example character -- picture.png`
 
 use tresses::{
-    Camera, Hair, Pipelines, Pose, View,
-    body::Body,
-    collide::{Collider, ColliderDescriptor, ColliderPoses, FieldId, FieldSource, Shape},
-    drape,
-    frame::{Frame, Recorder, Sight},
+    Camera, Character, Pose, View,
+    body::{Body, Skin, Words},
+    character::{CharacterOptions, CharacterSource, Drawing, Styling},
+    collide::{Collider, FieldId, FieldSource, Shape},
     glam::{Quat, Vec3},
     gpu::Gpu,
-    groom::{TriMesh, mannequin::rig, styles::Style},
-    light::Sphere,
-    roots::{Skin, Words},
-    simulate::SimulationParams,
-    view::{Picture, ViewOptions},
+    groom::{TriMesh, mannequin::rig},
+    view::Picture,
     wgpu::{self, util::DeviceExt},
 };
 
@@ -46,8 +42,55 @@ const SKINNING: &str = "
 }";
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let path = std::env::args().nth(1).ok_or("where shall the picture go?")?;
-    pollster::block_on(picture(&path))
+    pollster::block_on(render(&std::env::args().nth(1).ok_or("usage: character picture.png")?))
+}
+
+async fn render(path: &str) -> Result<(), Box<dyn std::error::Error>> {
+    let tresses = Gpu::open().await?.context;
+    let (device, queue) = (tresses.device(), tresses.queue());
+    let source = CharacterSource::built_in(&tresses, &"bob".parse()?, &()).await?;
+    let mut parts = source.dress(&Styling::default(), &()).await?;
+    // The engine takes the place of the built-in rig. Hair collides with the head, and with the shoulders, which stay.
+    parts.anatomy = None;
+    let [torso, ..] = rig::parts(parts.whole().ok_or("no field")?);
+    let options = CharacterOptions {
+        fields: &[FieldSource::Grid(&torso)],
+        obstacles: &[Collider::new(Shape::Field(FieldId(0)))],
+        ..Default::default()
+    };
+    let mesh = parts.head.clone().ok_or("no mesh")?;
+    let mut ann = Character::new(&tresses, parts.clone(), &options, &()).await?;
+
+    // Once: roots belong to the skin as the engine has it, none more than a centimeter away.
+    let engine = Engine::new(device, &mesh, ann.body().ok_or("no body")?);
+    let at = |first| (&engine.vertices, Words { first, stride: WORDS });
+    let report = ann.skinned_by(&parts, &Skin { positions: at(0), normals: at(3) }, 0.01)?;
+    println!("mean distance of roots from the skin: {:.2} mm", 1e3 * report.mean);
+
+    let size = [480, 600];
+    let mut view = View::new(&tresses, &Default::default(), size, 1)?;
+    let camera = Camera::look_at(Vec3::new(0.25, 0.1, 0.9), Vec3::Y * 0.02, 0.55, size);
+    let picture = Picture { camera, ..Default::default() };
+    while ann.time() < 0.3 || !view.is_complete().await? {
+        // The character takes a step to the left, and its head turns on the neck.
+        let seconds = ann.time() as f32;
+        let body = Pose { translation: Vec3::X * 0.12 * seconds, ..Pose::IDENTITY };
+        let head = Pose::about(ann.neck(), Quat::from_rotation_y(2.4 * seconds));
+        ann.set_pose(body);
+        ann.gesture.head = head;
+        ann.place_obstacles(&[body])?;
+        let mut encoder = device.create_command_encoder(&Default::default());
+        engine.skin(queue, &mut encoder, &head);
+        let mut frame = tresses.frame(&mut encoder);
+        frame.advance(&mut [&mut ann], 1.0 / 60.0)?;
+        if ann.time() >= 0.3 {
+            frame.draw_as(&mut view, &[&ann], Drawing::new(&picture))?;
+        }
+        queue.submit([encoder.finish()]);
+    }
+    let mut png = png::Encoder::new(std::fs::File::create(path)?, size[0], size[1]);
+    png.set_color(png::ColorType::Rgba);
+    Ok(png.write_header()?.write_image_data(&view.targets().read().await?)?)
 }
 
 /// The engine's skinned mesh on the GPU.
@@ -100,60 +143,4 @@ impl Engine {
         pass.set_bind_group(0, &self.group, &[]);
         pass.dispatch_workgroups(self.count.div_ceil(64), 1, 1);
     }
-}
-
-async fn picture(path: &str) -> Result<(), Box<dyn std::error::Error>> {
-    let Gpu { device, queue, .. } = Gpu::open().await?;
-    let pipelines = Pipelines::new(&device);
-    let style = Style::Bob(Default::default());
-    let made = drape::character(&device, &queue, &pipelines.simulate, &style, Some(8000)).await?;
-    // What the joints carry is what hair collides with: the head's own field, and the shoulders, which stay.
-    let [torso, _, own] = rig::parts(&made.field);
-    let what = ColliderDescriptor {
-        head: Some(&own),
-        rest: Some(&made.field),
-        fields: &[FieldSource::Grid(&torso)],
-        colliders: &[Collider::new(Shape::Field(FieldId(0)))],
-    };
-    let (options, groom) = (Default::default(), &made.groom);
-    let mut hair = Hair::with_colliders(&device, &queue, &pipelines, groom, &options, &what)?;
-    let mut body = Body::new(&device, &made.mesh);
-    let engine = Engine::new(&device, &made.mesh, &body);
-
-    // Once: roots belong to the skin as the engine has it, none more than a centimetre away.
-    let at = |first| (&engine.vertices, Words { first, stride: WORDS });
-    let skin = Skin { positions: at(0), normals: at(3) };
-    let report = hair.attach(&device, &queue, &pipelines, groom, &made.mesh, &skin, 0.01)?;
-    println!("roots are {:.2} mm from the skin in the mean", 1e3 * report.mean);
-
-    let size = [480, 600];
-    let view = View::new(&device, &pipelines, &ViewOptions::default(), size, 1)?;
-    let camera = Camera::look_at(Vec3::new(0.25, 0.1, 0.9), Vec3::new(0.0, 0.02, 0.0), 0.55, size);
-    let focus = Sphere::around(Vec3::splat(-0.25), Vec3::splat(0.25));
-    let picture = Picture { camera, focus, ..Default::default() };
-    let simulation = &SimulationParams::default();
-    for i in 0..20 {
-        // The joint that the hair goes with, and where the character is: a step to the left.
-        let head = Pose::about(made.neck, Quat::from_rotation_y(0.04 * i as f32));
-        let stands = Pose { translation: Vec3::X * 0.002 * i as f32, ..Pose::IDENTITY };
-        let mut encoder = device.create_command_encoder(&Default::default());
-        engine.skin(&queue, &mut encoder, &head);
-        body.pose = stands;
-        let colliders = &ColliderPoses { colliders: vec![stands], ..Default::default() };
-        if let Some(roots) = &mut hair.roots {
-            roots.pose = stands;
-        }
-        let (pipelines, device, queue) = (&pipelines, &device, &queue);
-        let mut recorder = Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None };
-        let head = stands.after(&head);
-        let frame = Frame { dt: 1.0 / 60.0, head, colliders, simulation, ..Default::default() };
-        let sights = if i == 19 { vec![Sight::new(&view, &picture)] } else { Vec::new() };
-        recorder.record(&mut [(&mut hair, frame)], &[&body], sights)?;
-        queue.submit([encoder.finish()]);
-    }
-    let [width, height] = size;
-    let mut encoder = png::Encoder::new(std::fs::File::create(path)?, width, height);
-    encoder.set_color(png::ColorType::Rgba);
-    encoder.write_header()?.write_image_data(&view.targets().read(&device, &queue).await?)?;
-    Ok(())
 }

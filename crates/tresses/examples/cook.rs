@@ -1,7 +1,7 @@
-//! Writes the files stored in `tresses-groom`: the mannequin, meshed and measured, and the draped guides of the
+//! Writes the files stored in `tresses-groom`: the mannequin's mesh and distance field, and the draped guides of the
 //! built-in styles. Run it when the sculpture, a recipe or the draping has changed.
 //!
-//! `cargo run -p tresses --example cook`, and once more: guides are traced on the bust that was built in.
+//! `cargo run -p tresses --example cook`, and once more: guides are traced on the bust that was compiled in.
 
 use std::path::Path;
 use tresses::{
@@ -9,9 +9,9 @@ use tresses::{
     gpu::Gpu,
     groom::{
         mannequin,
-        styles::{self, GridScalp, Style},
+        scalp::GridScalp,
+        styles::{self, Style},
     },
-    simulate,
 };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -27,13 +27,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("the bust has changed: run it once more for the guides");
         return Ok(());
     }
-    let Gpu { device, queue, .. } = pollster::block_on(Gpu::open())?;
-    let simulate = simulate::Pipelines::new(&device);
+    let tresses = pollster::block_on(Gpu::open())?.context;
     let scalp = GridScalp::mannequin(mannequin::FIELD_RESOLUTION);
     let mut all = Vec::new();
     for name in Style::NAMES {
         let recipe = name.parse::<Style>()?.recipe();
-        all.push(pollster::block_on(drape::fallen(&device, &queue, &simulate, &recipe, &scalp, &()))?);
+        all.push(pollster::block_on(drape::fallen(&tresses, &recipe, &scalp, &()))?);
     }
     write("guides.bin", styles::cook(&all))?;
     Ok(())

@@ -1,4 +1,5 @@
-//! Build time of a mesh's distance field on the GPU and on the CPU, and their difference.
+//! Build time of a mesh's distance field on the GPU and on the CPU, and their difference: of the mesh in a file, or of the
+//! built-in head.
 //!
 //! `cargo run --release --example field -- head.obj`
 
@@ -7,24 +8,26 @@ use tresses::{
     collide::FieldBuilder,
     gpu::Gpu,
     groom::{
-        import,
+        import, mannequin,
         mesh::sdf::{self, SdfOptions},
     },
 };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let path = std::env::args().nth(1).ok_or("which mesh?")?;
-    let (mesh, _) = import::read_head(&[&path], &Default::default())?;
-    let Gpu { device, queue, info, .. } = pollster::block_on(Gpu::open())?;
-    let builder = FieldBuilder::new(&device);
-    println!("{path}: {} triangles, on {}", mesh.triangles.len(), info.name);
+    let (name, mesh) = match std::env::args().nth(1) {
+        Some(path) => (path.clone(), import::read_head(&[path], &Default::default())?.0),
+        None => ("the built-in head".into(), mannequin::mesh(mannequin::RESOLUTION)),
+    };
+    let Gpu { context, info, .. } = pollster::block_on(Gpu::open())?;
+    let builder = FieldBuilder::new(&context);
+    println!("{name}: {} triangles, on {}", mesh.triangles.len(), info.name);
     for resolution in [64, 128] {
         let options = SdfOptions { resolution, fill_cavities: false, ..Default::default() };
         // The first time the driver compiles the kernels.
         let coarse = SdfOptions { resolution: 8, ..options.clone() };
-        pollster::block_on(builder.grid(&device, &queue, &mesh, &coarse))?;
+        pollster::block_on(builder.grid(&mesh, &coarse))?;
         let start = Instant::now();
-        let ours = pollster::block_on(builder.grid(&device, &queue, &mesh, &options))?;
+        let ours = pollster::block_on(builder.grid(&mesh, &options))?;
         let gpu = start.elapsed().as_secs_f64() * 1e3;
         let start = Instant::now();
         let reference = sdf::build(&mesh, &options)?;

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
-use crate::simulate::Ray;
+use crate::math::Ray;
 
 /// From linear radiance to the picture's 0..1.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,7 +6,7 @@
 //! rate. Poses are those of the frame's [`Space`](crate::space::Space): a head that is carried along by it does not
 //! move.
 
-use crate::{Pose, space::Map};
+use crate::{Pose, math::map::Map};
 use glam::Vec3;
 
 /// The most fixed steps of one frame.

@@ -11,67 +11,18 @@
 //! draws hair draws all of them, so that their order means nothing.
 
 use crate::{
-    Error, Hair, Pipelines, Pose, Result,
+    Context, Error, Hair, Result,
     body::Body,
-    collide::ColliderPoses,
     draw::{Embed, Surroundings, record::Canvas},
-    gpu::{Timings, kernel},
+    gpu::{Commands, Timings},
+    hair::HairFrame,
     light::{self, HairSet, Part, SceneShadow, Seen, Shaded, ShadingRate},
-    simulate::SimulationParams,
     skinning::Skinning,
-    space::{Map, Space},
     stage::Stage,
     view::{Picture, View},
     views::{DebugViews, Shown},
 };
-use std::sync::{Arc, LazyLock};
-
-/// What the motion of a groom depends on besides the hair itself.
-#[derive(Clone, Copy, Debug)]
-pub struct Frame<'a> {
-    /// Time since the last frame, seconds.
-    pub dt: f32,
-    /// Where the head is now. Roots follow it rigidly.
-    pub head: Pose,
-    /// Where the colliders are now.
-    pub colliders: &'a ColliderPoses,
-    /// The physics. Gravity and wind have the axes of the world.
-    pub simulation: &'a SimulationParams,
-    /// Where in the world the space is in which `head`, `colliders` and [roots](crate::roots::Roots::pose) are given, and
-    /// how it moves ([`crate::space`]).
-    pub space: Space,
-    /// The space in which hair is drawn, that of cameras, lights and bodies; `None` for `space`. All hair of one view is
-    /// drawn in the same.
-    pub drawn_in: Option<Space>,
-}
-
-impl Default for Frame<'_> {
-    /// A head at rest at the world's origin, without obstacles but its own, with the usual physics; no time passes.
-    fn default() -> Self {
-        static COLLIDERS: ColliderPoses = ColliderPoses { head: None, colliders: Vec::new() };
-        static PHYSICS: LazyLock<SimulationParams> = LazyLock::new(SimulationParams::default);
-        Self {
-            dt: 0.0,
-            head: Pose::IDENTITY,
-            colliders: &COLLIDERS,
-            simulation: &PHYSICS,
-            space: Space::WORLD,
-            drawn_in: None,
-        }
-    }
-}
-
-impl Frame<'_> {
-    /// The space in which it is drawn.
-    pub(crate) fn seen(&self) -> Space {
-        self.drawn_in.unwrap_or(self.space).normalized()
-    }
-
-    /// From the space of its poses to the one in which it is drawn.
-    pub(crate) fn way_to_view(&self) -> Map {
-        self.seen().from(&self.space.normalized())
-    }
-}
+use std::sync::Arc;
 
 /// What is drawn into a view.
 #[derive(Debug)]
@@ -108,6 +59,21 @@ pub enum Shows<'a> {
     Inside(&'a mut DebugViews, &'a Shown),
 }
 
+impl Shows<'_> {
+    /// Whether the light has been made already.
+    fn is_lit(&self) -> bool {
+        matches!(self, Self::Again | Self::Over(_, Surroundings { lit: true, .. }))
+    }
+
+    /// The shadow maps of a host's scene.
+    fn shadows(&self) -> &[SceneShadow<'_>] {
+        match self {
+            Self::Over(_, into) => into.shadows,
+            _ => &[],
+        }
+    }
+}
+
 impl<'a> Sight<'a> {
     /// Bodies and hair into the view's own picture.
     pub fn new(view: &'a View, picture: &'a Picture) -> Self {
@@ -118,17 +84,31 @@ impl<'a> Sight<'a> {
 /// What a frame is recorded with.
 #[derive(Debug)]
 pub struct Recorder<'a> {
-    /// The pipelines.
-    pub pipelines: &'a Pipelines,
-    /// The device of the pipelines and of everything that is recorded.
-    pub device: &'a wgpu::Device,
-    /// Its queue.
-    pub queue: &'a wgpu::Queue,
-    /// Takes the commands. After an error they are not to be submitted.
-    pub encoder: &'a mut wgpu::CommandEncoder,
-    /// Takes the stages' times, where the device has timestamps. [By a clock](Timings::by), each part is
-    /// submitted and waited for.
-    pub timings: Option<&'a mut Timings>,
+    commands: Commands<'a>,
+}
+
+impl Context {
+    /// Records a frame into `encoder`. After an error the encoder must not be submitted.
+    pub fn recorder<'a>(&self, encoder: &'a mut wgpu::CommandEncoder) -> Recorder<'a> {
+        Recorder { commands: self.commands(encoder) }
+    }
+}
+
+impl<'a> Recorder<'a> {
+    /// Measures the stages with `timings`. [By a clock](Timings::by), each part is submitted and waited for.
+    pub fn with_timings(self, timings: impl Into<Option<&'a mut Timings>>) -> Self {
+        Self { commands: self.commands.with_timings(timings) }
+    }
+
+    /// The context that records.
+    pub fn context(&self) -> &Context {
+        self.commands.context()
+    }
+
+    /// The encoder, for commands of the caller between those of the frame.
+    pub fn encoder(&mut self) -> &mut wgpu::CommandEncoder {
+        self.commands.encoder()
+    }
 }
 
 impl Recorder<'_> {
@@ -141,7 +121,7 @@ impl Recorder<'_> {
     /// [`crate::Error::Gpu`] when a pipeline cannot be compiled.
     pub fn record(
         &mut self,
-        hair: &mut [(&mut Hair, Frame<'_>)],
+        hair: &mut [(&mut Hair, HairFrame<'_>)],
         bodies: &[&Body],
         views: Vec<Sight<'_>>,
     ) -> Result<()> {
@@ -158,18 +138,14 @@ impl Recorder<'_> {
     /// # Errors
     /// [`crate::Error::Gpu`] when the pipeline cannot be compiled.
     pub fn bend(&mut self, bodies: &[&Skinning]) -> Result<()> {
-        let pipelines = self.pipelines;
-        self.stage(Stage::Skinning, |pass| {
-            bodies.iter().for_each(|body| body.record(&pipelines.skinning, pass))
-        });
-        kernel::refused()
+        self.stage(Stage::Skinning, |pass| bodies.iter().for_each(|body| body.record(pass)))
     }
 
     /// Moves the hair by a frame.
     ///
     /// # Errors
     /// As [`record`](Self::record).
-    pub fn advance(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
+    pub fn advance(&mut self, hair: &mut Hair, frame: &HairFrame<'_>) -> Result<()> {
         self.simulate(hair, frame)?;
         self.follow(hair, frame)
     }
@@ -178,47 +154,42 @@ impl Recorder<'_> {
     ///
     /// # Errors
     /// As [`record`](Self::record).
-    pub fn simulate(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
-        let (pipelines, device) = (self.pipelines, self.device);
-        hair.make_room(device, self.queue, pipelines)?;
-        let steps = hair.begin(device, self.queue, pipelines, frame)?;
+    pub fn simulate(&mut self, hair: &mut Hair, frame: &HairFrame<'_>) -> Result<()> {
+        hair.make_room()?;
+        let steps = hair.begin(frame)?;
         if hair.is_shifted() {
-            self.stage(Stage::Simulate, |pass| hair.record_shift(pass, &pipelines.simulate));
+            self.stage(Stage::Simulate, |pass| hair.record_shift(pass))?;
         }
         if hair.is_on_skin() && hair.is_seen() {
-            self.stage(Stage::Roots, |pass| hair.record_roots(pass, pipelines));
+            self.stage(Stage::Roots, |pass| hair.record_roots(pass))?;
         }
         for step in 0..steps {
             if hair.uses_volume() {
-                self.start();
-                hair.volume.clear(self.encoder);
-                self.stage(Stage::Volume, |pass| hair.record_volume(pass, &pipelines.volume, step));
+                self.commands.start();
+                hair.volume.clear(&mut self.commands);
+                self.stage(Stage::Volume, |pass| hair.record_volume(pass, step))?;
             }
             if hair.uses_wind() {
-                self.stage(Stage::Wind, |pass| hair.record_wind(pass, &pipelines.wind, step));
+                self.stage(Stage::Wind, |pass| hair.record_wind(pass, step))?;
             }
-            self.stage(Stage::Simulate, |pass| hair.record_simulate(pass, &pipelines.simulate, step));
+            self.stage(Stage::Simulate, |pass| hair.record_simulate(pass, step))?;
         }
-        kernel::refused()
+        Ok(())
     }
 
     /// Only the drawn strands: they follow the guides, which do not move.
     ///
     /// # Errors
     /// As [`record`](Self::record).
-    pub fn follow(&mut self, hair: &mut Hair, frame: &Frame<'_>) -> Result<()> {
-        let pipelines = self.pipelines;
-        hair.make_room(self.device, self.queue, pipelines)?;
+    pub fn follow(&mut self, hair: &mut Hair, frame: &HairFrame<'_>) -> Result<()> {
+        hair.make_room()?;
         if hair.is_drawn() {
             return Ok(());
         }
-        hair.prepare(self.queue, frame);
-        self.stage(Stage::Tessellate, |pass| hair.record_tessellate(pass, &pipelines.tessellate));
-        self.stage(Stage::Interpolate, |pass| {
-            hair.record_interpolate(pass, &pipelines.interpolate, &pipelines.widths)
-        });
-        self.stage(Stage::Avoid, |pass| hair.record_avoid(pass, &pipelines.avoid));
-        kernel::refused()
+        hair.prepare(frame);
+        self.stage(Stage::Tessellate, |pass| hair.record_tessellate(pass))?;
+        self.stage(Stage::Interpolate, |pass| hair.record_interpolate(pass))?;
+        self.stage(Stage::Avoid, |pass| hair.record_avoid(pass))
     }
 
     /// Draws hair and bodies as they are now into a view.
@@ -226,10 +197,9 @@ impl Recorder<'_> {
     /// # Errors
     /// As [`record`](Self::record).
     pub fn draw(&mut self, hair: &[&Hair], bodies: &[&Body], sight: Sight<'_>) -> Result<()> {
-        let seen = |hair: &Hair| hair.drawn_in;
+        let seen = |hair: &Hair| hair.motion.drawn_in;
         if hair.windows(2).any(|pair| !seen(pair[0]).is_where(&seen(pair[1]))) {
-            let why =
-                "the hair of one view must be drawn in one space: give all of it the same Frame::drawn_in";
+            let why = "the hair of one view must be drawn in one space: give all of it the same HairFrame::drawn_in";
             return Err(Error::unusable(why));
         }
         let sets: Vec<_> = hair.iter().map(|hair| &hair.set).collect();
@@ -259,10 +229,10 @@ impl Recorder<'_> {
         scene: &[SceneShadow<'_>],
     ) -> Result<()> {
         let parts = view.parts(picture.focus, [strands.len(), bodies.len()], true);
-        let shares = self.shares(view, strands, &parts, picture.shading)?;
+        let shares = shares(view, strands, &parts, picture.shading)?;
         let seen = seen(strands, &shares, &parts);
-        bodies.iter().for_each(|body| body.prepare(self.queue));
-        let lit = view.prepare(self.queue, picture, &seen, &parts);
+        bodies.iter().for_each(|body| body.prepare());
+        let lit = view.prepare(picture, &seen, &parts);
         view.made(&parts);
         self.cast(&parts, &lit, &seen, bodies, (&picture.lights, scene))
     }
@@ -275,43 +245,32 @@ impl Recorder<'_> {
         bodies: &[&Body],
         sight: Sight<'_>,
     ) -> Result<()> {
-        let Sight { view, picture, output, mut shows, asks } = sight;
-        let again = matches!(shows, Shows::Again | Shows::Over(_, Surroundings { lit: true, .. }));
-        let over = match &shows {
-            Shows::Over(embed, into) => Some((*embed, *into)),
+        let Sight { view, picture, output, shows, asks } = sight;
+        let inside = match &shows {
+            Shows::Inside(_, shown) => Some(*shown),
             _ => None,
         };
-        let inside = match &mut shows {
-            Shows::Inside(views, shown) => Some((&mut **views, *shown)),
-            _ => None,
-        };
-        let picture = &inside.as_ref().map_or(*picture, |(_, shown)| shown.picture(picture));
+        let picture = &inside.map_or(*picture, |shown| shown.picture(picture));
         let parts = view.parts(picture.focus, [sets.len(), bodies.len()], inside.is_none());
-        let shares = self.shares(view, sets, &parts, picture.shading)?;
+        let shares = shares(view, sets, &parts, picture.shading)?;
         let seen = seen(sets, &shares, &parts);
-        // A view may leave hair out, which would hide what is to be seen.
-        let hides = inside.as_ref().is_some_and(|(_, shown)| shown.view.hides_hair());
+        // A debug view may leave hair out, which would hide what it shows.
+        let hides = inside.is_some_and(|shown| shown.view.hides_hair());
         let visible = if hides { &[][..] } else { &seen[..] };
 
-        self.start();
-        bodies.iter().for_each(|body| body.prepare(self.queue));
-        let lit = view.prepare(self.queue, picture, &seen, &parts);
-        if !again {
+        self.commands.start();
+        bodies.iter().for_each(|body| body.prepare());
+        let lit = view.prepare(picture, &seen, &parts);
+        if !shows.is_lit() {
             view.made(&parts);
-            let shadows = over.map_or(&[][..], |(_, into)| into.shadows);
-            self.cast(&parts, &lit, visible, bodies, (&picture.lights, shadows))?;
+            self.cast(&parts, &lit, visible, bodies, (&picture.lights, shows.shadows()))?;
         }
-        let output = output.unwrap_or_else(|| view.targets().picture());
-        let draw = &self.pipelines.draw;
         let canvas = &mut Canvas {
-            device: self.device,
-            queue: self.queue,
-            encoder: self.encoder,
-            timings: self.timings.as_deref_mut(),
+            commands: &mut self.commands,
             targets: view.targets(),
             frame: &view.light.frame,
             eye: view.eye(),
-            light: (&self.pipelines.light, &view.light),
+            light: &view.light,
             parts: &parts,
             camera: &picture.camera,
             lights: &picture.lights,
@@ -320,67 +279,37 @@ impl Recorder<'_> {
             rate: picture.shading,
             geometry: Embed::known(view.options().coverage, asks)?,
             labels: asks,
-            space: hair.first().map(|hair| hair.drawn_in).unwrap_or_default(),
+            space: hair.first().map(|hair| hair.motion.drawn_in).unwrap_or_default(),
         };
-        if let Some((_, into)) = over {
-            canvas.geometry = Embed::asked(canvas.coverage, picture.camera.projection, &into)?;
-        }
-        let body_first = draw.body_first(canvas.coverage);
-        if let Some((embed, into)) = over {
-            embed.record_depth(canvas, picture.camera.projection, &into);
-        } else if body_first {
-            draw.record_bodies(canvas, bodies)?;
-            canvas.lap("body");
-        }
-        draw.record_seen(canvas, visible)?;
-        let replaced = match &mut shows {
-            Shows::Inside(views, shown) => {
-                views.shade(self.device, canvas.encoder, shown, picture, hair, &seen)
+        let output = output.unwrap_or_else(|| view.targets().picture());
+        match shows {
+            Shows::Over(embed, into) => return composite(canvas, view, (embed, &into), &seen),
+            Shows::Hair => paint(canvas, view, bodies, visible, |canvas| shade(canvas, view, &seen))?,
+            // The segments that the last picture showed are shaded; finer tiles show others.
+            Shows::Again => {
+                paint(canvas, view, bodies, visible, |canvas| match canvas.coverage.is_tiled() {
+                    true => shade(canvas, view, &seen),
+                    false => Ok(()),
+                })?
             }
-            // What was seen of the last picture is shaded; a finer one of tiles sees other vertices.
-            Shows::Again => !canvas.coverage.is_tiled(),
-            _ => false,
-        };
-        // Views of the inside look at all of it.
-        let of_seen = !replaced && !matches!(shows, Shows::Inside(..)) && draw.shade_seen(canvas, visible)?;
-        if !replaced && !of_seen {
-            let timings = canvas.timings.as_deref_mut();
-            view.light.shade(&self.pipelines.light, canvas.encoder, timings, &seen, picture.shading);
+            Shows::Inside(views, shown) => {
+                paint(canvas, view, bodies, visible, |canvas| {
+                    // Debug views show all segments.
+                    match views.shade(canvas.commands, shown, picture, hair, &seen)? {
+                        true => Ok(()),
+                        false => view.light.shade(canvas.commands, &seen, canvas.rate),
+                    }
+                })?;
+                view.present().record(&mut self.commands, view.targets(), output)?;
+                self.commands.lap(Stage::Present);
+                views.over(&mut self.commands, shown, picture, (view, output), (hair, &seen), bodies)?;
+                self.commands.lap(Stage::Debug);
+                return Ok(());
+            }
         }
-        canvas.lap("shade");
-        draw.record_hair(canvas, visible, over.is_none())?;
-        canvas.lap("hair");
-        if let Some((embed, into)) = over {
-            embed.record_shade(canvas, &self.pipelines.light, &into)?;
-            embed.record(canvas, &into);
-            canvas.lap("embed");
-            return kernel::refused();
-        }
-        if !body_first {
-            draw.record_bodies(canvas, bodies)?;
-            canvas.lap("body");
-        }
-        let timings = self.timings.as_deref_mut();
-        let present = &self.pipelines.present;
-        view.present().record(present, self.encoder, timings, view.targets(), output)?;
-        self.lap("present");
-        if let Shows::Inside(views, shown) = shows {
-            let timings = self.timings.as_deref_mut();
-            views.over(
-                self.device,
-                self.encoder,
-                timings,
-                shown,
-                picture,
-                view,
-                hair,
-                &seen,
-                bodies,
-                output,
-            )?;
-            self.lap("debug");
-        }
-        kernel::refused()
+        view.present().record(&mut self.commands, view.targets(), output)?;
+        self.commands.lap(Stage::Present);
+        Ok(())
     }
 
     /// Shadow maps, with those of a scene in the light of a picture, then light from all sides.
@@ -392,67 +321,91 @@ impl Recorder<'_> {
         bodies: &[&Body],
         (lights, scene): (&light::Lights, &[SceneShadow<'_>]),
     ) -> Result<()> {
-        let pipelines = &self.pipelines.light;
         for (part, lit) in parts.iter().zip(lit) {
             let (hair, bodies) = (Part::of(&part.hair, hair), Part::of(&part.bodies, bodies));
-            let scene = part.light.bring(pipelines, lights, lit, scene)?;
-            let timings = self.timings.as_deref_mut();
-            part.light.record_shadows(pipelines, self.encoder, timings, lit, &hair, (&bodies, &scene))?;
+            let scene = part.light.bring(lights, lit, scene)?;
+            part.light.record_shadows(&mut self.commands, lit, &hair, (&bodies, &scene))?;
         }
-        self.lap("shadow");
+        self.commands.lap(Stage::Shadow);
         if lit.iter().any(|lit| lit.ambient) {
             for (part, lit) in parts.iter().zip(lit).filter(|(_, lit)| lit.ambient) {
                 let (hair, bodies) = (Part::of(&part.hair, hair), Part::of(&part.bodies, bodies));
-                let timings = self.timings.as_deref_mut();
-                part.light.record_ambient(pipelines, self.encoder, timings, &hair, (&bodies, lit.every));
+                part.light.record_ambient(&mut self.commands, &hair, (&bodies, lit.every))?;
             }
-            self.lap("ambient");
+            self.commands.lap(Stage::Ambient);
         }
-        kernel::refused()
-    }
-
-    /// What `view` has of each of `sets`, in the light of its part.
-    fn shares(
-        &self,
-        view: &View,
-        sets: &[&HairSet],
-        parts: &[Part<'_>],
-        rate: ShadingRate,
-    ) -> Result<Vec<Arc<Shaded>>> {
-        let lights: Vec<_> = (0..sets.len()).map(|i| light_of(i, parts).0).collect();
-        view.shares(self.device, self.pipelines, sets, &lights, rate)
+        Ok(())
     }
 
     /// A compute pass under the name of a stage.
-    fn stage(&mut self, stage: Stage, record: impl FnOnce(&mut crate::gpu::ComputePass<'_>)) {
-        self.start();
-        let mut pass = crate::gpu::compute_pass(
-            self.encoder,
-            &wgpu::ComputePassDescriptor {
-                label: Some(stage.name()),
-                timestamp_writes: self
-                    .timings
-                    .as_deref_mut()
-                    .and_then(|timings| timings.compute(stage.name())),
-            },
-        );
+    fn stage(&mut self, stage: Stage, record: impl FnOnce(&mut crate::gpu::ComputePass<'_>)) -> Result<()> {
+        self.commands.start();
+        let mut pass = self.commands.compute(stage.name());
         record(&mut pass);
-        drop(pass);
-        self.lap(stage.name());
+        pass.end()?;
+        self.commands.lap(stage);
+        Ok(())
     }
+}
 
-    fn start(&mut self) {
-        if let Some(timings) = &mut self.timings {
-            timings.start();
-        }
+/// Bodies and `hair` into the targets, shaded by `shade` once it is known which segments are visible.
+fn paint<'a, 'c>(
+    canvas: &mut Canvas<'a, 'c>,
+    view: &View,
+    bodies: &[&Body],
+    hair: &[Seen<'_>],
+    shade: impl FnOnce(&mut Canvas<'a, 'c>) -> Result<()>,
+) -> Result<()> {
+    let draw = &view.draw;
+    let body_first = draw.body_first(canvas.coverage);
+    if body_first {
+        draw.record_bodies(canvas, bodies)?;
+        canvas.commands.lap(Stage::Body);
     }
+    draw.record_seen(canvas, hair)?;
+    shade(canvas)?;
+    canvas.commands.lap(Stage::Shade);
+    draw.record_hair(canvas, hair, true)?;
+    canvas.commands.lap(Stage::Hair);
+    if !body_first {
+        draw.record_bodies(canvas, bodies)?;
+        canvas.commands.lap(Stage::Body);
+    }
+    Ok(())
+}
 
-    /// A part of the frame ends: whoever measures by the clock waits for it.
-    fn lap(&mut self, name: &'static str) {
-        if let Some(timings) = &mut self.timings {
-            timings.lap(self.device, self.queue, self.encoder, name);
-        }
+/// `hair` over the scene of a host.
+fn composite(
+    canvas: &mut Canvas<'_, '_>,
+    view: &View,
+    (embed, into): (&Embed, &Surroundings<'_>),
+    hair: &[Seen<'_>],
+) -> Result<()> {
+    canvas.geometry = Embed::asked(canvas.coverage, canvas.camera.projection, into)?;
+    embed.record_depth(canvas, canvas.camera.projection, into);
+    view.draw.record_seen(canvas, hair)?;
+    shade(canvas, view, hair)?;
+    canvas.commands.lap(Stage::Shade);
+    view.draw.record_hair(canvas, hair, false)?;
+    canvas.commands.lap(Stage::Hair);
+    embed.record_shade(canvas, into)?;
+    embed.record(canvas, into);
+    canvas.commands.lap(Stage::Embed);
+    Ok(())
+}
+
+/// Shades the visible segments of `hair` where these are known, or all of them.
+fn shade(canvas: &mut Canvas<'_, '_>, view: &View, hair: &[Seen<'_>]) -> Result<()> {
+    if view.draw.shade_seen(canvas, hair)? {
+        return Ok(());
     }
+    view.light.shade(canvas.commands, hair, canvas.rate)
+}
+
+/// What `view` has of each of `sets`, in the light of its part.
+fn shares(view: &View, sets: &[&HairSet], parts: &[Part<'_>], rate: ShadingRate) -> Result<Vec<Arc<Shaded>>> {
+    let lights: Vec<_> = (0..sets.len()).map(|i| light_of(i, parts).0).collect();
+    view.shares(sets, &lights, rate)
 }
 
 /// The light of groom `i`, and whether it is a zone's: each is in one part.

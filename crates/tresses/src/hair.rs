@@ -1,39 +1,43 @@
-//! One groom on the GPU. Pipelines live as long as the device ([`Pipelines`]), a groom's buffers as long as it is
+//! One groom on the GPU. Pipelines live as long as the device ([`Context`]), a groom's buffers as long as it is
 //! there ([`Hair`]), those of a picture as long as somebody looks ([`crate::view::View`]), parameters for a frame
-//! ([`crate::frame::Frame`]).
+//! ([`HairFrame`]).
 
 use crate::{
-    Camera, Error, Pipelines, Pose, Progress, Result,
+    Camera, Context, Error, Pose, Progress, Result,
     avoid::{self, AvoidOptions, Avoidance},
-    clock::Clock,
+    body::Skin,
     collide::{Collider, ColliderDescriptor, ColliderSet},
     groom::{BoundStrands, Groom, SdfGrid, TriMesh},
-    interpolate::Interpolation,
     light::{HairSet, hair::knot_bytes},
     lod::{self, Detail, GuideOrder, Lod, LodLevel, LodOptions},
     math::hash::pcg,
     progress::at_once,
-    roots::{RootReport, Roots, Skin},
-    simulate::{
-        Forces, Grab, GuideTraits, Links, RestOptions, RestShape, Shifting, Simulation, SimulationParams,
-        rest,
-    },
-    space::{Carrier, Passage, Space},
+    roots::{RootReport, Roots},
+    simulate::{GuideTraits, Links, RestOptions, RestShape, Simulation, SimulationParams, rest},
     strands::{GuideBuffers, GuideSample, Strand, StrandBinding, StrandBuffers, buffers::storage},
-    tessellate::{Tessellation, rest_samples},
+    tessellate::rest_samples,
     volume::{Volume, VolumeOptions},
     wind::Air,
 };
 
+use effects::Effects;
 use glam::Vec3;
+use motion::Motion;
 use sleep::{Sleep, sees};
 use std::sync::Arc;
 
+mod curves;
+mod effects;
+mod frame;
 mod hold;
 mod meet;
+mod motion;
 mod record;
 mod share;
 mod sleep;
+
+pub(crate) use curves::Curves;
+pub use frame::HairFrame;
 
 /// How a groom is brought to the GPU.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,6 +73,7 @@ impl Default for HairOptions {
 /// One groom on the GPU, and its state of motion.
 #[derive(Debug)]
 pub struct Hair {
+    pub(crate) context: Context,
     /// What is simulated.
     pub guides: GuideBuffers,
     /// What is drawn.
@@ -85,38 +90,15 @@ pub struct Hair {
     pub volume: Volume,
     /// The air around the head, once the wind has blown.
     pub air: Option<Air>,
-    forces: Forces,
-    /// By what neighbouring guides hold each other, where they do.
-    links: Option<Links>,
+    /// What acts on the guides besides their own physics.
+    effects: Effects,
+    pub(crate) simulation: Simulation,
+    /// Its clock, and the frames that it is simulated and drawn in.
+    pub(crate) motion: Motion,
+    /// From guides to strands.
+    pub(crate) curves: Curves,
     /// The box around the hair at rest: its middle (groom space) and its longest side, metres.
     extent: (Vec3, f32),
-    /// Whether the wind blows in this frame.
-    windy: bool,
-    /// Whether the grids act on the guides in this frame.
-    forced: bool,
-    grab: Grab,
-    pub(crate) simulation: Simulation,
-    pub(crate) clock: Clock,
-    /// What carries it along with the space of its frames.
-    carrier: Carrier,
-    /// From that space to the carrier, in this frame.
-    passage: Passage,
-    /// What puts its state before another origin, once it has strayed, and whether this frame does.
-    shifting: Option<Shifting>,
-    shifts: bool,
-    /// Where it is drawn, and the way there from where it is simulated.
-    pub(crate) drawn_in: Space,
-    pub(crate) to_drawn: Pose,
-    /// Poses of the head before and after the last step, and the blend between them.
-    states: (Pose, Pose, f32),
-    /// Length of the last step, s.
-    span: f32,
-    /// Where the head is drawn in the frame that is recorded.
-    pub(crate) head: Pose,
-    /// Whether the last frame put the hair somewhere else.
-    moved_away: bool,
-    tessellation: Tessellation,
-    interpolation: Interpolation,
     /// The skin that it grows on, where that bends.
     pub roots: Option<Roots>,
     /// Whether it has room for no more strands than its level of detail draws.
@@ -128,22 +110,6 @@ pub struct Hair {
     substeps: u32,
 }
 
-/// What hair is made of that another head does not get in the same way.
-struct Parts {
-    guides: GuideBuffers,
-    strands: StrandBuffers,
-    set: HairSet,
-    avoidance: Avoidance,
-    lod: Lod,
-    colliders: ColliderSet,
-    volume: Volume,
-    links: Option<Links>,
-    extent: (Vec3, f32),
-    order: Arc<GuideOrder>,
-    substeps: u32,
-    fits: bool,
-}
-
 impl Hair {
     /// Brings `groom` to the GPU, at rest, the head at the origin. It collides with the head's
     /// distance field `head` (groom space) alone.
@@ -151,15 +117,13 @@ impl Hair {
     /// # Errors
     /// As [`with_colliders`](Self::with_colliders).
     pub fn new(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        pipelines: &Pipelines,
+        context: &Context,
         groom: &Groom,
         options: &HairOptions,
         head: Option<&SdfGrid>,
     ) -> Result<Self> {
         let colliders = ColliderDescriptor { head, ..Default::default() };
-        Self::with_colliders(device, queue, pipelines, groom, options, &colliders)
+        Self::with_colliders(context, groom, options, &colliders)
     }
 
     /// Brings `groom` to the GPU, at rest, the head at the origin, among `colliders`. The strands are put
@@ -169,14 +133,12 @@ impl Hair {
     /// [`Error::Limit`] when the adapter cannot hold it, [`Error::Groom`] and [`Error::Parameter`]
     /// when the groom or the options make no sense, and what [`ColliderSet::new`] says.
     pub fn with_colliders(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        pipelines: &Pipelines,
+        context: &Context,
         groom: &Groom,
         options: &HairOptions,
         colliders: &ColliderDescriptor<'_>,
     ) -> Result<Self> {
-        at_once(Self::with_progress(device, queue, pipelines, groom, options, colliders, &()))
+        at_once(Self::with_progress(context, groom, options, colliders, &()))
     }
 
     /// The same, telling `progress`.
@@ -184,14 +146,13 @@ impl Hair {
     /// # Errors
     /// As [`with_colliders`](Self::with_colliders).
     pub async fn with_progress(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        pipelines: &Pipelines,
+        context: &Context,
         groom: &Groom,
         options: &HairOptions,
         colliders: &ColliderDescriptor<'_>,
         progress: &impl Progress,
     ) -> Result<Self> {
+        let Context { queue, .. } = context;
         let resting = colliders.rest.or(colliders.head);
         progress.step("preparing the strands", 0.0).await;
         if groom.guides.is_empty() || groom.strands.is_empty() {
@@ -204,13 +165,13 @@ impl Hair {
         let single = |binding: &StrandBinding| binding.weight_b == 0.0 && binding.weight_c == 0.0;
         let follows = groom.guides.len() >= groom.strands.len() && groom.strands.bindings.iter().all(single);
         let sample_count = if follows { 0 } else { vertex_count.max(groom.strands.vertex_count) };
-        let mut guides = GuideBuffers::new(device, count(groom.guides.len())?, vertex_count, sample_count)?;
+        let mut guides = GuideBuffers::new(context, count(groom.guides.len())?, vertex_count, sample_count)?;
         if options.simulation.twist > 0.0 {
-            guides = guides.with_twist(device)?;
+            guides = guides.with_twist(context)?;
         }
-        let strands = StrandBuffers::new(device, count(groom.strands.len())?, groom.strands.vertex_count)?;
+        let strands = StrandBuffers::new(context, count(groom.strands.len())?, groom.strands.vertex_count)?;
 
-        let scratch = scratch(device, &guides, &strands, &options.volume)?;
+        let scratch = scratch(context, &guides, &strands, &options.volume)?;
         guides.forces = scratch.clone();
 
         let traits: Vec<_> = (0..groom.guides.len())
@@ -228,11 +189,10 @@ impl Hair {
             &RestOptions { shape: options.rest, clearance: options.clearance },
             resting,
         )?;
-        rest.upload(queue, &guides)?;
+        rest.upload(context, &guides)?;
         let hair_hair = &options.simulation.hair_hair;
-        let links = (hair_hair.cohesion > 0.0)
-            .then(|| Links::new(device, queue, &pipelines.simulate, &guides, &rest, hair_hair))
-            .transpose()?;
+        let links =
+            (hair_hair.cohesion > 0.0).then(|| Links::new(context, &guides, &rest, hair_hair)).transpose()?;
         if !follows {
             let samples: Vec<_> = (0..groom.guides.len())
                 .flat_map(|i| rest_samples(groom.guides.guide(i), sample_count))
@@ -251,103 +211,48 @@ impl Hair {
             None => queue.write_buffer(&strands.rest, 0, bytemuck::cast_slice(&arranged.rest)),
         }
 
-        let colliders = ColliderSet::new(device, queue, colliders)?;
-        let volume =
-            Volume::within(device, &pipelines.volume, &guides, &rest, &options.volume, scratch.clone())?;
+        let colliders = ColliderSet::new(context, colliders)?;
+        let volume = Volume::within(context, &guides, &rest, &options.volume, scratch.clone())?;
         let order = Arc::new(lod::guide_order(groom, rest.info, &arranged));
-        let lod =
-            Lod::new(device, queue, &pipelines.widths, arranged, &infos, &strands, &options.lod, progress)
-                .await?;
-        let mut set = HairSet::new(device, &strands)?.within(&scratch);
+        let lod = Lod::new(context, arranged, &infos, &strands, &options.lod, progress).await?;
+        let mut set = HairSet::new(context, &strands)?.within(&scratch);
         set.area = lod.area();
         let (avoid, clearance) = (options.avoid, options.clearance);
-        let avoidance = Avoidance::new(device, queue, &pipelines.avoid, avoid, clearance, &guides, &strands)?;
+        let avoidance = Avoidance::new(context, avoid, clearance, &guides, &strands)?;
         let (extent, substeps) = (extent(groom), options.simulation.substeps);
-        let parts = Parts {
-            guides,
-            strands,
-            set,
-            avoidance,
-            lod,
-            colliders,
-            volume,
-            links,
-            extent,
-            order,
-            substeps,
-            fits: false,
-        };
-        Ok(Self::at_rest(device, pipelines, parts))
-    }
-
-    /// Hair of such parts that has not moved yet.
-    fn at_rest(device: &wgpu::Device, pipelines: &Pipelines, parts: Parts) -> Self {
-        let Parts {
-            guides,
-            strands,
-            set,
-            avoidance,
-            lod,
-            colliders,
-            volume,
-            links,
-            extent,
-            order,
-            substeps,
-            fits,
-        } = parts;
-        let tessellation = Tessellation::new(device, &pipelines.tessellate, &guides);
-        Self {
-            interpolation: interpolation(device, pipelines, &guides, &strands, &tessellation),
-            forces: Forces::new(device, &pipelines.simulate, &guides, &volume, None),
-            simulation: Simulation::new(device, &pipelines.simulate, &guides),
-            tessellation,
-            guides,
-            strands,
-            set,
-            avoidance,
-            lod,
-            colliders,
-            volume,
-            links,
-            air: None,
-            extent,
-            windy: false,
-            forced: false,
-            grab: Grab::default(),
-            clock: Clock::default(),
-            carrier: Carrier::default(),
-            passage: Passage::default(),
-            shifting: None,
-            shifts: false,
-            drawn_in: Space::WORLD,
-            to_drawn: Pose::IDENTITY,
-            states: (Pose::IDENTITY, Pose::IDENTITY, 1.0),
-            span: 0.0,
-            head: Pose::IDENTITY,
-            moved_away: false,
-            roots: None,
-            fits,
-            order,
+        Ok(Self {
+            context: context.clone(),
+            effects: Effects::new(context, &guides, &volume, links),
+            simulation: Simulation::new(context, &guides),
+            curves: Curves::new(context, &guides, &strands),
+            motion: Motion::default(),
             sleep: Sleep::default(),
+            air: None,
+            roots: None,
+            fits: false,
+            guides,
+            strands,
+            set,
+            avoidance,
+            lod,
+            colliders,
+            volume,
+            extent,
+            order,
             substeps,
-        }
+        })
     }
 
     /// From the next frame on its roots go with a skin that bends: `mesh` as it is at rest (groom space), `skin` as it is
-    /// in each frame, in a space whose pose is [`Roots::pose`]. [`Frame::head`](crate::frame::Frame::head) remains
+    /// in each frame, in a space whose pose is [`Roots::pose`]. [`HairFrame::head`](HairFrame::head) remains
     /// the pose of what is rigid. `groom` is the one the hair was made from. No root may be farther than `reach` metres
     /// from the mesh; the report says how far they are.
     ///
     /// # Errors
     /// [`crate::groom::Error::Unusable`] for another groom, a root that is farther away, and a skin that `mesh` does
     /// not fit; [`Error::Limit`].
-    #[allow(clippy::too_many_arguments)]
     pub fn attach(
         &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        pipelines: &Pipelines,
         groom: &Groom,
         mesh: &TriMesh,
         skin: &Skin<'_>,
@@ -361,22 +266,31 @@ impl Hair {
         let mut arranged = groom.strands.clone();
         lod::arrange(&mut arranged);
         let buffers = (&mut self.guides, &mut self.strands);
-        let (roots, report) =
-            Roots::new(device, queue, &pipelines.roots, (groom, &arranged), buffers, mesh, skin, reach)?;
+        let (roots, report) = Roots::new(&self.context, (groom, &arranged), buffers, mesh, skin, reach)?;
         self.roots = Some(roots);
-        let untied = Simulation::new(device, &pipelines.simulate, &self.guides);
-        let before = std::mem::replace(&mut self.simulation, untied);
-        self.simulation.tie_as((device, queue), &pipelines.simulate, &self.guides, &before)?;
-        self.tessellation = Tessellation::new(device, &pipelines.tessellate, &self.guides);
-        self.interpolation =
-            interpolation(device, pipelines, &self.guides, &self.strands, &self.tessellation);
+        self.follow_roots()?;
         Ok(report)
+    }
+
+    /// Binds the roots' buffers, which have come, to the stages that read them.
+    fn follow_roots(&mut self) -> Result<()> {
+        let untied = Simulation::new(&self.context, &self.guides);
+        let before = std::mem::replace(&mut self.simulation, untied);
+        self.simulation.tie_as(&self.context, &self.guides, &before)?;
+        self.curves = Curves::new(&self.context, &self.guides, &self.strands);
+        Ok(())
+    }
+
+    /// Lets the next frame carry the hair along with the head without moving it against the head, however far that goes.
+    pub fn teleport(&mut self) {
+        self.sleep.wake();
+        self.motion.teleports = true;
     }
 
     /// Puts the hair to rest at the next frame, wherever the head is then.
     pub fn reset(&mut self) {
         self.sleep.wake();
-        self.clock.reset();
+        self.motion.clock.reset();
     }
 
     /// From the next frame on these are the obstacles besides the head's field, whose poses the frames give:
@@ -384,38 +298,26 @@ impl Hair {
     ///
     /// # Errors
     /// As [`ColliderSet::replace`].
-    pub fn set_colliders(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        colliders: &[Collider],
-    ) -> Result<()> {
-        self.colliders.replace(device, queue, colliders)
+    pub fn set_colliders(&mut self, colliders: &[Collider]) -> Result<()> {
+        self.colliders.replace(colliders)
     }
 
     /// From where guides are simulated, an origin near the hair that goes along with it ([`crate::space`]), to where hair
     /// is drawn, as of the last frame: for who reads the state of guides or of a grab.
     pub fn place(&self) -> Pose {
-        self.to_drawn
+        self.motion.to_drawn
     }
 
     /// The frames from here on are drawn at the level of detail that [`Lod::options`](crate::lod::Lod::options)
     /// have for what `camera` sees on a head at `head`, both in the space that hair is drawn in. Call it before a
     /// frame is recorded; without it hair is drawn in full detail.
-    pub fn look_from(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, camera: &Camera, head: &Pose) {
-        self.look_at(device, queue, camera, head, self.lod.seen(camera, head));
+    pub fn look_from(&mut self, camera: &Camera, head: &Pose) {
+        self.look_at(camera, head, self.lod.seen(camera, head));
     }
 
     /// The same at a level of detail that somebody else has chosen.
-    pub(crate) fn look_at(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        camera: &Camera,
-        head: &Pose,
-        detail: Detail,
-    ) {
-        self.set_detail(device, queue, detail);
+    pub(crate) fn look_at(&mut self, camera: &Camera, head: &Pose, detail: Detail) {
+        self.set_detail(detail);
         self.sleep.unseen = self.lod.options.sleep && !self.sees(camera, head);
     }
 
@@ -423,6 +325,11 @@ impl Hair {
     pub(crate) fn sees(&self, camera: &Camera, head: &Pose) -> bool {
         let (middle, radius) = self.lod.sphere;
         sees(camera, (head.point(middle), radius))
+    }
+
+    /// Leaves it out of the next frames, until a camera [looks](Self::look_from) again.
+    pub(crate) fn hide(&mut self) {
+        self.sleep.unseen = true;
     }
 
     /// Whether it was in view when a camera [looked](Self::look_from) last. Hair that is not, and may
@@ -442,11 +349,11 @@ impl Hair {
     }
 
     /// The frames from here on are drawn as `detail` says, which comes from [`Lod::detail`](crate::lod::Lod::detail).
-    pub fn set_detail(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, detail: Detail) {
+    pub fn set_detail(&mut self, detail: Detail) {
         self.sleep.unseen = false;
-        self.lod.set(queue, &mut self.strands, detail);
+        self.lod.set(&self.context, &mut self.strands, detail);
         if !self.fits {
-            self.set.show(device, &self.strands.drawn);
+            self.set.show(&self.strands.drawn);
         }
     }
 
@@ -457,45 +364,25 @@ impl Hair {
     ///
     /// # Errors
     /// [`Error::Parameter`] when the levels make no sense, [`Error::Groom`] when it is another groom.
-    pub fn paint_levels(
-        &mut self,
-        queue: &wgpu::Queue,
-        groom: &Groom,
-        levels: &[LodLevel],
-        skull: Vec3,
-    ) -> Result<()> {
+    pub fn paint_levels(&mut self, groom: &Groom, levels: &[LodLevel], skull: Vec3) -> Result<()> {
         if groom.strands.len() != self.strands.count as usize {
             return Err(Error::unusable("levels of detail must be painted on the groom of the hair"));
         }
         let mut arranged = groom.strands.clone();
         lod::arrange(&mut arranged);
-        self.lod.paint(queue, &arranged, levels, skull)
-    }
-}
-
-/// How `strands` follow `guides`: by samples, or each along its own where those have none.
-fn interpolation(
-    device: &wgpu::Device,
-    pipelines: &Pipelines,
-    guides: &GuideBuffers,
-    strands: &StrandBuffers,
-    tessellation: &Tessellation,
-) -> Interpolation {
-    if guides.sample_count == 0 {
-        Interpolation::following(device, &pipelines.interpolate, guides, strands, tessellation)
-    } else {
-        Interpolation::new(device, &pipelines.interpolate, guides, strands)
+        self.lod.paint(&self.context, &arranged, levels, skull)
     }
 }
 
 /// Memory that a groom needs for a while only: in a step the cells of its grid, then the forces on its guides; in a picture
 /// the knots of its shading. None of them is read after another is written, in whatever order heads and views come.
 fn scratch(
-    device: &wgpu::Device,
+    context: &Context,
     guides: &GuideBuffers,
     strands: &StrandBuffers,
     volume: &VolumeOptions,
 ) -> Result<wgpu::Buffer> {
+    let Context { device, .. } = context;
     let knots = knot_bytes([strands.count, strands.vertex_count]);
     storage::<u8>(device, "scratch of a groom", knots.max(volume.cell_bytes()?).max(guides.forces.size()))
 }

@@ -3,51 +3,36 @@
 //! The modules stand in the order in which data passes through them; [`frame`] is the frame.
 //!
 //! ```no_run
-//! use tresses::{
-//!     Camera, Hair, Pipelines, Pose,
-//!     body::Body,
-//!     collide::ColliderPoses,
-//!     drape,
-//!     frame::{Frame, Recorder, Sight},
-//!     gpu::Gpu,
-//!     groom::styles::Style,
-//!     simulate::SimulationParams,
-//!     view::{Picture, View, ViewOptions},
-//! };
+//! use tresses::{Camera, Character, Context, Pose, View, light::Lights, view::{Picture, ViewOptions}};
 //!
-//! # async fn example() -> tresses::Result<()> {
-//! // Once per device; an engine has one already. Pipelines live as long as it does.
-//! let Gpu { device, queue, .. } = Gpu::open().await?;
-//! let pipelines = Pipelines::new(&device);
+//! # async fn example(
+//! #     device: &wgpu::Device, queue: &wgpu::Queue, target: &wgpu::TextureView, format: wgpu::TextureFormat,
+//! # ) -> tresses::Result<()> {
+//! // Once: the engine's device and queue, a character, a view.
+//! let tresses = Context::new(device, queue);
+//! let mut ann = Character::load(&tresses, ["ann.glb"]).await?;
+//! let mut view = View::new(&tresses, &ViewOptions::for_target(format), [1280, 720], 1)?;
+//! let picture = Picture { camera: Camera::default(), lights: Lights::default(), ..Default::default() };
 //!
-//! // Once per groom: here a built-in one, else `groom::import` and `groom::bind`.
-//! let style = Style::Long(Default::default());
-//! let made = drape::character(&device, &queue, &pipelines.simulate, &style, None).await?;
-//! let mut hair = Hair::new(&device, &queue, &pipelines, &made.groom, &Default::default(), Some(&made.field))?;
-//! let body = Body::new(&device, &made.mesh);
-//! // Once per picture that is to be seen at a time.
-//! let view = View::new(&device, &pipelines, &ViewOptions::default(), [1280, 720], 1)?;
-//!
-//! // Once per frame: the hair moves, then it is drawn.
-//! let picture = Picture { camera: Camera::default(), ..Default::default() };
-//! let (colliders, simulation) = (&ColliderPoses::default(), &SimulationParams::default());
-//! let frame = Frame { dt: 1.0 / 60.0, head: Pose::IDENTITY, colliders, simulation, ..Default::default() };
+//! // Each frame: the character is posed, its hair moves, then it is drawn.
+//! ann.set_pose(Pose::IDENTITY);
 //! let mut encoder = device.create_command_encoder(&Default::default());
-//! let mut recorder = Recorder {
-//!     pipelines: &pipelines,
-//!     device: &device,
-//!     queue: &queue,
-//!     encoder: &mut encoder,
-//!     timings: None,
-//! };
-//! recorder.record(&mut [(&mut hair, frame)], &[&body], vec![Sight::new(&view, &picture)])?;
+//! let mut frame = tresses.frame(&mut encoder);
+//! frame.advance(&mut [&mut ann], 1.0 / 60.0)?;
+//! frame.draw(&mut view, &[&ann], &picture, target)?;
 //! queue.submit([encoder.finish()]);
 //! # Ok(()) }
 //! ```
 //!
-//! Whole programs are in `examples/`: `minimal` is a window, in a browser a page; `headless` writes one
-//! picture; `embed` puts hair into a scene with its own targets, camera and lights ([`draw::embed`]);
-//! `portrait` reads a groom and a head from files.
+//! [`Character::built_in`] needs no file; [`Frame::composite`] draws hair into a scene that the engine has drawn. Programs
+//! that need more control use the layer below: [`Hair`], [`body::Body`], [`frame::Recorder`].
+//!
+//! Whole programs are in `examples/`: `minimal` is a window, in a browser a page; `headless` writes one picture; `embed` puts
+//! a character into a renderer with its own targets, camera, lights and shadows; `character` follows a mesh that an engine
+//! skins; `portrait` reads a groom and a head from files.
+
+// Objects of a browser belong to one thread, and so does a context.
+#![cfg_attr(target_arch = "wasm32", allow(clippy::arc_with_non_send_sync))]
 
 pub use tresses_groom as groom;
 
@@ -83,11 +68,13 @@ pub mod collide;
 
 pub mod drape;
 
+pub mod budget;
 pub mod camera;
+pub mod character;
 pub mod clock;
 pub mod frame;
 pub mod hair;
-pub mod pipelines;
+pub mod prepare;
 pub mod space;
 pub mod stage;
 pub mod view;
@@ -100,12 +87,14 @@ pub mod math;
 pub mod shaders;
 
 pub use camera::Camera;
+pub use character::{Character, Frame};
 pub use error::{Error, Result};
 pub use glam;
+pub use gpu::Context;
 pub use groom::{Progress, progress, range};
 pub use hair::{Hair, HairOptions};
 pub use math::pose::Pose;
-pub use pipelines::{Pipelines, Wanted};
+pub use prepare::PipelineRequest;
 pub use space::Space;
 pub use view::View;
 pub use wgpu;

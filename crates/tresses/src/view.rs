@@ -2,9 +2,9 @@
 //! ([`ViewOptions`]), and what a frame shows in it ([`Picture`]).
 
 use crate::{
-    Pipelines, Result,
+    Context, Result,
     camera::{Camera, CameraUniform, ToneMap},
-    draw::{Coverage, Targets, targets::PICTURE_FORMAT},
+    draw::{self, Coverage, Targets, targets::PICTURE_FORMAT},
     gpu::bindings,
     light::{
         self, Chosen, HairSet, Lights, Lit, Part, Seen, Shaded, ShadingRate, Shadows, Sphere, Zone, Zones,
@@ -55,6 +55,7 @@ pub struct ViewOptions {
 }
 
 impl Default for ViewOptions {
+    /// Strands by [tiles](Coverage::Tiles), meshes with four samples per pixel.
     fn default() -> Self {
         Self {
             samples: 4,
@@ -67,10 +68,19 @@ impl Default for ViewOptions {
     }
 }
 
+impl ViewOptions {
+    /// The default options for a view that is presented into textures of `format`, such as a window's.
+    pub fn for_target(format: wgpu::TextureFormat) -> Self {
+        Self { output: format, ..Self::default() }
+    }
+}
+
 /// What one view has on the GPU: its camera, its light, its targets, and the colours of each groom that it sees.
 /// Record it once per submission.
 #[derive(Debug)]
 pub struct View {
+    context: Context,
+    pub(crate) draw: Arc<draw::Pipelines>,
     options: ViewOptions,
     camera: wgpu::Buffer,
     /// Its light.
@@ -88,18 +98,14 @@ impl View {
     ///
     /// # Errors
     /// As [`Targets::new`].
-    pub fn new(
-        device: &wgpu::Device,
-        pipelines: &Pipelines,
-        options: &ViewOptions,
-        size: [u32; 2],
-        ssaa: u32,
-    ) -> Result<Self> {
-        let targets = Targets::new(device, size, (options.samples, options.coverage), ssaa)?;
-        let camera = bindings::uniform(device, "camera", size_of::<CameraUniform>());
+    pub fn new(context: &Context, options: &ViewOptions, size: [u32; 2], ssaa: u32) -> Result<Self> {
+        let targets = Targets::new(context, size, (options.samples, options.coverage), ssaa)?;
+        let camera = bindings::uniform(&context.device, "camera", size_of::<CameraUniform>());
         Ok(Self {
-            light: light(device, pipelines, options, &camera),
-            present: present::State::new(device, &targets, options.coverage, options.output),
+            light: light(context, options, &camera),
+            present: present::State::new(context, &targets, options.coverage, options.output),
+            draw: context.pipelines(),
+            context: context.clone(),
             options: *options,
             shaded: Mutex::default(),
             zones: Zones::default(),
@@ -117,21 +123,15 @@ impl View {
     ///
     /// # Errors
     /// As [`new`](Self::new); then nothing has changed.
-    pub fn set_options(
-        &mut self,
-        device: &wgpu::Device,
-        pipelines: &Pipelines,
-        options: &ViewOptions,
-    ) -> Result<()> {
+    pub fn set_options(&mut self, options: &ViewOptions) -> Result<()> {
         let lit =
             |options: &ViewOptions| (options.shadow_resolution, options.strand_map, options.ambient_cells);
-        let light =
-            (lit(options) != lit(&self.options)).then(|| light(device, pipelines, options, &self.camera));
+        let light = (lit(options) != lit(&self.options)).then(|| light(&self.context, options, &self.camera));
         let before = std::mem::replace(&mut self.options, *options);
         let Targets { size, ssaa, .. } = self.targets;
         let drawn = |options: &ViewOptions| (options.samples, options.coverage, options.output);
         if drawn(options) != drawn(&before)
-            && let Err(error) = self.resize(device, size, ssaa)
+            && let Err(error) = self.resize(size, ssaa)
         {
             self.options = before;
             return Err(error);
@@ -147,10 +147,10 @@ impl View {
     ///
     /// # Errors
     /// As [`new`](Self::new); then nothing has changed.
-    pub fn resize(&mut self, device: &wgpu::Device, size: [u32; 2], ssaa: u32) -> Result<()> {
+    pub fn resize(&mut self, size: [u32; 2], ssaa: u32) -> Result<()> {
         let ViewOptions { samples, coverage, output, .. } = self.options;
-        self.targets = Targets::new(device, size, (samples, coverage), ssaa)?;
-        self.present = present::State::new(device, &self.targets, coverage, output);
+        self.targets = Targets::new(&self.context, size, (samples, coverage), ssaa)?;
+        self.present = present::State::new(&self.context, &self.targets, coverage, output);
         Ok(())
     }
 
@@ -161,14 +161,13 @@ impl View {
     /// [`crate::Error::Gpu`] when the pipeline for it cannot be made.
     pub fn present_into(
         &self,
-        (pipelines, device, queue): (&Pipelines, &wgpu::Device, &wgpu::Queue),
         encoder: &mut wgpu::CommandEncoder,
         (output, format): (&wgpu::TextureView, wgpu::TextureFormat),
         (background, tone): (&Background, &ToneMap),
     ) -> Result<()> {
-        let present = present::State::new(device, &self.targets, self.options.coverage, format);
-        present.prepare(queue, background, tone, &self.targets);
-        present.record(&pipelines.present, encoder, None, &self.targets, output)
+        let present = present::State::new(&self.context, &self.targets, self.options.coverage, format);
+        present.prepare(&self.context, background, tone, &self.targets);
+        present.record(&mut self.context.commands(encoder), &self.targets, output)
     }
 
     /// Whether the last picture, which has been submitted, holds all of the hair. Where hair is
@@ -178,9 +177,9 @@ impl View {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.
-    pub async fn is_complete(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<bool> {
+    pub async fn is_complete(&self) -> Result<bool> {
         match &self.targets.tiles {
-            Some(tiles) => tiles.is_complete(device, queue).await,
+            Some(tiles) => tiles.is_complete(&self.context).await,
             None => Ok(true),
         }
     }
@@ -202,51 +201,30 @@ impl View {
     ///
     /// # Errors
     /// [`crate::Error::Limit`].
-    pub fn chosen(
-        &self,
-        device: &wgpu::Device,
-        pipelines: &Pipelines,
-        hair: &HairSet,
-        seen: &wgpu::Buffer,
-    ) -> Result<Chosen> {
+    pub fn chosen(&self, hair: &HairSet, seen: &wgpu::Buffer) -> Result<Chosen> {
         let of = [&hair.strands.vertices, &self.light.lights];
         let shaded = self.lock().iter().find(|(known, _)| known.each_ref() == of).map(|(_, s)| s.clone());
         let shaded = match shaded {
             Some(shaded) => shaded,
-            None => {
-                self.shares(device, pipelines, &[hair], &[&self.light], ShadingRate::PerVertex)?.remove(0)
-            }
+            None => self.shares(&[hair], &[&self.light], ShadingRate::PerVertex)?.remove(0),
         };
-        Chosen::new(
-            device,
-            &pipelines.light,
-            (&self.light, &self.camera),
-            hair,
-            &shaded,
-            seen.as_entire_binding(),
-        )
+        Chosen::new(&self.context, (&self.light, &self.camera), hair, &shaded, seen.as_entire_binding())
     }
 
     /// From the next picture on the grooms and bodies of each zone are in its light, all others in that around
     /// [`Picture::focus`]; none takes zones away. Pictures of [the inside](crate::frame::Shows::Inside) know of no zones.
-    pub fn set_zones(&mut self, device: &wgpu::Device, pipelines: &Pipelines, zones: &[Zone]) {
-        self.zones.set(device, &pipelines.light, &self.camera, zones);
+    pub fn set_zones(&mut self, zones: &[Zone]) {
+        self.zones.set(&self.context, &self.camera, zones);
     }
 
     /// From the next picture on its light is as fine as `picture` shows it, for all of `counts` grooms and bodies: as it was
     /// made, or coarser where they are few pixels across, of pictures `coarser` octaves coarser. In place of zones of
     /// one's own; before each picture.
-    pub fn fit_light(
-        &mut self,
-        device: &wgpu::Device,
-        pipelines: &Pipelines,
-        (picture, coarser): (&Picture, f32),
-        counts: [usize; 2],
-    ) {
+    pub fn fit_light(&mut self, (picture, coarser): (&Picture, f32), counts: [usize; 2]) {
         let finest = [self.options.shadow_resolution, self.options.ambient_cells];
         let Picture { focus, camera, .. } = picture;
         let zone = Zone::far(*focus, (camera, coarser), finest, self.zones.first(), counts);
-        self.set_zones(device, pipelines, zone.as_slice());
+        self.set_zones(zone.as_slice());
     }
 
     /// Bytes of GPU memory of the light of its zones.
@@ -254,12 +232,17 @@ impl View {
         self.zones.bytes()
     }
 
-    /// What shaders that ask for its light bind, with [`Pipelines::light_layout`]: those of a scene that asks hair for its
+    /// What shaders that ask for its light bind, with [`light_layout`](Self::light_layout): those of a scene that asks hair for its
     /// shadow ([`draw::embed::shade::wgsl`](crate::draw::embed::shade::wgsl)). It is the view's own
     /// light: hair that lies in a zone ([`set_zones`](Self::set_zones), [`fit_light`](Self::fit_light)) is not in it. It
     /// is another one after [`set_options`](Self::set_options).
     pub fn light_group(&self) -> &wgpu::BindGroup {
         &self.light.frame
+    }
+
+    /// The layout of [`light_group`](Self::light_group), for pipelines of the caller.
+    pub fn light_layout(context: &Context) -> wgpu::BindGroupLayout {
+        context.pipelines::<light::Pipelines>().frame.clone()
     }
 
     /// Bytes of GPU memory of the shadow maps.
@@ -296,8 +279,6 @@ impl View {
     /// are not among them.
     pub(crate) fn shares(
         &self,
-        device: &wgpu::Device,
-        pipelines: &Pipelines,
         hair: &[&HairSet],
         lights: &[&light::State],
         rate: ShadingRate,
@@ -311,7 +292,7 @@ impl View {
             let kept = before.iter().position(|(other, _)| *other == of).map(|i| before.swap_remove(i).1);
             let shaded = match kept.or_else(again).filter(|shaded| shaded.holds(set, rate)) {
                 Some(shaded) => shaded,
-                None => Arc::new(Shaded::new(device, &pipelines.light, light, &self.camera, set, rate)?),
+                None => Arc::new(Shaded::new(&self.context, light, &self.camera, set, rate)?),
             };
             known.push((of, shaded.clone()));
             Ok(shaded)
@@ -320,24 +301,18 @@ impl View {
     }
 
     /// Writes the values of a frame: what of each part's light is to be recorded.
-    pub(crate) fn prepare(
-        &self,
-        queue: &wgpu::Queue,
-        picture: &Picture,
-        hair: &[Seen<'_>],
-        parts: &[Part<'_>],
-    ) -> Vec<Lit> {
+    pub(crate) fn prepare(&self, picture: &Picture, hair: &[Seen<'_>], parts: &[Part<'_>]) -> Vec<Lit> {
         let camera = picture.camera.uniform(self.targets.samples, self.targets.ssaa);
-        queue.write_buffer(&self.camera, 0, bytemuck::bytes_of(&camera));
-        self.present.prepare(queue, &picture.background, &picture.tone, &self.targets);
+        self.context.queue.write_buffer(&self.camera, 0, bytemuck::bytes_of(&camera));
+        self.present.prepare(&self.context, &picture.background, &picture.tone, &self.targets);
         let mut first = 0;
         for seen in hair {
-            seen.shaded.prepare(queue, seen.hair, first);
+            seen.shaded.prepare(&self.context, seen.hair, first);
             first += seen.hair.strands.count;
         }
         let lit = |part: &Part<'_>| {
             let lights = (&picture.lights, &picture.shadows, &part.focus);
-            let mut lit = part.light.prepare(queue, lights, &Part::of(&part.hair, hair), part.number);
+            let mut lit = part.light.prepare(&self.context, lights, &Part::of(&part.hair, hair), part.number);
             lit.ambient &= part.fresh;
             lit
         };
@@ -355,12 +330,7 @@ impl View {
     }
 }
 
-fn light(
-    device: &wgpu::Device,
-    pipelines: &Pipelines,
-    options: &ViewOptions,
-    camera: &wgpu::Buffer,
-) -> light::State {
+fn light(context: &Context, options: &ViewOptions, camera: &wgpu::Buffer) -> light::State {
     let sizes = [options.shadow_resolution, options.ambient_cells];
-    light::State::new(device, &pipelines.light, sizes, options.strand_map, camera)
+    light::State::new(context, sizes, options.strand_map, camera)
 }

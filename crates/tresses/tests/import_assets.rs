@@ -181,10 +181,11 @@ fn groom_and_head_turned_and_scaled_together_come_back() {
         for front in Axis::ALL.into_iter().filter(|f| f.vector().dot(up.vector()) == 0.0) {
             let turn = orient::Placement { up, front, ..Default::default() }.axes().transpose() * 100.0;
             let mut groom = strands.clone();
-            let mut head = import::mesh::RawMesh { mesh: mesh.clone(), ..Default::default() };
+            let mut head = mesh.clone();
             groom.positions.iter_mut().for_each(|p| *p = turn * *p);
-            head.mesh.positions.iter_mut().for_each(|p| *p = turn * *p);
-            let (own, of_head) = orient::pair(&groom, &orient::Choice::default(), &head, &options);
+            head.positions.iter_mut().for_each(|p| *p = turn * *p);
+            let unknown = orient::Known::default();
+            let (own, of_head) = orient::pair(&groom, &unknown, &head, &unknown);
             assert_eq!((own.up, own.front, own.mirrored), (up, front, false), "{own:?}");
             assert_eq!((of_head.up, of_head.front, of_head.unit), (up, front, orient::Unit(0.01)));
         }
@@ -233,13 +234,13 @@ fn human_heads_turned_any_way_stand_up_again() {
     let Some(assets) = assets() else { return };
     for file in ["head_ict_facekit/generic_neutral_mesh.obj", "head_makehuman/base.obj", "sintel/sintel.obj"]
     {
-        let whole = import::mesh::read(&assets.join(file)).unwrap();
+        let whole = import::mesh::read(&assets.join(file)).unwrap().mesh;
         for up in Axis::ALL {
             for front in Axis::ALL.into_iter().filter(|f| f.vector().dot(up.vector()) == 0.0) {
                 let turn = orient::Placement { up, front, ..Default::default() }.axes().transpose();
-                let mut head = import::mesh::RawMesh { declared: Default::default(), ..whole.clone() };
-                head.mesh.positions.iter_mut().for_each(|p| *p = turn * *p);
-                let found = orient::head(&head, &orient::Choice::default());
+                let mut head = whole.clone();
+                head.positions.iter_mut().for_each(|p| *p = turn * *p);
+                let found = orient::head(&head, &orient::Known::default());
                 assert_eq!((found.up, found.front), (up, front), "{file}: {found:?}");
             }
         }

@@ -47,19 +47,28 @@ impl Modules {
         modules
     }
 
-    /// The circles: for each folder with one, the arrows between the modules that reach each other.
-    pub fn circles(&self) -> Vec<Vec<Arrow>> {
+    /// The circles of the folders that `of` picks: the arrows between the modules that reach each other.
+    fn circles(&self, of: impl Fn(&[String]) -> bool) -> Vec<Vec<Arrow>> {
         let folders: BTreeSet<&[String]> =
-            self.files.keys().map(|m| &m[..m.len().saturating_sub(1)]).collect();
-        folders.into_iter().filter_map(|folder| circle(self.arrows(folder))).collect()
+            self.files.keys().map(|module| &module[..module.len().saturating_sub(1)]).collect();
+        folders
+            .into_iter()
+            .filter(|folder| of(folder))
+            .filter_map(|folder| circle(self.arrows(folder)))
+            .collect()
     }
 
-    /// [`circles`](Self::circles) as text; empty without any.
+    /// The circles of all folders as text; empty without any.
     pub fn report(&self) -> String {
+        self.report_of(|_| true)
+    }
+
+    /// The circles of the folders that `of` picks, as text. The crate's own folder is the empty path.
+    pub fn report_of(&self, of: impl Fn(&[String]) -> bool) -> String {
         let line = |arrow: &Arrow| format!("  {} -> {}   ({})\n", arrow.from, arrow.to, arrow.because);
         let circle =
             |arrows: &Vec<Arrow>| format!("circle:\n{}", arrows.iter().map(line).collect::<String>());
-        self.circles().iter().map(circle).collect()
+        self.circles(of).iter().map(circle).collect()
     }
 
     /// The arrows between the modules directly in `folder`.

@@ -2,8 +2,8 @@
 //! motion.
 
 use super::{
-    Sitting,
-    report::Run,
+    results::Run,
+    sitting::Sitting,
     workload::{self, Edges, masks},
 };
 use crate::{args::Size, photographer::Photographer};
@@ -74,11 +74,11 @@ pub fn variants() -> Vec<Variant> {
     vec![
         shading("fibre, per strand vertex", |_| {}),
         shading("Kajiya–Kay, per strand vertex", |scene| {
-            scene.hair.set.material.model = ShadingModel::KajiyaKay;
+            scene.character.hair_mut().set.material.model = ShadingModel::KajiyaKay;
         }),
         shading("fibre, per pixel", |scene| scene.picture.shading = ShadingRate::PerPixel),
         shading("Kajiya–Kay, per pixel", |scene| {
-            scene.hair.set.material.model = ShadingModel::KajiyaKay;
+            scene.character.hair_mut().set.material.model = ShadingModel::KajiyaKay;
             scene.picture.shading = ShadingRate::PerPixel;
         }),
         shadows("deep opacity maps", |_| {}),

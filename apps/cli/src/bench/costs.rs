@@ -1,23 +1,23 @@
 //! The cost of the parts of the simulation, compared in one run: 1,000 guides of 32 vertices, chosen among the
 //! strands of the built-in long style, in motion.
 
-use super::{Sitting, statistics::Summary, workload};
-use crate::load;
-use anyhow::{Context, Result};
+use super::{sitting::Sitting, statistics::Summary, workload};
+use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
 use serde::Serialize;
 use tresses::{
-    Hair, HairOptions, Pipelines, Pose,
+    Context, Hair, HairOptions, Pose,
+    character::CharacterParts,
     collide::{Anchor, Collider, ColliderDescriptor, ColliderPoses, Shape},
-    frame::{Frame, Recorder},
     glam::{Quat, Vec3},
     gpu::{Clock, Gpu, Timings},
     groom::mesh::sdf::{self, SdfOptions},
+    hair::HairFrame,
     simulate::SimulationParams,
     volume::{HairHair, VolumeOptions},
     wind::Wind,
 };
-use tresses_scene::{Character, Motion};
+use tresses_scene::Motion;
 
 /// Guides of the measured hair.
 const GUIDES: u32 = 1000;
@@ -89,9 +89,8 @@ impl Costs {
 
 /// What all runs share.
 struct Rig {
-    gpu: Gpu,
-    pipelines: Pipelines,
-    character: Character,
+    context: Context,
+    character: CharacterParts,
     frames: u32,
     clock: Clock,
 }
@@ -128,20 +127,19 @@ impl Rows {
 
 impl Rig {
     fn new(frames: u32, clock: Clock) -> Result<Self> {
-        let gpu = pollster::block_on(Gpu::open())?;
-        let pipelines = Pipelines::new(&gpu.device);
+        let context = pollster::block_on(Gpu::open())?.context;
         let mut preset = workload::style(Some(STRANDS), Default::default());
         preset.settings.set("style.guides", GUIDES)?;
-        let character = load::load(&preset, &gpu, &pipelines.simulate, &())?;
-        Ok(Self { gpu, pipelines, character, frames, clock })
+        let character = pollster::block_on(preset.character(&context, &()))?;
+        Ok(Self { context, character, frames, clock })
     }
 
     /// The times of each variant while the head turns. A frame of one, a frame of the next, and so
     /// on: whatever else the machine does, it does to all of them.
     fn run(&self, variants: &[Variant], bar: &ProgressBar) -> Result<Vec<Rows>> {
-        let Gpu { device, queue, tier, .. } = &self.gpu;
+        let (context, tier) = (&self.context, self.context.tier());
         let mut timings = match tier.timestamps && !tier.software {
-            true => Timings::new(device, queue),
+            true => Timings::new(context),
             false => Timings::by(self.clock),
         };
         let mut hairs = variants.iter().map(|v| self.hair(v)).collect::<Result<Vec<_>>>()?;
@@ -155,20 +153,14 @@ impl Rig {
                 let poses = variant.colliders.iter().map(|(_, pose)| *pose).collect();
                 let colliders = &ColliderPoses { head: None, colliders: poses };
                 let moment =
-                    Frame { dt, head, colliders, simulation: &variant.physics, ..Default::default() };
-                let mut encoder = device.create_command_encoder(&Default::default());
-                let mut recorder = Recorder {
-                    pipelines: &self.pipelines,
-                    device,
-                    queue,
-                    encoder: &mut encoder,
-                    timings: Some(&mut timings),
-                };
+                    HairFrame { dt, head, colliders, simulation: &variant.physics, ..Default::default() };
+                let mut encoder = context.device().create_command_encoder(&Default::default());
+                let mut recorder = context.recorder(&mut encoder).with_timings(Some(&mut timings));
                 recorder.advance(hair, &moment)?;
                 timings.resolve(&mut encoder);
-                queue.submit([encoder.finish()]);
-                device.poll(wgpu::PollType::wait_indefinitely()).context("the GPU was lost")?;
-                let times = pollster::block_on(timings.read(device, queue))?;
+                context.queue().submit([encoder.finish()]);
+                context.device().poll(wgpu::PollType::wait_indefinitely()).context("the GPU was lost")?;
+                let times = pollster::block_on(timings.read(context))?;
                 if frame >= WARM_UP {
                     rows.add(times);
                     bar.inc(1);
@@ -182,9 +174,8 @@ impl Rig {
         let colliders: Vec<_> = variant.colliders.iter().map(|(collider, _)| *collider).collect();
         let descriptor =
             ColliderDescriptor { head: self.character.whole(), colliders: &colliders, ..Default::default() };
-        let Gpu { device, queue, .. } = &self.gpu;
         let groom = &self.character.groom;
-        Ok(Hair::with_colliders(device, queue, &self.pipelines, groom, &variant.options, &descriptor)?)
+        Ok(Hair::with_colliders(&self.context, groom, &variant.options, &descriptor)?)
     }
 
     /// `count` capsules the size of fingers around the neck and the shoulders, where the hair hangs.

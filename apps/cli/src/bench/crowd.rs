@@ -1,15 +1,19 @@
 //! The cost of many heads with one groom, at 2 to 40 m, beside that of one in a portrait.
 
 use super::{
-    Sitting,
-    report::{StageTime, ms, table},
+    results::StageTime,
+    sitting::Sitting,
     statistics::Summary,
+    table::{ms, table},
     workload::{self, FPS, WARM_UP},
 };
 use crate::{args::Size, photographer::Photographer};
 use anyhow::{Context, Result};
 use serde::Serialize;
-use tresses::lod::{HeadChosen, LodMode, LodOptions};
+use tresses::{
+    budget::HeadChosen,
+    lod::{LodMode, LodOptions},
+};
 use tresses_scene::words::grouped;
 use tresses_scene::{Crowd, CrowdOptions, Motion, Viewpoint, camera::Angle, crowd::ROWS};
 
@@ -62,10 +66,10 @@ pub fn measure(heads: u32, sitting: Sitting<'_>) -> Result<Times> {
     preset.settings.lod = LodOptions { mode: LodMode::Off, sleep: false, ..LodOptions::CROWD };
     let mut scene = Photographer::with_samples_at_most(&preset, SIZE).context("a crowd")?;
     scene.measure_by(sitting.clock);
-    // Heads of a crowd have none.
-    scene.face.clear();
+    // Hair alone is measured.
+    scene.character.shave();
     let motion = Motion::named("turn").context("a built-in motion")?;
-    let pivot = scene.pivot();
+    let pivot = scene.character.neck();
     let camera = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), SIZE.aspect(), 1.0);
     let dt = (1.0 / FPS) as f32;
     let gesture = |frame: u32| motion.gesture(f64::from(frame) / FPS, pivot);
@@ -80,7 +84,7 @@ pub fn measure(heads: u32, sitting: Sitting<'_>) -> Result<Times> {
         }
     }
     let alone = [
-        scene.hair.bytes(),
+        scene.character.hair().bytes(),
         scene.view.shadow_bytes()
             + scene.view.ambient_bytes()
             + scene.view.shaded_bytes()

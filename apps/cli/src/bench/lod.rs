@@ -2,9 +2,10 @@
 //! the hair covers, and how it compares with a portrait's.
 
 use super::{
-    Sitting,
-    report::{StageTime, ms, table},
+    results::StageTime,
+    sitting::Sitting,
     statistics::Summary,
+    table::{ms, table},
     workload::{self, FPS, WARM_UP},
 };
 use crate::{args::Size, photographer::Photographer};
@@ -71,7 +72,7 @@ pub fn measure(sitting: Sitting<'_>) -> Result<Vec<Point>> {
 fn point(scene: &mut Photographer, camera: &Viewpoint, sitting: Sitting<'_>) -> Result<Point> {
     let Sitting { frames, bar, .. } = sitting;
     let motion = Motion::named("turn").context("a built-in motion")?;
-    let pivot = scene.pivot();
+    let pivot = scene.character.neck();
     let way = |mode| LodOptions { mode, ..LodOptions::default() };
     let mut rows = Vec::new();
     for mode in [LodMode::Off, LodMode::Auto] {

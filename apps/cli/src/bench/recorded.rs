@@ -1,6 +1,6 @@
 //! What a frame records, stage by stage: what costs on every driver, whatever it does.
 
-use super::report::table;
+use super::table::table;
 use serde::Serialize;
 use tresses::gpu::Counts;
 

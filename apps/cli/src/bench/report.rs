@@ -4,12 +4,12 @@ use super::{
     appearance::Look,
     costs::Costs,
     crowd, lod,
-    recorded::{self, Recorded},
+    results::{Group, Point, Run, measured},
     roofline::Roofline,
-    statistics::{Summary, line},
+    statistics::line,
+    table::{ms, table},
 };
 use serde::Serialize;
-use std::fmt::Write;
 use tresses::gpu::Gpu;
 use tresses_scene::words::grouped;
 
@@ -63,86 +63,12 @@ impl Adapter {
             name: info.name.clone(),
             backend: format!("{:?}", info.backend),
             driver: [info.driver.as_str(), info.driver_info.as_str()].join(" ").trim().to_owned(),
-            software: gpu.tier.software,
-            timestamps: gpu.tier.timestamps,
+            software: gpu.context.tier().software,
+            timestamps: gpu.context.tier().timestamps,
             processor_time: false,
-            max_samples: gpu.tier.max_samples,
+            max_samples: gpu.context.tier().max_samples,
         }
     }
-}
-
-/// One scene in one or several states.
-#[derive(Debug, Default, Serialize)]
-pub struct Group {
-    /// What it is.
-    pub name: String,
-    /// What others have measured on it.
-    pub others: String,
-    /// Pixels.
-    pub size: [u32; 2],
-    /// Per pixel of the target.
-    pub samples: u32,
-    /// Pixels of the target per pixel of the picture, along each axis.
-    pub ssaa: u32,
-    /// Simulated.
-    pub guides: u32,
-    /// Drawn.
-    pub strands: u32,
-    /// Of each drawn strand.
-    pub vertices_per_strand: u32,
-    /// Of the hair.
-    pub triangles: u64,
-    /// GPU memory of the groom.
-    pub bytes: u64,
-    /// That divided by the drawn vertices.
-    pub bytes_per_vertex: f64,
-    /// At rest, in motion.
-    pub runs: Vec<Run>,
-}
-
-/// One scene in one state.
-#[derive(Debug, Default, Serialize)]
-pub struct Run {
-    /// At rest, or in motion.
-    pub state: String,
-    /// How many were measured.
-    pub frames: u32,
-    /// In order; from GPU timestamps.
-    pub stages: Vec<StageTime>,
-    /// What one of them records.
-    pub recorded: Vec<Recorded>,
-    /// The sum of the stages in each frame.
-    pub gpu: Summary,
-    /// From recording to the GPU's last answer.
-    pub frame: Summary,
-}
-
-/// One stage's time.
-#[derive(Debug, Serialize)]
-pub struct StageTime {
-    /// The pass or passes of that name.
-    pub name: String,
-    #[serde(flatten)]
-    pub time: Summary,
-}
-
-impl StageTime {
-    /// Of times stage by stage.
-    pub fn all(stages: Vec<(&'static str, Vec<f64>)>) -> Vec<Self> {
-        let row = |(name, times): (&str, _)| Self { name: name.into(), time: Summary::of(times) };
-        stages.into_iter().map(row).collect()
-    }
-}
-
-/// One point of the line of strand counts.
-#[derive(Debug, Serialize)]
-pub struct Point {
-    /// Drawn.
-    pub strands: u32,
-    /// Milliseconds, the sum of the stages.
-    pub gpu: Summary,
-    /// Milliseconds, whole frame.
-    pub frame: Summary,
 }
 
 impl Adapter {
@@ -164,12 +90,6 @@ impl Adapter {
             self.name, self.backend, self.driver
         )
     }
-}
-
-/// So many frames were measured in each of `runs`.
-fn measured(runs: impl Iterator<Item = u32> + Clone) -> String {
-    let (fewest, most) = (runs.clone().min().unwrap_or(0), runs.max().unwrap_or(0));
-    if fewest == most { format!("{most} frames") } else { format!("{fewest} to {most} frames") }
 }
 
 impl Report {
@@ -271,88 +191,14 @@ impl Report {
     }
 }
 
-impl Group {
-    /// As a table.
-    pub fn text(&self) -> String {
-        let [width, height] = self.size;
-        let mut text = format!(
-            "\n{}: {width} × {height}, {}{}, {}\n{} guides, {} strands × {} vertices, {} triangles, \
-             {:.1} MB on the GPU, {:.1} bytes per drawn vertex\n",
-            self.name,
-            if self.samples == 1 { "1 sample".into() } else { format!("{}×MSAA", self.samples) },
-            if self.ssaa > 1 { format!(", {0}×{0} SSAA", self.ssaa) } else { String::new() },
-            measured(self.runs.iter().map(|run| run.frames)),
-            grouped(self.guides.into()),
-            grouped(self.strands.into()),
-            self.vertices_per_strand,
-            grouped(self.triangles),
-            self.bytes as f64 * 1e-6,
-            self.bytes_per_vertex,
-        );
-        if !self.others.is_empty() {
-            let _ = writeln!(text, "{}", self.others);
-        }
-        let Some(first) = self.runs.first() else { return text };
-        let mut rows = vec![vec![String::new()]];
-        for run in &self.runs {
-            rows[0].extend([run.state.clone(), "p95".into()]);
-        }
-        let mut row = |name: &str, time: &dyn Fn(&Run) -> Summary| {
-            let mut row = vec![name.to_owned()];
-            for run in &self.runs {
-                let time = time(run);
-                row.extend([ms(time.median), ms(time.p95)]);
-            }
-            rows.push(row);
-        };
-        for stage in &first.stages {
-            row(&stage.name, &|run| {
-                run.stages.iter().find(|s| s.name == stage.name).map_or(Summary::default(), |s| s.time)
-            });
-        }
-        if !first.stages.is_empty() {
-            row("all stages", &|run| run.gpu);
-        }
-        row("whole frame", &|run| run.frame);
-        // A frame at rest records what one in motion does.
-        text + &table(&rows) + &self.runs.last().map_or(String::new(), |run| recorded::text(&run.recorded))
-    }
-}
-
-/// Milliseconds with three significant digits or so.
-pub fn ms(value: f64) -> String {
-    let digits = if value < 1.0 {
-        3
-    } else if value < 10.0 {
-        2
-    } else {
-        1
-    };
-    format!("{value:.digits$}")
-}
-
-/// Columns of equal width: the first to the left, the others to the right.
-pub fn table(rows: &[Vec<String>]) -> String {
-    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-    let width = |c: usize| rows.iter().filter_map(|row| row.get(c)).map(|v| v.chars().count()).max();
-    let widths: Vec<_> = (0..columns).map(|c| width(c).unwrap_or(0)).collect();
-    let mut text = String::new();
-    for row in rows {
-        let mut cells = String::new();
-        for (c, cell) in row.iter().enumerate() {
-            let w = widths[c];
-            let _ = if c == 0 { write!(cells, "  {cell:<w$}") } else { write!(cells, "  {cell:>w$}") };
-        }
-        text += cells.trim_end();
-        text.push('\n');
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::{
-        super::costs::{Limit, Part},
+        super::{
+            costs::{Limit, Part},
+            results::StageTime,
+            statistics::Summary,
+        },
         *,
     };
 

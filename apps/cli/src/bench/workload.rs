@@ -1,18 +1,17 @@
 //! What is measured: the two scenes of the 2008 talk, a peer's, and a line of strand counts.
 
 use super::{
-    Args, Sitting,
+    args::Args,
     recorded::Recorded,
-    report::{Group, Point, Run, StageTime},
+    results::{Group, Point, Run, StageTime},
+    sitting::Sitting,
     statistics::Summary,
 };
 use crate::{args::Size, photographer::Photographer, preset_args};
 use anyhow::{Context, Result};
 use std::{path::PathBuf, time::Instant};
-use tresses::lod::LodMode;
-use tresses_scene::{
-    Motion, Preset, Settings, Viewpoint, camera::Angle, character::strands_for, preset::Source,
-};
+use tresses::{character::source::strands_for, lod::LodMode};
+use tresses_scene::{Motion, Preset, Settings, Source, Viewpoint, camera::Angle};
 
 /// Frames before the first that counts: shaders are compiled, caches and clocks are warm.
 pub const WARM_UP: u32 = 2;
@@ -57,8 +56,8 @@ impl Edges {
             settings.set("edges.samples", samples).expect("samples of the table");
             settings.set("edges.coverage", coverage).expect("coverage of the table");
         }
-        settings.edges.layers = self.layers.unwrap_or(settings.edges.layers);
-        settings.edges.ssaa = self.ssaa.unwrap_or(settings.edges.ssaa);
+        settings.peeled_layers = self.layers.unwrap_or(settings.peeled_layers);
+        settings.ssaa = self.ssaa.unwrap_or(settings.ssaa);
         settings
     }
 }
@@ -200,7 +199,7 @@ pub fn measure(workload: &Workload, sitting: Sitting<'_>) -> Result<Group> {
         others: workload.others.into(),
         size: [workload.size.width, workload.size.height],
         samples: scene.samples(),
-        ssaa: preset.settings.edges.ssaa,
+        ssaa: preset.settings.ssaa,
         guides: facts.guides,
         strands: facts.strands,
         vertices_per_strand: facts.vertices_per_strand,
@@ -237,7 +236,7 @@ pub fn run(
 ) -> Result<Run> {
     scene.measure_by(clock);
     let motion = Motion::named(motion).context("a built-in motion")?;
-    let pivot = scene.pivot();
+    let pivot = scene.character.neck();
     scene.reset(&motion.gesture(0.0, pivot))?;
     let mut stages: Vec<(&'static str, Vec<f64>)> = Vec::new();
     let (mut sums, mut walls, mut counts) = (Vec::new(), Vec::new(), Vec::new());

@@ -6,15 +6,16 @@ use super::{
     scenes::{Folders, Groom as Description, Radius, Scenes, WantedView},
 };
 use crate::{flags::RowFlags, picture::Picture, settings_args::apply_rows};
-use anyhow::{Context, Error, Result, ensure};
+use anyhow::{Context as _, Error, Result, ensure};
 use half::f16;
 use tresses::{
-    Camera, Hair, HairOptions, Pipelines, Pose, View,
+    Camera, Context, Hair, HairOptions, Pose, View,
     body::{Body, BodyMaterial},
     camera::ToneMap,
+    character,
     collide::ColliderPoses,
     draw::Coverage,
-    frame::{Frame, Recorder, Shows, Sight},
+    frame::{Shows, Sight},
     glam::{Affine3A, Mat4, Vec3},
     gpu::{Gpu, readback::blocking as readback},
     groom::{
@@ -22,13 +23,14 @@ use tresses::{
         import::{self, ImportOptions},
         orient::{Axis, Choice, Unit},
     },
+    hair::HairFrame,
     light::{Directional, Lights, MAX_LIGHTS, ShadowMethod, Shadows, Sky, Sphere, material::linear},
     present::Background,
     simulate::SimulationParams,
     view::{Picture as Shot, ViewOptions},
     views::{DebugView, DebugViews, Shown},
 };
-use tresses_scene::{Settings, camera, knobs};
+use tresses_scene::{Settings, knobs};
 
 /// What the pictures are read from.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -42,8 +44,7 @@ const FINER: usize = 2;
 /// A groom of the reference, at rest.
 pub struct Rig {
     name: String,
-    gpu: Gpu,
-    pipelines: Pipelines,
+    context: Context,
     hair: Hair,
     body: Body,
     view: View,
@@ -57,15 +58,14 @@ impl Rig {
     /// Brings the groom of `view` to the GPU.
     pub fn new(view: &WantedView<'_>, folders: &Folders<'_>, samples: Option<u32>) -> Result<Self> {
         let gpu = pollster::block_on(Gpu::open())?;
-        let most = gpu.tier.max_samples;
+        let context = gpu.context;
+        let most = context.tier().max_samples;
         let samples = samples.unwrap_or(most.min(8));
         ensure!(
             samples <= most,
             "--samples is {samples}, but {} offers at most {most} per pixel",
             gpu.info.name
         );
-        let (device, queue) = (&gpu.device, &gpu.queue);
-        let pipelines = Pipelines::new(device);
         let unit = view.groom.unit()?;
         let orient =
             Choice { unit: Some(Unit(unit)), up: Some(Axis::Y), front: Some(Axis::Z), mirror: Some(false) };
@@ -75,16 +75,16 @@ impl Rig {
         let vertices = strands.range(0).len() as u32;
         let groom = bind(&strands, &BindOptions { strand_vertices: Some(vertices), ..Default::default() })?;
         let head = head(view.groom, folders, &options, unit)?;
-        let hair = Hair::new(device, queue, &pipelines, &groom, &HairOptions::default(), None)?;
-        let mut body = Body::new(device, &head);
+        let hair = Hair::new(&context, &groom, &HairOptions::default(), None)?;
+        let mut body = Body::new(&context, &head);
         body.material = BodyMaterial { gloss: 0.0, wrap: 0.0, ..Default::default() };
         let hair_bounds = groom.bounds().context("the groom is empty")?;
-        let subject = camera::subject(hair_bounds, head.bounds());
+        let subject = character::subject(hair_bounds, head.bounds());
         let [width, height] = view.groom.camera.resolution;
         let options =
             ViewOptions { samples, output: FORMAT, coverage: Coverage::Tiles, ..Default::default() };
-        let eye = View::new(device, &pipelines, &options, [width, height], 1)?;
-        let output = device.create_texture(&wgpu::TextureDescriptor {
+        let eye = View::new(&context, &options, [width, height], 1)?;
+        let output = context.device().create_texture(&wgpu::TextureDescriptor {
             label: Some("compared"),
             size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
             mip_level_count: 1,
@@ -96,7 +96,7 @@ impl Rig {
         });
         let name = view.groom_name.to_owned();
         let focus = Sphere::around(subject.0, subject.1);
-        Ok(Self { name, pipelines, hair, body, view: eye, output, unit, focus, gpu })
+        Ok(Self { name, context, hair, body, view: eye, output, unit, focus })
     }
 
     /// Name of the groom.
@@ -142,7 +142,7 @@ impl Rig {
         // Light that a body has thrown is scattered twice.
         let shadows = Shadows { ambient: false, ..scene.shadows };
         let off = Shadows { method: ShadowMethod::Off, ..shadows };
-        let mut views = DebugViews::new(&self.gpu.device, FORMAT)?;
+        let mut views = DebugViews::new(&self.context, FORMAT)?;
         let mut once = |shadows: Shadows| -> Result<Linear> {
             let scene = Shot { shadows, ..scene };
             // All light but that which several fibres have scattered. The body is in each picture: where hair
@@ -162,11 +162,11 @@ impl Rig {
         let mut settings = material(view.material)?;
         apply_rows(shading, &mut settings)?;
         let options = ViewOptions {
-            ambient_cells: settings.ambient_cells,
-            strand_map: settings.strand_map,
+            ambient_cells: settings.view.ambient_cells,
+            strand_map: settings.view.strand_map,
             ..*self.view.options()
         };
-        self.view.set_options(&self.gpu.device, &self.pipelines, &options)?;
+        self.view.set_options(&options)?;
         let camera = &view.groom.camera;
         let place = |p: [f32; 3]| Vec3::from(p) * self.unit;
         let (eye, target) = (place(camera.origin), place(camera.target));
@@ -207,10 +207,10 @@ impl Rig {
     ) -> Result<Vec<[f32; 3]>> {
         self.record(scene, shown.as_mut().map(|(views, which)| (&mut **views, *which)))?;
         // What is denser than anything before has been given room by now.
-        if !pollster::block_on(self.view.is_complete(&self.gpu.device, &self.gpu.queue))? {
+        if !pollster::block_on(self.view.is_complete())? {
             self.record(scene, shown)?;
         }
-        let bytes = readback::texture(&self.gpu.device, &self.gpu.queue, &self.output)?;
+        let bytes = readback::texture(&self.context, &self.output)?;
         let halves: Vec<f16> = bytemuck::pod_collect_to_vec(&bytes);
         Ok(halves
             .as_chunks::<4>()
@@ -222,11 +222,10 @@ impl Rig {
 
     /// Hands in what draws it.
     fn record(&mut self, scene: &Shot, shown: Option<(&mut DebugViews, DebugView)>) -> Result<()> {
-        let Gpu { device, queue, .. } = &self.gpu;
-        let mut encoder = device.create_command_encoder(&Default::default());
-        let mut recorder =
-            Recorder { pipelines: &self.pipelines, device, queue, encoder: &mut encoder, timings: None };
-        let frame = Frame {
+        let context = self.context.clone();
+        let mut encoder = context.device().create_command_encoder(&Default::default());
+        let mut recorder = context.recorder(&mut encoder);
+        let frame = HairFrame {
             dt: 0.0,
             head: Pose::default(),
             colliders: &ColliderPoses::default(),
@@ -242,7 +241,7 @@ impl Rig {
         };
         let sight = Sight { output: Some(&output), shows, ..Sight::new(&self.view, scene) };
         recorder.draw(&[&self.hair], &[&self.body], sight)?;
-        queue.submit([encoder.finish()]);
+        context.queue().submit([encoder.finish()]);
         Ok(())
     }
 }

@@ -69,15 +69,15 @@ impl Debug {
     pub fn new(stage: &mut Scene, args: &DebugArgs) -> Result<Option<Self>> {
         let Some(view) = args.debug else { return Ok(None) };
         stage.show(Some(Shown { high: args.debug_max, ..Shown::new(view) }))?;
-        Ok(Some(Self { peak: Peak::new(&stage.gpu.device), largest: 0.0, is_of_sequence: false }))
+        Ok(Some(Self { peak: Peak::new(&stage.gpu.context), largest: 0.0, is_of_sequence: false }))
     }
 
     /// Whether the range of the colours is still to be found: of grids that nobody gave one for. Blocks.
     fn unknown(&mut self, stage: &Scene) -> Result<Option<f32>> {
-        let Scene { gpu, hair, .. } = stage;
+        let hair = stage.character.hair();
         let Some(shown) = stage.shown().filter(|shown| shown.high.is_none()) else { return Ok(None) };
         let Some(grid) = shown.view.grid(hair) else { return Ok(None) };
-        Ok(Some(pollster::block_on(self.peak.measure(&gpu.device, &gpu.queue, &grid))?))
+        Ok(Some(pollster::block_on(self.peak.measure(&grid))?))
     }
 
     /// Whether the range of the colours is to be found from all frames of a sequence.

@@ -1,10 +1,10 @@
 //! The small window that asks which map a dropped picture is.
 
-use crate::{app::Studio, panels::files::last, theme};
+use crate::{document::Document, messages::Messages, panels::files::last, theme};
 use eframe::egui::{self, Align2, Key, RichText, Ui, vec2};
 use tresses_scene::{
     Companion, Shelf,
-    companions::{COMPANIONS, Kind},
+    source::{COMPANIONS, Kind},
 };
 
 /// The channels of a picture: what follows its name, and what that is called.
@@ -33,8 +33,8 @@ impl Asked {
 }
 
 /// Shows it, for one picture after the other.
-pub fn show(studio: &mut Studio, ui: &Ui) {
-    let Some(asked) = studio.panels.asked.first_mut() else { return };
+pub fn show(questions: &mut Vec<Asked>, document: &mut Document, messages: &mut Messages, ui: &Ui) {
+    let Some(asked) = questions.first_mut() else { return };
     let (mut open, mut chosen) = (true, None);
     let window = egui::Window::new("Which map is it?").collapsible(false).resizable(false).open(&mut open);
     window.anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(ui.ctx(), |ui| chosen = inside(asked, ui));
@@ -42,9 +42,9 @@ pub fn show(studio: &mut Studio, ui: &Ui) {
     if chosen.is_none() && !cancelled {
         return;
     }
-    let asked = studio.panels.asked.remove(0);
+    let asked = questions.remove(0);
     if let Some(companion) = chosen {
-        studio.put(ui.ctx(), companion, Some(asked.name_as(companion)), &asked.files);
+        document.put(companion, Some(asked.name_as(companion)), &asked.files, messages);
     }
 }
 
@@ -80,7 +80,7 @@ fn inside(asked: &mut Asked, ui: &mut Ui) -> Option<&'static Companion> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tresses_scene::companions::{MapSource, companion};
+    use tresses_scene::{companions::MapSource, source::companion};
 
     #[test]
     fn a_channel_is_named_as_the_command_names_it() {

@@ -1,16 +1,16 @@
 //! What a body does that bends: its animations with their time, and its shapes.
 
-use crate::{app::Studio, theme};
+use crate::{messages::Messages, renderer::Renderer, theme};
 use eframe::egui::{ComboBox, RichText, Slider, Ui};
 
 /// How much of a shape there may be.
 const WEIGHTS: std::ops::RangeInclusive<f32> = -1.0..=2.0;
 
 /// The animation and where it is, if the body has any.
-pub fn time(studio: &mut Studio, ui: &mut Ui) {
-    let Some(show) = &mut studio.show else { return };
-    let time = show.stage.time();
-    let Some(living) = show.stage.living.as_mut().filter(|living| living.animations().next().is_some())
+pub fn time(renderer: &mut Renderer, messages: &mut Messages, ui: &mut Ui) {
+    let Some(show) = &mut renderer.show else { return };
+    let time = show.stage.character.time();
+    let Some(living) = show.stage.character.rig_mut().filter(|living| living.animations().next().is_some())
     else {
         return;
     };
@@ -30,10 +30,10 @@ pub fn time(studio: &mut Studio, ui: &mut Ui) {
         choice.response.on_hover_text("What the body does; the motion below turns its head besides");
         if chosen != before {
             if let Err(error) = living.set_animation(chosen.as_deref()) {
-                studio.error = Some(format!("{error:#}"));
+                messages.fail(error);
             }
             to = Some(0.0);
-            studio.play.playing |= chosen.is_some();
+            renderer.playback.play.playing |= chosen.is_some();
         }
         if let Some(length) = living.duration().filter(|length| *length > 0.0) {
             let mut at = time.rem_euclid(f64::from(length));
@@ -46,14 +46,14 @@ pub fn time(studio: &mut Studio, ui: &mut Ui) {
         }
     });
     if let Some(to) = to {
-        show.stage.seek(to);
-        studio.dirty = true;
+        show.stage.character.seek(to);
+        renderer.dirty = true;
     }
 }
 
 /// The shapes, if the body has any.
-pub fn shapes(studio: &mut Studio, ui: &mut Ui) {
-    let Some(living) = studio.show.as_mut().and_then(|show| show.stage.living.as_mut()) else { return };
+pub fn shapes(renderer: &mut Renderer, ui: &mut Ui) {
+    let Some(living) = renderer.show.as_mut().and_then(|show| show.stage.character.rig_mut()) else { return };
     let names: Vec<String> = living.shapes().map(str::to_string).collect();
     if names.is_empty() {
         return;
@@ -67,11 +67,11 @@ pub fn shapes(studio: &mut Studio, ui: &mut Ui) {
             let slider = ui.add(Slider::new(&mut weight, WEIGHTS).fixed_decimals(2).text(name));
             let slider = slider.on_hover_text("1 is all of it. Motions change it until it is moved here.");
             if slider.changed() && living.set_shape(name, weight).is_ok() {
-                studio.dirty = true;
+                renderer.dirty = true;
             }
             if set.is_some() && ui.small_button("free").on_hover_text("Leaves it to motions").clicked() {
                 living.free_shape(number);
-                studio.dirty = true;
+                renderer.dirty = true;
             }
         });
     }

@@ -2,7 +2,9 @@
 //! that removes it.
 
 use crate::{
-    app::Studio,
+    dialog::Dialogs,
+    document::Document,
+    messages::Messages,
     panels::{
         icons::{self, Icon},
         knobs,
@@ -10,12 +12,12 @@ use crate::{
     theme,
 };
 use eframe::egui::{self, Align, Button, Layout, RichText, ScrollArea, Ui};
-use tresses::groom::grow::ScalpMap;
+use tresses::groom::scalp::ScalpMap;
 use tresses_scene::{
     Companion, Shelf,
-    companions::{COMPANIONS, Kind},
     knobs::SECTIONS,
     settings::HairColor,
+    source::{COMPANIONS, Kind},
 };
 
 /// Width of the titles, points.
@@ -48,8 +50,8 @@ enum Wish {
 }
 
 /// Shows them.
-pub fn show(studio: &mut Studio, ui: &mut Ui) {
-    let companions = studio.wanted().companions;
+pub fn show(document: &mut Document, dialogs: &Dialogs, messages: &mut Messages, ui: &mut Ui) {
+    let companions = document.wanted().companions;
     let mut wish = None;
     ScrollArea::vertical().id_salt("files").auto_shrink(false).show(ui, |ui| {
         for (title, help, kinds) in GROUPS {
@@ -60,7 +62,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
                     wish = Some((companion, wanted));
                 }
                 if name.is_some() {
-                    more(studio, companion, ui);
+                    more(document, companion, ui);
                 }
             }
             ui.add_space(8.0);
@@ -70,11 +72,11 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
     });
     match wish {
         None => {}
-        Some((companion, Wish::Choose)) => studio.dialogs.companion(ui.ctx(), companion),
+        Some((companion, Wish::Choose)) => dialogs.companion(companion),
         Some((companion, Wish::Named(name))) => {
-            studio.put(ui.ctx(), companion, Some(name), &Shelf::default());
+            document.put(companion, Some(name), &Shelf::default(), messages);
         }
-        Some((companion, Wish::Remove)) => studio.put(ui.ctx(), companion, None, &Shelf::default()),
+        Some((companion, Wish::Remove)) => document.put(companion, None, &Shelf::default(), messages),
     }
 }
 
@@ -130,15 +132,15 @@ fn menu(name: Option<&str>, ui: &mut Ui) -> Option<Wish> {
 }
 
 /// What can be turned of a file that is there, and why nothing is seen of it.
-fn more(studio: &mut Studio, companion: &Companion, ui: &mut Ui) {
-    let mut settings = studio.settings.now().clone();
+fn more(document: &mut Document, companion: &Companion, ui: &mut Ui) {
+    let mut settings = document.settings.now().clone();
     match companion.kind {
         Kind::Surroundings => {
-            let resolved = settings.resolved(studio.style().as_ref());
+            let resolved = settings.resolved(document.style().as_ref());
             let all = SECTIONS.iter().flat_map(|section| section.knobs);
             for knob in all.filter(|knob| knob.path.starts_with("lights.environment")) {
                 if knobs::row(knob, &mut settings, &resolved, ui) {
-                    studio.change(ui.ctx(), settings.clone(), knob.path);
+                    document.change(settings.clone(), knob.path);
                 }
             }
         }
@@ -147,7 +149,7 @@ fn more(studio: &mut Studio, companion: &Companion, ui: &mut Ui) {
                 ui.label(RichText::new("The hair has a colour of its own.").color(theme::ACCENT));
                 if ui.small_button("Show the map").clicked() {
                     settings.shading.color = HairColor::File;
-                    studio.change(ui.ctx(), settings, "Colour");
+                    document.change(settings, "Colour");
                 }
             });
         }

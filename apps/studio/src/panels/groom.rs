@@ -1,6 +1,6 @@
 //! The groom: how it was read, the lint's findings, and how to read it differently.
 
-use crate::{app::Studio, job::Source, panels::body, theme};
+use crate::{document::Document, hair::Source, messages::Messages, panels::body, renderer::Renderer, theme};
 use eframe::egui::{self, ComboBox, Grid, RichText, ScrollArea, Ui};
 use tresses::groom::{
     formats,
@@ -11,11 +11,11 @@ use tresses::groom::{
 use tresses_scene::words::grouped;
 
 /// Shows it.
-pub fn show(studio: &mut Studio, ui: &mut Ui) {
+pub fn show(document: &mut Document, renderer: &mut Renderer, messages: &mut Messages, ui: &mut Ui) {
     ScrollArea::vertical().id_salt("groom").auto_shrink(false).show(ui, |ui| {
-        facts(studio, ui);
-        body::shapes(studio, ui);
-        let Some(shown) = &studio.shown else { return };
+        facts(renderer, ui);
+        body::shapes(renderer, ui);
+        let Some(shown) = &document.shown else { return };
         for note in &shown.notes {
             ui.separator();
             ui.label(RichText::new(note).color(theme::ACCENT));
@@ -33,13 +33,13 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
         orientation(&mut changed, report, ui);
         if changed != *options {
             let source = Source::Files { files: files.clone(), options: changed };
-            studio.open(ui.ctx(), source);
+            document.open(source, messages);
         }
     });
 }
 
-fn facts(studio: &Studio, ui: &mut Ui) {
-    let Some(show) = &studio.show else { return };
+fn facts(renderer: &Renderer, ui: &mut Ui) {
+    let Some(show) = &renderer.show else { return };
     let facts = show.facts();
     Grid::new("facts").num_columns(2).spacing([16.0, 4.0]).show(ui, |ui| {
         for (name, value, help) in [

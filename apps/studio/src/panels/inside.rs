@@ -1,6 +1,6 @@
 //! The library's debug views.
 
-use crate::{app::Studio, theme};
+use crate::{renderer::Renderer, theme};
 use eframe::egui::{self, RichText, ScrollArea, Slider, Ui};
 use tresses::views::{DebugView, Shown};
 
@@ -37,8 +37,8 @@ const GROUPS: [(&str, &[DebugView]); 4] = [
 ];
 
 /// Shows the chooser.
-pub fn show(studio: &mut Studio, ui: &mut Ui) {
-    let now = studio.view.map(|shown| shown.view);
+pub fn show(renderer: &mut Renderer, ui: &mut Ui) {
+    let now = renderer.debug.map(|shown| shown.view);
     let mut chosen = None;
     if ui
         .selectable_label(now.is_none(), "Hair as it looks")
@@ -62,17 +62,17 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
             });
             ui.add_space(6.0);
         }
-        scale(studio, ui);
+        scale(renderer, ui);
     });
     if let Some(view) = chosen {
-        studio.view = view.map(Shown::new);
-        studio.dirty = true;
+        renderer.debug = view.map(Shown::new);
+        renderer.dirty = true;
     }
 }
 
 /// What the colours stand for, and the number drawn brightest.
-fn scale(studio: &mut Studio, ui: &mut Ui) {
-    let Some(shown) = &mut studio.view else { return };
+fn scale(renderer: &mut Renderer, ui: &mut Ui) {
+    let Some(shown) = &mut renderer.debug else { return };
     ui.separator();
     ui.label(shown.view.hint());
     let (Some(scale), Some(usual)) = (shown.scale(), shown.view.scale()) else { return };
@@ -83,10 +83,10 @@ fn scale(studio: &mut Studio, ui: &mut Ui) {
         .add(slider)
         .on_hover_text("The number that is drawn brightest. A double click gives the usual one.");
     if slider.changed() {
-        (shown.high, studio.dirty) = (Some(high), true);
+        (shown.high, renderer.dirty) = (Some(high), true);
     }
     if slider.double_clicked() {
-        (shown.high, studio.dirty) = (None, true);
+        (shown.high, renderer.dirty) = (None, true);
     }
 }
 

@@ -1,6 +1,6 @@
 //! Keys.
 
-use crate::{app::Studio, tool::Tool};
+use crate::{document::Document, messages::Messages, panels::Panels, renderer::Renderer, tool::Tool};
 use eframe::egui::{self, Key, KeyboardShortcut, Modifiers};
 use tresses_scene::camera::Angle;
 
@@ -18,7 +18,14 @@ pub const VIEWS: [(Angle, &str, Key, &str); 4] = [
 ];
 
 /// Handles keys, unless a text field has the focus.
-pub fn answer(studio: &mut Studio, context: &egui::Context) {
+pub fn answer(
+    panels: &mut Panels,
+    document: &mut Document,
+    renderer: &mut Renderer,
+    tool: &mut Tool,
+    messages: &mut Messages,
+    context: &egui::Context,
+) {
     if context.egui_wants_keyboard_input() {
         return;
     }
@@ -26,39 +33,39 @@ pub fn answer(studio: &mut Studio, context: &egui::Context) {
     let redo = KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z);
     // The one with more modifiers first.
     if context.input_mut(|input| input.consume_shortcut(&redo)) {
-        studio.redo(context);
+        document.undo(true, messages);
     }
     if context.input_mut(|input| input.consume_shortcut(&undo)) {
-        studio.undo(context);
+        document.undo(false, messages);
     }
     // Several presses may come between two frames of the window.
     let presses = |key| context.input_mut(|input| input.count_and_consume_key(Modifiers::NONE, key));
     let pressed = |key| presses(key) > 0;
-    studio.play.playing ^= presses(Key::Space) % 2 == 1;
+    renderer.playback.play.playing ^= presses(Key::Space) % 2 == 1;
     for _ in 0..presses(Key::Period) {
-        studio.play.step();
+        renderer.playback.play.step();
     }
     for _ in 0..presses(Key::B) {
-        studio.drop_ball();
+        renderer.drop_ball();
     }
     if pressed(Key::R) {
-        studio.play.reset();
+        renderer.playback.play.reset();
     }
     if pressed(Key::F) {
-        studio.finish();
+        renderer.finish();
     }
     if presses(Key::P) % 2 == 1 {
-        studio.panels.fold(context);
+        panels.fold(context);
     }
-    for (tool, _, key, _) in Tool::ALL {
+    for (each, _, key, _) in Tool::ALL {
         if pressed(key) {
-            studio.tool = tool;
+            *tool = each;
         }
     }
     for (view, _, key, _) in VIEWS {
         if pressed(key) {
-            studio.orbit.frame(view);
-            studio.dirty = true;
+            renderer.orbit.frame(view);
+            renderer.dirty = true;
         }
     }
 }

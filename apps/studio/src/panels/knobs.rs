@@ -1,7 +1,7 @@
 //! Every parameter, as the table of `tresses_scene::knobs` has it.
 
 use crate::{
-    app::Studio,
+    document::Document,
     panels::icons::{self, Icon},
     theme,
 };
@@ -20,15 +20,15 @@ const OPEN: [&str; 2] = ["style", "shading"];
 const NAMES: f32 = 136.0;
 
 /// Shows them.
-pub fn show(studio: &mut Studio, ui: &mut Ui) {
+pub fn show(document: &mut Document, search: &mut String, ui: &mut Ui) {
     // From right to left: the field takes what is left, and the panel does not grow.
     let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
     ui.allocate_ui_with_layout(size, egui::Layout::right_to_left(egui::Align::Center), |ui| {
-        let clear = !studio.panels.search.is_empty();
+        let clear = !search.is_empty();
         if clear && ui.small_button("x").on_hover_text("Shows all parameters").clicked() {
-            studio.panels.search.clear();
+            search.clear();
         }
-        let edit = TextEdit::singleline(&mut studio.panels.search).id_salt("search").hint_text("Search");
+        let edit = TextEdit::singleline(search).id_salt("search").hint_text("Search");
         let edit = edit.desired_width(ui.available_width());
         let edit = ui.add(edit).on_hover_text("Shows the parameters whose name or hint has these words");
         // Whoever turns something has done with the words: an undo is no longer theirs.
@@ -37,9 +37,9 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
         }
     });
     ui.add_space(2.0);
-    let words = studio.panels.search.to_lowercase();
-    let mut settings = studio.settings.now().clone();
-    let resolved = settings.resolved(studio.style().as_ref());
+    let words = search.to_lowercase();
+    let mut settings = document.settings.now().clone();
+    let resolved = settings.resolved(document.style().as_ref());
     let mut changed = None;
     ScrollArea::vertical().id_salt("knobs").auto_shrink(false).show(ui, |ui| {
         for section in SECTIONS {
@@ -81,7 +81,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
         }
     });
     if let Some(path) = changed {
-        studio.change(ui.ctx(), settings, path);
+        document.change(settings, path);
     }
 }
 

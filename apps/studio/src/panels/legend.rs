@@ -1,6 +1,6 @@
 //! The legend of a view, at the bottom of the picture.
 
-use crate::{app::Studio, theme};
+use crate::{renderer::Renderer, theme};
 use eframe::egui::{Align2, Color32, Mesh, Pos2, Rect, RichText, Sense, TextStyle, Ui, pos2, vec2};
 use tresses::views::ramp;
 use tresses_scene::picture::encoded;
@@ -11,15 +11,10 @@ const WIDTH: f32 = 280.0;
 /// Pieces of the bar.
 const PIECES: u32 = 32;
 
-/// Whether there is something to show.
-pub fn wanted(studio: &Studio) -> bool {
-    studio.view.is_some()
-}
-
 /// Shows the name of the view and its scale, not wider than `room` points.
-pub fn show(studio: &Studio, ui: &mut Ui, room: f32) {
-    let Some(shown) = &studio.view else { return };
-    let physics = studio.show.as_ref().map(|show| &show.stage.physics);
+pub fn show(renderer: &Renderer, ui: &mut Ui, room: f32) {
+    let Some(shown) = &renderer.debug else { return };
+    let physics = renderer.show.as_ref().map(|show| &show.stage.character.physics);
     ui.vertical_centered(|ui| {
         ui.set_max_width(room.min(WIDTH));
         ui.label(RichText::new(shown.view.label()).strong()).on_hover_text(shown.view.hint());

@@ -1,13 +1,18 @@
 //! Controls over the picture: the palette, the views, progress, errors.
 
 use crate::{
-    app::Studio,
+    document::Document,
+    job::Job,
+    orbit::Orbit,
     panels::{self, keys::VIEWS},
-    theme,
+    record::Recording,
+    renderer::Renderer,
+    theme::{self, plate},
     tool::Tool,
-    viewport::plate,
 };
-use eframe::egui::{Align, Align2, Area, Id, Label, Layout, Order, ProgressBar, Rect, RichText, Ui, vec2};
+use eframe::egui::{
+    Align, Align2, Area, Id, Label, Layout, Order, ProgressBar, Rect, RichText, Ui, Vec2, vec2,
+};
 use std::time::Duration;
 
 /// Distance from the picture's edges, points.
@@ -22,50 +27,154 @@ const LOW: f32 = 290.0;
 /// How wide the words about long work may be, points.
 const WORDS: f32 = 260.0;
 
-/// Shows all of it over the picture at `rect`.
-pub fn show(studio: &mut Studio, ui: &mut Ui, rect: Rect) {
-    let at = |name: &str, anchor: Align2, offset| {
-        Area::new(Id::unique(("overlay", name)))
-            .order(Order::Middle)
-            .pivot(anchor)
-            .fixed_pos(anchor.pos_in_rect(&rect.shrink(GAP)) + offset)
-            .constrain_to(rect)
-    };
-    if studio.show.is_some() && !studio.bare {
-        at("tools", Align2::LEFT_TOP, vec2(0.0, 0.0))
-            .show(ui.ctx(), |ui| plate().show(ui, |ui| tools(studio, ui)));
-        // The panels of grids stand at the right.
-        at("views", Align2::CENTER_TOP, vec2(0.0, 0.0))
-            .show(ui.ctx(), |ui| plate().show(ui, |ui| views(studio, ui)));
+/// Controls over the picture, each shown by its own function.
+pub struct Overlay<'a> {
+    ui: &'a Ui,
+    /// Where the picture is.
+    rect: Rect,
+}
+
+impl<'a> Overlay<'a> {
+    /// Controls over the picture at `rect`.
+    pub fn new(ui: &'a Ui, rect: Rect) -> Self {
+        Self { ui, rect }
     }
-    let (dial, free) = (dial(rect), free(rect));
-    if studio.show.is_some() && !studio.bare {
-        at("wind", dial, vec2(0.0, 0.0)).show(ui.ctx(), |ui| plate().show(ui, |ui| wind(studio, ui)));
+
+    fn area(&self, name: &str, anchor: Align2, offset: Vec2) -> Area {
+        let area = Area::new(Id::unique(("overlay", name))).order(Order::Middle).pivot(anchor);
+        area.fixed_pos(anchor.pos_in_rect(&self.rect.shrink(GAP)) + offset).constrain_to(self.rect)
     }
-    if studio.job.is_some() {
-        let (anchor, offset) = if studio.show.is_some() {
-            (Align2::CENTER_TOP, vec2(0.0, 44.0))
-        } else {
-            (Align2::CENTER_CENTER, vec2(0.0, 0.0))
+
+    fn at<R>(&self, name: &str, anchor: Align2, offset: Vec2, show: impl FnOnce(&mut Ui) -> R) -> R {
+        let area = self.area(name, anchor, offset);
+        area.show(self.ui.ctx(), |ui| plate().show(ui, show).inner).inner
+    }
+
+    /// The tools.
+    pub fn tools(&self, tool: &mut Tool, renderer: &mut Renderer) {
+        self.at("tools", Align2::LEFT_TOP, Vec2::ZERO, |ui| {
+            ui.with_layout(Layout::top_down_justified(Align::Center), |ui| {
+                ui.set_width(64.0);
+                for (each, name, key, help) in Tool::ALL {
+                    let button = ui.selectable_label(*tool == each, name);
+                    if button.on_hover_text(format!("{help}\nKey {}", key.name())).clicked() {
+                        *tool = each;
+                    }
+                }
+                ui.separator();
+                let help = "Drops a ball on the head, which rolls off through the hair\nKey B";
+                if ui.button("Ball").on_hover_text(help).clicked() {
+                    renderer.drop_ball();
+                }
+            });
+        });
+    }
+
+    /// The named views, in the middle: the panels of grids are at the right.
+    pub fn views(&self, renderer: &mut Renderer) {
+        self.at("views", Align2::CENTER_TOP, Vec2::ZERO, |ui| {
+            ui.horizontal(|ui| {
+                ui.spacing_mut().item_spacing.x = 2.0;
+                for (view, name, key, help) in VIEWS {
+                    let button = ui.selectable_label(renderer.orbit.framed() == Some(view), name);
+                    if button.on_hover_text(format!("{help}\nKey {}", key.name())).clicked() {
+                        renderer.orbit.frame(view);
+                        renderer.dirty = true;
+                    }
+                }
+            });
+        });
+    }
+
+    /// The wind's dial.
+    pub fn wind(&self, orbit: &Orbit, document: &mut Document) {
+        let mut settings = document.settings.now().clone();
+        let camera = orbit.camera();
+        let back = camera.eye - camera.target;
+        self.at("wind", dial(self.rect), Vec2::ZERO, |ui| {
+            ui.vertical_centered(|ui| {
+                ui.set_max_width(84.0);
+                let now = (settings.wind_speed(), settings.wind_direction);
+                if let Some((speed, direction)) = panels::wind::show(ui, now, back.x.atan2(back.z)) {
+                    settings.set_wind_speed(speed);
+                    settings.wind_direction = direction;
+                    document.change(settings, "Wind");
+                }
+                let text = if now.0 > 0.0 { format!("Wind {:.1} m/s", now.0) } else { "Calm".into() };
+                ui.label(RichText::new(text).small().color(theme::QUIET));
+            });
+        });
+    }
+
+    /// Progress of a job, in the middle until a character is `shown`.
+    pub fn job(&self, job: &Job, shown: bool) {
+        let (anchor, offset) =
+            if shown { (Align2::CENTER_TOP, vec2(0.0, 44.0)) } else { (Align2::CENTER_CENTER, Vec2::ZERO) };
+        self.at("job", anchor, offset, |ui| {
+            ui.horizontal(|ui| {
+                // Nothing that moves by itself: on a software driver it would take the time of the work.
+                bar(ui, job.fraction());
+                // The step is worth more than the name.
+                ui.label(job.step());
+                let seconds = format!("{:.0} s", job.begun.elapsed().as_secs_f32());
+                ui.label(RichText::new(seconds).color(theme::QUIET));
+                ui.scope(|ui| {
+                    ui.set_max_width(WORDS);
+                    ui.add(Label::new(RichText::new(job.hair.source.name()).color(theme::QUIET)).truncate());
+                });
+            });
+        });
+    }
+
+    /// Progress of a recording. Returns whether the user stops it.
+    pub fn recording(&self, recording: &Recording) -> bool {
+        self.at("recording", Align2::CENTER_TOP, vec2(0.0, 84.0), |ui| {
+            let stop = ui.horizontal(|ui| {
+                bar(ui, recording.fraction());
+                ui.label(recording.step());
+                ui.small_button("Stop").on_hover_text("Discards the recording").clicked()
+            });
+            stop.inner
+        })
+    }
+
+    /// Progress of a refinement: parts done, and all parts.
+    pub fn refined(&self, (done, all): (usize, usize)) {
+        self.at("refined", Align2::RIGHT_TOP, vec2(0.0, 44.0), |ui| {
+            ui.horizontal(|ui| {
+                bar(ui, done as f32 / all as f32);
+                let text = format!("finer: part {} of {all}", (done + 1).min(all));
+                ui.label(RichText::new(text).color(theme::QUIET));
+            });
+            // Its parts are counted.
+            ui.ctx().request_repaint_after(Duration::from_millis(250));
+        });
+    }
+
+    /// The legend of the debug view, if there is one.
+    pub fn legend(&self, renderer: &Renderer) {
+        if renderer.show.is_some() && renderer.debug.is_some() {
+            let free = free(self.rect);
+            let lift = vec2(0.0, -free.lift);
+            self.at("legend", free.anchor, lift, |ui| panels::legend::show(renderer, ui, free.width));
+        }
+    }
+
+    /// The last error, with a button that removes it.
+    pub fn error(&self, error: &mut Option<String>) {
+        let Some(text) = error.clone() else { return };
+        let free = free(self.rect);
+        let show = |ui: &mut Ui| {
+            ui.horizontal_wrapped(|ui| {
+                ui.label(RichText::new(text).color(theme::ALARM));
+                if ui.small_button("OK").on_hover_text("Takes this sentence away").clicked() {
+                    *error = None;
+                }
+            });
         };
-        at("job", anchor, offset).show(ui.ctx(), |ui| plate().show(ui, |ui| job(studio, ui)));
-    }
-    if studio.recording.is_some() {
-        at("recording", Align2::CENTER_TOP, vec2(0.0, 84.0))
-            .show(ui.ctx(), |ui| plate().show(ui, |ui| recording(studio, ui)));
-    }
-    if let Some((done, all)) = studio.refined() {
-        at("refined", Align2::RIGHT_TOP, vec2(0.0, 44.0))
-            .show(ui.ctx(), |ui| plate().show(ui, |ui| refined(ui, done, all)));
-    }
-    if studio.show.is_some() && panels::legend::wanted(studio) && studio.error.is_none() {
-        at("legend", free.anchor, vec2(0.0, -free.lift))
-            .show(ui.ctx(), |ui| plate().show(ui, |ui| panels::legend::show(studio, ui, free.width)));
-    }
-    if studio.error.is_some() {
-        at("error", free.anchor, vec2(0.0, -free.lift)).show(ui.ctx(), |ui| {
+        self.area("error", free.anchor, vec2(0.0, -free.lift)).show(self.ui.ctx(), |ui| {
             ui.set_max_width(free.width);
-            plate().show(ui, |ui| error(studio, ui));
+            plate().show(ui, show);
         });
     }
 }
@@ -98,101 +207,9 @@ fn free(rect: Rect) -> Free {
     }
 }
 
-fn tools(studio: &mut Studio, ui: &mut Ui) {
-    ui.with_layout(Layout::top_down_justified(Align::Center), |ui| {
-        ui.set_width(64.0);
-        for (tool, name, key, help) in Tool::ALL {
-            let button = ui.selectable_label(studio.tool == tool, name);
-            if button.on_hover_text(format!("{help}\nKey {}", key.name())).clicked() {
-                studio.tool = tool;
-            }
-        }
-        ui.separator();
-        let help = "Drops a ball on the head, which rolls off through the hair\nKey B";
-        if ui.button("Ball").on_hover_text(help).clicked() {
-            studio.drop_ball();
-        }
-    });
-}
-
-fn views(studio: &mut Studio, ui: &mut Ui) {
-    ui.horizontal(|ui| {
-        ui.spacing_mut().item_spacing.x = 2.0;
-        for (view, name, key, help) in VIEWS {
-            let button = ui.selectable_label(studio.orbit.framed() == Some(view), name);
-            if button.on_hover_text(format!("{help}\nKey {}", key.name())).clicked() {
-                studio.orbit.frame(view);
-                studio.dirty = true;
-            }
-        }
-    });
-}
-
-fn wind(studio: &mut Studio, ui: &mut Ui) {
-    let mut settings = studio.settings.now().clone();
-    let camera = studio.orbit.camera();
-    let back = camera.eye - camera.target;
-    ui.vertical_centered(|ui| {
-        ui.set_max_width(84.0);
-        let now = (settings.wind.speed, settings.wind.direction);
-        if let Some((speed, direction)) = panels::wind::show(ui, now, back.x.atan2(back.z)) {
-            (settings.wind.speed, settings.wind.direction) = (speed, direction);
-            studio.change(ui.ctx(), settings, "Wind");
-        }
-        let text = if now.0 > 0.0 { format!("Wind {:.1} m/s", now.0) } else { "Calm".into() };
-        ui.label(RichText::new(text).small().color(theme::QUIET));
-    });
-}
-
-fn job(studio: &Studio, ui: &mut Ui) {
-    let Some(job) = &studio.job else { return };
-    ui.horizontal(|ui| {
-        // Nothing that moves by itself: on a software driver it would take the time of the work.
-        let bar =
-            ProgressBar::new(job.fraction()).desired_width(90.0).desired_height(6.0).fill(theme::ACCENT);
-        ui.add(bar);
-        // The step is worth more than the name.
-        ui.label(job.step());
-        let seconds = format!("{:.0} s", job.begun.elapsed().as_secs_f32());
-        ui.label(RichText::new(seconds).color(theme::QUIET));
-        ui.scope(|ui| {
-            ui.set_max_width(WORDS);
-            ui.add(Label::new(RichText::new(job.hair.source.name()).color(theme::QUIET)).truncate());
-        });
-    });
-}
-
-fn recording(studio: &mut Studio, ui: &mut Ui) {
-    let Some(recording) = &studio.recording else { return };
-    let (fraction, step) = (recording.fraction(), recording.step());
-    ui.horizontal(|ui| {
-        ui.add(ProgressBar::new(fraction).desired_width(90.0).desired_height(6.0).fill(theme::ACCENT));
-        ui.label(step);
-        if ui.small_button("Stop").on_hover_text("Discards the recording").clicked() {
-            studio.stop_recording();
-        }
-    });
-}
-
-/// How far the picture is that nothing but its quality is waited for.
-fn refined(ui: &mut Ui, done: usize, all: usize) {
-    ui.horizontal(|ui| {
-        let bar = ProgressBar::new(done as f32 / all as f32).desired_width(90.0).desired_height(6.0);
-        ui.add(bar.fill(theme::ACCENT));
-        ui.label(RichText::new(format!("finer: part {} of {all}", (done + 1).min(all))).color(theme::QUIET));
-    });
-    // Its parts are counted.
-    ui.ctx().request_repaint_after(Duration::from_millis(250));
-}
-
-fn error(studio: &mut Studio, ui: &mut Ui) {
-    let Some(text) = studio.error.clone() else { return };
-    ui.horizontal_wrapped(|ui| {
-        ui.label(RichText::new(text).color(theme::ALARM));
-        if ui.small_button("OK").on_hover_text("Takes this sentence away").clicked() {
-            studio.error = None;
-        }
-    });
+/// A bar that is full at 1.
+fn bar(ui: &mut Ui, fraction: f32) {
+    ui.add(ProgressBar::new(fraction).desired_width(90.0).desired_height(6.0).fill(theme::ACCENT));
 }
 
 #[cfg(test)]

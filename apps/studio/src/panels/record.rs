@@ -1,30 +1,25 @@
 //! The small window that starts the recording of a loop.
 
 use crate::{
-    app::Studio,
     record::{LARGEST, LONGEST, Wish},
     theme,
 };
 use eframe::egui::{self, Align2, ComboBox, DragValue, Grid, RichText, Ui, vec2};
 use tresses_scene::picture::Format;
 
-/// Shows it while it is wanted.
-pub fn show(studio: &mut Studio, ui: &Ui) {
-    let mut open = studio.panels.record && studio.recording.is_none();
-    if !open {
-        return;
-    }
+/// Shows it while it is `open`. Whether the recording of a loop as `wish` has it starts; the motion repeats after
+/// `period` seconds.
+pub fn show(open: &mut bool, wish: &mut Wish, period: f64, ui: &Ui) -> bool {
+    let mut starts = false;
     let window = egui::Window::new("Record a loop").collapsible(false).resizable(false);
-    window
-        .anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0))
-        .open(&mut open)
-        .show(ui.ctx(), |ui| inside(studio, ui));
-    studio.panels.record &= open;
+    let window = window.anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).open(open);
+    window.show(ui.ctx(), |ui| starts = inside(wish, period, ui));
+    *open &= !starts;
+    starts
 }
 
-fn inside(studio: &mut Studio, ui: &mut Ui) {
-    let period = studio.period();
-    let Wish { seconds, fps, size, format } = &mut studio.wish;
+fn inside(wish: &mut Wish, period: f64, ui: &mut Ui) -> bool {
+    let Wish { seconds, fps, size, format } = wish;
     Grid::new("wish").num_columns(2).spacing([16.0, 6.0]).show(ui, |ui| {
         let quiet = |text: &str| RichText::new(text).color(theme::QUIET);
         ui.label(quiet("Length"));
@@ -58,11 +53,7 @@ fn inside(studio: &mut Studio, ui: &mut Ui) {
         ui.end_row();
     });
     ui.add_space(6.0);
-    let frames = studio.wish.frames(period);
-    if ui.button(format!("Record {frames} frames")).clicked() {
-        studio.panels.record = false;
-        studio.record(ui.ctx());
-    }
+    ui.button(format!("Record {} frames", wish.frames(period))).clicked()
 }
 
 fn words(format: Format) -> &'static str {

@@ -1,8 +1,11 @@
 //! The side panel, one page at a time.
 
 use crate::{
-    app::Studio,
-    panels::{files, groom, inside, knobs, time},
+    dialog::Dialogs,
+    document::Document,
+    messages::Messages,
+    panels::{Panels, files, groom, inside, knobs, time},
+    renderer::Renderer,
 };
 use eframe::egui::{self, Panel, Ui};
 
@@ -33,8 +36,15 @@ impl Page {
 }
 
 /// Shows it.
-pub fn show(studio: &mut Studio, ui: &mut Ui) {
-    if studio.panels.is_folded(ui.ctx()) {
+pub fn show(
+    panels: &mut Panels,
+    document: &mut Document,
+    renderer: &mut Renderer,
+    dialogs: &Dialogs,
+    messages: &mut Messages,
+    ui: &mut Ui,
+) {
+    if panels.is_folded(ui.ctx()) {
         return;
     }
     let frame = egui::Frame::new().inner_margin(egui::Margin::symmetric(12, 8));
@@ -45,16 +55,16 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
             for (page, name, help) in Page::ALL {
-                ui.selectable_value(&mut studio.panels.page, page, name).on_hover_text(help);
+                ui.selectable_value(&mut panels.page, page, name).on_hover_text(help);
             }
         });
         ui.separator();
-        match studio.panels.page {
-            Page::Knobs => knobs::show(studio, ui),
-            Page::Inside => inside::show(studio, ui),
-            Page::Groom => groom::show(studio, ui),
-            Page::Files => files::show(studio, ui),
-            Page::Time => time::show(studio, ui),
+        match panels.page {
+            Page::Knobs => knobs::show(document, &mut panels.search, ui),
+            Page::Inside => inside::show(renderer, ui),
+            Page::Groom => groom::show(document, renderer, messages, ui),
+            Page::Files => files::show(document, dialogs, messages, ui),
+            Page::Time => time::show(&panels.frames, renderer, ui),
         }
     });
 }

@@ -1,31 +1,29 @@
 //! The status line: hints for the pointer, the size of the picture and its frame time.
 
-use crate::{app::Studio, pace::Level, theme};
+use crate::{pace::Level, panels::frames::Frames, renderer::Renderer, theme};
 use eframe::egui::{self, Align, Label, Layout, Panel, RichText, Ui};
 use tresses_scene::words::grouped;
 
-/// Shows it.
-pub fn show(studio: &mut Studio, ui: &mut Ui) {
+/// Shows it with `hint`: help for the pointer, or the last result.
+pub fn show(hint: &str, frames: &Frames, renderer: &Renderer, ui: &mut Ui) {
     let frame = egui::Frame::new().inner_margin(egui::Margin::symmetric(12, 4));
     Panel::bottom("status").frame(frame).show_separator_line(false).show(ui, |ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            right(studio, ui);
+            right(frames, renderer, ui);
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                let hint = if studio.show.is_some() { studio.tool.hint() } else { "" };
-                let hint = studio.said.as_deref().unwrap_or(hint);
                 ui.add(Label::new(RichText::new(hint).small().color(theme::QUIET)).truncate());
             });
         });
     });
 }
 
-fn right(studio: &mut Studio, ui: &mut Ui) {
+fn right(frames: &Frames, renderer: &Renderer, ui: &mut Ui) {
     let quiet = |text: String| RichText::new(text).small().color(theme::QUIET);
-    let software = if studio.gpu.tier.software { " · software" } else { "" };
-    ui.label(quiet(format!("{}{software}", short(&studio.gpu.info.name))))
-        .on_hover_text(format!("{}\n{}", studio.gpu.info.name, studio.gpu.info.driver_info));
-    let Some(show) = &studio.show else { return };
-    if let Some(ms) = studio.panels.frames.median() {
+    let software = if renderer.gpu.context.tier().software { " · software" } else { "" };
+    ui.label(quiet(format!("{}{software}", short(&renderer.gpu.info.name))))
+        .on_hover_text(format!("{}\n{}", renderer.gpu.info.name, renderer.gpu.info.driver_info));
+    let Some(show) = &renderer.show else { return };
+    if let Some(ms) = frames.median() {
         ui.label(quiet(format!("{ms:.0} ms"))).on_hover_text("Median time of the last frames");
     }
     let Some(picture) = show.picture() else { return };
@@ -44,7 +42,7 @@ fn right(studio: &mut Studio, ui: &mut Ui) {
         format!(
             "Less is drawn ({}) so that a frame takes less than {:.0} ms. When nothing moves, the picture becomes finer. This can be turned off under Time.",
             less.join(", "),
-            studio.pace.budget()
+            renderer.pace.budget()
         )
     } else {
         "Drawn strands and picture size".into()

@@ -1,12 +1,12 @@
 //! Where the time goes.
 
-use crate::{app::Studio, theme};
+use crate::{panels::frames::Frames, renderer::Renderer, theme};
 use eframe::egui::{Grid, RichText, Ui};
 
 /// Shows it.
-pub fn show(studio: &mut Studio, ui: &mut Ui) {
-    let budget = studio.pace.budget();
-    let text = studio.panels.frames.median().map_or(String::new(), |ms| format!("{ms:.1} ms"));
+pub fn show(frames: &Frames, renderer: &mut Renderer, ui: &mut Ui) {
+    let budget = renderer.pace.budget();
+    let text = frames.median().map_or(String::new(), |ms| format!("{ms:.1} ms"));
     ui.horizontal(|ui| {
         ui.label(RichText::new("Time of a frame").color(theme::QUIET));
         ui.label(text);
@@ -15,21 +15,21 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
         "Milliseconds of the last frames, from handing in to done; the line is at {budget:.0} ms. \
          Waiting for others on the same machine is in it."
     );
-    studio.panels.frames.plot(ui, budget).on_hover_text(help);
-    let mut automatic = studio.pace.automatic;
+    frames.plot(ui, budget).on_hover_text(help);
+    let mut automatic = renderer.pace.automatic;
     let help = "Lowers resolution and detail until a frame fits, and raises them when there is time or nothing moves";
     if ui.checkbox(&mut automatic, "Keep frames short").on_hover_text(help).changed() {
-        (studio.pace.automatic, studio.dirty) = (automatic, true);
+        (renderer.pace.automatic, renderer.dirty) = (automatic, true);
     }
     ui.separator();
-    stages(studio, ui);
+    stages(renderer, ui);
 }
 
 /// The stages on the GPU.
-fn stages(studio: &Studio, ui: &mut Ui) {
-    let Some(show) = &studio.show else { return };
+fn stages(renderer: &Renderer, ui: &mut Ui) {
+    let Some(show) = &renderer.show else { return };
     if !show.times_stages() {
-        let why = if studio.gpu.tier.software {
+        let why = if renderer.gpu.context.tier().software {
             "A software driver does not report the time of single stages; `tresses bench` measures them one by one."
         } else {
             "This adapter has no timestamps: the time of single stages is unknown."

@@ -1,6 +1,9 @@
 //! The top bar: what is shown, and actions on it.
 
-use crate::{app::Studio, job::Source, theme};
+use crate::{
+    dialog::Dialogs, document::Document, hair::Source, messages::Messages, panels::Panels, picture::Snapshot,
+    theme,
+};
 use eframe::egui::{self, Align, ComboBox, Layout, Panel, RichText, Ui};
 use tresses::groom::{formats, styles::Style};
 use tresses_scene::preset::Preset;
@@ -8,53 +11,68 @@ use tresses_scene::preset::Preset;
 /// Width of a window in which everything has its button, points.
 const WIDE: f32 = 1000.0;
 
-/// Shows it.
-pub fn show(studio: &mut Studio, ui: &mut Ui) {
+/// Shows it. `can_record`: there is a character, and no loop is being recorded.
+pub fn show(
+    panels: &mut Panels,
+    document: &mut Document,
+    snapshot: &mut Snapshot,
+    can_record: bool,
+    dialogs: &Dialogs,
+    messages: &mut Messages,
+    ui: &mut Ui,
+) {
     let frame = egui::Frame::new().inner_margin(egui::Margin::symmetric(12, 7));
     Panel::top("top").frame(frame).show(ui, |ui| {
         ui.horizontal(|ui| {
             ui.label(RichText::new("Tresses").size(15.0).strong().color(theme::ACCENT));
             ui.add_space(10.0);
-            source(studio, ui);
+            source(document, messages, ui);
             if ui.ctx().content_rect().width() < WIDE {
-                ui.menu_button("File", |ui| files(studio, ui));
+                ui.menu_button("File", |ui| files(panels, document, snapshot, can_record, dialogs, ui));
             } else {
-                files(studio, ui);
+                files(panels, document, snapshot, can_record, dialogs, ui);
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let text = if studio.panels.is_folded(ui.ctx()) { "Show panel" } else { "Hide panel" };
+                let text = if panels.is_folded(ui.ctx()) { "Show panel" } else { "Hide panel" };
                 if ui.button(text).on_hover_text("The panel at the side\nKey P").clicked() {
-                    studio.panels.fold(ui.ctx());
+                    panels.fold(ui.ctx());
                 }
-                history(studio, ui);
+                history(document, messages, ui);
             });
         });
     });
 }
 
 /// What is opened and saved: in a row, or below each other in a menu.
-fn files(studio: &mut Studio, ui: &mut Ui) {
+fn files(
+    panels: &mut Panels,
+    document: &Document,
+    snapshot: &mut Snapshot,
+    can_record: bool,
+    dialogs: &Dialogs,
+    ui: &mut Ui,
+) {
     let [grooms, meshes] = [formats::GROOMS, formats::MESHES].map(|all| formats::listed(all, "or"));
     let help = format!(
         "A groom ({grooms}), a head for it ({meshes}), or both. Files can also be dropped on the window, as can maps (.png), environments (.hdr, .exr) and obstacles (.json)."
     );
     if ui.button("Open…").on_hover_text(help).clicked() {
-        studio.dialogs.open(ui.ctx());
+        dialogs.open();
     }
     ui.separator();
-    presets(studio, ui);
+    presets(document, dialogs, ui);
     if ui.button("Save picture…").on_hover_text("The current picture, as PNG").clicked() {
-        studio.wants_picture = true;
+        snapshot.wanted = true;
     }
     let help = "The motion as an animated picture";
-    let can = studio.show.is_some() && studio.recording.is_none();
-    if ui.add_enabled(can, egui::Button::new("Record loop…")).on_hover_text(help).clicked() {
-        studio.panels.record = true;
+    if ui.add_enabled(can_record, egui::Button::new("Record loop…")).on_hover_text(help).clicked() {
+        panels.record = true;
     }
 }
 
-fn source(studio: &mut Studio, ui: &mut Ui) {
-    let shown = studio.job.as_ref().map(|job| &job.hair).or(studio.shown.as_ref().map(|shown| &shown.hair));
+fn source(document: &mut Document, messages: &mut Messages, ui: &mut Ui) {
+    let shown =
+        document.job.as_ref().map(|job| &job.hair).or(document.shown.as_ref().map(|shown| &shown.hair));
     let shown = shown.map(|hair| &hair.source);
     let name = shown.map(Source::name).unwrap_or_default();
     let built_in = matches!(shown, Some(Source::Style(_)));
@@ -73,13 +91,13 @@ fn source(studio: &mut Studio, ui: &mut Ui) {
         .response
         .on_hover_text(if built_in { "The built-in styles".into() } else { name.clone() });
     if let Some(style) = chosen {
-        studio.open(ui.ctx(), Source::Style(style.into()));
+        document.open(Source::Style(style.into()), messages);
     }
 }
 
-fn history(studio: &mut Studio, ui: &mut Ui) {
+fn history(document: &mut Document, messages: &mut Messages, ui: &mut Ui) {
     let (undoes, redoes) =
-        (studio.settings.undoes().map(str::to_owned), studio.settings.redoes().map(str::to_owned));
+        (document.settings.undoes().map(str::to_owned), document.settings.redoes().map(str::to_owned));
     let mut button = |text: &str, what: &Option<String>, key: &str| {
         let help = what
             .as_ref()
@@ -92,22 +110,22 @@ fn history(studio: &mut Studio, ui: &mut Ui) {
     // From right to left.
     let (redo, undo) = (button("Redo", &redoes, "Ctrl Shift Z"), button("Undo", &undoes, "Ctrl Z"));
     if undo {
-        studio.undo(ui.ctx());
+        document.undo(false, messages);
     }
     if redo {
-        studio.redo(ui.ctx());
+        document.undo(true, messages);
     }
 }
 
-fn presets(studio: &mut Studio, ui: &mut Ui) {
+fn presets(document: &Document, dialogs: &Dialogs, ui: &mut Ui) {
     let help = "Loads all parameters from a file, as `tresses render --preset` does";
     if ui.button("Open preset…").on_hover_text(help).clicked() {
-        studio.dialogs.preset(ui.ctx());
+        dialogs.preset();
     }
     let help = "Saves all parameters, the hair and its files into a text file";
     if ui.button("Save preset…").on_hover_text(help).clicked() {
-        let (settings, source) = (studio.settings.now().clone(), studio.wanted().named());
+        let (settings, source) = (document.settings.now().clone(), document.wanted().named());
         let preset = Preset { settings, source, ..Default::default() };
-        studio.dialogs.save(ui.ctx(), "Save the preset", "preset.toml", preset);
+        dialogs.save("Save the preset", "preset.toml", preset);
     }
 }

@@ -1,12 +1,13 @@
 //! Time: play, step, reset, the speed, and the motion.
 
 use crate::{
-    app::Studio,
+    messages::Messages,
     panels::{
         body,
         icons::{self, Icon},
     },
     play::SPEEDS,
+    renderer::Renderer,
     theme,
 };
 use eframe::egui::{self, Button, DragValue, Panel, RichText, Slider, Ui};
@@ -15,13 +16,13 @@ use tresses_scene::motion::NAMES;
 /// The room that the slider of the speed takes with its words, points.
 const SLIDER: f32 = 250.0;
 
-/// Shows it.
-pub fn show(studio: &mut Studio, ui: &mut Ui) {
+/// Shows it. `records`: a loop is being recorded.
+pub fn show(renderer: &mut Renderer, records: bool, messages: &mut Messages, ui: &mut Ui) {
     let frame = egui::Frame::new().inner_margin(egui::Margin::symmetric(12, 7));
     Panel::bottom("transport").frame(frame).show(ui, |ui| {
-        body::time(studio, ui);
+        body::time(renderer, messages, ui);
         ui.horizontal(|ui| {
-            let play = &mut studio.play;
+            let play = &mut renderer.playback.play;
             let (icon, help) = if play.playing { (Icon::Pause, "Pause") } else { (Icon::Play, "Play") };
             if icons::button(ui, icon).on_hover_text(format!("{help}\nKey Space")).clicked() {
                 play.playing = !play.playing;
@@ -40,11 +41,11 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
             }
             let help =
                 "Stops the motion and draws the picture as finely as can be, however long it takes\nKey F";
-            let finish = ui.add_enabled(studio.can_finish(), Button::new("Finish picture"));
+            let finish = ui.add_enabled(!records && renderer.can_finish(), Button::new("Finish picture"));
             if finish.on_hover_text(help).clicked() {
-                studio.finish();
+                renderer.finish();
             }
-            let play = &mut studio.play;
+            let play = &mut renderer.playback.play;
             ui.separator();
             ui.label(RichText::new("Motion").color(theme::QUIET));
             for name in NAMES {

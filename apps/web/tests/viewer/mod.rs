@@ -10,7 +10,7 @@ use tresses::{
     glam::Vec3,
     groom::{
         Strands, TriMesh,
-        export::glb::{self, Hair},
+        export::{Hair, Writer},
         mannequin,
     },
 };
@@ -66,10 +66,11 @@ fn an_element_shows_hair_and_says_what_is_wrong() {
     let mut rig = mannequin::rig::rig(&mesh);
     rig.animations = vec![turning()];
     let hair = [Hair { name: "hair", strands: &strands, packed: true, look: None }];
-    let file = glb::character(Some((&mesh, Some(&rig))), &hair).unwrap();
+    let glb = Writer::of("hair.glb").unwrap();
+    let file = glb.character(Some((&mesh, Some(&rig))), &hair).unwrap();
     write("head of hair.glb", &file);
     write("broken.glb", &file[..file.len() / 2]);
-    write("mesh.glb", &glb::body(&mesh, None).unwrap());
+    write("mesh.glb", &glb.mesh(&mesh, None).unwrap());
     write("index.html", PAGE.as_bytes());
     let server = Server::new(folder.path(), 0).unwrap();
     let serving = std::thread::spawn({

@@ -1,25 +1,26 @@
-//! Skin that Bevy bends: its mesh as a body of the library's, and where its joints are in each frame.
+//! Skinned meshes of Bevy's as a mesh and a rig of the library's, and the transforms of their joints in each frame.
 //!
 //! ```text
-//! main world    Mesh, SkinnedMesh ─► Skin (once)          GlobalTransform of joints, weights ─► Stance (each frame)
-//! a task        Skin ─► Anatomy: the part of each joint, its field or its capsule
-//! render world  Stance ─► palette ─► skinning::Skinning ─► vertices ─► roots, fields, shadows
+//! main world    Mesh, SkinnedMesh ─► Skin (once)        GlobalTransform of joints, weights ─► JointTransforms (each frame)
+//! a task        Skin ─► CharacterParts ─► Character
+//! render world  JointTransforms ─► BodyPose ─► Character
 //! ```
 //!
-//! Bevy bends vertices where it draws them and keeps none, so the library bends its own copy of the mesh with the same
+//! Bevy deforms vertices where it draws them and keeps none, so the library deforms its own copy of the mesh with the same
 //! joints. A vertex `v` is at `G_j · I_j · v` in the world, with the joint's transform and its inverse bind pose. The
 //! groom's space at rest is that of the vertices after `T⁻¹` ([`Skin::to_mesh`]); hair goes with the joint that carries
 //! most of its roots, from `T⁻¹ · I_j⁻¹` at rest to `G_j` now.
 
 mod read;
 
-pub(crate) use read::{Reading, SkinQueries};
+pub(crate) use read::{SkinCache, SkinQueries};
 
 use bevy::prelude::*;
 use std::sync::Arc;
 use tresses::{
     Pose,
-    groom::{Rig, RigPose, TriMesh},
+    character::BodyPose,
+    groom::{Rig, RigPose, TriMesh, rig::anatomy::Anatomy},
 };
 
 /// Roots of hair on the skin of a body that Bevy bends: beside [`Hair3d`](crate::Hair3d).
@@ -48,12 +49,12 @@ impl HairSkin {
     }
 }
 
-/// A mesh that bends, for the library: made once.
+/// A skinned mesh, for the library: made once.
 #[derive(Debug)]
 pub(crate) struct Skin {
     /// The entity with the mesh.
     pub entity: Entity,
-    /// Its joints and shapes; a node for each joint.
+    /// Its joints and morph targets; a node for each joint.
     pub rig: Rig,
     /// At rest, in the groom's space, metres.
     pub mesh: TriMesh,
@@ -65,58 +66,54 @@ pub(crate) struct Skin {
     pub reach: f32,
 }
 
-/// Where what bends it is in a frame.
+/// What deforms a skinned mesh in a frame.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Stance {
-    /// Of each of Bevy's joints, to the world.
+pub(crate) struct JointTransforms {
+    /// From each of Bevy's joints to the world.
     pub joints: Vec<Mat4>,
-    /// Of each morph target.
+    /// The weight of each morph target.
     pub weights: Vec<f32>,
 }
 
 /// The skin that hair is on.
 #[derive(Clone, Debug, Default)]
-pub(crate) enum OnSkin {
-    /// It is on none.
+pub(crate) enum SkinState {
+    /// None.
     #[default]
-    No,
-    /// The mesh is not there yet.
+    Off,
+    /// Its mesh is not loaded yet.
     Awaited,
-    /// There.
-    Yes(Arc<Skin>, Stance),
+    /// Its mesh, and the joints in this frame.
+    Loaded(Arc<Skin>, JointTransforms),
 }
 
-impl OnSkin {
-    /// The skin, where it is there.
+impl SkinState {
+    /// The skin, where it is loaded.
     pub fn skin(&self) -> Option<&Arc<Skin>> {
         match self {
-            Self::Yes(skin, _) => Some(skin),
+            Self::Loaded(skin, _) => Some(skin),
             _ => None,
         }
     }
 }
 
 impl Skin {
-    /// The pose of what goes with a node: from where it rests in the groom's space to the world.
-    pub fn node(&self, node: u32, stance: &Stance) -> Pose {
-        let joint = &self.rig.joints[node as usize];
-        let rest = (joint.inverse_bind * self.to_mesh).inverse();
-        Pose::between(&rest, &self.joint(node as usize, stance))
-    }
-
-    /// The pose of all vertices, relative to `head`.
-    pub fn pose(&self, head: &Pose, stance: &Stance) -> RigPose {
-        let to_head = head.inverse().matrix();
+    /// The pose of the joint that hair goes with, from where it rests in the groom's space to the world, and that of the
+    /// whole body relative to it.
+    pub fn pose(&self, anatomy: &Anatomy, at: &JointTransforms) -> (Pose, BodyPose) {
+        let joint = |number: usize| at.joints.get(self.order[number]).copied().unwrap_or_default();
+        let node = |node: u32| {
+            let rest = (self.rig.joints[node as usize].inverse_bind * self.to_mesh).inverse();
+            Pose::between(&rest, &joint(node as usize))
+        };
+        let head = node(anatomy.head.node);
+        let to_head = head.inverse();
         let palette = self.rig.joints.iter().enumerate();
-        let palette =
-            palette.map(|(i, joint)| to_head * self.joint(i, stance) * joint.inverse_bind).collect();
-        let mut weights = stance.weights.clone();
+        let palette = palette.map(|(i, it)| to_head.matrix() * joint(i) * it.inverse_bind).collect();
+        let mut weights = at.weights.clone();
         weights.resize(self.rig.targets.len(), 0.0);
-        RigPose { palette, weights, ..Default::default() }
-    }
-
-    /// The transform of a joint of the rig, which has a node of the same number.
-    fn joint(&self, number: usize, stance: &Stance) -> Mat4 {
-        stance.joints.get(self.order[number]).copied().unwrap_or_default()
+        let rig = RigPose { palette, weights, ..Default::default() };
+        let parts = anatomy.solids().map(|part| to_head.after(&node(part.node))).collect();
+        (head, BodyPose { rig, head: Pose::IDENTITY, parts })
     }
 }

@@ -1,6 +1,6 @@
-//! Meshes of Bevy's that bend, as the library has them.
+//! Skinned meshes are read from the main world.
 
-use super::{HairSkin, OnSkin, Skin, Stance};
+use super::{HairSkin, JointTransforms, Skin, SkinState};
 use crate::meshes::tri_mesh;
 use bevy::{
     ecs::{entity::EntityHashMap, system::SystemParam},
@@ -18,7 +18,7 @@ use tresses::groom::{
     rig::{Bind, Delta, Joint, Node, Target},
 };
 
-/// What is looked up in the main world.
+/// The main world's meshes and joints.
 #[derive(SystemParam)]
 pub(crate) struct SkinQueries<'w, 's> {
     bodies: Extract<
@@ -43,9 +43,9 @@ pub(crate) struct SkinQueries<'w, 's> {
     binds: Extract<'w, 's, Res<'static, Assets<SkinnedMeshInverseBindposes>>>,
 }
 
-/// What a skin was read for: it is read again when this changes.
+/// What a skin follows from: it is read again when this changes.
 #[derive(Debug, PartialEq)]
-struct Key {
+struct SkinKey {
     on: HairSkin,
     mesh: AssetId<Mesh>,
     binds: Option<AssetId<SkinnedMeshInverseBindposes>>,
@@ -54,11 +54,11 @@ struct Key {
     carrier: Option<usize>,
 }
 
-/// What was read, by the entities of the hair.
+/// Skins that were read, by the entity of the hair; `None` for one that cannot be read.
 #[derive(Debug, Default)]
-pub(crate) struct Reading(EntityHashMap<(Key, Option<Arc<Skin>>)>);
+pub(crate) struct SkinCache(EntityHashMap<(SkinKey, Option<Arc<Skin>>)>);
 
-impl Reading {
+impl SkinCache {
     /// Forgets hair that is gone.
     pub fn keep(&mut self, is_there: impl Fn(Entity) -> bool) {
         self.0.retain(|entity, _| is_there(*entity));
@@ -66,14 +66,17 @@ impl Reading {
 }
 
 impl SkinQueries<'_, '_> {
-    /// The skin of the hair of an `entity` that is at `place`, read before or now; or why there can be none.
+    /// The skin of the hair of an `entity` that is at `place`: from the cache, or read now.
+    ///
+    /// # Errors
+    /// Why there is none.
     pub fn find(
         &self,
-        reading: &mut Reading,
+        cache: &mut SkinCache,
         entity: Entity,
         on: &HairSkin,
         place: Mat4,
-    ) -> Result<OnSkin, String> {
+    ) -> Result<SkinState, String> {
         let Ok((mesh, own, skinned, morph)) = self.bodies.get(on.mesh) else {
             return Err("hair is to be on an entity that has no mesh".into());
         };
@@ -83,14 +86,14 @@ impl SkinQueries<'_, '_> {
         let (Some(asset), binds) =
             (self.meshes.get(&mesh.0), skinned.map(|skinned| self.binds.get(&skinned.inverse_bindposes)))
         else {
-            return Ok(OnSkin::Awaited);
+            return Ok(SkinState::Awaited);
         };
         if binds.is_some_and(|binds| binds.is_none()) {
-            return Ok(OnSkin::Awaited);
+            return Ok(SkinState::Awaited);
         }
         let alone = [on.mesh];
         let joints: &[Entity] = skinned.map_or(&alone, |skinned| &skinned.joints);
-        let stance = Stance {
+        let transforms = JointTransforms {
             joints: match skinned {
                 Some(_) => joints.iter().map(|joint| self.place(*joint)).collect(),
                 None => vec![own.to_matrix()],
@@ -104,49 +107,34 @@ impl SkinQueries<'_, '_> {
             },
         };
         let carrier = self.above(entity).find_map(|up| place_of(joints, up));
-        let of_binds = skinned.map(|skinned| skinned.inverse_bindposes.id());
-        let is = |key: &Key| {
-            (key.on, key.mesh, key.binds, key.carrier) == (*on, mesh.0.id(), of_binds, carrier)
-                && key.joints == joints
+        let key = SkinKey {
+            on: *on,
+            mesh: mesh.0.id(),
+            binds: skinned.map(|skinned| skinned.inverse_bindposes.id()),
+            joints: joints.to_vec(),
+            carrier,
         };
-        let known = reading.0.get(&entity).filter(|(key, _)| is(key)).map(|(_, skin)| skin.clone());
-        let skin = match known {
-            Some(skin) => skin,
-            None => {
-                let identity = [Mat4::IDENTITY];
-                let binds = binds.flatten().map_or(&identity[..], |binds| binds);
-                if binds.len() < joints.len() || joints.is_empty() {
-                    return Err(format!(
-                        "hair is on {} joints with {} bind poses",
-                        joints.len(),
-                        binds.len()
-                    ));
-                }
-                let to_mesh = on.at.unwrap_or_else(|| {
-                    carrier
-                        .map_or(Mat4::IDENTITY, |i| binds[i].inverse() * stance.joints[i].inverse() * place)
-                });
-                if !to_mesh.is_finite() || to_mesh.determinant().abs() < 1e-12 {
-                    // It may grow from nothing: it is tried again.
-                    return Err("a joint above hair is flattened".into());
-                }
-                let key =
-                    Key { on: *on, mesh: mesh.0.id(), binds: of_binds, joints: joints.to_vec(), carrier };
-                match self.read(on, asset, (joints, binds), to_mesh) {
-                    Ok(skin) => {
-                        let skin = Some(Arc::new(skin));
-                        reading.0.insert(entity, (key, skin.clone()));
-                        skin
-                    }
-                    Err(problem) => {
-                        reading.0.insert(entity, (key, None));
-                        return Err(format!("hair cannot be on a mesh: {problem}"));
-                    }
-                }
+        let known = cache.0.get(&entity).filter(|(other, _)| *other == key);
+        let skin = if let Some((_, skin)) = known {
+            skin.clone()
+        } else {
+            let identity = [Mat4::IDENTITY];
+            let binds = binds.flatten().map_or(&identity[..], |binds| binds);
+            if binds.len() < joints.len() || joints.is_empty() {
+                return Err(format!("hair is on {} joints with {} bind poses", joints.len(), binds.len()));
             }
+            let in_bind_pose = |i: usize| binds[i].inverse() * transforms.joints[i].inverse() * place;
+            let to_mesh = on.at.unwrap_or_else(|| carrier.map_or(Mat4::IDENTITY, in_bind_pose));
+            if !to_mesh.is_finite() || to_mesh.determinant().abs() < 1e-12 {
+                // It may grow from nothing: it is tried again.
+                return Err("a joint above hair is flattened".into());
+            }
+            let skin = self.read(on, asset, (joints, binds), to_mesh).map(Arc::new);
+            cache.0.insert(entity, (key, skin.as_ref().ok().cloned()));
+            Some(skin.map_err(|problem| format!("hair cannot be on a mesh: {problem}"))?)
         };
-        // What could not be read was said when it was tried.
-        Ok(skin.map_or(OnSkin::Awaited, |skin| OnSkin::Yes(skin, stance)))
+        // An unreadable mesh was reported when it was tried.
+        Ok(skin.map_or(SkinState::Awaited, |skin| SkinState::Loaded(skin, transforms)))
     }
 
     fn place(&self, entity: Entity) -> Mat4 {

@@ -19,7 +19,7 @@ use bevy::{
 };
 use bevy_tresses::{HairGroom, HairReady, TressesPlugin, groom::Strands, tri_mesh};
 use std::time::Duration;
-use tresses::gpu::readback;
+use tresses::{Context, gpu::readback};
 
 /// Width and height of pictures.
 pub const SIZE: [u32; 2] = [128, 96];
@@ -126,8 +126,8 @@ pub fn after(app: &mut App, frames: usize, image: &Handle<Image>) -> Picture {
     let images = world.resource::<RenderAssets<GpuImage>>();
     let texture = &images.get(image).expect("the image is on the GPU").texture;
     let (device, queue) = (world.resource::<RenderDevice>(), world.resource::<RenderQueue>());
-    let bytes =
-        readback::blocking::texture(device.wgpu_device(), queue, texture).expect("the device is there");
+    let bytes = readback::blocking::texture(&Context::new(device.wgpu_device(), queue), texture)
+        .expect("the device is there");
     Picture { width: texture.width(), pixels: bytes.as_chunks::<4>().0.to_vec() }
 }
 

@@ -4,18 +4,15 @@ use crate::common::{after, app, camera, fan, light, middle, settled, wait};
 use bevy::prelude::*;
 use bevy_tresses::{Hair3d, HairGroom, HairGroomSettings};
 use std::{fs, path::Path, time::Duration};
-use tresses::groom::{
-    Strands,
-    export::{self, Format},
-};
+use tresses::groom::{Strands, export::Writer, orient::Unit};
 
 /// Writes the lowest `count` of the 900 strands of a fan, in metres.
 fn write(path: &Path, count: usize) {
     let (all, mut strands) = (fan(900), Strands::default());
     all.iter().take(count).for_each(|strand| strands.push(strand));
-    let format = Format::of(path).expect("it is a groom");
-    fs::write(path, export::encode(&strands, format, true).expect("it can be written").bytes)
-        .expect("there is room");
+    let writer = Writer::of(path).expect("it is a groom");
+    let encoded = writer.strands(&strands, Some(Unit(1.0))).expect("it can be written");
+    fs::write(path, encoded.bytes).expect("there is room");
 }
 
 #[test]

@@ -8,7 +8,7 @@ use bevy_tresses::{Hair3d, HairGroom, HairSkin};
 use std::{fs, time::Duration};
 use tresses::groom::{
     Rig, Strands, TriMesh,
-    export::glb,
+    export::{Hair, Writer},
     mannequin,
     rig::{Animation, Channel, Curve, Property},
 };
@@ -40,8 +40,11 @@ fn a_scene_wears_the_hair_of_its_file() {
     let (bust, rig) = body();
     let strands = tuft(&bust);
     assert!(strands.len() > 20, "{} strands", strands.len());
-    let hair = [glb::Hair { name: "hair", strands: &strands, packed: false, look: None }];
-    let bytes = glb::character(Some((&bust, Some(&rig))), &hair).expect("it can be written");
+    let hair = [Hair { name: "hair", strands: &strands, packed: false, look: None }];
+    let bytes = Writer::of("body.glb")
+        .expect("it is written")
+        .character(Some((&bust, Some(&rig))), &hair)
+        .expect("it can be written");
     fs::write(folder.join("body.glb"), bytes).expect("there is room");
 
     let mut app = app(&folder.to_string_lossy());

@@ -14,6 +14,7 @@ use bevy_tresses::{
     GlobalHairWind, Hair3d, HairCollider, HairDepth, HairGroom, HairMaterial3d, HairMeets, tri_mesh,
 };
 use tresses::{
+    Context,
     gpu::{Binding, bindings, readback},
     light::HairMaterial,
     wgpu,
@@ -189,7 +190,8 @@ fn texels(app: &App, view: &wgpu::TextureView, binding: Binding) -> Vec<Vec2> {
     pass.dispatch_workgroups(width, height, 1);
     drop(pass);
     queue.submit([encoder.finish()]);
-    let found = readback::blocking::buffer::<[f32; 2]>(device, queue, &buffer).expect("the device is there");
+    let found = readback::blocking::buffer::<[f32; 2]>(&Context::new(device, queue), &buffer)
+        .expect("the device is there");
     found.into_iter().map(Vec2::from_array).collect()
 }
 
@@ -264,10 +266,6 @@ fn bevy_is_told_how_hair_moves() {
         app.update();
     }
     let hair = inside(&seen(&mut app, 0, &image, &bare));
-    eprintln!(
-        "EDGE {:?}",
-        seen(&mut app, 0, &image, &bare).iter().filter(|p| p[0] == 0 || p[1] == 0).collect::<Vec<_>>()
-    );
     let found = vectors(&mut app);
     let expected = -way / (2.0 * 0.5 * 0.4_f32.tan() * 128.0 / 96.0);
     let (mut right, mut sum) = (0, 0.0);

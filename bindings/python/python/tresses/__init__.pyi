@@ -280,8 +280,10 @@ class Simulation:
 
 class Formats(TypedDict):
     grooms: List[str]
-    written: List[str]
     heads: List[str]
+    written: List[str]
+    meshes_written: List[str]
+    any_unit: List[str]
 
 def adapter() -> dict[str, Any]: ...
 def formats() -> Formats: ...

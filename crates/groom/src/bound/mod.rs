@@ -27,13 +27,13 @@ pub struct BoundStrands {
     /// Vertices per strand, 2 to [`crate::MAX_STRAND_VERTICES`].
     pub vertex_count: u32,
     /// One per strand.
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub strands: Vec<Strand>,
     /// One per strand.
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub bindings: Vec<StrandBinding>,
     /// `vertex_count` per strand.
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub rest: Vec<PackedRest>,
 }
 

@@ -2,8 +2,7 @@
 
 use super::Cooked;
 use crate::{
-    Groom, Look, MAX_GUIDE_VERTICES, MAX_STRAND_VERTICES, Rig, SdfGrid, Strands,
-    import::MAX_VERTICES,
+    Groom, Look, MAX_GUIDE_VERTICES, MAX_STRAND_VERTICES, MAX_VERTICES, Rig, SdfGrid, Strands,
     orient::Placement,
     rig::{Animation, MAX_JOINTS, Property, Transform},
 };

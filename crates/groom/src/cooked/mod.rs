@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Strands are oriented and repaired, the head's distance field and its coarser meshes are made, strands are bound to
-//! guides; long arrays lie there as they do in memory ([`bulk`]). Reading copies and checks: whatever the bytes, what
+//! guides; long arrays lie there as they do in memory ([`bulk`](crate::bulk)). Reading copies and checks: whatever the bytes, what
 //! comes out is as the rest of the crate leaves a groom, or an error ([`Cooked::check`]).
 //!
 //! A cooked groom belongs to the version of this crate that wrote it: what is computed may change without a change of its
@@ -15,7 +15,6 @@
 //! **Why not a cache?** A cache helps whoever opened the file before, on that machine. Games and pages are opened by
 //! people who never did.
 
-pub(crate) mod bulk;
 mod check;
 #[cfg(test)]
 mod tests;
@@ -23,8 +22,8 @@ mod tests;
 use crate::{
     BindOptions, Followers, Groom, Look, Rig, SdfGrid, Strands, TriMesh, bind,
     error::{At, Error, Result},
-    import::{Attributes, FileReport, Group, ImportReport},
     lint, mesh, orient,
+    report::{Attributes, FileReport, Group, ImportReport},
 };
 use serde::{Deserialize, Serialize};
 use std::path::Path;

@@ -1,159 +1,125 @@
-//! Writers: `.hair`, `.tfx` version 4, OBJ polylines, `.data`, PLY lines and Alembic for strands, GLB and USD (text, and
-//! with the feature `usd` binary) for strands and bodies.
+//! Writing grooms, bodies and caches.
 //!
-//! Reading a written file back gives the same strands, bit for bit, but for GLB, whose positions may be shares of a box in
-//! 16 bits; what a format cannot hold is listed in
-//! [`Encoded::notes`]. A groom in metres, Y up, face +Z is marked as such in the file, so that nothing
-//! needs to be guessed later; only `.data` has no place for that.
+//! Reading a written file back gives the same strands, bit-identical except in GLB, whose positions may be fractions of
+//! a box in 16 bits. [`Encoded::notes`] lists what a format cannot hold. A groom in metres, Y up, face +Z is marked as
+//! such in the file, so that nothing needs to be guessed later; only `.data` has no place for that.
 
-#[cfg(feature = "alembic")]
-pub mod abc;
-mod data;
-#[cfg(feature = "gltf")]
-pub mod glb;
-mod hair;
-mod obj_lines;
-mod ply;
-mod tfx;
-pub mod usda;
+pub use crate::formats::writer::{Cache, CacheOptions, Encoded, Hair, Output, Writer};
 
-#[cfg(feature = "usd")]
-pub(crate) use usda::DOC as USD_DOC;
-
-use std::path::Path;
-
-use super::Strands;
 use crate::{
+    Rig, Strands, TriMesh,
     error::{At, Error, Result},
-    formats,
+    formats::{self, Content},
     orient::Unit,
 };
+use std::{io, path::Path};
 
-/// A format that can be written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    /// Cem Yuksel's `.hair`: positions, widths, colours.
-    Hair,
-    /// TressFX 4 `.tfx`: positions, pinned tips, scalp texture coordinates, colours.
-    Tfx,
-    /// OBJ polylines: positions.
-    Obj,
-    /// Strands as USC-HairSalon has them: positions.
-    Data,
-    /// PLY lines: positions, widths.
-    Ply,
-    /// glTF, binary, with `EXT_tresses_hair`: what Alembic has.
-    #[cfg(feature = "gltf")]
-    Glb,
-    /// Alembic: positions, widths, colours, scalp texture coordinates, guides, groups.
-    #[cfg(feature = "alembic")]
-    Abc,
-    /// USD as text: what Alembic has.
-    Usda,
-    /// USD, binary: the same.
-    #[cfg(feature = "usd")]
-    Usdc,
+/// All writers.
+fn writers() -> impl Iterator<Item = &'static Writer> {
+    formats::FORMATS.iter().flat_map(|format| format.writers)
 }
 
-impl Format {
-    /// By a path's extension.
-    pub fn of(path: &Path) -> Result<Self> {
-        match formats::extension(path).as_str() {
-            "hair" => Ok(Self::Hair),
-            "tfx" => Ok(Self::Tfx),
-            "obj" => Ok(Self::Obj),
-            "data" => Ok(Self::Data),
-            "ply" => Ok(Self::Ply),
-            #[cfg(feature = "gltf")]
-            "glb" => Ok(Self::Glb),
-            #[cfg(feature = "alembic")]
-            "abc" => Ok(Self::Abc),
-            "usda" => Ok(Self::Usda),
-            #[cfg(feature = "usd")]
-            "usdc" => Ok(Self::Usdc),
-            #[cfg(feature = "cooked")]
-            "tresses" => Err(Error::File {
-                path: path.to_path_buf(),
-                at: At::File,
-                problem: "a cooked groom is made of files, by `tresses convert`".into(),
-            }),
-            _ => Err(Error::File {
-                path: path.to_path_buf(),
-                at: At::File,
-                problem: format!("a groom is written as {}", formats::listed(formats::WRITTEN, "or")),
-            }),
+impl Writer {
+    /// The writer of grooms for files with this name, by its extension.
+    ///
+    /// # Errors
+    /// [`Error::File`] with the extensions of grooms that are written.
+    pub fn of(path: impl AsRef<Path>) -> Result<&'static Self> {
+        Self::holding(path, Content::Strands)
+    }
+
+    /// The writer for files with this name that can hold `content`: a [`Mesh`](Content::Mesh), or the
+    /// [`Frames`](Content::Frames) of a cache.
+    ///
+    /// # Errors
+    /// [`Error::File`] with the extensions that can.
+    pub fn holding(path: impl AsRef<Path>, content: Content) -> Result<&'static Self> {
+        let (path, extension) = (path.as_ref(), formats::extension(path.as_ref()));
+        let mut all = writers().filter(|writer| writer.holds(content));
+        if let Some(writer) = all.find(|writer| writer.extension == extension) {
+            return Ok(writer);
         }
+        let what = match content {
+            Content::Mesh => "a head",
+            Content::Frames => "a cache",
+            _ => "a groom",
+        };
+        let problem = match formats::is_cooked(path) {
+            true => "a cooked groom is made of files, by `tresses convert`".into(),
+            false => format!("{what} is written as {}", formats::listed(&formats::written(content), "or")),
+        };
+        Err(Error::File { path: path.to_path_buf(), at: At::File, problem })
     }
-}
 
-/// A file's bytes.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Encoded {
-    /// The whole file.
-    pub bytes: Vec<u8>,
-    /// What the format could not hold, one clause each.
-    pub notes: Vec<String>,
-}
+    /// Whether such files hold `content`.
+    pub fn holds(&self, content: Content) -> bool {
+        self.holds.contains(&content)
+    }
 
-/// [`encode`] in another unit than metres, which Alembic and USD files can be in.
-///
-/// # Errors
-/// As [`encode`], and [`Error::Unusable`] for a format that is written in metres only.
-pub fn encode_in(strands: &Strands, format: Format, unit: Unit) -> Result<Encoded> {
-    match format {
-        _ if unit.0 == 1.0 => encode(strands, format, true),
-        #[cfg(feature = "alembic")]
-        Format::Abc if !strands.is_empty() => {
-            abc::encode(strands, abc::Options { unit, ..Default::default() })
+    /// Encodes strands as a file in `unit`; they are in metres, Y up, face +Z. With `None` they are in an unknown unit and
+    /// unknown axes, of which the file then says nothing.
+    ///
+    /// # Errors
+    /// [`Error::Unusable`] without strands, for a unit other than metres in a format without units, and where the strands
+    /// exceed what the format can count.
+    pub fn strands(&self, strands: &Strands, unit: Option<Unit>) -> Result<Encoded> {
+        if strands.is_empty() {
+            return Err(Error::Unusable("a groom without strands is not written".into()));
         }
-        Format::Usda if !strands.is_empty() => Ok(usda::encode(strands, Some(unit))),
-        #[cfg(feature = "usd")]
-        Format::Usdc if !strands.is_empty() => packed(usda::encode(strands, Some(unit))),
-        _ => Err(Error::Unusable("only Alembic and USD files are written in other units than metres".into())),
-    }
-}
-
-/// Strands as a file's bytes. `oriented` says that they are in metres, Y up, face +Z.
-pub fn encode(strands: &Strands, format: Format, oriented: bool) -> Result<Encoded> {
-    if strands.is_empty() {
-        return Err(Error::Unusable("a groom without strands is not written".into()));
-    }
-    match format {
-        Format::Hair => hair::encode(strands, oriented),
-        Format::Tfx => tfx::encode(strands, oriented),
-        Format::Obj => Ok(obj_lines::encode(strands, oriented)),
-        Format::Data => data::encode(strands, oriented),
-        Format::Ply => Ok(ply::encode(strands, oriented)),
-        #[cfg(feature = "gltf")]
-        Format::Glb if !oriented => {
-            Err(Error::Unusable("a .glb is in metres, Y up, face +Z, which this groom may not be".into()))
+        if unit.is_some_and(|unit| unit.0 != 1.0) && !self.any_unit {
+            let others: Vec<_> = writers().filter(|it| it.any_unit).map(|it| it.extension).collect();
+            let others = formats::listed(&others, "and");
+            let problem = format!("only {others} files are written in other units than metres");
+            return Err(Error::Unusable(problem));
         }
-        #[cfg(feature = "gltf")]
-        Format::Glb => {
-            let bytes = glb::character(None, &[glb::Hair { name: "", strands, packed: false, look: None }])?;
-            Ok(Encoded { bytes, notes: Vec::new() })
-        }
-        #[cfg(feature = "alembic")]
-        Format::Abc => abc::encode(strands, abc::Options { oriented, ..Default::default() }),
-        Format::Usda => Ok(usda::encode(strands, oriented.then_some(Unit(1.0)))),
-        #[cfg(feature = "usd")]
-        Format::Usdc => packed(usda::encode(strands, oriented.then_some(Unit(1.0)))),
+        let mut encoded = (self.strands)(strands, unit)?;
+        let lost = [
+            (Content::Units, unit.is_some(), "unit and axes"),
+            (Content::Widths, !strands.radii.is_empty(), "widths"),
+            (Content::Colors, !strands.colors.is_empty(), "colors"),
+            (Content::RootUvs, !strands.root_uvs.is_empty(), "scalp texture coordinates"),
+            (Content::PinnedTips, strands.tip_pinned.contains(&true), "the pinned tips"),
+            (Content::Guides, strands.has_guides(), "the marks of guides"),
+        ];
+        let lost = lost.into_iter().filter(|(content, any, _)| *any && !self.holds(*content));
+        let notes = lost.map(|(.., what)| format!("the format has no place for {what}, so it is left out"));
+        encoded.notes = notes.chain(encoded.notes).collect();
+        Ok(encoded)
     }
-}
 
-#[cfg(feature = "usd")]
-fn packed(text: Encoded) -> Result<Encoded> {
-    Ok(Encoded { bytes: usda::packed(&text.bytes)?, ..text })
-}
-
-fn lost(notes: &mut Vec<String>, any: bool, what: &str) {
-    if any {
-        notes.push(format!("the format has no place for {what}, so it is left out"));
+    /// Encodes a character: a body (metres, Y up), the rig that bends it, and hair at rest. In USD hair then follows the
+    /// joints that the skin at its roots follows, and animations are sampled at 24, 25, 30, 50 or 60 frames a second.
+    ///
+    /// # Errors
+    /// [`Error::Unusable`] for a format that holds no characters, for a rig of another mesh and for hair without strands;
+    /// in USD also for a joint that flattens what it holds, and for animations of more than 100,000 frames.
+    pub fn character(&self, body: Option<(&TriMesh, Option<&Rig>)>, hair: &[Hair<'_>]) -> Result<Vec<u8>> {
+        self.character.ok_or_else(|| self.cannot("a body with hair"))?(body, hair)
     }
-}
 
-fn put<const N: usize>(bytes: &mut Vec<u8>, values: [f32; N]) {
-    for v in values {
-        bytes.extend_from_slice(&v.to_le_bytes());
+    /// Encodes a mesh (metres, Y up, face +Z) and, where the format holds it, the rig that bends it.
+    ///
+    /// # Errors
+    /// [`Error::Unusable`] for a format that holds no meshes, and as [`Self::character`].
+    pub fn mesh(&self, mesh: &TriMesh, rig: Option<&Rig>) -> Result<Vec<u8>> {
+        self.mesh.ok_or_else(|| self.cannot("a mesh"))?(mesh, rig)
+    }
+
+    /// Begins a cache of `strands`, whose positions come [frame by frame](Cache::frame).
+    ///
+    /// # Errors
+    /// Those of `out`, and [`Unsupported`](io::ErrorKind::Unsupported) for a format that holds no frames.
+    pub fn cache<'a>(
+        &self,
+        out: Box<dyn Output + 'a>,
+        strands: &Strands,
+        options: CacheOptions,
+    ) -> io::Result<Box<dyn Cache + 'a>> {
+        let unsupported = || io::Error::new(io::ErrorKind::Unsupported, self.cannot("moving hair"));
+        self.cache.ok_or_else(unsupported)?(out, strands, options)
+    }
+
+    fn cannot(&self, what: &str) -> Error {
+        Error::Unusable(format!("a .{} file cannot hold {what}", self.extension))
     }
 }

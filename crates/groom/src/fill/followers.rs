@@ -4,22 +4,11 @@
 //! They have the guide's shape and lie beside it all along. Unlike [`fill`](super::fill) this asks nothing of
 //! the neighbours: it is the groom as its maker saw it.
 
-use super::{Filled, Grown, Head, Parents, Scalp, TASK};
+use super::{Filled, Grown, Head, Scalp, TASK};
 use crate::grow::Growth;
-use crate::styles::random::Rng;
-use crate::{Error, Progress, Result, Strands};
+use crate::random::Rng;
+use crate::{Error, Followers, Progress, Result, Strands, bind::Parents};
 use std::f32::consts::{PI, TAU};
-
-/// The followers of one strand.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
-pub struct Followers {
-    /// How many.
-    pub count: u32,
-    /// How far from the strand at most, metres; `None` where the file does not say: half as far as its
-    /// neighbours are.
-    pub radius: Option<f32>,
-}
 
 /// Adds to each of `given` (metres, groom space) its followers: `followers` has one entry per strand, or one
 /// for all. At most `most` strands come out, as evenly as that allows.

@@ -2,7 +2,7 @@
 
 use super::curves::{Curves, KNOTS};
 use super::surface::Surface;
-use crate::{SdfGrid, styles::random::lerp};
+use crate::{SdfGrid, random::lerp};
 
 /// Strands of which one is longer than the other by this factor are of different cuts.
 const CUT: f32 = 2.0;

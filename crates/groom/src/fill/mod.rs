@@ -19,7 +19,7 @@
 //!   beside that, as far as neighbours are from each other there: clumps close, fans open.
 //! - What is finer than the given strands is added: tufts, frizz, strays (`tufts`).
 //!
-//! New strands are bound to guides through their parents ([`bind_filled`](crate::bind::bind_filled)), with
+//! New strands are bound to guides through their parents ([`bind_filled`]), with
 //! the representation of all others: what they cost in a frame is what any drawn strand costs.
 //!
 //! Interpolating between three guides by barycentric weights is what engines do (Nguyen and Donnelly, *Hair
@@ -38,15 +38,20 @@ mod surface;
 mod tests;
 mod tufts;
 
-pub use followers::{Followers, follow_with};
-pub use shape::Parents;
+pub use followers::follow_with;
 
-use crate::grow::{Growth, Paint, ScalpMap, Unrest};
-use crate::styles::random::Rng;
+use crate::grow::{Growth, Paint, Unrest};
+use crate::random::Rng;
+use crate::scalp::ScalpMap;
 use crate::{
-    Error, Progress, Result, SdfGrid, Strands, TriMesh, hash::pcg, progress::at_once, strands::Mark,
+    BindOptions, Error, Groom, Progress, Result, SdfGrid, Strands, TriMesh, hash::pcg, progress::at_once,
+    strands::Mark,
 };
-use crate::{range, range::Range};
+use crate::{
+    bind::{Origins, Parents, bind_any},
+    range,
+    range::Range,
+};
 use curves::Curves;
 use glam::Vec3;
 use kin::Kin;
@@ -130,7 +135,7 @@ pub struct Filled {
     /// What each new strand is made of. Indices are those of the strands that were given to be filled.
     pub parents: Vec<Parents>,
     /// For each given strand that is left, which one it was.
-    pub(crate) original: Vec<u32>,
+    original: Vec<u32>,
     /// Whether new strands are as dense as a map says already.
     painted: bool,
     kin: Kin,
@@ -143,11 +148,6 @@ impl std::fmt::Debug for Filled {
 }
 
 impl Filled {
-    /// Whether two of the strands that were given run together, so that hair may follow both.
-    pub(crate) fn runs_with(&self, a: u32, b: u32) -> bool {
-        self.kin.runs_with(a, b)
-    }
-
     /// The same, painted as [`Paint::apply`] does; strands that grew by a map of density are not thinned out
     /// once more.
     ///
@@ -161,6 +161,20 @@ impl Filled {
         let original = kept[..given].iter().map(|i| self.original[*i as usize]).collect();
         Ok(Self { strands, given, parents, original, painted: true, kin: self.kin })
     }
+}
+
+/// [`bind`](crate::bind()) for filled strands: guides are chosen among the given ones, as many as for all strands; new
+/// strands follow the guides of their parents, one to three, and none that runs apart from them.
+/// [`GuideCount::All`](crate::GuideCount::All) makes every given strand a guide.
+///
+/// # Errors
+/// As [`bind`](crate::bind()).
+pub fn bind_filled(filled: &Filled, options: &BindOptions) -> Result<Groom> {
+    let Filled { strands, given, parents, original, kin, .. } = filled;
+    let runs_with = |a, b| kin.runs_with(a, b);
+    let origins = Origins { given: *given, original, parents, runs_with: &runs_with };
+    // Where a map has left none of the given strands, guides are chosen among all.
+    bind_any(strands, options, (*given > 0).then_some(&origins))
 }
 
 /// Fills `given` (metres, groom space) on `head`. Where there are as many already, nothing changes.

@@ -71,7 +71,7 @@ impl<'a> Near<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::styles::random::Rng;
+    use crate::random::Rng;
 
     #[test]
     fn finds_what_brute_force_finds() {

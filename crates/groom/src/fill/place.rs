@@ -6,8 +6,11 @@
 //! (blue noise), and keeps away from the roots that are there.
 
 use super::surface::{Surface, area_of};
-use crate::styles::{random::Rng, scalp_uv};
-use crate::{Progress, grow::ScalpMap};
+use crate::{
+    Progress,
+    random::Rng,
+    scalp::{ScalpMap, scalp_uv},
+};
 use glam::{IVec3, Vec3};
 use std::{collections::HashMap, f32::consts::TAU};
 

@@ -2,8 +2,8 @@
 
 use super::kin::Kin;
 use super::skin::Skin;
-use crate::SdfGrid;
-use crate::styles::random::{Rng, lerp, smoothstep};
+use crate::random::{Rng, lerp, smoothstep};
+use crate::{SdfGrid, bind::Parents};
 use glam::{Quat, Vec3};
 
 /// How far along the strand the step from the given roots' surface to the skin is spread, metres.
@@ -17,27 +17,6 @@ const OWN: f32 = 0.6;
 
 /// Rounds of pushing out of the head and restoring lengths.
 const ROUNDS: usize = 3;
-
-/// The given strands that a new one is made of.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parents {
-    /// Indices of given strands. The first lends its curls, its number of vertices and its attributes.
-    pub strands: [u32; 3],
-    /// What each counts in the path; the sum is 1. A strand that counts 0 is none.
-    pub weights: [f32; 3],
-}
-
-impl Parents {
-    /// One strand alone.
-    pub(super) fn one(strand: u32) -> Self {
-        Self { strands: [strand; 3], weights: [1.0, 0.0, 0.0] }
-    }
-
-    /// Those that count, with what they count.
-    pub fn iter(&self) -> impl Iterator<Item = (u32, f32)> {
-        self.strands.into_iter().zip(self.weights).filter(|(_, weight)| *weight > 0.0)
-    }
-}
 
 /// Makes curves; holds no state between strands.
 pub(super) struct Shaper<'a> {

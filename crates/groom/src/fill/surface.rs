@@ -259,7 +259,7 @@ fn star(site: Vec3, normal: Vec3, widest: f32, found: &[(f32, u32)], sites: &[Ve
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::styles::spread_direction;
+    use crate::scalp::spread_direction;
 
     #[test]
     fn a_scalp_is_covered_once() {

@@ -1,7 +1,7 @@
 //! What holds of every groom that is filled, on grooms whose answers are known.
 
 use super::*;
-use crate::{BindOptions, GuideCount, bind, bind_filled, curve, mesh::Bvh, styles::scalp_uv};
+use crate::{BindOptions, Followers, GuideCount, bind, bind_filled, curve, mesh::Bvh, scalp::scalp_uv};
 use glam::{Vec2, Vec3};
 
 /// The radius of the ball that strands of these tests grow on, metres.
@@ -10,7 +10,7 @@ const BALL: f32 = 0.09;
 /// Even roots on the upper half of a ball.
 fn roots(count: u32) -> Vec<Vec3> {
     let start = Vec2::new(0.3, 0.6);
-    let all = (0..).map(|i| BALL * crate::styles::spread_direction(i, start));
+    let all = (0..).map(|i| BALL * crate::scalp::spread_direction(i, start));
     all.filter(|p| p.y > 0.2 * BALL).take(count as usize).collect()
 }
 

@@ -8,7 +8,7 @@
 use super::shape::{lengths, restore};
 use super::{Fill, Grown, surface::Surface};
 use crate::grow::unrest;
-use crate::styles::random::{Rng, smoothstep};
+use crate::random::{Rng, smoothstep};
 use glam::Vec3;
 use std::collections::HashMap;
 

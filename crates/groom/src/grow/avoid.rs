@@ -1,7 +1,7 @@
 //! Keeps rest curves clear of the head.
 
-use crate::styles::random::Rng;
-use crate::styles::{Face, Scalp};
+use crate::random::Rng;
+use crate::{scalp::Scalp, styles::Face};
 use glam::Vec3;
 
 /// Rounds of pushing out and restoring lengths.

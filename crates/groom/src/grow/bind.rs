@@ -4,7 +4,8 @@ use super::cells::Cells;
 use super::triangles::{delaunay, weights};
 use crate::{
     curve::resample_chords,
-    styles::{Scalp, StyledGuides, stereographic},
+    scalp::{Scalp, stereographic},
+    styles::StyledGuides,
 };
 use glam::{Vec2, Vec3};
 

@@ -85,8 +85,8 @@ impl Cells {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::styles::random::Rng;
     use super::*;
+    use crate::random::Rng;
 
     #[test]
     fn finds_what_brute_force_finds() {

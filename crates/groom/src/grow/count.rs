@@ -2,8 +2,9 @@
 
 use super::bind::Scaffold;
 use super::{Growth, Kind};
-use crate::styles::random::smoothstep;
-use crate::styles::{Scalp, StyledGuides, scalp_uv};
+use crate::random::smoothstep;
+use crate::scalp::{Scalp, scalp_uv};
+use crate::styles::StyledGuides;
 use glam::{Vec2, Vec3};
 
 /// The numbers of clump-based and of multi-strands.

@@ -19,7 +19,7 @@ mod bind;
 mod cells;
 mod count;
 mod curl;
-mod map;
+mod groom;
 mod named;
 mod paint;
 mod params;
@@ -31,15 +31,14 @@ mod unrest;
 pub(crate) use bind::frames_from;
 pub use curl::{CurlCurve, Curls};
 pub(crate) use curl::{Strand as CurlStrand, Twist};
-pub use map::ScalpMap;
 pub use paint::{ColorMap, Paint};
 pub use params::{Clumps, Growth, Kind, Unrest};
 pub(crate) use unrest::unrest;
 
-use super::styles::random::Rng;
-use super::styles::{Scalp, StyledGuides};
 use crate::hash::pcg;
+use crate::random::Rng;
 use crate::{Progress, Result, progress::at_once};
+use crate::{scalp::Scalp, styles::StyledGuides};
 use glam::{Vec2, Vec3};
 
 /// One grown strand, apart from its vertices.
@@ -81,7 +80,7 @@ impl GrownStrands {
     }
 }
 
-/// Grows strands on `scalp` from guides as [`styles::guides`](super::styles::guides) makes them, or
+/// Grows strands on `scalp` from guides as [`styles::guides`](crate::styles::guides) makes them, or
 /// from the same guides after draping.
 ///
 /// # Errors

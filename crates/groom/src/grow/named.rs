@@ -1,9 +1,9 @@
 //! Named maps that need no picture.
 
-use super::ScalpMap;
 use crate::mannequin;
-use crate::styles::random::{noise, smoothstep};
-use crate::styles::{Hairline, Scalp, scalp_direction};
+use crate::random::{noise, smoothstep};
+use crate::scalp::{Landmarks, Scalp, ScalpMap, scalp_direction};
+use crate::styles::Hairline;
 use glam::Vec3;
 
 /// Pixels along each side of a named map.
@@ -20,14 +20,8 @@ impl Scalp for Usual {
         mannequin::distance(p)
     }
 
-    fn landmarks(&self) -> crate::styles::Landmarks {
-        crate::styles::Landmarks {
-            skull: mannequin::SKULL_CENTRE,
-            brow: mannequin::BROW,
-            chin: mannequin::CHIN,
-            ear: mannequin::EAR,
-            nape: mannequin::NAPE,
-        }
+    fn landmarks(&self) -> Landmarks {
+        mannequin::LANDMARKS
     }
 }
 
@@ -69,7 +63,7 @@ impl ScalpMap {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::styles::scalp_uv;
+    use crate::scalp::scalp_uv;
     use glam::Vec2;
 
     #[test]

@@ -1,9 +1,8 @@
 //! Values painted on the scalp, on top of those of a style or a file.
 
-use super::ScalpMap;
 use crate::bound::strand::pack_color;
-use crate::styles::random::Rng;
-use crate::styles::scalp_uv;
+use crate::random::Rng;
+use crate::scalp::{ScalpMap, scalp_uv};
 use crate::{Error, Result};
 use crate::{Strands, bound::covering_radius, curve};
 use glam::{Vec2, Vec3};
@@ -171,7 +170,7 @@ mod tests {
     fn ball(count: usize) -> Strands {
         let mut strands = Strands::default();
         for i in 0..count {
-            let dir = crate::styles::spread_direction(i as u32, Vec2::new(0.3, 0.6));
+            let dir = crate::scalp::spread_direction(i as u32, Vec2::new(0.3, 0.6));
             let line: Vec<Vec3> = (0..11).map(|k| dir * (0.09 + 0.01 * k as f32)).collect();
             strands.push(&line);
         }

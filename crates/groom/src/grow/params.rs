@@ -1,8 +1,9 @@
 //! The parameters of growth.
 
-use super::{Curls, Paint, ScalpMap};
+use super::{Curls, Paint};
 use crate::MAX_STRAND_VERTICES;
 use crate::bound::covering_radius;
+use crate::scalp::ScalpMap;
 use crate::styles::{Curly, Style};
 use crate::{Error, Result, range, range::Range};
 

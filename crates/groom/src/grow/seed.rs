@@ -3,8 +3,9 @@
 use super::Growth;
 use super::bind::{Bound, Scaffold};
 use super::count::{clump_density, multi_density, open};
-use crate::styles::random::{Rng, smoothstep};
-use crate::styles::{Scalp, StyledGuides, scalp_uv, spread_direction};
+use crate::random::{Rng, smoothstep};
+use crate::scalp::{Scalp, scalp_uv, spread_direction};
+use crate::styles::StyledGuides;
 use crate::{Error, Result};
 use glam::{Vec2, Vec3};
 

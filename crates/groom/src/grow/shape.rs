@@ -6,8 +6,9 @@ use super::cells::Cells;
 use super::seed::Seed;
 use super::unrest::unrest;
 use super::{CurlStrand, Curls, Growth, Twist};
-use crate::styles::random::{Rng, lerp, smoothstep};
-use crate::styles::{Scalp, StyledGuides, stereographic};
+use crate::random::{Rng, lerp, smoothstep};
+use crate::scalp::{Scalp, stereographic};
+use crate::styles::StyledGuides;
 use glam::{Vec2, Vec3};
 
 /// Points of the curve of a clump's centre.

@@ -1,7 +1,8 @@
-use super::super::styles::tests::{head, in_face, in_head};
-use super::super::styles::{GUIDE_VERTICES, Style, guides};
 use super::*;
 use crate::mannequin;
+use crate::scalp::ScalpMap;
+use crate::styles::tests::{head, in_face, in_head};
+use crate::styles::{GUIDE_VERTICES, Style, guides};
 
 fn styles() -> [Style; 4] {
     Style::NAMES.map(|name| name.parse().unwrap())
@@ -338,7 +339,7 @@ fn paint_acts_where_it_is_and_takes_away() {
 #[test]
 fn any_curls_grow_finite_hair() {
     let styled = guides(&Style::default(), head());
-    let mut rng = crate::styles::random::Rng::new(5, 5);
+    let mut rng = crate::random::Rng::new(5, 5);
     for _ in 0..12 {
         let curls = Curls {
             radius: rng.range(0.0, 0.05),

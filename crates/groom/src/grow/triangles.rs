@@ -92,8 +92,8 @@ pub(crate) fn weights(corners: [Vec2; 3], p: Vec2) -> ([f32; 3], f32) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::styles::random::Rng;
     use super::*;
+    use crate::random::Rng;
 
     #[test]
     fn no_point_lies_in_a_circle_of_another_triangle() {

@@ -1,7 +1,7 @@
 //! Deviations of single strands from their path: frizz, strays and flyaways.
 
 use super::Unrest;
-use crate::styles::random::{Rng, smoothstep};
+use crate::random::{Rng, smoothstep};
 use glam::{Quat, Vec3};
 
 /// Fine waves in every strand, and a slow drift away from the path in some: with `stray`, a random

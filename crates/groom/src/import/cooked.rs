@@ -1,10 +1,10 @@
 //! Cooked grooms among the files of a groom: each is whole, oriented and repaired.
 
-use super::{Files, Given, Heads, ImportOptions, Moment, Sorted};
+use super::{Given, Heads, ImportOptions, Moment, Sorted};
 use crate::{
     Cooked,
     error::{At, Error, Result},
-    formats::is_cooked,
+    formats::{is_cooked, source::Files},
 };
 use std::path::{Path, PathBuf};
 

@@ -1,27 +1,13 @@
 //! From the distance field to triangles and to a grid.
 
-use super::{FIELD_RESOLUTION, RESOLUTION, cooked::bust, distance, forms};
-use crate::{Progress, SdfGrid, TriMesh, progress::at_once};
+use super::{distance, forms};
+use crate::{Progress, SdfGrid, TriMesh};
 use fast_surface_nets::{SurfaceNetsBuffer, ndshape::RuntimeShape, ndshape::Shape, surface_nets};
 use glam::{Vec3, vec3};
 
 /// A box around the bust with room to spare, metres.
 const LO: Vec3 = vec3(-0.235, -0.260, -0.155);
 const HI: Vec3 = vec3(0.235, 0.240, 0.140);
-
-/// The bust's field on a regular grid: the collider. `resolution` is the number of nodes along the
-/// longest axis; that of [`FIELD_RESOLUTION`] comes cooked.
-pub fn sdf(resolution: u32) -> SdfGrid {
-    at_once(sdf_with(resolution, &()))
-}
-
-/// The same, telling `progress`.
-pub async fn sdf_with(resolution: u32, progress: &impl Progress) -> SdfGrid {
-    match resolution {
-        FIELD_RESOLUTION => bust().field.clone(),
-        _ => measure(resolution, progress).await,
-    }
-}
 
 /// The field's grid without distances.
 pub(super) fn grid(resolution: u32) -> SdfGrid {
@@ -210,20 +196,6 @@ pub(super) fn distance_and_gradient(p: Vec3) -> (f32, Vec3) {
         sum = (sum.0 + d, sum.1 + corner * d);
     }
     (0.25 * sum.0, sum.1 / (4.0 * H))
-}
-
-/// The bust as triangles with smooth normals. `resolution` (clamped to 16…512) is how many of the face's
-/// cells make 30 cm; elsewhere cells are up to three times wider. That of [`RESOLUTION`] comes cooked.
-pub fn mesh(resolution: u32) -> TriMesh {
-    at_once(mesh_with(resolution, &()))
-}
-
-/// The same, telling `progress`.
-pub async fn mesh_with(resolution: u32, progress: &impl Progress) -> TriMesh {
-    match resolution {
-        RESOLUTION => bust().mesh.clone(),
-        _ => model(resolution, progress).await.0,
-    }
 }
 
 /// The bust as it is sculpted, and the lattice that it was meshed with.

@@ -18,6 +18,7 @@ mod face;
 pub mod facial;
 mod forms;
 mod meshing;
+mod model;
 mod neck;
 pub mod rig;
 mod scalp;
@@ -28,9 +29,10 @@ mod tests;
 
 pub(crate) use cooked::STEP;
 pub use cooked::cook;
-pub use meshing::{mesh, mesh_with, sdf, sdf_with};
+pub use model::{mesh, mesh_with, sdf, sdf_with};
 pub use scalp::scalp_point;
 
+use crate::scalp::Landmarks;
 use forms::{join, meet};
 use glam::{Vec3, vec3};
 
@@ -60,6 +62,9 @@ pub const EAR: Vec3 = vec3(0.0743, 0.085, 0.003);
 pub const EAR_TOP: Vec3 = vec3(0.0761, 0.116, -0.005);
 /// The nape of the neck, where the hair ends, metres.
 pub const NAPE: Vec3 = vec3(0.0, 0.045, -0.0776);
+/// The landmarks that hairstyles are measured from.
+pub const LANDMARKS: Landmarks =
+    Landmarks { skull: SKULL_CENTRE, brow: BROW, chin: CHIN, ear: EAR, nape: NAPE };
 
 /// The signed distance from `p` to the bust's surface, metres, negative inside. Near the surface it is true
 /// within a few percent, in the creases where two forms meet up to 40 % short; far away it is at

@@ -9,7 +9,10 @@
 use super::{NECK_JOINT, forms::step, neck, skull};
 use crate::{
     SdfGrid, TriMesh,
-    rig::{Bind, Delta, INFLUENCES, Joint, Node, Rig, Target, Transform},
+    rig::{
+        Bind, Delta, INFLUENCES, Joint, Node, Rig, Target, Transform,
+        anatomy::{Anatomy, Field, Part, PartForm},
+    },
 };
 use glam::{Mat4, Quat, Vec3, vec3};
 
@@ -56,6 +59,21 @@ pub fn rig(mesh: &TriMesh) -> Rig {
         targets: SHAPES.iter().zip(shapes).map(|(name, shape)| target(name, mesh, shape)).collect(),
         animations: Vec::new(),
         to_groom: Mat4::IDENTITY,
+    }
+}
+
+impl Anatomy {
+    /// Of the built-in character, whose distance field `bust` is.
+    pub fn built_in(mesh: &TriMesh, bust: &SdfGrid) -> Self {
+        let [torso, neck, head] = parts(bust).map(Field::Grid);
+        let part = |node, field| Part::new(node, field, PartForm::Field);
+        Self {
+            rig: rig(mesh),
+            head: part(2, head),
+            parts: vec![part(1, neck), part(0, torso)],
+            turns: SHARES.to_vec(),
+            is_rigid: true,
+        }
     }
 }
 

@@ -2,7 +2,8 @@ use super::*;
 use crate::{
     grow::{self, Growth},
     mannequin,
-    styles::{self, GridScalp, Style},
+    scalp::GridScalp,
+    styles::{self, Style},
 };
 
 #[test]
@@ -138,4 +139,22 @@ fn parts_of_the_field_make_the_bust() {
     assert!(parts[0].sample(mannequin::CROWN) > 0.1 && parts[1].sample(mannequin::CROWN) > 0.06);
     let nodes = |grid: &SdfGrid| grid.distances.len();
     assert!(parts.iter().map(nodes).sum::<usize>() < 2 * nodes(&bust), "they are cut to what they hold");
+}
+
+#[test]
+fn the_built_in_character_has_parts() {
+    let mesh = mannequin::mesh(60);
+    let bust = mannequin::sdf(mannequin::FIELD_RESOLUTION);
+    let anatomy = Anatomy::built_in(&mesh, &bust);
+    assert_eq!((anatomy.head.node, anatomy.parts.len(), anatomy.is_rigid), (2, 2, true));
+    let field = |part: &Part| match &part.field {
+        Field::Grid(grid) => grid.clone(),
+        Field::Mesh(..) => panic!("it is known"),
+    };
+    assert!(field(&anatomy.head).sample(mannequin::CROWN).abs() < 2e-3);
+    let shoulder = Vec3::new(0.12, -0.095, -0.06);
+    assert!(
+        field(&anatomy.parts[1]).sample(shoulder).abs() < 0.02
+            && field(&anatomy.head).sample(shoulder) > 0.05
+    );
 }

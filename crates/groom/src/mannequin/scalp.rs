@@ -1,7 +1,20 @@
 //! The skin on which hair grows.
 
-use super::{SKULL_CENTRE, distance, face, meshing, skull};
+use super::{LANDMARKS, SKULL_CENTRE, distance, face, meshing, model, skull};
+use crate::{SdfGrid, scalp::GridScalp};
 use glam::{Vec3, vec3};
+
+impl GridScalp {
+    /// The built-in mannequin, its field sampled at `resolution` nodes along the longest axis.
+    pub fn mannequin(resolution: u32) -> Self {
+        Self::of_mannequin(model::sdf(resolution))
+    }
+
+    /// The built-in mannequin with its field already sampled.
+    pub fn of_mannequin(field: SdfGrid) -> Self {
+        Self { field, landmarks: LANDMARKS }
+    }
+}
 
 /// Bare head without features, ears and neck, metres: star-shaped about [`SKULL_CENTRE`].
 fn skin(p: Vec3) -> f32 {

@@ -23,16 +23,16 @@ pub use simplify::Level;
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct TriMesh {
     /// One per vertex.
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub positions: Vec<Vec3>,
     /// Unit normals, one per vertex.
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub normals: Vec<Vec3>,
     /// Linear colours, one per vertex, or empty for the body's default colour.
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub colors: Vec<Vec3>,
     /// Counter-clockwise seen from outside.
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub triangles: Vec<[u32; 3]>,
     /// What its surface is painted with, where materials have pictures.
     #[cfg_attr(feature = "cooked", serde(with = "paint::shared"))]

@@ -9,10 +9,10 @@ use glam::{Vec2, Vec3};
 pub struct Paint {
     /// Where each vertex is in the pictures of its coat: from the left and from the top, 1 is the other edge, and they
     /// repeat.
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub places: Vec<Vec2>,
     /// Which of the coats each vertex has; [`Paint::NONE`] for one that has its colour alone.
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub of: Vec<u8>,
     /// One for each material that has pictures.
     pub coats: Vec<Coat>,
@@ -40,7 +40,7 @@ pub struct Texture {
     /// Rows, from the top.
     pub height: u32,
     /// Four bytes each.
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub rgba: Vec<u8>,
 }
 

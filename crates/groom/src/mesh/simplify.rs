@@ -13,7 +13,7 @@ pub struct Level {
     /// How far the surface is from the mesh's, as the sums of squares tell that chose the edges, metres.
     pub stray: f32,
     /// As [`TriMesh::triangles`].
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub triangles: Vec<[u32; 3]>,
 }
 

@@ -8,34 +8,8 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 
-use super::{Axis, Sphere, likeness};
+use super::{Sphere, frame::Frame, likeness};
 use crate::{Strands, TriMesh, mesh::bvh::Bvh};
-
-/// A candidate: the file's axes that point up and forward.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Frame {
-    pub up: Axis,
-    pub front: Axis,
-}
-
-impl Frame {
-    /// All 24, the usual ones first.
-    pub fn all() -> impl Iterator<Item = Self> {
-        let pairs =
-            Axis::ALL.into_iter().flat_map(|up| Axis::ALL.into_iter().map(move |front| Self { up, front }));
-        pairs.filter(|f| f.up.vector().dot(f.front.vector()) == 0.0)
-    }
-
-    /// How common it is among programs.
-    pub fn habit(self) -> f32 {
-        match (self.up, self.front) {
-            (Axis::Y, Axis::Z) => 0.3,
-            (Axis::Z, Axis::NegY) => 0.2,
-            (Axis::Z, Axis::Y) | (Axis::Y, Axis::NegZ) => 0.15,
-            _ => 0.0,
-        }
-    }
-}
 
 /// What hair says.
 #[derive(Clone, Debug)]

@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 
-use super::evidence::Frame;
+use super::frame::Frame;
 
 /// Slices from crown to mouth; below, chins and necks differ.
 const SLICES: usize = 9;

@@ -8,6 +8,7 @@
 
 mod choice;
 mod evidence;
+mod frame;
 mod likeness;
 mod pair;
 mod placement;
@@ -21,17 +22,28 @@ pub use placement::Placement;
 pub use seat::seat;
 pub use sphere::Sphere;
 
-use evidence::{Frame, HairFacts, MeshFacts};
+use evidence::{HairFacts, MeshFacts};
+use frame::Frame;
 use size::{HALF_BREADTH, HEAD_HEIGHT};
 
-use super::{Strands, TriMesh, import::mesh::RawMesh, mesh::bvh::Bvh};
+use crate::{Strands, TriMesh, mesh::bvh::Bvh};
 
 /// The lead over the next candidate under which a guess is called doubtful.
 const DOUBT: f32 = 0.1;
 
-impl Choice {
-    fn allows(&self, frame: Frame) -> bool {
-        self.up.is_none_or(|up| up == frame.up) && self.front.is_none_or(|front| front == frame.front)
+/// What is known of a file's unit and axes before anything is guessed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Known {
+    /// What the user says, which counts for more.
+    pub given: Choice,
+    /// What the file or its format says.
+    pub declared: Choice,
+}
+
+impl Known {
+    /// Both together.
+    fn whole(&self) -> Choice {
+        self.given.or(self.declared)
     }
 }
 
@@ -46,15 +58,15 @@ fn best_frame(choice: &Choice, score: impl Fn(Frame) -> f32) -> (Frame, f32, Opt
     (best.1, next.map_or(f32::INFINITY, |n| best.0 - n.0), next.map(|n| n.1))
 }
 
-/// What is said about the axes: `given` by hand, `file` by the file.
-fn explain_axes(placement: &mut Placement, given: &Choice, file: &Choice, why: &str) {
+/// Notes the reasons for the axes.
+fn explain_axes(placement: &mut Placement, known: &Known, why: &str) {
+    let (whole, Known { given, declared: file }) = (known.whole(), known);
     let (up, front) = (placement.up.name(), placement.front.name());
     let source = |given: Option<Axis>, file: Option<Axis>| match (given, file) {
         (Some(_), _) => "given",
         (None, Some(_)) => "the file says so",
         (None, None) => why,
     };
-    let whole = given.or(*file);
     let of_up = source(given.up, file.up.filter(|up| whole.up == Some(*up)));
     let of_front = source(given.front, file.front.filter(|front| whole.front == Some(*front)));
     placement.reasons.push(match of_up == of_front {
@@ -74,9 +86,9 @@ fn explain_doubt(placement: &mut Placement, lead: f32, next: Option<Frame>) {
     }
 }
 
-/// How a groom without a head comes into metres, Y up, face +Z. `declared` is what its files say of it.
-pub fn groom(strands: &Strands, declared: &Choice, given: &Choice) -> Placement {
-    let choice = given.or(*declared);
+/// How a groom without a head comes into metres, Y up, face +Z.
+pub fn groom(strands: &Strands, known: &Known) -> Placement {
+    let choice = known.whole();
     let mut placement = Placement { mirrored: choice.mirror.unwrap_or(false), ..Default::default() };
     let Some(facts) = HairFacts::of(strands) else {
         placement.unit = choice.unit.unwrap_or(Unit(1.0));
@@ -87,9 +99,9 @@ pub fn groom(strands: &Strands, declared: &Choice, given: &Choice) -> Placement 
     };
     let (frame, lead, next) = best_frame(&choice, |f| facts.score(f) + f.habit());
     (placement.up, placement.front) = (frame.up, frame.front);
-    explain_axes(&mut placement, given, declared, "roots lie on top and behind, hair falls");
+    explain_axes(&mut placement, known, "roots lie on top and behind, hair falls");
     explain_doubt(&mut placement, lead, next);
-    unit_of_hair(&mut placement, &facts, &choice, given.unit.is_none());
+    unit_of_hair(&mut placement, &facts, &choice, known.given.unit.is_none());
     placement
 }
 
@@ -130,18 +142,18 @@ fn explain_unit(placement: &mut Placement, known: bool, seen: &str) {
 }
 
 /// How a head without a groom comes into metres, Y up, face +Z.
-pub fn head(head: &RawMesh, choice: &Choice) -> Placement {
-    let (given, stated) = (choice, head.declared);
-    let choice = given.or(stated);
+pub fn head(mesh: &TriMesh, known: &Known) -> Placement {
+    let choice = known.whole();
     let mut placement = Placement { mirrored: choice.mirror.unwrap_or(false), ..Default::default() };
-    let facts = MeshFacts::of(&head.mesh, &Bvh::new(&head.mesh));
+    let facts = MeshFacts::of(mesh, &Bvh::new(mesh));
     // Habit counts for more: a mesh says less than hair.
     let (frame, lead, next) = best_frame(&choice, |f| facts.score(f) + 2.0 * f.habit());
     (placement.up, placement.front) = (frame.up, frame.front);
     let why = "a head's profile and symmetry, and where the vertices are dense";
-    explain_axes(&mut placement, given, &stated, why);
+    explain_axes(&mut placement, known, why);
     explain_doubt(&mut placement, lead, next);
-    unit_of_head(&mut placement, &head.mesh, None, &choice, stated.unit.is_some() && given.unit.is_none());
+    let declared = known.declared.unit.is_some() && known.given.unit.is_none();
+    unit_of_head(&mut placement, mesh, None, &choice, declared);
     placement
 }
 

@@ -3,15 +3,13 @@
 use glam::Vec3;
 
 use super::{
-    Axis, Choice, DOUBT, Frame, Placement, Unit,
+    Axis, Choice, DOUBT, Known, Placement, Unit,
     evidence::{HairFacts, MeshFacts},
-    explain_axes, explain_unit, groom, head, seat, unit_of_head,
+    explain_axes, explain_unit,
+    frame::Frame,
+    groom, head, seat, unit_of_head,
 };
-use crate::{
-    Strands,
-    import::{ImportOptions, mesh::RawMesh},
-    mesh::bvh::Bvh,
-};
+use crate::{Strands, TriMesh, mesh::bvh::Bvh};
 
 /// The roots' median distance to the mesh, in radii of their sphere, up to which they belong to it.
 const BELONGS: f32 = 0.04;
@@ -22,20 +20,13 @@ const EXACT: f32 = 1e-4;
 const SCALES: [f32; 9] = [1.0, 0.01, 100.0, 0.1, 10.0, 0.001, 1000.0, 0.0254, 39.370_08];
 
 /// How a groom and its head come into metres, Y up, face +Z: the groom's placement, then the head's.
-pub fn pair(
-    strands: &Strands,
-    declared: &Choice,
-    raw: &RawMesh,
-    options: &ImportOptions,
-) -> (Placement, Placement) {
-    let stated = raw.declared;
-    let choice = options.orient.or(*declared);
-    let choice_head = options.orient_head.or(stated);
-    let bvh = Bvh::new(&raw.mesh);
-    let alone = || (groom(strands, declared, &options.orient), head(raw, &options.orient_head));
+pub fn pair(strands: &Strands, of_groom: &Known, mesh: &TriMesh, of_head: &Known) -> (Placement, Placement) {
+    let (choice, choice_head) = (of_groom.whole(), of_head.whole());
+    let bvh = Bvh::new(mesh);
+    let alone = || (groom(strands, of_groom), head(mesh, of_head));
     let Some(facts) = HairFacts::of(strands) else { return alone() };
     let relations = relations(&facts, &bvh, &choice, &choice_head);
-    let surface = MeshFacts::of(&raw.mesh, &bvh);
+    let surface = MeshFacts::of(mesh, &bvh);
     // Relation and head frame together: the first must bring the roots to the skin, the second the
     // result upright, and both must be what the user allows.
     let mut ranked = Vec::new();
@@ -57,11 +48,11 @@ pub fn pair(
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
     let Some((score, relation, mut upright, cost)) = ranked.first().cloned() else {
         let (own, head) = alone();
-        let own = seat(strands, own, &raw.mesh, &head);
+        let own = seat(strands, own, mesh, &head);
         return (own, head);
     };
     let why = "a head's profile and symmetry; roots lie on top and behind, hair falls";
-    explain_axes(&mut upright, &options.orient_head, &stated, why);
+    explain_axes(&mut upright, of_head, why);
     // A unit given for one of the two files gives the other's.
     let given = choice_head.unit.or(choice.unit.map(|u| Unit(u.0 / relation.unit.0)));
     let side = relation.axes().transpose() * upright.up.vector().cross(upright.front.vector());
@@ -69,10 +60,10 @@ pub fn pair(
     let sized = Choice { unit: given, ..choice_head };
     unit_of_head(
         &mut upright,
-        &raw.mesh,
+        mesh,
         Some(breadth),
         &sized,
-        raw.declared.unit.is_some() && choice_head.unit == given,
+        of_head.declared.unit.is_some() && choice_head.unit == given,
     );
     let mut own = compose(&upright, relation);
     let median = cost * facts.sphere.radius * own.unit.0;

@@ -4,7 +4,6 @@ use glam::Vec3;
 use proptest::prelude::*;
 
 use super::*;
-use crate::import::ImportOptions;
 
 fn points(n: std::ops::Range<usize>) -> impl Strategy<Value = Vec<Vec3>> {
     let number = prop_oneof![
@@ -33,7 +32,7 @@ proptest! {
     ) {
         let mut groom_ = Strands::default();
         strands.iter().for_each(|s| groom_.push(s));
-        let alone = groom(&groom_, &Choice::default(), &Choice::default());
+        let alone = groom(&groom_, &Known::default());
         prop_assert!(usable(&alone), "{:?}", alone);
         let corners: Vec<Vec3> = corners.into_iter().filter(|c| c.is_finite()).collect();
         let triangles: Vec<[u32; 3]> =
@@ -43,10 +42,9 @@ proptest! {
         }
         let normals = vec![Vec3::Y; corners.len()];
         let mesh = TriMesh { positions: corners, normals, triangles, ..Default::default() };
-        let raw = RawMesh { mesh, ..Default::default() };
-        let body = head(&raw, &Choice::default());
+        let body = head(&mesh, &Known::default());
         prop_assert!(usable(&body), "{:?}", body);
-        let (own, body) = pair(&groom_, &Choice::default(), &raw, &ImportOptions::default());
+        let (own, body) = pair(&groom_, &Known::default(), &mesh, &Known::default());
         prop_assert!(usable(&own) && usable(&body), "{:?} {:?}", own, body);
     }
 }
@@ -77,13 +75,16 @@ fn what_a_file_says_in_part_leaves_the_rest_to_guess() {
         let out = Vec3::new(a.cos() * (1.0 - h * h).sqrt(), a.sin() * (1.0 - h * h).sqrt(), h);
         dome.push(&[out * 8.0, out * 9.0, out * 10.0 - Vec3::Z]);
     }
-    let placed = groom(&dome, &file, &Choice::default());
+    let placed = groom(&dome, &Known { declared: file, ..Default::default() });
     assert_eq!((placed.up, placed.unit), (Axis::Z, Unit(0.01)));
     let reasons = placed.reasons.join("; ");
     assert!(
         reasons.contains("up z: the file says so; face") && reasons.contains("0.01 m: the file"),
         "{reasons}"
     );
-    let told = groom(&dome, &file, &Choice { up: Some(Axis::X), ..Default::default() }).reasons.join("; ");
+    let told =
+        groom(&dome, &Known { declared: file, given: Choice { up: Some(Axis::X), ..Default::default() } })
+            .reasons
+            .join("; ");
     assert!(told.contains("up x: given; face"), "{told}");
 }

@@ -60,11 +60,11 @@ pub struct Curve {
     /// What lies between keys.
     pub interpolation: Interpolation,
     /// Seconds, rising.
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub times: Vec<f32>,
     /// The numbers of each key, one after another. For a cubic spline a key has three times as many: the
     /// tangent before it, its values, the tangent behind it; tangents are per second.
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub values: Vec<f32>,
 }
 

@@ -34,7 +34,7 @@ pub struct Rig {
     /// The palette: what vertices follow. At most [`MAX_JOINTS`].
     pub joints: Vec<Joint>,
     /// One per vertex of the mesh, in its order.
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub vertices: Vec<Bind>,
     /// Shapes to blend. Those of one name are one, whichever parts of the mesh they move.
     pub targets: Vec<Target>,
@@ -107,7 +107,7 @@ pub struct Target {
     /// Its name, unique in a rig.
     pub name: String,
     /// Only vertices that it moves, ascending.
-    #[cfg_attr(feature = "cooked", serde(with = "crate::cooked::bulk"))]
+    #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub deltas: Vec<Delta>,
 }
 

@@ -5,11 +5,12 @@
 //! `cargo run -p tresses --example cook` writes the file; a test there compares it with the result of the
 //! simulation.
 
-use super::{GUIDE_VERTICES, Lines, Recipe, Scalp, Style, StyledGuides};
+use super::{GUIDE_VERTICES, Lines, Recipe, Style, StyledGuides};
 use crate::{
     Strands,
     mannequin::STEP,
     rice::{Context, Reader, Writer},
+    scalp::Scalp,
 };
 use glam::{IVec3, Vec3};
 use std::sync::OnceLock;

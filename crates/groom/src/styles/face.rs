@@ -1,6 +1,6 @@
 //! The space in front of the face, which hair does not enter.
 
-use super::scalp::{Landmarks, Scalp};
+use crate::scalp::{Landmarks, Scalp};
 use glam::Vec3;
 
 /// An egg-shaped space in front of the face.

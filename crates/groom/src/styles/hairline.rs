@@ -1,7 +1,7 @@
 //! Where hair grows: the region of the scalp inside an irregular line.
 
-use super::random::{noise, smoothstep};
-use super::scalp::Scalp;
+use crate::random::{noise, smoothstep};
+use crate::scalp::Scalp;
 use glam::Vec3;
 
 /// The line from forehead over temple, around the ear and down to the nape, on both sides.
@@ -124,8 +124,8 @@ fn elevation_at_height(scalp: &dyn Scalp, azimuth: f32, y: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::GridScalp;
     use super::*;
+    use crate::scalp::GridScalp;
 
     #[test]
     fn hair_grows_on_the_scalp_only() {

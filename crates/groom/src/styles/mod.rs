@@ -7,33 +7,30 @@
 //! at a length or at a common hem. Waves are added along the path.
 //!
 //! The shapes are close to their equilibrium under gravity and contact; the simulation of `tresses::drape`
-//! finishes them, with as much hold as the style needs to keep its volume and its wave ([`Hold`]), and
-//! [`bound`] makes a groom of the strands then grown. Spirals are not part of the guides, as three spirals
+//! finishes them, with as much hold as the style needs to keep its volume and its wave ([`Hold`]). Spirals are not part of the guides, as three spirals
 //! of different phase have no meaningful mean; [`Curls`](crate::grow::Curls) describes how
 //! [`grow`](crate::grow) winds the drawn strands around them.
 
-mod bound;
 mod cooked;
 mod face;
 mod hairline;
 mod parting;
-pub(crate) mod random;
 mod recipe;
 mod roots;
-mod scalp;
 mod trace;
 
-pub use bound::bound;
 pub use cooked::{cook, settled};
 pub use face::Face;
 pub use hairline::Hairline;
 pub use parting::Parting;
 pub use recipe::{Bob, Curly, Hold, Long, LowTop, Recipe, Short, Style};
-pub use scalp::{GridScalp, Landmarks, Scalp, scalp_direction, scalp_uv};
-pub(crate) use scalp::{spread_direction, stereographic};
 
-use super::{Strands, curve::resample_chords};
-use crate::{Progress, progress::at_once};
+use crate::{
+    Progress, Strands,
+    curve::resample_chords,
+    progress::at_once,
+    scalp::{Scalp, scalp_uv},
+};
 use glam::Vec3;
 
 /// Vertices of each guide.

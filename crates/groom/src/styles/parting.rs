@@ -1,8 +1,8 @@
 //! The line from which hair falls to both sides.
 
-use super::random::noise;
 use super::recipe::Recipe;
-use super::scalp::Scalp;
+use crate::random::noise;
+use crate::scalp::Scalp;
 use glam::Vec3;
 
 /// A parting: a line over the scalp from the forehead to the crown, seen as a narrow strip of skin.
@@ -69,8 +69,9 @@ impl Parting {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{GridScalp, Style};
+    use super::super::Style;
     use super::*;
+    use crate::scalp::GridScalp;
 
     #[test]
     fn a_parting_lies_on_the_scalp_and_has_two_sides() {
@@ -82,7 +83,7 @@ mod tests {
         let p = parting.line[20];
         assert!(parting.nearest(p).distance(p) < 1e-5);
         for i in 0..200 {
-            let p = head.point(crate::styles::spread_direction(i, glam::Vec2::ZERO));
+            let p = head.point(crate::scalp::spread_direction(i, glam::Vec2::ZERO));
             let brute = parting.line.iter().map(|q| q.distance(p)).fold(f32::INFINITY, f32::min);
             assert!(parting.nearest(p).distance(p) < brute + 1e-6);
         }

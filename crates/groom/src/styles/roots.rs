@@ -2,8 +2,8 @@
 
 use super::hairline::Hairline;
 use super::parting::Parting;
-use super::random::Rng;
-use super::scalp::{Scalp, spread_direction};
+use crate::random::Rng;
+use crate::scalp::{Scalp, spread_direction};
 use glam::{Vec2, Vec3, Vec4};
 
 /// Sample points of the region for each root that is sought.

@@ -1,5 +1,5 @@
 use super::*;
-use crate::mannequin;
+use crate::{mannequin, scalp::GridScalp};
 use std::sync::OnceLock;
 
 /// The mannequin that the tests share.

@@ -2,9 +2,9 @@
 
 use super::face::Face;
 use super::parting::Parting;
-use super::random::{Rng, lerp, noise, smoothstep};
 use super::recipe::Recipe;
-use super::scalp::{Landmarks, Scalp};
+use crate::random::{Rng, lerp, noise, smoothstep};
+use crate::scalp::{Landmarks, Scalp};
 use glam::Vec3;
 
 /// Length of a step along the path, metres.

@@ -1,6 +1,7 @@
 //! Files of painted levels of detail.
 
-use super::{MapSource, Shelf};
+use super::MapSource;
+use crate::shelf::Shelf;
 use anyhow::{Context, Error, Result};
 use serde::Deserialize;
 use std::path::Path;
@@ -74,7 +75,7 @@ mod tests {
         let levels = |path: &Path| super::levels(path, &Shelf::default());
         let read = levels(&path).unwrap();
         assert_eq!((read.len(), &read[0].density), (2, &None));
-        let at = |map: &Option<tresses::groom::grow::ScalpMap>| {
+        let at = |map: &Option<tresses::groom::scalp::ScalpMap>| {
             map.as_ref().unwrap().sample(tresses::glam::Vec2::splat(0.5))
         };
         assert!((at(&read[1].density) - 0.2).abs() < 1e-5);

@@ -1,6 +1,6 @@
 //! Maps on the scalp from pictures and by name.
 
-use super::Shelf;
+use crate::shelf::Shelf;
 use anyhow::{Context, Result, bail};
 use std::{
     io::Cursor,
@@ -8,7 +8,7 @@ use std::{
     str::FromStr,
 };
 use tresses::{
-    groom::grow::{ColorMap, ScalpMap},
+    groom::{grow::ColorMap, scalp::ScalpMap},
     light::material::linear,
 };
 

@@ -1,7 +1,6 @@
 //! A picture of the surroundings that lights the scene.
 
-use super::Shelf;
-use crate::settings::LightSettings;
+use crate::{settings::LightSettings, shelf::Shelf};
 use anyhow::{Context, Result, ensure};
 use std::{io::Cursor, path::Path};
 use tresses::{

@@ -11,7 +11,7 @@
 //! Metres, groom space, the hair at rest: a band at a place, a braid along a line, a pin that holds hair to the head, a band
 //! that draws loose hair together to a quarter, of the file's group 2 alone. What they do is [`tresses::simulate::ties`].
 
-use super::Shelf;
+use crate::shelf::Shelf;
 use anyhow::{Context, Result, ensure};
 use serde::Deserialize;
 use std::path::Path;

@@ -1,7 +1,6 @@
 //! The table as a page of documentation.
 
-use super::{SECTIONS, Value};
-use crate::settings::Change;
+use super::{Change, SECTIONS, Value};
 use std::fmt::Write;
 
 /// `docs/knobs.md`.

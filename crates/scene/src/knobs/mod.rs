@@ -21,6 +21,7 @@
 //! ```
 
 mod avoidance;
+mod change;
 mod document;
 mod edges;
 pub mod flags;
@@ -34,12 +35,14 @@ mod text;
 mod value;
 mod wind;
 
+pub use change::{Change, Changes};
 pub use document::markdown;
 pub use flags::Flag;
+pub(crate) use style::CURLS;
 pub use text::color;
 pub use value::{Choice, Kind, Refusal, Scale, Unit, Value};
 
-use crate::settings::{Change, Settings};
+use crate::settings::Settings;
 
 /// A group of parameters.
 #[derive(Debug)]
@@ -232,7 +235,7 @@ macro_rules! rows {
                 label: $label,
                 hint: $hint,
                 kind: $kind,
-                cost: $crate::settings::Change::Frame,
+                cost: $crate::knobs::Change::Frame,
                 automatic: false,
                 advanced: false,
                 flag: None,

@@ -21,16 +21,16 @@ const KNOBS: &[Knob] = rows! { "shadows";
     "strand_by_strand" "Strand by strand" [shadows.strand_by_strand] number(PERCENT, 0.0, 100.0),
         flag(flag("shadow-strands", "SHARE")),
         "How much strands are in light or shade one by one, not as their surroundings; fibre model only.";
-    "strand_map" "Strand map" [strand_map] integer(TEXELS, 0, 2048, 1), rebuild, flag(flag("strand-map", "N")),
+    "strand_map" "Strand map" [view.strand_map] integer(TEXELS, 0, 2048, 1), rebuild, flag(flag("strand-map", "N")),
         "Texels of maps that find which strands are in light: 1024 for stills, 0 to let chance decide (fiber).";
     "ambient" "Follow ambient light" [shadows.ambient] Kind::Toggle, flag(flag("ambient", "on|off")),
         "Follow light of the sky and of the skin through the hair; off estimates the open part of the sky.";
     "per_pixel" "Per pixel" [shadows.per_pixel] Kind::Toggle, flag(flag("shadows-per-pixel", "")),
         "Shade hair and look up its shadows at each pixel; slower.";
-    "resolution" "Resolution" [shadow_resolution] integer(TEXELS, 64, 2048, 1),
+    "resolution" "Resolution" [view.shadow_resolution] integer(TEXELS, 64, 2048, 1),
         advanced, rebuild, flag(flag("shadow-resolution", "N")),
         "Texels along each edge of a shadow map; higher for shadows of single locks on the skin.";
-    "ambient_cells" "Ambient cells" [ambient_cells] integer(PLAIN, 4, 64, 1), advanced, rebuild,
+    "ambient_cells" "Ambient cells" [view.ambient_cells] integer(PLAIN, 4, 64, 1), advanced, rebuild,
         flag(flag("ambient-cells", "N")),
         "Cells of ambient light along each edge; short hair is truer with 48, which take eight times as long as 24.";
     "body_softness" "Softness on skin" [shadows.body_radius] number(MILLIMETRES, 0.1, 50.0).log(), advanced,

@@ -6,7 +6,7 @@ use super::{
     rows,
     value::*,
 };
-use crate::settings::{CURLS, Curl};
+use crate::settings::Curl;
 use tresses::groom::{
     grow::{Clumps, Curls, Growth, Unrest},
     mannequin::facial::Beard,
@@ -112,6 +112,18 @@ const KNOBS: &[Knob] = rows! { "style";
 };
 
 /// Another type of curl: what was varied of the one before does not suit it.
+/// The parameters of curls that vary [`Curl`].
+pub(crate) const CURLS: [&str; 9] = [
+    "style.curl_radius",
+    "style.curl_wavelength",
+    "style.curl_flatness",
+    "style.curl_start",
+    "style.curl_tip",
+    "style.curl_irregularity",
+    "style.curl_coherence",
+    "style.curl_neighbours",
+    "style.curl_shrink",
+];
 const CURL: &[Part] = &[value("style.curl").resets(&CURLS)];
 
 const STRETCHED: &[Set] = &[("style.curl_stretch", Value::Toggle(true))];

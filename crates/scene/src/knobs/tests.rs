@@ -1,5 +1,5 @@
 use super::*;
-use crate::settings::Maps;
+use crate::companions::Maps;
 
 /// Both ends of a knob's range, or all its values where it has few.
 fn ends(knob: &Knob) -> Vec<Value> {

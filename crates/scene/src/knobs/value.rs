@@ -3,7 +3,7 @@
 use super::Knob;
 use crate::{
     picture::encoded,
-    settings::{Curl, HairColor, Samples},
+    settings::{Curl, HairColor},
 };
 use tresses::{
     avoid::AvoidMode,
@@ -347,12 +347,6 @@ named! {
         "absorption" Absorption "light is lost in proportion to the distance behind the nearest hair";
         "deep" DeepOpacity "deep opacity maps: fibres are counted in layers behind the front of the hair";
         "off" Off "no shadows";
-    }
-    Samples {
-        "1" One "one sample";
-        "4" Four "4×MSAA";
-        "8" Eight "8×MSAA";
-        "16" Sixteen "16×MSAA";
     }
     Coverage {
         "mask" SampleMask "each strand covers its share of the samples of a pixel";

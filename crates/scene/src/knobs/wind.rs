@@ -1,7 +1,7 @@
 //! Parameters of the wind.
 
 use super::{
-    Knob, Section,
+    Access, Knob, Section, Value,
     flags::{Missing, Slot, flag, place, value},
     rows,
     value::*,
@@ -16,10 +16,10 @@ pub(super) const SECTION: Section = Section {
 };
 
 const KNOBS: &[Knob] = rows! { "wind";
-    "speed" "Speed" [wind.speed] within(METRES_PER_SECOND, Wind::SPEED).log(),
+    "speed" "Speed" {SPEED} within(METRES_PER_SECOND, Wind::SPEED).log(),
         flag(flag("wind", "SPEED[,DEGREES]").common().then(WIND)),
         "Mean speed: 2 m/s stirs leaves, 8 a flag, 20 is a storm. 0 costs nothing.";
-    "direction" "Direction" [wind.direction] number(DEGREES, -360.0, 360.0),
+    "direction" "Direction" [wind_direction] number(DEGREES, -360.0, 360.0),
         "Where the wind comes from: the front (0), the left of the head (90), the back (180).";
     "gusts" "Gusts" [simulation.wind.gusts] within(PERCENT, Wind::GUSTS),
         flag(flag("gusts", "INTENSITY")),
@@ -35,3 +35,14 @@ const KNOBS: &[Knob] = rows! { "wind";
 };
 
 const WIND: &[Slot] = &[place(value("wind.direction"), Missing::Kept)];
+
+/// The speed of wind from the front.
+const SPEED: Access = Access {
+    get: |settings| Value::Number(settings.wind_speed()),
+    set: |settings, value| {
+        if let Value::Number(speed) = value {
+            settings.set_wind_speed(speed);
+        }
+    },
+    copy: |to, from| to.simulation.wind.velocity = from.simulation.wind.velocity,
+};

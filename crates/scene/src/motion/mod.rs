@@ -17,6 +17,7 @@ use serde::Deserialize;
 use std::{collections::BTreeMap, path::Path, sync::Arc};
 use tresses::{
     Pose,
+    character::Gesture,
     glam::{EulerRot, Quat, Vec3},
 };
 
@@ -47,49 +48,6 @@ pub struct Key {
     /// How much there is of the body's shapes, 1 for all of it. A shape that a key does not name has 0 there.
     #[serde(default)]
     pub shapes: BTreeMap<String, f64>,
-}
-
-/// What a motion has a character do at one time.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Gesture {
-    /// Where the body is.
-    pub body: Pose,
-    /// How the head is turned on the neck, relative to the body.
-    pub head: Pose,
-    /// Shapes of the body by name, and how much there is of them.
-    pub shapes: Vec<(Arc<str>, f32)>,
-}
-
-impl From<Pose> for Gesture {
-    /// All of the body is there.
-    fn from(body: Pose) -> Self {
-        Self { body, ..Self::default() }
-    }
-}
-
-impl Gesture {
-    /// Where the head of a body is that is one piece.
-    pub fn rigid(&self) -> Pose {
-        self.body.after(&self.head)
-    }
-
-    /// From this (`t` = 0) to the `other` (`t` = 1).
-    pub fn lerp(&self, other: &Self, t: f32) -> Self {
-        let names = self.shapes.iter().chain(&other.shapes).map(|(name, _)| name);
-        let mut shapes: Vec<(Arc<str>, f32)> = Vec::new();
-        for name in names {
-            if shapes.iter().all(|(other, _)| other != name) {
-                let (from, to) = (self.shape(name), other.shape(name));
-                shapes.push((name.clone(), from + (to - from) * t));
-            }
-        }
-        Self { body: self.body.lerp(&other.body, t), head: self.head.lerp(&other.head, t), shapes }
-    }
-
-    /// How much there is of a shape.
-    pub fn shape(&self, name: &str) -> f32 {
-        self.shapes.iter().find(|(other, _)| **other == *name).map_or(0.0, |(_, weight)| *weight)
-    }
 }
 
 /// The form of a keyframe file.

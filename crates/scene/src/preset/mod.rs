@@ -22,10 +22,9 @@ mod read;
 mod source;
 mod write;
 
-pub use source::Source;
 pub use write::Extent;
 
-use crate::settings::Settings;
+use crate::{settings::Settings, source::Source};
 use std::path::Path;
 
 /// The version of the format that this program writes, and the only one that it reads.

@@ -1,12 +1,13 @@
 //! From a text to a preset.
 
 use super::{
-    Preset, Source, VERSION,
+    Preset, VERSION,
     source::{FILES, MIRROR, TEXTS},
 };
 use crate::{
     knobs::{self, Kind, Knob, SECTIONS, Value, color},
     settings::Settings,
+    source::Source,
 };
 use std::{ops::Range, path::PathBuf};
 use toml::{

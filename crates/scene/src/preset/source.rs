@@ -1,48 +1,12 @@
-//! Which hair a preset is for.
+//! The table `[source]` of a preset: its keys, and names of files relative to the preset.
 
-use crate::companions::COMPANIONS;
+use crate::source::{COMPANIONS, Source};
 use std::path::{Component, Path, PathBuf};
 use tresses::groom::{
-    grow::ScalpMap,
-    import::ImportOptions,
     orient::{Axis, Unit},
+    scalp::ScalpMap,
     styles::Style,
 };
-
-/// Groom, head and the other files, or a built-in style; everything may be left out.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Source {
-    /// A built-in hairstyle.
-    pub style: Option<String>,
-    /// Groom files.
-    pub grooms: Vec<PathBuf>,
-    /// The head's files.
-    pub heads: Vec<PathBuf>,
-    /// What is known of their units and axes.
-    pub orientation: ImportOptions,
-    /// Share of the strands that stay: a picture, `picture.png:r` for a channel, or the name of a map.
-    pub density_map: Option<String>,
-    /// Factor of the widths, likewise.
-    pub thickness_map: Option<String>,
-    /// Factor of the lengths, likewise.
-    pub length_map: Option<String>,
-    /// Factor of the radius of curls, likewise.
-    pub curl_map: Option<String>,
-    /// Stiffness, likewise.
-    pub stiffness_map: Option<String>,
-    /// Colours of the hair: a picture.
-    pub color_map: Option<String>,
-    /// A drawn curl.
-    pub curl_curve: Option<String>,
-    /// Painted levels of detail.
-    pub lod_maps: Option<String>,
-    /// Obstacles.
-    pub colliders: Option<String>,
-    /// Bands and pins.
-    pub ties: Option<String>,
-    /// A picture of the surroundings.
-    pub environment: Option<String>,
-}
 
 /// A text of a source by its key.
 pub(super) type Text =

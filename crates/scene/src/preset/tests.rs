@@ -1,8 +1,5 @@
 use super::*;
-use crate::{
-    knobs::{self, Kind, Knob, Value},
-    settings::Change,
-};
+use crate::knobs::{self, Change, Kind, Knob, Value};
 use proptest::prelude::*;
 
 /// Any allowed value of `knob`, from three random numbers.
@@ -87,7 +84,7 @@ fn a_preset_reads_well() {
     preset.source.orientation.orient_head.front = "-z".parse().ok();
     preset.source.orientation.orient.mirror = Some(true);
     preset.settings.set("style.curl_radius", 0.009).unwrap();
-    preset.settings.wind.direction = 45f32.to_radians();
+    preset.settings.wind_direction = 45f32.to_radians();
     preset.settings.set("edges.samples", "4").unwrap();
     let text = preset.write(Extent::Changed);
     let expected = "# Settings of Tresses that differ from the defaults; `tresses knobs` lists all.

@@ -1,12 +1,13 @@
 //! From a preset to its text.
 
 use super::{
-    Preset, Source, VERSION,
+    Preset, VERSION,
     source::{FILES, MIRROR, TEXTS, slashes},
 };
 use crate::{
     knobs::{Kind, Knob, SECTIONS, Value},
     settings::Settings,
+    source::Source,
 };
 
 /// How much of the settings is written.

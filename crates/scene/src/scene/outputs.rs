@@ -8,7 +8,7 @@ use tresses::{
     camera::ToneMap,
     draw::tiles::Label,
     glam::{Mat4, Vec3},
-    gpu::{Gpu, readback},
+    gpu::readback,
     groom::Strands,
     light::material::linear,
     strands::{GuideBuffers, Strand, StrandBuffers, StrandVertex, vertex::unpack_tangent},
@@ -77,24 +77,23 @@ impl Scene {
         self.place_colliders();
         self.look_from(camera);
         loop {
-            let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+            let mut encoder = self.gpu.context.device().create_command_encoder(&Default::default());
             self.record_picture(&mut encoder, None, false, asked)?;
-            self.gpu.queue.submit([encoder.finish()]);
+            self.gpu.context.queue().submit([encoder.finish()]);
             if self.is_complete().await? {
                 break;
             }
         }
-        let Gpu { device, queue, .. } = &self.gpu;
         let targets = self.targets();
-        let mut captured = Captured { color: targets.read(device, queue).await?, ..Default::default() };
+        let mut captured = Captured { color: targets.read().await?, ..Default::default() };
         if asked.linear {
             captured.linear = self.linear().await?;
         }
         if asked.hair {
             let texels = targets.size.map(|side| (side * targets.ssaa) as usize).iter().product();
-            let known = targets.geometry(device, queue).await?;
+            let known = targets.geometry().await?;
             captured.geometry = known.unwrap_or_else(|| vec![[0.0; 4]; texels]);
-            captured.labels = targets.labels(device, queue).await?.unwrap_or_else(|| vec![None; texels]);
+            captured.labels = targets.labels().await?.unwrap_or_else(|| vec![None; texels]);
             captured.knows_motion = targets.knows_motion();
         }
         Ok(captured)
@@ -102,7 +101,7 @@ impl Scene {
 
     /// The radiance of the last picture.
     async fn linear(&self) -> Result<Vec<[f32; 4]>> {
-        let Gpu { device, queue, .. } = &self.gpu;
+        let (device, queue) = (self.gpu.context.device(), self.gpu.context.queue());
         let [width, height] = self.targets().size;
         let format = wgpu::TextureFormat::Rgba32Float;
         let texture = device.create_texture(&wgpu::TextureDescriptor {
@@ -118,14 +117,9 @@ impl Scene {
         let output = texture.create_view(&Default::default());
         let tone = ToneMap { exposure: DIM, shoulder: 0.99, desaturation: 0.0 };
         let mut encoder = device.create_command_encoder(&Default::default());
-        self.view.present_into(
-            (&self.pipelines, device, queue),
-            &mut encoder,
-            (&output, format),
-            (&self.picture.background, &tone),
-        )?;
+        self.view.present_into(&mut encoder, (&output, format), (&self.picture.background, &tone))?;
         queue.submit([encoder.finish()]);
-        let bytes = readback::texture(device, queue, &texture).await?;
+        let bytes = readback::texture(&self.gpu.context, &texture).await?;
         let mut texels: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
         for texel in &mut texels {
             texel[..3].iter_mut().for_each(|v| *v = linear(*v) / DIM);
@@ -138,11 +132,10 @@ impl Scene {
     /// # Errors
     /// When the GPU is lost.
     pub async fn drawn<'a>(&self, all: impl IntoIterator<Item = &'a StrandBuffers>) -> Result<Strands> {
-        let Gpu { device, queue, .. } = &self.gpu;
         let mut drawn = Strands::default();
         for buffers in all {
-            let vertices: Vec<StrandVertex> = readback::buffer(device, queue, &buffers.vertices).await?;
-            let strands: Vec<Strand> = readback::buffer(device, queue, &buffers.strands).await?;
+            let vertices: Vec<StrandVertex> = readback::buffer(&self.gpu.context, &buffers.vertices).await?;
+            let strands: Vec<Strand> = readback::buffer(&self.gpu.context, &buffers.strands).await?;
             let (count, each) = (buffers.drawn.count as usize, buffers.drawn.vertex_count as usize);
             for (strand, vertices) in strands.iter().zip(vertices.chunks(each)).take(count) {
                 drawn.push(&vertices.iter().map(|vertex| vertex.position).collect::<Vec<_>>());
@@ -157,10 +150,10 @@ impl Scene {
     /// # Errors
     /// When the GPU is lost.
     pub async fn guides(&self) -> Result<Vec<Vec3>> {
-        let Gpu { device, queue, .. } = &self.gpu;
-        let GuideBuffers { count, vertex_count, current, .. } = &self.hair.guides;
-        let points: Vec<[f32; 4]> = readback::buffer(device, queue, current).await?;
-        let (count, place) = (*count as usize, self.hair.place());
+        let hair = self.character.hair();
+        let GuideBuffers { count, vertex_count, current, .. } = &hair.guides;
+        let points: Vec<[f32; 4]> = readback::buffer(&self.gpu.context, current).await?;
+        let (count, place) = (*count as usize, hair.place());
         let at = |guide: usize, vertex: usize| {
             let [x, y, z, _] = points[vertex * count + guide];
             place.point(Vec3::new(x, y, z))

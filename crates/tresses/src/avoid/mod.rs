@@ -73,16 +73,17 @@ mod options;
 mod pipelines;
 
 pub use options::{AvoidMode, AvoidOptions};
-pub use pipelines::{AvoidGroups, Pipelines};
+pub(crate) use pipelines::{AvoidGroups, Pipelines};
 
 use crate::{
-    Result,
+    Context, Result,
     collide::ColliderSet,
     gpu::bindings,
     groom::{BoundStrands, SdfGrid},
     strands::{GuideBuffers, PackedRest, StrandBuffers, buffers::storage},
 };
 use bytemuck::{Pod, Zeroable};
+use std::sync::Arc;
 
 /// The uniform of the kernels.
 #[repr(C)]
@@ -140,6 +141,7 @@ pub const NO_HIT: u32 = u32::MAX;
 /// One groom's share of the stage.
 #[derive(Debug)]
 pub struct Avoidance {
+    pipelines: Arc<Pipelines>,
     /// How strands avoid obstacles. [`AvoidOptions::check`] says what is allowed.
     pub options: AvoidOptions,
     clearance: f32,
@@ -154,19 +156,19 @@ impl Avoidance {
     /// # Errors
     /// What [`AvoidOptions::check`] says, and [`crate::Error::Limit`].
     pub fn new(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        pipelines: &Pipelines,
+        context: &Context,
         options: AvoidOptions,
         clearance: f32,
         guides: &GuideBuffers,
         strands: &StrandBuffers,
     ) -> Result<Self> {
+        let Context { device, .. } = context;
+        let pipelines: Arc<Pipelines> = context.pipelines();
         options.check()?;
         let params = bindings::uniform(device, "avoid", size_of::<AvoidParams>());
-        let states = states(device, queue, strands)?;
-        let groups = pipelines.bind(device, &params, &states, guides, strands);
-        Ok(Self { options, clearance, params, states, groups })
+        let states = states(context, strands)?;
+        let groups = pipelines.bind(&params, &states, guides, strands);
+        Ok(Self { pipelines, options, clearance, params, states, groups })
     }
 
     /// Of another head with the same groom, which nothing has touched yet.
@@ -175,13 +177,12 @@ impl Avoidance {
     /// [`crate::Error::Limit`].
     pub(crate) fn another(
         &self,
-        (device, queue): (&wgpu::Device, &wgpu::Queue),
-        pipelines: &Pipelines,
+        context: &Context,
         guides: &GuideBuffers,
         strands: &StrandBuffers,
     ) -> Result<Self> {
         let Self { options, clearance, .. } = *self;
-        Self::new(device, queue, pipelines, options, clearance, guides, strands)
+        Self::new(context, options, clearance, guides, strands)
     }
 
     /// From here on its strands are in `strands`, with other room: those that there is room for in both go on as they
@@ -191,16 +192,16 @@ impl Avoidance {
     /// [`crate::Error::Limit`].
     pub(crate) fn move_into(
         &mut self,
-        (device, queue): (&wgpu::Device, &wgpu::Queue),
-        pipelines: &Pipelines,
+        context: &Context,
         guides: &GuideBuffers,
         strands: &StrandBuffers,
     ) -> Result<()> {
-        let states = states(device, queue, strands)?;
+        let Context { device, queue, .. } = context;
+        let states = states(context, strands)?;
         let mut encoder = device.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(&self.states, 0, &states, 0, states.size().min(self.states.size()));
         queue.submit([encoder.finish()]);
-        self.groups = pipelines.bind(device, &self.params, &states, guides, strands);
+        self.groups = self.pipelines.bind(&self.params, &states, guides, strands);
         self.states = states;
         Ok(())
     }
@@ -208,12 +209,13 @@ impl Avoidance {
     /// Writes the uniform of a frame of `dt` seconds; `forget` starts anew, as strands from `fresh` on do.
     pub(crate) fn prepare(
         &self,
-        queue: &wgpu::Queue,
+        context: &Context,
         (guides, strands): (&GuideBuffers, &StrandBuffers),
         dt: f32,
         forget: bool,
         fresh: u32,
     ) {
+        let Context { queue, .. } = context;
         let [rise, fall, shift] = if forget { [2.0, 2.0, f32::MAX] } else { self.options.per_frame(dt) };
         let params = AvoidParams {
             clearance: self.clearance,
@@ -238,25 +240,23 @@ impl Avoidance {
     /// Records the stage.
     pub(crate) fn record(
         &self,
-        pipelines: &Pipelines,
         pass: &mut crate::gpu::ComputePass<'_>,
         colliders: &ColliderSet,
         strands: &StrandBuffers,
     ) {
         if !colliders.is_empty() {
-            pipelines.record(pass, &self.groups, colliders, strands, self.options.mode);
+            self.pipelines.record(pass, &self.groups, colliders, strands, self.options.mode);
         }
     }
 
     /// Records only the search: [`StrandState::hit`] is then the first hit of each strand.
     pub fn record_search(
         &self,
-        pipelines: &Pipelines,
         pass: &mut crate::gpu::ComputePass<'_>,
         colliders: &ColliderSet,
         strands: &StrandBuffers,
     ) {
-        pipelines.record_first_hit(pass, &self.groups, colliders, strands);
+        self.pipelines.record_first_hit(pass, &self.groups, colliders, strands);
     }
 
     /// [`StrandState`], one per strand.
@@ -271,7 +271,8 @@ impl Avoidance {
 }
 
 /// Of strands that nothing has touched yet, as many as there is room for.
-fn states(device: &wgpu::Device, queue: &wgpu::Queue, strands: &StrandBuffers) -> Result<wgpu::Buffer> {
+fn states(context: &Context, strands: &StrandBuffers) -> Result<wgpu::Buffer> {
+    let Context { device, queue, .. } = context;
     let states = storage::<StrandState>(device, "avoidance", strands.room.strands.into())?;
     let none = StrandState { hit: NO_HIT, amount: 0.0, at: 0.0, hit_before: 0 };
     queue.write_buffer(&states, 0, bytemuck::cast_slice(&vec![none; strands.room.strands as usize]));

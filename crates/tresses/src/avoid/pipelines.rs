@@ -2,15 +2,16 @@
 
 use super::AvoidMode;
 use crate::{
+    Context,
     collide::{self, ColliderSet},
     constants::{HIT_RUN, STRAND_WORKGROUP},
-    gpu::{Binding, Kernel},
+    gpu::{Binding, Kernel, PipelineSet},
     strands::{GuideBuffers, StrandBuffers},
 };
 
 /// The pipelines of the stage.
 #[derive(Debug)]
-pub struct Pipelines {
+pub(crate) struct Pipelines {
     first_hit: Kernel,
     push_out: Kernel,
     change_over: Kernel,
@@ -24,13 +25,13 @@ pub struct AvoidGroups {
     change_over: wgpu::BindGroup,
 }
 
-impl Pipelines {
-    /// Builds the pipelines.
-    pub fn new(device: &wgpu::Device) -> Self {
+impl PipelineSet for Pipelines {
+    fn new(context: &Context) -> Self {
+        let Context { device, .. } = context;
         let colliders = collide::layout(device);
         let kernel = |module, storage: &[Binding]| {
             let entries = [&[Binding::Uniform], storage].concat();
-            Kernel::beside(device, module, &entries, &[&colliders])
+            Kernel::beside(&context.device, module, &entries, &[&colliders])
         };
         let (read, write) = (Binding::Storage, Binding::StorageMut);
         Self {
@@ -40,16 +41,16 @@ impl Pipelines {
         }
     }
 
-    /// All of them.
-    pub(crate) fn kernels(&self) -> Vec<&Kernel> {
+    fn kernels(&self) -> Vec<&Kernel> {
         vec![&self.first_hit, &self.push_out, &self.change_over]
     }
+}
 
+impl Pipelines {
     /// Binds the stage to one groom, a uniform buffer of [`super::AvoidParams`] and a
     /// [`super::StrandState`] per strand.
     pub fn bind(
         &self,
-        device: &wgpu::Device,
         params: &wgpu::Buffer,
         states: &wgpu::Buffer,
         guides: &GuideBuffers,
@@ -57,7 +58,7 @@ impl Pipelines {
     ) -> AvoidGroups {
         let bind = |kernel: &Kernel, buffers: &[&wgpu::Buffer]| {
             let buffers = [&[params], buffers].concat();
-            kernel.bind(device, &buffers.iter().map(|b| b.as_entire_binding()).collect::<Vec<_>>())
+            kernel.bind(&buffers.iter().map(|b| b.as_entire_binding()).collect::<Vec<_>>())
         };
         let StrandBuffers { bindings, rest, vertices, .. } = strands;
         AvoidGroups {

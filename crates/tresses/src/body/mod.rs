@@ -1,9 +1,11 @@
 //! The head and what belongs to it, shaded plainly: a mesh on the GPU that light falls on and that throws some back.
 
 pub(crate) mod paint;
+mod skin;
 mod surface;
 
 pub(crate) use paint::Painted;
+pub use skin::{Skin, Words};
 pub use surface::Surface;
 pub(crate) use surface::points_for;
 
@@ -13,11 +15,8 @@ use std::ops::Range;
 use wgpu::util::DeviceExt;
 
 use crate::{
-    Camera, Pose,
-    gpu::{
-        Binding,
-        bindings::{self, group},
-    },
+    Camera, Context, Pose,
+    gpu::{Binding, bindings},
     groom::{TriMesh, mesh::Level},
 };
 
@@ -44,6 +43,7 @@ impl Default for BodyMaterial {
 /// A mesh on the GPU.
 #[derive(Debug)]
 pub struct Body {
+    context: Context,
     /// How it looks.
     pub material: BodyMaterial,
     /// Where it is.
@@ -101,14 +101,15 @@ impl Body {
     /// Uploads `mesh`, at the origin, and its [`levels`](TriMesh::levels): it is drawn with as few triangles as no pixel
     /// shows. They take a quarter of a second for 100,000 triangles; who makes a body of the same mesh again keeps them
     /// for [`with_levels`](Self::with_levels).
-    pub fn new(device: &wgpu::Device, mesh: &TriMesh) -> Self {
-        Self::with_levels(device, mesh, &mesh.levels(), u32::MAX)
+    pub fn new(context: &Context, mesh: &TriMesh) -> Self {
+        Self::with_levels(context, mesh, &mesh.levels(), u32::MAX)
     }
 
     /// [`new`](Self::new) with such levels as there are, ever coarser, for views whose grids of light have at most `cells`
     /// along each edge ([`ViewOptions::ambient_cells`](crate::view::ViewOptions::ambient_cells)): coarse ones ask fewer
     /// points of it.
-    pub fn with_levels(device: &wgpu::Device, mesh: &TriMesh, levels: &[Level], cells: u32) -> Self {
+    pub fn with_levels(context: &Context, mesh: &TriMesh, levels: &[Level], cells: u32) -> Self {
+        let Context { device, .. } = context;
         let vertices = vertices(mesh);
         let buffer = |label, contents: &[u8], usage| {
             // An empty buffer cannot be bound.
@@ -138,35 +139,57 @@ impl Body {
         }
         let buffers = [&uniform, &vertices, &surface.buffer].map(wgpu::Buffer::as_entire_binding);
         Self {
+            context: context.clone(),
             material: BodyMaterial::default(),
             pose: Pose::IDENTITY,
-            surface_group: group(device, "surface", &surface_layout(device), &buffers),
+            surface_group: device.group("surface", &surface_layout(device), &buffers),
             surface,
             vertices,
             triangles: buffer("body triangles", bytemuck::cast_slice(&triangles), wgpu::BufferUsages::INDEX),
             levels: ranges,
             bounds: mesh.bounds().map_or([Vec3::ZERO; 2], |(lo, hi)| [lo, hi]),
-            group: group(device, "body", &layout(device), &[uniform.as_entire_binding()]),
+            group: device.group("body", &layout(device), &[uniform.as_entire_binding()]),
             uniform,
             painted: None,
         }
     }
 
     /// Another body of the same mesh, which both share on the GPU: who bends one bends both.
-    pub fn another(&self, device: &wgpu::Device) -> Self {
+    pub fn another(&self) -> Self {
+        self.with_vertices(self.vertices.clone())
+    }
+
+    fn with_vertices(&self, vertices: wgpu::Buffer) -> Self {
+        let device = &self.context.device;
         let uniform = bindings::uniform(device, "body", size_of::<BodyUniform>());
-        let buffers = [&uniform, &self.vertices, &self.surface.buffer].map(wgpu::Buffer::as_entire_binding);
+        let buffers = [&uniform, &vertices, &self.surface.buffer].map(wgpu::Buffer::as_entire_binding);
         Self {
-            surface_group: group(device, "surface", &surface_layout(device), &buffers),
+            surface_group: device.group("surface", &surface_layout(device), &buffers),
             surface: self.surface.clone(),
-            vertices: self.vertices.clone(),
+            vertices,
             triangles: self.triangles.clone(),
             levels: self.levels.clone(),
-            group: group(device, "body", &layout(device), &[uniform.as_entire_binding()]),
+            group: device.group("body", &layout(device), &[uniform.as_entire_binding()]),
             uniform,
             painted: self.painted.clone(),
+            context: self.context.clone(),
             ..*self
         }
+    }
+
+    /// Another body of the same mesh with vertices of its own, as they are now: it may be deformed alone.
+    pub fn unshared(&self) -> Self {
+        let Context { device, queue, .. } = &self.context;
+        let vertices = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("body vertices"),
+            size: self.vertices.size(),
+            usage: self.vertices.usage(),
+            mapped_at_creation: false,
+        });
+        let mut encoder = device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(&self.vertices, 0, &vertices, 0, None);
+        queue.submit([encoder.finish()]);
+        self.with_vertices(vertices)
     }
 
     /// Words of a vertex in [`vertices`](Self::vertices): its position, its normal, its colour.
@@ -184,19 +207,19 @@ impl Body {
     }
 
     /// Writes where it is and how it looks, for the frame that is recorded.
-    pub(crate) fn prepare(&self, queue: &wgpu::Queue) {
+    pub(crate) fn prepare(&self) {
         let uniform = self.material.uniform(&self.pose, self.surface.outward);
-        queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+        self.context.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
     }
 
     /// Gives its vertices the places, normals and colours of `mesh`'s, for the frames that are submitted from here on;
     /// its triangles are not read. What would lie beyond the last one is left out. How far a level strays is that of the
     /// mesh that the body was made of: one that changes its shape or leaves its place is made without levels.
-    pub fn move_to(&self, queue: &wgpu::Queue, mesh: &TriMesh) {
+    pub fn move_to(&self, mesh: &TriMesh) {
         let vertices = vertices(mesh);
         let bytes: &[u8] = bytemuck::cast_slice(&vertices);
         let room = self.vertices.size().min(bytes.len() as u64) as usize;
-        queue.write_buffer(&self.vertices, 0, &bytes[..room]);
+        self.context.queue.write_buffer(&self.vertices, 0, &bytes[..room]);
     }
 
     /// The least clip coordinate `w` of its points for `camera`: for a perspective one, how far the nearest of them is,
@@ -299,21 +322,21 @@ mod tests {
 
     #[test]
     fn a_body_is_drawn_however_little_it_may_stray() {
-        let (device, _) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
+        let context = &crate::gpu::noop();
         let mesh = TriMesh { triangles: vec![[0, 1, 2], [2, 1, 3]], ..Default::default() };
         let levels = [Level { stray: 1e-3, triangles: vec![[0, 1, 3]] }];
-        let body = Body::with_levels(&device, &mesh, &levels, 4);
+        let body = Body::with_levels(context, &mesh, &levels, 4);
         let drawn = [1.0, 1e-3, 5e-4, 0.0, -1.0, f32::NAN].map(|stray| body.level(stray));
         assert_eq!(drawn, [6..9, 6..9, 0..6, 0..6, 0..6, 0..6]);
     }
 
     #[test]
     fn nearest_is_the_nearest_corner_of_a_box() {
-        let (device, _) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
+        let context = &crate::gpu::noop();
         let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
         let positions: Vec<_> = (0..8).map(|i| Vec3::new(0.3, 0.1, -0.2) + 0.5 * corner(i)).collect();
         let mesh = TriMesh { positions, triangles: vec![[0, 1, 2]], ..Default::default() };
-        let mut body = Body::with_levels(&device, &mesh, &[], 4);
+        let mut body = Body::with_levels(context, &mesh, &[], 4);
         for turn in 0..12 {
             let angle = turn as f32;
             let rotation = Quat::from_euler(glam::EulerRot::XYZ, angle, 0.7 * angle, 0.3);

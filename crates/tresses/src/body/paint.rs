@@ -2,11 +2,8 @@
 
 use super::Body;
 use crate::{
-    Error, Result,
-    gpu::{
-        Binding,
-        bindings::{self, group},
-    },
+    Context, Error, Result,
+    gpu::{Binding, bindings},
     groom::{
         mesh::{Paint, paint::Texture},
         srgb::linear,
@@ -57,7 +54,7 @@ impl Body {
     /// # Errors
     /// [`crate::groom::Error::Unusable`] for the paint of another mesh and for pictures of several sizes;
     /// [`Error::Limit`] for more or larger ones than the adapter holds.
-    pub fn paint(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, paint: &Paint) -> Result<()> {
+    pub fn paint(&mut self, paint: &Paint) -> Result<()> {
         let count = (self.vertices.size() / (4 * u64::from(Self::WORDS))) as usize;
         if !paint.is_whole(count) || paint.coats.is_empty() {
             return Err(Error::unusable("the paint is not that of the body's mesh"));
@@ -71,22 +68,22 @@ impl Body {
             coat: u32::from(*of) | cutout(*of) << 8,
         };
         let vertices: Vec<_> = paint.places.iter().zip(&paint.of).map(vertex).collect();
-        let vertices = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        let vertices = self.context.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("painted vertices"),
             contents: bytemuck::cast_slice(&vertices),
             usage: wgpu::BufferUsages::VERTEX,
         });
         let bases: Vec<_> = paint.coats.iter().map(|coat| &coat.base).collect();
         let reliefs: Vec<_> = paint.coats.iter().map(|coat| &coat.relief).collect();
-        let bases = layers(device, queue, &bases, wgpu::TextureFormat::Rgba8UnormSrgb)?;
-        let reliefs = layers(device, queue, &reliefs, wgpu::TextureFormat::Rgba8Unorm)?;
+        let bases = layers(&self.context, &bases, wgpu::TextureFormat::Rgba8UnormSrgb)?;
+        let reliefs = layers(&self.context, &reliefs, wgpu::TextureFormat::Rgba8Unorm)?;
         let views = [&bases, &reliefs].map(|texture| {
             texture.create_view(&wgpu::TextureViewDescriptor {
                 dimension: Some(wgpu::TextureViewDimension::D2Array),
                 ..Default::default()
             })
         });
-        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+        let sampler = self.context.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("pictures"),
             address_mode_u: wgpu::AddressMode::Repeat,
             address_mode_v: wgpu::AddressMode::Repeat,
@@ -105,8 +102,11 @@ impl Body {
             4 * one * u64::from(texture.depth_or_array_layers()) * 4 / 3
         };
         let bytes = vertices.size() + texels(&bases) + texels(&reliefs);
-        self.painted =
-            Some(Painted { vertices, group: group(device, "paint", &layout(device), &resources), bytes });
+        self.painted = Some(Painted {
+            vertices,
+            group: self.context.device.group("paint", &layout(&self.context.device), &resources),
+            bytes,
+        });
         Ok(())
     }
 }
@@ -118,12 +118,8 @@ pub(crate) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
 }
 
 /// Pictures of one size as the layers of a texture, with all of their smaller ones.
-fn layers(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    pictures: &[&Texture],
-    format: wgpu::TextureFormat,
-) -> Result<wgpu::Texture> {
+fn layers(context: &Context, pictures: &[&Texture], format: wgpu::TextureFormat) -> Result<wgpu::Texture> {
+    let Context { device, queue, .. } = context;
     let [width, height] = pictures.first().map_or([1; 2], |first| [first.width, first.height]);
     if pictures.iter().any(|picture| [picture.width, picture.height] != [width, height]) {
         return Err(Error::unusable("the pictures of a body's paint have several sizes"));

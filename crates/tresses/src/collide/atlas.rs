@@ -1,7 +1,7 @@
 //! All distance fields as tiles of one 3-D texture.
 
 use super::{FieldVolume, ShapeData};
-use crate::{Error, Result};
+use crate::{Context, Error, Result};
 use glam::{UVec3, Vec3};
 
 /// Where the tiles of `sizes` lie, and the size of the whole: stacked along whichever axis wastes least.
@@ -86,7 +86,8 @@ impl Atlas {
     }
 
     /// Writes `volume` into the tile at `at`.
-    pub fn write(&self, queue: &wgpu::Queue, at: UVec3, volume: &FieldVolume) {
+    pub fn write(&self, context: &Context, at: UVec3, volume: &FieldVolume) {
+        let Context { queue, .. } = context;
         let mut copy = self.texture.as_image_copy();
         copy.origin = wgpu::Origin3d { x: at.x, y: at.y, z: at.z };
         let layout = wgpu::TexelCopyBufferLayout {

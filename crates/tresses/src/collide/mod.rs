@@ -68,7 +68,8 @@ use glam::{Quat, Vec3};
 pub use build::FieldBuilder;
 pub(crate) use places::Journey;
 pub use places::{Moments, Place, PlacesHead};
-pub use set::{ColliderSet, layout};
+pub use set::ColliderSet;
+pub(crate) use set::layout;
 pub use shape::{ShapeData, ShapeTable};
 pub use volume::{Bounds, FieldVolume};
 

@@ -4,8 +4,9 @@ use super::{Anchor, ColliderPoses};
 use crate::{
     Error, Pose, Result,
     clock::{Mode, Step},
+    math::map::Map,
     math::rotation::nlerp,
-    space::{Map, Passage},
+    space::Passage,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};

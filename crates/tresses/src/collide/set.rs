@@ -5,17 +5,18 @@ use super::{
     FieldVolume, Moments, Place, PlacesHead, Shape, ShapeData, ShapeTable,
     atlas::{Atlas, pack},
     build::Plan,
-    deform::{self, Deformation, DeformingField, Which},
+    deform::{self, DeformPlaces, Deformation, DeformingField, Which},
     places::{Journey, Track},
 };
 use crate::{
-    Error, Pose, Result,
+    Context, Error, Pose, Result,
+    body::Skin,
     clock::{MAX_STEPS, MAX_SUBSTEPS, Mode},
     constants::MAX_COLLIDERS,
-    gpu::{Binding, bindings},
+    gpu::{Binding, Device, bindings},
     groom::TriMesh,
-    roots::Skin,
-    space::{Map, Passage},
+    math::map::Map,
+    space::Passage,
     strands::buffers::storage,
 };
 use bytemuck::Zeroable;
@@ -26,7 +27,7 @@ const BINDINGS: [Binding; 5] =
     [Binding::Uniform, Binding::Storage, Binding::Texture3d, Binding::Sampler, Binding::Texture3d];
 
 /// The layout of `@group(1)` of every kernel that asks for obstacles.
-pub fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+pub(crate) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     bindings::layout(device, "colliders", wgpu::ShaderStages::COMPUTE, &BINDINGS)
 }
 
@@ -83,6 +84,7 @@ struct Tile {
 /// The colliders of one groom, and their state of motion.
 #[derive(Debug)]
 pub struct ColliderSet {
+    context: Context,
     /// How fields deform with skin, where [some do](Self::deform).
     pub deformation: Option<Deformation>,
     track: Track,
@@ -106,7 +108,8 @@ impl ColliderSet {
     /// # Errors
     /// [`Error::Colliders`] for more than [`MAX_COLLIDERS`], a field that is not there, or fields that
     /// are too large for a texture of the adapter; [`Error::Parameter`] for a size that is none.
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, what: &ColliderDescriptor<'_>) -> Result<Self> {
+    pub fn new(context: &Context, what: &ColliderDescriptor<'_>) -> Result<Self> {
+        let Context { device, .. } = context;
         let has_head = what.head.is_some();
         // What is wrong with the list is said before fields are made.
         total(has_head, what.colliders)?;
@@ -117,8 +120,8 @@ impl ColliderSet {
         let atlas = Atlas::new(device, size)?;
         for (field, at) in fields.iter().zip(&tiles) {
             match &field.texels {
-                Texels::Ready(volume) => atlas.write(queue, *at, volume),
-                Texels::Planned(builder, plan) => builder.write(device, queue, plan, &atlas.texture, *at)?,
+                Texels::Ready(volume) => atlas.write(context, *at, volume),
+                Texels::Planned(builder, plan) => builder.write(plan, &atlas.texture, *at)?,
             }
         }
         let tiles = fields.iter().zip(tiles).map(|(field, at)| Tile {
@@ -140,11 +143,12 @@ impl ColliderSet {
             count: 0,
             tiles: tiles.collect(),
             group: bind(device, &table, &places, &atlas, &deform::none(device)),
+            context: context.clone(),
             atlas,
             table,
             places,
         };
-        set.replace(device, queue, what.colliders)?;
+        set.replace(what.colliders)?;
         Ok(set)
     }
 
@@ -152,14 +156,9 @@ impl ColliderSet {
     ///
     /// # Errors
     /// As [`replace`](Self::replace).
-    pub(crate) fn another(
-        &self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        colliders: &[Collider],
-    ) -> Result<Self> {
-        let table = bindings::uniform(device, "collider shapes", size_of::<ShapeTable>());
-        let places = storage::<Place>(device, "collider places", most_places(1))?;
+    pub(crate) fn another(&self, colliders: &[Collider]) -> Result<Self> {
+        let table = bindings::uniform(&self.context.device, "collider shapes", size_of::<ShapeTable>());
+        let places = storage::<Place>(&self.context.device, "collider places", most_places(1))?;
         let mut set = Self {
             deformation: None,
             track: Track::default(),
@@ -168,12 +167,19 @@ impl ColliderSet {
             has_head: self.has_head,
             count: 0,
             tiles: self.tiles.iter().map(|tile| Tile { deforms: None, ..*tile }).collect(),
-            group: bind(device, &table, &places, &self.atlas, &deform::none(device)),
+            group: bind(
+                &self.context.device,
+                &table,
+                &places,
+                &self.atlas,
+                &deform::none(&self.context.device),
+            ),
+            context: self.context.clone(),
             atlas: self.atlas.clone(),
             table,
             places,
         };
-        set.replace(device, queue, colliders)?;
+        set.replace(colliders)?;
         Ok(set)
     }
 
@@ -189,12 +195,7 @@ impl ColliderSet {
     ///
     /// # Errors
     /// As [`new`](Self::new); the colliders are then those from before.
-    pub fn replace(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        colliders: &[Collider],
-    ) -> Result<()> {
+    pub fn replace(&mut self, colliders: &[Collider]) -> Result<()> {
         let has_head = self.has_head;
         let count = total(has_head, colliders)?;
         let mut table = Box::new(ShapeTable::zeroed());
@@ -224,24 +225,24 @@ impl ColliderSet {
         }
         let most = most_places(count);
         if self.places.size() < most * size_of::<Place>() as u64 {
-            self.places = storage::<Place>(device, "collider places", most)?;
-            self.regroup(device);
+            self.places = storage::<Place>(&self.context.device, "collider places", most)?;
+            self.regroup();
         }
-        queue.write_buffer(&self.table, 0, bytemuck::bytes_of(&*table));
+        self.context.queue.write_buffer(&self.table, 0, bytemuck::bytes_of(&*table));
         let count_at = std::mem::offset_of!(PlacesHead, count) as u64;
         let side = self.deformation.as_ref().map_or(0, Deformation::side);
         // The count, and what stands behind it.
-        queue.write_buffer(&self.places, count_at, bytemuck::bytes_of(&[count as u32, side]));
+        self.context.queue.write_buffer(&self.places, count_at, bytemuck::bytes_of(&[count as u32, side]));
         self.track.replace(anchors);
         self.list = colliders.to_vec();
         (self.spheres, self.count) = (spheres, count as u32);
         Ok(())
     }
 
-    fn regroup(&mut self, device: &wgpu::Device) {
+    fn regroup(&mut self) {
         let deformed = self.deformation.as_ref().map(|deformation| deformation.texture.clone());
-        let deformed = deformed.unwrap_or_else(|| deform::none(device));
-        self.group = bind(device, &self.table, &self.places, &self.atlas, &deformed);
+        let deformed = deformed.unwrap_or_else(|| deform::none(&self.context.device));
+        self.group = bind(&self.context.device, &self.table, &self.places, &self.atlas, &deformed);
     }
 
     /// From the next frame on these `fields` deform with a skin: `mesh` as it is at rest, which is the frame of all of
@@ -252,52 +253,62 @@ impl ColliderSet {
     /// [`Error::Colliders`] for a field that is not there, and for more than a texture holds;
     /// [`crate::groom::Error::Unusable`] for triangles that `mesh` does not have and a skin that it does not fit;
     /// [`Error::Limit`].
-    pub fn deform(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        stage: &deform::Pipelines,
+    pub fn deform(&mut self, mesh: &TriMesh, skin: &Skin<'_>, fields: &[DeformingField<'_>]) -> Result<()> {
+        skin.positions.1.hold(skin.positions.0, mesh)?;
+        let places = self.deform_places(mesh, fields)?;
+        self.deform_with(places.as_ref(), skin)
+    }
+
+    /// Where on `mesh`, as it is at rest, these fields deform; `None` without fields.
+    pub(crate) fn deform_places(
+        &self,
         mesh: &TriMesh,
-        skin: &Skin<'_>,
         fields: &[DeformingField<'_>],
-    ) -> Result<()> {
+    ) -> Result<Option<DeformPlaces>> {
         let first = usize::from(self.has_head);
-        let mut tiles: Vec<_> = self.tiles.iter().map(|tile| Tile { deforms: None, ..*tile }).collect();
-        let mut grids = Vec::with_capacity(fields.len());
-        for (part, field) in fields.iter().enumerate() {
+        let (mut numbers, mut grids) = (Vec::new(), Vec::with_capacity(fields.len()));
+        for field in fields {
             let at = match field.which {
                 Which::Head => self.has_head.then_some(0),
                 Which::Field(FieldId(id)) => Some(id as usize + first),
             };
-            let tile = at.and_then(|at| tiles.get_mut(at)).ok_or_else(|| {
+            let found = at.and_then(|at| Some((at, self.tiles.get(at)?)));
+            let (at, tile) = found.ok_or_else(|| {
                 Error::Colliders(format!("there is no field {:?} that could deform", field.which))
             })?;
-            tile.deforms = Some(part);
+            numbers.push(at);
             let half = 0.5 / tile.size.as_vec3();
             let box_ = [half, 1.0 - half].map(|c| (c - tile.bias) / tile.scale);
             grids.push(deform::Grid { triangles: field.triangles, box_ });
         }
-        self.deformation = match grids.is_empty() {
-            true => None,
-            false => Some(Deformation::new(device, queue, stage, mesh, skin, &grids)?),
-        };
-        self.tiles = tiles;
-        self.regroup(device);
-        self.replace(device, queue, &self.list.clone())
+        if grids.is_empty() {
+            return Ok(None);
+        }
+        DeformPlaces::new(&self.context, mesh, &grids, numbers).map(Some)
+    }
+
+    /// Lets fields deform at known `places` with `skin`; none without places.
+    pub(crate) fn deform_with(&mut self, places: Option<&DeformPlaces>, skin: &Skin<'_>) -> Result<()> {
+        let deformation = places.map(|places| Deformation::new(&self.context, places, skin)).transpose()?;
+        self.deformation = deformation;
+        for (i, tile) in self.tiles.iter_mut().enumerate() {
+            tile.deforms = places.and_then(|places| places.fields.iter().position(|field| *field == i));
+        }
+        self.regroup();
+        self.replace(&self.list.clone())
     }
 
     /// Moves the colliders by a frame, to where `poses` says they are at its end. Before the frame's kernels.
     ///
     /// # Errors
     /// [`Error::Colliders`] when there are not as many poses as colliders, or one is not finite.
-    pub fn advance(&mut self, queue: &wgpu::Queue, poses: &ColliderPoses, frame: &Moments<'_>) -> Result<()> {
-        self.journey(queue, poses, frame, &Journey { head: frame.head, passage: Passage::default() })
+    pub fn advance(&mut self, poses: &ColliderPoses, frame: &Moments<'_>) -> Result<()> {
+        self.journey(poses, frame, &Journey { head: frame.head, passage: Passage::default() })
     }
 
     /// [`advance`](Self::advance) where poses are not given in the space of the steps.
     pub(crate) fn journey(
         &mut self,
-        queue: &wgpu::Queue,
         poses: &ColliderPoses,
         frame: &Moments<'_>,
         journey: &Journey,
@@ -307,7 +318,7 @@ impl ColliderSet {
         self.track.advance(self.has_head, poses, &frame, journey)?;
         let jumps = steps.iter().any(|step| step.mode != Mode::Step);
         let deformation = self.deformation.as_mut();
-        let side = deformation.map(|it| it.prepare(queue, !steps.is_empty(), jumps)).transpose()?;
+        let side = deformation.map(|it| it.prepare(&self.context, !steps.is_empty(), jumps)).transpose()?;
         if self.count == 0 {
             return Ok(());
         }
@@ -317,14 +328,18 @@ impl ColliderSet {
         };
         let header = size_of::<PlacesHead>() as u64;
         let now = list(&self.track.now);
-        queue.write_buffer(&self.places, header, bytemuck::cast_slice(&now));
+        self.context.queue.write_buffer(&self.places, header, bytemuck::cast_slice(&now));
         if !steps.is_empty() {
             let interval = frame.step / frame.substeps as f32;
             let moments = steps.len() as u32 * frame.substeps;
             let places = PlacesHead { interval, moments, count: self.count, side: side.unwrap_or(0) };
-            queue.write_buffer(&self.places, 0, bytemuck::bytes_of(&places));
+            self.context.queue.write_buffer(&self.places, 0, bytemuck::bytes_of(&places));
             let at = header + size_of_val(&*now) as u64;
-            queue.write_buffer(&self.places, at, bytemuck::cast_slice(&list(&self.track.moments)));
+            self.context.queue.write_buffer(
+                &self.places,
+                at,
+                bytemuck::cast_slice(&list(&self.track.moments)),
+            );
         }
         Ok(())
     }
@@ -383,15 +398,14 @@ fn most_places(count: usize) -> u64 {
 }
 
 fn bind(
-    device: &wgpu::Device,
+    device: &Device,
     table: &wgpu::Buffer,
     places: &wgpu::Buffer,
     atlas: &Atlas,
     deformed: &wgpu::Texture,
 ) -> wgpu::BindGroup {
     let sampler = bindings::linear(device);
-    bindings::group(
-        device,
+    device.group(
         "colliders",
         &layout(device),
         &[

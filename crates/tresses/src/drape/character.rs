@@ -2,15 +2,16 @@
 
 use super::{DrapeOptions, drape};
 use crate::{
-    Progress, Result,
+    Context, Progress, Result,
     groom::{
         Groom, SdfGrid, TriMesh,
         curve::resample_chords,
         grow::{self, Growth},
         mannequin,
-        styles::{self, GUIDE_VERTICES, GridScalp, Hold, Recipe, Style, StyledGuides, bound},
+        scalp::GridScalp,
+        styles::{self, GUIDE_VERTICES, Hold, Recipe, Style, StyledGuides},
     },
-    simulate::{self, Along, GuideTraits, SimulationParams},
+    simulate::{Along, GuideTraits, SimulationParams},
 };
 use glam::Vec3;
 
@@ -37,19 +38,13 @@ pub struct Character {
 /// # Errors
 /// [`Error::Parameter`](crate::Error::Parameter) for a style or a number of strands that cannot be
 /// grown, [`Error::Gpu`](crate::Error::Gpu) when the device is lost.
-pub async fn character(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    simulate: &simulate::Pipelines,
-    style: &Style,
-    strands: Option<u32>,
-) -> Result<Character> {
+pub async fn character(context: &Context, style: &Style, strands: Option<u32>) -> Result<Character> {
     let growth = Growth::for_style(style);
     let growth = match strands {
         Some(count) => growth.with_strands(count),
         None => growth,
     };
-    character_with(device, queue, simulate, style, &growth, &()).await
+    character_with(context, style, &growth, &()).await
 }
 
 /// The same with strands that grow as `growth` says, telling `progress`.
@@ -58,18 +53,16 @@ pub async fn character(
 /// [`Error::Parameter`](crate::Error::Parameter) and [`Error::Groom`](crate::Error::Groom) for a style or a
 /// growth that cannot be, [`Error::Gpu`](crate::Error::Gpu) when the device is lost.
 pub async fn character_with(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    simulate: &simulate::Pipelines,
+    context: &Context,
     style: &Style,
     growth: &Growth,
     progress: &impl Progress,
 ) -> Result<Character> {
     growth.check()?;
-    let (styled, scalp) = settled(device, queue, simulate, style, progress).await?;
+    let (styled, scalp) = settled(context, style, progress).await?;
     let grown = grow::grow_with(&styled, growth, &scalp, progress).await?;
     Ok(Character {
-        groom: bound(&styled, &grown),
+        groom: grown.bind(&styled),
         mesh: mannequin::mesh_with(mannequin::RESOLUTION, progress).await,
         field: scalp.field,
         neck: mannequin::NECK_JOINT,
@@ -77,15 +70,13 @@ pub async fn character_with(
 }
 
 /// The draped guides of `style` on the mannequin, and its scalp: what strands are then grown from and on, with
-/// [`grow::grow_with`] and [`bound`]. Those of a default style are stored
+/// [`grow::grow_with`] and [`GrownStrands::bind`](grow::GrownStrands::bind). Those of a default style are stored
 /// ([`styles::settled`]) and need no GPU.
 ///
 /// # Errors
 /// [`Error::Gpu`](crate::Error::Gpu) when the device is lost.
 pub async fn settled(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    simulate: &simulate::Pipelines,
+    context: &Context,
     style: &Style,
     progress: &impl Progress,
 ) -> Result<(StyledGuides, GridScalp)> {
@@ -93,7 +84,7 @@ pub async fn settled(
     let recipe = style.recipe();
     let styled = match styles::settled(&recipe, &scalp) {
         Some(cooked) => cooked,
-        None => fallen(device, queue, simulate, &recipe, &scalp, progress).await?,
+        None => fallen(context, &recipe, &scalp, progress).await?,
     };
     Ok((styled, scalp))
 }
@@ -104,16 +95,14 @@ pub async fn settled(
 /// # Errors
 /// [`Error::Gpu`](crate::Error::Gpu) when the device is lost.
 pub async fn fallen(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    simulate: &simulate::Pipelines,
+    context: &Context,
     recipe: &Recipe,
     scalp: &GridScalp,
     progress: &impl Progress,
 ) -> Result<StyledGuides> {
     let mut styled = styles::guides_with(recipe, scalp, progress).await;
     progress.step("letting the hair fall", 0.0).await;
-    settle(device, queue, simulate, &mut styled, &scalp.field).await?;
+    settle(context, &mut styled, &scalp.field).await?;
     Ok(styled)
 }
 
@@ -122,22 +111,14 @@ pub async fn fallen(
 ///
 /// # Errors
 /// What [`drape()`] says.
-pub async fn settle(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    simulate: &simulate::Pipelines,
-    styled: &mut StyledGuides,
-    field: &SdfGrid,
-) -> Result<()> {
+pub async fn settle(context: &Context, styled: &mut StyledGuides, field: &SdfGrid) -> Result<()> {
     let traits: Vec<_> = styled
         .stiffness
         .iter()
         .map(|&stiffness| GuideTraits { stiffness, ..GuideTraits::default() })
         .collect();
     let settled = drape(
-        device,
-        queue,
-        simulate,
+        context,
         &styled.guides.positions,
         GUIDE_VERTICES as u32,
         &traits,

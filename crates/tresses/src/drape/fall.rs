@@ -1,14 +1,14 @@
 //! Settling: simulation steps with the head at rest.
 
 use crate::simulate::{
-    self, RestOptions, RestShape, Simulation, SimulationParams,
+    RestOptions, RestShape, Simulation, SimulationParams,
     rest::{self, GuideTraits},
 };
 use crate::{
-    Pose, Result,
+    Context, Pose, Result,
     clock::{MAX_STEPS, Mode, Step},
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
-    gpu::{kernel, readback},
+    gpu::readback,
     groom::SdfGrid,
     strands::GuideBuffers,
 };
@@ -36,11 +36,8 @@ impl Default for DrapeOptions {
 ///
 /// # Errors
 /// What [`rest::guides`] and the buffers say, and [`crate::Error::Gpu`] when the device is lost.
-#[allow(clippy::too_many_arguments)]
 pub async fn drape(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    simulate: &simulate::Pipelines,
+    context: &Context,
     positions: &[Vec3],
     n: u32,
     traits: &[GuideTraits],
@@ -48,6 +45,7 @@ pub async fn drape(
     field: Option<&SdfGrid>,
     options: &DrapeOptions,
 ) -> Result<Vec<Vec3>> {
+    let Context { device, queue, .. } = context;
     let rest_options = RestOptions { shape: RestShape::Natural, clearance: options.clearance };
     let params = SimulationParams { drag: options.drag, ..*params };
     let rest = rest::guides(positions, n, traits, &params, &rest_options, field)?;
@@ -55,11 +53,11 @@ pub async fn drape(
     if count == 0 {
         return Ok(Vec::new());
     }
-    let guides = GuideBuffers::new(device, count as u32, n, 2)?;
-    rest.upload(queue, &guides)?;
+    let guides = GuideBuffers::new(context, count as u32, n, 2)?;
+    rest.upload(context, &guides)?;
     let obstacles = ColliderDescriptor { head: field, ..Default::default() };
-    let mut colliders = ColliderSet::new(device, queue, &obstacles)?;
-    let mut simulation = Simulation::new(device, simulate, &guides);
+    let mut colliders = ColliderSet::new(context, &obstacles)?;
+    let mut simulation = Simulation::new(context, &guides);
     // Where a hair first touches it would stay.
     simulation.slide();
     let still = Pose::IDENTITY;
@@ -69,22 +67,18 @@ pub async fn drape(
         let now = left.min(MAX_STEPS);
         let mut encoder =
             device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("drape") });
-        {
-            let mut pass = crate::gpu::compute_pass(
-                &mut encoder,
-                &wgpu::ComputePassDescriptor { label: Some("drape"), timestamp_writes: None },
-            );
-            let steps = vec![step; now as usize];
-            let (substeps, length) = (params.substeps, params.step);
-            let moments = Moments { steps: &steps, substeps, step: length, head: still, alpha: 1.0 };
-            colliders.advance(queue, &ColliderPoses::default(), &moments)?;
-            simulation.run(simulate, queue, &mut pass, &params, &steps, &colliders)?;
-        }
-        kernel::refused()?;
+        let mut commands = context.commands(&mut encoder);
+        let mut pass = commands.compute("drape");
+        let steps = vec![step; now as usize];
+        let (substeps, length) = (params.substeps, params.step);
+        let moments = Moments { steps: &steps, substeps, step: length, head: still, alpha: 1.0 };
+        colliders.advance(&ColliderPoses::default(), &moments)?;
+        simulation.run(context, &mut pass, &params, &steps, &colliders)?;
+        pass.end()?;
         queue.submit([encoder.finish()]);
         left -= now;
     }
-    let settled: Vec<[f32; 4]> = readback::buffer(device, queue, &guides.current).await?;
+    let settled: Vec<[f32; 4]> = readback::buffer(context, &guides.current).await?;
     let n = n as usize;
     Ok((0..count * n).map(|i| Vec3::from_slice(&settled[i % n * count + i / n][..3])).collect())
 }

@@ -12,7 +12,6 @@ pub enum Coverage {
     /// pass, no sorting, right on average however many strands overlap. A pixel is the mean of the
     /// samples in a disc, wider than itself when it has few ([`Footprint`](crate::present::Footprint)),
     /// or hair in motion would shimmer. With a single sample the share becomes a probability: a strand ends where it is too thin for its number.
-    #[default]
     SampleMask,
     /// The exact share of the pixel becomes alpha, which the adapter turns into samples
     /// ([`alpha to coverage`](wgpu::MultisampleState::alpha_to_coverage_enabled)): a pass for the
@@ -31,6 +30,7 @@ pub enum Coverage {
     /// The exact share of the pixel becomes alpha, and all strands are blended from front to back, by a rasteriser
     /// of compute shaders ([`crate::draw::tiles`]). Only what is seen is shaded, at the vertices of the strands
     /// ([`ShadingRate::PerVertex`](crate::light::ShadingRate)). Samples per pixel are those of bodies alone.
+    #[default]
     Tiles,
 }
 

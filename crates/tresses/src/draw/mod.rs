@@ -47,5 +47,5 @@ pub mod tiles;
 
 pub use coverage::Coverage;
 pub use embed::{Embed, Shade, Surroundings};
-pub use pipelines::Pipelines;
+pub(crate) use pipelines::Pipelines;
 pub use targets::Targets;

@@ -7,9 +7,10 @@ use super::{
     tiles,
 };
 use crate::{
-    Result,
+    Context, Result,
     body::{self, Body, Painted},
     gpu::{
+        Device, PipelineSet,
         kernel::Job,
         pipeline::{Made, Recipe},
     },
@@ -18,8 +19,8 @@ use crate::{
 
 /// The pipelines of the stage.
 #[derive(Debug)]
-pub struct Pipelines {
-    device: wgpu::Device,
+pub(crate) struct Pipelines {
+    device: Device,
     frame: wgpu::BindGroupLayout,
     body: Made<(u32, bool), wgpu::RenderPipeline>,
     pub(super) soft: soft::Pipelines,
@@ -27,19 +28,22 @@ pub struct Pipelines {
     pub(crate) tiles: tiles::Pipelines,
 }
 
-impl Pipelines {
-    /// None of them made yet, for what `light` lights.
-    pub fn new(device: &wgpu::Device, light: &light::Pipelines) -> Self {
+impl PipelineSet for Pipelines {
+    fn new(context: &Context) -> Self {
+        let Context { device, .. } = context;
+        let light = &*context.pipelines::<light::Pipelines>();
         Self {
             device: device.clone(),
             frame: light.frame.clone(),
             body: Made::default(),
-            soft: soft::Pipelines::new(device, light),
-            strips: strips::Pipelines::new(device, light),
-            tiles: tiles::Pipelines::new(device),
+            soft: soft::Pipelines::new(context, light),
+            strips: strips::Pipelines::new(context, light),
+            tiles: tiles::Pipelines::new(context),
         }
     }
+}
 
+impl Pipelines {
     /// Draws bodies into targets of so many samples per pixel, plain or painted ones.
     pub(super) fn body(&self, samples: u32, painted: bool) -> Result<wgpu::RenderPipeline> {
         self.body.get((samples, painted), || {

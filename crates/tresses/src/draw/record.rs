@@ -4,24 +4,22 @@ use super::{Coverage, Pipelines, Targets, strips};
 use crate::{
     Camera, Result,
     body::Body,
-    gpu::Timings,
+    gpu::commands::{Commands, colored, deep},
     light::{self, Part, Seen, ShadingRate, Sphere},
     space::Space,
+    stage::Stage,
 };
 
 /// What the passes of a picture are recorded with.
-pub(crate) struct Canvas<'a> {
-    pub device: &'a wgpu::Device,
-    pub queue: &'a wgpu::Queue,
-    pub encoder: &'a mut wgpu::CommandEncoder,
-    pub timings: Option<&'a mut Timings>,
+pub(crate) struct Canvas<'a, 'c> {
+    pub commands: &'a mut Commands<'c>,
     pub targets: &'a Targets,
     /// The view's `@group(0)`.
     pub frame: &'a wgpu::BindGroup,
     /// The camera's uniform that it has.
     pub eye: &'a wgpu::Buffer,
     /// The light that it has.
-    pub light: (&'a light::Pipelines, &'a light::State),
+    pub light: &'a light::State,
     /// What is lit by which maps: one part without zones.
     pub parts: &'a [Part<'a>],
     pub camera: &'a Camera,
@@ -39,20 +37,13 @@ pub(crate) struct Canvas<'a> {
     pub space: Space,
 }
 
-impl Canvas<'_> {
+impl Canvas<'_, '_> {
     /// How far the triangles of `body` may stray, metres: not so far that it is seen. From half a pixel to a third,
     /// 60 to 160 pixels of a portrait at the edges of lips and outlines change by more than 24 of 255, and triangles of
     /// fewer pixels take a software driver, which shades blocks of four by four, a quarter more time.
     pub fn stray(&self, body: &Body) -> f32 {
         const PIXELS: f32 = 0.5;
         PIXELS * body.nearest(self.camera) * self.camera.pixel() / self.targets.ssaa as f32
-    }
-
-    /// The part of the frame called `name` ends here ([`Timings::lap`]).
-    pub fn lap(&mut self, name: &'static str) {
-        if let Some(timings) = &mut self.timings {
-            timings.lap(self.device, self.queue, self.encoder, name);
-        }
     }
 }
 
@@ -63,7 +54,7 @@ impl Pipelines {
     }
 
     /// Records what is to be known of the hair before it is shaded: nothing but where it is drawn by tiles.
-    pub(crate) fn record_seen(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>]) -> Result<()> {
+    pub(crate) fn record_seen(&self, canvas: &mut Canvas<'_, '_>, hair: &[Seen<'_>]) -> Result<()> {
         if !canvas.coverage.is_tiled() {
             return Ok(());
         }
@@ -71,7 +62,7 @@ impl Pipelines {
     }
 
     /// Records the shading of what is seen, if that is known; else all is to be shaded.
-    pub(crate) fn shade_seen(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>]) -> Result<bool> {
+    pub(crate) fn shade_seen(&self, canvas: &mut Canvas<'_, '_>, hair: &[Seen<'_>]) -> Result<bool> {
         if canvas.coverage.is_tiled() {
             self.tiles.record_shade(canvas, hair)?;
         }
@@ -79,7 +70,12 @@ impl Pipelines {
     }
 
     /// Records hair; clears the targets unless bodies [come first](Self::body_first) or something is to stay.
-    pub(crate) fn record_hair(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>], clear: bool) -> Result<()> {
+    pub(crate) fn record_hair(
+        &self,
+        canvas: &mut Canvas<'_, '_>,
+        hair: &[Seen<'_>],
+        clear: bool,
+    ) -> Result<()> {
         if canvas.coverage.is_tiled() {
             return self.tiles.record_blend(canvas, hair);
         }
@@ -88,7 +84,7 @@ impl Pipelines {
     }
 
     /// Records bodies; clears the targets when they [come first](Self::body_first).
-    pub(crate) fn record_bodies(&self, canvas: &mut Canvas<'_>, bodies: &[&Body]) -> Result<()> {
+    pub(crate) fn record_bodies(&self, canvas: &mut Canvas<'_, '_>, bodies: &[&Body]) -> Result<()> {
         let first = self.body_first(canvas.coverage);
         if bodies.is_empty() && !first {
             return Ok(());
@@ -101,9 +97,9 @@ impl Pipelines {
         let any = |painted: bool| bodies.iter().any(|body| body.is_painted() == painted);
         let plain = any(false).then(|| self.body(samples, false)).transpose()?;
         let painted = any(true).then(|| self.body(samples, true)).transpose()?;
-        let soft = canvas.targets.soft(canvas.device);
+        let soft = canvas.targets.soft();
         soft.record(&self.soft, canvas, bodies)?;
-        canvas.lap("body");
+        canvas.commands.lap(Stage::Body);
         let strays: Vec<_> = bodies.iter().map(|body| canvas.stray(body)).collect();
         let parts = canvas.parts;
         let mut pass = pass(canvas, "body", first);
@@ -139,58 +135,18 @@ pub(super) fn canvas_parts(
     }
 }
 
-/// A texture that a pass begins with nothing in it.
-pub(crate) fn cleared(view: &wgpu::TextureView) -> Option<wgpu::RenderPassColorAttachment<'_>> {
-    Some(wgpu::RenderPassColorAttachment {
-        view,
-        depth_slice: None,
-        resolve_target: None,
-        ops: wgpu::Operations {
-            load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-            store: wgpu::StoreOp::Store,
-        },
-    })
-}
-
-/// Records that a texture has nothing in it.
-pub(crate) fn clear(encoder: &mut wgpu::CommandEncoder, label: &str, view: &wgpu::TextureView) {
-    crate::gpu::render_pass(
-        encoder,
-        &wgpu::RenderPassDescriptor {
-            label: Some(label),
-            color_attachments: &[cleared(view)],
-            ..Default::default()
-        },
-    );
-}
-
 /// A pass into the HDR target with the view's group bound.
 pub(crate) fn pass<'e>(
-    canvas: &'e mut Canvas<'_>,
+    canvas: &'e mut Canvas<'_, '_>,
     name: &'static str,
     clear: bool,
 ) -> crate::gpu::RenderPass<'e> {
     let color = if clear { wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT) } else { wgpu::LoadOp::Load };
     let depth = if clear { wgpu::LoadOp::Clear(0.0) } else { wgpu::LoadOp::Load };
-    let mut pass = crate::gpu::render_pass(
-        canvas.encoder,
-        &wgpu::RenderPassDescriptor {
-            label: Some(name),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &canvas.targets.hdr,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load: color, store: wgpu::StoreOp::Store },
-            })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &canvas.targets.depth,
-                depth_ops: Some(wgpu::Operations { load: depth, store: wgpu::StoreOp::Store }),
-                stencil_ops: None,
-            }),
-            timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.render(name)),
-            ..Default::default()
-        },
-    );
+    let depth = wgpu::Operations { load: depth, store: wgpu::StoreOp::Store };
+    let targets = canvas.targets;
+    let (color, depth) = (colored(&targets.hdr, color), deep(&targets.depth, Some(depth)));
+    let mut pass = canvas.commands.render(name, &[color], depth);
     pass.set_bind_group(0, canvas.frame, &[]);
     pass
 }

@@ -6,7 +6,7 @@ use super::{
     strips::Layers,
     tiles::{Label, Tiles},
 };
-use crate::{Error, Result, gpu::readback};
+use crate::{Context, Error, Result, gpu::readback};
 use std::sync::OnceLock;
 
 /// Label, format and usage of a texture of the linear target's size.
@@ -22,6 +22,7 @@ pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// The textures of one picture size.
 #[derive(Debug)]
 pub struct Targets {
+    context: Context,
     /// Width and height of the picture, pixels.
     pub size: [u32; 2],
     /// Samples per pixel of the linear target.
@@ -50,11 +51,12 @@ impl Targets {
     /// [`Error::Parameter`] when the size is 0 or more than the device allows, or when coverage and samples do not
     /// go together.
     pub fn new(
-        device: &wgpu::Device,
+        context: &Context,
         [width, height]: [u32; 2],
         (samples, coverage): (u32, Coverage),
         ssaa: u32,
     ) -> Result<Self> {
+        let Context { device, .. } = context;
         coverage.check(samples)?;
         let ssaa = ssaa.clamp(1, 4);
         let most = device.limits().max_texture_dimension_2d;
@@ -84,6 +86,7 @@ impl Targets {
         let picture = texture("picture", width, height, 1, PICTURE_FORMAT, read);
         let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
         let targets = Self {
+            context: context.clone(),
             size: [width, height],
             samples,
             ssaa,
@@ -99,17 +102,17 @@ impl Targets {
                 + u64::from(width) * u64::from(height) * 4,
         };
         Ok(match coverage {
-            Coverage::DepthPeeling { .. } => targets.with_layers(device),
-            Coverage::Tiles => targets.with_tiles(device)?,
+            Coverage::DepthPeeling { .. } => targets.with_layers(),
+            Coverage::Tiles => targets.with_tiles()?,
             _ => targets,
         })
     }
 
     /// What makes a texture of one sample per pixel of the linear target.
-    pub(crate) fn texture(&self, device: &wgpu::Device) -> impl Fn(TextureKind) -> wgpu::Texture {
+    pub(crate) fn texture(&self) -> impl Fn(TextureKind) -> wgpu::Texture {
         let size = self.depth_texture.size();
         move |(label, format, usage)| {
-            device.create_texture(&wgpu::TextureDescriptor {
+            self.context.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
                 size,
                 mip_level_count: 1,
@@ -123,24 +126,24 @@ impl Targets {
     }
 
     /// Adds the textures of depth peeling.
-    fn with_layers(mut self, device: &wgpu::Device) -> Self {
+    fn with_layers(mut self) -> Self {
         let size = self.depth_texture.size();
-        self.layers = Some(Layers::new(device, self.texture(device)));
+        self.layers = Some(Layers::new(&self.context.device, self.texture()));
         self.bytes += u64::from(size.width) * u64::from(size.height) * Layers::BYTES;
         self
     }
 
     /// Adds what tiles need.
-    fn with_tiles(mut self, device: &wgpu::Device) -> Result<Self> {
+    fn with_tiles(mut self) -> Result<Self> {
         let size = self.depth_texture.size();
-        self.tiles = Some(Tiles::new(device, [size.width, size.height], self.texture(device))?);
+        self.tiles = Some(Tiles::new(&self.context.device, [size.width, size.height], self.texture())?);
         Ok(self)
     }
 
     /// What light is asked for at, where bodies are drawn.
-    pub(crate) fn soft(&self, device: &wgpu::Device) -> &Soft {
+    pub(crate) fn soft(&self) -> &Soft {
         let size = self.depth_texture.size();
-        self.soft.get_or_init(|| Soft::new(device, [size.width, size.height]))
+        self.soft.get_or_init(|| Soft::new(&self.context.device, [size.width, size.height]))
     }
 
     /// The finished picture as a view to present into.
@@ -152,8 +155,8 @@ impl Targets {
     ///
     /// # Errors
     /// [`Error::Gpu`] when the device is lost.
-    pub async fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<u8>> {
-        readback::texture(device, queue, &self.picture).await
+    pub async fn read(&self) -> Result<Vec<u8>> {
+        readback::texture(&self.context, &self.picture).await
     }
 
     /// Where hair is in the last picture, if that was [asked](crate::frame::Sight::asks) and had hair: of each texel
@@ -163,13 +166,9 @@ impl Targets {
     ///
     /// # Errors
     /// [`Error::Gpu`] when the device is lost.
-    pub async fn geometry(
-        &self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-    ) -> Result<Option<Vec<[f32; 4]>>> {
+    pub async fn geometry(&self) -> Result<Option<Vec<[f32; 4]>>> {
         let Some(known) = self.tiles.as_ref().and_then(Tiles::geometry) else { return Ok(None) };
-        let bytes = readback::texture(device, queue, known.texture()).await?;
+        let bytes = readback::texture(&self.context, known.texture()).await?;
         Ok(Some(bytemuck::pod_collect_to_vec(&bytes)))
     }
 
@@ -184,13 +183,9 @@ impl Targets {
     ///
     /// # Errors
     /// As there.
-    pub async fn labels(
-        &self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-    ) -> Result<Option<Vec<Option<Label>>>> {
+    pub async fn labels(&self) -> Result<Option<Vec<Option<Label>>>> {
         let Some(labels) = self.tiles.as_ref().and_then(Tiles::labels) else { return Ok(None) };
-        let bytes = readback::texture(device, queue, labels.texture.texture()).await?;
+        let bytes = readback::texture(&self.context, labels.texture.texture()).await?;
         let texels: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
         Ok(Some(texels.into_iter().map(|texel| Label::read(texel, &labels.owners)).collect()))
     }

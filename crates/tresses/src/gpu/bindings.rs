@@ -5,7 +5,7 @@
 //! 4 MB and some milliseconds per draw, without end. It drops the idea only for shaders that hardly change by it. A shader
 //! that falls to it binds those values as [`Binding::Storage`], which the driver leaves alone; `apps/cli/tests/memory.rs` tells.
 
-use super::probe;
+use super::handle::Device;
 use wgpu::{BindingType, BufferBindingType, SamplerBindingType, TextureSampleType, TextureViewDimension};
 
 /// What a shader sees at one binding.
@@ -169,21 +169,29 @@ pub fn group(
             resource: resource.clone(),
         })
         .collect();
-    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some(label),
-        layout,
-        entries: &entries,
-    });
-    if let Some(probe) = probe::get() {
-        let bytes = |resource: &wgpu::BindingResource<'_>| match resource {
-            wgpu::BindingResource::Buffer(part) => {
-                part.size.map_or(part.buffer.size() - part.offset, wgpu::BufferSize::get)
-            }
-            _ => 0,
-        };
-        probe.bound(&group, resources.iter().map(bytes).collect());
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
+}
+
+impl Device {
+    /// [`group`], which the probe is told of.
+    pub fn group(
+        &self,
+        label: &str,
+        layout: &wgpu::BindGroupLayout,
+        resources: &[wgpu::BindingResource<'_>],
+    ) -> wgpu::BindGroup {
+        let group = group(self, label, layout, resources);
+        if let Some(probe) = &self.probe {
+            let bytes = |resource: &wgpu::BindingResource<'_>| match resource {
+                wgpu::BindingResource::Buffer(part) => {
+                    part.size.map_or(part.buffer.size() - part.offset, wgpu::BufferSize::get)
+                }
+                _ => 0,
+            };
+            probe.bound(&group, resources.iter().map(bytes).collect());
+        }
+        group
     }
-    group
 }
 
 /// A buffer of `size` bytes for values that are the same for a whole dispatch or draw, written through the queue: a

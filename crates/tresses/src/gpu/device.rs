@@ -1,42 +1,7 @@
-//! Opening a device without a window, and an adapter's capabilities beyond baseline WebGPU.
+//! Opening a device without a window.
 
+use super::{Context, Tier};
 use crate::{Error, Result};
-
-/// What the adapter offers beyond baseline WebGPU; chosen once.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Tier {
-    /// GPU timestamps between passes.
-    pub timestamps: bool,
-    /// The most samples per pixel of the HDR target: 1, 4, 8 or 16.
-    pub max_samples: u32,
-    /// Whether the adapter is a software driver that runs on the CPU.
-    pub software: bool,
-}
-
-impl Tier {
-    /// The features to request from `adapter`.
-    pub fn features(adapter: &wgpu::Adapter) -> wgpu::Features {
-        adapter.features()
-            & (wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES)
-    }
-
-    /// What `adapter` offers when [`features`](Self::features) were requested.
-    pub fn of(adapter: &wgpu::Adapter) -> Self {
-        let features = Self::features(adapter);
-        let specific = features.contains(wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES);
-        let supported = |samples| {
-            [wgpu::TextureFormat::Rgba16Float, wgpu::TextureFormat::Depth32Float].iter().all(|format| {
-                adapter.get_texture_format_features(*format).flags.sample_count_supported(samples)
-            })
-        };
-        let max_samples = if specific { [16, 8].into_iter().find(|n| supported(*n)).unwrap_or(4) } else { 4 };
-        Self {
-            timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
-            max_samples,
-            software: adapter.get_info().device_type == wgpu::DeviceType::Cpu,
-        }
-    }
-}
 
 /// What to do where there is no adapter.
 const REMEDY: &str = if cfg!(target_arch = "wasm32") {
@@ -45,19 +10,15 @@ const REMEDY: &str = if cfg!(target_arch = "wasm32") {
     "on Linux without a GPU, scripts/setup installs Mesa's software Vulkan driver"
 };
 
-/// An adapter, its device and its queue, for programs that have none yet. A clone names the same ones.
+/// An adapter and a context for its device, for programs that have none yet. A clone names the same ones.
 #[derive(Clone, Debug)]
 pub struct Gpu {
     /// The adapter that it is of.
     pub adapter: wgpu::Adapter,
-    /// The device.
-    pub device: wgpu::Device,
-    /// Its queue.
-    pub queue: wgpu::Queue,
     /// Name, driver and kind of the adapter.
     pub info: wgpu::AdapterInfo,
-    /// What it offers.
-    pub tier: Tier,
+    /// The device, its queue and the adapter's tier.
+    pub context: Context,
 }
 
 impl Gpu {
@@ -110,6 +71,6 @@ impl Gpu {
             })
             .await
             .map_err(|error| Error::Adapter(format!("{}: {error}", adapter.get_info().name)))?;
-        Ok(Self { device, queue, info: adapter.get_info(), tier, adapter })
+        Ok(Self { info: adapter.get_info(), context: Context::new(&device, &queue).with_tier(tier), adapter })
     }
 }

@@ -3,33 +3,21 @@
 
 use super::{
     bindings::{self, Binding},
+    handle::Device,
     pipeline,
 };
 use crate::{Error, Result, shaders};
-use std::{cell::RefCell, sync::OnceLock};
+use std::sync::OnceLock;
 
 /// A compute pipeline and the layout of its own bind group, `@group(0)`. The pipeline is compiled when it is first
 /// recorded, or [asked for](Self::compile).
 #[derive(Debug)]
 pub struct Kernel {
-    device: wgpu::Device,
+    device: Device,
     module: &'static str,
     layout: wgpu::BindGroupLayout,
     shared: Vec<wgpu::BindGroupLayout>,
     pipeline: OnceLock<Result<wgpu::ComputePipeline, String>>,
-}
-
-thread_local! {
-    /// What could not be compiled while this thread recorded.
-    static REFUSED: RefCell<Option<Error>> = const { RefCell::new(None) };
-}
-
-/// The first kernel since the last call that this thread recorded and that could not be compiled.
-///
-/// # Errors
-/// [`Error::Gpu`] when there is one.
-pub(crate) fn refused() -> Result<()> {
-    REFUSED.take().map_or(Ok(()), Err)
 }
 
 /// Something that can be compiled beside others.
@@ -47,14 +35,14 @@ pub(crate) fn jobs<'a>(kernels: impl IntoIterator<Item = &'a Kernel>) -> Vec<Job
 impl Kernel {
     /// The kernel of the shader `module` (for example `simulate::step`), whose entry point
     /// has the name of the module's last part and whose nth binding is `entries[n]`.
-    pub fn new(device: &wgpu::Device, module: &'static str, entries: &[Binding]) -> Self {
+    pub(crate) fn new(device: &Device, module: &'static str, entries: &[Binding]) -> Self {
         Self::beside(device, module, entries, &[])
     }
 
     /// [`new`](Self::new) for a shader that also binds groups of the layouts `shared`, `@group(1)` first:
     /// set them on the pass before [`record`](Self::record).
-    pub fn beside(
-        device: &wgpu::Device,
+    pub(crate) fn beside(
+        device: &Device,
         module: &'static str,
         entries: &[Binding],
         shared: &[&wgpu::BindGroupLayout],
@@ -95,8 +83,8 @@ impl Kernel {
     }
 
     /// A bind group for [`record`](Self::record).
-    pub fn bind(&self, device: &wgpu::Device, resources: &[wgpu::BindingResource<'_>]) -> wgpu::BindGroup {
-        bindings::group(device, self.module, &self.layout, resources)
+    pub fn bind(&self, resources: &[wgpu::BindingResource<'_>]) -> wgpu::BindGroup {
+        self.device.group(self.module, &self.layout, resources)
     }
 
     /// Records one dispatch of `workgroups` workgroups. More than 65,535 spread over two
@@ -115,8 +103,8 @@ impl Kernel {
         self.record_grid(pass, group, offsets, [workgroups.min(WIDTH), workgroups.div_ceil(WIDTH), 1]);
     }
 
-    /// Records one dispatch of a grid of workgroups. One that cannot be compiled records nothing; the frame
-    /// tells ([`crate::frame::Recorder`]).
+    /// Records one dispatch of a grid of workgroups. A kernel that cannot be compiled records
+    /// nothing, and the pass returns the error when it [ends](crate::gpu::ComputePass::end).
     pub fn record_grid(
         &self,
         pass: &mut crate::gpu::ComputePass<'_>,
@@ -151,7 +139,7 @@ impl Kernel {
                 true
             }
             Err(error) => {
-                REFUSED.with_borrow_mut(|refused| _ = refused.get_or_insert(error));
+                pass.fail(error);
                 false
             }
         }

@@ -4,7 +4,7 @@
 //! No [`wgpu::PipelineCache`]: wgpu 30 makes one only by an `unsafe` call, since it believes the bytes that it is
 //! given, and this library forbids unsafe code. Drivers keep what they have compiled on their own.
 
-use super::probe;
+use super::{handle::Device, probe};
 use crate::{Error, Result, shaders};
 use std::{
     collections::HashMap,
@@ -55,7 +55,7 @@ impl Recipe<'_> {
     ///
     /// # Errors
     /// [`Error::Gpu`] with what wgpu said.
-    pub fn build(&self, device: &wgpu::Device) -> Result<wgpu::RenderPipeline> {
+    pub fn build(&self, device: &Device) -> Result<wgpu::RenderPipeline> {
         let label = self.fragment.map_or(self.vertex.0, |fragment| fragment.0);
         scoped(device, label, || {
             let shader = module(device, self.vertex.0);
@@ -105,7 +105,7 @@ impl Recipe<'_> {
 /// # Errors
 /// As [`Recipe::build`].
 pub(crate) fn compute(
-    device: &wgpu::Device,
+    device: &Device,
     label: &'static str,
     (source, entry): (&str, &str),
     layouts: &[&wgpu::BindGroupLayout],
@@ -124,25 +124,22 @@ pub(crate) fn compute(
     })
 }
 
-fn module(device: &wgpu::Device, name: &'static str) -> wgpu::ShaderModule {
+fn module(device: &Device, name: &'static str) -> wgpu::ShaderModule {
     shader_module(device, name, shaders::source(name))
 }
 
-fn shader_module(device: &wgpu::Device, name: &str, wgsl: &str) -> wgpu::ShaderModule {
-    if let Some(probe) = probe::get() {
+fn shader_module(device: &Device, name: &str, wgsl: &str) -> wgpu::ShaderModule {
+    let wgsl = if device.broken == Some(name) { "broken" } else { wgsl };
+    if let Some(probe) = &device.probe {
         return probe.shader(device, name, wgsl);
     }
     let source = wgpu::ShaderSource::Wgsl(wgsl.into());
     device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(name), source })
 }
 
-fn pipeline_layout(
-    device: &wgpu::Device,
-    label: &str,
-    groups: &[&wgpu::BindGroupLayout],
-) -> wgpu::PipelineLayout {
+fn pipeline_layout(device: &Device, label: &str, groups: &[&wgpu::BindGroupLayout]) -> wgpu::PipelineLayout {
     let mut groups: Vec<_> = groups.iter().map(|group| Some(*group)).collect();
-    let own = probe::get().map(|probe| probe.layout(device));
+    let own = device.probe.as_ref().map(|probe| probe.layout(device));
     if own.is_some() {
         groups.resize(probe::GROUP as usize, None);
         groups.push(own.as_ref());
@@ -177,7 +174,7 @@ impl Scopes {
 }
 
 /// What `make` makes, unless wgpu objects. In a browser, where the answer comes later, whoever wants to know asks
-/// [`Pipelines::prepare`](crate::Pipelines::prepare).
+/// [`Context::prepare`](crate::Context::prepare).
 pub(crate) fn scoped<T>(device: &wgpu::Device, stage: &'static str, make: impl FnOnce() -> T) -> Result<T> {
     #[cfg(not(target_arch = "wasm32"))]
     {
@@ -221,7 +218,7 @@ impl<K: Eq + Hash, V: Clone> Made<K, V> {
     }
 }
 
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     // What a panic leaves behind is whole: a thing is there or it is not.
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -246,14 +243,14 @@ mod tests {
 
     #[test]
     fn what_wgpu_refuses_is_an_error_and_nothing_worse() {
-        let (device, _) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
+        let device = &crate::gpu::noop().device;
         let made = Made::<u8, wgpu::ComputePipeline>::default();
         let entries = [crate::gpu::Binding::Uniform];
-        let layout = crate::gpu::bindings::layout(&device, "test", wgpu::ShaderStages::COMPUTE, &entries);
+        let layout = crate::gpu::bindings::layout(device, "test", wgpu::ShaderStages::COMPUTE, &entries);
         let wgsl = "@group(0) @binding(0) var<uniform> x: u32;
             @compute @workgroup_size(1) fn run() { _ = x; }";
         let build = |entry, layouts: &[&wgpu::BindGroupLayout]| {
-            compute(&device, "test", (wgsl, entry), layouts, Default::default())
+            compute(device, "test", (wgsl, entry), layouts, Default::default())
         };
         let error = made.get(1, || build("missing", &[&layout])).unwrap_err().to_string();
         assert!(error.contains("test"), "{error}");

@@ -6,6 +6,7 @@
 //! result may arrive on that thread, a little later. [`blocking`] needs no executor. [`Pending`] does not wait: a program that polls its device anyway, as each
 //! `submit` does, asks now and then whether the copy has arrived.
 
+use super::Context;
 use crate::{Error, Result};
 use std::{
     future::poll_fn,
@@ -17,12 +18,8 @@ use std::{
 ///
 /// # Errors
 /// [`Error::Gpu`] when the device is lost.
-pub async fn buffer<T: bytemuck::Pod>(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    buffer: &wgpu::Buffer,
-) -> Result<Vec<T>> {
-    let bytes = Pending::buffer(device, queue, buffer).wait(device).await?;
+pub async fn buffer<T: bytemuck::Pod>(context: &Context, buffer: &wgpu::Buffer) -> Result<Vec<T>> {
+    let bytes = Pending::buffer(context, buffer).wait().await?;
     Ok(bytemuck::pod_collect_to_vec(&bytes[..bytes.len() / size_of::<T>() * size_of::<T>()]))
 }
 
@@ -30,40 +27,37 @@ pub async fn buffer<T: bytemuck::Pod>(
 ///
 /// # Errors
 /// [`Error::Gpu`] when the device is lost, or for a format without a single size per texel.
-pub async fn texture(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture) -> Result<Vec<u8>> {
-    Pending::texture(device, queue, texture)?.wait(device).await
+pub async fn texture(context: &Context, texture: &wgpu::Texture) -> Result<Vec<u8>> {
+    Pending::texture(context, texture)?.wait().await
 }
 
 /// The same for programs without an executor, such as tests. Not in a browser, where nothing can block.
 #[cfg(not(target_arch = "wasm32"))]
 pub mod blocking {
-    use crate::Result;
+    use crate::{Context, Result};
     use pollster::block_on;
 
     /// What [`buffer`](super::buffer) gives.
     ///
     /// # Errors
     /// [`Error::Gpu`](crate::Error::Gpu) when the device is lost.
-    pub fn buffer<T: bytemuck::Pod>(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        buffer: &wgpu::Buffer,
-    ) -> Result<Vec<T>> {
-        block_on(super::buffer(device, queue, buffer))
+    pub fn buffer<T: bytemuck::Pod>(context: &Context, buffer: &wgpu::Buffer) -> Result<Vec<T>> {
+        block_on(super::buffer(context, buffer))
     }
 
     /// What [`texture`](super::texture) gives.
     ///
     /// # Errors
     /// As there.
-    pub fn texture(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture) -> Result<Vec<u8>> {
-        block_on(super::texture(device, queue, texture))
+    pub fn texture(context: &Context, texture: &wgpu::Texture) -> Result<Vec<u8>> {
+        block_on(super::texture(context, texture))
     }
 }
 
 /// A copy on its way to the CPU.
 #[derive(Debug)]
 pub struct Pending {
+    device: wgpu::Device,
     target: wgpu::Buffer,
     size: u64,
     /// Bytes per row in the copy and without padding.
@@ -81,8 +75,8 @@ struct Mapping {
 impl Pending {
     /// Begins to copy `buffer` from byte 0, which must have `COPY_SRC`, after all work submitted so
     /// far.
-    pub fn buffer(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buffer) -> Self {
-        Self::new(device, queue, buffer.size(), None, |encoder, target| {
+    pub fn buffer(context: &Context, buffer: &wgpu::Buffer) -> Self {
+        Self::new(context, buffer.size(), None, |encoder, target| {
             encoder.copy_buffer_to_buffer(buffer, 0, target, 0, buffer.size());
         })
     }
@@ -92,7 +86,7 @@ impl Pending {
     ///
     /// # Errors
     /// [`Error::Gpu`] for a format without a single size per texel.
-    pub fn texture(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture) -> Result<Self> {
+    pub fn texture(context: &Context, texture: &wgpu::Texture) -> Result<Self> {
         let texel = texture.format().block_copy_size(None).ok_or_else(|| Error::Gpu {
             stage: "read-back",
             problem: format!("{:?} has no single size per texel", texture.format()),
@@ -102,7 +96,7 @@ impl Pending {
         let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let size = u64::from(padded) * u64::from(height) * u64::from(depth);
         let rows = Some([padded as usize, row as usize]);
-        Ok(Self::new(device, queue, size, rows, |encoder, target| {
+        Ok(Self::new(context, size, rows, |encoder, target| {
             encoder.copy_texture_to_buffer(
                 texture.as_image_copy(),
                 wgpu::TexelCopyBufferInfo {
@@ -119,12 +113,12 @@ impl Pending {
     }
 
     fn new(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
+        context: &Context,
         size: u64,
         rows: Option<[usize; 2]>,
         record: impl FnOnce(&mut wgpu::CommandEncoder, &wgpu::Buffer),
     ) -> Self {
+        let Context { device, queue, .. } = context;
         let target = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("read-back"),
             size: size.next_multiple_of(4).max(4),
@@ -147,7 +141,7 @@ impl Pending {
                 waker.wake();
             }
         });
-        Self { target, size, rows, mapping }
+        Self { device: context.device().clone(), target, size, rows, mapping }
     }
 
     /// The bytes, once, if they have arrived by now.
@@ -163,9 +157,9 @@ impl Pending {
     ///
     /// # Errors
     /// [`Error::Gpu`] when the device is lost.
-    pub async fn wait(mut self, device: &wgpu::Device) -> Result<Vec<u8>> {
+    pub async fn wait(mut self) -> Result<Vec<u8>> {
         // In a browser this returns at once and the callback comes from the event loop.
-        device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| lost(error.to_string()))?;
+        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| lost(error.to_string()))?;
         poll_fn(|context| {
             if let Some(result) = self.take() {
                 return Poll::Ready(result);

@@ -1,11 +1,7 @@
 //! GPU time per stage: from timestamps at the beginning and end of each pass, or by wall clock. What knows where stages
 //! end also takes frames apart.
 
-use super::{
-    pass::{self, Counts},
-    probe,
-    readback::Pending,
-};
+use super::{Context, Counts, readback::Pending};
 use crate::{Error, Result};
 use std::{sync::OnceLock, time::Duration};
 use web_time::Instant;
@@ -47,7 +43,8 @@ enum Source {
 
 impl Timings {
     /// From timestamps; needs [`wgpu::Features::TIMESTAMP_QUERY`] on the device.
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
+    pub fn new(context: &Context) -> Self {
+        let Context { device, queue, .. } = context;
         let count = 2 * MAX_PASSES;
         let source = Source::Timestamps {
             queries: device.create_query_set(&wgpu::QuerySetDescriptor {
@@ -127,7 +124,6 @@ impl Timings {
 
     /// By the clock, a part of a stage begins here. What was recorded before belongs to no row.
     pub(crate) fn start(&mut self) {
-        pass::take();
         if let Source::Clock { clock, since, .. } = &mut self.source {
             *since = clock();
         }
@@ -137,15 +133,11 @@ impl Timings {
     /// waited for; [of parts](Self::of_parts), it is kept.
     pub(crate) fn lap(
         &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
+        context: &Context,
         encoder: &mut wgpu::CommandEncoder,
-        name: &'static str,
+        (name, counts): (&'static str, Counts),
     ) {
-        if let Some(probe) = probe::get() {
-            probe.lap(name);
-        }
-        let counts = pass::take();
+        let Context { device, queue, .. } = context;
         match self.counts.iter_mut().find(|(known, _)| *known == name) {
             Some((_, sum)) => *sum += counts,
             None => self.counts.push((name, counts)),
@@ -186,25 +178,21 @@ impl Timings {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.
-    pub async fn read(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-    ) -> Result<Vec<(&'static str, f64)>> {
-        let Rows { source } = self.later(device, queue);
+    pub async fn read(&mut self, context: &Context) -> Result<Vec<(&'static str, f64)>> {
+        let Rows { source } = self.later(context);
         match source {
-            RowSource::Ticks { ticks, names, period } => Ok(rows(&ticks.wait(device).await?, &names, period)),
+            RowSource::Ticks { ticks, names, period } => Ok(rows(&ticks.wait().await?, &names, period)),
             RowSource::Known(known) => known.unwrap_or_else(|| Ok(Vec::new())),
         }
     }
 
     /// Begins to read what [`read`](Self::read) gives, after the submission of the frame, and starts over:
     /// the next frame may be recorded at once.
-    pub fn later(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) -> Rows {
+    pub fn later(&mut self, context: &Context) -> Rows {
         self.counts.clear();
         let source = match &mut self.source {
             Source::Timestamps { resolved, names, period, .. } => RowSource::Ticks {
-                ticks: Pending::buffer(device, queue, resolved),
+                ticks: Pending::buffer(context, resolved),
                 names: std::mem::take(names),
                 period: *period,
             },

@@ -2,9 +2,10 @@
 
 use super::Hair;
 use crate::{
-    Error, Pipelines, Result,
+    Error, Result,
     groom::Groom,
-    simulate::{Grab, Ray, Target, Tie, TieReport},
+    math::Ray,
+    simulate::{Grab, Target, Tie, TieReport},
 };
 
 impl Hair {
@@ -14,19 +15,12 @@ impl Hair {
     /// # Errors
     /// [`Error::Parameter`] for a tie that makes no sense, [`crate::groom::Error::Unusable`] for one that holds nothing,
     /// for more than [`crate::simulate::ties::MAX_RINGS`] and for another groom; [`Error::Limit`].
-    pub fn tie(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        pipelines: &Pipelines,
-        groom: &Groom,
-        ties: &[Tie],
-    ) -> Result<TieReport> {
+    pub fn tie(&mut self, groom: &Groom, ties: &[Tie]) -> Result<TieReport> {
         if groom.guides.len() != self.guides.count as usize {
             return Err(Error::unusable("ties are those of the groom that the hair was made from"));
         }
         self.sleep.wake();
-        self.simulation.tie(device, queue, &pipelines.simulate, &self.guides, &groom.guides, ties)
+        self.simulation.tie(&self.context, &self.guides, &groom.guides, ties)
     }
 
     /// Grabs the lock that `ray` (from the eye through the cursor, in the camera's space: [`crate::Camera::ray`]) meets
@@ -38,7 +32,7 @@ impl Hair {
     /// # Errors
     /// [`Error::Parameter`] for a ray without a direction, and a radius that is not from 1 mm to 1 m.
     pub fn grab(&mut self, ray: &Ray, radius: f32) -> Result<()> {
-        self.grab.begin(ray, radius)
+        self.effects.grab.begin(ray, radius)
     }
 
     /// Where what is grabbed is to be at the next frame, in the space that it is drawn in. Nothing when nothing is.
@@ -46,16 +40,16 @@ impl Hair {
     /// # Errors
     /// [`Error::Parameter`] for what is not finite.
     pub fn drag_to(&mut self, target: &Target) -> Result<()> {
-        self.grab.drag(target)
+        self.effects.grab.drag(target)
     }
 
     /// Lets go of what is grabbed.
     pub fn release(&mut self) {
-        self.grab.end();
+        self.effects.grab.end();
     }
 
     /// The hand: whether it holds, and what the GPU knows of it.
     pub fn grabbed(&self) -> &Grab {
-        &self.grab
+        &self.effects.grab
     }
 }

@@ -1,30 +1,22 @@
 //! A frame's work on one groom: [`begin`](Hair::begin) and [`prepare`](Hair::prepare) write what its
 //! stages read, the rest records them, in the order of [`crate::frame`].
 
-use super::{Hair, sleep::Back};
+use super::{Hair, HairFrame, sleep::Back};
 use crate::{
-    Pipelines, Result, avoid,
+    Result,
     clock::{Mode, Steps},
     collide::{Journey, Moments},
-    frame::Frame,
-    interpolate,
-    lod::{Detail, Widths},
-    simulate::{self, Forces, Shifting, SimulationParams, grab::Sights},
-    space::{Carried, Shift},
-    tessellate::{self, TessellateParams},
-    volume::{self, HairHairMode},
-    wind::{self, Air, HairGrid, Wind},
+    lod::Detail,
+    simulate::{Forces, Shifting, SimulationParams, grab::Sights},
+    space::{Carried, Field, Shift},
+    tessellate::TessellateParams,
+    volume::HairHairMode,
+    wind::{Air, HairGrid, Wind},
 };
 
 impl Hair {
     /// Begins a frame: writes what its fixed steps read and returns how many are due.
-    pub(crate) fn begin(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        pipelines: &Pipelines,
-        frame: &Frame<'_>,
-    ) -> Result<u32> {
+    pub(crate) fn begin(&mut self, frame: &HairFrame<'_>) -> Result<u32> {
         self.volume.begin();
         frame.simulation.check()?;
         frame.space.check()?;
@@ -35,81 +27,85 @@ impl Hair {
             if let Some(deformation) = &mut self.colliders.deformation {
                 deformation.forget();
             }
-            self.shifts = false;
+            self.motion.shifts = false;
             return Ok(0);
         }
         let physics = &self.coarse(frame.simulation);
-        self.lead(device, queue, pipelines)?;
-        let usual = self.clock.teleport_distance;
+        self.lead()?;
+        let usual = self.motion.clock.teleport_distance;
         match back {
+            Back::Here if std::mem::take(&mut self.motion.teleports) => {
+                self.motion.clock.teleport_distance = -1.0
+            }
             Back::Here => {}
             // Any motion of a head that nobody saw is a jump.
-            Back::Moved => self.clock.teleport_distance = -1.0,
-            Back::Elsewhere => self.clock.reset(),
+            Back::Moved => self.motion.clock.teleport_distance = -1.0,
+            Back::Elsewhere => self.motion.clock.reset(),
         }
-        let carried = self.tick(queue, frame, physics);
-        self.clock.teleport_distance = usual;
+        let carried = self.tick(frame, physics);
+        self.motion.clock.teleport_distance = usual;
         let Carried { steps, fields, passage, shift } = carried?;
         // Whoever moves through the air has wind.
         let felt = fields.last().map(|field| Wind { velocity: field.wind, ..physics.wind });
-        self.windy = felt.map_or(self.windy, |wind| wind.blows());
-        if self.windy {
-            self.make_air(device, queue, pipelines, &physics.wind)?;
+        self.effects.windy = felt.map_or(self.effects.windy, |wind| wind.blows());
+        if self.effects.windy {
+            self.make_air(&physics.wind)?;
         }
-        self.passage = passage;
+        self.motion.passage = passage;
         let way = shift.map(|shift| shift.way).unwrap_or_default();
-        self.shift(device, queue, pipelines, shift);
-        self.forced = self.windy
+        self.shift(shift);
+        self.effects.forced = self.effects.windy
             || physics.hair_hair.mode != HairHairMode::Off
-            || self.links.is_some()
+            || self.effects.links.is_some()
             || self.simulation.ties().is_some();
-        if let Some(links) = &self.links {
-            links.prepare(queue, &physics.hair_hair, physics.step);
+        if let Some(links) = &self.effects.links {
+            links.prepare(&self.context, &physics.hair_hair, physics.step);
         }
-        if self.forced {
+        if self.effects.forced {
             let due = Steps { steps: &steps, length: physics.step, substeps: physics.substeps };
-            self.volume.prepare(queue, &physics.hair_hair, &due, &self.colliders);
-            self.volume.prepare_others(queue, &physics.hair_hair, &due, way);
-            if let Some(air) = self.air.as_mut().filter(|_| self.windy) {
+            self.volume.prepare(&self.context, &physics.hair_hair, &due, &self.colliders);
+            self.volume.prepare_others(&self.context, &physics.hair_hair, &due, way);
+            if let Some(air) = self.air.as_mut().filter(|_| self.effects.windy) {
                 let grid = &self.volume.grid;
                 let hair = HairGrid { bias: grid.bias, scale: grid.scale };
-                air.prepare_in(queue, &physics.wind, physics.diameter, &due, &fields, Some(hair));
+                air.prepare_in(&self.context, &physics.wind, physics.diameter, &due, &fields, Some(hair));
             }
-            let air = self.air.as_ref().filter(|_| self.windy);
-            self.forces.prepare(queue, physics, air, steps.len());
+            let air = self.air.as_ref().filter(|_| self.effects.windy);
+            self.effects.forces.prepare(&self.context, physics, air, steps.len());
         }
-        if let Some(air) = self.air.as_mut().filter(|_| !self.windy) {
+        if let Some(air) = self.air.as_mut().filter(|_| !self.effects.windy) {
             // When the wind comes back it finds no traces of the last one.
             air.reset();
         }
-        let (stage, buffers) = (&pipelines.simulate, (&self.guides, &self.strands));
+        let buffers = (&self.guides, &self.strands);
         let seen = frame.way_to_view();
         let sights = Sights {
             to_carrier: passage.at(1.0).after(&seen.inverse()),
-            to_last: self.drawn_in.from(&frame.seen()),
+            to_last: self.motion.drawn_in.from(&frame.seen()),
             shift: way,
         };
-        let held = self.grab.prepare(device, queue, stage, physics, &steps, buffers, &sights, self.forced)?;
+        let held = self.effects.grab.prepare(
+            &self.context,
+            physics,
+            &steps,
+            buffers,
+            &sights,
+            self.effects.forced,
+        )?;
         if let Some(roots) = &mut self.roots {
             let counts = [self.guides.count, self.strands.drawn.count];
             let fresh = steps.first().is_some_and(|step| step.mode == Mode::Reset);
-            roots.prepare(queue, (&frame.head, &seen), counts, fresh);
+            roots.prepare(&self.context, (&frame.head, &seen), counts, fresh);
         }
-        self.simulation.prepare_in(queue, physics, &steps, &fields, self.forced || held)
+        self.simulation.prepare_in(&self.context, physics, &steps, &fields, self.effects.forced || held)
     }
 
     /// Prepares that the frame begins from another origin, if it does.
-    fn shift(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        pipelines: &Pipelines,
-        shift: Option<Shift>,
-    ) {
-        self.shifts = shift.is_some();
+    fn shift(&mut self, shift: Option<Shift>) {
+        self.motion.shifts = shift.is_some();
         let Some(shift) = shift else { return };
-        let make = || Shifting::new(device, &pipelines.simulate, &self.guides);
-        self.shifting.get_or_insert_with(make).prepare(queue, &shift);
+        let make = || Shifting::new(&self.context, &self.guides);
+        self.motion.shifting.get_or_insert_with(make).prepare(&self.context, &shift);
         if let Some(air) = &mut self.air {
             air.shift(shift.way);
         }
@@ -117,22 +113,22 @@ impl Hair {
 
     /// Whether the frame begins from another origin.
     pub(crate) fn is_shifted(&self) -> bool {
-        self.shifts
+        self.motion.shifts
     }
 
     /// The state from that origin: before the first step.
-    pub(crate) fn record_shift(&self, pass: &mut crate::gpu::ComputePass<'_>, stage: &simulate::Pipelines) {
-        if let Some(shifting) = &self.shifting {
-            shifting.record(stage, pass);
+    pub(crate) fn record_shift(&self, pass: &mut crate::gpu::ComputePass<'_>) {
+        if let Some(shifting) = &self.motion.shifting {
+            shifting.record(pass);
         }
     }
 
     /// Whether hair is to be left as it is in this frame: nobody sees it, or it has come to rest.
-    fn dozes(&mut self, frame: &Frame<'_>) -> bool {
-        // What a hand, the wind or skin does, the frame does not tell.
+    fn dozes(&mut self, frame: &HairFrame<'_>) -> bool {
+        // The frame describes neither grabs nor wind nor skinning.
         let may = self.lod.options.sleep
-            && !self.is_on_skin()
-            && !self.grab.is_active()
+            && (!self.is_on_skin() || self.motion.skin_is_still)
+            && !self.effects.grab.is_active()
             && !self.volume.meets()
             && !frame.simulation.wind.blows();
         if !may {
@@ -172,7 +168,7 @@ impl Hair {
     pub(crate) fn motion_at(&self, detail: &Detail) -> [u32; 2] {
         let guides = match detail.reach {
             // Roots on skin, and what a hand holds, are each guide's own.
-            reach if reach > 0.0 && self.roots.is_none() && !self.grab.is_active() => {
+            reach if reach > 0.0 && self.roots.is_none() && !self.effects.grab.is_active() => {
                 self.order.enough(reach)
             }
             _ => self.guides.count,
@@ -182,11 +178,11 @@ impl Hair {
     }
 
     /// Chooses the guides that are simulated.
-    fn lead(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, pipelines: &Pipelines) -> Result<()> {
+    fn lead(&mut self) -> Result<()> {
         let [enough, _] = self.motion_at(self.lod.current());
         if enough < self.guides.count {
-            let tree = self.order.tree(device, queue, &self.guides.info)?;
-            self.simulation.simulate_first(device, &pipelines.simulate, &self.guides, &tree, enough);
+            let tree = self.order.tree(&self.context, &self.guides.info)?;
+            self.simulation.simulate_first(&self.guides, &tree, enough);
         } else {
             self.simulation.simulate_all();
         }
@@ -194,20 +190,13 @@ impl Hair {
     }
 
     /// Makes the air for `wind` unless it is there.
-    fn make_air(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        pipelines: &Pipelines,
-        wind: &Wind,
-    ) -> Result<()> {
+    fn make_air(&mut self, wind: &Wind) -> Result<()> {
         let (middle, side) = self.extent;
         let size = side * wind.room;
         let fits = |air: &Air| air.cells == wind.cells && air.cell == size / wind.cells as f32;
         if !self.air.as_ref().is_some_and(fits) {
-            let air =
-                Air::new(device, queue, &pipelines.wind, wind.cells, (middle, size), &self.volume.hair)?;
-            self.forces = Forces::new(device, &pipelines.simulate, &self.guides, &self.volume, Some(&air));
+            let air = Air::new(&self.context, wind.cells, (middle, size), &self.volume.hair)?;
+            self.effects.forces = Forces::new(&self.context, &self.guides, &self.volume, Some(&air));
             self.air = Some(air);
         }
         Ok(())
@@ -215,18 +204,13 @@ impl Hair {
 
     /// Whether the wind blows in this frame.
     pub(crate) fn uses_wind(&self) -> bool {
-        self.windy
+        self.effects.windy
     }
 
     /// Step `i` of the air.
-    pub(crate) fn record_wind(
-        &self,
-        pass: &mut crate::gpu::ComputePass<'_>,
-        stage: &wind::Pipelines,
-        i: u32,
-    ) {
+    pub(crate) fn record_wind(&self, pass: &mut crate::gpu::ComputePass<'_>, i: u32) {
         if let Some(air) = &self.air {
-            air.record(stage, pass, &self.colliders, i);
+            air.record(pass, &self.colliders, i);
         }
     }
 
@@ -236,34 +220,36 @@ impl Hair {
     }
 
     /// Where skin carries roots, and how it deforms fields.
-    pub(crate) fn record_roots(&self, pass: &mut crate::gpu::ComputePass<'_>, stage: &Pipelines) {
+    pub(crate) fn record_roots(&self, pass: &mut crate::gpu::ComputePass<'_>) {
         if let Some(roots) = &self.roots {
-            roots.record(&stage.roots, pass, [self.guides.count, self.strands.drawn.count]);
+            roots.record(pass, [self.guides.count, self.strands.drawn.count]);
         }
         if let Some(deformation) = &self.colliders.deformation {
-            deformation.record(&stage.deform, pass);
+            deformation.record(pass);
         }
     }
 
     /// Whether this frame needs the grid of the hair.
     pub(crate) fn uses_volume(&self) -> bool {
-        self.forced
+        self.effects.forced
     }
 
     /// What is due in `frame`, where hair is simulated; the colliders are moved.
     ///
     /// # Errors
     /// What [`ColliderSet::advance`](crate::collide::ColliderSet::advance) says.
-    fn tick(&mut self, queue: &wgpu::Queue, frame: &Frame<'_>, params: &SimulationParams) -> Result<Carried> {
+    fn tick(&mut self, frame: &HairFrame<'_>, params: &SimulationParams) -> Result<Carried> {
         let (space, head) = (frame.space.normalized(), &frame.head);
         let dt = if frame.dt.is_finite() { f64::from(frame.dt.max(0.0)) } else { 0.0 };
         let times = (dt, f64::from(params.step));
-        if let Some(map) = self.carrier.enter(&space, head, &self.clock, times) {
-            self.clock.enter(&map);
+        if let Some(map) = self.motion.carrier.enter(&space, head, &self.motion.clock, times) {
+            self.motion.clock.enter(&map);
             self.colliders.enter(&map);
         }
-        let ticks = self.clock.tick(frame.dt, params.step, head);
-        let carried = self.carrier.carry(&space, (&self.clock, &ticks), times, self.extent.0, params);
+        let ticks = self.motion.clock.tick(frame.dt, params.step, head);
+        let world = Field::of(params.gravity, params.wind.velocity);
+        let carried =
+            self.motion.carrier.carry(&space, (&self.motion.clock, &ticks), times, self.extent.0, &world);
         let moments = Moments {
             steps: &carried.steps,
             substeps: params.substeps,
@@ -272,14 +258,14 @@ impl Hair {
             alpha: ticks.alpha,
         };
         let journey = Journey { head: *head, passage: carried.passage };
-        self.colliders.journey(queue, frame.colliders, &moments, &journey)?;
-        self.states.2 = ticks.alpha;
+        self.colliders.journey(frame.colliders, &moments, &journey)?;
+        self.motion.states.2 = ticks.alpha;
         if !ticks.steps.is_empty() {
-            self.span = params.step;
+            self.motion.span = params.step;
         }
-        self.moved_away = ticks.steps.iter().any(|step| step.mode != Mode::Step);
+        self.motion.moved_away = ticks.steps.iter().any(|step| step.mode != Mode::Step);
         for step in &carried.steps {
-            self.states = match step.mode {
+            self.motion.states = match step.mode {
                 Mode::Step => (step.begin, step.end, ticks.alpha),
                 Mode::Carry | Mode::Reset => (step.end, step.end, ticks.alpha),
             };
@@ -288,67 +274,53 @@ impl Hair {
     }
 
     /// Writes the uniforms of the stages that follow the guides.
-    pub(crate) fn prepare(&mut self, queue: &wgpu::Queue, frame: &Frame<'_>) {
+    pub(crate) fn prepare(&mut self, frame: &HairFrame<'_>) {
         let seen = frame.way_to_view();
-        self.head = seen.pose(&frame.head);
-        self.drawn_in = frame.seen();
-        self.to_drawn = seen.after(&self.passage.at(1.0).inverse()).as_pose();
-        let (previous, current, blend) = self.states;
+        self.motion.head = seen.pose(&frame.head);
+        self.motion.drawn_in = frame.seen();
+        self.motion.to_drawn = seen.after(&self.motion.passage.at(1.0).inverse()).as_pose();
+        let (previous, current, blend) = self.motion.states;
         let drawn = (blend, self.simulation.twists());
-        let params = TessellateParams::new(&self.guides, (&previous, &current, self.span), &self.head, drawn);
-        self.tessellation.prepare(queue, &params);
-        self.interpolation.prepare(queue, &self.guides, &self.strands);
+        let params = TessellateParams::new(
+            &self.guides,
+            (&previous, &current, self.motion.span),
+            &self.motion.head,
+            drawn,
+        );
+        self.curves.tessellation.prepare(&self.context, &params);
+        self.curves.interpolation.prepare(&self.context, &self.guides, &self.strands);
         let counts = (&self.guides, &self.strands);
         let fresh = self.lod.begin();
-        self.avoidance.prepare(queue, counts, frame.dt, self.moved_away, fresh);
+        self.avoidance.prepare(&self.context, counts, frame.dt, self.motion.moved_away, fresh);
     }
 
     /// Step `i` of the guides: what the grids do to them, then the step itself.
-    pub(crate) fn record_simulate(
-        &self,
-        pass: &mut crate::gpu::ComputePass<'_>,
-        stage: &simulate::Pipelines,
-        i: u32,
-    ) {
-        if self.forced {
-            self.forces.record(stage, pass, i);
+    pub(crate) fn record_simulate(&self, pass: &mut crate::gpu::ComputePass<'_>, i: u32) {
+        if self.effects.forced {
+            self.effects.forces.record(pass, i);
         }
-        if let Some(links) = &self.links {
-            links.record(stage, pass);
+        if let Some(links) = &self.effects.links {
+            links.record(pass);
         }
-        self.grab.record(stage, pass, &self.colliders, i);
-        self.simulation.record(stage, pass, &self.colliders, i);
+        self.effects.grab.record(pass, &self.colliders, i);
+        self.simulation.record(pass, &self.colliders, i);
     }
 
     /// Step `i` of the grid of the hair.
-    pub(crate) fn record_volume(
-        &mut self,
-        pass: &mut crate::gpu::ComputePass<'_>,
-        stage: &volume::Pipelines,
-        i: u32,
-    ) {
-        self.volume.record(stage, pass, &self.colliders, i);
+    pub(crate) fn record_volume(&mut self, pass: &mut crate::gpu::ComputePass<'_>, i: u32) {
+        self.volume.record(pass, &self.colliders, i);
     }
 
-    pub(crate) fn record_tessellate(
-        &self,
-        pass: &mut crate::gpu::ComputePass<'_>,
-        stage: &tessellate::Pipelines,
-    ) {
-        self.tessellation.record(stage, pass, &self.guides);
+    pub(crate) fn record_tessellate(&self, pass: &mut crate::gpu::ComputePass<'_>) {
+        self.curves.tessellation.record(pass, &self.guides);
     }
 
-    pub(crate) fn record_interpolate(
-        &self,
-        pass: &mut crate::gpu::ComputePass<'_>,
-        stage: &interpolate::Pipelines,
-        widths: &Widths,
-    ) {
-        self.lod.record(pass, widths);
-        self.interpolation.record(stage, pass, &self.strands);
+    pub(crate) fn record_interpolate(&self, pass: &mut crate::gpu::ComputePass<'_>) {
+        self.lod.record(pass);
+        self.curves.interpolation.record(pass, &self.strands);
     }
 
-    pub(crate) fn record_avoid(&self, pass: &mut crate::gpu::ComputePass<'_>, stage: &avoid::Pipelines) {
-        self.avoidance.record(stage, pass, &self.colliders, &self.strands);
+    pub(crate) fn record_avoid(&self, pass: &mut crate::gpu::ComputePass<'_>) {
+        self.avoidance.record(pass, &self.colliders, &self.strands);
     }
 }

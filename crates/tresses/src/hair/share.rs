@@ -11,13 +11,14 @@
 //! lists of tiles are most of a groom's memory. Before a frame needs more it moves into larger buffers, by half an octave
 //! at a time; nothing is read back.
 
-use super::{Hair, Parts, interpolation};
+use super::{Hair, curves::Curves, effects::Effects, motion::Motion, sleep::Sleep};
 use crate::{
-    Pipelines, Result,
+    Result,
     avoid::StrandState,
+    body::Skin,
     collide::Collider,
     roots::Roots,
-    simulate::{Links, Shifting, Ties},
+    simulate::{Links, Shifting, Simulation, Ties},
     strands::{Room, Strand, StrandVertex},
     wind::Air,
 };
@@ -29,28 +30,30 @@ impl Hair {
     ///
     /// # Errors
     /// As [`with_colliders`](Self::with_colliders).
-    pub fn another(
-        &self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        pipelines: &Pipelines,
-        colliders: &[Collider],
-    ) -> Result<Self> {
-        let guides = self.guides.another(device, queue)?;
+    pub fn another(&self, colliders: &[Collider]) -> Result<Self> {
+        let guides = self.guides.another(&self.context)?;
         // Room is made in the first frame, when it is known for what.
-        let mut strands = self.strands.another(device, Room { strands: 1, vertices: 1 })?;
+        let mut strands = self.strands.another(&self.context, Room { strands: 1, vertices: 1 })?;
         strands.drawn.count = 0;
-        let volume = self.volume.another(device, &pipelines.volume, &guides)?;
-        let link = |links: &Links| links.another(device, &pipelines.simulate, &guides);
-        let links = self.links.as_ref().map(link).transpose()?;
-        let set = self.set.another(device, &strands);
-        let gpu = (device, queue);
-        let avoidance = self.avoidance.another(gpu, &pipelines.avoid, &guides, &strands)?;
-        let lod = self.lod.another(device, &pipelines.widths, &strands);
+        let volume = self.volume.another(&self.context, &guides)?;
+        let link = |links: &Links| links.another(&self.context, &guides);
+        let links = self.effects.links.as_ref().map(link).transpose()?;
+        let set = self.set.another(&strands);
+        let avoidance = self.avoidance.another(&self.context, &guides, &strands)?;
+        let lod = self.lod.another(&self.context, &strands);
         strands.drawn = self.lod.drawn();
-        let colliders = self.colliders.another(device, queue, colliders)?;
+        let colliders = self.colliders.another(colliders)?;
         let (extent, order, substeps) = (self.extent, self.order.clone(), self.substeps);
-        let parts = Parts {
+        let mut other = Self {
+            context: self.context.clone(),
+            effects: Effects::new(&self.context, &guides, &volume, links),
+            simulation: Simulation::new(&self.context, &guides),
+            curves: Curves::new(&self.context, &guides, &strands),
+            motion: Motion::default(),
+            sleep: Sleep::default(),
+            air: None,
+            roots: None,
+            fits: true,
             guides,
             strands,
             set,
@@ -58,25 +61,28 @@ impl Hair {
             lod,
             colliders,
             volume,
-            links,
             extent,
             order,
             substeps,
-            fits: true,
         };
-        let mut other = Self::at_rest(device, pipelines, parts);
-        other.simulation.tie_as(gpu, &pipelines.simulate, &other.guides, &self.simulation)?;
+        other.simulation.tie_as(&self.context, &other.guides, &self.simulation)?;
+        Ok(other)
+    }
+
+    /// [`another`](Self::another) whose roots follow `skin`, another body of the mesh that these roots follow.
+    pub(crate) fn another_on(&self, colliders: &[Collider], skin: Option<&Skin<'_>>) -> Result<Self> {
+        let mut other = self.another(colliders)?;
+        if let (Some(roots), Some(skin)) = (&self.roots, skin) {
+            let buffers = (&mut other.guides, &mut other.strands);
+            other.roots = Some(roots.instance(&self.context, buffers, skin)?);
+            other.follow_roots()?;
+        }
         Ok(other)
     }
 
     /// Makes room for what the level of detail draws, where hair has no more than that. Before anything of a frame is
     /// recorded that knows of strands.
-    pub(crate) fn make_room(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        pipelines: &Pipelines,
-    ) -> Result<()> {
+    pub(crate) fn make_room(&mut self) -> Result<()> {
         let drawn = self.strands.drawn;
         if self.sleep.unseen {
             self.set.drawn.count = 0;
@@ -84,23 +90,22 @@ impl Hair {
         }
         if !self.fits {
             if self.set.drawn.count == 0 {
-                self.set.show(device, &drawn);
+                self.set.show(&drawn);
             }
             return Ok(());
         }
         let need = [drawn.count, drawn.count * drawn.vertex_count];
         let Some(room) = self.strands.room.another(need, self.strands.whole()) else {
-            self.set.show(device, &drawn);
+            self.set.show(&drawn);
             return Ok(());
         };
         let roots = self.strands.roots.clone();
-        self.strands = crate::strands::StrandBuffers { roots, ..self.strands.another(device, room)? };
-        self.lod.move_into(device, queue, &pipelines.widths, &self.strands);
-        self.avoidance.move_into((device, queue), &pipelines.avoid, &self.guides, &self.strands)?;
-        self.interpolation =
-            interpolation(device, pipelines, &self.guides, &self.strands, &self.tessellation);
-        self.grab.forget_buffers();
-        self.set.move_into(device, &self.strands);
+        self.strands = crate::strands::StrandBuffers { roots, ..self.strands.another(&self.context, room)? };
+        self.lod.move_into(&self.context, &self.strands);
+        self.avoidance.move_into(&self.context, &self.guides, &self.strands)?;
+        self.curves = Curves::new(&self.context, &self.guides, &self.strands);
+        self.effects.grab.forget_buffers();
+        self.set.move_into(&self.strands);
         Ok(())
     }
 
@@ -129,7 +134,7 @@ impl Hair {
             + self.lod.shared_bytes()
             + self.colliders.shared_bytes()
             + self.volume.shared_bytes()
-            + self.links.as_ref().map_or(0, Links::shared_bytes)
+            + self.effects.links.as_ref().map_or(0, Links::shared_bytes)
             + self.simulation.ties().map_or(0, Ties::shared_bytes)
             + self.order.bytes()
     }
@@ -145,11 +150,11 @@ impl Hair {
             + self.simulation.bytes()
             + self.colliders.bytes()
             + self.volume.bytes()
-            + self.forces.bytes()
-            + self.links.as_ref().map_or(0, Links::bytes)
-            + self.grab.bytes()
+            + self.effects.forces.bytes()
+            + self.effects.links.as_ref().map_or(0, Links::bytes)
+            + self.effects.grab.bytes()
             + self.air.as_ref().map_or(0, Air::bytes)
-            + self.shifting.as_ref().map_or(0, Shifting::bytes)
+            + self.motion.shifting.as_ref().map_or(0, Shifting::bytes)
             + self.roots.as_ref().map_or(0, Roots::bytes)
             + self.order.bytes()
     }

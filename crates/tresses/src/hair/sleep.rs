@@ -9,7 +9,8 @@
 //! has gone with the head, and goes on from there at the speed that it had; where the [space](crate::space) of its poses has
 //! moved meanwhile, it is at rest.
 
-use crate::{Camera, Pose, collide::ColliderPoses, frame::Frame, simulate::SimulationParams, space::Space};
+use super::HairFrame;
+use crate::{Camera, Pose, collide::ColliderPoses, simulate::SimulationParams, space::Space};
 use glam::Vec3;
 
 /// A swing that is supposed of hair when everything else comes to rest, metres.
@@ -38,7 +39,7 @@ pub(super) struct Sleep {
 
 impl Sleep {
     /// Takes note of a frame of hair that is seen where a pixel is so large, metres: whether it is to be left as it is.
-    pub fn rests(&mut self, frame: &Frame<'_>, pixel: f32) -> bool {
+    pub fn rests(&mut self, frame: &HairFrame<'_>, pixel: f32) -> bool {
         let spaces = [frame.space, frame.seen()];
         let same = self.last.as_ref().is_some_and(|(head, colliders, physics, before)| {
             let still = *head == frame.head && *before == spaces;
@@ -61,7 +62,7 @@ impl Sleep {
     }
 
     /// Takes note of where an unseen head is, and tells how hair that is seen again comes back.
-    pub fn carried(&mut self, frame: &Frame<'_>) -> Back {
+    pub fn carried(&mut self, frame: &HairFrame<'_>) -> Back {
         if self.unseen {
             self.left_at.get_or_insert((frame.head, frame.space));
             return Back::Here;
@@ -126,12 +127,12 @@ mod tests {
     fn hair_sleeps_once_a_swing_cannot_be_seen() {
         let colliders = ColliderPoses::default();
         let physics = SimulationParams::default();
-        let frame = |x: f32| Frame {
+        let frame = |x: f32| HairFrame {
             dt: 0.1,
             head: Pose { translation: Vec3::X * x, ..Pose::IDENTITY },
             colliders: &colliders,
             simulation: &physics,
-            ..Frame::default()
+            ..HairFrame::default()
         };
         let mut sleep = Sleep::default();
         // 2 / 3 ln(500) = 4.1 s.

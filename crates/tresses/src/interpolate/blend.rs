@@ -1,12 +1,14 @@
 //! Host side of `blend.wesl` and `follow.wesl`.
 
 use crate::{
+    Context,
     constants::STRAND_WORKGROUP,
-    gpu::{Binding, Kernel, bindings},
+    gpu::{Binding, Kernel, PipelineSet, bindings},
     strands::{GuideBuffers, StrandBuffers},
     tessellate::Tessellation,
 };
 use bytemuck::{Pod, Zeroable};
+use std::sync::Arc;
 
 /// The uniform of the kernel.
 #[repr(C)]
@@ -42,29 +44,27 @@ impl InterpolateParams {
 
 /// The pipeline of the stage.
 #[derive(Debug)]
-pub struct Pipelines {
+pub(crate) struct Pipelines {
     blend: Kernel,
     follow: Kernel,
 }
 
-impl Pipelines {
-    /// Builds the pipeline.
-    pub fn new(device: &wgpu::Device) -> Self {
+impl PipelineSet for Pipelines {
+    fn new(context: &Context) -> Self {
         use Binding::{Storage, StorageMut, Uniform};
         let walk = [Uniform, Storage, Storage, Storage, Storage, Storage];
         let follow = [&walk[..], &[Uniform, Storage, Storage, StorageMut]].concat();
         Self {
             blend: Kernel::new(
-                device,
+                &context.device,
                 "interpolate::blend",
                 &[Uniform, Storage, Storage, Storage, StorageMut, Storage],
             ),
-            follow: Kernel::new(device, "interpolate::follow", &follow),
+            follow: Kernel::new(&context.device, "interpolate::follow", &follow),
         }
     }
 
-    /// All of them.
-    pub(crate) fn kernels(&self) -> Vec<&Kernel> {
+    fn kernels(&self) -> Vec<&Kernel> {
         vec![&self.blend, &self.follow]
     }
 }
@@ -72,6 +72,7 @@ impl Pipelines {
 /// One groom's share of the stage.
 #[derive(Debug)]
 pub struct Interpolation {
+    pipelines: Arc<Pipelines>,
     params: wgpu::Buffer,
     group: wgpu::BindGroup,
     follows: bool,
@@ -79,48 +80,42 @@ pub struct Interpolation {
 
 impl Interpolation {
     /// The `strands` between `guides`, which have samples.
-    pub fn new(
-        device: &wgpu::Device,
-        pipelines: &Pipelines,
-        guides: &GuideBuffers,
-        strands: &StrandBuffers,
-    ) -> Self {
+    pub fn new(context: &Context, guides: &GuideBuffers, strands: &StrandBuffers) -> Self {
+        let Context { device, .. } = context;
+        let pipelines: Arc<Pipelines> = context.pipelines();
         let params = bindings::uniform(device, "interpolate", size_of::<InterpolateParams>());
         let StrandBuffers { bindings: bound, rest, vertices, roots, .. } = strands;
         let buffers = [&params, &guides.samples, bound, rest, vertices, roots];
-        let group = pipelines.blend.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()));
-        Self { params, group, follows: false }
+        let group = pipelines.blend.bind(&buffers.map(|buffer| buffer.as_entire_binding()));
+        Self { pipelines, params, group, follows: false }
     }
 
     /// The `strands`, each with one of the `guides` alone, where `guides` are as `tessellation` has them in a frame.
     pub fn following(
-        device: &wgpu::Device,
-        pipelines: &Pipelines,
+        context: &Context,
         guides: &GuideBuffers,
         strands: &StrandBuffers,
         tessellation: &Tessellation,
     ) -> Self {
+        let Context { device, .. } = context;
+        let pipelines: Arc<Pipelines> = context.pipelines();
         let params = bindings::uniform(device, "interpolate", size_of::<InterpolateParams>());
         let StrandBuffers { bindings: bound, rest, vertices, .. } = strands;
         let buffers = [&tessellation.walk(guides)[..], &[&params, bound, rest, vertices]].concat();
         let buffers: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
-        Self { group: pipelines.follow.bind(device, &buffers), params, follows: true }
+        Self { group: pipelines.follow.bind(&buffers), pipelines, params, follows: true }
     }
 
     /// Writes the uniform of a frame: what is drawn of `strands`.
-    pub fn prepare(&self, queue: &wgpu::Queue, guides: &GuideBuffers, strands: &StrandBuffers) {
+    pub fn prepare(&self, context: &Context, guides: &GuideBuffers, strands: &StrandBuffers) {
+        let Context { queue, .. } = context;
         let params = InterpolateParams::new(guides, strands);
         queue.write_buffer(&self.params, 0, bytemuck::bytes_of(&params));
     }
 
     /// Records the stage: one thread per strand.
-    pub fn record(
-        &self,
-        pipelines: &Pipelines,
-        pass: &mut crate::gpu::ComputePass<'_>,
-        strands: &StrandBuffers,
-    ) {
-        let kernel = if self.follows { &pipelines.follow } else { &pipelines.blend };
+    pub fn record(&self, pass: &mut crate::gpu::ComputePass<'_>, strands: &StrandBuffers) {
+        let kernel = if self.follows { &self.pipelines.follow } else { &self.pipelines.blend };
         kernel.record(pass, &self.group, &[], strands.drawn.count.div_ceil(STRAND_WORKGROUP));
     }
 }

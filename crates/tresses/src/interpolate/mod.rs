@@ -32,4 +32,5 @@
 
 mod blend;
 
-pub use blend::{InterpolateParams, Interpolation, Pipelines};
+pub(crate) use blend::Pipelines;
+pub use blend::{InterpolateParams, Interpolation};

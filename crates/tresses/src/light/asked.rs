@@ -1,7 +1,7 @@
 //! A kernel evaluated at points, and its results.
 
 use crate::{
-    Result,
+    Context, Result,
     constants::STRAND_WORKGROUP,
     gpu::{Binding, Kernel, readback},
     strands::buffers::storage,
@@ -12,6 +12,7 @@ use glam::Vec4;
 /// Points on the GPU, the kernel evaluated at them, and room for a result `A` of each.
 #[derive(Debug)]
 pub(super) struct Asked<A> {
+    context: Context,
     kernel: Kernel,
     group: wgpu::BindGroup,
     answers: wgpu::Buffer,
@@ -26,11 +27,12 @@ impl<A: Pod> Asked<A> {
     /// # Errors
     /// [`crate::Error::Limit`] when the adapter cannot hold them.
     pub(super) fn new<'a>(
-        (device, queue): (&wgpu::Device, &wgpu::Queue),
+        context: &Context,
         module: &'static str,
         (words, points): (&[Vec4], usize),
         frame: impl IntoIterator<Item = (Binding, wgpu::BindingResource<'a>)>,
     ) -> Result<Self> {
+        let Context { device, queue, .. } = context;
         let buffer = storage::<Vec4>(device, module, words.len().max(1) as u64)?;
         queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words));
         let answers = storage::<A>(device, module, points.max(1) as u64)?;
@@ -41,23 +43,35 @@ impl<A: Pod> Asked<A> {
         }
         entries.push(Binding::StorageMut);
         resources.push(answers.as_entire_binding());
-        let kernel = Kernel::new(device, module, &entries);
-        let group = kernel.bind(device, &resources);
-        Ok(Self { kernel, group, answers, points: points as u32, answer: std::marker::PhantomData })
+        let kernel = Kernel::new(&context.device, module, &entries);
+        let group = kernel.bind(&resources);
+        Ok(Self {
+            context: context.clone(),
+            kernel,
+            group,
+            answers,
+            points: points as u32,
+            answer: std::marker::PhantomData,
+        })
     }
 
     /// Asks; after the passes that make what it asks for.
-    pub(super) fn record(&self, encoder: &mut wgpu::CommandEncoder) {
-        let mut pass = crate::gpu::compute_pass(encoder, &Default::default());
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the kernel cannot be compiled.
+    pub(super) fn record(&self, encoder: &mut wgpu::CommandEncoder) -> Result<()> {
+        let mut commands = self.context.commands(encoder);
+        let mut pass = commands.compute("probe");
         self.kernel.record(&mut pass, &self.group, &[], self.points.div_ceil(STRAND_WORKGROUP));
+        pass.end()
     }
 
     /// The answers, in the order of the points.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.
-    pub(super) async fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<A>> {
-        let mut answers = readback::buffer(device, queue, &self.answers).await?;
+    pub(super) async fn read(&self) -> Result<Vec<A>> {
+        let mut answers = readback::buffer(&self.context, &self.answers).await?;
         answers.truncate(self.points as usize);
         Ok(answers)
     }

@@ -1,7 +1,12 @@
 //! Which strand vertices of a groom are shaded: those that a picture shows.
 
 use super::{HairSet, Pipelines, Shaded, State, hair::shade_resources};
-use crate::{Result, constants::STRAND_WORKGROUP, gpu::Kernel, strands::buffers::storage};
+use crate::{
+    Context, Result,
+    constants::STRAND_WORKGROUP,
+    gpu::{Commands, Kernel},
+    strands::buffers::storage,
+};
 
 /// The knots and spans that what is seen of a groom needs, found on the GPU each frame: no thread is spent on others.
 #[derive(Debug)]
@@ -23,13 +28,14 @@ impl Chosen {
     /// # Errors
     /// [`crate::Error::Limit`].
     pub(crate) fn new(
-        device: &wgpu::Device,
-        pipelines: &Pipelines,
+        context: &Context,
         (state, camera): (&State, &wgpu::Buffer),
         hair: &HairSet,
         shaded: &Shaded,
         seen: wgpu::BindingResource<'_>,
     ) -> Result<Self> {
+        let Context { device, .. } = context;
+        let pipelines = context.pipelines::<Pipelines>();
         // As many knots as there are room for.
         let most = 1 + shaded.most_knots;
         let lists =
@@ -44,19 +50,19 @@ impl Chosen {
             .map(wgpu::Buffer::as_entire_binding);
         let groups = lists.each_ref().map(|list| {
             let frame = state.frame_resources(camera);
-            pipelines.shade(false).bind(device, &shade_resources(frame, &own, &shaded.knots, list))
+            pipelines.shade(false).bind(&shade_resources(frame, &own, &shaded.knots, list))
         });
         let [uniform, knots, spans, counts] =
             [&shaded.uniform, &lists[0], &lists[1], &workgroups].map(wgpu::Buffer::as_entire_binding);
-        let choose = pipelines.choose.bind(device, &[uniform, seen, knots, spans, counts]);
+        let choose = pipelines.choose.bind(&[uniform, seen, knots, spans, counts]);
         let strand_maps = state.maps.strand_map > 0;
         Ok(Self { workgroups, lists, choose, groups, strand_maps })
     }
 
     /// Empties the lists; before [`record`](Self::record), outside of passes.
-    pub(super) fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
-        crate::gpu::pass::clear(encoder, &self.workgroups, None);
-        self.lists.iter().for_each(|list| crate::gpu::pass::clear(encoder, list, Some(4)));
+    pub(super) fn clear(&self, commands: &mut Commands<'_>) {
+        commands.clear(&self.workgroups, None);
+        self.lists.iter().for_each(|list| commands.clear(list, Some(4)));
     }
 
     /// Chooses and shades.

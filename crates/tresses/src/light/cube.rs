@@ -6,7 +6,7 @@
 
 use super::environment::{BANDS, Environment};
 use crate::{
-    Result,
+    Context, Result,
     gpu::{Binding, Kernel, readback::Pending},
     strands::buffers::storage,
 };
@@ -25,6 +25,7 @@ pub enum CubeMap {
 /// Measures cube maps.
 #[derive(Debug)]
 pub struct CubeProbe {
+    context: Context,
     kernel: Kernel,
     sampler: wgpu::Sampler,
 }
@@ -38,7 +39,8 @@ pub struct CubeLight {
 
 impl CubeProbe {
     /// Compiled when it is first used.
-    pub fn new(device: &wgpu::Device) -> Self {
+    pub fn new(context: &Context) -> Self {
+        let Context { device, .. } = context;
         let entries = [Binding::Storage, Binding::Cube, Binding::Sampler, Binding::StorageMut];
         let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("cube probe"),
@@ -46,7 +48,11 @@ impl CubeProbe {
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
         });
-        Self { kernel: Kernel::new(device, "light::cube", &entries), sampler }
+        Self {
+            kernel: Kernel::new(&context.device, "light::cube", &entries),
+            sampler,
+            context: context.clone(),
+        }
     }
 
     /// Begins to measure `map`, a view of six faces of a filterable format, as it is after all that was submitted so far.
@@ -55,33 +61,28 @@ impl CubeProbe {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the kernel does not compile.
-    pub fn measure(
-        &self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        map: &wgpu::TextureView,
-        of: CubeMap,
-        to_map: Mat3,
-    ) -> Result<CubeLight> {
-        self.kernel.compile()?;
-        let turn = storage::<Vec4>(device, "cube probe", 3)?;
+    pub fn measure(&self, map: &wgpu::TextureView, of: CubeMap, to_map: Mat3) -> Result<CubeLight> {
+        let turn = storage::<Vec4>(&self.context.device, "cube probe", 3)?;
         let columns = [to_map.x_axis, to_map.y_axis, to_map.z_axis].map(|column| column.extend(0.0));
-        queue.write_buffer(&turn, 0, bytemuck::cast_slice(&columns));
-        let sums = storage::<Vec4>(device, "cube probe", 9)?;
+        self.context.queue.write_buffer(&turn, 0, bytemuck::cast_slice(&columns));
+        let sums = storage::<Vec4>(&self.context.device, "cube probe", 9)?;
         let resources = [
             turn.as_entire_binding(),
             wgpu::BindingResource::TextureView(map),
             wgpu::BindingResource::Sampler(&self.sampler),
             sums.as_entire_binding(),
         ];
-        let group = self.kernel.bind(device, &resources);
-        let mut encoder =
-            device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("cube probe") });
-        let mut pass = crate::gpu::compute_pass(&mut encoder, &Default::default());
+        let group = self.kernel.bind(&resources);
+        let mut encoder = self
+            .context
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("cube probe") });
+        let mut commands = self.context.commands(&mut encoder);
+        let mut pass = commands.compute("cube probe");
         self.kernel.record(&mut pass, &group, &[], 9);
-        drop(pass);
-        queue.submit([encoder.finish()]);
-        Ok(CubeLight { sums: Pending::buffer(device, queue, &sums), of })
+        pass.end()?;
+        self.context.queue.submit([encoder.finish()]);
+        Ok(CubeLight { sums: Pending::buffer(&self.context, &sums), of })
     }
 }
 
@@ -98,8 +99,8 @@ impl CubeLight {
     ///
     /// # Errors
     /// As there.
-    pub async fn wait(self, device: &wgpu::Device) -> Result<Environment> {
-        Ok(read(&self.sums.wait(device).await?, self.of))
+    pub async fn wait(self) -> Result<Environment> {
+        Ok(read(&self.sums.wait().await?, self.of))
     }
 }
 

@@ -6,7 +6,7 @@ use super::{
     material::{HairMaterial, HairUniform, ShadingModel, ShadingRate},
 };
 use crate::{
-    Error, Result,
+    Context, Error, Result,
     gpu::bindings,
     strands::{Drawn, Room, StrandBuffers, buffers::storage, indices::Chunks},
 };
@@ -20,6 +20,7 @@ use std::{
 /// A groom as light and draw need it, whoever looks at it: its strands, their look, its index lists.
 #[derive(Debug)]
 pub struct HairSet {
+    context: Context,
     /// What the hair looks like.
     pub material: HairMaterial,
     /// The area of all strands, width times length, m²: what a groom weighs in values that the grooms of a picture
@@ -48,7 +49,7 @@ impl HairSet {
     ///
     /// # Errors
     /// [`Error::Limit`].
-    pub fn new(device: &wgpu::Device, strands: &StrandBuffers) -> Result<Self> {
+    pub fn new(context: &Context, strands: &StrandBuffers) -> Result<Self> {
         let vertices = u64::from(strands.count) * u64::from(strands.vertex_count);
         if vertices * 2 > i32::MAX as u64 {
             return Err(Error::Limit {
@@ -58,6 +59,7 @@ impl HairSet {
             });
         }
         let mut set = Self {
+            context: context.clone(),
             material: HairMaterial::default(),
             area: strands.count as f32 * STRAND_AREA,
             drawn: strands.drawn,
@@ -65,10 +67,10 @@ impl HairSet {
             strips: Arc::default(),
             splat: [1; 2],
             spans: [1; 2],
-            fiber: Mutex::new(Arc::new(FiberTables::new(device))),
+            fiber: Mutex::new(Arc::new(FiberTables::new(context))),
             scratch: None,
         };
-        set.show(device, &strands.drawn);
+        set.show(&strands.drawn);
         Ok(set)
     }
 
@@ -79,22 +81,23 @@ impl HairSet {
 
     /// Of another head with the same groom, whose own strands are `strands`: what depends on the groom and on its fibres
     /// alone is shared.
-    pub(crate) fn another(&self, device: &wgpu::Device, strands: &StrandBuffers) -> Self {
+    pub(crate) fn another(&self, strands: &StrandBuffers) -> Self {
         let mut set = Self {
             strands: strands.clone(),
             strips: self.strips.clone(),
             fiber: Mutex::new(self.fiber().clone()),
             scratch: self.scratch.clone(),
+            context: self.context.clone(),
             ..*self
         };
-        set.show(device, &strands.drawn);
+        set.show(&strands.drawn);
         set
     }
 
     /// From here on its strands are in `strands`: others of the same groom, or with other room.
-    pub(crate) fn move_into(&mut self, device: &wgpu::Device, strands: &StrandBuffers) {
+    pub(crate) fn move_into(&mut self, strands: &StrandBuffers) {
         self.strands = strands.clone();
-        self.show(device, &strands.drawn);
+        self.show(&strands.drawn);
     }
 
     /// From here on its fibres' tables are those of `other`, as long as both have fibres of one shape, whatever their
@@ -118,7 +121,7 @@ impl HairSet {
     }
 
     /// From here on only what `drawn` says of the strands it was made for is shaded, splatted and drawn.
-    pub(crate) fn show(&mut self, device: &wgpu::Device, drawn: &Drawn) {
+    pub(crate) fn show(&mut self, drawn: &Drawn) {
         self.drawn = *drawn;
         // The maps' texels are coarse: about eight segments per strand are enough.
         let last = drawn.vertex_count.saturating_sub(1).max(1);
@@ -128,19 +131,19 @@ impl HairSet {
         let count = self.strands.count;
         self.strips()
             .entry(drawn.vertex_count)
-            .or_insert_with(|| Arc::new(Chunks::of(device, count, drawn.vertex_count)));
+            .or_insert_with(|| Arc::new(Chunks::of(&self.context.device, count, drawn.vertex_count)));
     }
 
     /// Fills the tables of its fibres, and says which share of the light that meets one it passes on, and which
     /// share of that meets other hair.
-    pub(crate) fn passes(&self, queue: &wgpu::Queue) -> (Vec3, f32) {
+    pub(crate) fn passes(&self) -> (Vec3, f32) {
         if self.material.model == ShadingModel::Fiber {
             let fiber = &self.material.fiber;
             let mut tables = self.fiber();
             if Arc::strong_count(&tables) > 1 && tables.holds_others(&fiber.shape, fiber.density_back) {
                 *tables = Arc::new(tables.empty());
             }
-            tables.fill(queue, &fiber.shape, fiber.density_back);
+            tables.fill(&fiber.shape, fiber.density_back);
             let absorption = 0.5 * (fiber.root_absorption + fiber.tip_absorption);
             (tables.passes(absorption), fiber.density_forward.clamp(0.0, 1.0))
         } else {
@@ -238,13 +241,14 @@ impl Shaded {
     /// # Errors
     /// [`Error::Limit`].
     pub(crate) fn new(
-        device: &wgpu::Device,
-        pipelines: &Pipelines,
+        context: &Context,
         state: &State,
         camera: &wgpu::Buffer,
         hair: &HairSet,
         rate: ShadingRate,
     ) -> Result<Self> {
+        let Context { device, .. } = context;
+        let pipelines: Arc<Pipelines> = context.pipelines();
         let StrandBuffers { count, vertex_count, vertices, strands, widening, room, .. } = &hair.strands;
         let words = words_for(rate) * u64::from(room.vertices);
         let colors = storage::<u32>(device, "shaded strands", words)?;
@@ -259,10 +263,10 @@ impl Shaded {
         let lay = [&state.lights, &uniform, vertices, strands, state.ambient.sums()];
         let shade = shade_resources(state.frame_resources(camera), &own, &knots, &pipelines.all);
         Ok(Self {
-            group: bindings::group(device, "hair", &pipelines.hair, &own),
-            shade: pipelines.shade(false).bind(device, &shade),
-            splat: pipelines.splat.bind(device, &splat.map(wgpu::Buffer::as_entire_binding)),
-            lay: pipelines.ambient.lay.bind(device, &lay.map(wgpu::Buffer::as_entire_binding)),
+            group: device.group("hair", &pipelines.hair, &own),
+            shade: pipelines.shade(false).bind(&shade),
+            splat: pipelines.splat.bind(&splat.map(wgpu::Buffer::as_entire_binding)),
+            lay: pipelines.ambient.lay.bind(&lay.map(wgpu::Buffer::as_entire_binding)),
             uniform,
             colors,
             knots,
@@ -273,7 +277,8 @@ impl Shaded {
 
     /// Writes what the shaders know of `hair`, for the frame that is recorded; the grooms before it have `first`
     /// strands.
-    pub(crate) fn prepare(&self, queue: &wgpu::Queue, hair: &HairSet, first: u32) {
+    pub(crate) fn prepare(&self, context: &Context, hair: &HairSet, first: u32) {
+        let Context { queue, .. } = context;
         let uniform =
             hair.material.uniform(&hair.drawn, hair.strands.vertex_count, [hair.splat, hair.spans], first);
         queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));

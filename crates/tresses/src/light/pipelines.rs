@@ -2,11 +2,11 @@
 
 use super::{ambient, fiber::FiberTables, scene};
 use crate::{
-    Result,
+    Context, Result,
     body::{self, Body},
     gpu::{
-        Binding, Kernel,
-        bindings::{group, layout},
+        Binding, Device, Kernel, PipelineSet,
+        bindings::layout,
         kernel::{self, Job},
         pipeline::{Made, Recipe},
     },
@@ -37,8 +37,8 @@ pub(super) fn shade_bindings() -> Vec<Binding> {
 
 /// The pipelines of the stage.
 #[derive(Debug)]
-pub struct Pipelines {
-    device: wgpu::Device,
+pub(crate) struct Pipelines {
+    device: Device,
     /// Of a view's `@group(0)`.
     pub(crate) frame: wgpu::BindGroupLayout,
     /// Of a groom's `@group(1)`.
@@ -71,9 +71,9 @@ pub struct Pipelines {
     pub(super) gap: wgpu::BindGroup,
 }
 
-impl Pipelines {
-    /// None of them compiled yet.
-    pub fn new(device: &wgpu::Device) -> Self {
+impl PipelineSet for Pipelines {
+    fn new(context: &Context) -> Self {
+        let Context { device, .. } = context;
         use Binding::{Storage, StorageMut, Uniform, UniformDynamic};
         use wgpu::ShaderStages as Stages;
         let both = Stages::VERTEX_FRAGMENT;
@@ -82,27 +82,28 @@ impl Pipelines {
         // One group for all kernels of the maps: those that need less of it leave the rest alone.
         let maps = |module| {
             let entries = [Uniform, Uniform, Storage, Storage, StorageMut, StorageMut, Storage];
-            Kernel::new(device, module, &entries)
+            Kernel::new(&context.device, module, &entries)
         };
-        let shading = |module| Kernel::beside(device, module, &shade_bindings(), &[&nothing, &fiber]);
+        let shading =
+            |module| Kernel::beside(&context.device, module, &shade_bindings(), &[&nothing, &fiber]);
         Self {
             device: device.clone(),
             frame: layout(device, "frame", both | Stages::COMPUTE, &FRAME),
             hair: layout(device, "hair", both, &HAIR),
             layer: layout(device, "shadow layer", Stages::VERTEX, &[UniformDynamic]),
             shadow_body: Made::default(),
-            scene: scene::Pipelines::new(device),
+            scene: scene::Pipelines::new(context),
             splat: maps("light::splat"),
             strand_map: maps("light::strand_map"),
             summary: maps("light::blocks"),
             deep: ["light::front", "light::cover", "light::stack"].map(maps),
-            ambient: ambient::Pipelines::new(device),
-            gap: group(device, "nothing", &nothing, &[]),
+            ambient: ambient::Pipelines::new(context),
+            gap: device.group("nothing", &nothing, &[]),
             knots: shading("light::knots"),
             shade: ["light::shade::0", "light::shade::1"].map(shading),
             arrive: shading("light::arrive"),
             choose: Kernel::new(
-                device,
+                &context.device,
                 "light::choose",
                 &[Uniform, Storage, StorageMut, StorageMut, StorageMut],
             ),
@@ -115,7 +116,9 @@ impl Pipelines {
             fiber: fiber.clone(),
         }
     }
+}
 
+impl Pipelines {
     /// The radiance of vertices, with strand maps or without.
     pub(super) fn shade(&self, strand_maps: bool) -> &Kernel {
         &self.shade[usize::from(strand_maps)]

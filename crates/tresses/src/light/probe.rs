@@ -1,7 +1,7 @@
 //! Evaluates the shadow maps at arbitrary points: used for measurements by tests and tools.
 
 use super::{MAX_LIGHTS, State, asked::Asked};
-use crate::{Result, gpu::Binding};
+use crate::{Context, Result, gpu::Binding};
 use glam::{Vec3, Vec4};
 
 /// What is between a point and a light.
@@ -23,37 +23,30 @@ impl ShadowProbe {
     ///
     /// # Errors
     /// [`crate::Error::Limit`] when the adapter cannot hold them.
-    pub fn new(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        light: &State,
-        points: &[Vec3],
-        eye: Option<Vec3>,
-    ) -> Result<Self> {
+    pub fn new(context: &Context, light: &State, points: &[Vec3], eye: Option<Vec3>) -> Result<Self> {
         use Binding::{Comparison, DepthArray, Storage, Uniform};
         let entries = [Uniform, DepthArray, Comparison, Storage, Storage];
         let frame = entries.into_iter().zip(light.resources());
         let eye = eye.map_or(Vec4::ZERO, |eye| eye.extend(1.0));
         let words: Vec<_> =
             std::iter::once(eye).chain(points.iter().map(|point| point.extend(0.0))).collect();
-        Ok(Self(Asked::new((device, queue), "light::probe", (&words, points.len()), frame)?))
+        Ok(Self(Asked::new(context, "light::probe", (&words, points.len()), frame)?))
     }
 
     /// Asks, after [`Recorder::light`](crate::frame::Recorder::light) has been recorded.
-    pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
-        self.0.record(encoder);
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the kernel cannot be compiled.
+    pub fn record(&self, encoder: &mut wgpu::CommandEncoder) -> Result<()> {
+        self.0.record(encoder)
     }
 
     /// The answers, for each point those of the lights that are on, in their order.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.
-    pub async fn read(
-        &self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-    ) -> Result<Vec<[Shadow; MAX_LIGHTS]>> {
-        let answers = self.0.read(device, queue).await?;
+    pub async fn read(&self) -> Result<Vec<[Shadow; MAX_LIGHTS]>> {
+        let answers = self.0.read().await?;
         let shadow = |[fibers, solid]: [f32; 2]| Shadow { fibers, solid };
         Ok(answers.into_iter().map(|lights| lights.map(shadow)).collect())
     }

@@ -13,10 +13,10 @@ use super::{
     shadows::{DEEP_FINEST, ShadowMethod},
 };
 use crate::{
-    Result,
+    Context, Result,
     body::Body,
     constants::{COVER_STRANDS, COVER_STRIDE, DEEP_LAYERS, SHADOW_BLOCK as BLOCK, STRAND_WORKGROUP},
-    gpu::{Kernel, Timings, bindings::group, pipeline::DEPTH_FORMAT},
+    gpu::{Commands, Kernel, commands::deep, pipeline::DEPTH_FORMAT},
     strands::Drawn,
 };
 
@@ -52,11 +52,8 @@ pub struct ShadowMaps {
 
 impl ShadowMaps {
     /// Maps of `resolution`² texels; of a light also one of `strand_map`² texels, unless that is 0.
-    pub(super) fn new(
-        device: &wgpu::Device,
-        pipelines: &Pipelines,
-        [resolution, strand_map]: [u32; 2],
-    ) -> Self {
+    pub(super) fn new(context: &Context, pipelines: &Pipelines, [resolution, strand_map]: [u32; 2]) -> Self {
+        let Context { device, .. } = context;
         let resolution = Self::within(resolution);
         let strand_map = if strand_map > 0 { strand_map.clamp(LEAST_STRANDS, MOST) } else { 0 };
         let texture = device.create_texture(&wgpu::TextureDescriptor {
@@ -89,8 +86,7 @@ impl ShadowMaps {
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let layer_group = group(
-            device,
+        let layer_group = device.group(
             "shadow layer",
             &pipelines.layer,
             &[wgpu::BindingResource::Buffer(wgpu::BufferBinding {
@@ -157,7 +153,8 @@ impl ShadowMaps {
         [&self.hair, &self.blocks]
     }
 
-    pub(super) fn prepare(&self, queue: &wgpu::Queue, lights: &LightsUniform) {
+    pub(super) fn prepare(&self, context: &Context, lights: &LightsUniform) {
+        let Context { queue, .. } = context;
         for (i, matrix) in lights.shadow.iter().enumerate() {
             queue.write_buffer(&self.matrices, STEP * i as u64, bytemuck::bytes_of(matrix));
         }
@@ -167,8 +164,7 @@ impl ShadowMaps {
     pub(super) fn record(
         &self,
         pipelines: &Pipelines,
-        encoder: &mut wgpu::CommandEncoder,
-        mut timings: Option<&mut Timings>,
+        commands: &mut Commands<'_>,
         lit: &Lit,
         hair: &[Seen<'_>],
         (bodies, scene): (&[&Body], &Brought),
@@ -181,23 +177,8 @@ impl ShadowMaps {
         }
         let body = if bodies.is_empty() { None } else { Some(pipelines.shadow_body()?) };
         for (i, layer) in self.layers[..maps].iter().enumerate() {
-            let mut pass = crate::gpu::render_pass(
-                encoder,
-                &wgpu::RenderPassDescriptor {
-                    label: Some("shadow"),
-                    color_attachments: &[],
-                    depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                        view: layer,
-                        depth_ops: Some(wgpu::Operations {
-                            load: wgpu::LoadOp::Clear(1.0),
-                            store: wgpu::StoreOp::Store,
-                        }),
-                        stencil_ops: None,
-                    }),
-                    timestamp_writes: timings.as_deref_mut().and_then(|timings| timings.render("shadow")),
-                    ..Default::default()
-                },
-            );
+            let depth = wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Store };
+            let mut pass = commands.render("shadow", &[], deep(layer, Some(depth)));
             if casts {
                 scene.record(&mut pass, i);
             }
@@ -208,21 +189,15 @@ impl ShadowMaps {
             }
         }
         let words = maps as u64 * map_words(method, self.resolution, across);
-        crate::gpu::pass::clear(encoder, &self.hair, Some(4 * words));
+        commands.clear(&self.hair, Some(4 * words));
         let Some(first) = hair.first() else {
-            crate::gpu::pass::clear(encoder, &self.blocks, None);
+            commands.clear(&self.blocks, None);
             return Ok(());
         };
         if strands > 0 {
-            crate::gpu::pass::clear(encoder, &self.blocks, Some(4 * strand_words(strands, self.strand_map)));
+            commands.clear(&self.blocks, Some(4 * strand_words(strands, self.strand_map)));
         }
-        let mut pass = crate::gpu::compute_pass(
-            encoder,
-            &wgpu::ComputePassDescriptor {
-                label: Some("shadow"),
-                timestamp_writes: timings.and_then(|timings| timings.compute("shadow")),
-            },
-        );
+        let mut pass = commands.compute("shadow");
         let mut run = |kernel: &Kernel, of: &Seen<'_>, threads: u64| {
             let workgroups = threads.div_ceil(u64::from(STRAND_WORKGROUP)) as u32;
             kernel.record(&mut pass, &of.shaded.splat, &[], workgroups);
@@ -255,7 +230,7 @@ impl ShadowMaps {
                 run(&pipelines.summary, first, blocks);
             }
         }
-        Ok(())
+        pass.end()
     }
 }
 

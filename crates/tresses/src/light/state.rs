@@ -6,19 +6,18 @@ use super::{
     lights::{LightsUniform, SHADOW_MAPS},
 };
 use crate::{
-    Result,
+    Context, Result,
     body::Body,
     constants::STRAND_WORKGROUP,
-    gpu::{
-        Kernel, Timings,
-        bindings::{group, uniform},
-    },
+    gpu::{Commands, Kernel, bindings::uniform},
 };
 use glam::Mat4;
+use std::sync::Arc;
 
 /// The light of a view on the GPU.
 #[derive(Debug)]
 pub struct State {
+    pipelines: Arc<Pipelines>,
     pub(super) maps: ShadowMaps,
     pub(super) ambient: Ambient,
     pub(crate) lights: wgpu::Buffer,
@@ -53,17 +52,18 @@ impl State {
     /// Maps of `resolution`² texels, and as many cells along each edge of the grid, for what `camera` (a uniform
     /// buffer) sees; strand maps of `strand_map`² texels, unless that is 0.
     pub fn new(
-        device: &wgpu::Device,
-        pipelines: &Pipelines,
+        context: &Context,
         [resolution, cells]: [u32; 2],
         strand_map: u32,
         camera: &wgpu::Buffer,
     ) -> Self {
+        let Context { device, .. } = context;
+        let pipelines: Arc<Pipelines> = context.pipelines();
         let lights = uniform(device, "lights", size_of::<LightsUniform>());
-        let maps = ShadowMaps::new(device, pipelines, [resolution, strand_map]);
-        let ambient = Ambient::new(device, &pipelines.ambient, cells, &lights, maps.resources());
+        let maps = ShadowMaps::new(context, &pipelines, [resolution, strand_map]);
+        let ambient = Ambient::new(context, &pipelines.ambient, cells, &lights, maps.resources());
         let frame = frame_resources(camera, &lights, &maps, &ambient);
-        Self { frame: group(device, "frame", &pipelines.frame, &frame), maps, ambient, lights }
+        Self { frame: device.group("frame", &pipelines.frame, &frame), pipelines, maps, ambient, lights }
     }
 
     /// Whether it has maps and cells of these sizes.
@@ -78,11 +78,12 @@ impl State {
     /// what it takes of a body's light in the grid; on hair itself each groom's own material tells.
     pub(crate) fn prepare(
         &self,
-        queue: &wgpu::Queue,
+        context: &Context,
         (lights, shadows, focus): (&Lights, &Shadows, &Sphere),
         hair: &[Seen<'_>],
         zone: u32,
     ) -> Lit {
+        let Context { queue, .. } = context;
         let resolution = self.maps.resolution;
         let mut uniform = lights.uniform(shadows, focus, resolution);
         if shadows.follows_ambient() {
@@ -95,13 +96,13 @@ impl State {
         (uniform.zone, uniform.every) = (zone, if zone > 0 { self.ambient.every() } else { 1 });
         let whole: f32 = hair.iter().map(|seen| seen.hair.area).sum();
         for seen in hair {
-            let (passes, forward) = seen.hair.passes(queue);
+            let (passes, forward) = seen.hair.passes();
             let share = if whole > 0.0 { seen.hair.area / whole } else { 1.0 / hair.len() as f32 };
             uniform.passes += share * passes;
             uniform.forward += share * forward;
         }
         queue.write_buffer(&self.lights, 0, bytemuck::bytes_of(&uniform));
-        self.maps.prepare(queue, &uniform);
+        self.maps.prepare(context, &uniform);
         let texel = 2.0 * focus.radius.max(1e-6) / resolution as f32;
         Lit {
             method: shadows.method,
@@ -121,59 +122,41 @@ impl State {
     ///
     /// # Errors
     /// As [`Brought::new`].
-    pub(crate) fn bring(
-        &self,
-        pipelines: &Pipelines,
-        lights: &Lights,
-        lit: &Lit,
-        shadows: &[SceneShadow<'_>],
-    ) -> Result<Brought> {
-        Brought::new(pipelines, &self.maps, lights, (&lit.matrices, lit.range, &lit.focus), shadows)
+    pub(crate) fn bring(&self, lights: &Lights, lit: &Lit, shadows: &[SceneShadow<'_>]) -> Result<Brought> {
+        Brought::new(&self.pipelines, &self.maps, lights, (&lit.matrices, lit.range, &lit.focus), shadows)
     }
 
     /// Records the shadow maps, with what was brought of a scene: of the lights that are on, and of the sky where its
     /// openness is guessed.
     pub(crate) fn record_shadows(
         &self,
-        pipelines: &Pipelines,
-        encoder: &mut wgpu::CommandEncoder,
-        timings: Option<&mut Timings>,
+        commands: &mut Commands<'_>,
         lit: &Lit,
         hair: &[Seen<'_>],
         bodies: (&[&Body], &Brought),
     ) -> Result<()> {
-        self.maps.record(pipelines, encoder, timings, lit, hair, bodies)
+        self.maps.record(&self.pipelines, commands, lit, hair, bodies)
     }
 
     /// Records light from all sides, where it is followed; after the shadow maps.
     pub(crate) fn record_ambient(
         &self,
-        pipelines: &Pipelines,
-        encoder: &mut wgpu::CommandEncoder,
-        timings: Option<&mut Timings>,
+        commands: &mut Commands<'_>,
         hair: &[Seen<'_>],
         bodies: (&[&Body], u32),
-    ) {
-        self.ambient.record(&pipelines.ambient, encoder, timings, hair, bodies);
+    ) -> Result<()> {
+        self.ambient.record(&self.pipelines.ambient, commands, hair, bodies)
     }
 
     /// Records the shading of the strand vertices of `hair`, for pictures that shade it at `rate`.
     pub(crate) fn shade(
         &self,
-        pipelines: &Pipelines,
-        encoder: &mut wgpu::CommandEncoder,
-        timings: Option<&mut Timings>,
+        commands: &mut Commands<'_>,
         hair: &[Seen<'_>],
         rate: ShadingRate,
-    ) {
-        let mut pass = crate::gpu::compute_pass(
-            encoder,
-            &wgpu::ComputePassDescriptor {
-                label: Some("shade"),
-                timestamp_writes: timings.and_then(|timings| timings.compute("shade")),
-            },
-        );
-        pass.set_bind_group(1, &pipelines.gap, &[]);
+    ) -> Result<()> {
+        let mut pass = commands.compute("shade");
+        pass.set_bind_group(1, &self.pipelines.gap, &[]);
         for Seen { hair, shaded, .. } in hair {
             let [count, spans] = [hair.drawn.count, hair.spans[1]];
             pass.set_bind_group(2, &hair.fiber().group, &[]);
@@ -182,33 +165,23 @@ impl State {
             };
             match rate {
                 ShadingRate::PerVertex => {
-                    run(&pipelines.knots, spans + 1);
-                    run(pipelines.shade(self.maps.strand_map > 0), spans);
+                    run(&self.pipelines.knots, spans + 1);
+                    run(self.pipelines.shade(self.maps.strand_map > 0), spans);
                 }
-                ShadingRate::PerPixel => run(&pipelines.arrive, hair.drawn.vertex_count),
+                ShadingRate::PerPixel => run(&self.pipelines.arrive, hair.drawn.vertex_count),
             }
         }
+        pass.end()
     }
 
     /// Records the shading per vertex of nothing but what is chosen.
-    pub fn shade_chosen(
-        &self,
-        pipelines: &Pipelines,
-        encoder: &mut wgpu::CommandEncoder,
-        timings: Option<&mut Timings>,
-        hair: &[(&HairSet, &Chosen)],
-    ) {
-        hair.iter().for_each(|(_, chosen)| chosen.clear(encoder));
-        let mut pass = crate::gpu::compute_pass(
-            encoder,
-            &wgpu::ComputePassDescriptor {
-                label: Some("shade"),
-                timestamp_writes: timings.and_then(|timings| timings.compute("shade")),
-            },
-        );
+    pub fn shade_chosen(&self, commands: &mut Commands<'_>, hair: &[(&HairSet, &Chosen)]) -> Result<()> {
+        hair.iter().for_each(|(_, chosen)| chosen.clear(commands));
+        let mut pass = commands.compute("shade");
         for (hair, chosen) in hair {
-            chosen.record(pipelines, &mut pass, hair);
+            chosen.record(&self.pipelines, &mut pass, hair);
         }
+        pass.end()
     }
 
     /// What it offers to those that ask for light: lights, the body's maps, how they are compared, the hair's maps,

@@ -3,11 +3,9 @@
 
 use super::{Seen, fiber::FiberTables};
 use crate::{
+    Context, Result,
     constants::STRAND_WORKGROUP,
-    gpu::{
-        Binding, Kernel,
-        bindings::{group, layout},
-    },
+    gpu::{Binding, Commands, Kernel, bindings::layout},
 };
 use wgpu::util::DeviceExt;
 
@@ -56,7 +54,8 @@ pub struct Terms {
 
 impl Terms {
     /// The kernel.
-    pub(crate) fn new(device: &wgpu::Device) -> Self {
+    pub(crate) fn new(context: &Context) -> Self {
+        let Context { device, .. } = context;
         let which = layout(device, "term", wgpu::ShaderStages::COMPUTE, &[Binding::Uniform]);
         let groups = Term::ALL.map(|term| {
             let uniform = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
@@ -64,10 +63,10 @@ impl Terms {
                 contents: bytemuck::cast_slice(&[term as u32, 0, 0, 0]),
                 usage: wgpu::BufferUsages::UNIFORM,
             });
-            group(device, "term", &which, &[uniform.as_entire_binding()])
+            device.group("term", &which, &[uniform.as_entire_binding()])
         });
         let kernel = Kernel::beside(
-            device,
+            &context.device,
             "light::terms",
             &super::pipelines::shade_bindings(),
             &[&which, &FiberTables::layout(device)],
@@ -76,16 +75,14 @@ impl Terms {
     }
 
     /// Records the kernel for all vertices of `hair`, in the place of [`super::State::shade`].
-    pub(crate) fn record(&self, encoder: &mut wgpu::CommandEncoder, hair: &[Seen<'_>], term: Term) {
-        let mut pass = crate::gpu::compute_pass(
-            encoder,
-            &wgpu::ComputePassDescriptor { label: Some("terms"), ..Default::default() },
-        );
+    pub(crate) fn record(&self, commands: &mut Commands<'_>, hair: &[Seen<'_>], term: Term) -> Result<()> {
+        let mut pass = commands.compute("shade");
         pass.set_bind_group(1, &self.groups[term as usize], &[]);
         for Seen { hair, shaded, .. } in hair {
             let workgroups = (hair.drawn.count * hair.drawn.vertex_count).div_ceil(STRAND_WORKGROUP);
             pass.set_bind_group(2, &hair.fiber().group, &[]);
             self.kernel.record(&mut pass, &shaded.shade, &[], workgroups);
         }
+        pass.end()
     }
 }

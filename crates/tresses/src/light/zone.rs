@@ -27,8 +27,8 @@
 //! small things with much air between them, and most of a cascade would be empty. **Why not one atlas?** Every lookup
 //! would clamp to its tile, in every kernel of the stage; buffers of their own cost a few bind groups.
 
-use super::{Pipelines, Sphere, State};
-use crate::{Camera, Pose};
+use super::{Sphere, State};
+use crate::{Camera, Context, Pose};
 use std::sync::{
     Arc, Mutex, MutexGuard, PoisonError,
     atomic::{AtomicU32, Ordering},
@@ -157,19 +157,13 @@ pub(crate) struct Zones {
 
 impl Zones {
     /// These zones from here on, seen by `camera`; light that is as fine as one wants is kept.
-    pub fn set(
-        &mut self,
-        device: &wgpu::Device,
-        pipelines: &Pipelines,
-        camera: &wgpu::Buffer,
-        zones: &[Zone],
-    ) {
+    pub fn set(&mut self, context: &Context, camera: &wgpu::Buffer, zones: &[Zone]) {
         let mut before: Vec<_> = std::mem::take(&mut self.list).into_iter().map(Some).collect();
         let mut set = |(i, zone): (usize, &Zone)| {
             let sizes = [zone.resolution, zone.cells];
             let kept = before.get_mut(i).and_then(|old| old.take_if(|old| old.light.fits(sizes)));
             let Some(kept) = kept else {
-                let light = Arc::new(State::new(device, pipelines, sizes, 0, camera));
+                let light = Arc::new(State::new(context, sizes, 0, camera));
                 return Kept { zone: zone.clone(), light, made: Mutex::default() };
             };
             // What was made may be another's.

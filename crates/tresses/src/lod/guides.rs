@@ -10,7 +10,7 @@
 //! even sample; so it is for more guides than can be compared with each other.
 
 use crate::{
-    Result,
+    Context, Result,
     groom::{BoundStrands, Groom, Guides},
     simulate::Tree,
     strands::Guide,
@@ -72,7 +72,8 @@ impl GuideOrder {
     ///
     /// # Errors
     /// [`crate::Error::Limit`].
-    pub fn tree(&self, device: &wgpu::Device, queue: &wgpu::Queue, info: &wgpu::Buffer) -> Result<Tree> {
+    pub fn tree(&self, context: &Context, info: &wgpu::Buffer) -> Result<Tree> {
+        let Context { queue, .. } = context;
         // What a panic leaves behind is whole.
         let mut tree = self.tree.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(tree) = &*tree {
@@ -83,7 +84,7 @@ impl GuideOrder {
         let infos: Vec<_> = infos
             .map(|(info, [guide, _])| Guide { flags: info.flags & 0xff | guide << 8, ..*info })
             .collect();
-        let new = Tree::new(device, queue, &made.tree)?;
+        let new = Tree::new(context, &made.tree)?;
         queue.write_buffer(info, 0, bytemuck::cast_slice(&infos));
         *tree = Some(new.clone());
         Ok(new)

@@ -2,7 +2,10 @@
 
 use crate::{
     Error, Result,
-    groom::{BoundStrands, grow::ScalpMap, styles::scalp_uv},
+    groom::{
+        BoundStrands,
+        scalp::{ScalpMap, scalp_uv},
+    },
 };
 use glam::Vec3;
 

@@ -52,7 +52,6 @@
 //!
 //! **Untried.** Strands with an aggregated BSDF per width.
 
-pub mod budget;
 mod cover;
 mod curve;
 mod guides;
@@ -64,17 +63,17 @@ mod order;
 mod seen;
 mod widths;
 
-pub use budget::{Budget, Chosen, Costs, HeadChosen, Held, Work};
 pub use cover::{CoverLevel, CoverTable};
 pub use curve::{CurveTable, resample};
 pub(crate) use guides::{GuideOrder, order as guide_order};
 pub use maps::{LodLevel, MAX_LEVELS, MAX_THICKNESS};
 pub use options::{LodMode, LodOptions};
 pub use order::{BUCKET_RATIO, arrange, buckets, order};
-pub use widths::{StrandLod, WidthParams, Widths};
+pub(crate) use widths::Widths;
+pub use widths::{StrandLod, WidthParams};
 
 use crate::{
-    Camera, Error, Pose, Progress, Result,
+    Camera, Context, Error, Pose, Progress, Result,
     groom::BoundStrands,
     strands::{Drawn, Strand, StrandBuffers},
 };
@@ -178,11 +177,8 @@ impl Lod {
     ///
     /// # Errors
     /// [`crate::Error::Limit`]; [`crate::Error::Parameter`] when the options make no sense.
-    #[allow(clippy::too_many_arguments)]
     pub(crate) async fn new(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        stage: &Widths,
+        context: &Context,
         strands: BoundStrands,
         infos: &[Strand],
         buffers: &StrandBuffers,
@@ -220,7 +216,7 @@ impl Lod {
             measured: f32::INFINITY,
             painted: Painted::none(infos.len()).into(),
             segments: strands.vertex_count.saturating_sub(1).max(1),
-            buffers: WidthBuffers::new(device, stage, buffers)?,
+            buffers: WidthBuffers::new(context, buffers)?,
             detail: Detail {
                 pixel: 0.0,
                 size: f32::INFINITY,
@@ -260,13 +256,13 @@ impl Lod {
             let table = CoverTable::new(&strands, &infos, sphere, &levels, progress).await;
             lod.cover = Arc::new(Later::known(table));
         }
-        lod.buffers.upload(queue, &lod.strands, &lod.ends, &lod.painted);
-        lod.buffers.prepare(queue, &lod.detail);
+        lod.buffers.upload(context, &lod.strands, &lod.ends, &lod.painted);
+        lod.buffers.prepare(context, &lod.detail);
         Ok(lod)
     }
 
     /// Of another head with the same groom, whose strands are in `buffers`: all that was measured is shared.
-    pub(crate) fn another(&self, device: &wgpu::Device, stage: &Widths, buffers: &StrandBuffers) -> Self {
+    pub(crate) fn another(&self, context: &Context, buffers: &StrandBuffers) -> Self {
         Self {
             curve: self.curve.clone(),
             cover: self.cover.clone(),
@@ -274,7 +270,7 @@ impl Lod {
             areas: self.areas.clone(),
             strands: self.strands.clone(),
             painted: self.painted.clone(),
-            buffers: self.buffers.another(device, stage, buffers),
+            buffers: self.buffers.another(context, buffers),
             before: 0,
             stale: true,
             sets: false,
@@ -283,17 +279,12 @@ impl Lod {
     }
 
     /// From here on strands are in `buffers`, with other room.
-    pub(crate) fn move_into(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        stage: &Widths,
-        buffers: &StrandBuffers,
-    ) {
+    pub(crate) fn move_into(&mut self, context: &Context, buffers: &StrandBuffers) {
+        let Context { queue, .. } = context;
         let infos = &self.strands[..self.strands.len().min(buffers.room.strands as usize)];
         queue.write_buffer(&buffers.strands, 0, bytemuck::cast_slice(infos));
-        self.buffers = self.buffers.another(device, stage, buffers);
-        self.buffers.prepare(queue, &self.detail);
+        self.buffers = self.buffers.another(context, buffers);
+        self.buffers.prepare(context, &self.detail);
         self.stale = true;
     }
 
@@ -432,10 +423,10 @@ impl Lod {
     }
 
     /// From here on strands are as `detail` has them: what `buffers` is to draw.
-    pub(crate) fn set(&mut self, queue: &wgpu::Queue, buffers: &mut StrandBuffers, detail: Detail) {
+    pub(crate) fn set(&mut self, context: &Context, buffers: &mut StrandBuffers, detail: Detail) {
         self.stale |= self.detail != detail;
         self.detail = detail;
-        self.buffers.prepare(queue, &detail);
+        self.buffers.prepare(context, &detail);
         buffers.drawn = self.drawn();
     }
 
@@ -468,7 +459,7 @@ impl Lod {
     /// Paints `levels`, at most [`MAX_LEVELS`] with falling sizes; none takes them away.
     pub(crate) fn paint(
         &mut self,
-        queue: &wgpu::Queue,
+        context: &Context,
         strands: &BoundStrands,
         levels: &[LodLevel],
         skull: Vec3,
@@ -477,14 +468,14 @@ impl Lod {
             return Err(Error::unusable("levels of detail are to be painted before heads share the hair"));
         }
         self.painted = Painted::bake(strands, levels, skull)?.into();
-        self.buffers.upload(queue, &self.strands, &self.ends, &self.painted);
+        self.buffers.upload(context, &self.strands, &self.ends, &self.painted);
         self.stale = true;
         Ok(())
     }
 
-    pub(crate) fn record(&self, pass: &mut crate::gpu::ComputePass<'_>, stage: &Widths) {
+    pub(crate) fn record(&self, pass: &mut crate::gpu::ComputePass<'_>) {
         if self.sets {
-            self.buffers.record(pass, stage, self.detail.strands);
+            self.buffers.record(pass, self.detail.strands);
         }
     }
 

@@ -2,14 +2,15 @@
 
 use super::{Detail, maps::Painted};
 use crate::{
-    Result,
+    Context, Result,
     constants::STRAND_WORKGROUP,
-    gpu::{Binding, Kernel, bindings},
+    gpu::{Binding, Kernel, PipelineSet, bindings},
     strands::{Strand, StrandBuffers, buffers::storage},
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec4;
 use half::f16;
+use std::sync::Arc;
 
 /// What level of detail knows of one strand.
 #[repr(C)]
@@ -43,17 +44,15 @@ pub struct WidthParams {
 
 /// The pipeline that sets strands' widths.
 #[derive(Debug)]
-pub struct Widths(Kernel);
+pub(crate) struct Widths(Kernel);
 
-impl Widths {
-    /// Builds the pipeline.
-    pub fn new(device: &wgpu::Device) -> Self {
+impl PipelineSet for Widths {
+    fn new(context: &Context) -> Self {
         let entries = [Binding::Uniform, Binding::Storage, Binding::StorageMut, Binding::StorageMut];
-        Self(Kernel::new(device, "lod::widths", &entries))
+        Self(Kernel::new(&context.device, "lod::widths", &entries))
     }
 
-    /// All of them.
-    pub(crate) fn kernels(&self) -> Vec<&Kernel> {
+    fn kernels(&self) -> Vec<&Kernel> {
         vec![&self.0]
     }
 }
@@ -61,26 +60,31 @@ impl Widths {
 /// One groom's share.
 #[derive(Debug)]
 pub(super) struct WidthBuffers {
+    pipeline: Arc<Widths>,
     params: wgpu::Buffer,
     lods: wgpu::Buffer,
     group: wgpu::BindGroup,
 }
 
 impl WidthBuffers {
-    pub fn new(device: &wgpu::Device, stage: &Widths, buffers: &StrandBuffers) -> Result<Self> {
+    pub fn new(context: &Context, buffers: &StrandBuffers) -> Result<Self> {
+        let Context { device, .. } = context;
+        let pipeline: Arc<Widths> = context.pipelines();
         let params = bindings::uniform(device, "widths", size_of::<WidthParams>());
         let lods = storage::<StrandLod>(device, "strand levels of detail", buffers.count.into())?;
         let all = [&params, &lods, &buffers.strands, &buffers.widening];
-        let group = stage.0.bind(device, &all.map(|buffer| buffer.as_entire_binding()));
-        Ok(Self { params, lods, group })
+        let group = pipeline.0.bind(&all.map(|buffer| buffer.as_entire_binding()));
+        Ok(Self { pipeline, params, lods, group })
     }
 
     /// For another head's `buffers`: what is constant is shared.
-    pub fn another(&self, device: &wgpu::Device, stage: &Widths, buffers: &StrandBuffers) -> Self {
+    pub fn another(&self, context: &Context, buffers: &StrandBuffers) -> Self {
+        let Context { device, .. } = context;
+        let pipeline: Arc<Widths> = context.pipelines();
         let params = bindings::uniform(device, "widths", size_of::<WidthParams>());
         let all = [&params, &self.lods, &buffers.strands, &buffers.widening];
-        let group = stage.0.bind(device, &all.map(|buffer| buffer.as_entire_binding()));
-        Self { params, lods: self.lods.clone(), group }
+        let group = pipeline.0.bind(&all.map(|buffer| buffer.as_entire_binding()));
+        Self { pipeline, params, lods: self.lods.clone(), group }
     }
 
     /// Bytes of GPU memory that heads share.
@@ -89,7 +93,8 @@ impl WidthBuffers {
     }
 
     /// Writes what is constant while levels change.
-    pub fn upload(&self, queue: &wgpu::Queue, strands: &[Strand], ends: &[u32], painted: &Painted) {
+    pub fn upload(&self, context: &Context, strands: &[Strand], ends: &[u32], painted: &Painted) {
+        let Context { queue, .. } = context;
         let mut bucket = 0;
         let lods: Vec<_> = strands
             .iter()
@@ -107,7 +112,8 @@ impl WidthBuffers {
         queue.write_buffer(&self.lods, 0, bytemuck::cast_slice(&lods));
     }
 
-    pub fn prepare(&self, queue: &wgpu::Queue, detail: &Detail) {
+    pub fn prepare(&self, context: &Context, detail: &Detail) {
+        let Context { queue, .. } = context;
         let params = WidthParams {
             weights: Vec4::from_array(detail.levels),
             fraction: detail.fraction,
@@ -118,8 +124,8 @@ impl WidthBuffers {
         queue.write_buffer(&self.params, 0, bytemuck::bytes_of(&params));
     }
 
-    pub fn record(&self, pass: &mut crate::gpu::ComputePass<'_>, stage: &Widths, count: u32) {
-        stage.0.record(pass, &self.group, &[], count.div_ceil(STRAND_WORKGROUP));
+    pub fn record(&self, pass: &mut crate::gpu::ComputePass<'_>, count: u32) {
+        self.pipeline.0.record(pass, &self.group, &[], count.div_ceil(STRAND_WORKGROUP));
     }
 
     pub fn bytes(&self) -> u64 {

@@ -25,15 +25,17 @@ use glam::Vec2;
 use wgpu::util::DeviceExt;
 
 use crate::{
-    Result,
+    Context, Result,
     camera::ToneMap,
     draw::{Coverage, Targets},
     gpu::{
-        Binding, Timings,
-        bindings::{group, layout},
+        Binding, Commands, Device, PipelineSet,
+        bindings::layout,
+        commands::cleared,
         pipeline::{Made, Recipe},
     },
 };
+use std::sync::Arc;
 
 /// What the shaders know of the presentation.
 #[repr(C)]
@@ -55,8 +57,8 @@ pub struct PresentUniform {
 
 /// The pipelines of the stage, each made when it is first needed.
 #[derive(Debug)]
-pub struct Pipelines {
-    device: wgpu::Device,
+pub(crate) struct Pipelines {
+    device: Device,
     /// By shader, whether targets are larger than the picture, and format of the output.
     made: Made<(&'static str, bool, wgpu::TextureFormat), wgpu::RenderPipeline>,
 }
@@ -90,12 +92,14 @@ fn steps(format: wgpu::TextureFormat) -> f64 {
     }
 }
 
-impl Pipelines {
-    /// None of them made yet.
-    pub fn new(device: &wgpu::Device) -> Self {
+impl PipelineSet for Pipelines {
+    fn new(context: &Context) -> Self {
+        let Context { device, .. } = context;
         Self { device: device.clone(), made: Made::default() }
     }
+}
 
+impl Pipelines {
     /// From targets of so many samples, `ssaa` times as large as the picture, with hair in them by `coverage` into an
     /// output of `format`.
     pub(crate) fn get(
@@ -125,6 +129,7 @@ impl Pipelines {
 /// What the stage has of one view: it is bound to its targets.
 #[derive(Debug)]
 pub struct State {
+    pipelines: Arc<Pipelines>,
     uniform: wgpu::Buffer,
     group: wgpu::BindGroup,
     coverage: Coverage,
@@ -134,11 +139,12 @@ pub struct State {
 impl State {
     /// For `targets` with hair in them by `coverage`, and an output of `format`.
     pub fn new(
-        device: &wgpu::Device,
+        context: &Context,
         targets: &Targets,
         coverage: Coverage,
         format: wgpu::TextureFormat,
     ) -> Self {
+        let Context { device, .. } = context;
         use wgpu::BindingResource::TextureView;
         let uniform = crate::gpu::bindings::uniform(device, "present", size_of::<PresentUniform>());
         let footprint = (targets.samples > 1 && !coverage.is_tiled()).then(|| {
@@ -169,17 +175,24 @@ impl State {
         }
         let (module, bindings) = shader(coverage, targets.samples);
         let layout = layout(device, module, wgpu::ShaderStages::FRAGMENT, bindings);
-        Self { group: group(device, "present", &layout, &resources), uniform, coverage, format }
+        Self {
+            pipelines: context.pipelines(),
+            group: device.group("present", &layout, &resources),
+            uniform,
+            coverage,
+            format,
+        }
     }
 
     /// Writes the uniform of a frame.
     pub(crate) fn prepare(
         &self,
-        queue: &wgpu::Queue,
+        context: &Context,
         background: &Background,
         tone: &ToneMap,
         targets: &Targets,
     ) {
+        let Context { queue, .. } = context;
         let uniform = PresentUniform {
             background: *background,
             size: Vec2::new(targets.size[0] as f32, targets.size[1] as f32),
@@ -197,30 +210,12 @@ impl State {
     /// [`crate::Error::Gpu`] when the pipeline cannot be made.
     pub(crate) fn record(
         &self,
-        pipelines: &Pipelines,
-        encoder: &mut wgpu::CommandEncoder,
-        timings: Option<&mut Timings>,
+        commands: &mut Commands<'_>,
         targets: &Targets,
         output: &wgpu::TextureView,
     ) -> Result<()> {
-        let pipeline = pipelines.get(self.coverage, (targets.samples, targets.ssaa), self.format)?;
-        let mut pass = crate::gpu::render_pass(
-            encoder,
-            &wgpu::RenderPassDescriptor {
-                label: Some("present"),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: output,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                        store: wgpu::StoreOp::Store,
-                    },
-                })],
-                timestamp_writes: timings.and_then(|timings| timings.render("present")),
-                ..Default::default()
-            },
-        );
+        let pipeline = self.pipelines.get(self.coverage, (targets.samples, targets.ssaa), self.format)?;
+        let mut pass = commands.render("present", &[cleared(output)], None);
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &self.group, &[]);
         pass.draw(0..3, 0..1);

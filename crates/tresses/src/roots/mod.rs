@@ -8,7 +8,7 @@
 //! poses of body, head  ─┴─► strands ─► where each strand begins ─► interpolate::blend
 //! ```
 //!
-//! **The head remains.** [`Frame::head`](crate::frame::Frame::head) is the pose of the rigid part that hair mostly goes
+//! **The head remains.** [`HairFrame::head`](crate::hair::HairFrame::head) is the pose of the rigid part that hair mostly goes
 //! with, such as the joint of a head; colliders, grids and the clock know it alone. A root's motion is what the skin adds
 //! to that: the identity where skin goes with the joint. Without a surface nothing of this is computed, and hair moves to
 //! the bit as it did.
@@ -32,12 +32,12 @@ mod bind;
 pub use bind::{GuideRoot, RootReport, StrandRoot};
 
 use crate::{
-    Error, Pose, Result,
-    body::Body,
+    Context, Pose, Result,
+    body::{Skin, Words},
     constants::{GUIDE_WORKGROUP, STRAND_WORKGROUP},
-    gpu::{Binding, Kernel, bindings},
+    gpu::{Binding, Kernel, PipelineSet, bindings},
     groom::{BoundStrands, Groom, TriMesh},
-    space::Map,
+    math::map::Map,
     strands::{
         GuideBuffers, RootMotion, StrandBuffers,
         buffers::{filled, storage},
@@ -45,67 +45,24 @@ use crate::{
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
-
-/// Where a surface's vertices are in a buffer of floats: words from its beginning, and from one vertex to the next.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Words {
-    /// Of the first vertex.
-    pub first: u32,
-    /// From one vertex to the next, at least 3.
-    pub stride: u32,
-}
-
-impl Words {
-    /// # Errors
-    /// [`crate::groom::Error::Unusable`] where `buffer` does not hold the vertices of `mesh` so.
-    pub(crate) fn hold(&self, buffer: &wgpu::Buffer, mesh: &TriMesh) -> Result<()> {
-        let last = (mesh.positions.len() as u64).saturating_sub(1);
-        let need = 4 * (u64::from(self.first) + last * u64::from(self.stride) + 3);
-        if self.stride < 3 || buffer.size() < need {
-            return Err(Error::unusable(format!(
-                "a buffer of {} bytes is too small for the skin's {} vertices",
-                buffer.size(),
-                mesh.positions.len()
-            )));
-        }
-        Ok(())
-    }
-}
-
-/// The vertices of a body that bends, in buffers that may be bound as storage. The same buffer may be both.
-#[derive(Clone, Copy, Debug)]
-pub struct Skin<'a> {
-    /// Three floats for each vertex, metres.
-    pub positions: (&'a wgpu::Buffer, Words),
-    /// Three floats for each vertex, of any length.
-    pub normals: (&'a wgpu::Buffer, Words),
-}
-
-impl<'a> From<&'a Body> for Skin<'a> {
-    fn from(body: &'a Body) -> Self {
-        let [position, normal] = [0, 3].map(|first| (body.vertices(), Words { first, stride: Body::WORDS }));
-        Self { positions: position, normals: normal }
-    }
-}
+use std::sync::Arc;
 
 /// The pipelines of the stage.
 #[derive(Debug)]
-pub struct Pipelines {
+pub(crate) struct Pipelines {
     guides: Kernel,
     strands: Kernel,
 }
 
-impl Pipelines {
-    /// None compiled yet.
-    pub fn new(device: &wgpu::Device) -> Self {
+impl PipelineSet for Pipelines {
+    fn new(context: &Context) -> Self {
         use Binding::{Storage, StorageMut, Uniform};
         let entries = [Uniform, Storage, Storage, Storage, StorageMut];
-        let kernel = |name| Kernel::new(device, name, &entries);
+        let kernel = |name| Kernel::new(&context.device, name, &entries);
         Self { guides: kernel("roots::guides"), strands: kernel("roots::strands") }
     }
 
-    /// All of them.
-    pub(crate) fn kernels(&self) -> Vec<&Kernel> {
+    fn kernels(&self) -> Vec<&Kernel> {
         vec![&self.guides, &self.strands]
     }
 }
@@ -143,14 +100,16 @@ pub struct RootsUniform {
 /// One groom's share of the stage.
 #[derive(Debug)]
 pub struct Roots {
+    pipelines: Arc<Pipelines>,
     /// Where the surface is: from the space of its vertices to that of the frame's poses, by default the world. Set it
     /// before each frame.
     pub pose: Pose,
     uniform: wgpu::Buffer,
     guides: wgpu::BindGroup,
     strands: Option<wgpu::BindGroup>,
+    /// The places of guides and strands on the mesh, which instances share.
+    bound: (wgpu::Buffer, Option<wgpu::Buffer>),
     words: [Words; 2],
-    bytes: u64,
     fresh: bool,
 }
 
@@ -160,12 +119,9 @@ impl Roots {
     ///
     /// # Errors
     /// [`crate::groom::Error::Unusable`] for a root that is farther away, for a mesh without triangles and for buffers
-    /// that are too short for it; [`Error::Limit`].
-    #[allow(clippy::too_many_arguments)]
+    /// that are too short for it; [`crate::Error::Limit`].
     pub(crate) fn new(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        stage: &Pipelines,
+        context: &Context,
         (groom, arranged): (&Groom, &BoundStrands),
         (guides, strands): (&mut GuideBuffers, &mut StrandBuffers),
         mesh: &TriMesh,
@@ -176,47 +132,69 @@ impl Roots {
             words.hold(buffer, mesh)?;
         }
         let (bound_guides, bound_strands, report) = bind::bind(groom, arranged, mesh, reach)?;
+        let of_guides = filled(context, "bound guides", bytemuck::cast_slice(&bound_guides))?;
+        // Strands that are guides themselves begin where those do.
+        let of_strands = (guides.sample_count > 0)
+            .then(|| filled(context, "bound strands", bytemuck::cast_slice(&bound_strands)))
+            .transpose()?;
+        Ok((Self::bound(context, (of_guides, of_strands), (guides, strands), skin)?, report))
+    }
+
+    /// The same roots on another body of the same mesh, for other guides and strands of the same groom.
+    pub(crate) fn instance(
+        &self,
+        context: &Context,
+        buffers: (&mut GuideBuffers, &mut StrandBuffers),
+        skin: &Skin<'_>,
+    ) -> Result<Self> {
+        Self::bound(context, self.bound.clone(), buffers, skin)
+    }
+
+    /// Roots with these places on a mesh.
+    fn bound(
+        context: &Context,
+        bound: (wgpu::Buffer, Option<wgpu::Buffer>),
+        (guides, strands): (&mut GuideBuffers, &mut StrandBuffers),
+        skin: &Skin<'_>,
+    ) -> Result<Self> {
+        let Context { device, .. } = context;
+        let pipelines: Arc<Pipelines> = context.pipelines();
         // More than one to each: that tells kernels that they are to be read.
         guides.roots = storage::<RootMotion>(device, "guide roots", u64::from(guides.count) + 1)?;
         let uniform = bindings::uniform(device, "roots", size_of::<RootsUniform>());
-        let upload = |what, bytes: &[u8]| filled(device, queue, what, bytes);
         let group = |kernel: &Kernel, bound: &wgpu::Buffer, out: &wgpu::Buffer| {
             let buffers = [&uniform, skin.positions.0, skin.normals.0, bound, out];
-            kernel.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()))
+            kernel.bind(&buffers.map(|buffer| buffer.as_entire_binding()))
         };
-        let of_guides = upload("bound guides", bytemuck::cast_slice(&bound_guides))?;
-        let mut bytes = of_guides.size() + uniform.size();
-        let guide_group = group(&stage.guides, &of_guides, &guides.roots);
-        // Strands that are guides themselves begin where those do.
+        let (of_guides, of_strands) = &bound;
+        let guide_group = group(&pipelines.guides, of_guides, &guides.roots);
         let mut strand_group = None;
-        if guides.sample_count > 0 {
+        if let Some(of_strands) = of_strands {
             strands.roots = storage::<[f32; 4]>(device, "strand roots", u64::from(strands.count) + 1)?;
-            let of_strands = upload("bound strands", bytemuck::cast_slice(&bound_strands))?;
-            bytes += of_strands.size();
-            strand_group = Some(group(&stage.strands, &of_strands, &strands.roots));
+            strand_group = Some(group(&pipelines.strands, of_strands, &strands.roots));
         }
-        let words = [skin.positions.1, skin.normals.1];
-        let roots = Self {
+        Ok(Self {
+            pipelines,
             pose: Pose::IDENTITY,
             uniform,
             guides: guide_group,
             strands: strand_group,
-            words,
-            bytes,
+            bound,
+            words: [skin.positions.1, skin.normals.1],
             fresh: true,
-        };
-        Ok((roots, report))
+        })
     }
 
     /// Writes what a frame's kernels read: the head is at `head`, and hair is drawn where `seen` leads. With `fresh`, or
     /// the first time, hair is where the skin is now, whatever was before.
     pub(crate) fn prepare(
         &mut self,
-        queue: &wgpu::Queue,
+        context: &Context,
         (head, seen): (&Pose, &Map),
         counts: [u32; 2],
         fresh: bool,
     ) {
+        let Context { queue, .. } = context;
         let to_head = head.inverse().after(&self.pose);
         let to_world = seen.pose(&self.pose);
         let [position, normal] = self.words;
@@ -239,15 +217,16 @@ impl Roots {
     }
 
     /// Records the stage.
-    pub(crate) fn record(&self, stage: &Pipelines, pass: &mut crate::gpu::ComputePass<'_>, counts: [u32; 2]) {
-        stage.guides.record(pass, &self.guides, &[], counts[0].div_ceil(GUIDE_WORKGROUP));
+    pub(crate) fn record(&self, pass: &mut crate::gpu::ComputePass<'_>, counts: [u32; 2]) {
+        self.pipelines.guides.record(pass, &self.guides, &[], counts[0].div_ceil(GUIDE_WORKGROUP));
         if let Some(strands) = &self.strands {
-            stage.strands.record(pass, strands, &[], counts[1].div_ceil(STRAND_WORKGROUP));
+            self.pipelines.strands.record(pass, strands, &[], counts[1].div_ceil(STRAND_WORKGROUP));
         }
     }
 
     /// Bytes of GPU memory, without what guides and strands have of it.
     pub fn bytes(&self) -> u64 {
-        self.bytes
+        let (guides, strands) = &self.bound;
+        self.uniform.size() + guides.size() + strands.as_ref().map_or(0, wgpu::Buffer::size)
     }
 }

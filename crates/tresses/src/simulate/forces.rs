@@ -2,15 +2,17 @@
 
 use super::SimulationParams;
 use crate::{
+    Context,
     clock::MAX_STEPS,
     constants::VOLUME_WORKGROUP,
     gpu::{Binding, Kernel, bindings},
     strands::GuideBuffers,
-    volume::Volume,
+    volume::{self, Volume},
     wind::{Air, drag},
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
+use std::sync::Arc;
 
 /// The pipeline.
 #[derive(Debug)]
@@ -20,7 +22,8 @@ pub(crate) struct ForcesKernel {
 }
 
 impl ForcesKernel {
-    pub fn new(device: &wgpu::Device) -> Self {
+    pub fn new(context: &Context) -> Self {
+        let Context { device, .. } = context;
         let entries = [
             Binding::UniformDynamic,
             Binding::Storage,
@@ -33,13 +36,17 @@ impl ForcesKernel {
             Binding::Storage,
             Binding::Texture3d,
         ];
-        Self { kernel: Kernel::new(device, "simulate::forces", &entries), sampler: bindings::linear(device) }
+        Self {
+            kernel: Kernel::new(&context.device, "simulate::forces", &entries),
+            sampler: bindings::linear(device),
+        }
     }
 }
 
 /// Writes [`GuideBuffers::forces`] of one groom from its grids.
 #[derive(Debug)]
 pub struct Forces {
+    pipelines: Arc<super::Pipelines>,
     group: wgpu::BindGroup,
     air: wgpu::Buffer,
     threads: u32,
@@ -68,46 +75,40 @@ const AIR_STRIDE: u32 = 256;
 
 impl Forces {
     /// The forces of `volume` and, where there is one, of the air on `guides`.
-    pub fn new(
-        device: &wgpu::Device,
-        simulate: &super::Pipelines,
-        guides: &GuideBuffers,
-        volume: &Volume,
-        air: Option<&Air>,
-    ) -> Self {
+    pub fn new(context: &Context, guides: &GuideBuffers, volume: &Volume, air: Option<&Air>) -> Self {
+        let Context { device, .. } = context;
+        let pipelines: Arc<super::Pipelines> = context.pipelines();
         let uniforms = bindings::uniform(device, "forces of the air", (AIR_STRIDE * MAX_STEPS) as usize);
         // In calm air nothing is sampled: any texture will do.
         let [texture, among] = air.map_or([&volume.hair; 2], |air| [&air.view, &air.among]);
-        let group = simulate.forces.kernel.bind(
-            device,
-            &[
-                volume.uniforms(),
-                guides.current.as_entire_binding(),
-                guides.forces.as_entire_binding(),
-                wgpu::BindingResource::TextureView(&volume.hair),
-                wgpu::BindingResource::TextureView(&volume.push),
-                wgpu::BindingResource::Sampler(&simulate.forces.sampler),
-                wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                    buffer: &uniforms,
-                    offset: 0,
-                    size: wgpu::BufferSize::new(size_of::<AirUniforms>() as u64),
-                }),
-                wgpu::BindingResource::TextureView(texture),
-                guides.velocity.as_entire_binding(),
-                wgpu::BindingResource::TextureView(among),
-            ],
-        );
-        Self { group, air: uniforms, threads: guides.count * guides.vertex_count }
+        let group = pipelines.forces.kernel.bind(&[
+            volume.uniforms(),
+            guides.current.as_entire_binding(),
+            guides.forces.as_entire_binding(),
+            wgpu::BindingResource::TextureView(&volume.hair),
+            wgpu::BindingResource::TextureView(&volume.push),
+            wgpu::BindingResource::Sampler(&pipelines.forces.sampler),
+            wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                buffer: &uniforms,
+                offset: 0,
+                size: wgpu::BufferSize::new(size_of::<AirUniforms>() as u64),
+            }),
+            wgpu::BindingResource::TextureView(texture),
+            guides.velocity.as_entire_binding(),
+            wgpu::BindingResource::TextureView(among),
+        ]);
+        Self { pipelines, group, air: uniforms, threads: guides.count * guides.vertex_count }
     }
 
     /// Writes what a frame of `count` steps reads of the air, if it blows.
     pub(crate) fn prepare(
         &self,
-        queue: &wgpu::Queue,
+        context: &Context,
         physics: &SimulationParams,
         air: Option<&Air>,
         count: usize,
     ) {
+        let Context { queue, .. } = context;
         let mut bytes = vec![0u8; AIR_STRIDE as usize * count.min(MAX_STEPS as usize)];
         if let Some(air) = air {
             for (i, slot) in bytes.chunks_mut(AIR_STRIDE as usize).enumerate() {
@@ -132,8 +133,13 @@ impl Forces {
     }
 
     /// Records the dispatch for step `i` of those that [`Volume::prepare`] wrote.
-    pub fn record(&self, simulate: &super::Pipelines, pass: &mut crate::gpu::ComputePass<'_>, i: u32) {
+    pub fn record(&self, pass: &mut crate::gpu::ComputePass<'_>, i: u32) {
         let workgroups = self.threads.div_ceil(VOLUME_WORKGROUP);
-        simulate.forces.kernel.record(pass, &self.group, &[Volume::offset(i), i * AIR_STRIDE], workgroups);
+        self.pipelines.forces.kernel.record(
+            pass,
+            &self.group,
+            &[volume::offset(i), i * AIR_STRIDE],
+            workgroups,
+        );
     }
 }

@@ -1,18 +1,18 @@
 //! The kernel against its twin.
 
 use super::{
-    GuideTraits, Pipelines, RestOptions, RestShape, Simulation, SimulationParams,
+    GuideTraits, RestOptions, RestShape, Simulation, SimulationParams,
     reference::{Obstacles, Strand},
     rest,
 };
 use crate::{
-    Pose,
+    Context, Pose,
     clock::{Mode, Step},
     collide::{
         Anchor, Collider, ColliderDescriptor, ColliderPoses, ColliderSet, FieldId, FieldSource, FieldVolume,
         Moments, Shape,
     },
-    gpu::{Gpu, Timings, for_tests as gpu, readback::blocking as readback},
+    gpu::{Timings, for_tests as context, readback::blocking as readback},
     groom::SdfGrid,
     strands::{Force, GuideBuffers, GuideForce, RestGuides},
     wind::Wind,
@@ -106,29 +106,27 @@ fn dice() -> SdfGrid {
 
 struct Setup {
     guides: GuideBuffers,
-    simulate: Pipelines,
     simulation: Simulation,
     colliders: ColliderSet,
 }
 
 impl Setup {
-    fn new(gpu: &Gpu, rest: &RestGuides, head: Option<&SdfGrid>) -> Self {
-        Self::among(gpu, rest, &ColliderDescriptor { head, ..Default::default() })
+    fn new(context: &Context, rest: &RestGuides, head: Option<&SdfGrid>) -> Self {
+        Self::among(context, rest, &ColliderDescriptor { head, ..Default::default() })
     }
 
-    fn among(gpu: &Gpu, rest: &RestGuides, what: &ColliderDescriptor<'_>) -> Self {
-        let guides = GuideBuffers::new(&gpu.device, rest.info.len() as u32, rest.vertex_count, 2).unwrap();
-        let guides = guides.with_twist(&gpu.device).unwrap();
-        rest.upload(&gpu.queue, &guides).unwrap();
-        let simulate = Pipelines::new(&gpu.device);
-        let colliders = ColliderSet::new(&gpu.device, &gpu.queue, what).unwrap();
-        let simulation = Simulation::new(&gpu.device, &simulate, &guides);
-        Self { guides, simulate, simulation, colliders }
+    fn among(context: &Context, rest: &RestGuides, what: &ColliderDescriptor<'_>) -> Self {
+        let guides = GuideBuffers::new(context, rest.info.len() as u32, rest.vertex_count, 2).unwrap();
+        let guides = guides.with_twist(context).unwrap();
+        rest.upload(context, &guides).unwrap();
+        let colliders = ColliderSet::new(context, what).unwrap();
+        let simulation = Simulation::new(context, &guides);
+        Self { guides, simulation, colliders }
     }
 
     fn run(
         &mut self,
-        gpu: &Gpu,
+        context: &Context,
         params: &SimulationParams,
         steps: &[Step],
         poses: &ColliderPoses,
@@ -138,30 +136,24 @@ impl Setup {
         let (substeps, step) = (params.substeps, params.step);
         let head = steps.last().unwrap().end;
         let moments = Moments { steps, substeps, step, head, alpha: 1.0 };
-        self.colliders.advance(&gpu.queue, poses, &moments).unwrap();
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        self.colliders.advance(poses, &moments).unwrap();
+        let mut encoder = context.device().create_command_encoder(&Default::default());
         let mut timings = timings;
-        {
-            let mut pass = crate::gpu::compute_pass(
-                &mut encoder,
-                &wgpu::ComputePassDescriptor {
-                    label: None,
-                    timestamp_writes: timings.as_deref_mut().and_then(|t| t.compute("simulate")),
-                },
-            );
-            let count = self.simulation.prepare(&gpu.queue, params, steps, forced).unwrap();
-            for i in 0..count {
-                self.simulation.record(&self.simulate, &mut pass, &self.colliders, i);
-            }
+        let mut commands = context.commands(&mut encoder).with_timings(timings.as_deref_mut());
+        let mut pass = commands.compute("simulate");
+        let count = self.simulation.prepare(context, params, steps, forced).unwrap();
+        for i in 0..count {
+            self.simulation.record(&mut pass, &self.colliders, i);
         }
+        pass.end().unwrap();
         if let Some(t) = timings {
             t.resolve(&mut encoder);
         }
-        gpu.queue.submit([encoder.finish()]);
+        context.queue().submit([encoder.finish()]);
     }
 
-    fn positions(&self, gpu: &Gpu) -> Vec<[f32; 4]> {
-        readback::buffer(&gpu.device, &gpu.queue, &self.guides.current).unwrap()
+    fn positions(&self, context: &Context) -> Vec<[f32; 4]> {
+        readback::buffer(context, &self.guides.current).unwrap()
     }
 }
 
@@ -195,12 +187,18 @@ fn outer_forces(n: usize, count: usize) -> Vec<GuideForce> {
 
 /// The largest distance between the kernel and the twin after `frames` steps, and the bits.
 /// The twin feels a side wind `disturb`, m/s², and has the collider `shifted` a millimetre aside.
-fn compare(gpu: &Gpu, n: usize, frames: usize, disturb: f32, shifted: Option<usize>) -> (f32, Vec<[f32; 4]>) {
-    compare_by(gpu, n, frames, disturb, shifted, &SimulationParams::default())
+fn compare(
+    context: &Context,
+    n: usize,
+    frames: usize,
+    disturb: f32,
+    shifted: Option<usize>,
+) -> (f32, Vec<[f32; 4]>) {
+    compare_by(context, n, frames, disturb, shifted, &SimulationParams::default())
 }
 
 fn compare_by(
-    gpu: &Gpu,
+    context: &Context,
     n: usize,
     frames: usize,
     disturb: f32,
@@ -218,7 +216,7 @@ fn compare_by(
     let list = shapes();
     let what =
         ColliderDescriptor { head: Some(&grid), fields: &fields, colliders: &list, ..Default::default() };
-    let mut scene = Setup::among(gpu, &rest, &what);
+    let mut scene = Setup::among(context, &rest, &what);
     // The twin counts the head's field among the others.
     let volumes = [FieldVolume::new(&grid), FieldVolume::new(&dice)];
     let mut colliders = vec![Collider::new(Shape::Field(FieldId(0)))];
@@ -235,7 +233,7 @@ fn compare_by(
         })
         .collect();
     let forces = outer_forces(n, count);
-    gpu.queue.write_buffer(&scene.guides.forces, 0, bytemuck::cast_slice(&forces));
+    context.queue().write_buffer(&scene.guides.forces, 0, bytemuck::cast_slice(&forces));
     for (g, strand) in strands.iter_mut().enumerate() {
         strand.forces = (0..n).map(|i| forces[i * count + g]).collect();
     }
@@ -243,7 +241,7 @@ fn compare_by(
         let t = (frame.max(1) - 1) as f32 * params.step;
         let step = if frame == 0 { carry_to_start() } else { at(t, params.step) };
         let mut u = scene.simulation.uniforms(params, &step, 0);
-        scene.run(gpu, params, &[step], &hands(t + params.step), None, true);
+        scene.run(context, params, &[step], &hands(t + params.step), None, true);
         let mut places = scene.colliders.moments().to_vec();
         if let Some(i) = shifted {
             places.iter_mut().skip(i).step_by(5).for_each(|p| p.translation += Vec3::splat(1e-3));
@@ -255,7 +253,7 @@ fn compare_by(
             strand.step(&u, &what);
         }
     }
-    let found = scene.positions(gpu);
+    let found = scene.positions(context);
     let mut worst = 0f32;
     for (g, strand) in strands.iter().enumerate() {
         let mut off = 0f32;
@@ -275,16 +273,16 @@ fn compare_by(
 
 #[test]
 fn kernel_and_twin_agree() {
-    let Some(gpu) = gpu() else { return };
+    let Some(context) = context() else { return };
     for (n, tolerance) in [(5, 2e-6), (12, 5e-5), (16, 5e-5), (24, 1e-4), (32, 3e-4), (64, 4e-3)] {
-        let (worst, _) = compare(gpu, n, 4, 0.0, None);
+        let (worst, _) = compare(context, n, 4, 0.0, None);
         println!("{n} vertices: kernel and twin differ by {worst} m after 4 steps");
         assert!(worst < tolerance, "{n}: {worst}");
     }
-    let (worst, _) = compare(gpu, 16, 4, 0.1, None);
+    let (worst, _) = compare(context, 16, 4, 0.1, None);
     assert!(worst > 1e-4, "the comparison sees a slight side wind: {worst}");
     for i in 0..5 {
-        let (worst, _) = compare(gpu, 16, 4, 0.0, Some(i));
+        let (worst, _) = compare(context, 16, 4, 0.0, Some(i));
         println!("collider {i} aside by 1.7 mm: {worst} m");
         assert!(worst > 1e-4, "the comparison sees collider {i} elsewhere: {worst}");
     }
@@ -292,11 +290,11 @@ fn kernel_and_twin_agree() {
 
 #[test]
 fn kernel_and_twin_agree_on_twist() {
-    let Some(gpu) = gpu() else { return };
+    let Some(context) = context() else { return };
     let params = SimulationParams { twist: 0.5, ..Default::default() };
     for (n, tolerance) in [(2, 1e-6), (3, 1e-6), (5, 2e-6), (12, 5e-5), (16, 5e-5), (32, 3e-4), (64, 4e-3)] {
         let start = std::time::Instant::now();
-        let (worst, _) = compare_by(gpu, n, 4, 0.0, None, &params);
+        let (worst, _) = compare_by(context, n, 4, 0.0, None, &params);
         println!(
             "{n} vertices that twist: kernel and twin differ by {worst} m after 4 steps, {:?}",
             start.elapsed()
@@ -307,24 +305,21 @@ fn kernel_and_twin_agree_on_twist() {
 
 #[test]
 fn same_bits_twice() {
-    let Some(gpu) = gpu() else { return };
-    assert_eq!(compare(gpu, 16, 20, 0.0, None).1, compare(gpu, 16, 20, 0.0, None).1);
+    let Some(context) = context() else { return };
+    assert_eq!(compare(context, 16, 20, 0.0, None).1, compare(context, 16, 20, 0.0, None).1);
 }
 
 #[test]
 fn draped_hair_lies_on_the_sphere() {
-    let Some(gpu) = gpu() else { return };
+    let Some(context) = context() else { return };
     let params = SimulationParams::default();
     let n = 16;
     let (positions, traits) = groom(24, n);
     let grid = sphere();
-    let simulate = Pipelines::new(&gpu.device);
     let start = std::time::Instant::now();
     let options = crate::drape::DrapeOptions { clearance: 0.002, ..Default::default() };
     let settled = pollster::block_on(crate::drape::drape(
-        &gpu.device,
-        &gpu.queue,
-        &simulate,
+        context,
         &positions,
         n as u32,
         &traits,
@@ -346,26 +341,26 @@ fn draped_hair_lies_on_the_sphere() {
 }
 
 /// The largest strain of an edge of a guide, after rest, over a motion of `frames` steps.
-fn worst_strain(gpu: &Gpu, n: usize, frames: usize, motion: impl Fn(f32) -> Pose) -> f32 {
+fn worst_strain(context: &Context, n: usize, frames: usize, motion: impl Fn(f32) -> Pose) -> f32 {
     let params = SimulationParams::default();
     let (positions, traits) = groom(24, n);
     let grid = sphere();
     let rest =
         rest::guides(&positions, n as u32, &traits, &params, &RestOptions::default(), Some(&grid)).unwrap();
-    let mut scene = Setup::new(gpu, &rest, Some(&grid));
+    let mut scene = Setup::new(context, &rest, Some(&grid));
     let poses = ColliderPoses::default();
     let count = rest.info.len();
     let start = Step { begin: motion(0.0), end: motion(0.0), ..carry_to_start() };
-    scene.run(gpu, &params, &[start], &poses, None, false);
+    scene.run(context, &params, &[start], &poses, None, false);
     let mut worst = 0f32;
     for frame in 0..frames {
         let t = frame as f32 * params.step;
         let step = Step { begin: motion(t), end: motion(t + params.step), ..at(0.0, 0.0) };
-        scene.run(gpu, &params, &[step], &poses, None, false);
+        scene.run(context, &params, &[step], &poses, None, false);
         if frame % 4 != 3 {
             continue;
         }
-        let found = scene.positions(gpu);
+        let found = scene.positions(context);
         // A pinned tip pulls, and a segment of no length has no strain.
         for g in (1..count).filter(|g| *g != DEGENERATE) {
             for i in 0..n - 1 {
@@ -384,13 +379,13 @@ fn worst_strain(gpu: &Gpu, n: usize, frames: usize, motion: impl Fn(f32) -> Pose
 
 #[test]
 fn lengths_are_kept_in_a_shake_and_a_turn() {
-    let Some(gpu) = gpu() else { return };
-    let shake = worst_strain(gpu, 32, 90, |t| Pose {
+    let Some(context) = context() else { return };
+    let shake = worst_strain(context, 32, 90, |t| Pose {
         translation: Vec3::X * 0.1 * (std::f32::consts::TAU * 2.0 * t).sin(),
         ..Pose::IDENTITY
     });
     // 90 degrees in half a second and back.
-    let turn = worst_strain(gpu, 32, 90, |t| Pose {
+    let turn = worst_strain(context, 32, 90, |t| Pose {
         rotation: Quat::from_rotation_y(0.785 * (1.0 - (std::f32::consts::TAU * t).cos())),
         ..Pose::IDENTITY
     });
@@ -400,22 +395,22 @@ fn lengths_are_kept_in_a_shake_and_a_turn() {
 
 #[test]
 fn hair_returns_to_its_shape() {
-    let Some(gpu) = gpu() else { return };
+    let Some(context) = context() else { return };
     let (params, n) = (SimulationParams::default(), 16);
     let (positions, traits) = groom(24, n);
     let grid = sphere();
     let rest =
         rest::guides(&positions, n as u32, &traits, &params, &RestOptions::default(), Some(&grid)).unwrap();
-    let mut scene = Setup::new(gpu, &rest, Some(&grid));
+    let mut scene = Setup::new(context, &rest, Some(&grid));
     // Three seconds of shaking the head, then two of rest.
     let motion = |t: f32| Pose {
         rotation: Quat::from_rotation_y(0.6 * (std::f32::consts::TAU * t.min(3.0)).sin()),
         ..Pose::IDENTITY
     };
     let start = Step { begin: motion(0.0), end: motion(0.0), ..carry_to_start() };
-    scene.run(gpu, &params, &[start], &ColliderPoses::default(), None, false);
+    scene.run(context, &params, &[start], &ColliderPoses::default(), None, false);
     let mean = |scene: &Setup| {
-        let found = scene.positions(gpu);
+        let found = scene.positions(context);
         let count = rest.info.len();
         // Guide 1 has no stiffness, so no shape. This groom stands out from the head by up to 29 cm:
         // `rest::support` makes the long ones stiff enough to return, all but one.
@@ -432,7 +427,7 @@ fn hair_returns_to_its_shape() {
     for frame in 0..300 {
         let t = frame as f32 * params.step;
         let step = Step { begin: motion(t), end: motion(t + params.step), ..at(0.0, 0.0) };
-        scene.run(gpu, &params, &[step], &ColliderPoses::default(), None, false);
+        scene.run(context, &params, &[step], &ColliderPoses::default(), None, false);
         if frame % 10 == 0 && frame < 180 {
             shaken = shaken.max(mean(&scene));
         }
@@ -444,7 +439,7 @@ fn hair_returns_to_its_shape() {
 
 #[test]
 fn absurd_parameters_give_finite_positions() {
-    let Some(gpu) = gpu() else { return };
+    let Some(context) = context() else { return };
     let params = SimulationParams {
         gravity: Vec3::splat(2e3),
         wind: Wind::uniform(Vec3::X * 400.0),
@@ -456,10 +451,10 @@ fn absurd_parameters_give_finite_positions() {
     let (positions, traits) = groom(24, 16);
     let grid = sphere();
     let rest = rest::guides(&positions, 16, &traits, &params, &RestOptions::default(), Some(&grid)).unwrap();
-    let mut scene = Setup::new(gpu, &rest, Some(&grid));
+    let mut scene = Setup::new(context, &rest, Some(&grid));
     for i in 0..40 {
         let step = at(i as f32 * 1.7, 0.9);
-        scene.run(gpu, &params, &[step], &ColliderPoses::default(), None, false);
+        scene.run(context, &params, &[step], &ColliderPoses::default(), None, false);
     }
-    assert!(scene.positions(gpu).iter().flatten().all(|x| x.is_finite()));
+    assert!(scene.positions(context).iter().flatten().all(|x| x.is_finite()));
 }

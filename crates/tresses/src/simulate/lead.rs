@@ -12,6 +12,7 @@
 //! no obstacles; strands that enter one are moved out of it all the same ([`crate::avoid`]).
 
 use crate::{
+    Context,
     constants::GUIDE_WORKGROUP,
     gpu::{Binding, Kernel},
     strands::{GuideBuffers, buffers::storage},
@@ -28,8 +29,8 @@ const BINDINGS: [Binding; 6] = [
 ];
 
 /// The kernel.
-pub(super) fn kernel(device: &wgpu::Device) -> Kernel {
-    Kernel::new(device, "simulate::lead", &BINDINGS)
+pub(super) fn kernel(context: &Context) -> Kernel {
+    Kernel::new(&context.device, "simulate::lead", &BINDINGS)
 }
 
 /// The order of guides on the GPU; heads with the same groom share it.
@@ -42,7 +43,8 @@ impl Tree {
     ///
     /// # Errors
     /// [`crate::Error::Limit`].
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, tree: &[[u32; 2]]) -> crate::Result<Self> {
+    pub fn new(context: &Context, tree: &[[u32; 2]]) -> crate::Result<Self> {
+        let Context { device, queue, .. } = context;
         let buffer = storage::<[u32; 2]>(device, "order of guides", tree.len() as u64)?;
         queue.write_buffer(&buffer, 0, bytemuck::cast_slice(tree));
         Ok(Self(buffer))
@@ -59,17 +61,11 @@ impl Tree {
 pub(super) struct Lead(wgpu::BindGroup);
 
 impl Lead {
-    pub fn new(
-        device: &wgpu::Device,
-        kernel: &Kernel,
-        step: wgpu::BindingResource<'_>,
-        guides: &GuideBuffers,
-        tree: &Tree,
-    ) -> Self {
+    pub fn new(kernel: &Kernel, step: wgpu::BindingResource<'_>, guides: &GuideBuffers, tree: &Tree) -> Self {
         let buffers = [&guides.info, &guides.rest, &guides.current, &guides.velocity, &tree.0];
         let mut all = vec![step];
         all.extend(buffers.map(|buffer| buffer.as_entire_binding()));
-        Self(kernel.bind(device, &all))
+        Self(kernel.bind(&all))
     }
 
     /// Records those from `simulated` on of `count`.

@@ -30,7 +30,7 @@ use super::Pipelines;
 #[cfg(test)]
 use crate::math::ldl::Factors;
 use crate::{
-    Result,
+    Context, Result,
     constants::{LINKS, VOLUME_WORKGROUP},
     gpu::Binding,
     strands::{GuideBuffers, RestGuides, buffers::storage},
@@ -41,6 +41,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Mat3;
 use glam::{IVec3, Vec3};
 use std::f32::consts::{FRAC_1_SQRT_2, TAU};
+use std::sync::Arc;
 
 /// Bindings of the kernel, in order.
 pub(super) const BINDINGS: [Binding; 5] =
@@ -97,6 +98,7 @@ impl LinkUniforms {
 /// The links of one head.
 #[derive(Debug)]
 pub struct Links {
+    pipelines: Arc<Pipelines>,
     uniforms: wgpu::Buffer,
     /// [`Link`], shared by heads with one groom.
     links: wgpu::Buffer,
@@ -110,53 +112,45 @@ impl Links {
     /// # Errors
     /// [`Error::Limit`](crate::Error::Limit).
     pub fn new(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        simulate: &Pipelines,
+        context: &Context,
         guides: &GuideBuffers,
         rest: &RestGuides,
         params: &HairHair,
     ) -> Result<Self> {
+        let Context { device, queue, .. } = context;
         let vertices = u64::from(guides.count) * u64::from(guides.vertex_count);
         let links = storage::<Link>(device, "links", vertices * u64::from(LINKS))?;
         queue.write_buffer(&links, 0, bytemuck::cast_slice(&find(rest, params.cohesion_reach)));
-        Self::of(device, simulate, guides, links)
+        Self::of(context, guides, links)
     }
 
     /// Of another head with the same groom.
     ///
     /// # Errors
     /// [`Error::Limit`](crate::Error::Limit).
-    pub(crate) fn another(
-        &self,
-        device: &wgpu::Device,
-        simulate: &Pipelines,
-        guides: &GuideBuffers,
-    ) -> Result<Self> {
-        Self::of(device, simulate, guides, self.links.clone())
+    pub(crate) fn another(&self, context: &Context, guides: &GuideBuffers) -> Result<Self> {
+        Self::of(context, guides, self.links.clone())
     }
 
-    fn of(
-        device: &wgpu::Device,
-        simulate: &Pipelines,
-        guides: &GuideBuffers,
-        links: wgpu::Buffer,
-    ) -> Result<Self> {
+    fn of(context: &Context, guides: &GuideBuffers, links: wgpu::Buffer) -> Result<Self> {
+        let Context { device, .. } = context;
+        let pipelines: Arc<Pipelines> = context.pipelines();
         let uniforms = storage::<LinkUniforms>(device, "link uniforms", 1)?;
         let buffers = [&uniforms, &links, &guides.current, &guides.velocity, &guides.forces];
-        let group = simulate.links.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()));
-        Ok(Self { uniforms, links, group, vertices: guides.count * guides.vertex_count })
+        let group = pipelines.links.bind(&buffers.map(|buffer| buffer.as_entire_binding()));
+        Ok(Self { pipelines, uniforms, links, group, vertices: guides.count * guides.vertex_count })
     }
 
     /// Writes what a frame's steps of `span` seconds read.
-    pub fn prepare(&self, queue: &wgpu::Queue, params: &HairHair, span: f32) {
+    pub fn prepare(&self, context: &Context, params: &HairHair, span: f32) {
+        let Context { queue, .. } = context;
         let uniforms = LinkUniforms::new(self.vertices, params, span);
         queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(&uniforms));
     }
 
     /// Records a step, after [`Forces`](super::Forces) have written theirs.
-    pub fn record(&self, simulate: &Pipelines, pass: &mut crate::gpu::ComputePass<'_>) {
-        simulate.links.record(pass, &self.group, &[], self.vertices.div_ceil(VOLUME_WORKGROUP));
+    pub fn record(&self, pass: &mut crate::gpu::ComputePass<'_>) {
+        self.pipelines.links.record(pass, &self.group, &[], self.vertices.div_ceil(VOLUME_WORKGROUP));
     }
 
     /// Bytes of GPU memory that heads share.
@@ -301,7 +295,7 @@ impl<'a> Near<'a> {
 mod tests {
     use super::*;
     use crate::{
-        gpu::{Gpu, for_tests as gpu, readback::blocking as readback},
+        gpu::{for_tests as context, readback::blocking as readback},
         simulate::{GuideTraits, RestOptions, SimulationParams, rest},
         strands::{
             Force, GuideForce,
@@ -325,12 +319,12 @@ mod tests {
 
     /// How much kernel and twin differ at most, m/s², where hair is out of place by centimetres; the twin's limit is
     /// `false_limit` times the kernel's.
-    fn compare(gpu: &Gpu, false_limit: f32) -> f32 {
-        let Gpu { device, queue, .. } = gpu;
+    fn compare(context: &Context, false_limit: f32) -> f32 {
+        let Context { queue, .. } = context;
         let rest = lawn(12);
         let (count, all) = (rest.info.len(), rest.rest.len());
-        let guides = GuideBuffers::new(device, count as u32, 12, 2).unwrap();
-        rest.upload(queue, &guides).unwrap();
+        let guides = GuideBuffers::new(context, count as u32, 12, 2).unwrap();
+        rest.upload(context, &guides).unwrap();
         let vector = |i: usize| Vec3::new(some(i, 0), some(i, 1), some(i, 2));
         let places: Vec<_> = (0..all).map(|i| rest.rest[i].position + vector(i) * 0.01).collect();
         let words: Vec<[f32; 4]> = places.iter().map(|p| p.extend(0.0).to_array()).collect();
@@ -342,13 +336,10 @@ mod tests {
         queue.write_buffer(&guides.forces, 0, bytemuck::cast_slice(&forces));
         let params =
             HairHair { cohesion: 900.0, cohesion_limit: 5.0, cohesion_reach: 0.02, ..Default::default() };
-        let simulate = Pipelines::new(device);
-        let links = Links::new(device, queue, &simulate, &guides, &rest, &params).unwrap();
-        links.prepare(queue, &params, 1.0 / 60.0);
-        let mut encoder = device.create_command_encoder(&Default::default());
-        links.record(&simulate, &mut crate::gpu::compute_pass(&mut encoder, &Default::default()));
-        queue.submit([encoder.finish()]);
-        let found: Vec<GuideForce> = readback::buffer(device, queue, &guides.forces).unwrap();
+        let links = Links::new(context, &guides, &rest, &params).unwrap();
+        links.prepare(context, &params, 1.0 / 60.0);
+        crate::gpu::compute(context, |pass| links.record(pass));
+        let found: Vec<GuideForce> = readback::buffer(context, &guides.forces).unwrap();
         let list = find(&rest, params.cohesion_reach);
         let mut u = LinkUniforms::new(all as u32, &params, 1.0 / 60.0);
         u.limit *= false_limit;
@@ -368,8 +359,8 @@ mod tests {
 
     #[test]
     fn kernel_and_twin_agree() {
-        let Some(gpu) = gpu() else { return };
-        let (right, wrong) = (compare(gpu, 1.0), compare(gpu, 1.1));
+        let Some(context) = context() else { return };
+        let (right, wrong) = (compare(context, 1.0), compare(context, 1.1));
         println!("differ by {right} m/s², with a wrong limit by {wrong}");
         assert!(right < 0.02 && wrong > 0.1);
     }

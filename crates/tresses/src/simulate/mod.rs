@@ -91,11 +91,11 @@ mod physics;
 mod reference;
 
 use crate::{
-    Result,
+    Context, Result,
     clock::{MAX_STEPS, Mode, Step},
     collide::{self, ColliderSet},
     constants::{GUIDE_CAPACITIES, GUIDE_WORKGROUP},
-    gpu::Kernel,
+    gpu::{Kernel, PipelineSet},
     groom::Guides,
     space::Field,
     strands::GuideBuffers,
@@ -103,9 +103,10 @@ use crate::{
 };
 use glam::Vec3;
 use params::StepUniforms;
+use std::sync::Arc;
 
 pub use forces::{AirUniforms, Forces};
-pub use grab::{Grab, Ray, Target};
+pub use grab::{Grab, Target};
 pub(crate) use lead::Tree;
 pub use links::Links;
 pub use params::{Along, SimulationParams};
@@ -118,7 +119,7 @@ const STRIDE: u64 = 512;
 
 /// The pipelines of the stage.
 #[derive(Debug)]
-pub struct Pipelines {
+pub(crate) struct Pipelines {
     /// One per size class of guides.
     steps: [Kernel; GUIDE_CAPACITIES.len()],
     /// The same for hair that twists.
@@ -132,24 +133,30 @@ pub struct Pipelines {
     pins: Kernel,
 }
 
-impl Pipelines {
-    /// None compiled yet.
-    pub fn new(device: &wgpu::Device) -> Self {
+impl PipelineSet for Pipelines {
+    fn new(context: &Context) -> Self {
+        let Context { device, .. } = context;
         let colliders = collide::layout(device);
-        let kernel = |name| Kernel::beside(device, name, &step::BINDINGS, &[&colliders]);
+        let kernel = |name| Kernel::beside(&context.device, name, &step::BINDINGS, &[&colliders]);
         Self {
             steps: step::MODULES.map(kernel),
             twists: step::TWIST_MODULES.map(kernel),
-            shift: shift::kernel(device),
-            forces: forces::ForcesKernel::new(device),
-            links: Kernel::new(device, "simulate::links", &links::BINDINGS),
-            grab: grab::GrabKernels::new(device),
-            lead: lead::kernel(device),
-            ties: Kernel::new(device, "simulate::ties", &ties::BINDINGS),
-            pins: Kernel::new(device, "simulate::pins", &ties::PIN_BINDINGS),
+            shift: shift::kernel(context),
+            forces: forces::ForcesKernel::new(context),
+            links: Kernel::new(&context.device, "simulate::links", &links::BINDINGS),
+            grab: grab::GrabKernels::new(context),
+            lead: lead::kernel(context),
+            ties: Kernel::new(&context.device, "simulate::ties", &ties::BINDINGS),
+            pins: Kernel::new(&context.device, "simulate::pins", &ties::PIN_BINDINGS),
         }
     }
 
+    fn kernels(&self) -> Vec<&Kernel> {
+        vec![&self.forces.kernel]
+    }
+}
+
+impl Pipelines {
     /// The step for guides of `vertex_count` vertices.
     pub(crate) fn step(&self, vertex_count: u32) -> &Kernel {
         &self.steps[step::capacity(vertex_count)]
@@ -159,24 +166,12 @@ impl Pipelines {
     pub(crate) fn twist(&self, vertex_count: u32) -> &Kernel {
         &self.twists[step::capacity(vertex_count)]
     }
-
-    /// Compiles the step for guides of `vertex_count` vertices, unless it is.
-    ///
-    /// # Errors
-    /// [`crate::Error::Gpu`] with what wgpu said.
-    pub fn compile(&self, vertex_count: u32) -> Result<()> {
-        self.step(vertex_count).compile()
-    }
-
-    /// All kernels but those of a grab, of links and ties, of hair that strays, and of single sizes of guides.
-    pub(crate) fn kernels(&self) -> Vec<&Kernel> {
-        vec![&self.forces.kernel]
-    }
 }
 
 /// What one groom's simulation keeps on the GPU besides its guides.
 #[derive(Debug)]
 pub struct Simulation {
+    pipelines: Arc<Pipelines>,
     uniforms: wgpu::Buffer,
     group: wgpu::BindGroup,
     guide_count: u32,
@@ -194,7 +189,9 @@ pub struct Simulation {
 
 impl Simulation {
     /// The simulation of `guides`.
-    pub fn new(device: &wgpu::Device, simulate: &Pipelines, guides: &GuideBuffers) -> Self {
+    pub fn new(context: &Context, guides: &GuideBuffers) -> Self {
+        let Context { device, .. } = context;
+        let pipelines: Arc<Pipelines> = context.pipelines();
         let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("simulation steps"),
             size: STRIDE * u64::from(MAX_STEPS),
@@ -202,19 +199,17 @@ impl Simulation {
             mapped_at_creation: false,
         });
         let step = slot(&uniforms);
-        let group = simulate.step(guides.vertex_count).bind(
-            device,
-            &[
-                step,
-                guides.info.as_entire_binding(),
-                guides.rest.as_entire_binding(),
-                guides.current.as_entire_binding(),
-                guides.velocity.as_entire_binding(),
-                guides.forces.as_entire_binding(),
-                guides.roots.as_entire_binding(),
-            ],
-        );
+        let group = pipelines.step(guides.vertex_count).bind(&[
+            step,
+            guides.info.as_entire_binding(),
+            guides.rest.as_entire_binding(),
+            guides.current.as_entire_binding(),
+            guides.velocity.as_entire_binding(),
+            guides.forces.as_entire_binding(),
+            guides.roots.as_entire_binding(),
+        ]);
         Self {
+            pipelines,
             uniforms,
             group,
             guide_count: guides.count,
@@ -228,17 +223,9 @@ impl Simulation {
     }
 
     /// From the next frame on only the first `count` guides in the order of `tree` are simulated, which others follow.
-    pub(crate) fn simulate_first(
-        &mut self,
-        device: &wgpu::Device,
-        simulate: &Pipelines,
-        guides: &GuideBuffers,
-        tree: &Tree,
-        count: u32,
-    ) {
-        self.lead.get_or_insert_with(|| {
-            lead::Lead::new(device, &simulate.lead, slot(&self.uniforms), guides, tree)
-        });
+    pub(crate) fn simulate_first(&mut self, guides: &GuideBuffers, tree: &Tree, count: u32) {
+        self.lead
+            .get_or_insert_with(|| lead::Lead::new(&self.pipelines.lead, slot(&self.uniforms), guides, tree));
         self.simulated.0 = count.clamp(1, self.guide_count.max(1));
     }
 
@@ -249,15 +236,13 @@ impl Simulation {
     /// nothing and for more than [`ties::MAX_RINGS`]; [`crate::Error::Limit`].
     pub fn tie(
         &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        simulate: &Pipelines,
+        context: &Context,
         guides: &GuideBuffers,
         rest: &Guides,
         ties: &[Tie],
     ) -> Result<TieReport> {
         let step = &slot(&self.uniforms);
-        let make = || Ties::new(device, queue, simulate, step, guides, rest, ties);
+        let make = || Ties::new(context, step, guides, rest, ties);
         self.ties = (!ties.is_empty()).then(make).transpose()?;
         Ok(self.ties.as_ref().map(Ties::report).unwrap_or_default())
     }
@@ -266,15 +251,9 @@ impl Simulation {
     ///
     /// # Errors
     /// [`crate::Error::Limit`].
-    pub(crate) fn tie_as(
-        &mut self,
-        gpu: (&wgpu::Device, &wgpu::Queue),
-        simulate: &Pipelines,
-        guides: &GuideBuffers,
-        other: &Self,
-    ) -> Result<()> {
+    pub(crate) fn tie_as(&mut self, context: &Context, guides: &GuideBuffers, other: &Self) -> Result<()> {
         let step = &slot(&self.uniforms);
-        self.ties = other.ties.as_ref().map(|ties| ties.another(gpu, simulate, step, guides)).transpose()?;
+        self.ties = other.ties.as_ref().map(|ties| ties.another(context, step, guides)).transpose()?;
         Ok(())
     }
 
@@ -308,19 +287,17 @@ impl Simulation {
     ///
     /// # Errors
     /// What [`SimulationParams::check`] says.
-    #[allow(clippy::too_many_arguments)]
     pub fn run(
         &mut self,
-        simulate: &Pipelines,
-        queue: &wgpu::Queue,
+        context: &Context,
         pass: &mut crate::gpu::ComputePass<'_>,
         params: &SimulationParams,
         steps: &[Step],
         colliders: &ColliderSet,
     ) -> Result<()> {
-        let count = self.prepare(queue, params, steps, false)?;
+        let count = self.prepare(context, params, steps, false)?;
         for i in 0..count {
-            self.record(simulate, pass, colliders, i);
+            self.record(pass, colliders, i);
         }
         Ok(())
     }
@@ -338,23 +315,24 @@ impl Simulation {
     /// As [`run`](Self::run).
     pub fn prepare(
         &mut self,
-        queue: &wgpu::Queue,
+        context: &Context,
         params: &SimulationParams,
         steps: &[Step],
         forced: bool,
     ) -> Result<u32> {
-        self.prepare_in(queue, params, steps, &[], forced)
+        self.prepare_in(context, params, steps, &[], forced)
     }
 
     /// The same where hair is simulated elsewhere than in the world: `fields` say what acts in each step.
     pub(crate) fn prepare_in(
         &mut self,
-        queue: &wgpu::Queue,
+        context: &Context,
         params: &SimulationParams,
         steps: &[Step],
         fields: &[Field],
         forced: bool,
     ) -> Result<u32> {
+        let Context { queue, .. } = context;
         params.check()?;
         self.twists.1 = self.twists.0 && params.twist > 0.0;
         let steps = &steps[steps.len().saturating_sub(MAX_STEPS as usize)..];
@@ -388,26 +366,23 @@ impl Simulation {
     }
 
     /// Records step `i` of those that [`prepare`](Self::prepare) wrote.
-    pub fn record(
-        &self,
-        simulate: &Pipelines,
-        pass: &mut crate::gpu::ComputePass<'_>,
-        colliders: &ColliderSet,
-        i: u32,
-    ) {
+    pub fn record(&self, pass: &mut crate::gpu::ComputePass<'_>, colliders: &ColliderSet, i: u32) {
         pass.set_bind_group(1, colliders.group(), &[]);
         let simulated = self.simulated.1[i as usize];
         let offset = i * STRIDE as u32;
         let groups = simulated.div_ceil(GUIDE_WORKGROUP);
         if let Some(ties) = &self.ties {
-            ties.record(simulate, pass, offset);
+            ties.record(pass, offset);
         }
         let twists = self.twists.1;
-        let kernel =
-            if twists { simulate.twist(self.vertex_count) } else { simulate.step(self.vertex_count) };
+        let kernel = if twists {
+            self.pipelines.twist(self.vertex_count)
+        } else {
+            self.pipelines.step(self.vertex_count)
+        };
         kernel.record(pass, &self.group, &[offset], groups);
         if let Some(lead) = self.lead.as_ref().filter(|_| simulated < self.guide_count) {
-            lead.record(&simulate.lead, pass, offset, [simulated, self.guide_count]);
+            lead.record(&self.pipelines.lead, pass, offset, [simulated, self.guide_count]);
         }
     }
 

@@ -3,6 +3,7 @@
 
 use super::Pipelines;
 use crate::{
+    Context,
     constants::VOLUME_WORKGROUP,
     gpu::{Binding, Kernel},
     space::Shift,
@@ -10,6 +11,7 @@ use crate::{
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
+use std::sync::Arc;
 
 /// What the kernel reads.
 #[repr(C)]
@@ -26,21 +28,24 @@ pub struct ShiftUniform {
 }
 
 /// The kernel, compiled when hair first strays.
-pub(super) fn kernel(device: &wgpu::Device) -> Kernel {
+pub(super) fn kernel(context: &Context) -> Kernel {
     use Binding::{Storage, StorageMut};
-    Kernel::new(device, "simulate::shift", &[Storage, StorageMut, StorageMut])
+    Kernel::new(&context.device, "simulate::shift", &[Storage, StorageMut, StorageMut])
 }
 
 /// What one groom needs for it, made when it first strays.
 #[derive(Debug)]
 pub(crate) struct Shifting {
+    pipelines: Arc<Pipelines>,
     uniform: wgpu::Buffer,
     group: wgpu::BindGroup,
     count: u32,
 }
 
 impl Shifting {
-    pub fn new(device: &wgpu::Device, simulate: &Pipelines, guides: &GuideBuffers) -> Self {
+    pub fn new(context: &Context, guides: &GuideBuffers) -> Self {
+        let Context { device, .. } = context;
+        let pipelines: Arc<Pipelines> = context.pipelines();
         let uniform = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("shift"),
             size: size_of::<ShiftUniform>() as u64,
@@ -48,12 +53,13 @@ impl Shifting {
             mapped_at_creation: false,
         });
         let buffers = [&uniform, &guides.current, &guides.velocity];
-        let group = simulate.shift.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()));
-        Self { uniform, group, count: guides.count * guides.vertex_count }
+        let group = pipelines.shift.bind(&buffers.map(|buffer| buffer.as_entire_binding()));
+        Self { pipelines, uniform, group, count: guides.count * guides.vertex_count }
     }
 
     /// Writes what the kernel reads.
-    pub fn prepare(&self, queue: &wgpu::Queue, shift: &Shift) {
+    pub fn prepare(&self, context: &Context, shift: &Shift) {
+        let Context { queue, .. } = context;
         let uniform = ShiftUniform {
             way: shift.way,
             count: self.count,
@@ -64,8 +70,8 @@ impl Shifting {
     }
 
     /// Records the dispatch.
-    pub fn record(&self, simulate: &Pipelines, pass: &mut crate::gpu::ComputePass<'_>) {
-        simulate.shift.record(pass, &self.group, &[], self.count.div_ceil(VOLUME_WORKGROUP));
+    pub fn record(&self, pass: &mut crate::gpu::ComputePass<'_>) {
+        self.pipelines.shift.record(pass, &self.group, &[], self.count.div_ceil(VOLUME_WORKGROUP));
     }
 
     /// Bytes of GPU memory.

@@ -38,7 +38,7 @@
 
 use super::Pipelines;
 use crate::{
-    Error, Result,
+    Context, Error, Result,
     constants::{TIE_WORKGROUP, VOLUME_WORKGROUP},
     gpu::Binding,
     groom::{Guides, curve, range},
@@ -47,6 +47,7 @@ use crate::{
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
+use std::sync::Arc;
 
 /// Bindings of the kernel that holds hair together, in order.
 pub(super) const BINDINGS: [Binding; 7] = [
@@ -262,6 +263,7 @@ impl Found {
 /// The ties of one head.
 #[derive(Debug)]
 pub struct Ties {
+    pipelines: Arc<Pipelines>,
     /// [`Ring`] and [`Member`]: heads with the same groom share them.
     rings: wgpu::Buffer,
     members: wgpu::Buffer,
@@ -280,14 +282,13 @@ impl Ties {
     /// [`Error::Parameter`] for a tie that makes no sense, [`crate::groom::Error::Unusable`] for one that holds nothing,
     /// and for more than [`MAX_RINGS`]; [`Error::Limit`].
     pub(crate) fn new(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        simulate: &Pipelines,
+        context: &Context,
         step: &wgpu::BindingResource<'_>,
         guides: &GuideBuffers,
         rest: &Guides,
         ties: &[Tie],
     ) -> Result<Self> {
+        let Context { device, queue, .. } = context;
         let found = Found::of(rest, ties)?;
         let rings = storage::<Ring>(device, "rings of ties", found.rings.len().max(1) as u64)?;
         let members =
@@ -296,7 +297,7 @@ impl Ties {
         queue.write_buffer(&rings, 0, bytemuck::cast_slice(&found.rings));
         queue.write_buffer(&members, 0, bytemuck::cast_slice(&found.members));
         queue.write_buffer(&pins, 0, bytemuck::cast_slice(&found.pins));
-        Self::of((device, queue), simulate, step, guides, [rings, members, pins], found.report())
+        Self::of(context, step, guides, [rings, members, pins], found.report())
     }
 
     /// The same ties of another head with the same groom.
@@ -305,23 +306,23 @@ impl Ties {
     /// [`Error::Limit`].
     pub(crate) fn another(
         &self,
-        gpu: (&wgpu::Device, &wgpu::Queue),
-        simulate: &Pipelines,
+        context: &Context,
         step: &wgpu::BindingResource<'_>,
         guides: &GuideBuffers,
     ) -> Result<Self> {
         let shared = [&self.rings, &self.members, &self.pins].map(Clone::clone);
-        Self::of(gpu, simulate, step, guides, shared, self.report)
+        Self::of(context, step, guides, shared, self.report)
     }
 
     fn of(
-        (device, queue): (&wgpu::Device, &wgpu::Queue),
-        simulate: &Pipelines,
+        context: &Context,
         step: &wgpu::BindingResource<'_>,
         guides: &GuideBuffers,
         [rings, members, pins]: [wgpu::Buffer; 3],
         report: TieReport,
     ) -> Result<Self> {
+        let Context { device, queue, .. } = context;
+        let pipelines: Arc<Pipelines> = context.pipelines();
         let turns = storage::<[f32; 4]>(device, "turns of ties", report.rings.max(1) as u64)?;
         queue.write_buffer(
             &turns,
@@ -331,14 +332,14 @@ impl Ties {
         let bind = |kernel: &crate::gpu::Kernel, buffers: &[&wgpu::Buffer]| {
             let mut all = vec![step.clone()];
             all.extend(buffers.iter().map(|buffer| buffer.as_entire_binding()));
-            kernel.bind(device, &all)
+            kernel.bind(&all)
         };
         let together = bind(
-            &simulate.ties,
+            &pipelines.ties,
             &[&rings, &members, &guides.current, &guides.velocity, &guides.forces, &turns],
         );
-        let to_head = bind(&simulate.pins, &[&pins, &guides.current, &guides.forces]);
-        Ok(Self { rings, members, pins, turns, together, to_head, report })
+        let to_head = bind(&pipelines.pins, &[&pins, &guides.current, &guides.forces]);
+        Ok(Self { pipelines, rings, members, pins, turns, together, to_head, report })
     }
 
     /// What they hold.
@@ -347,13 +348,18 @@ impl Ties {
     }
 
     /// Records what acts in the step whose uniforms are at `offset`, after all other forces.
-    pub(crate) fn record(&self, simulate: &Pipelines, pass: &mut crate::gpu::ComputePass<'_>, offset: u32) {
+    pub(crate) fn record(&self, pass: &mut crate::gpu::ComputePass<'_>, offset: u32) {
         let TieReport { rings, to_head, .. } = self.report;
         if rings > 0 {
-            simulate.ties.record(pass, &self.together, &[offset], rings as u32);
+            self.pipelines.ties.record(pass, &self.together, &[offset], rings as u32);
         }
         if to_head > 0 {
-            simulate.pins.record(pass, &self.to_head, &[offset], (to_head as u32).div_ceil(VOLUME_WORKGROUP));
+            self.pipelines.pins.record(
+                pass,
+                &self.to_head,
+                &[offset],
+                (to_head as u32).div_ceil(VOLUME_WORKGROUP),
+            );
         }
     }
 

@@ -1,8 +1,8 @@
 use super::*;
 use crate::{
-    Pose,
+    Context, Pose,
     clock::{Mode, Step},
-    gpu::{Gpu, for_tests as gpu, readback::blocking as readback},
+    gpu::{for_tests as context, readback::blocking as readback},
     groom::Guides,
     simulate::{GuideTraits, RestOptions, Simulation, SimulationParams, rest},
     strands::{
@@ -71,16 +71,16 @@ fn hold(members: &[(Vec3, f32, Vec3, Vec3)], span: f32) -> Vec<Vec3> {
 /// What the kernel does to a lawn that is turned, thrown and shaken up: how far it is from the twin, and what is left of
 /// force and torque on the whole (all m/s², torque at its radius of gyration, of the twin's mean). The twin's masses are
 /// `false_mass` times the kernel's at every second member.
-fn kernel(gpu: &Gpu, false_mass: f32) -> [f32; 3] {
-    let Gpu { device, queue, .. } = gpu;
+fn kernel(context: &Context, false_mass: f32) -> [f32; 3] {
+    let queue = context.queue();
     let hairs = lawn();
     let count = hairs.len();
     let params = SimulationParams::default();
     let traits = vec![GuideTraits::default(); count];
     let rest =
         rest::guides(&hairs.positions, N as u32, &traits, &params, &RestOptions::default(), None).unwrap();
-    let guides = GuideBuffers::new(device, count as u32, N as u32, 2).unwrap();
-    rest.upload(queue, &guides).unwrap();
+    let guides = GuideBuffers::new(context, count as u32, N as u32, 2).unwrap();
+    rest.upload(context, &guides).unwrap();
     let turn = Quat::from_rotation_z(0.7) * Quat::from_rotation_x(-0.4);
     let place = |at: usize| turn * rest.rest[at].position + Vec3::new(0.3, 1.5, -0.2) + vector(at) * 0.002;
     let speed = |at: usize| Vec3::new(1.0, -2.0, 0.5) + Vec3::Y.cross(place(at)) * 3.0 + vector(at + 5);
@@ -91,20 +91,16 @@ fn kernel(gpu: &Gpu, false_mass: f32) -> [f32; 3] {
     queue.write_buffer(&guides.velocity, 0, bytemuck::cast_slice(&speeds));
     let before = Force { acceleration: Vec3::X, rate: 3.0, tangent: Vec3::Y, along: 2.0 };
     queue.write_buffer(&guides.forces, 0, bytemuck::cast_slice(&vec![GuideForce::pack(&before); count * N]));
-    let simulate = Pipelines::new(device);
-    let mut simulation = Simulation::new(device, &simulate, &guides);
+    let mut simulation = Simulation::new(context, &guides);
     let middle = Vec3::new(0.025, 0.05, 0.025);
     let band = tie(middle, middle, 0.03, Held::Together);
-    let report = simulation.tie(device, queue, &simulate, &guides, &hairs, &[band]).unwrap();
+    let report = simulation.tie(context, &guides, &hairs, &[band]).unwrap();
     assert_eq!(report.rings, 1);
     let head = Pose { rotation: Quat::from_rotation_y(0.1), ..Pose::IDENTITY };
     let step = Step { mode: Mode::Step, begin: head, end: head, from: 0.0, to: 1.0 };
-    simulation.prepare(queue, &params, &[step], true).unwrap();
-    let mut encoder = device.create_command_encoder(&Default::default());
-    let ties = simulation.ties().unwrap();
-    ties.record(&simulate, &mut crate::gpu::compute_pass(&mut encoder, &Default::default()), 0);
-    queue.submit([encoder.finish()]);
-    let forces: Vec<GuideForce> = readback::buffer(device, queue, &guides.forces).unwrap();
+    simulation.prepare(context, &params, &[step], true).unwrap();
+    crate::gpu::compute(context, |pass| simulation.ties().unwrap().record(pass, 0));
+    let forces: Vec<GuideForce> = readback::buffer(context, &guides.forces).unwrap();
     let found = Found::of(&hairs, &[band]).unwrap();
     let at = |m: &Member| m.vertex as usize;
     let weigh = |i: usize, m: &Member| if i.is_multiple_of(2) { m.mass } else { m.mass * false_mass };
@@ -137,8 +133,8 @@ fn kernel(gpu: &Gpu, false_mass: f32) -> [f32; 3] {
 
 #[test]
 fn kernel_and_twin_agree_and_nothing_is_pushed_as_a_whole() {
-    let Some(gpu) = gpu() else { return };
-    let (right, wrong) = (kernel(gpu, 1.0), kernel(gpu, 1.3));
+    let Some(context) = context() else { return };
+    let (right, wrong) = (kernel(context, 1.0), kernel(context, 1.3));
     println!("differ by {right:?}, with wrong masses by {wrong:?} of the mean");
     // Forces are half floats.
     assert!(right[0] < 3e-3 && right[1] < 5e-4 && right[2] < 5e-4, "{right:?}");

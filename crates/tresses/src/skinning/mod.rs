@@ -13,20 +13,21 @@
 //! 8e-6: a vertex of a body 2 m tall is within 15 µm of the twin (`tests/gpu/skinning`).
 //!
 //! **Why not in the vertex shader?** Shadow maps, light, roots and the picture all read the vertices; and who has skinned
-//! them already writes the body's buffer instead ([`Body::vertices`]), or gives its own to [`crate::roots::Skin`].
+//! them already writes the body's buffer instead ([`Body::vertices`]), or gives its own to [`crate::body::Skin`].
 //!
 //! **What is not there.** Dual quaternions: twisted wrists get thinner, as in every engine's default.
 
 use crate::{
-    Error, Result,
+    Context, Error, Result,
     body::Body,
     constants::STRAND_WORKGROUP,
-    gpu::{Binding, Kernel},
+    gpu::{Binding, Kernel, PipelineSet},
     groom::rig::{Rig, RigPose},
     strands::buffers::{filled, storage},
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A vertex and what it is bound to.
@@ -63,20 +64,18 @@ pub struct SkinDelta {
 
 /// The pipeline of the stage.
 #[derive(Debug)]
-pub struct Pipelines {
+pub(crate) struct Pipelines {
     skin: Kernel,
 }
 
-impl Pipelines {
-    /// None compiled yet.
-    pub fn new(device: &wgpu::Device) -> Self {
+impl PipelineSet for Pipelines {
+    fn new(context: &Context) -> Self {
         use Binding::{Storage, StorageMut};
         let entries = [Storage, Storage, Storage, Storage, Storage, StorageMut];
-        Self { skin: Kernel::new(device, "skinning::skin", &entries) }
+        Self { skin: Kernel::new(&context.device, "skinning::skin", &entries) }
     }
 
-    /// All of them.
-    pub(crate) fn kernels(&self) -> Vec<&Kernel> {
+    fn kernels(&self) -> Vec<&Kernel> {
         vec![&self.skin]
     }
 }
@@ -84,11 +83,14 @@ impl Pipelines {
 /// One body's share of the stage.
 #[derive(Debug)]
 pub struct Skinning {
+    context: Context,
+    pipelines: Arc<Pipelines>,
+    /// What the rig has, which instances share: counts, vertices, deltas.
+    rig: [wgpu::Buffer; 3],
     palette: wgpu::Buffer,
     shapes: wgpu::Buffer,
     group: wgpu::BindGroup,
     vertices: u32,
-    bytes: u64,
     /// Around what each joint holds, in the space of the file's mesh; empty boxes hold nothing.
     boxes: Vec<[Vec3; 2]>,
     /// The longest way that each shape moves a vertex.
@@ -105,13 +107,9 @@ impl Skinning {
     /// # Errors
     /// [`crate::groom::Error::Unusable`] for another mesh's rig and for one that names joints that it does not have;
     /// [`Error::Limit`].
-    pub fn new(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        stage: &Pipelines,
-        rig: &Rig,
-        body: &Body,
-    ) -> Result<Self> {
+    pub fn new(context: &Context, rig: &Rig, body: &Body) -> Result<Self> {
+        let Context { device, .. } = context;
+        let pipelines: Arc<Pipelines> = context.pipelines();
         let count = rig.vertices.len() as u64;
         if count * u64::from(Body::WORDS) * 4 != body.vertices().size() || count == 0 {
             return Err(Error::unusable(format!("a rig of {count} vertices is not that of the body")));
@@ -122,7 +120,7 @@ impl Skinning {
             return Err(Error::unusable("a vertex follows a joint that its rig does not have"));
         }
         let (vertices, deltas) = packed(rig)?;
-        let upload = |what, bytes: &[u8]| filled(device, queue, what, bytes);
+        let upload = |what, bytes: &[u8]| filled(context, what, bytes);
         let counts = [count as u32, Body::WORDS];
         let counts = upload("skin counts", bytemuck::cast_slice(&counts))?;
         let bound = upload("skin vertices", bytemuck::cast_slice(&vertices))?;
@@ -130,17 +128,18 @@ impl Skinning {
         let palette = storage::<Mat4>(device, "skin palette", joints as u64)?;
         let shapes = storage::<f32>(device, "skin shapes", rig.targets.len() as u64)?;
         let buffers = [&counts, &bound, &moves, &palette, &shapes, body.vertices()];
-        let group = stage.skin.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()));
-        let bytes = [&counts, &bound, &moves, &palette, &shapes].map(wgpu::Buffer::size).iter().sum();
+        let group = pipelines.skin.bind(&buffers.map(|buffer| buffer.as_entire_binding()));
         let reach = |target: &crate::groom::rig::Target| {
             target.deltas.iter().map(|delta| delta.position.length()).fold(0.0, f32::max)
         };
         Ok(Self {
+            context: context.clone(),
+            pipelines,
+            rig: [counts, bound, moves],
             palette,
             shapes,
             group,
             vertices: count as u32,
-            bytes,
             boxes: boxes(rig),
             reaches: rig.targets.iter().map(reach).collect(),
             pose: RigPose::default(),
@@ -148,24 +147,53 @@ impl Skinning {
         })
     }
 
+    /// Deforms another `body` of the same mesh, which has vertices of its own ([`Body::unshared`]) and rests.
+    pub(crate) fn instance(&self, body: &Body) -> Self {
+        let own = |buffer: &wgpu::Buffer, label| {
+            self.context.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: buffer.size(),
+                usage: buffer.usage(),
+                mapped_at_creation: false,
+            })
+        };
+        let (palette, shapes) = (own(&self.palette, "skin palette"), own(&self.shapes, "skin shapes"));
+        let [counts, bound, moves] = &self.rig;
+        let buffers = [counts, bound, moves, &palette, &shapes, body.vertices()];
+        let group = self.pipelines.skin.bind(&buffers.map(|buffer| buffer.as_entire_binding()));
+        Self {
+            context: self.context.clone(),
+            pipelines: self.pipelines.clone(),
+            rig: self.rig.clone(),
+            palette,
+            shapes,
+            group,
+            vertices: self.vertices,
+            boxes: self.boxes.clone(),
+            reaches: self.reaches.clone(),
+            pose: RigPose::default(),
+            due: AtomicBool::new(false),
+        }
+    }
+
     /// From the next frame on `body` is in `pose`, which is one of its rig. What is recorded for it is to be submitted: the
-    /// same pose is not recorded twice.
+    /// same pose is not recorded twice. Returns whether it is another pose.
     ///
     /// # Errors
     /// [`crate::groom::Error::Unusable`] for another rig's pose.
-    pub fn pose(&mut self, queue: &wgpu::Queue, pose: &RigPose, body: &mut Body) -> Result<()> {
+    pub fn pose(&mut self, pose: &RigPose, body: &mut Body) -> Result<bool> {
         if pose.palette.len() != self.boxes.len() || pose.weights.len() != self.reaches.len() {
             return Err(Error::unusable("a pose is not one of the body's rig"));
         }
         if (&pose.palette, &pose.weights) == (&self.pose.palette, &self.pose.weights) {
-            return Ok(());
+            return Ok(false);
         }
         self.due.store(true, Ordering::Relaxed);
         self.pose.clone_from(pose);
-        queue.write_buffer(&self.palette, 0, bytemuck::cast_slice(&pose.palette));
-        queue.write_buffer(&self.shapes, 0, bytemuck::cast_slice(&pose.weights));
+        self.context.queue.write_buffer(&self.palette, 0, bytemuck::cast_slice(&pose.palette));
+        self.context.queue.write_buffer(&self.shapes, 0, bytemuck::cast_slice(&pose.weights));
         body.set_bounds(self.bounds(pose));
-        Ok(())
+        Ok(true)
     }
 
     /// A box around the body in `pose`, groom space, metres: a vertex lies between where its joints would have it.
@@ -187,16 +215,16 @@ impl Skinning {
     }
 
     /// Records the stage, if the body has been given another pose since it was recorded last.
-    pub(crate) fn record(&self, stage: &Pipelines, pass: &mut crate::gpu::ComputePass<'_>) {
+    pub(crate) fn record(&self, pass: &mut crate::gpu::ComputePass<'_>) {
         if !self.due.swap(false, Ordering::Relaxed) {
             return;
         }
-        stage.skin.record(pass, &self.group, &[], self.vertices.div_ceil(STRAND_WORKGROUP));
+        self.pipelines.skin.record(pass, &self.group, &[], self.vertices.div_ceil(STRAND_WORKGROUP));
     }
 
     /// Bytes of GPU memory, without the body.
     pub fn bytes(&self) -> u64 {
-        self.bytes
+        self.rig.iter().chain([&self.palette, &self.shapes]).map(wgpu::Buffer::size).sum()
     }
 }
 

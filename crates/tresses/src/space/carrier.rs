@@ -5,11 +5,11 @@
 //! the space's rotation and `o` the origin's place in it; the space's own place drops out of everything but `O''`
 //! and the gusts of the world's wind.
 
-use super::{FAR, FASTEST, JOLT, Map, Space};
+use super::{FAR, FASTEST, JOLT, Space};
 use crate::{
     Pose,
     clock::{Clock, MAX_STEPS, Mode, Step, Ticks},
-    simulate::SimulationParams,
+    math::map::Map,
 };
 use glam::{DQuat, DVec3, Vec3};
 
@@ -131,14 +131,14 @@ impl Carrier {
     }
 
     /// The frame that `ticks` says, `dt` seconds after the last, as the carrier has it. `middle` is that of the hair
-    /// at rest, groom space.
+    /// at rest, groom space; `world` has gravity and wind in the axes of the world.
     pub fn carry(
         &mut self,
         space: &Space,
         (clock, ticks): (&Clock, &Ticks),
         (dt, step): (f64, f64),
         middle: Vec3,
-        physics: &SimulationParams,
+        world: &Field,
     ) -> Carried {
         let first = ticks.steps.first();
         let mode = first.map(|step| step.mode);
@@ -204,7 +204,7 @@ impl Carrier {
             last = Some(end);
             let v = velocity + change * f64::from(to);
             let at = self.origin.lerp(origin, to.into());
-            let mut field = self.field(space, physics, &passage.at(to), (v, change * part, at), angular);
+            let mut field = self.field(space, world, &passage.at(to), (v, change * part, at), angular);
             if change != DVec3::ZERO {
                 let pull = self.axes.inverse() * (change * (part / step));
                 field.gravity = (field.gravity.as_dvec3() - pull).as_vec3();
@@ -289,14 +289,14 @@ impl Carrier {
     fn field(
         &self,
         space: &Space,
-        physics: &SimulationParams,
+        world: &Field,
         map: &Map,
         (v, change, at): (DVec3, DVec3, DVec3),
         angular: DVec3,
     ) -> Field {
         let to_axes = Map { rotation: relative(self.axes, DQuat::IDENTITY), translation: DVec3::ZERO };
-        let wind = physics.wind.velocity;
-        let gravity = to_axes.turned(physics.gravity);
+        let wind = world.wind;
+        let gravity = to_axes.turned(world.gravity);
         if space.carries_air {
             let own = map.turned(wind);
             let spin = to_axes.point(angular).as_vec3();

@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! world (f64) ── Space ──► space of the poses ──► carrier ──► simulate, volume, wind        state of the hair
-//!                    └──► space of the camera (Frame::drawn_in) ──► tessellate ─► … ─► draw
+//!                    └──► space of the camera (HairFrame::drawn_in) ──► tessellate ─► … ─► draw
 //! ```
 //!
 //! **The carrier** is the frame in which hair is simulated. Its origin goes with a point of the space near the hair, its
@@ -40,12 +40,10 @@
 //! gravity. Give [`Space::velocity`] then.
 
 mod carrier;
-mod map;
 
 pub(crate) use carrier::{Carried, Carrier, Field, Passage, Shift};
-pub(crate) use map::Map;
 
-use crate::{Error, Pose, Result};
+use crate::{Error, Pose, Result, math::map::Map};
 use glam::{DQuat, DVec3};
 
 /// A change of a space's velocity from one frame to the next by more than this, m/s, is a jump and not felt.

@@ -2,11 +2,15 @@
 
 use super::super::Velocity;
 use super::*;
-use crate::wind::Wind;
 use glam::Quat;
 
 const STEP: f64 = 1.0 / 60.0;
 const G: f64 = 9.81;
+
+/// A world without wind.
+fn still() -> Field {
+    Field::of(Vec3::NEG_Y * G as f32, Vec3::ZERO)
+}
 
 /// A clock and a carrier, as hair has them.
 #[derive(Default)]
@@ -17,15 +21,15 @@ struct Ride {
 
 impl Ride {
     fn frame(&mut self, space: &Space, head: &Pose, dt: f64) -> Carried {
-        self.with(space, head, dt, &SimulationParams::default())
+        self.with(space, head, dt, &still())
     }
 
-    fn with(&mut self, space: &Space, head: &Pose, dt: f64, physics: &SimulationParams) -> Carried {
+    fn with(&mut self, space: &Space, head: &Pose, dt: f64, world: &Field) -> Carried {
         if let Some(map) = self.carrier.enter(space, head, &self.clock, (dt, STEP)) {
             self.clock.enter(&map);
         }
         let ticks = self.clock.tick(dt as f32, STEP as f32, head);
-        self.carrier.carry(space, (&self.clock, &ticks), (dt, STEP), Vec3::Y, physics)
+        self.carrier.carry(space, (&self.clock, &ticks), (dt, STEP), Vec3::Y, world)
     }
 }
 
@@ -226,7 +230,7 @@ fn hair_that_strays_is_followed_by_whole_metres() {
         assert!((step.end.translation + way).distance(head.translation) < 2e-6);
         assert!(before.is_none_or(|before| before == step.begin));
         before = Some(step.end);
-        assert_eq!(carried.fields[0].gravity, SimulationParams::default().gravity);
+        assert_eq!(carried.fields[0].gravity, still().gravity);
     }
     assert!(way.length() > 15.0);
     // One that is put to rest far away begins there.
@@ -243,7 +247,7 @@ fn hair_that_strays_is_followed_by_whole_metres() {
 #[test]
 fn air_is_the_worlds_or_the_cabins() {
     let wind = Vec3::new(4.0, 0.0, 1.0);
-    let physics = SimulationParams { wind: Wind::new(wind), ..Default::default() };
+    let world = Field { wind, ..still() };
     let rotation = DQuat::from_rotation_y(0.4);
     let ride = |carries_air: bool| {
         let mut ride = Ride::default();
@@ -252,7 +256,7 @@ fn air_is_the_worlds_or_the_cabins() {
             let t = f64::from(i) * STEP;
             let turned = DQuat::from_rotation_y(0.5 * t) * rotation;
             let space = Space { rotation: turned, carries_air, ..Space::at(DVec3::new(30.0 * t, 0.0, 1e4)) };
-            let carried = ride.with(&space, &Pose::IDENTITY, STEP, &physics);
+            let carried = ride.with(&space, &Pose::IDENTITY, STEP, &world);
             field = carried.fields.first().copied().map(|field| (field, turned));
         }
         field.unwrap()

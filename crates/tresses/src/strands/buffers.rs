@@ -3,7 +3,7 @@
 use super::{
     Guide, GuideForce, GuideSample, PackedGuide, PackedRest, RootMotion, Strand, StrandBinding, StrandVertex,
 };
-use crate::{Error, Result};
+use crate::{Context, Error, Result};
 use wgpu::BufferUsages;
 
 /// The buffers of the guides, indexed `vertex * count + guide` unless said otherwise.
@@ -180,12 +180,8 @@ pub fn storage<T>(device: &wgpu::Device, what: &'static str, count: u64) -> Resu
 ///
 /// # Errors
 /// [`Error::Limit`].
-pub(crate) fn filled(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    what: &'static str,
-    bytes: &[u8],
-) -> Result<wgpu::Buffer> {
+pub(crate) fn filled(context: &Context, what: &'static str, bytes: &[u8]) -> Result<wgpu::Buffer> {
+    let Context { device, queue, .. } = context;
     let buffer = storage::<u8>(device, what, bytes.len() as u64)?;
     queue.write_buffer(&buffer, 0, bytes);
     Ok(buffer)
@@ -196,7 +192,8 @@ impl GuideBuffers {
     ///
     /// # Errors
     /// [`Error::Limit`].
-    pub fn new(device: &wgpu::Device, count: u32, vertex_count: u32, sample_count: u32) -> Result<Self> {
+    pub fn new(context: &Context, count: u32, vertex_count: u32, sample_count: u32) -> Result<Self> {
+        let Context { device, .. } = context;
         let vertices = u64::from(count) * u64::from(vertex_count);
         let samples = u64::from(count) * u64::from(sample_count);
         Ok(Self {
@@ -217,7 +214,8 @@ impl GuideBuffers {
     ///
     /// # Errors
     /// [`Error::Limit`].
-    pub fn with_twist(self, device: &wgpu::Device) -> Result<Self> {
+    pub fn with_twist(self, context: &Context) -> Result<Self> {
+        let Context { device, .. } = context;
         let entries = 2 * u64::from(self.count) * u64::from(self.vertex_count);
         Ok(Self { velocity: storage::<[u32; 2]>(device, "guide velocity", entries)?, ..self })
     }
@@ -233,7 +231,8 @@ impl GuideBuffers {
     ///
     /// # Errors
     /// [`Error::Limit`].
-    pub(crate) fn another(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
+    pub(crate) fn another(&self, context: &Context) -> Result<Self> {
+        let Context { device, queue, .. } = context;
         let like = |what, buffer: &wgpu::Buffer| storage::<u8>(device, what, buffer.size());
         let samples = like("guide samples", &self.samples)?;
         // Where samples rest stands among what changes.
@@ -276,7 +275,8 @@ impl StrandBuffers {
     ///
     /// # Errors
     /// [`Error::Limit`].
-    pub fn new(device: &wgpu::Device, count: u32, vertex_count: u32) -> Result<Self> {
+    pub fn new(context: &Context, count: u32, vertex_count: u32) -> Result<Self> {
+        let Context { device, .. } = context;
         let vertices = u64::from(count) * u64::from(vertex_count);
         Ok(Self {
             count,
@@ -301,7 +301,8 @@ impl StrandBuffers {
     ///
     /// # Errors
     /// [`Error::Limit`].
-    pub(crate) fn another(&self, device: &wgpu::Device, room: Room) -> Result<Self> {
+    pub(crate) fn another(&self, context: &Context, room: Room) -> Result<Self> {
+        let Context { device, .. } = context;
         Ok(Self {
             strands: storage::<Strand>(device, "strands", room.strands.into())?,
             vertices: storage::<StrandVertex>(device, "strand vertices", room.vertices.into())?,

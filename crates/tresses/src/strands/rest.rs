@@ -2,7 +2,7 @@
 
 use super::{Guide, GuideBuffers, GuideRest, GuideShape, PackedGuide};
 
-use crate::{Error, Result};
+use crate::{Context, Error, Result};
 use glam::Vec3;
 
 /// Guides at rest, ready for [`GuideBuffers`]; vertex-major where per vertex.
@@ -23,7 +23,8 @@ impl RestGuides {
     ///
     /// # Errors
     /// [`Error::Groom`] when `buffers` were made for other counts.
-    pub fn upload(&self, queue: &wgpu::Queue, buffers: &GuideBuffers) -> Result<()> {
+    pub fn upload(&self, context: &Context, buffers: &GuideBuffers) -> Result<()> {
+        let Context { queue, .. } = context;
         let counts = (buffers.count as usize, buffers.vertex_count);
         if counts != (self.info.len(), self.vertex_count) {
             return Err(Error::unusable(format!(

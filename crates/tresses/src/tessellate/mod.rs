@@ -29,4 +29,5 @@
 
 mod spline;
 
-pub use spline::{Pipelines, TessellateParams, Tessellation, rest_samples};
+pub(crate) use spline::Pipelines;
+pub use spline::{TessellateParams, Tessellation, rest_samples};

@@ -1,13 +1,14 @@
 //! Host side of `spline.wesl`, and of `walk.wesl`, which it shares with `interpolate::follow`.
 
 use crate::{
-    Pose,
+    Context, Pose,
     constants::GUIDE_WORKGROUP,
-    gpu::{Binding, Kernel, bindings},
+    gpu::{Binding, Kernel, PipelineSet, bindings},
     strands::GuideBuffers,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
+use std::sync::Arc;
 
 /// The uniform of the kernel; made by [`TessellateParams::new`].
 #[repr(C)]
@@ -71,20 +72,18 @@ impl TessellateParams {
 
 /// The pipeline of the stage.
 #[derive(Debug)]
-pub struct Pipelines {
+pub(crate) struct Pipelines {
     kernel: Kernel,
 }
 
-impl Pipelines {
-    /// Builds the pipeline.
-    pub fn new(device: &wgpu::Device) -> Self {
+impl PipelineSet for Pipelines {
+    fn new(context: &Context) -> Self {
         use Binding::{Storage, StorageMut, Uniform};
         let entries = [Uniform, Storage, Storage, Storage, Storage, Storage, StorageMut];
-        Self { kernel: Kernel::new(device, "tessellate::spline", &entries) }
+        Self { kernel: Kernel::new(&context.device, "tessellate::spline", &entries) }
     }
 
-    /// All of them.
-    pub(crate) fn kernels(&self) -> Vec<&Kernel> {
+    fn kernels(&self) -> Vec<&Kernel> {
         vec![&self.kernel]
     }
 }
@@ -92,17 +91,20 @@ impl Pipelines {
 /// One groom's share of the stage.
 #[derive(Debug)]
 pub struct Tessellation {
+    pipelines: Arc<Pipelines>,
     params: wgpu::Buffer,
     group: wgpu::BindGroup,
 }
 
 impl Tessellation {
     /// The curves of `guides`.
-    pub fn new(device: &wgpu::Device, pipelines: &Pipelines, guides: &GuideBuffers) -> Self {
+    pub fn new(context: &Context, guides: &GuideBuffers) -> Self {
+        let Context { device, .. } = context;
+        let pipelines: Arc<Pipelines> = context.pipelines();
         let params = bindings::uniform(device, "tessellate", size_of::<TessellateParams>());
         let buffers = [&walk_buffers(&params, guides)[..], &[&guides.samples]].concat();
         let buffers: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
-        Self { group: pipelines.kernel.bind(device, &buffers), params }
+        Self { group: pipelines.kernel.bind(&buffers), pipelines, params }
     }
 
     /// What a kernel binds first that walks along guides of this frame, as `walk.wesl` says.
@@ -111,19 +113,15 @@ impl Tessellation {
     }
 
     /// Writes the uniform of a frame.
-    pub fn prepare(&self, queue: &wgpu::Queue, params: &TessellateParams) {
+    pub fn prepare(&self, context: &Context, params: &TessellateParams) {
+        let Context { queue, .. } = context;
         queue.write_buffer(&self.params, 0, bytemuck::bytes_of(params));
     }
 
     /// Records the stage: one thread per guide; nothing where guides have no samples.
-    pub fn record(
-        &self,
-        pipelines: &Pipelines,
-        pass: &mut crate::gpu::ComputePass<'_>,
-        guides: &GuideBuffers,
-    ) {
+    pub fn record(&self, pass: &mut crate::gpu::ComputePass<'_>, guides: &GuideBuffers) {
         if guides.sample_count > 0 {
-            pipelines.kernel.record(pass, &self.group, &[], guides.count.div_ceil(GUIDE_WORKGROUP));
+            self.pipelines.kernel.record(pass, &self.group, &[], guides.count.div_ceil(GUIDE_WORKGROUP));
         }
     }
 }

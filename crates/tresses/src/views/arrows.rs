@@ -2,7 +2,7 @@
 
 use super::{Canvas, Grid, LinePoint, constant, scratch::Scratch};
 use crate::{
-    Result,
+    Context, Result,
     constants::STRAND_WORKGROUP,
     gpu::{Binding, Kernel},
 };
@@ -66,16 +66,16 @@ pub struct ArrowsUniform {
 pub(super) struct ArrowsKernel(Kernel, Scratch);
 
 impl ArrowsKernel {
-    pub(super) fn new(device: &wgpu::Device) -> Self {
+    pub(super) fn new(context: &Context) -> Self {
         use Binding::{Sampler, StorageMut, Texture3d, Uniform};
         let entries = [Uniform, Uniform, Texture3d, Sampler, StorageMut];
-        Self(Kernel::new(device, "views::arrows", &entries), Scratch::default())
+        Self(Kernel::new(&context.device, "views::arrows", &entries), Scratch::default())
     }
 
     /// Four points per arrow.
     pub(super) fn record(
         &self,
-        canvas: &mut Canvas<'_>,
+        canvas: &mut Canvas<'_, '_>,
         grid: &Grid<'_>,
         arrows: &Arrows,
     ) -> Result<wgpu::Buffer> {
@@ -98,8 +98,10 @@ impl ArrowsKernel {
             wgpu::BindingResource::Sampler(canvas.sampler),
             points.as_entire_binding(),
         ];
-        let group = self.0.bind(canvas.device, &resources);
-        self.0.record(&mut canvas.compute(), &group, &[], total.div_ceil(STRAND_WORKGROUP));
+        let group = self.0.bind(&resources);
+        let mut pass = canvas.commands.compute("debug");
+        self.0.record(&mut pass, &group, &[], total.div_ceil(STRAND_WORKGROUP));
+        pass.end()?;
         Ok(points)
     }
 }

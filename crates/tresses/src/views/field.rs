@@ -2,6 +2,7 @@
 
 use super::{Canvas, Grid};
 use crate::{
+    Context, Result,
     collide::{self, ColliderSet},
     gpu::{Binding, Kernel},
 };
@@ -17,7 +18,8 @@ pub(super) struct FieldKernel {
 }
 
 impl FieldKernel {
-    pub(super) fn new(device: &wgpu::Device) -> Self {
+    pub(super) fn new(context: &Context) -> Self {
+        let Context { device, .. } = context;
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("distances"),
             size: wgpu::Extent3d { width: RESOLUTION, height: RESOLUTION, depth_or_array_layers: RESOLUTION },
@@ -33,18 +35,24 @@ impl FieldKernel {
         let obstacles = collide::layout(device);
         let entries = [Binding::Uniform, Binding::Write3d];
         Self {
-            kernel: Kernel::beside(device, "views::field", &entries, &[&obstacles]),
+            kernel: Kernel::beside(&context.device, "views::field", &entries, &[&obstacles]),
             texture: texture.create_view(&Default::default()),
         }
     }
 
     /// Fills it with the distances in the box of `grid`, metres.
-    pub(super) fn record(&self, canvas: &mut Canvas<'_>, grid: &Grid<'_>, colliders: &ColliderSet) {
+    pub(super) fn record(
+        &self,
+        canvas: &mut Canvas<'_, '_>,
+        grid: &Grid<'_>,
+        colliders: &ColliderSet,
+    ) -> Result<()> {
         let place = canvas.grid(grid);
         let resources = [place.as_entire_binding(), wgpu::BindingResource::TextureView(&self.texture)];
-        let group = self.kernel.bind(canvas.device, &resources);
-        let mut pass = canvas.compute();
+        let group = self.kernel.bind(&resources);
+        let mut pass = canvas.commands.compute("debug");
         pass.set_bind_group(1, colliders.group(), &[]);
         self.kernel.record_grid(&mut pass, &group, &[], [RESOLUTION.div_ceil(4); 3]);
+        pass.end()
     }
 }

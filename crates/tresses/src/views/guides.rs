@@ -2,7 +2,7 @@
 
 use super::{Canvas, LinePoint, constant, scratch::Scratch};
 use crate::{
-    Pose, Result,
+    Context, Pose, Result,
     constants::STRAND_WORKGROUP,
     gpu::{Binding, Kernel},
     strands::GuideBuffers,
@@ -46,17 +46,17 @@ pub struct GuidesUniform {
 pub(super) struct GuidesKernel(Kernel, Scratch);
 
 impl GuidesKernel {
-    pub(super) fn new(device: &wgpu::Device) -> Self {
+    pub(super) fn new(context: &Context) -> Self {
         use Binding::{Storage, StorageMut};
         let entries = [Storage, Storage, Storage, Storage, Storage, StorageMut, Storage];
-        Self(Kernel::new(device, "views::guides", &entries), Scratch::default())
+        Self(Kernel::new(&context.device, "views::guides", &entries), Scratch::default())
     }
 
     /// A point per guide sample, or per vertex after the last step where guides have no samples: those are simulated
     /// where `place` leads from.
     pub(super) fn record(
         &self,
-        canvas: &mut Canvas<'_>,
+        canvas: &mut Canvas<'_, '_>,
         guides: &GuideBuffers,
         place: &Pose,
         quantity: GuideQuantity,
@@ -78,9 +78,11 @@ impl GuidesKernel {
         );
         let GuideBuffers { samples, rest, current, velocity, info, .. } = guides;
         let buffers = [&uniform, samples, rest, current, velocity, &points, info];
-        let group = self.0.bind(canvas.device, &buffers.map(|buffer| buffer.as_entire_binding()));
+        let group = self.0.bind(&buffers.map(|buffer| buffer.as_entire_binding()));
         let workgroups = (total as u32).div_ceil(STRAND_WORKGROUP);
-        self.0.record(&mut canvas.compute(), &group, &[], workgroups);
+        let mut pass = canvas.commands.compute("debug");
+        self.0.record(&mut pass, &group, &[], workgroups);
+        pass.end()?;
         Ok(points)
     }
 }

@@ -4,10 +4,7 @@
 use super::{Canvas, Paint, constant, overlay};
 use crate::{
     Result,
-    gpu::{
-        Binding,
-        bindings::{group, layout},
-    },
+    gpu::{Binding, Device, bindings::layout},
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -55,7 +52,7 @@ pub(super) struct Lines {
 
 impl Lines {
     pub(super) fn new(
-        device: &wgpu::Device,
+        device: &Device,
         view: &wgpu::BindGroupLayout,
         format: wgpu::TextureFormat,
     ) -> Result<Self> {
@@ -69,7 +66,7 @@ impl Lines {
     /// Lines of `per_line` points each.
     pub(super) fn record(
         &self,
-        canvas: &mut Canvas<'_>,
+        canvas: &mut Canvas<'_, '_>,
         points: &wgpu::Buffer,
         per_line: u32,
         paint: &Paint,
@@ -78,7 +75,7 @@ impl Lines {
             constant(canvas.device, "lines", &LinesUniform { points: per_line, rim: RIM, _pad: [0; 2] });
         let paint = canvas.paint(paint);
         let resources = [&paint, &uniform, points].map(|buffer| buffer.as_entire_binding());
-        let group = group(canvas.device, "lines", &self.layout, &resources);
+        let group = canvas.device.group("lines", &self.layout, &resources);
         let lines = (points.size() / size_of::<LinePoint>() as u64) as u32 / per_line;
         let view = canvas.view;
         let mut pass = canvas.pass(true);
@@ -89,7 +86,7 @@ impl Lines {
     }
 
     /// One line through `points`.
-    pub(super) fn record_from_host(&self, canvas: &mut Canvas<'_>, points: &[LinePoint], paint: &Paint) {
+    pub(super) fn record_from_host(&self, canvas: &mut Canvas<'_, '_>, points: &[LinePoint], paint: &Paint) {
         if points.len() < 2 {
             return;
         }

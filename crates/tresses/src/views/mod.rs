@@ -67,13 +67,14 @@ pub use streams::{Streams, StreamsUniform};
 pub use view::{DebugView, Scale};
 
 use crate::{
-    Camera, Pose, Result,
+    Camera, Context, Pose, Result,
     body::{self, Body},
     collide::ColliderSet,
     draw::Coverage,
     gpu::{
-        Binding, Timings,
-        bindings::{group, layout},
+        Binding, Commands, Device,
+        bindings::layout,
+        commands::{colored, deep},
         pipeline::{DEPTH_FORMAT, Recipe},
     },
     light::Seen,
@@ -103,6 +104,7 @@ pub enum Layer<'a> {
 /// The pipelines of the debug views.
 #[derive(Debug)]
 pub struct DebugStage {
+    context: Context,
     body: wgpu::RenderPipeline,
     view_layout: wgpu::BindGroupLayout,
     volume: volume::Volume,
@@ -121,10 +123,9 @@ pub struct DebugStage {
 }
 
 /// What a layer is recorded with.
-struct Canvas<'a> {
-    device: &'a wgpu::Device,
-    encoder: &'a mut wgpu::CommandEncoder,
-    timings: Option<&'a mut Timings>,
+struct Canvas<'a, 'c> {
+    device: &'a Device,
+    commands: &'a mut Commands<'c>,
     output: &'a wgpu::TextureView,
     depth: &'a wgpu::TextureView,
     camera: &'a Camera,
@@ -139,7 +140,8 @@ impl DebugStage {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when wgpu refuses one.
-    pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Result<Self> {
+    pub fn new(context: &Context, format: wgpu::TextureFormat) -> Result<Self> {
+        let device = &context.device;
         let view_layout =
             layout(device, "debug view", wgpu::ShaderStages::VERTEX_FRAGMENT, &[Binding::Uniform]);
         Ok(Self {
@@ -147,10 +149,10 @@ impl DebugStage {
             volume: volume::Volume::new(device, format)?,
             slices: slices::SlicesPipeline::new(device, &view_layout, format)?,
             lines: lines::Lines::new(device, &view_layout, format)?,
-            arrows: arrows::ArrowsKernel::new(device),
-            streams: streams::StreamsKernel::new(device),
-            guides: guides::GuidesKernel::new(device),
-            overdraw: overdraw::Overdraw::new(device, format),
+            arrows: arrows::ArrowsKernel::new(context),
+            streams: streams::StreamsKernel::new(context),
+            guides: guides::GuidesKernel::new(context),
+            overdraw: overdraw::Overdraw::new(context, format),
             field: None,
             depth: None,
             sampler: device.create_sampler(&wgpu::SamplerDescriptor {
@@ -159,6 +161,7 @@ impl DebugStage {
                 min_filter: wgpu::FilterMode::Linear,
                 ..Default::default()
             }),
+            context: context.clone(),
             view_layout,
             encode: !format.is_srgb(),
         })
@@ -169,23 +172,19 @@ impl DebugStage {
     ///
     /// # Errors
     /// [`crate::Error::Limit`] when the device cannot hold as many lines.
-    #[allow(clippy::too_many_arguments)]
     pub fn record(
         &mut self,
-        device: &wgpu::Device,
-        encoder: &mut wgpu::CommandEncoder,
-        mut timings: Option<&mut Timings>,
+        commands: &mut Commands<'_>,
         camera: &Camera,
         bodies: &[&Body],
         output: &wgpu::TextureView,
         layers: &[Layer<'_>],
     ) -> Result<()> {
-        let (view, depth) = self.begin(device, encoder, timings.as_deref_mut(), camera, bodies, output);
+        let (view, depth) = self.begin(commands, camera, bodies, output);
         for layer in layers {
             let mut canvas = Canvas {
-                device,
-                encoder,
-                timings: timings.as_deref_mut(),
+                device: &self.context.device,
+                commands: &mut *commands,
                 output,
                 depth: &depth,
                 camera,
@@ -210,8 +209,8 @@ impl DebugStage {
                     self.lines.record(&mut canvas, &points, guides.line_count(), paint);
                 }
                 Layer::Distance(colliders, grid, slices) => {
-                    let field = self.field.get_or_insert_with(|| field::FieldKernel::new(device));
-                    field.record(&mut canvas, grid, colliders);
+                    let field = self.field.get_or_insert_with(|| field::FieldKernel::new(&self.context));
+                    field.record(&mut canvas, grid, colliders)?;
                     let grid = Grid {
                         texture: &field.texture,
                         quantity: Quantity::Channel(0),
@@ -231,41 +230,35 @@ impl DebugStage {
     /// The camera's group, and the depth of `bodies` in it, of the size of `output`, which is recorded.
     fn begin(
         &mut self,
-        device: &wgpu::Device,
-        encoder: &mut wgpu::CommandEncoder,
-        timings: Option<&mut Timings>,
+        commands: &mut Commands<'_>,
         camera: &Camera,
         bodies: &[&Body],
         output: &wgpu::TextureView,
     ) -> (wgpu::BindGroup, wgpu::TextureView) {
+        let device = &self.context.device;
         let uniform = constant(device, "debug view", &camera.uniform(1, 1));
-        let view = group(device, "debug view", &self.view_layout, &[uniform.as_entire_binding()]);
+        let view = device.group("debug view", &self.view_layout, &[uniform.as_entire_binding()]);
         let size = output.texture().size();
-        let depth = self.depth(device, [size.width, size.height]);
-        self.record_depth(encoder, timings, &view, &depth, bodies);
+        let depth = self.depth([size.width, size.height]);
+        self.record_depth(commands, &view, &depth, bodies);
         (view, depth)
     }
 
     /// Records how many strips of `hair`, drawn so, lie over each pixel at its middle: those of one pass, before
     /// the bodies, whatever else is before them. `frame` is the view's group, for which they have been shaded.
-    #[allow(clippy::too_many_arguments)]
     fn record_overdraw(
         &mut self,
-        device: &wgpu::Device,
-        encoder: &mut wgpu::CommandEncoder,
-        mut timings: Option<&mut Timings>,
+        commands: &mut Commands<'_>,
         camera: &Camera,
         bodies: &[&Body],
         output: &wgpu::TextureView,
-        (frame, coverage): (&wgpu::BindGroup, Coverage),
-        hair: &[Seen<'_>],
+        (frame, coverage, hair): (&wgpu::BindGroup, Coverage, &[Seen<'_>]),
         paint: &Paint,
     ) -> Result<()> {
-        let (view, depth) = self.begin(device, encoder, timings.as_deref_mut(), camera, bodies, output);
+        let (view, depth) = self.begin(commands, camera, bodies, output);
         let mut canvas = Canvas {
-            device,
-            encoder,
-            timings,
+            device: &self.context.device,
+            commands,
             output,
             depth: &depth,
             camera,
@@ -277,12 +270,14 @@ impl DebugStage {
     }
 
     /// A depth texture of `size`: that of the last picture, where it fits.
-    fn depth(&mut self, device: &wgpu::Device, size: [u32; 2]) -> wgpu::TextureView {
+    fn depth(&mut self, size: [u32; 2]) -> wgpu::TextureView {
         if let Some((_, view)) = self.depth.as_ref().filter(|(of, _)| *of == size) {
             return view.clone();
         }
         let [width, height] = size;
-        let view = device
+        let view = self
+            .context
+            .device
             .create_texture(&wgpu::TextureDescriptor {
                 label: Some("debug depth"),
                 size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
@@ -300,67 +295,25 @@ impl DebugStage {
 
     fn record_depth(
         &self,
-        encoder: &mut wgpu::CommandEncoder,
-        timings: Option<&mut Timings>,
+        commands: &mut Commands<'_>,
         view: &wgpu::BindGroup,
         depth: &wgpu::TextureView,
         bodies: &[&Body],
     ) {
-        let mut pass = crate::gpu::render_pass(
-            encoder,
-            &wgpu::RenderPassDescriptor {
-                label: Some("debug depth"),
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: depth,
-                    depth_ops: Some(wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(0.0),
-                        store: wgpu::StoreOp::Store,
-                    }),
-                    stencil_ops: None,
-                }),
-                timestamp_writes: timings.and_then(|timings| timings.render("debug")),
-                ..Default::default()
-            },
-        );
+        let cleared = wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store };
+        let mut pass = commands.render("debug", &[], deep(depth, Some(cleared)));
         pass.set_pipeline(&self.body);
         pass.set_bind_group(0, view, &[]);
         bodies.iter().for_each(|body| body.record(&mut pass, 0.0));
     }
 }
 
-impl Canvas<'_> {
+impl Canvas<'_, '_> {
     /// A pass over the picture; `hidden` tests against the body's depth.
     fn pass(&mut self, hidden: bool) -> crate::gpu::RenderPass<'_> {
-        crate::gpu::render_pass(
-            self.encoder,
-            &wgpu::RenderPassDescriptor {
-                label: Some("debug"),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: self.output,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
-                })],
-                depth_stencil_attachment: hidden.then_some(wgpu::RenderPassDepthStencilAttachment {
-                    view: self.depth,
-                    depth_ops: None,
-                    stencil_ops: None,
-                }),
-                timestamp_writes: self.timings.as_deref_mut().and_then(|timings| timings.render("debug")),
-                ..Default::default()
-            },
-        )
-    }
-
-    /// A compute pass.
-    fn compute(&mut self) -> crate::gpu::ComputePass<'_> {
-        crate::gpu::compute_pass(
-            self.encoder,
-            &wgpu::ComputePassDescriptor {
-                label: Some("debug"),
-                timestamp_writes: self.timings.as_deref_mut().and_then(|timings| timings.compute("debug")),
-            },
-        )
+        let color = colored(self.output, wgpu::LoadOp::Load);
+        let depth = hidden.then(|| deep(self.depth, None)).flatten();
+        self.commands.render("debug", &[color], depth)
     }
 
     fn paint(&self, paint: &Paint) -> wgpu::Buffer {
@@ -382,7 +335,7 @@ fn constant<T: bytemuck::Pod>(device: &wgpu::Device, label: &str, value: &T) -> 
 }
 
 /// Bodies into depth alone.
-fn body_pipeline(device: &wgpu::Device, view: &wgpu::BindGroupLayout) -> Result<wgpu::RenderPipeline> {
+fn body_pipeline(device: &Device, view: &wgpu::BindGroupLayout) -> Result<wgpu::RenderPipeline> {
     Recipe {
         vertex: ("draw::body", "body_vertex"),
         layouts: &[view, &body::layout(device)],
@@ -396,7 +349,7 @@ fn body_pipeline(device: &wgpu::Device, view: &wgpu::BindGroupLayout) -> Result<
 /// A pipeline over the picture: premultiplied colours, entry points `{name}_vertex` and
 /// `{name}_fragment` of `views::{name}`.
 fn overlay(
-    device: &wgpu::Device,
+    device: &Device,
     module: &'static str,
     layouts: &[&wgpu::BindGroupLayout],
     format: wgpu::TextureFormat,

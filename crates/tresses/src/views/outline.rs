@@ -76,7 +76,6 @@ impl Pen {
     /// Where `field`, which is at `pose`, has the distance `level` (metres) in planes across `axis`
     /// (0 to 2) that lie `every` nodes apart: what the hair collides with, not what the mesh looks
     /// like. A level just above 0 keeps the lines off the mesh.
-    #[allow(clippy::too_many_arguments)]
     pub fn contours(
         self,
         out: &mut Vec<LinePoint>,

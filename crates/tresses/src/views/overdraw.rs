@@ -3,15 +3,17 @@
 
 use super::{Canvas, Paint, overlay};
 use crate::{
-    Result,
+    Context, Result,
     draw::Coverage,
     gpu::{
-        Binding,
-        bindings::{group, layout},
+        Binding, Device,
+        bindings::layout,
+        commands::{cleared, deep},
         pipeline::{Made, Recipe, blended},
     },
     light::{self, Seen},
 };
+use std::sync::Arc;
 
 /// Counts exactly up to 2048, and every adapter blends it.
 const COUNTS: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
@@ -19,20 +21,28 @@ const COUNTS: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
 /// The two pipelines, counting and showing what was counted, made when they are first asked for.
 #[derive(Debug)]
 pub(super) struct Overdraw {
+    device: Device,
+    light: Arc<light::Pipelines>,
     made: Made<&'static str, wgpu::RenderPipeline>,
     layout: wgpu::BindGroupLayout,
     format: wgpu::TextureFormat,
 }
 
 impl Overdraw {
-    pub(super) fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
+    pub(super) fn new(context: &Context, format: wgpu::TextureFormat) -> Self {
         let entries = [Binding::Storage, Binding::Texture2d];
-        let layout = layout(device, "overdraw", wgpu::ShaderStages::FRAGMENT, &entries);
-        Self { made: Made::default(), layout, format }
+        let layout = layout(&context.device, "overdraw", wgpu::ShaderStages::FRAGMENT, &entries);
+        Self {
+            device: context.device.clone(),
+            light: context.pipelines(),
+            made: Made::default(),
+            layout,
+            format,
+        }
     }
 
     /// Counts the strips of each way to cover pixels, which are as wide as it needs them.
-    fn count(&self, device: &wgpu::Device, coverage: Coverage) -> Result<wgpu::RenderPipeline> {
+    fn count(&self, coverage: Coverage) -> Result<wgpu::RenderPipeline> {
         let vertex = match coverage {
             Coverage::SampleMask => ("draw::hair", "hair_shaded"),
             Coverage::AlphaToCoverage | Coverage::DepthPeeling { .. } | Coverage::Tiles => {
@@ -40,7 +50,7 @@ impl Overdraw {
             }
         };
         self.made.get(vertex.1, || {
-            let light::Pipelines { frame, hair, fiber, .. } = &light::Pipelines::new(device);
+            let light::Pipelines { frame, hair, fiber, .. } = &*self.light;
             Recipe {
                 vertex,
                 fragment: Some(("views::overdraw", "overdraw_count")),
@@ -49,19 +59,19 @@ impl Overdraw {
                 depth: Some((false, wgpu::CompareFunction::Greater)),
                 ..Recipe::PLAIN
             }
-            .build(device)
+            .build(&self.device)
         })
     }
 
     /// The strips of `hair` before the body, in colours of their number.
     pub(super) fn record(
         &self,
-        canvas: &mut Canvas<'_>,
+        canvas: &mut Canvas<'_, '_>,
         (frame, coverage): (&wgpu::BindGroup, Coverage),
         hair: &[Seen<'_>],
         paint: &Paint,
     ) -> Result<()> {
-        let count = self.count(canvas.device, coverage)?;
+        let count = self.count(coverage)?;
         let show = self.made.get("show", || {
             let topology = wgpu::PrimitiveTopology::TriangleList;
             overlay(canvas.device, "views::overdraw", &[&self.layout], self.format, topology, false)
@@ -81,35 +91,14 @@ impl Overdraw {
                 view_formats: &[],
             })
             .create_view(&Default::default());
-        let mut pass = crate::gpu::render_pass(
-            canvas.encoder,
-            &wgpu::RenderPassDescriptor {
-                label: Some("overdraw"),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: &counts,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                        store: wgpu::StoreOp::Store,
-                    },
-                })],
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: canvas.depth,
-                    depth_ops: None,
-                    stencil_ops: None,
-                }),
-                timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.render("debug")),
-                ..Default::default()
-            },
-        );
+        let mut pass = canvas.commands.render("debug", &[cleared(&counts)], deep(canvas.depth, None));
         pass.set_pipeline(&count);
         pass.set_bind_group(0, frame, &[]);
         hair.iter().for_each(|seen| seen.record_strips(&mut pass));
         drop(pass);
         let paint = canvas.paint(paint);
         let resources = [paint.as_entire_binding(), wgpu::BindingResource::TextureView(&counts)];
-        let group = group(canvas.device, "overdraw", &self.layout, &resources);
+        let group = canvas.device.group("overdraw", &self.layout, &resources);
         let mut pass = canvas.pass(false);
         pass.set_pipeline(&show);
         pass.set_bind_group(0, &group, &[]);

@@ -1,17 +1,18 @@
 //! Whole pictures with a view in them: what [`super::DebugView`] asks for, recorded in the frame.
 
 use super::{
-    Arrows, DebugStage, DebugView, Grid, GuideQuantity, Layer, LinePoint, Paint, Quantity, Scale, Slices,
-    Streams, outline::Pen, strands::StrandsKernel,
+    Arrows, DebugStage, DebugView, Grid, GuideQuantity, Layer, LinePoint, Paint, Scale, Slices, Streams,
+    outline::Pen, strands::StrandsKernel, view::grid,
 };
 use crate::{
-    Camera, Hair, Pose, Result,
+    Camera, Context, Hair, Pose, Result,
     body::Body,
     camera::ToneMap,
-    gpu::Timings,
+    gpu::Commands,
     groom::SdfGrid,
     light::{Seen, ShadingRate, terms::Terms},
     view::{Picture, View},
+    wind::Air,
 };
 use glam::{Vec3, Vec4};
 
@@ -33,14 +34,12 @@ pub struct Shown {
     pub view: DebugView,
     /// The number drawn brightest; `None` for that of [`DebugView::scale`].
     pub high: Option<f32>,
-    /// The mean velocity of the wind, m/s: where streamlines begin.
-    pub wind: Vec3,
 }
 
 impl Shown {
     /// A view with default settings.
     pub fn new(view: DebugView) -> Self {
-        Self { view, high: None, wind: Vec3::ZERO }
+        Self { view, high: None }
     }
 
     /// What the colours stand for, with the number that is drawn brightest.
@@ -83,11 +82,11 @@ impl DebugViews {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when wgpu refuses one.
-    pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Result<Self> {
+    pub fn new(context: &Context, format: wgpu::TextureFormat) -> Result<Self> {
         Ok(Self {
-            stage: DebugStage::new(device, format)?,
-            strands: StrandsKernel::new(device),
-            terms: Terms::new(device),
+            stage: DebugStage::new(context, format)?,
+            strands: StrandsKernel::new(context),
+            terms: Terms::new(context),
             contours: Vec::new(),
         })
     }
@@ -106,47 +105,41 @@ impl DebugViews {
     /// Records what stands in the place of the shading of strands; whether something does, or nothing has to.
     pub(crate) fn shade(
         &self,
-        device: &wgpu::Device,
-        encoder: &mut wgpu::CommandEncoder,
+        commands: &mut Commands<'_>,
         shown: &Shown,
         picture: &Picture,
         hair: &[&Hair],
         seen: &[Seen<'_>],
-    ) -> bool {
-        match (shown.view.strands(), shown.view.term()) {
+    ) -> Result<bool> {
+        Ok(match (shown.view.strands(), shown.view.term()) {
             (Some(quantity), _) => {
                 for (hair, seen) in hair.iter().zip(seen) {
                     let eye = picture.camera.eye();
-                    self.strands.record(device, encoder, hair, seen, (eye, quantity, shown.high()));
+                    self.strands.record(commands, hair, seen, (eye, quantity, shown.high()))?;
                 }
                 true
             }
             (None, Some(term)) => {
-                self.terms.record(encoder, seen, term);
+                self.terms.record(commands, seen, term)?;
                 true
             }
             // Counting strips needs their width.
             (None, None) => shown.view.hides_hair() && shown.view != DebugView::Overdraw,
-        }
+        })
     }
 
     /// Records what lies over the finished picture in `output`.
     ///
     /// # Errors
     /// [`crate::Error::Limit`] when the device cannot hold as many lines.
-    #[allow(clippy::too_many_arguments)]
     pub(crate) fn over(
         &mut self,
-        device: &wgpu::Device,
-        encoder: &mut wgpu::CommandEncoder,
-        mut timings: Option<&mut Timings>,
+        commands: &mut Commands<'_>,
         shown: &Shown,
         picture: &Picture,
-        view: &View,
-        hair: &[&Hair],
-        seen: &[Seen<'_>],
+        (view, output): (&View, &wgpu::TextureView),
+        (hair, seen): (&[&Hair], &[Seen<'_>]),
         bodies: &[&Body],
-        output: &wgpu::TextureView,
     ) -> Result<()> {
         let (what, camera, high) = (shown.view, &picture.camera, shown.high());
         if what.strands().is_some() || what.term().is_some() {
@@ -155,21 +148,22 @@ impl DebugViews {
         let low = shown.scale().map_or(0.0, |scale| scale.low);
         let paint = |opacity| Paint { low, high, opacity };
         if what == DebugView::Overdraw {
-            let drawn = (&view.light.frame, view.options().coverage);
+            let drawn = (&view.light.frame, view.options().coverage, seen);
             let (stage, paint) = (&mut self.stage, paint(1.0));
-            return stage
-                .record_overdraw(device, encoder, timings, camera, bodies, output, drawn, seen, &paint);
+            return stage.record_overdraw(commands, camera, bodies, output, drawn, &paint);
         }
         for hair in hair {
             let grid = grid(what, hair);
             let lines = self.lines(what, hair, grid.as_ref(), high);
             let seeds = match (what, &grid) {
-                (DebugView::Wind, Some(grid)) => Streams::upwind(grid, shown.wind, STREAMS),
+                (DebugView::Wind, Some(grid)) => {
+                    let wind = hair.air.as_ref().map_or(Vec3::ZERO, Air::mean);
+                    Streams::upwind(grid, wind, STREAMS)
+                }
                 _ => Vec::new(),
             };
             let layers = layers(what, hair, grid, &lines, &seeds, paint, camera);
-            let timings = timings.as_deref_mut();
-            self.stage.record(device, encoder, timings, camera, bodies, output, &layers)?;
+            self.stage.record(commands, camera, bodies, output, &layers)?;
         }
         Ok(())
     }
@@ -183,7 +177,7 @@ impl DebugViews {
             }
             (DebugView::Colliders, _) => {
                 // The head's field comes first; it follows the head.
-                let pose = hair.colliders.drawn().first().copied().unwrap_or(hair.head);
+                let pose = hair.colliders.drawn().first().copied().unwrap_or(hair.motion.head);
                 let place = |p: &LinePoint| LinePoint { position: pose.point(p.position), ..*p };
                 lines.extend(self.contours.iter().map(place));
             }
@@ -191,32 +185,6 @@ impl DebugViews {
         }
         lines
     }
-}
-
-/// The grid that a view shows, or the box in which it looks.
-pub(super) fn grid(view: DebugView, hair: &Hair) -> Option<Grid<'_>> {
-    let volume = &hair.volume;
-    let (texture, quantity, turns) = match view {
-        DebugView::Density => (&volume.hair, Quantity::Channel(3), false),
-        DebugView::Push => (&volume.push, Quantity::Length, true),
-        // The box alone.
-        DebugView::Distance => (&volume.hair, Quantity::Channel(0), false),
-        DebugView::Wind => {
-            let air = hair.air.as_ref()?;
-            let place = air.now();
-            return Some(Grid {
-                texture: &air.view,
-                pose: hair.to_drawn.after(&Pose { translation: place.corner, ..Pose::IDENTITY }),
-                scale: Vec3::splat(place.scale),
-                bias: Vec3::ZERO,
-                quantity: Quantity::Length,
-                turns: true,
-            });
-        }
-        _ => return None,
-    };
-    let (scale, bias) = (Vec3::splat(volume.grid.scale), volume.grid.bias);
-    Some(Grid { texture, pose: hair.head, scale, bias, quantity, turns })
 }
 
 /// What goes over the picture.
@@ -231,7 +199,7 @@ fn layers<'a>(
 ) -> Vec<Layer<'a>> {
     let high = paint(1.0).high;
     let column = Slices { panels: Some(panels(camera.size)), ..Default::default() };
-    let guides = |quantity| vec![Layer::Guides(&hair.guides, hair.to_drawn, paint(1.0), quantity)];
+    let guides = |quantity| vec![Layer::Guides(&hair.guides, hair.motion.to_drawn, paint(1.0), quantity)];
     match (view, grid) {
         (DebugView::Guides, _) => guides(GuideQuantity::Guide),
         (DebugView::Speed, _) => guides(GuideQuantity::Speed),

@@ -3,10 +3,7 @@
 use super::{Canvas, Grid, Paint, constant, overlay};
 use crate::{
     Result,
-    gpu::{
-        Binding,
-        bindings::{group, layout},
-    },
+    gpu::{Binding, Device, bindings::layout},
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
@@ -60,7 +57,7 @@ pub(super) struct SlicesPipeline {
 
 impl SlicesPipeline {
     pub(super) fn new(
-        device: &wgpu::Device,
+        device: &Device,
         view: &wgpu::BindGroupLayout,
         format: wgpu::TextureFormat,
     ) -> Result<Self> {
@@ -74,7 +71,13 @@ impl SlicesPipeline {
         Ok(Self { scene: pipeline(true)?, panels: pipeline(false)?, layout })
     }
 
-    pub(super) fn record(&self, canvas: &mut Canvas<'_>, grid: &Grid<'_>, paint: &Paint, slices: &Slices) {
+    pub(super) fn record(
+        &self,
+        canvas: &mut Canvas<'_, '_>,
+        grid: &Grid<'_>,
+        paint: &Paint,
+        slices: &Slices,
+    ) {
         let (paint, place) = (canvas.paint(paint), canvas.grid(grid));
         let uniform = constant(
             canvas.device,
@@ -94,7 +97,7 @@ impl SlicesPipeline {
             wgpu::BindingResource::Sampler(canvas.sampler),
             uniform.as_entire_binding(),
         ];
-        let group = group(canvas.device, "slices", &self.layout, &resources);
+        let group = canvas.device.group("slices", &self.layout, &resources);
         let view = canvas.view;
         let over = slices.panels.is_some() || slices.facing.is_some();
         let mut pass = canvas.pass(!over);

@@ -3,9 +3,9 @@
 
 use super::constant;
 use crate::{
-    Hair,
+    Context, Hair, Result,
     constants::STRAND_WORKGROUP,
-    gpu::{Binding, Kernel},
+    gpu::{Binding, Commands, Kernel},
     light::Seen,
 };
 use bytemuck::{Pod, Zeroable};
@@ -45,23 +45,22 @@ pub struct StrandsUniform {
 pub(super) struct StrandsKernel(Kernel);
 
 impl StrandsKernel {
-    pub(super) fn new(device: &wgpu::Device) -> Self {
+    pub(super) fn new(context: &Context) -> Self {
         use Binding::{Storage, StorageMut, Uniform};
         let entries = [Storage, Uniform, Storage, Storage, Storage, Storage, Storage, StorageMut];
-        Self(Kernel::new(device, "views::strands", &entries))
+        Self(Kernel::new(&context.device, "views::strands", &entries))
     }
 
     /// Colours instead of radiance, for every vertex that is drawn: a quantity as `eye` sees it, `high` the brightest.
     pub(super) fn record(
         &self,
-        device: &wgpu::Device,
-        encoder: &mut wgpu::CommandEncoder,
+        commands: &mut Commands<'_>,
         hair: &Hair,
         seen: &Seen<'_>,
         (eye, quantity, high): (Vec3, StrandQuantity, f32),
-    ) {
+    ) -> Result<()> {
         let uniform = StrandsUniform { eye, quantity: quantity as u32, high: high.max(1e-9), _pad: [0; 3] };
-        let uniform = constant(device, "debug strands", &uniform);
+        let uniform = constant(&hair.context.device, "debug strands", &uniform);
         let (set, strands) = (seen.hair, &hair.strands);
         let buffers = [
             &uniform,
@@ -73,8 +72,10 @@ impl StrandsKernel {
             &strands.widening,
             &seen.shaded.colors,
         ];
-        let group = self.0.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()));
+        let group = self.0.bind(&buffers.map(|buffer| buffer.as_entire_binding()));
         let workgroups = (set.drawn.count * set.drawn.vertex_count).div_ceil(STRAND_WORKGROUP);
-        self.0.record(&mut crate::gpu::compute_pass(encoder, &Default::default()), &group, &[], workgroups);
+        let mut pass = commands.compute("shade");
+        self.0.record(&mut pass, &group, &[], workgroups);
+        pass.end()
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Canvas, Grid, LinePoint, constant, scratch::Scratch};
 use crate::{
-    Result,
+    Context, Result,
     constants::STRAND_WORKGROUP,
     gpu::{Binding, Kernel},
 };
@@ -61,16 +61,16 @@ pub struct StreamsUniform {
 pub(super) struct StreamsKernel(Kernel, Scratch);
 
 impl StreamsKernel {
-    pub(super) fn new(device: &wgpu::Device) -> Self {
+    pub(super) fn new(context: &Context) -> Self {
         use Binding::{Sampler, Storage, StorageMut, Texture3d, Uniform};
         let entries = [Uniform, Uniform, Texture3d, Sampler, Storage, StorageMut];
-        Self(Kernel::new(device, "views::streams", &entries), Scratch::default())
+        Self(Kernel::new(&context.device, "views::streams", &entries), Scratch::default())
     }
 
     /// `streams.points` points per seed; nothing without seeds.
     pub(super) fn record(
         &self,
-        canvas: &mut Canvas<'_>,
+        canvas: &mut Canvas<'_, '_>,
         grid: &Grid<'_>,
         streams: &Streams<'_>,
     ) -> Result<Option<wgpu::Buffer>> {
@@ -101,8 +101,10 @@ impl StreamsKernel {
             seeds.as_entire_binding(),
             points.as_entire_binding(),
         ];
-        let group = self.0.bind(canvas.device, &resources);
-        self.0.record(&mut canvas.compute(), &group, &[], workgroups);
+        let group = self.0.bind(&resources);
+        let mut pass = canvas.commands.compute("debug");
+        self.0.record(&mut pass, &group, &[], workgroups);
+        pass.end()?;
         Ok(Some(points))
     }
 }

@@ -2,11 +2,11 @@
 
 use super::{arrows::ArrowsKernel, guides::GuidesKernel, streams::StreamsKernel, *};
 use crate::{
-    Pipelines, Pose,
+    Context, Pose,
     camera::Camera,
-    draw::targets::PICTURE_FORMAT,
-    frame::{Recorder, Shows, Sight},
-    gpu::{Gpu, for_tests as gpu, readback::blocking as readback},
+    draw::{Coverage, targets::PICTURE_FORMAT},
+    frame::{Shows, Sight},
+    gpu::{for_tests as context, readback::blocking as readback},
     groom::TriMesh,
     light::HairSet,
     present::Background,
@@ -19,7 +19,7 @@ use half::f16;
 const SIZE: u32 = 128;
 
 /// A texture of `n`³ texels whose value at texture coordinate `c` is `f(c)`.
-fn texture(gpu: &Gpu, n: u32, f: impl Fn(Vec3) -> Vec4) -> wgpu::TextureView {
+fn texture(context: &Context, n: u32, f: impl Fn(Vec3) -> Vec4) -> wgpu::TextureView {
     let texels: Vec<[f16; 4]> = (0..n * n * n)
         .map(|i| {
             let place = UVec3::new(i % n, i / n % n, i / (n * n));
@@ -38,8 +38,9 @@ fn texture(gpu: &Gpu, n: u32, f: impl Fn(Vec3) -> Vec4) -> wgpu::TextureView {
     };
     let bytes: &[u8] = bytemuck::cast_slice(&texels);
     let order = wgpu::util::TextureDataOrder::LayerMajor;
-    gpu.device
-        .create_texture_with_data(&gpu.queue, &descriptor, order, bytes)
+    context
+        .device()
+        .create_texture_with_data(context.queue(), &descriptor, order, bytes)
         .create_view(&Default::default())
 }
 
@@ -64,29 +65,32 @@ fn view() -> Camera {
 }
 
 /// `layers` over nothing but what hides them: RGBA, rows from the top.
-fn picture(gpu: &Gpu, layers: &[Layer<'_>], body: Option<&TriMesh>) -> Vec<[u8; 4]> {
-    let Gpu { device, queue, .. } = gpu;
-    let pipelines = &Pipelines::new(device);
-    let mut debug = DebugStage::new(device, PICTURE_FORMAT).unwrap();
-    let view = empty(device, pipelines);
-    let body = body.map(|mesh| Body::new(device, mesh));
+fn picture(context: &Context, layers: &[Layer<'_>], body: Option<&TriMesh>) -> Vec<[u8; 4]> {
+    let (device, queue) = (context.device(), context.queue());
+    let mut debug = DebugStage::new(context, PICTURE_FORMAT).unwrap();
+    let view = empty(context);
+    let body = body.map(|mesh| Body::new(context, mesh));
     let picture = nothing();
     let mut encoder = device.create_command_encoder(&Default::default());
-    Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
-        .draw_strands(&[], &[], Sight::new(&view, &picture))
-        .unwrap();
-    body.iter().for_each(|body| body.prepare(queue));
+    context.recorder(&mut encoder).draw_strands(&[], &[], Sight::new(&view, &picture)).unwrap();
+    body.iter().for_each(|body| body.prepare());
     let bodies: Vec<_> = body.iter().collect();
     let output = view.targets().picture();
-    debug.record(device, &mut encoder, None, &picture.camera, &bodies, output, layers).unwrap();
+    debug.record(&mut context.commands(&mut encoder), &picture.camera, &bodies, output, layers).unwrap();
     queue.submit([encoder.finish()]);
-    pollster::block_on(view.targets().read(device, queue)).unwrap().as_chunks().0.to_vec()
+    pollster::block_on(view.targets().read()).unwrap().as_chunks().0.to_vec()
 }
 
 /// A view of one sample per pixel, without shadows to speak of.
-fn empty(device: &wgpu::Device, pipelines: &Pipelines) -> View {
-    let options = ViewOptions { samples: 1, shadow_resolution: 4, ambient_cells: 4, ..Default::default() };
-    View::new(device, pipelines, &options, [SIZE, SIZE], 1).unwrap()
+fn empty(context: &Context) -> View {
+    let options = ViewOptions {
+        samples: 1,
+        shadow_resolution: 4,
+        ambient_cells: 4,
+        coverage: Coverage::SampleMask,
+        ..Default::default()
+    };
+    View::new(context, &options, [SIZE, SIZE], 1).unwrap()
 }
 
 /// What [`view`] sees before nothing.
@@ -95,17 +99,16 @@ fn nothing() -> Picture {
 }
 
 /// What `record` leaves in its buffer.
-fn points(gpu: &Gpu, record: impl FnOnce(&mut Canvas<'_>) -> wgpu::Buffer) -> Vec<LinePoint> {
-    let Gpu { device, queue, .. } = gpu;
-    let debug = DebugStage::new(device, PICTURE_FORMAT).unwrap();
-    let targets = crate::draw::Targets::new(device, [16, 16], (1, Coverage::SampleMask), 1).unwrap();
+fn points(context: &Context, record: impl FnOnce(&mut Canvas<'_, '_>) -> wgpu::Buffer) -> Vec<LinePoint> {
+    let (device, queue) = (context.device(), context.queue());
+    let debug = DebugStage::new(context, PICTURE_FORMAT).unwrap();
+    let targets = crate::draw::Targets::new(context, [16, 16], (1, Coverage::SampleMask), 1).unwrap();
     let uniform = constant(device, "view", &view().uniform(1, 1));
-    let group = group(device, "view", &debug.view_layout, &[uniform.as_entire_binding()]);
+    let group = context.device.group("view", &debug.view_layout, &[uniform.as_entire_binding()]);
     let mut encoder = device.create_command_encoder(&Default::default());
     let buffer = record(&mut Canvas {
-        device,
-        encoder: &mut encoder,
-        timings: None,
+        device: &context.device,
+        commands: &mut context.commands(&mut encoder),
         output: targets.picture(),
         depth: targets.picture(),
         camera: &view(),
@@ -114,7 +117,7 @@ fn points(gpu: &Gpu, record: impl FnOnce(&mut Canvas<'_>) -> wgpu::Buffer) -> Ve
         encode: true,
     });
     queue.submit([encoder.finish()]);
-    readback::buffer(device, queue, &buffer).unwrap()
+    readback::buffer(context, &buffer).unwrap()
 }
 
 /// The optical depth of a pixel, from its coverage.
@@ -141,17 +144,17 @@ fn turned() -> Pose {
 }
 
 /// A ball of 7 cm and density 3 in a box that is turned and moved.
-fn ball(gpu: &Gpu) -> wgpu::TextureView {
-    texture(gpu, 64, |c| Vec4::W * if (c - 0.5).length() < 0.35 { 3.0 } else { 0.0 })
+fn ball(context: &Context) -> wgpu::TextureView {
+    texture(context, 64, |c| Vec4::W * if (c - 0.5).length() < 0.35 { 3.0 } else { 0.0 })
 }
 
 #[test]
 fn a_ball_emits_its_volume() {
-    let Some(gpu) = gpu() else { return };
-    let texture = ball(gpu);
+    let Some(context) = context() else { return };
+    let texture = ball(context);
     let paint = Paint { low: 0.0, high: 6.0, opacity: 20.0 };
     let layer = Layer::Volume(grid(&texture, turned(), Quantity::Channel(3)), paint);
-    let seen = picture(gpu, &[layer], None);
+    let seen = picture(context, &[layer], None);
     // Half of the range: an optical depth of 10 per metre.
     let volume = |radius: f64| 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
     let (sum, center) = integral(&seen);
@@ -168,8 +171,8 @@ fn a_ball_emits_its_volume() {
 
 #[test]
 fn the_body_hides_what_is_behind_it() {
-    let Some(gpu) = gpu() else { return };
-    let texture = ball(gpu);
+    let Some(context) = context() else { return };
+    let texture = ball(context);
     let paint = Paint { low: 0.0, high: 6.0, opacity: 20.0 };
     let layers = [Layer::Volume(grid(&texture, turned(), Quantity::Channel(3)), paint)];
     let wall = |z: f32| TriMesh {
@@ -178,7 +181,7 @@ fn the_body_hides_what_is_behind_it() {
         triangles: vec![[0, 1, 2]],
         ..Default::default()
     };
-    let sum = |body: Option<&TriMesh>| integral(&picture(gpu, &layers, body)).0;
+    let sum = |body: Option<&TriMesh>| integral(&picture(context, &layers, body)).0;
     let whole = sum(None);
     let half = sum(Some(&wall(PLACE.z))) / whole;
     assert!((half - 0.5).abs() < 0.01, "{half}");
@@ -201,9 +204,9 @@ fn off(pixel: [u8; 4], t: f32) -> u8 {
 
 #[test]
 fn slices_show_the_right_place() {
-    let Some(gpu) = gpu() else { return };
+    let Some(context) = context() else { return };
     // Every axis has its channel, so that a swapped axis is seen.
-    let texture = texture(gpu, 32, |c| c.extend(1.0));
+    let texture = texture(context, 32, |c| c.extend(1.0));
     let paint = Paint { low: 0.0, high: 1.0, opacity: 1.0 };
     let at = Vec3::new(0.3, 0.6, 0.8);
     let pixel = |picture: &[[u8; 4]], x: f32, y: f32| {
@@ -214,7 +217,7 @@ fn slices_show_the_right_place() {
     for channel in 0..3 {
         let grid = grid(&texture, Pose::IDENTITY, Quantity::Channel(channel));
         // Seen along z the other two planes are lines.
-        let seen = picture(gpu, &[Layer::Slices(grid, paint, Slices { at, ..Default::default() })], None);
+        let seen = picture(context, &[Layer::Slices(grid, paint, Slices { at, ..Default::default() })], None);
         // The middle of a pixel of the panels, which are 32 pixels wide.
         let (u, v) = (22.5 / 32.0, 6.5 / 32.0);
         let found = pixel(&seen, (u - 0.5) * 0.2, (v - 0.5) * 0.2);
@@ -225,7 +228,7 @@ fn slices_show_the_right_place() {
         // Panels: left and top of the picture, 0.5 high in clip space, 0.625 apart.
         let panel = Vec4::new(-0.9375, 0.375, 0.5, 0.625);
         let slices = Slices { at, panels: Some(panel), ..Default::default() };
-        let seen = picture(gpu, &[Layer::Slices(grid, paint, slices)], None);
+        let seen = picture(context, &[Layer::Slices(grid, paint, slices)], None);
         for axis in 0..3 {
             let (x, y) = (panel.x + u * panel.z, panel.y - axis as f32 * panel.w + v * panel.z);
             let found = pixel(&seen, x * 0.15, y * 0.15);
@@ -238,12 +241,12 @@ fn slices_show_the_right_place() {
 
 #[test]
 fn panels_name_the_plane() {
-    let Some(gpu) = gpu() else { return };
-    let texture = texture(gpu, 8, |_| Vec4::ONE);
+    let Some(context) = context() else { return };
+    let texture = texture(context, 8, |_| Vec4::ONE);
     let paint = Paint { low: 0.0, high: 1.0, opacity: 0.5 };
     let slices = Slices { panels: Some(Vec4::new(-1.0, 0.5, 0.5, 0.6)), ..Default::default() };
     let layer = Layer::Slices(grid(&texture, Pose::IDENTITY, Quantity::Length), paint, slices);
-    let seen = picture(gpu, &[layer], None);
+    let seen = picture(context, &[layer], None);
     let covered: f64 = seen.iter().map(|p| f64::from(p[3]) / 255.0).sum::<f64>() / f64::from(SIZE * SIZE);
     // Three squares of a quarter of the picture's height, half opaque.
     assert!((covered / (3.0 * 0.0625 * 0.5) - 1.0).abs() < 0.02, "{covered}");
@@ -251,15 +254,14 @@ fn panels_name_the_plane() {
 
 #[test]
 fn strips_are_counted() {
-    let Some(gpu) = gpu() else { return };
+    let Some(context) = context() else { return };
     use crate::strands::{StrandBuffers, StrandVertex, vertex::pack_tangent};
-    let Gpu { device, queue, .. } = gpu;
-    let pipelines = &Pipelines::new(device);
-    let view = empty(device, pipelines);
+    let (device, queue) = (context.device(), context.queue());
+    let view = empty(context);
     // Strands from left to right behind each other, 10 mm wide; all cross the right half, the first also
     // the left one.
     let count = 7;
-    let strands = StrandBuffers::new(device, count, 2).unwrap();
+    let strands = StrandBuffers::new(context, count, 2).unwrap();
     let vertices: Vec<_> = (0..count)
         .flat_map(|i| {
             let z = -0.1 - 0.01 * i as f32;
@@ -271,17 +273,15 @@ fn strips_are_counted() {
     queue.write_buffer(&strands.vertices, 0, bytemuck::cast_slice(&vertices));
     let infos = vec![Strand { radius: 5e-3, seed: 1, root_color: 0, tip_color: 0 }; count as usize];
     queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&infos));
-    let set = HairSet::new(device, &strands).unwrap();
-    let mut views = DebugViews::new(device, PICTURE_FORMAT).unwrap();
+    let set = HairSet::new(context, &strands).unwrap();
+    let mut views = DebugViews::new(context, PICTURE_FORMAT).unwrap();
     let shown = Shown { high: Some(10.0), ..Shown::new(DebugView::Overdraw) };
     let picture = nothing();
     let sight = Sight { shows: Shows::Inside(&mut views, &shown), ..Sight::new(&view, &picture) };
     let mut encoder = device.create_command_encoder(&Default::default());
-    Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
-        .draw_strands(&[&set], &[], sight)
-        .unwrap();
+    context.recorder(&mut encoder).draw_strands(&[&set], &[], sight).unwrap();
     queue.submit([encoder.finish()]);
-    let seen = pollster::block_on(view.targets().read(device, queue)).unwrap();
+    let seen = pollster::block_on(view.targets().read()).unwrap();
     let seen: Vec<[u8; 4]> = seen.as_chunks().0.to_vec();
     let pixel = |x: u32, y: u32| seen[(y * SIZE + x) as usize];
     let (middle, quarter) = (SIZE / 2, SIZE / 4);
@@ -296,20 +296,20 @@ fn strips_are_counted() {
 const SPIN: f32 = 12.0;
 
 /// A field that turns about the box's y axis, 12 rad/s, in m/s.
-fn spinning(gpu: &Gpu) -> wgpu::TextureView {
-    texture(gpu, 32, |c| ((c - 0.5) / 5.0).cross(Vec3::NEG_Y * SPIN).extend(0.0))
+fn spinning(context: &Context) -> wgpu::TextureView {
+    texture(context, 32, |c| ((c - 0.5) / 5.0).cross(Vec3::NEG_Y * SPIN).extend(0.0))
 }
 
 #[test]
 fn arrows_point_along_the_field() {
-    let Some(gpu) = gpu() else { return };
-    let texture = spinning(gpu);
+    let Some(context) = context() else { return };
+    let texture = spinning(context);
     for turns in [true, false] {
         let pose = turned();
         let grid = Grid { turns, ..grid(&texture, pose, Quantity::Length) };
         let arrows = Arrows::over(&grid, Some((1, 0.25)), 8, 1.0);
-        let kernel = ArrowsKernel::new(&gpu.device);
-        let points = points(gpu, |canvas| kernel.record(canvas, &grid, &arrows).unwrap());
+        let kernel = ArrowsKernel::new(context);
+        let points = points(context, |canvas| kernel.record(canvas, &grid, &arrows).unwrap());
         assert_eq!(points.len(), 4 * 64);
         let mut shown = 0;
         for arrow in points.as_chunks::<4>().0 {
@@ -336,15 +336,15 @@ fn arrows_point_along_the_field() {
 
 #[test]
 fn streamlines_follow_circles() {
-    let Some(gpu) = gpu() else { return };
-    let texture = spinning(gpu);
+    let Some(context) = context() else { return };
+    let texture = spinning(context);
     let grid = grid(&texture, turned(), Quantity::Length);
     let radii = [0.03, 0.05, 0.07];
     let seeds: Vec<_> = radii.iter().map(|r| grid.pose.point(Vec3::new(*r, 0.02, 0.0))).collect();
-    let kernel = StreamsKernel::new(&gpu.device);
+    let kernel = StreamsKernel::new(context);
     let drift = |step: f32, least: f32| {
         let streams = Streams { seeds: &seeds, points: 64, step, least };
-        let points = points(gpu, |canvas| kernel.record(canvas, &grid, &streams).unwrap().unwrap());
+        let points = points(context, |canvas| kernel.record(canvas, &grid, &streams).unwrap().unwrap());
         let mut worst = 0.0f32;
         for (line, radius) in points.chunks(64).zip(radii) {
             for (k, point) in line.iter().enumerate().filter(|(_, p)| p.alpha >= 0.0) {
@@ -375,9 +375,9 @@ fn streamlines_follow_circles() {
 
 #[test]
 fn seeds_lie_upwind_inside_the_box() {
-    let gpu = gpu();
-    let Some(gpu) = gpu else { return };
-    let texture = texture(gpu, 2, |_| Vec4::ZERO);
+    let context = context();
+    let Some(context) = context else { return };
+    let texture = texture(context, 2, |_| Vec4::ZERO);
     let grid = grid(&texture, Pose { translation: PLACE, ..Pose::IDENTITY }, Quantity::Length);
     let seeds = Streams::upwind(&grid, Vec3::X, 5);
     assert_eq!(seeds.len(), 25);
@@ -391,9 +391,9 @@ fn seeds_lie_upwind_inside_the_box() {
 
 #[test]
 fn guides_carry_their_quantities() {
-    let Some(gpu) = gpu() else { return };
+    let Some(context) = context() else { return };
     let (count, vertices, samples) = (3, 4, 7);
-    let guides = GuideBuffers::new(&gpu.device, count, vertices, samples).unwrap();
+    let guides = GuideBuffers::new(context, count, vertices, samples).unwrap();
     let n = (count * vertices) as usize;
     // Vertex-major: guide g moves at g + v m/s; its edges are stretched by 0.1 g.
     let at = |i: usize| ((i % count as usize) as f32, (i / count as usize) as f32);
@@ -406,14 +406,15 @@ fn guides_carry_their_quantities() {
     let rest: Vec<_> =
         (0..n).map(|i| PackedGuide::pack(&place(i), Vec3::ZERO, 0.0, 0.01, &info[0])).collect();
     let sampled: Vec<_> = (0..count * samples).map(|i| GuideSample::at_rest(Vec3::splat(i as f32))).collect();
-    gpu.queue.write_buffer(&guides.velocity, 0, bytemuck::cast_slice(&velocity));
-    gpu.queue.write_buffer(&guides.current, 0, bytemuck::cast_slice(&current));
-    gpu.queue.write_buffer(&guides.info, 0, bytemuck::cast_slice(&info));
-    gpu.queue.write_buffer(&guides.rest, 0, bytemuck::cast_slice(&rest));
-    gpu.queue.write_buffer(&guides.samples, 0, bytemuck::cast_slice(&sampled));
-    let kernel = GuidesKernel::new(&gpu.device);
+    context.queue().write_buffer(&guides.velocity, 0, bytemuck::cast_slice(&velocity));
+    context.queue().write_buffer(&guides.current, 0, bytemuck::cast_slice(&current));
+    context.queue().write_buffer(&guides.info, 0, bytemuck::cast_slice(&info));
+    context.queue().write_buffer(&guides.rest, 0, bytemuck::cast_slice(&rest));
+    context.queue().write_buffer(&guides.samples, 0, bytemuck::cast_slice(&sampled));
+    let kernel = GuidesKernel::new(context);
     for quantity in [GuideQuantity::Speed, GuideQuantity::Strain, GuideQuantity::Guide] {
-        let points = points(gpu, |canvas| kernel.record(canvas, &guides, &Pose::IDENTITY, quantity).unwrap());
+        let points =
+            points(context, |canvas| kernel.record(canvas, &guides, &Pose::IDENTITY, quantity).unwrap());
         assert_eq!(points.len(), 21);
         for (i, point) in points.iter().enumerate() {
             let (guide, sample) = ((i / 7) as f32, (i % 7) as f32);
@@ -432,7 +433,7 @@ fn guides_carry_their_quantities() {
 
 #[test]
 fn lines_are_as_wide_as_asked() {
-    let Some(gpu) = gpu() else { return };
+    let Some(context) = context() else { return };
     let paint = Paint { low: 0.0, high: 1.0, opacity: 1.0 };
     let line = |width: f32, hole: f32| -> f64 {
         let point = |x: f32, alpha| LinePoint {
@@ -443,7 +444,7 @@ fn lines_are_as_wide_as_asked() {
             ..Default::default()
         };
         let points = [point(-0.1, 1.0), point(0.0, 1.0), point(0.01, hole), point(0.1, 1.0)];
-        let seen = picture(gpu, &[Layer::Lines(&points, paint)], None);
+        let seen = picture(context, &[Layer::Lines(&points, paint)], None);
         // The ramp's end is bright, the rim black.
         seen.iter().map(|p| f64::from(p[1]) / f64::from(byte_color(1.0)[1])).sum()
     };
@@ -458,15 +459,13 @@ fn lines_are_as_wide_as_asked() {
 
 #[test]
 fn the_peak_is_found() {
-    let Some(gpu) = gpu() else { return };
-    let texture = texture(gpu, 20, |c| {
+    let Some(context) = context() else { return };
+    let texture = texture(context, 20, |c| {
         let here = (c - Vec3::new(0.975, 0.525, 0.925)).length() < 1e-3;
         Vec4::new(0.5, 0.0, 0.0, if here { 7.0 } else { -1.0 })
     });
-    let peak = Peak::new(&gpu.device);
-    let measure = |q| {
-        pollster::block_on(peak.measure(&gpu.device, &gpu.queue, &grid(&texture, Pose::IDENTITY, q))).unwrap()
-    };
+    let peak = Peak::new(context);
+    let measure = |q| pollster::block_on(peak.measure(&grid(&texture, Pose::IDENTITY, q))).unwrap();
     assert_eq!(measure(Quantity::Channel(3)), 7.0);
     assert_eq!(measure(Quantity::Length), 0.5);
     assert_eq!(measure(Quantity::Channel(1)), 0.0);

@@ -1,7 +1,8 @@
 //! The debug views: one list for every program that offers them.
 
-use super::{Grid, StrandQuantity};
-use crate::{Hair, light::Term, simulate::SimulationParams, volume::HairHairMode};
+use super::{Grid, Quantity, StrandQuantity};
+use crate::{Hair, Pose, light::Term, simulate::SimulationParams, volume::HairHairMode};
+use glam::Vec3;
 
 /// What a picture shows instead of hair as it looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -209,7 +210,7 @@ impl DebugView {
 
     /// The grid whose values it shows, where it shows one and there is one: what [`super::Peak`] measures.
     pub fn grid(self, hair: &Hair) -> Option<Grid<'_>> {
-        super::record::grid(self, hair).filter(|_| self != Self::Distance)
+        grid(self, hair).filter(|_| self != Self::Distance)
     }
 
     /// The quantity that drawn strands have the colour of.
@@ -237,6 +238,32 @@ impl DebugView {
             _ => None,
         }
     }
+}
+
+/// The grid that a view shows, or the box in which it looks.
+pub(super) fn grid(view: DebugView, hair: &Hair) -> Option<Grid<'_>> {
+    let volume = &hair.volume;
+    let (texture, quantity, turns) = match view {
+        DebugView::Density => (&volume.hair, Quantity::Channel(3), false),
+        DebugView::Push => (&volume.push, Quantity::Length, true),
+        // The box alone.
+        DebugView::Distance => (&volume.hair, Quantity::Channel(0), false),
+        DebugView::Wind => {
+            let air = hair.air.as_ref()?;
+            let place = air.now();
+            return Some(Grid {
+                texture: &air.view,
+                pose: hair.motion.to_drawn.after(&Pose { translation: place.corner, ..Pose::IDENTITY }),
+                scale: Vec3::splat(place.scale),
+                bias: Vec3::ZERO,
+                quantity: Quantity::Length,
+                turns: true,
+            });
+        }
+        _ => return None,
+    };
+    let (scale, bias) = (Vec3::splat(volume.grid.scale), volume.grid.bias);
+    Some(Grid { texture, pose: hair.motion.head, scale, bias, quantity, turns })
 }
 
 #[cfg(test)]

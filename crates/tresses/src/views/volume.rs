@@ -3,10 +3,7 @@
 use super::{Canvas, Grid, Paint, overlay};
 use crate::{
     Result,
-    gpu::{
-        Binding,
-        bindings::{group, layout},
-    },
+    gpu::{Binding, Device, bindings::layout},
 };
 
 /// The pipeline of the ray march.
@@ -17,7 +14,7 @@ pub(super) struct Volume {
 }
 
 impl Volume {
-    pub(super) fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Result<Self> {
+    pub(super) fn new(device: &Device, format: wgpu::TextureFormat) -> Result<Self> {
         let entries =
             [Binding::Storage, Binding::Storage, Binding::Texture3d, Binding::Sampler, Binding::Depth];
         let layout = layout(device, "volume", wgpu::ShaderStages::FRAGMENT, &entries);
@@ -26,7 +23,7 @@ impl Volume {
         Ok(Self { pipeline, layout })
     }
 
-    pub(super) fn record(&self, canvas: &mut Canvas<'_>, grid: &Grid<'_>, paint: &Paint) {
+    pub(super) fn record(&self, canvas: &mut Canvas<'_, '_>, grid: &Grid<'_>, paint: &Paint) {
         let (paint, place) = (canvas.paint(paint), canvas.grid(grid));
         let resources = [
             paint.as_entire_binding(),
@@ -35,7 +32,7 @@ impl Volume {
             wgpu::BindingResource::Sampler(canvas.sampler),
             wgpu::BindingResource::TextureView(canvas.depth),
         ];
-        let group = group(canvas.device, "volume", &self.layout, &resources);
+        let group = canvas.device.group("volume", &self.layout, &resources);
         let mut pass = canvas.pass(false);
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &group, &[]);

@@ -60,6 +60,7 @@
 
 mod base;
 mod grid;
+mod met;
 mod others;
 pub mod params;
 mod pipelines;
@@ -72,6 +73,7 @@ mod reference;
 
 pub use grid::Grid;
 pub(crate) use others::Other;
+pub(crate) use params::offset;
 pub use params::{HairHair, HairHairMode};
-pub use pipelines::Pipelines;
+pub(crate) use pipelines::Pipelines;
 pub use state::{Volume, VolumeOptions};

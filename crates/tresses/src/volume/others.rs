@@ -6,12 +6,13 @@
 //! which order others come. They are where their last step left them: two grooms that meet see each other by turns.
 
 use super::{
-    HairHair, Pipelines, Volume,
-    params::VolumeUniforms,
-    state::{STRIDE, Slots, slot},
+    HairHair, Volume,
+    met::Met,
+    params::{STRIDE, VolumeUniforms},
+    state::{Slots, slot},
 };
 use crate::{
-    Pose,
+    Context, Pose,
     clock::{MAX_STEPS, Steps},
     gpu::bindings,
     strands::GuideBuffers,
@@ -29,32 +30,10 @@ pub(crate) struct Other<'a> {
     pub closing: Vec3,
 }
 
-/// One that is met in this frame.
-#[derive(Debug)]
-pub(super) struct Met {
-    guides: wgpu::Buffer,
-    uniforms: wgpu::Buffer,
-    splat: wgpu::BindGroup,
-    base: VolumeUniforms,
-    way: Pose,
-    closing: Vec3,
-}
-
-impl Met {
-    /// Records it into the grid in step `i`.
-    pub fn record(&self, pipelines: &Pipelines, pass: &mut crate::gpu::ComputePass<'_>, i: u32) {
-        pipelines.splat.record(pass, &self.splat, &[Volume::offset(i)], self.base.splat_workgroups());
-    }
-}
-
 impl Volume {
     /// In the next frame `others` are in its grid as well.
-    pub(crate) fn meet<'a>(
-        &mut self,
-        device: &wgpu::Device,
-        pipelines: &Pipelines,
-        others: impl Iterator<Item = Other<'a>>,
-    ) {
+    pub(crate) fn meet<'a>(&mut self, context: &Context, others: impl Iterator<Item = Other<'a>>) {
+        let Context { device, .. } = context;
         let mut before = std::mem::take(&mut self.others);
         let mut met = |Other { guides, volume, way, closing }: Other<'_>| {
             let known = before.iter().position(|met| met.guides == guides.current);
@@ -66,7 +45,7 @@ impl Volume {
                 [&guides.info, &guides.rest, &guides.current, &guides.velocity, &volume.rested, &self.cells];
             let bound = buffers.map(wgpu::Buffer::as_entire_binding);
             let entries: Vec<_> = std::iter::once(slot(&uniforms)).chain(bound).collect();
-            let splat = pipelines.splat.bind(device, &entries);
+            let splat = self.pipelines.splat.bind(&entries);
             Met { guides: guides.current.clone(), uniforms, splat, base: volume.base, way, closing }
         };
         self.others = others.filter(|other| other.volume.base.metres() > 0.0).map(&mut met).collect();
@@ -96,11 +75,12 @@ impl Volume {
     /// was added to positions, metres.
     pub(crate) fn prepare_others(
         &self,
-        queue: &wgpu::Queue,
+        context: &Context,
         params: &HairHair,
         frame: &Steps<'_>,
         shift: Vec3,
     ) {
+        let Context { queue, .. } = context;
         let own = self.with(params, frame.length);
         let share = self.shared_units() as f32;
         for met in &self.others {

@@ -221,6 +221,14 @@ impl Blur {
     }
 }
 
+/// Bytes from one step's uniforms to the next's: a multiple of every adapter's alignment.
+pub(super) const STRIDE: u32 = 512;
+
+/// The dynamic offset of the uniforms of step `i`.
+pub(crate) fn offset(i: u32) -> u32 {
+    i * STRIDE
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,13 +1,13 @@
 //! The kernels.
 
 use crate::{
-    collide,
-    gpu::{Binding, Kernel},
+    Context, collide,
+    gpu::{Binding, Kernel, PipelineSet},
 };
 
 /// The pipelines of the stage.
 #[derive(Debug)]
-pub struct Pipelines {
+pub(crate) struct Pipelines {
     pub(super) obstacles: Kernel,
     pub(super) splat: Kernel,
     pub(super) sum: Kernel,
@@ -17,17 +17,17 @@ pub struct Pipelines {
     pub(super) settle: Kernel,
 }
 
-impl Pipelines {
-    /// Builds the pipelines.
-    pub fn new(device: &wgpu::Device) -> Self {
+impl PipelineSet for Pipelines {
+    fn new(context: &Context) -> Self {
+        let Context { device, .. } = context;
         use Binding::{
             Storage as Read, StorageMut as Write, Uniform as Always, UniformDynamic as Uniform, Words3d,
             Write3d, WriteWords3d,
         };
-        let kernel = |name, entries: &[Binding]| Kernel::new(device, name, entries);
+        let kernel = |name, entries: &[Binding]| Kernel::new(&context.device, name, entries);
         let colliders = collide::layout(device);
         Self {
-            obstacles: Kernel::beside(device, "volume::obstacles", &[Uniform, Write], &[&colliders]),
+            obstacles: Kernel::beside(&context.device, "volume::obstacles", &[Uniform, Write], &[&colliders]),
             splat: kernel("volume::splat", &[Uniform, Read, Read, Read, Read, Read, Write]),
             sum: kernel("volume::sum", &[Uniform, Write, Read, WriteWords3d]),
             blur: ["volume::blur_x", "volume::blur_y"]
@@ -38,8 +38,7 @@ impl Pipelines {
         }
     }
 
-    /// All of them.
-    pub(crate) fn kernels(&self) -> Vec<&Kernel> {
+    fn kernels(&self) -> Vec<&Kernel> {
         let Self { obstacles, splat, sum, blur: [x, y], density, push, settle } = self;
         vec![obstacles, splat, sum, x, y, density, push, settle]
     }

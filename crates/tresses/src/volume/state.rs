@@ -2,21 +2,20 @@
 
 use super::{
     Grid, HairHair, HairHairMode, Pipelines,
-    others::Met,
-    params::{Blur, VolumeUniforms},
+    met::Met,
+    params::{Blur, STRIDE, VolumeUniforms, offset},
 };
 use crate::{
-    Error, Pose, Result,
+    Context, Error, Pose, Result,
     clock::{MAX_STEPS, Mode, Steps},
     collide::ColliderSet,
     constants::VOLUME_WORKGROUP,
-    gpu::{bindings, grid::grid_texture},
+    gpu::{Commands, bindings, grid::grid_texture},
     strands::{GuideBuffers, RestGuides, buffers::storage},
 };
 use glam::Vec3;
+use std::sync::Arc;
 
-/// Bytes from one step's uniforms to the next's: a multiple of every adapter's alignment.
-pub(super) const STRIDE: u32 = 512;
 /// The slot of the uniforms of the rest pose, after those of a frame's steps.
 const RESTING: u32 = MAX_STEPS;
 /// Integers per cell, as in the shaders.
@@ -59,6 +58,7 @@ impl VolumeOptions {
 /// The grid of one groom.
 #[derive(Debug)]
 pub struct Volume {
+    pub(super) pipelines: Arc<Pipelines>,
     /// Where it is.
     pub grid: Grid,
     /// The texture behind [`hair`](Self::hair).
@@ -117,25 +117,25 @@ impl Volume {
     /// [`Error::Parameter`] for a resolution out of its range, [`Error::Limit`] when the adapter
     /// cannot hold the grid.
     pub fn new(
-        device: &wgpu::Device,
-        pipelines: &Pipelines,
+        context: &Context,
         guides: &GuideBuffers,
         rest: &RestGuides,
         options: &VolumeOptions,
     ) -> Result<Self> {
+        let Context { device, .. } = context;
         let cells = storage::<i32>(device, "volume cells", u64::from(options.cells()?) * CHANNELS)?;
-        Ok(Self { lent: false, ..Self::within(device, pipelines, guides, rest, options, cells)? })
+        Ok(Self { lent: false, ..Self::within(context, guides, rest, options, cells)? })
     }
 
     /// The same in cells that others use between steps: [`clear`](Self::clear) belongs before each.
     pub(crate) fn within(
-        device: &wgpu::Device,
-        pipelines: &Pipelines,
+        context: &Context,
         guides: &GuideBuffers,
         rest: &RestGuides,
         options: &VolumeOptions,
         cells: wgpu::Buffer,
     ) -> Result<Self> {
+        let Context { device, .. } = context;
         let VolumeOptions { resolution, most_splatted } = *options;
         let n = u64::from(options.cells()?);
         let grid = Grid::around(rest.rest.iter().map(|r| r.position), resolution);
@@ -152,9 +152,10 @@ impl Volume {
         let blur = bindings::uniform(device, "volume blur", size_of::<Blur>());
         let rested = storage::<f32>(device, "volume rested", vertices)?;
         let shared = ([&cells, &obstacles, &rest_density, &rested], [&hair, &push, &first, &second]);
-        let groups = groups(device, pipelines, guides, [&uniforms, &blur], shared);
+        let groups = groups(context, guides, [&uniforms, &blur], shared);
         let base = VolumeUniforms::of(&grid, guides, rest, most_splatted.max(1));
         Ok(Self {
+            pipelines: context.pipelines(),
             grid,
             hair_texture,
             hair,
@@ -186,12 +187,8 @@ impl Volume {
     ///
     /// # Errors
     /// [`Error::Limit`].
-    pub(crate) fn another(
-        &self,
-        device: &wgpu::Device,
-        pipelines: &Pipelines,
-        guides: &GuideBuffers,
-    ) -> Result<Self> {
+    pub(crate) fn another(&self, context: &Context, guides: &GuideBuffers) -> Result<Self> {
+        let Context { device, .. } = context;
         // Computed once, by the head's own pose and to its last bit: what stays in cells is each head's own.
         let like = |what, buffer: &wgpu::Buffer| storage::<u8>(device, what, buffer.size());
         let obstacles = like("volume obstacles", &self.obstacles)?;
@@ -202,7 +199,8 @@ impl Volume {
         let [first, second] = &self.scratch;
         let shared = ([&self.cells, &obstacles, &rest, &rested], [&self.hair, &self.push, first, second]);
         Ok(Self {
-            groups: groups(device, pipelines, guides, [&uniforms, &blur], shared),
+            pipelines: self.pipelines.clone(),
+            groups: groups(context, guides, [&uniforms, &blur], shared),
             grid: self.grid,
             hair_texture: self.hair_texture.clone(),
             hair: self.hair.clone(),
@@ -243,10 +241,10 @@ impl Volume {
     }
 
     /// Empties cells that others have used since the last step; before a step, outside of passes.
-    pub(crate) fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
+    pub(crate) fn clear(&self, commands: &mut Commands<'_>) {
         if self.lent {
             let bytes = u64::from(self.grid.resolution).pow(3) * CHANNELS * size_of::<i32>() as u64;
-            crate::gpu::pass::clear(encoder, &self.cells, Some(bytes));
+            commands.clear(&self.cells, Some(bytes));
         }
     }
 
@@ -259,11 +257,12 @@ impl Volume {
     /// the frame.
     pub fn prepare(
         &mut self,
-        queue: &wgpu::Queue,
+        context: &Context,
         params: &HairHair,
         frame: &Steps<'_>,
         colliders: &ColliderSet,
     ) {
+        let Context { queue, .. } = context;
         let (h, steps) = (frame.length, frame.last());
         self.modes = steps.iter().map(|step| step.mode).collect();
         self.obstacles_moved = (0..steps.len())
@@ -291,29 +290,23 @@ impl Volume {
     }
 
     /// Records step `i` of those that [`prepare`](Self::prepare) wrote.
-    pub fn record(
-        &mut self,
-        pipelines: &Pipelines,
-        pass: &mut crate::gpu::ComputePass<'_>,
-        colliders: &ColliderSet,
-        i: u32,
-    ) {
+    pub fn record(&mut self, pass: &mut crate::gpu::ComputePass<'_>, colliders: &ColliderSet, i: u32) {
         let mode = self.modes[i as usize];
         if self.obstacles_moved[i as usize] {
             pass.set_bind_group(1, colliders.group(), &[]);
             let cells = self.grid.resolution.pow(3).div_ceil(VOLUME_WORKGROUP);
-            pipelines.obstacles.record(pass, &self.groups.obstacles, &[Self::offset(i)], cells);
+            self.pipelines.obstacles.record(pass, &self.groups.obstacles, &[offset(i)], cells);
         }
         if mode == Mode::Reset || (mode == Mode::Step && self.rest_blur.0 != Some(self.rest_blur.1)) {
-            self.grids(pipelines, pass, RESTING);
+            self.grids(pass, RESTING);
             let vertices = self.base.guide_count * self.base.vertex_count;
             let workgroups = vertices.div_ceil(VOLUME_WORKGROUP);
-            pipelines.settle.record(pass, &self.groups.settle, &[Self::offset(RESTING)], workgroups);
+            self.pipelines.settle.record(pass, &self.groups.settle, &[offset(RESTING)], workgroups);
             self.rest_blur.0 = Some(self.rest_blur.1);
         }
         if mode == Mode::Step {
-            self.grids(pipelines, pass, i);
-            pipelines.push.record_grid(pass, &self.groups.push, &[Self::offset(i)], self.tiles([1, 1, 1]));
+            self.grids(pass, i);
+            self.pipelines.push.record_grid(pass, &self.groups.push, &[offset(i)], self.tiles([1, 1, 1]));
         }
     }
 
@@ -339,17 +332,17 @@ impl Volume {
     }
 
     /// Hair into the grid, its own and in a step that of others.
-    pub(super) fn grids(&self, pipelines: &Pipelines, pass: &mut crate::gpu::ComputePass<'_>, slot: u32) {
-        let offset = [Self::offset(slot)];
-        pipelines.splat.record(pass, &self.groups.splat, &offset, self.base.splat_workgroups());
+    pub(super) fn grids(&self, pass: &mut crate::gpu::ComputePass<'_>, slot: u32) {
+        let offset = [offset(slot)];
+        self.pipelines.splat.record(pass, &self.groups.splat, &offset, self.base.splat_workgroups());
         if slot != RESTING {
-            self.others.iter().for_each(|other| other.record(pipelines, pass, slot));
+            self.others.iter().for_each(|other| other.record(&self.pipelines, pass, slot));
         }
-        pipelines.sum.record_grid(pass, &self.groups.sum, &offset, self.tiles([1, 1, 1]));
+        self.pipelines.sum.record_grid(pass, &self.groups.sum, &offset, self.tiles([1, 1, 1]));
         for (axis, four) in [[4, 1, 1], [1, 4, 1]].into_iter().enumerate() {
-            pipelines.blur[axis].record_grid(pass, &self.groups.blur[axis], &offset, self.tiles(four));
+            self.pipelines.blur[axis].record_grid(pass, &self.groups.blur[axis], &offset, self.tiles(four));
         }
-        pipelines.density.record_grid(pass, &self.groups.density, &offset, self.tiles([1, 1, 4]));
+        self.pipelines.density.record_grid(pass, &self.groups.density, &offset, self.tiles([1, 1, 4]));
     }
 
     /// Workgroups for threads of so many cells each along each axis.
@@ -367,11 +360,6 @@ impl Volume {
     /// The uniforms of one step, bound with a dynamic offset.
     pub(crate) fn uniforms(&self) -> wgpu::BindingResource<'_> {
         slot(&self.uniforms)
-    }
-
-    /// The dynamic offset of step `i`.
-    pub(crate) fn offset(i: u32) -> u32 {
-        i * STRIDE
     }
 
     /// The uniforms with what the user sets.
@@ -393,58 +381,49 @@ impl Volume {
 
 /// Binds the kernels to the `guides` of one head.
 fn groups(
-    device: &wgpu::Device,
-    pipelines: &Pipelines,
+    context: &Context,
     guides: &GuideBuffers,
     [uniforms, blur]: [&wgpu::Buffer; 2],
     ([cells, obstacles, rest, rested], [hair, push, first, second]): Scratch<'_>,
 ) -> Groups {
+    let pipelines: Arc<Pipelines> = context.pipelines();
     let step = || slot(uniforms);
     let view = wgpu::BindingResource::TextureView;
     Groups {
-        obstacles: pipelines.obstacles.bind(device, &[step(), obstacles.as_entire_binding()]),
-        splat: pipelines.splat.bind(
-            device,
-            &[
-                step(),
-                guides.info.as_entire_binding(),
-                guides.rest.as_entire_binding(),
-                guides.current.as_entire_binding(),
-                guides.velocity.as_entire_binding(),
-                rested.as_entire_binding(),
-                cells.as_entire_binding(),
-            ],
-        ),
-        sum: pipelines
-            .sum
-            .bind(device, &[step(), cells.as_entire_binding(), obstacles.as_entire_binding(), view(first)]),
-        blur: [(&pipelines.blur[0], first, second), (&pipelines.blur[1], second, first)].map(
-            |(kernel, from, to)| {
-                kernel.bind(device, &[step(), blur.as_entire_binding(), view(from), view(to)])
-            },
-        ),
-        density: pipelines.density.bind(
-            device,
-            &[
-                step(),
-                blur.as_entire_binding(),
-                view(first),
-                rest.as_entire_binding(),
-                view(second),
-                view(hair),
-            ],
-        ),
-        push: pipelines.push.bind(device, &[step(), view(second), view(push)]),
-        settle: pipelines.settle.bind(
-            device,
-            &[
-                step(),
-                guides.rest.as_entire_binding(),
-                rest.as_entire_binding(),
-                rested.as_entire_binding(),
-                guides.info.as_entire_binding(),
-            ],
-        ),
+        obstacles: pipelines.obstacles.bind(&[step(), obstacles.as_entire_binding()]),
+        splat: pipelines.splat.bind(&[
+            step(),
+            guides.info.as_entire_binding(),
+            guides.rest.as_entire_binding(),
+            guides.current.as_entire_binding(),
+            guides.velocity.as_entire_binding(),
+            rested.as_entire_binding(),
+            cells.as_entire_binding(),
+        ]),
+        sum: pipelines.sum.bind(&[
+            step(),
+            cells.as_entire_binding(),
+            obstacles.as_entire_binding(),
+            view(first),
+        ]),
+        blur: [(&pipelines.blur[0], first, second), (&pipelines.blur[1], second, first)]
+            .map(|(kernel, from, to)| kernel.bind(&[step(), blur.as_entire_binding(), view(from), view(to)])),
+        density: pipelines.density.bind(&[
+            step(),
+            blur.as_entire_binding(),
+            view(first),
+            rest.as_entire_binding(),
+            view(second),
+            view(hair),
+        ]),
+        push: pipelines.push.bind(&[step(), view(second), view(push)]),
+        settle: pipelines.settle.bind(&[
+            step(),
+            guides.rest.as_entire_binding(),
+            rest.as_entire_binding(),
+            rested.as_entire_binding(),
+            guides.info.as_entire_binding(),
+        ]),
     }
 }
 

@@ -7,7 +7,7 @@ use super::{
     pipelines::Pipelines,
 };
 use crate::{
-    Error, Pose, Result,
+    Context, Error, Pose, Result,
     clock::{MAX_STEPS, Mode, Step, Steps},
     collide::ColliderSet,
     gpu::{bindings::uniform, grid::grid_texture},
@@ -15,6 +15,7 @@ use crate::{
 };
 use bytemuck::Zeroable;
 use glam::{DVec3, I64Vec3, IVec3, Vec3};
+use std::sync::Arc;
 
 /// Bytes from one step's uniforms to the next's: a multiple of every adapter's alignment.
 const STRIDE: u64 = 1280;
@@ -54,6 +55,7 @@ pub(super) struct Groups {
 /// The air around one groom, on the GPU.
 #[derive(Debug)]
 pub struct Air {
+    pipelines: Arc<Pipelines>,
     /// Cells along an axis.
     pub cells: u32,
     /// Edge of a cell, metres.
@@ -96,13 +98,13 @@ impl Air {
     /// # Errors
     /// [`crate::Error::Limit`].
     pub fn new(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        pipelines: &Pipelines,
+        context: &Context,
         cells: u32,
         (center, size): (Vec3, f32),
         hair: &wgpu::TextureView,
     ) -> Result<Self> {
+        let Context { device, queue, .. } = context;
+        let pipelines: Arc<Pipelines> = context.pipelines();
         let most = device.limits().max_texture_dimension_3d;
         if cells + 2 > most {
             return Err(Error::Limit { what: "the air", need: (cells + 2).into(), have: most.into() });
@@ -153,68 +155,63 @@ impl Air {
             // The first half reads the other one as the last sweep left it, the second as the first
             // half's threads see it: just made.
             let other = if color == 0 { &pressures[odd][1] } else { &pressures[1 - odd][0] };
-            pipelines.relax.bind(
-                device,
-                &[
-                    step(),
-                    half.as_entire_binding(),
-                    t(&gives[0]),
-                    t(&gives[1]),
-                    t(&gives[2]),
-                    t(&pressures[odd][color]),
-                    t(other),
-                    t(&source),
-                    t(&pressures[1 - odd][color]),
-                ],
-            )
+            pipelines.relax.bind(&[
+                step(),
+                half.as_entire_binding(),
+                t(&gives[0]),
+                t(&gives[1]),
+                t(&gives[2]),
+                t(&pressures[odd][color]),
+                t(other),
+                t(&source),
+                t(&pressures[1 - odd][color]),
+            ])
         };
         let project = |color: usize| {
             let half = half_of(Half { color: color as u32, ..Zeroable::zeroed() });
-            pipelines.project.bind(
-                device,
-                &[
-                    step(),
-                    half.as_entire_binding(),
-                    t(&gives[0]),
-                    t(&gives[1]),
-                    t(&gives[2]),
-                    t(&pressures[0][color]),
-                    t(&pressures[0][1 - color]),
-                    t(&before),
-                    t(&now),
-                    t(&center_view),
-                    t(&hairs),
-                    t(&among),
-                ],
-            )
+            pipelines.project.bind(&[
+                step(),
+                half.as_entire_binding(),
+                t(&gives[0]),
+                t(&gives[1]),
+                t(&gives[2]),
+                t(&pressures[0][color]),
+                t(&pressures[0][1 - color]),
+                t(&before),
+                t(&now),
+                t(&center_view),
+                t(&hairs),
+                t(&among),
+            ])
         };
         let groups = Groups {
-            obstacles: pipelines.obstacles.bind(device, &[step(), t(hair), sampler(), t(&solid), t(&hairs)]),
-            predict: pipelines
-                .predict
-                .bind(device, &[step(), t(&now), t(&center_view), sampler(), t(&carried)]),
-            correct: pipelines.correct.bind(
-                device,
-                &[
-                    step(),
-                    t(&now),
-                    t(&center_view),
-                    sampler(),
-                    t(&carried),
-                    t(&solid),
-                    t(&hairs),
-                    t(&before),
-                    t(&give_view),
-                ],
-            ),
-            gather: pipelines.gather.bind(
-                device,
-                &[step(), t(&before), t(&give_view), t(&gives[0]), t(&gives[1]), t(&gives[2]), t(&source)],
-            ),
+            obstacles: pipelines.obstacles.bind(&[step(), t(hair), sampler(), t(&solid), t(&hairs)]),
+            predict: pipelines.predict.bind(&[step(), t(&now), t(&center_view), sampler(), t(&carried)]),
+            correct: pipelines.correct.bind(&[
+                step(),
+                t(&now),
+                t(&center_view),
+                sampler(),
+                t(&carried),
+                t(&solid),
+                t(&hairs),
+                t(&before),
+                t(&give_view),
+            ]),
+            gather: pipelines.gather.bind(&[
+                step(),
+                t(&before),
+                t(&give_view),
+                t(&gives[0]),
+                t(&gives[1]),
+                t(&gives[2]),
+                t(&source),
+            ]),
             relax: Sweep::ALL.map(|sweep| [relax(sweep, 0), relax(sweep, 1)]),
             project: [project(0), project(1)],
         };
         Ok(Self {
+            pipelines,
             cells,
             cell: size / cells as f32,
             texture: center_texture,
@@ -242,6 +239,11 @@ impl Air {
         self.bytes
     }
 
+    /// Mean velocity of the wind that the last steps were prepared for, world axes, m/s.
+    pub(crate) fn mean(&self) -> Vec3 {
+        self.wind.map_or(Vec3::ZERO, |wind| wind.velocity)
+    }
+
     /// The air starts anew at the next step.
     pub fn reset(&mut self) {
         self.started = false;
@@ -251,25 +253,26 @@ impl Air {
     /// `diameter` is that of a hair, metres, and `hair` the hair's grid, without which no hair is in the way.
     pub fn prepare(
         &mut self,
-        queue: &wgpu::Queue,
+        context: &Context,
         wind: &Wind,
         diameter: f32,
         frame: &Steps<'_>,
         hair: Option<HairGrid>,
     ) {
-        self.prepare_in(queue, wind, diameter, frame, &[], hair);
+        self.prepare_in(context, wind, diameter, frame, &[], hair);
     }
 
     /// The same where hair is simulated elsewhere: `fields` say what the air is there in each step.
     pub(crate) fn prepare_in(
         &mut self,
-        queue: &wgpu::Queue,
+        context: &Context,
         wind: &Wind,
         diameter: f32,
         frame: &Steps<'_>,
         fields: &[Field],
         hair: Option<HairGrid>,
     ) {
+        let Context { queue, .. } = context;
         let shape = |w: &Wind| (w.gusts == 0.0, w.gust_length, w.seed);
         if self.wind.as_ref().map(shape) != Some(shape(wind)) {
             self.gusts = Gusts::new(wind, self.cell);
@@ -310,13 +313,7 @@ impl Air {
 
     /// Records step `index` of those that [`prepare`](Self::prepare) wrote, among `colliders`, which have been
     /// [advanced](ColliderSet::advance) by the same steps.
-    pub fn record(
-        &self,
-        pipelines: &Pipelines,
-        pass: &mut crate::gpu::ComputePass<'_>,
-        colliders: &ColliderSet,
-        index: u32,
-    ) {
+    pub fn record(&self, pass: &mut crate::gpu::ComputePass<'_>, colliders: &ColliderSet, index: u32) {
         let (run, groups, n) = (self.runs[index as usize], &self.groups, self.cells);
         let cells = [n / 8, n / 4, n / 2];
         let half = [n.div_ceil(32), n / 8, n / 2];
@@ -324,19 +321,19 @@ impl Air {
         for part in 0..run.parts {
             let step = (run.first + part) * STRIDE as u32;
             if part == 0 {
-                pipelines.obstacles.record_grid(pass, &groups.obstacles, &[step], cells);
+                self.pipelines.obstacles.record_grid(pass, &groups.obstacles, &[step], cells);
             }
-            pipelines.predict.record_grid(pass, &groups.predict, &[step], cells);
-            pipelines.correct.record_grid(pass, &groups.correct, &[step], cells);
-            pipelines.gather.record_grid(pass, &groups.gather, &[step], [n.div_ceil(32), n / 4, n / 2]);
+            self.pipelines.predict.record_grid(pass, &groups.predict, &[step], cells);
+            self.pipelines.correct.record_grid(pass, &groups.correct, &[step], cells);
+            self.pipelines.gather.record_grid(pass, &groups.gather, &[step], [n.div_ceil(32), n / 4, n / 2]);
             let fresh = run.fresh && part == 0;
             for sweep in self.sweeps(fresh) {
                 for color in &groups.relax[sweep as usize] {
-                    pipelines.relax.record_grid(pass, color, &[step], half);
+                    self.pipelines.relax.record_grid(pass, color, &[step], half);
                 }
             }
             for color in &groups.project {
-                pipelines.project.record_grid(pass, color, &[step], half);
+                self.pipelines.project.record_grid(pass, color, &[step], half);
             }
         }
     }

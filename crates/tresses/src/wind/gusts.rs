@@ -6,25 +6,10 @@
 //! the grid appear as slow changes of the wind's strength and direction. That the field passes without
 //! changing is Taylor's hypothesis of frozen turbulence.
 
-use super::params::{MAX_GUSTS, Wind};
+use super::params::{GustMode, MAX_GUSTS, Wind};
 use crate::math::hash::pcg;
-use bytemuck::{Pod, Zeroable};
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use std::f64::consts::{PI, TAU};
-
-/// One wave as a step sees it: `amplitude cos(wave · x + phase)`, `x` in cells from the grid's corner.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GustMode {
-    /// Wave vector, radians per cell.
-    pub wave: Vec3,
-    /// Radians.
-    pub phase: f32,
-    /// m/s.
-    pub amplitude: Vec3,
-    /// Unused.
-    pub _pad: f32,
-}
 
 /// The waves of one wind.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -86,6 +71,7 @@ impl Gusts {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
 
     /// The gusts at `x` (metres).
     fn sum(gusts: &Gusts, x: DVec3) -> DVec3 {

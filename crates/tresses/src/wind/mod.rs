@@ -76,4 +76,4 @@ mod pipelines;
 
 pub use air::{Air, AirPlace, HairGrid};
 pub use params::{MAX_CELLS, Wind};
-pub use pipelines::Pipelines;
+pub(crate) use pipelines::Pipelines;

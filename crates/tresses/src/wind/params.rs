@@ -1,9 +1,22 @@
 //! User parameters, in SI units, and the uniforms of one step.
 
-use super::gusts::GustMode;
 use crate::{Error, Result, groom::range, range::Range};
 use bytemuck::{Pod, Zeroable};
 use glam::{IVec3, Vec3};
+
+/// One wave as a step sees it: `amplitude cos(wave · x + phase)`, `x` in cells from the grid's corner.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GustMode {
+    /// Wave vector, radians per cell.
+    pub wave: Vec3,
+    /// Radians.
+    pub phase: f32,
+    /// m/s.
+    pub amplitude: Vec3,
+    /// Unused.
+    pub _pad: f32,
+}
 
 /// The wind: what the air does far from the head, and how finely the air around it is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,13 +1,13 @@
 //! The kernels.
 
 use crate::{
-    collide,
-    gpu::{Binding, Kernel, bindings},
+    Context, collide,
+    gpu::{Binding, Kernel, PipelineSet, bindings},
 };
 
 /// The pipelines; made once per device.
 #[derive(Debug)]
-pub struct Pipelines {
+pub(crate) struct Pipelines {
     pub(super) obstacles: Kernel,
     pub(super) predict: Kernel,
     pub(super) correct: Kernel,
@@ -17,18 +17,18 @@ pub struct Pipelines {
     pub(super) sampler: wgpu::Sampler,
 }
 
-impl Pipelines {
-    /// Builds the pipelines.
-    pub fn new(device: &wgpu::Device) -> Self {
+impl PipelineSet for Pipelines {
+    fn new(context: &Context) -> Self {
+        let Context { device, .. } = context;
         use Binding::{
             Sampler, StorageDynamic, Texels3d, Texture3d, Uniform, UniformDynamic, Write3d, WriteFull3d,
         };
-        let kernel = |module, entries: &[Binding]| Kernel::new(device, module, entries);
+        let kernel = |module, entries: &[Binding]| Kernel::new(&context.device, module, entries);
         let air = [StorageDynamic, Texture3d, Texture3d, Sampler];
         let blocks = [UniformDynamic, Uniform, Texels3d, Texels3d, Texels3d, Texels3d, Texels3d];
         Self {
             obstacles: Kernel::beside(
-                device,
+                &context.device,
                 "wind::obstacles",
                 &[StorageDynamic, Texture3d, Sampler, Write3d, Write3d],
                 &[&collide::layout(device)],
@@ -51,8 +51,7 @@ impl Pipelines {
         }
     }
 
-    /// All of them.
-    pub(crate) fn kernels(&self) -> Vec<&Kernel> {
+    fn kernels(&self) -> Vec<&Kernel> {
         let Self { obstacles, predict, correct, gather, relax, project, .. } = self;
         vec![obstacles, predict, correct, gather, relax, project]
     }

@@ -3,11 +3,10 @@
 use crate::common;
 
 use tresses::{
-    Pipelines, View,
+    Context, View,
     body::Body,
-    frame::Recorder,
+    draw::Coverage,
     glam::{Quat, Vec3},
-    gpu::Gpu,
     groom::TriMesh,
     light::{
         Directional, HairSet, Lights, MAX_LIGHTS, Sky, Sphere,
@@ -29,8 +28,7 @@ fn random(i: u32, k: u32) -> f32 {
 }
 
 struct Bench<'a> {
-    gpu: &'a Gpu,
-    pipelines: &'static Pipelines,
+    context: &'a Context,
     view: View,
     hair: Option<HairSet>,
     body: Option<Body>,
@@ -38,23 +36,28 @@ struct Bench<'a> {
 }
 
 impl<'a> Bench<'a> {
-    fn new(gpu: &'a Gpu) -> Self {
-        Self::with_cells(gpu, ViewOptions::default().ambient_cells)
+    fn new(context: &'a Context) -> Self {
+        Self::with_cells(context, ViewOptions::default().ambient_cells)
     }
 
-    fn with_cells(gpu: &'a Gpu, ambient_cells: u32) -> Self {
-        let options = ViewOptions { samples: 1, shadow_resolution: 256, ambient_cells, ..Default::default() };
+    fn with_cells(context: &'a Context, ambient_cells: u32) -> Self {
+        let options = ViewOptions {
+            samples: 1,
+            shadow_resolution: 256,
+            ambient_cells,
+            coverage: Coverage::SampleMask,
+            ..Default::default()
+        };
         let mut scene = Picture { focus: Sphere { center: Vec3::ZERO, radius: HALF }, ..Default::default() };
         scene.lights =
             Lights { directional: [Directional::OFF; MAX_LIGHTS], sky: Sky::default(), ..Default::default() };
-        let pipelines = common::pipelines().expect("there is a GPU");
-        let view = View::new(&gpu.device, pipelines, &options, [16, 16], 1).expect("fits");
-        Self { pipelines, view, gpu, hair: None, body: None, scene }
+        let view = View::new(context, &options, [16, 16], 1).expect("fits");
+        Self { view, context, hair: None, body: None, scene }
     }
 
     fn body(mut self, mesh: &TriMesh) -> Self {
         let cells = self.view.options().ambient_cells;
-        let mut body = Body::with_levels(&self.gpu.device, mesh, &[], cells);
+        let mut body = Body::with_levels(self.context, mesh, &[], cells);
         body.material.color = Vec3::splat(WHITE);
         body.material.wrap = 0.0;
         self.body = Some(body);
@@ -63,8 +66,9 @@ impl<'a> Bench<'a> {
 
     /// Straight pieces of hair, each from one point to another.
     fn hair(mut self, pieces: &[[Vec3; 2]], radius: f32) -> Self {
-        let Gpu { device, queue, .. } = self.gpu;
-        let strands = StrandBuffers::new(device, pieces.len() as u32, 2).expect("fits");
+        let context = self.context;
+        let queue = context.queue();
+        let strands = StrandBuffers::new(context, pieces.len() as u32, 2).expect("fits");
         let vertex =
             |at: Vec3, way: Vec3| StrandVertex { position: at, tangent: pack_tangent(way.normalize(), 1.0) };
         let vertices: Vec<_> =
@@ -72,7 +76,7 @@ impl<'a> Bench<'a> {
         queue.write_buffer(&strands.vertices, 0, bytemuck::cast_slice(&vertices));
         let info = vec![Strand { radius, seed: 1, root_color: 0, tip_color: 0 }; pieces.len()];
         queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&info));
-        self.hair = Some(HairSet::new(device, &strands).expect("fits"));
+        self.hair = Some(HairSet::new(context, &strands).expect("fits"));
         self
     }
 
@@ -83,16 +87,15 @@ impl<'a> Bench<'a> {
     }
 
     fn ask(&self, points: &[(Vec3, Vec3)]) -> Vec<Around> {
-        let Gpu { device, queue, .. } = self.gpu;
-        let probe = AmbientProbe::new(device, queue, &self.view.light, points).expect("fits");
+        let context = self.context;
+        let (device, queue) = (context.device(), context.queue());
+        let probe = AmbientProbe::new(context, &self.view.light, points).expect("fits");
         let mut encoder = device.create_command_encoder(&Default::default());
         let (hair, bodies): (Vec<_>, Vec<_>) = (self.hair.iter().collect(), self.body.iter().collect());
-        Recorder { pipelines: self.pipelines, device, queue, encoder: &mut encoder, timings: None }
-            .light(&hair, &bodies, &self.view, &self.scene, &[])
-            .expect("it fits");
-        probe.record(&mut encoder);
+        context.recorder(&mut encoder).light(&hair, &bodies, &self.view, &self.scene, &[]).expect("it fits");
+        probe.record(&mut encoder).expect("it compiles");
         queue.submit([encoder.finish()]);
-        pollster::block_on(probe.read(device, queue)).expect("answers")
+        pollster::block_on(probe.read()).expect("answers")
     }
 }
 
@@ -132,7 +135,7 @@ fn layer(middle: f32, thick: f32, fibers: f32, radius: f32) -> Vec<[Vec3; 2]> {
 
 #[test]
 fn empty_space_sees_the_whole_sky() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let points: Vec<_> = (0..200)
         .map(|i| {
             let at = |k| (2.4 * random(i, k) - 1.2) * HALF;
@@ -141,13 +144,13 @@ fn empty_space_sees_the_whole_sky() {
         .collect();
     let open = |found: &Around| (found.open - 1.0).abs().max_element() < 2e-3;
     let dark = |found: &Around| found.glow == Vec3::ZERO;
-    for found in Bench::new(gpu).light(Vec3::Y).ask(&points) {
+    for found in Bench::new(context).light(Vec3::Y).ask(&points) {
         assert!(open(&found) && dark(&found), "{found:?}");
     }
     // A few hairs are seen, and a lit wall of a few centimetres.
-    let hairs = Bench::new(gpu).hair(&layer(0.0, 0.06, 0.02, 1e-3), 1e-3).ask(&points);
+    let hairs = Bench::new(context).hair(&layer(0.0, 0.06, 0.02, 1e-3), 1e-3).ask(&points);
     assert!(!hairs.iter().all(open));
-    let lit = Bench::new(gpu).body(&wall(0.03, 0.0)).light(Vec3::Z).ask(&points);
+    let lit = Bench::new(context).body(&wall(0.03, 0.0)).light(Vec3::Z).ask(&points);
     assert!(!lit.iter().all(open) && !lit.iter().all(dark));
 }
 
@@ -165,9 +168,9 @@ fn mean_followed(n: f64) -> f64 {
 
 #[test]
 fn hair_takes_what_it_should() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     for fibers in [0.25_f32, 0.5, 1.0, 2.0] {
-        let bench = Bench::new(gpu).hair(&layer(0.06, 0.06, fibers, 1e-3), 1e-3);
+        let bench = Bench::new(context).hair(&layer(0.06, 0.06, fibers, 1e-3), 1e-3);
         let below: Vec<_> = (0..40)
             .map(|i| {
                 (Vec3::new(random(i, 8) - 0.5, 0.0, random(i, 9) - 0.5) * 0.1 + Vec3::Y * 0.01, Vec3::ZERO)
@@ -198,7 +201,7 @@ fn form_factor(half: f32, height: f32) -> f64 {
 /// The share of all sides that a lit wall fills, 6 cm below the origin, from points `heights` above its middle,
 /// and what it leaves of the sky: means over turns of everything against the cells and the directions that
 /// light is followed along, of which there are 24, so that one view is a twenty-fourth off at its edges.
-fn seen_of_wall(gpu: &Gpu, half: f32, heights: &[f32]) -> Vec<[f64; 2]> {
+fn seen_of_wall(context: &Context, half: f32, heights: &[f32]) -> Vec<[f64; 2]> {
     let turns = 12;
     let mut sums = vec![[0.0; 2]; heights.len()];
     for i in 0..turns {
@@ -210,7 +213,7 @@ fn seen_of_wall(gpu: &Gpu, half: f32, heights: &[f32]) -> Vec<[f64; 2]> {
         mesh.positions.iter_mut().for_each(|p| *p = turn * *p);
         let points: Vec<_> = heights.iter().map(|h| (turn * (Vec3::Z * (h - 0.06)), Vec3::ZERO)).collect();
         // A unit of irradiance times pi makes its radiance the albedo.
-        let found = Bench::new(gpu).body(&mesh).light(turn * Vec3::Z).ask(&points);
+        let found = Bench::new(context).body(&mesh).light(turn * Vec3::Z).ask(&points);
         for (sum, found) in sums.iter_mut().zip(found) {
             sum[0] += f64::from(found.glow.x / WHITE) / f64::from(turns);
             sum[1] += (1.0 - f64::from(found.open.x)) / f64::from(turns);
@@ -221,11 +224,11 @@ fn seen_of_wall(gpu: &Gpu, half: f32, heights: &[f32]) -> Vec<[f64; 2]> {
 
 #[test]
 fn a_wall_throws_its_form_factor() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let heights = [0.04_f32, 0.08, 0.12, 0.2];
     let off = |half: f32| -> Vec<[f64; 2]> {
         let exact = |height| form_factor(0.12, height);
-        let seen = seen_of_wall(gpu, half, &heights);
+        let seen = seen_of_wall(context, half, &heights);
         seen.iter().zip(heights).map(|(seen, height)| seen.map(|share| share / exact(height) - 1.0)).collect()
     };
     let errors = off(0.12);
@@ -239,23 +242,23 @@ fn a_wall_throws_its_form_factor() {
     assert!(good(&errors), "{errors:?}");
     // It would see a wall that is a centimetre wider all around.
     assert!(!good(&off(0.13)));
-    let bench = Bench::new(gpu).body(&wall(HALF, -0.1)).light(Vec3::Z);
+    let bench = Bench::new(context).body(&wall(HALF, -0.1)).light(Vec3::Z);
     let close = Vec3::new(0.0, 0.0, -0.08);
     let found = bench.ask(&[(close, Vec3::NEG_Z * COSINES), (close, Vec3::Z * COSINES)]);
     assert!((found[0].glow.x / WHITE - 1.0).abs() < 0.12 && found[0].open.x < 0.12, "{found:?}");
     assert!(found[1].glow.x < 0.05 && (found[1].open.x - 1.0).abs() < 0.12, "{found:?}");
     // In its shade, or without light, it throws none.
-    let dark = Bench::new(gpu).body(&wall(HALF, -0.1)).light(Vec3::NEG_Z).ask(&[(close, Vec3::ZERO)])[0];
+    let dark = Bench::new(context).body(&wall(HALF, -0.1)).light(Vec3::NEG_Z).ask(&[(close, Vec3::ZERO)])[0];
     assert!(dark.glow.x < 1e-3, "{dark:?}");
 }
 
 /// Coarse cells take fewer points of a body for the same surface.
 #[test]
 fn coarse_cells_hold_the_same_body() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let at = Vec3::new(0.01, 0.02, 0.02);
     let seen = |cells, z| {
-        let bench = Bench::with_cells(gpu, cells).body(&wall(HALF, z)).light(Vec3::Z);
+        let bench = Bench::with_cells(context, cells).body(&wall(HALF, z)).light(Vec3::Z);
         bench.ask(&[(at, Vec3::ZERO), (at, Vec3::NEG_Z * COSINES)])
     };
     let fine = seen(24, -0.1);
@@ -296,7 +299,7 @@ fn ball(radius: f32) -> TriMesh {
 /// How much of the sky a ball hides above its surface, and how much of it the surface sees itself.
 #[test]
 fn a_ball_hides_what_it_fills() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let radius = 0.1;
     let mesh = ball(radius);
     let outside = mesh.triangles.iter().all(|t| {
@@ -304,7 +307,7 @@ fn a_ball_hides_what_it_fills() {
         (b - a).cross(c - a).dot(a) >= -1e-9
     });
     assert!(outside, "corners go round counter-clockwise");
-    let bench = Bench::new(gpu).body(&mesh);
+    let bench = Bench::new(context).body(&mesh);
     let cell = 2.0 * HALF / 24.0;
     let sides: Vec<_> = (0..64)
         .map(|i| {
@@ -340,12 +343,12 @@ fn a_ball_hides_what_it_fills() {
 
 #[test]
 fn nothing_gets_through_a_head() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     // A closed cube, turned so that none of its faces lies along the cells, lit from above.
     let mut cube = common::cube(0.1);
     let turn = Quat::from_rotation_x(0.4) * Quat::from_rotation_y(0.6);
     cube.positions.iter_mut().for_each(|p| *p = turn * *p);
-    let bench = Bench::new(gpu).body(&cube).light(Vec3::Y);
+    let bench = Bench::new(context).body(&cube).light(Vec3::Y);
     let found = bench.ask(&[
         (Vec3::ZERO, Vec3::ZERO),
         (Vec3::NEG_Y * 0.21, Vec3::Y * 0.5),
@@ -358,12 +361,12 @@ fn nothing_gets_through_a_head() {
 /// Still scenes are the same to the bit; a slow turn of light or head is answered by slow changes.
 #[test]
 fn slow_motion_changes_slowly() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let mut cube = common::cube(0.08);
     let turn = Quat::from_rotation_x(0.4);
     cube.positions.iter_mut().for_each(|p| *p = turn * *p);
     let pieces = layer(0.15, 0.06, 1.0, 1e-3);
-    let mut bench = Bench::new(gpu).body(&cube).hair(&pieces, 1e-3).light(Vec3::new(0.3, 0.2, 1.0));
+    let mut bench = Bench::new(context).body(&cube).hair(&pieces, 1e-3).light(Vec3::new(0.3, 0.2, 1.0));
     let points: Vec<_> = (0..100)
         .map(|i| {
             let at = Vec3::new(random(i, 1) - 0.5, random(i, 2) - 0.5, random(i, 3) - 0.5).normalize();

@@ -5,10 +5,9 @@ use crate::{common, moving};
 
 use moving::{Character, SHAKE, TURN, advance, angle, drawn, search, states};
 use tresses::{
-    Hair, Pipelines, Pose,
+    Context, Hair, Pose,
     avoid::{AvoidMode, AvoidOptions, NO_HIT},
     glam::Vec3,
-    gpu::Gpu,
     groom::{BindOptions, bind},
     strands::StrandVertex,
 };
@@ -18,8 +17,7 @@ const CLEARANCE: f32 = 1.5e-3;
 
 /// One device for all tests: a software driver takes long to build pipelines.
 struct Setup {
-    gpu: &'static Gpu,
-    pipelines: &'static Pipelines,
+    context: &'static Context,
     character: Character,
 }
 
@@ -31,19 +29,18 @@ impl Setup {
 
     /// A sphere with so few guides that what lies between them enters it.
     fn new() -> Option<Self> {
-        let gpu = common::gpu()?;
+        let context = common::context()?;
         let mut groom = bind(&common::hanging(600, 16, 0.16), &BindOptions::default()).unwrap();
         // As the hair has them.
         tresses::lod::arrange(&mut groom.strands);
         Some(Self {
-            pipelines: common::pipelines()?,
             character: Character { groom, field: common::ball(HEAD, 64), neck: Vec3::new(0.0, 0.0, -0.02) },
-            gpu,
+            context,
         })
     }
 
     fn hair(&self, avoid: AvoidOptions) -> Hair {
-        self.character.hair(self.gpu, self.pipelines, avoid)
+        self.character.hair(self.context, avoid)
     }
 
     /// Hair shaken until strands are in the head, and where the head is then.
@@ -51,13 +48,13 @@ impl Setup {
         let mut hair = self.hair(avoid);
         for i in 0..36 {
             let head = self.character.head(angle(SHAKE, i as f32 / 60.0));
-            advance(self.gpu, self.pipelines, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / 60.0 });
+            advance(self.context, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / 60.0 });
         }
         (hair, self.character.head(angle(SHAKE, 35.0 / 60.0)))
     }
 
     fn drawn(&self, hair: &mut Hair, head: Pose, mode: AvoidMode) -> Vec<StrandVertex> {
-        drawn(self.gpu, self.pipelines, hair, head, mode)
+        drawn(self.context, hair, head, mode)
     }
 
     /// The first vertex of each strand that is nearer to the head than it may be, less `margin`.
@@ -85,7 +82,7 @@ fn the_first_hit_is_that_of_a_search_one_by_one() {
     let options = AvoidOptions { mode: AvoidMode::Off, ..Default::default() };
     let (mut hair, head) = stage.shaken(options);
     let vertices = stage.drawn(&mut hair, head, AvoidMode::Off);
-    let found: Vec<u32> = search(stage.gpu, stage.pipelines, &hair).iter().map(|state| state.hit).collect();
+    let found: Vec<u32> = search(stage.context, &hair).iter().map(|state| state.hit).collect();
     // Texture filters and packed allowances are coarser than the search here: by an eighth of a
     // millimetre and a bit.
     let early = stage.first_hits(&vertices, head, options.tolerance, -0.02e-3);
@@ -109,7 +106,7 @@ fn strands_that_hit_nothing_keep_their_bits_and_all_keep_their_lengths() {
     let Some(stage) = Setup::open() else { return };
     let (mut hair, head) = stage.shaken(AvoidOptions::default());
     let after = stage.drawn(&mut hair, head, AvoidMode::ChangeOver);
-    let remembered = states(stage.gpu, &hair);
+    let remembered = states(stage.context, &hair);
     let before = stage.drawn(&mut hair, head, AvoidMode::Off);
     let strands = &stage.character.groom.strands;
     let n = strands.vertex_count as usize;
@@ -156,7 +153,7 @@ fn largest_pop(stage: &Setup, options: AvoidOptions) -> f32 {
     for i in 0..90 {
         // Three times slower than the command's turn.
         let head = stage.character.head(angle(TURN, i as f32 / 180.0));
-        advance(stage.gpu, stage.pipelines, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / 60.0 });
+        advance(stage.context, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / 60.0 });
         let with = stage.drawn(&mut hair, head, AvoidMode::ChangeOver);
         let without = stage.drawn(&mut hair, head, AvoidMode::Off);
         let back = head.inverse().rotation;
@@ -187,14 +184,14 @@ fn jumps_and_resets_are_forgotten() {
     let Some(stage) = Setup::open() else { return };
     let (mut hair, head) = stage.shaken(AvoidOptions::default());
     let midway =
-        |hair: &Hair| states(stage.gpu, hair).iter().filter(|s| s.amount > 0.0 && s.amount < 1.0).count();
+        |hair: &Hair| states(stage.context, hair).iter().filter(|s| s.amount > 0.0 && s.amount < 1.0).count();
     assert!(midway(&hair) > 5, "{}", midway(&hair));
     let far = Pose { translation: head.translation + Vec3::X * 30.0, ..head };
-    advance(stage.gpu, stage.pipelines, &mut hair, far, 1.0 / 60.0);
+    advance(stage.context, &mut hair, far, 1.0 / 60.0);
     assert_eq!(midway(&hair), 0);
-    let changed = states(stage.gpu, &hair).iter().filter(|s| s.amount == 1.0).count();
+    let changed = states(stage.context, &hair).iter().filter(|s| s.amount == 1.0).count();
     assert!(changed > 20, "what is in the head leaves it at once: {changed}");
     hair.reset();
-    advance(stage.gpu, stage.pipelines, &mut hair, far, 1.0 / 60.0);
-    assert!(states(stage.gpu, &hair).iter().all(|s| s.amount == 0.0));
+    advance(stage.context, &mut hair, far, 1.0 / 60.0);
+    assert!(states(stage.context, &hair).iter().all(|s| s.amount == 0.0));
 }

@@ -5,10 +5,9 @@ use crate::{common, moving};
 
 use moving::{Character, Keys, SHAKE, TURN, advance, angle, drawn};
 use tresses::{
-    Pipelines,
+    Context,
     avoid::{AvoidMode, AvoidOptions},
     glam::Vec3,
-    gpu::Gpu,
     groom::{BindOptions, BoundStrands, GuideCount, Strands, bind},
     lod,
     strands::StrandVertex,
@@ -33,20 +32,20 @@ fn penetrating(character: &Character, rest: &[f32], vertices: impl Iterator<Item
 
 /// The largest fraction over the frames of a motion for each of [`MODES`], of the same frames:
 /// deeper than [`DEPTH`], and below the surface at all.
-fn worst(gpu: &Gpu, pipelines: &Pipelines, character: &Character, keys: Keys) -> [[f32; 3]; 2] {
+fn worst(context: &Context, character: &Character, keys: Keys) -> [[f32; 3]; 2] {
     let rest = character.rest_distances();
-    let mut hair = character.hair(gpu, pipelines, AvoidOptions::default());
+    let mut hair = character.hair(context, AvoidOptions::default());
     let mut worst = [[0.0f32; 3]; 2];
     for i in 0..=(keys[keys.len() - 1].0 * FPS) as u32 {
         let head = character.head(angle(keys, i as f32 / FPS));
-        advance(gpu, pipelines, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / FPS });
+        advance(context, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / FPS });
         if i % 4 != 0 {
             continue;
         }
         let back = head.inverse();
         // The present state is that of the change-over: it is read first.
         for m in [2, 0, 1] {
-            let vertices = drawn(gpu, pipelines, &mut hair, head, MODES[m]);
+            let vertices = drawn(context, &mut hair, head, MODES[m]);
             assert!(vertices.iter().all(|v| v.position.is_finite()));
             for (worst, depth) in worst.iter_mut().zip([DEPTH, 0.0]) {
                 let points = vertices.iter().map(|v: &StrandVertex| back.point(v.position));
@@ -61,16 +60,9 @@ const MOTIONS: [(&str, Keys); 2] = [("turn", TURN), ("shake", SHAKE)];
 
 /// Prints and checks one groom. `least` is what the worst frames must have without avoidance for the
 /// test to mean something.
-fn check(
-    name: &str,
-    gpu: &Gpu,
-    pipelines: &Pipelines,
-    character: &Character,
-    motions: &[(&str, Keys)],
-    least: f32,
-) {
+fn check(name: &str, context: &Context, character: &Character, motions: &[(&str, Keys)], least: f32) {
     for (motion, keys) in motions {
-        let [deep, any] = worst(gpu, pipelines, character, keys);
+        let [deep, any] = worst(context, character, keys);
         let percent = |f: [f32; 3]| f.map(|f| format!("{:.3} %", 100.0 * f)).join(", ");
         println!("{name}, {motion}: deeper than 0.5 mm {}; at all {}", percent(deep), percent(any));
         assert!(deep[2] <= 0.001, "{name}, {motion}: {} with the method", deep[2]);
@@ -88,25 +80,23 @@ fn style(name: &str) -> Character {
 
 #[test]
 fn at_most_a_thousandth_of_the_vertices_is_in_the_head() {
-    let Some(gpu) = common::gpu() else { return };
-    let Some(pipelines) = common::pipelines() else { return };
-    check("long", gpu, pipelines, &style("long"), &[("shake", SHAKE)], 0.005);
+    let Some(context) = common::context() else { return };
+    check("long", context, &style("long"), &[("shake", SHAKE)], 0.005);
 }
 
 /// The table of docs/physics.md.
 #[test]
 #[ignore = "proof"]
 fn at_most_a_thousandth_of_the_vertices_of_any_style_is_in_the_head() {
-    let Some(gpu) = common::gpu() else { return };
-    let Some(pipelines) = common::pipelines() else { return };
+    let Some(context) = common::context() else { return };
     for (name, least) in [("long", 0.005), ("bob", 0.002), ("curly", 0.005), ("short", 0.0)] {
-        check(name, gpu, pipelines, &style(name), &MOTIONS, least);
+        check(name, context, &style(name), &MOTIONS, least);
     }
 }
 
 #[test]
 fn the_counter_sees_a_strand_in_the_head() {
-    if common::gpu().is_none() {
+    if common::context().is_none() {
         return;
     }
     let character = style("short");
@@ -124,8 +114,7 @@ fn the_counter_sees_a_strand_in_the_head() {
 #[test]
 #[ignore = "proof"]
 fn a_real_groom_is_served_too() {
-    let Some(gpu) = common::gpu() else { return };
-    let Some(pipelines) = common::pipelines() else { return };
+    let Some(context) = common::context() else { return };
     let Some((strands, _, field)) = common::sintel() else { return };
     let crown = strands.iter().map(|strand| strand[0]).reduce(|a, b| if a.y > b.y { a } else { b }).unwrap();
     // The built-in head's joint is as far below its crown.
@@ -137,8 +126,7 @@ fn a_real_groom_is_served_too() {
     lod::arrange(&mut own.strands);
     check(
         "Sintel, all guides",
-        gpu,
-        pipelines,
+        context,
         &Character { groom: own, field: field.clone(), neck },
         &MOTIONS,
         0.0,
@@ -149,7 +137,7 @@ fn a_real_groom_is_served_too() {
         thin(&mut groom.strands, 4);
         lod::arrange(&mut groom.strands);
         let character = Character { groom, field: field.clone(), neck };
-        check(&format!("Sintel, one guide in {share}"), gpu, pipelines, &character, &MOTIONS, least);
+        check(&format!("Sintel, one guide in {share}"), context, &character, &MOTIONS, least);
     }
 }
 

@@ -3,30 +3,26 @@
 use crate::common;
 
 use tresses::{
-    Pose,
+    Context, Pose,
     clock::{MAX_STEPS, Mode, Step},
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     drape,
     glam::Vec3,
-    gpu::{Gpu, readback::blocking as readback},
+    gpu::readback::blocking as readback,
     groom::{
         SdfGrid,
-        styles::{self, GUIDE_VERTICES, GridScalp, Style, StyledGuides},
+        scalp::GridScalp,
+        styles::{self, GUIDE_VERTICES, Style, StyledGuides},
     },
-    simulate::{self, GuideTraits, RestOptions, RestShape, Simulation, SimulationParams, rest},
+    simulate::{GuideTraits, RestOptions, RestShape, Simulation, SimulationParams, rest},
     strands::GuideBuffers,
 };
 
 /// Guides before and after they fell.
-fn settled(
-    gpu: &Gpu,
-    simulate: &simulate::Pipelines,
-    style: &Style,
-    scalp: &GridScalp,
-) -> (StyledGuides, StyledGuides) {
+fn settled(context: &Context, style: &Style, scalp: &GridScalp) -> (StyledGuides, StyledGuides) {
     let before = styles::guides(style, scalp);
     let mut after = before.clone();
-    pollster::block_on(drape::settle(&gpu.device, &gpu.queue, simulate, &mut after, &scalp.field)).unwrap();
+    pollster::block_on(drape::settle(context, &mut after, &scalp.field)).unwrap();
     (before, after)
 }
 
@@ -54,11 +50,10 @@ fn apart(a: &[Vec3], b: &[Vec3]) -> (f32, f32) {
 
 #[test]
 fn hair_falls_outside_of_the_head_and_keeps_its_length() {
-    let Some(gpu) = common::gpu() else { return };
-    let Some(simulate) = common::simulate() else { return };
+    let Some(context) = common::context() else { return };
     let scalp = common::scalp(96);
     for style in Style::NAMES.map(|name| name.parse::<Style>().unwrap()) {
-        let (before, after) = settled(gpu, simulate, &style, &scalp);
+        let (before, after) = settled(context, &style, &scalp);
         let name = style.name();
         let (a, b) = (&before.guides.positions, &after.guides.positions);
         assert!(deepest(b, &scalp.field) < 1e-3, "{name}: {}", deepest(b, &scalp.field));
@@ -91,13 +86,10 @@ fn hair_falls_outside_of_the_head_and_keeps_its_length() {
 
 #[test]
 fn the_same_seed_gives_the_same_bits() {
-    let Some(gpu) = common::gpu() else { return };
-    let Some(simulate) = common::simulate() else { return };
+    let Some(context) = common::context() else { return };
     // None that comes cooked.
     let style = Style::default().with_seed(2);
-    let make = |style| {
-        pollster::block_on(drape::character(&gpu.device, &gpu.queue, simulate, style, Some(500))).unwrap()
-    };
+    let make = |style| pollster::block_on(drape::character(context, style, Some(500))).unwrap();
     let (once, twice) = (make(&style), make(&style));
     assert_eq!(once.groom, twice.groom);
     assert_eq!((once.groom.guides.len(), once.groom.strands.len()), (166, 500));
@@ -107,14 +99,12 @@ fn the_same_seed_gives_the_same_bits() {
 /// The distances that vertices move away from `positions` in three seconds with the head still,
 /// smallest first.
 fn drift(
-    gpu: &Gpu,
-    simulate: &simulate::Pipelines,
+    context: &Context,
     positions: &[Vec3],
     field: &SdfGrid,
     stiffness: &[f32],
     shape: RestShape,
 ) -> Vec<f32> {
-    let (device, queue) = (&gpu.device, &gpu.queue);
     let params = SimulationParams::default();
     let n = GUIDE_VERTICES as u32;
     let traits: Vec<_> =
@@ -122,29 +112,24 @@ fn drift(
     let options = RestOptions { clearance: 1.5e-3, shape };
     let at_rest = rest::guides(positions, n, &traits, &params, &options, Some(field)).unwrap();
     let count = at_rest.info.len();
-    let guides = GuideBuffers::new(device, count as u32, n, n).unwrap();
-    at_rest.upload(queue, &guides).unwrap();
+    let guides = GuideBuffers::new(context, count as u32, n, n).unwrap();
+    at_rest.upload(context, &guides).unwrap();
     let obstacles = ColliderDescriptor { head: Some(field), ..Default::default() };
-    let mut colliders = ColliderSet::new(device, queue, &obstacles).unwrap();
-    let mut simulation = Simulation::new(device, simulate, &guides);
+    let mut colliders = ColliderSet::new(context, &obstacles).unwrap();
+    let mut simulation = Simulation::new(context, &guides);
     let still = Pose::IDENTITY;
     let step = Step { mode: Mode::Step, begin: still, end: still, from: 0.0, to: 1.0 };
     let mut left = (3.0 / params.step) as u32;
     while left > 0 {
         let now = left.min(MAX_STEPS);
-        let mut encoder = device.create_command_encoder(&Default::default());
-        {
-            let mut pass = tresses::gpu::compute_pass(&mut encoder, &Default::default());
-            let steps = vec![step; now as usize];
-            let (substeps, length) = (params.substeps, params.step);
-            let moments = Moments { steps: &steps, substeps, step: length, head: still, alpha: 1.0 };
-            colliders.advance(queue, &ColliderPoses::default(), &moments).unwrap();
-            simulation.run(simulate, queue, &mut pass, &params, &steps, &colliders).unwrap();
-        }
-        queue.submit([encoder.finish()]);
+        let steps = vec![step; now as usize];
+        let (substeps, length) = (params.substeps, params.step);
+        let moments = Moments { steps: &steps, substeps, step: length, head: still, alpha: 1.0 };
+        colliders.advance(&ColliderPoses::default(), &moments).unwrap();
+        common::compute(context, |pass| simulation.run(context, pass, &params, &steps, &colliders).unwrap());
         left -= now;
     }
-    let after: Vec<[f32; 4]> = readback::buffer(device, queue, &guides.current).unwrap();
+    let after: Vec<[f32; 4]> = readback::buffer(context, &guides.current).unwrap();
     let at = |g: usize, i: usize| Vec3::from_slice(&after[i * count + g][..3]);
     let mut moved: Vec<f32> = (0..positions.len())
         .map(|k| positions[k].distance(at(k / GUIDE_VERTICES, k % GUIDE_VERTICES)))
@@ -155,13 +140,11 @@ fn drift(
 
 #[test]
 fn what_has_fallen_stays() {
-    let Some(gpu) = common::gpu() else { return };
-    let Some(simulate) = common::simulate() else { return };
+    let Some(context) = common::context() else { return };
     let scalp = common::scalp(96);
     for style in Style::NAMES.map(|name| name.parse::<Style>().unwrap()) {
-        let (_, after) = settled(gpu, simulate, &style, &scalp);
-        let drift =
-            |shape| drift(gpu, simulate, &after.guides.positions, &scalp.field, &after.stiffness, shape);
+        let (_, after) = settled(context, &style, &scalp);
+        let drift = |shape| drift(context, &after.guides.positions, &scalp.field, &after.stiffness, shape);
         // Of a hundred vertices one may find a better place, and none may fall.
         let stays = |moved: &[f32]| moved[moved.len() * 99 / 100] < 2e-3 && moved[moved.len() - 1] < 0.012;
         let moved = drift(RestShape::SagFree);

@@ -1,21 +1,22 @@
 //! Shading only what is seen gives the bits of shading everything.
 
 use crate::{common, golden};
-use tresses::{View, body::Body, gpu::readback::blocking as readback, light::HairSet, view::ViewOptions};
+use tresses::{
+    View, body::Body, draw::Coverage, gpu::readback::blocking as readback, light::HairSet, view::ViewOptions,
+};
 
 #[test]
 fn what_is_seen_is_shaded_as_if_all_were() {
-    let Some(gpu) = common::gpu() else { return };
-    let (device, queue) = (&gpu.device, &gpu.queue);
-    let pipelines = common::pipelines().expect("there is a GPU");
-    let options = ViewOptions { shadow_resolution: 256, ..Default::default() };
-    let view = View::new(device, pipelines, &options, golden::SIZE, 1).expect("fits");
-    let strands = golden::strands(gpu, 0..golden::COUNT);
-    let hair = HairSet::new(device, &strands).expect("fits");
-    let body = Body::new(device, &golden::ball());
-    common::picture(gpu, (pipelines, &view), &golden::scene(), &[&hair], &[&body]);
+    let Some(context) = common::context() else { return };
+    let options =
+        ViewOptions { shadow_resolution: 256, coverage: Coverage::SampleMask, ..Default::default() };
+    let view = View::new(context, &options, golden::SIZE, 1).expect("fits");
+    let strands = golden::strands(context, 0..golden::COUNT);
+    let hair = HairSet::new(context, &strands).expect("fits");
+    let body = Body::new(context, &golden::ball());
+    common::picture(context, &view, &golden::scene(), &[&hair], &[&body]);
     let colors = view.shaded(&hair).expect("it is drawn");
-    let all: Vec<u32> = readback::buffer(device, queue, &colors).expect("read back");
+    let all: Vec<u32> = readback::buffer(context, &colors).expect("read back");
 
     // The last segments of one strand in three, and one somewhere.
     let n = strands.vertex_count as usize;
@@ -24,22 +25,22 @@ fn what_is_seen_is_shaded_as_if_all_were() {
     let mut bits = vec![0u32; segments.len().div_ceil(32)];
     (0..segments.len()).filter(|i| segments[*i]).for_each(|i| bits[i / 32] |= 1 << (i % 32));
     let seen = |i: usize| segments[i] || i > 0 && segments[i - 1];
-    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+    let buffer = context.device().create_buffer(&wgpu::BufferDescriptor {
         label: Some("seen"),
         size: 4 * bits.len() as u64,
         usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
     });
-    queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&bits));
-    queue.write_buffer(&colors, 0, &vec![0; 4 * all.len()]);
-    let chosen = view.chosen(device, pipelines, &hair, &buffer).expect("fits");
+    context.queue().write_buffer(&buffer, 0, bytemuck::cast_slice(&bits));
+    context.queue().write_buffer(&colors, 0, &vec![0; 4 * all.len()]);
+    let chosen = view.chosen(&hair, &buffer).expect("fits");
     // Twice: the lists start anew.
     for _ in 0..2 {
-        let mut encoder = device.create_command_encoder(&Default::default());
-        view.light.shade_chosen(&pipelines.light, &mut encoder, None, &[(&hair, &chosen)]);
-        queue.submit([encoder.finish()]);
+        let mut encoder = context.device().create_command_encoder(&Default::default());
+        view.light.shade_chosen(&mut context.commands(&mut encoder), &[(&hair, &chosen)]).unwrap();
+        context.queue().submit([encoder.finish()]);
     }
-    let some: Vec<u32> = readback::buffer(device, queue, &colors).expect("read back");
+    let some: Vec<u32> = readback::buffer(context, &colors).expect("read back");
     assert!((0..all.len()).all(|i| !seen(i) || all[i] == some[i]));
     let shaded = some.iter().filter(|color| **color != 0).count();
     assert!((golden::COUNT as usize / 3 * 2..golden::COUNT as usize / 3 * 5).contains(&shaded), "{shaded}");

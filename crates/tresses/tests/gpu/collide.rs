@@ -3,12 +3,12 @@
 use crate::common;
 
 use tresses::{
-    Hair, HairOptions, Pipelines, Pose,
+    Context, Hair, HairOptions, Pose,
     collide::{Collider, ColliderDescriptor, ColliderPoses, Shape, shape},
-    frame::Frame,
     glam::{Quat, Vec3},
-    gpu::{Gpu, readback::blocking as readback},
+    gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind, styles::Style},
+    hair::HairFrame,
     simulate::SimulationParams,
     strands::{Guide, PackedGuide},
     volume::HairHair,
@@ -73,7 +73,7 @@ impl Seen {
 }
 
 struct Run<'a> {
-    gpu: &'a Gpu,
+    context: &'a Context,
     hair: Hair,
     params: SimulationParams,
 }
@@ -90,8 +90,8 @@ impl Run<'_> {
         distance: &dyn Fn(Vec3, f32) -> f32,
         through: &dyn Fn(Vec3, Vec3, f32) -> bool,
     ) -> Seen {
-        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
-        let packed: Vec<PackedGuide> = readback::buffer(device, queue, &self.hair.guides.rest).unwrap();
+        let context = self.context;
+        let packed: Vec<PackedGuide> = readback::buffer(context, &self.hair.guides.rest).unwrap();
         let rest: Vec<_> = packed.iter().map(|packed| packed.rest(&Guide::default())).collect();
         let count = self.hair.guides.count as usize;
         let watched = 2 * count..rest.len();
@@ -104,7 +104,7 @@ impl Run<'_> {
         let mut before: Vec<[f32; 4]> = Vec::new();
         for frame in 0..=(seconds / self.params.step) as u32 {
             let t = frame as f32 * self.params.step;
-            let input = Frame {
+            let input = HairFrame {
                 dt: if frame == 0 { 0.0 } else { self.params.step },
                 head: head(t),
                 colliders: &poses(t),
@@ -112,7 +112,7 @@ impl Run<'_> {
                 ..Default::default()
             };
             common::submit(|recorder| recorder.simulate(&mut self.hair, &input));
-            let at: Vec<[f32; 4]> = readback::buffer(device, queue, &self.hair.guides.current).unwrap();
+            let at: Vec<[f32; 4]> = readback::buffer(context, &self.hair.guides.current).unwrap();
             for i in watched.clone() {
                 let x = Vec3::from_slice(&at[i]);
                 assert!(x.is_finite());
@@ -130,19 +130,18 @@ impl Run<'_> {
     }
 }
 
-fn run<'a>(gpu: &'a Gpu, pipelines: &'a Pipelines, character: &Character, colliders: &[Collider]) -> Run<'a> {
+fn run<'a>(context: &'a Context, character: &Character, colliders: &[Collider]) -> Run<'a> {
     let what = ColliderDescriptor { head: Some(&character.field), colliders, ..Default::default() };
     let options = HairOptions::default();
-    let (device, queue) = (&gpu.device, &gpu.queue);
-    let hair = Hair::with_colliders(device, queue, pipelines, &character.groom, &options, &what).unwrap();
-    Run { gpu, hair, params: options.simulation }
+    let hair = Hair::with_colliders(context, &character.groom, &options, &what).unwrap();
+    Run { context, hair, params: options.simulation }
 }
 
 /// A shake of `seconds`.
-fn shaken(gpu: &Gpu, pipelines: &Pipelines, name: &str, character: &Character, seconds: f32) -> Seen {
+fn shaken(context: &Context, name: &str, character: &Character, seconds: f32) -> Seen {
     let Character { field, neck, .. } = character;
     let head = |t| shake(t, *neck);
-    let seen = run(gpu, pipelines, character, &[]).watch(
+    let seen = run(context, character, &[]).watch(
         seconds,
         &head,
         &|_| ColliderPoses::default(),
@@ -157,15 +156,14 @@ fn shaken(gpu: &Gpu, pipelines: &Pipelines, name: &str, character: &Character, s
 
 #[test]
 fn no_vertex_stays_in_the_head_during_a_shake() {
-    let Some(gpu) = common::gpu() else { return };
-    let Some(pipelines) = common::pipelines() else { return };
+    let Some(context) = common::context() else { return };
     let character = built_in("long");
-    assert!(shaken(gpu, pipelines, "long", &character, 1.5).holds());
+    assert!(shaken(context, "long", &character, 1.5).holds());
     // Held against a head twice a strand's clearance larger, it does not.
     let SdfGrid { distances, .. } = &character.field;
     let distances = distances.iter().map(|d| d - 3e-3).collect();
     let field = SdfGrid { distances, ..character.field.clone() };
-    let mut run = run(gpu, pipelines, &character, &[]);
+    let mut run = run(context, &character, &[]);
     let head = |t| shake(t, character.neck);
     let inside = |x: Vec3, t: f32| field.sample(head(t).inverse().point(x));
     assert!(!run.watch(0.3, &head, &|_| ColliderPoses::default(), &inside, &|_, _, _| false).holds());
@@ -175,14 +173,13 @@ fn no_vertex_stays_in_the_head_during_a_shake() {
 #[test]
 #[ignore = "proof"]
 fn no_vertex_of_any_groom_stays_in_the_head_during_a_shake() {
-    let Some(gpu) = common::gpu() else { return };
-    let Some(pipelines) = common::pipelines() else { return };
+    let Some(context) = common::context() else { return };
     let mut all = true;
     for name in Style::NAMES {
-        all &= shaken(gpu, pipelines, name, &built_in(name), 10.0).holds();
+        all &= shaken(context, name, &built_in(name), 10.0).holds();
     }
     if let Some(character) = sintel() {
-        all &= shaken(gpu, pipelines, "Sintel", &character, 10.0).holds();
+        all &= shaken(context, "Sintel", &character, 10.0).holds();
     }
     assert!(all);
 }
@@ -191,7 +188,7 @@ fn no_vertex_of_any_groom_stays_in_the_head_during_a_shake() {
 const HAND: f32 = 0.035;
 
 /// A forearm of 30 cm that crosses the hair below the head from behind to the front, at `speed`.
-fn sweep(gpu: &Gpu, pipelines: &Pipelines, character: &Character, speed: f32) -> Seen {
+fn sweep(context: &Context, character: &Character, speed: f32) -> Seen {
     let shape = Shape::Capsule { half_length: 0.15, radius: HAND };
     let neck = character.neck;
     let way = 0.6;
@@ -214,7 +211,7 @@ fn sweep(gpu: &Gpu, pipelines: &Pipelines, character: &Character, speed: f32) ->
         let (a, b) = (hand(t - 1.0 / 60.0).inverse().point(before), hand(t).inverse().point(after));
         (0..=8).any(|i| shape::capsule(a.lerp(b, i as f32 / 8.0), 0.5 * HAND, 0.15).w < 0.0)
     };
-    let mut run = run(gpu, pipelines, character, &[Collider::new(shape)]);
+    let mut run = run(context, character, &[Collider::new(shape)]);
     // It begins in the open air.
     let seen = run.watch(0.1 + way / speed + 0.2, &|_| Pose::IDENTITY, &poses, &distance, &through);
     println!("a hand at {speed} m/s: {seen:?}");
@@ -223,9 +220,8 @@ fn sweep(gpu: &Gpu, pipelines: &Pipelines, character: &Character, speed: f32) ->
 
 #[test]
 fn a_hand_pushes_hair_aside() {
-    let Some(gpu) = common::gpu() else { return };
-    let Some(pipelines) = common::pipelines() else { return };
-    let seen = sweep(gpu, pipelines, &built_in("long"), 3.0);
+    let Some(context) = common::context() else { return };
+    let seen = sweep(context, &built_in("long"), 3.0);
     assert!(seen.holds(), "{seen:?}");
 }
 
@@ -233,11 +229,9 @@ fn a_hand_pushes_hair_aside() {
 #[test]
 #[ignore = "proof"]
 fn a_hand_of_any_speed_pushes_hair_aside() {
-    let Some(gpu) = common::gpu() else { return };
-    let Some(pipelines) = common::pipelines() else { return };
+    let Some(context) = common::context() else { return };
     let character = built_in("long");
-    let seen =
-        [0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 10.0].map(|speed| (speed, sweep(gpu, pipelines, &character, speed)));
+    let seen = [0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 10.0].map(|speed| (speed, sweep(context, &character, speed)));
     for (speed, seen) in &seen {
         assert!(*speed > 3.0 || seen.holds(), "{speed} m/s: {seen:?}");
     }
@@ -245,8 +239,7 @@ fn a_hand_of_any_speed_pushes_hair_aside() {
 
 /// How far each of 64 straight strands has moved, at most, after a second in which a small capsule stands in the way of
 /// each but number `spared`.
-fn moved_by_capsules(gpu: &Gpu, pipelines: &Pipelines, spared: Option<usize>) -> Vec<f32> {
-    let (device, queue) = (&gpu.device, &gpu.queue);
+fn moved_by_capsules(context: &Context, spared: Option<usize>) -> Vec<f32> {
     let root = |i: usize| 0.04 * Vec3::new((i % 8) as f32, 0.0, (i / 8) as f32);
     let mut strands = Strands::default();
     for i in 0..64 {
@@ -263,12 +256,11 @@ fn moved_by_capsules(gpu: &Gpu, pipelines: &Pipelines, spared: Option<usize>) ->
         Pose { translation: root(i) + Vec3::new(0.004 + away, -0.12, 0.0), ..Pose::IDENTITY }
     };
     let colliders = ColliderPoses { head: None, colliders: (0..64).map(pose).collect() };
-    let mut hair =
-        Hair::with_colliders(device, queue, pipelines, &groom, &HairOptions::default(), &what).unwrap();
+    let mut hair = Hair::with_colliders(context, &groom, &HairOptions::default(), &what).unwrap();
     // Strands shall know nothing of each other.
     let physics = SimulationParams { hair_hair: HairHair::OFF, ..Default::default() };
     let mut read = |dt: f32| {
-        let frame = Frame {
+        let frame = HairFrame {
             dt,
             head: Pose::IDENTITY,
             colliders: &colliders,
@@ -276,7 +268,7 @@ fn moved_by_capsules(gpu: &Gpu, pipelines: &Pipelines, spared: Option<usize>) ->
             ..Default::default()
         };
         common::submit(|recorder| recorder.simulate(&mut hair, &frame));
-        let now: Vec<[f32; 4]> = readback::buffer(device, queue, &hair.guides.current).unwrap();
+        let now: Vec<[f32; 4]> = readback::buffer(context, &hair.guides.current).unwrap();
         now.iter().map(|v| Vec3::from_slice(v)).collect::<Vec<_>>()
     };
     let before = read(0.0);
@@ -293,15 +285,14 @@ fn moved_by_capsules(gpu: &Gpu, pipelines: &Pipelines, spared: Option<usize>) ->
 
 #[test]
 fn each_of_sixty_four_capsules_acts() {
-    let Some(gpu) = common::gpu() else { return };
-    let Some(pipelines) = common::pipelines() else { return };
+    let Some(context) = common::context() else { return };
     let least = |moved: &[f32]| moved.iter().copied().fold(f32::MAX, f32::min);
-    let all = moved_by_capsules(gpu, pipelines, None);
+    let all = moved_by_capsules(context, None);
     println!("strands are moved by {} mm or more", 1e3 * least(&all));
     assert!(least(&all) > 0.01, "{all:?}");
     // A strand without a capsule is seen, whichever word of the masks its capsule is in.
     for spared in [0, 31, 32, 63] {
-        let moved = moved_by_capsules(gpu, pipelines, Some(spared));
+        let moved = moved_by_capsules(context, Some(spared));
         assert!(moved[spared] < 1e-3, "{spared}: {}", moved[spared]);
         let still: Vec<_> = (0..64).filter(|i| moved[*i] < 0.01).collect();
         assert_eq!(still, [spared], "{moved:?}");

@@ -1,10 +1,11 @@
 //! What a frame records is counted where it is recorded. No GPU needed.
 
+use crate::common;
 use tresses::{
-    Pipelines, View,
+    View,
     body::Body,
     draw::Coverage,
-    frame::{Recorder, Sight},
+    frame::Sight,
     gpu::{Counts, Timings, wall},
     groom::TriMesh,
     light::HairSet,
@@ -16,17 +17,17 @@ const SIZE: [u32; 2] = [64, 40];
 
 /// What a picture of so many grooms and bodies records, by the rows of its times.
 fn recorded(coverage: Coverage, grooms: usize, bodies: usize) -> Vec<(&'static str, Counts)> {
-    let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
-    let (device, queue) = (&device, &queue);
-    let pipelines = &Pipelines::new(device);
+    let context = &common::noop();
     let options = ViewOptions { samples: 1, coverage, ..Default::default() };
-    let view = View::new(device, pipelines, &options, SIZE, 1).expect("a fair size");
-    let strands = StrandBuffers::new(device, 5000, 16).expect("small enough");
-    let hair: Vec<_> = (0..grooms).map(|_| HairSet::new(device, &strands).expect("small enough")).collect();
-    let body = Body::new(device, &TriMesh::default());
+    let view = View::new(context, &options, SIZE, 1).expect("a fair size");
+    let strands = StrandBuffers::new(context, 5000, 16).expect("small enough");
+    let hair: Vec<_> = (0..grooms).map(|_| HairSet::new(context, &strands).expect("small enough")).collect();
+    let body = Body::new(context, &TriMesh::default());
     let mut timings = Timings::by(wall);
-    let mut encoder = device.create_command_encoder(&Default::default());
-    Recorder { pipelines, device, queue, encoder: &mut encoder, timings: Some(&mut timings) }
+    let mut encoder = context.device().create_command_encoder(&Default::default());
+    context
+        .recorder(&mut encoder)
+        .with_timings(Some(&mut timings))
         .draw_strands(
             &hair.iter().collect::<Vec<_>>(),
             &vec![&body; bodies],

@@ -5,15 +5,16 @@ use crate::{
     golden::difference,
 };
 use tresses::{
-    Camera, Hair, HairOptions, Pipelines, Pose, View,
+    Camera, Context, Hair, HairOptions, Pose, View,
     body::Body,
+    budget::{Budget, Costs, Held},
     draw::Coverage,
     frame::Sight,
     glam::{Quat, Vec3},
-    gpu::{Gpu, readback::blocking as readback},
+    gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, bind},
     light::{HairMaterial, Sphere, Zone},
-    lod::{Budget, Costs, Detail, Held, LodOptions},
+    lod::{Detail, LodOptions},
     strands::StrandVertex,
     view::{Picture, ViewOptions},
 };
@@ -30,19 +31,14 @@ fn grown(strands: usize) -> Groom {
     bind(&common::hanging(strands, 12, 0.2), &options).unwrap()
 }
 
-fn hair(gpu: &Gpu, pipelines: &Pipelines, groom: &Groom) -> Hair {
+fn hair(context: &Context, groom: &Groom) -> Hair {
     let field = common::ball(0.085, 32);
-    Hair::new(&gpu.device, &gpu.queue, pipelines, groom, &HairOptions::default(), Some(&field)).unwrap()
-}
-
-fn another(gpu: &Gpu, pipelines: &Pipelines, hair: &Hair) -> Hair {
-    hair.another(&gpu.device, &gpu.queue, pipelines, &[]).unwrap()
+    Hair::new(context, groom, &HairOptions::default(), Some(&field)).unwrap()
 }
 
 /// What it draws.
-fn vertices(gpu: &Gpu, hair: &Hair) -> Vec<StrandVertex> {
-    let mut all: Vec<StrandVertex> =
-        readback::buffer(&gpu.device, &gpu.queue, &hair.strands.vertices).unwrap();
+fn vertices(context: &Context, hair: &Hair) -> Vec<StrandVertex> {
+    let mut all: Vec<StrandVertex> = readback::buffer(context, &hair.strands.vertices).unwrap();
     let drawn = hair.strands.drawn;
     all.truncate((drawn.count * drawn.vertex_count) as usize);
     all
@@ -61,18 +57,18 @@ fn mean_distance(a: &[StrandVertex], b: &[StrandVertex]) -> f32 {
 
 #[test]
 fn heads_that_share_are_to_the_bit_heads_of_their_own() {
-    let (Some(gpu), Some(pipelines)) = (common::gpu(), common::pipelines()) else { return };
+    let Some(context) = common::context() else { return };
     let groom = groom();
-    let mut first = hair(gpu, pipelines, &groom);
-    let mut sharing = another(gpu, pipelines, &first);
-    let [mut first_alone, mut alone] = [(); 2].map(|()| hair(gpu, pipelines, &groom));
+    let mut first = hair(context, &groom);
+    let mut sharing = first.another(&[]).unwrap();
+    let [mut first_alone, mut alone] = [(); 2].map(|()| hair(context, &groom));
     // Two heads in turn, each with its own pose, at levels that come and go.
     for i in 0..24u32 {
         let dt = if i == 0 { 0.0 } else { 1.0 / 60.0 };
         let pixel = [0.0, 6e-3, 2e-3, 0.0][i as usize / 6];
         for hair in [&mut sharing, &mut alone] {
             let detail = hair.lod.detail(pixel, 100.0);
-            hair.set_detail(&gpu.device, &gpu.queue, detail);
+            hair.set_detail(detail);
         }
         submit(|recorder| {
             recorder.advance(&mut first, &frame(turning(i, 0), dt))?;
@@ -80,10 +76,10 @@ fn heads_that_share_are_to_the_bit_heads_of_their_own() {
         });
         submit(|recorder| recorder.advance(&mut first_alone, &frame(turning(i, 0), dt)));
         submit(|recorder| recorder.advance(&mut alone, &frame(turning(i, 20), dt)));
-        assert!(vertices(gpu, &first) == vertices(gpu, &first_alone), "the first, frame {i}");
-        assert!(vertices(gpu, &sharing) == vertices(gpu, &alone), "the second, frame {i}");
+        assert!(vertices(context, &first) == vertices(context, &first_alone), "the first, frame {i}");
+        assert!(vertices(context, &sharing) == vertices(context, &alone), "the second, frame {i}");
     }
-    assert!(vertices(gpu, &first) != vertices(gpu, &sharing), "they move on their own");
+    assert!(vertices(context, &first) != vertices(context, &sharing), "they move on their own");
     // What is shared is the half of it, and only once.
     assert_eq!(first.bytes() - first.own_bytes(), first.shared_bytes());
     assert!(sharing.own_bytes() * 2 < sharing.bytes(), "{} {}", sharing.own_bytes(), sharing.bytes());
@@ -91,12 +87,12 @@ fn heads_that_share_are_to_the_bit_heads_of_their_own() {
 
 #[test]
 fn a_far_head_holds_little() {
-    let (Some(gpu), Some(pipelines)) = (common::gpu(), common::pipelines()) else { return };
-    let first = hair(gpu, pipelines, &grown(5760));
-    let mut far = another(gpu, pipelines, &first);
+    let Some(context) = common::context() else { return };
+    let first = hair(context, &grown(5760));
+    let mut far = first.another(&[]).unwrap();
     let mut own = |pixel: f32| {
         let detail = far.lod.detail(pixel, 100.0);
-        far.set_detail(&gpu.device, &gpu.queue, detail);
+        far.set_detail(detail);
         submit(|recorder| recorder.advance(&mut far, &frame(Pose::IDENTITY, 1.0 / 60.0)));
         let (drawn, room) = (far.strands.drawn, far.strands.room);
         assert!(room.strands >= drawn.count && room.vertices >= drawn.count * drawn.vertex_count);
@@ -108,24 +104,24 @@ fn a_far_head_holds_little() {
 }
 
 /// A view of one head, and a body in it.
-fn picture(gpu: &Gpu, view: &View, hair: &[&Hair], bodies: &[&Body], scene: &Picture) -> Vec<u8> {
+fn picture(view: &View, hair: &[&Hair], bodies: &[&Body], scene: &Picture) -> Vec<u8> {
     submit(|recorder| recorder.draw(hair, bodies, Sight::new(view, scene)));
-    pollster::block_on(view.targets().read(&gpu.device, &gpu.queue)).unwrap()
+    pollster::block_on(view.targets().read()).unwrap()
 }
 
 #[test]
 fn a_zone_is_the_light_of_a_view() {
-    let (Some(gpu), Some(pipelines)) = (common::gpu(), common::pipelines()) else { return };
-    let mut first = hair(gpu, pipelines, &groom());
+    let Some(context) = common::context() else { return };
+    let mut first = hair(context, &groom());
     first.set.material = HairMaterial::blond();
-    let mut second = another(gpu, pipelines, &first);
+    let mut second = first.another(&[]).unwrap();
     let aside = Pose { translation: Vec3::X * 0.8, ..Pose::IDENTITY };
     submit(|recorder| {
         recorder.advance(&mut first, &frame(Pose::IDENTITY, 0.0))?;
         recorder.advance(&mut second, &frame(aside, 0.0))
     });
-    let body = Body::new(&gpu.device, &common::cube(0.06));
-    let mut other = body.another(&gpu.device);
+    let body = Body::new(context, &common::cube(0.06));
+    let mut other = body.another();
     other.pose = aside;
     let focus = Sphere { center: Vec3::ZERO, radius: 0.35 };
     let scene = Picture {
@@ -135,7 +131,7 @@ fn a_zone_is_the_light_of_a_view() {
     };
     for (samples, coverage) in [(4, Coverage::Tiles), (1, Coverage::PEELING)] {
         let options = ViewOptions { samples, coverage, shadow_resolution: 256, ..Default::default() };
-        let mut view = View::new(&gpu.device, pipelines, &options, SIZE, 1).unwrap();
+        let mut view = View::new(context, &options, SIZE, 1).unwrap();
         let zone = |focus: Sphere, i: usize| Zone {
             focus,
             resolution: 256,
@@ -145,44 +141,44 @@ fn a_zone_is_the_light_of_a_view() {
             pose: Pose::IDENTITY,
             every: 1,
         };
-        let alone = picture(gpu, &view, &[&first], &[&body], &scene);
-        view.set_zones(&gpu.device, pipelines, &[zone(focus, 0)]);
-        let zoned = picture(gpu, &view, &[&first], &[&body], &scene);
+        let alone = picture(&view, &[&first], &[&body], &scene);
+        view.set_zones(&[zone(focus, 0)]);
+        let zoned = picture(&view, &[&first], &[&body], &scene);
         assert!(alone == zoned, "{coverage:?}: {:?}", difference(&alone, &zoned));
         // The other head, out of the picture, is in another zone, and shades nothing; without zones it is in the same grid.
         let there = Sphere { center: aside.translation, ..focus };
-        view.set_zones(&gpu.device, pipelines, &[zone(there, 1), zone(focus, 0)]);
-        let both = picture(gpu, &view, &[&first, &second], &[&body, &other], &scene);
+        view.set_zones(&[zone(there, 1), zone(focus, 0)]);
+        let both = picture(&view, &[&first, &second], &[&body, &other], &scene);
         let (mean, high) = difference(&alone, &both);
         assert!(mean < 0.05 && high <= 1, "{coverage:?}: {mean} {high}");
         // One that is lit around another place is not the same.
-        view.set_zones(&gpu.device, pipelines, &[zone(there, 0)]);
-        let wrong = picture(gpu, &view, &[&first], &[&body], &scene);
+        view.set_zones(&[zone(there, 0)]);
+        let wrong = picture(&view, &[&first], &[&body], &scene);
         assert!(difference(&alone, &wrong).0 > 0.5, "{coverage:?}");
         // Who is in no zone is in the view's light.
-        view.set_zones(&gpu.device, pipelines, &[zone(there, 1)]);
-        let rest = picture(gpu, &view, &[&first, &second], &[&body, &other], &scene);
+        view.set_zones(&[zone(there, 1)]);
+        let rest = picture(&view, &[&first, &second], &[&body, &other], &scene);
         let (mean, high) = difference(&alone, &rest);
         assert!(mean < 0.05 && high <= 1, "{coverage:?}: {mean} {high}");
-        view.set_zones(&gpu.device, pipelines, &[]);
-        assert!(picture(gpu, &view, &[&first], &[&body], &scene) == alone);
+        view.set_zones(&[]);
+        assert!(picture(&view, &[&first], &[&body], &scene) == alone);
     }
 }
 
 #[test]
 fn guides_that_are_left_out_go_with_the_others() {
-    let (Some(gpu), Some(pipelines)) = (common::gpu(), common::pipelines()) else { return };
+    let Some(context) = common::context() else { return };
     let groom = groom();
     let run = |reach: &dyn Fn(u32) -> f32| -> (Vec<Vec<StrandVertex>>, Vec<u32>) {
-        let mut hair = hair(gpu, pipelines, &groom);
+        let mut hair = hair(context, &groom);
         let full = *hair.lod.current();
         let frames = (0..60u32).map(|i| {
-            hair.set_detail(&gpu.device, &gpu.queue, Detail { reach: reach(i), ..full });
+            hair.set_detail(Detail { reach: reach(i), ..full });
             // A turn and back, and rest.
             let s = (std::f32::consts::PI * (i as f32 / 36.0).min(1.0)).sin();
             let pose = Pose { rotation: Quat::from_rotation_y(0.8 * s * s), ..Pose::IDENTITY };
             submit(|recorder| recorder.advance(&mut hair, &frame(pose, 1.0 / 60.0)));
-            (vertices(gpu, &hair), hair.simulated_guides())
+            (vertices(context, &hair), hair.simulated_guides())
         });
         frames.unzip()
     };
@@ -236,22 +232,16 @@ fn guides_that_are_left_out_go_with_the_others() {
 #[test]
 #[ignore = "proof"]
 fn hair_at_rest_sleeps_and_wakes() {
-    let (Some(gpu), Some(pipelines)) = (common::gpu(), common::pipelines()) else { return };
+    let Some(context) = common::context() else { return };
     let groom = groom();
-    let [mut sleeper, mut waking] = [(); 2].map(|()| hair(gpu, pipelines, &groom));
+    let [mut sleeper, mut waking] = [(); 2].map(|()| hair(context, &groom));
     sleeper.lod.options = LodOptions { sleep: true, ..LodOptions::default() };
     let dispatches = |hair: &mut Hair, pose: Pose| {
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let mut encoder = context.device().create_command_encoder(&Default::default());
         let mut timings = tresses::gpu::Timings::by(tresses::gpu::wall);
-        let mut recorder = tresses::frame::Recorder {
-            pipelines,
-            device: &gpu.device,
-            queue: &gpu.queue,
-            encoder: &mut encoder,
-            timings: Some(&mut timings),
-        };
+        let mut recorder = context.recorder(&mut encoder).with_timings(Some(&mut timings));
         recorder.advance(hair, &frame(pose, 0.05)).unwrap();
-        gpu.queue.submit([encoder.finish()]);
+        context.queue().submit([encoder.finish()]);
         timings.counts().iter().map(|(_, counts)| counts.dispatches).sum::<u32>()
     };
     // A turn, then stillness: 2 / 3 ln(5000) = 5.7 s at a tenth of a millimetre per pixel.
@@ -268,7 +258,7 @@ fn hair_at_rest_sleeps_and_wakes() {
     assert!((110..140).contains(&slept), "{slept}");
     assert_eq!(dispatches(&mut sleeper, pose(140)), 0, "nothing is done for it");
     assert!(dispatches(&mut waking, pose(140)) > 0 && worked > 0);
-    let off = mean_distance(&vertices(gpu, &sleeper), &vertices(gpu, &waking));
+    let off = mean_distance(&vertices(context, &sleeper), &vertices(context, &waking));
     assert!(off < 1e-5, "{off}");
     // It wakes with the head, and goes where it would have gone.
     let nudge = |i: u32| turning(30 + i, 0);
@@ -276,7 +266,7 @@ fn hair_at_rest_sleeps_and_wakes() {
     for i in 1..20 {
         assert!(dispatches(&mut sleeper, nudge(i)) > 0 && !sleeper.is_asleep());
         dispatches(&mut waking, nudge(i));
-        worst = worst.max(mean_distance(&vertices(gpu, &sleeper), &vertices(gpu, &waking)));
+        worst = worst.max(mean_distance(&vertices(context, &sleeper), &vertices(context, &waking)));
     }
     println!("{worst}");
     assert!(worst < 2e-4, "{worst}");
@@ -285,13 +275,13 @@ fn hair_at_rest_sleeps_and_wakes() {
 #[test]
 #[ignore = "proof"]
 fn unseen_hair_is_left_and_comes_back_with_its_head() {
-    let (Some(gpu), Some(pipelines)) = (common::gpu(), common::pipelines()) else { return };
-    let first = hair(gpu, pipelines, &groom());
-    let mut hair = another(gpu, pipelines, &first);
+    let Some(context) = common::context() else { return };
+    let first = hair(context, &groom());
+    let mut hair = first.another(&[]).unwrap();
     hair.lod.options = LodOptions { sleep: true, ..LodOptions::default() };
     let look = |hair: &mut Hair, target: Vec3, pose: &Pose| {
         let camera = Camera::look_at(Vec3::Z, target, 0.5, SIZE);
-        hair.look_from(&gpu.device, &gpu.queue, &camera, pose);
+        hair.look_from(&camera, pose);
         submit(|recorder| recorder.advance(hair, &frame(*pose, 1.0 / 60.0)));
     };
     let (here, away) = (Vec3::ZERO, Vec3::new(5.0, 0.0, 1.0));
@@ -300,7 +290,7 @@ fn unseen_hair_is_left_and_comes_back_with_its_head() {
     }
     let relative = |hair: &Hair, pose: &Pose| -> Vec<StrandVertex> {
         let back = pose.inverse();
-        let mut all = vertices(gpu, hair);
+        let mut all = vertices(context, hair);
         all.iter_mut().for_each(|vertex| vertex.position = back.point(vertex.position));
         all
     };
@@ -323,7 +313,7 @@ fn unseen_hair_is_left_and_comes_back_with_its_head() {
         most = most.max(mean_distance(&last, &now));
         last = now;
     }
-    let mut seen = another(gpu, pipelines, &first);
+    let mut seen = first.another(&[]).unwrap();
     let (mut last, mut usual) = (Vec::new(), 0f32);
     for i in 0..90 {
         look(&mut seen, here, &turning(i, 0));
@@ -340,9 +330,9 @@ fn unseen_hair_is_left_and_comes_back_with_its_head() {
 
 #[test]
 fn a_budget_is_kept_by_levels() {
-    let (Some(gpu), Some(pipelines)) = (common::gpu(), common::pipelines()) else { return };
-    let first = hair(gpu, pipelines, &groom());
-    let mut heads: Vec<_> = (0..4).map(|_| another(gpu, pipelines, &first)).collect();
+    let Some(context) = common::context() else { return };
+    let first = hair(context, &groom());
+    let mut heads: Vec<_> = (0..4).map(|_| first.another(&[]).unwrap()).collect();
     heads.iter_mut().for_each(|hair| hair.lod.options = LodOptions::CROWD);
     let camera = Camera::look_at(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, 0.5, [640, 400]);
     let place = |i: usize| Pose { translation: Vec3::new(0.5 * i as f32 - 0.75, 0.0, 0.0), ..Pose::IDENTITY };
@@ -351,10 +341,15 @@ fn a_budget_is_kept_by_levels() {
     let zone = |i: usize, bias: f32| Zone::seen(focus(i), &camera, bias, vec![i], Vec::new());
     let held = Held { vertex: Held::BY_TILES, head: &|i, bias| zone(i, bias).bytes() };
     // What a zone is said to hold is what it holds.
-    let options = ViewOptions { shadow_resolution: 64, ambient_cells: 8, ..ViewOptions::default() };
-    let mut view = View::new(&gpu.device, pipelines, &options, SIZE, 1).unwrap();
+    let options = ViewOptions {
+        shadow_resolution: 64,
+        ambient_cells: 8,
+        coverage: Coverage::SampleMask,
+        ..ViewOptions::default()
+    };
+    let mut view = View::new(context, &options, SIZE, 1).unwrap();
     for octaves in [0.0, 2.0] {
-        view.set_zones(&gpu.device, pipelines, &[zone(0, octaves)]);
+        view.set_zones(&[zone(0, octaves)]);
         assert_eq!(view.zone_bytes(), zone(0, octaves).bytes());
     }
     assert!(zone(0, 0.0).bytes() > zone(0, 2.0).bytes());
@@ -363,11 +358,8 @@ fn a_budget_is_kept_by_levels() {
         let mut chosen = None;
         for _ in 0..frames {
             let mut all: Vec<_> = heads.iter_mut().enumerate().map(|(i, hair)| (hair, place(i))).collect();
-            let device = (&gpu.device, &gpu.queue);
-            let new = budget.look_from(device.0, device.1, &costs, &camera, &mut all, Some(bias), &held);
-            assert!(
-                (new.bias - bias).abs() <= tresses::lod::budget::FASTEST + 1e-6 || new.bytes <= budget.bytes
-            );
+            let new = budget.look_from(&costs, &camera, &mut all, Some(bias), &held);
+            assert!((new.bias - bias).abs() <= tresses::budget::FASTEST + 1e-6 || new.bytes <= budget.bytes);
             bias = new.bias;
             chosen = Some(new);
             for (hair, pose) in all {
@@ -382,14 +374,14 @@ fn a_budget_is_kept_by_levels() {
     let chosen = choose(&half, 60);
     assert!(chosen.fits && chosen.bias > 0.1, "{chosen:?}");
     assert!(chosen.milliseconds > 0.6 * free.milliseconds, "no coarser than need be: {chosen:?}");
-    let drawn = |chosen: &tresses::lod::Chosen| chosen.heads[0].strands * chosen.heads[0].vertices;
+    let drawn = |chosen: &tresses::budget::Chosen| chosen.heads[0].strands * chosen.heads[0].vertices;
     assert!(drawn(&chosen) < drawn(&free), "{chosen:?}");
     let less = Budget { bytes: free.bytes - (free.bytes - first.shared_bytes()) / 4, ..Budget::default() };
     let chosen = choose(&less, 60);
     assert!(chosen.fits && chosen.bytes <= less.bytes && chosen.bias > 0.0, "{chosen:?}");
     let nothing = Budget { milliseconds: 1e-3, ..Budget::default() };
     let chosen = choose(&nothing, 80);
-    assert!(!chosen.fits && chosen.bias == tresses::lod::budget::COARSEST, "{chosen:?}");
+    assert!(!chosen.fits && chosen.bias == tresses::budget::COARSEST, "{chosen:?}");
     let free = choose(&Budget::default(), 80);
     assert_eq!(free.bias, 0.0, "what is allowed is used again");
 }
@@ -399,13 +391,12 @@ fn a_budget_is_kept_by_levels() {
 #[test]
 #[ignore = "proof"]
 fn a_zone_is_as_bright_as_finer_maps() {
-    let (Some(gpu), Some(pipelines)) = (common::gpu(), common::pipelines()) else { return };
+    let Some(context) = common::context() else { return };
     let made = common::character("long", 5000).expect("there is a GPU");
-    let device = (&gpu.device, &gpu.queue);
     let options = HairOptions::default();
     let field = Some(&made.field);
-    let mut hair = Hair::new(device.0, device.1, pipelines, &made.groom, &options, field).unwrap();
-    let body = Body::new(&gpu.device, &made.mesh);
+    let mut hair = Hair::new(context, &made.groom, &options, field).unwrap();
+    let body = Body::new(context, &made.mesh);
     let (lo, hi) = made.groom.bounds().unwrap();
     let focus = Sphere { center: 0.5 * (lo + hi), radius: 0.62 * lo.distance(hi) };
     let linear = |byte: u8| tresses::light::material::linear(f32::from(byte) / 255.0);
@@ -426,12 +417,12 @@ fn a_zone_is_as_bright_as_finer_maps() {
                 tone: tresses::camera::ToneMap { exposure: 1.0, shoulder: 1.0, desaturation: 0.0 },
                 ..Default::default()
             };
-            hair.look_from(device.0, device.1, &camera, &Pose::IDENTITY);
+            hair.look_from(&camera, &Pose::IDENTITY);
             submit(|recorder| recorder.advance(&mut hair, &frame(Pose::IDENTITY, 0.0)));
             let options = ViewOptions { samples: 4, coverage: Coverage::Tiles, ..Default::default() };
-            let mut view = View::new(&gpu.device, pipelines, &options, [height; 2], 1).unwrap();
+            let mut view = View::new(context, &options, [height; 2], 1).unwrap();
             let mean = |view: &View| -> f64 {
-                let seen = picture(gpu, view, &[&hair], &[&body], &scene);
+                let seen = picture(view, &[&hair], &[&body], &scene);
                 let pixels = seen.as_chunks::<4>().0.iter();
                 pixels.map(|[r, g, b, _]| f64::from(linear(*r) + linear(*g) + linear(*b))).sum()
             };
@@ -440,7 +431,7 @@ fn a_zone_is_as_bright_as_finer_maps() {
             let sizes = [[512, 24], [256, 24], [128, 24], [64, 24], [256, 12], [256, 8]];
             let zones = sizes.map(|[resolution, cells]| Zone { resolution, cells, ..own.clone() });
             for (i, zone) in [&own].into_iter().chain(&zones).enumerate() {
-                view.set_zones(&gpu.device, pipelines, std::slice::from_ref(zone));
+                view.set_zones(std::slice::from_ref(zone));
                 let sum = sums[i][0] + mean(&view) / whole / 4.0;
                 sums[i] = [sum, zone.resolution.into(), zone.cells.into()];
             }
@@ -458,12 +449,11 @@ fn a_zone_is_as_bright_as_finer_maps() {
 #[test]
 #[ignore = "proof"]
 fn far_heads_do_not_flicker() {
-    let (Some(gpu), Some(pipelines)) = (common::gpu(), common::pipelines()) else { return };
+    let Some(context) = common::context() else { return };
     let made = common::character("long", 10_000).expect("there is a GPU");
-    let device = (&gpu.device, &gpu.queue);
     let options = HairOptions { lod: LodOptions::CROWD, ..Default::default() };
-    let first = Hair::new(device.0, device.1, pipelines, &made.groom, &options, Some(&made.field)).unwrap();
-    let mut body = Body::new(&gpu.device, &made.mesh);
+    let first = Hair::new(context, &made.groom, &options, Some(&made.field)).unwrap();
+    let mut body = Body::new(context, &made.mesh);
     let (lo, hi) = made.groom.bounds().unwrap();
     let focus = Sphere { center: 0.5 * (lo + hi), radius: 0.62 * lo.distance(hi) };
     let linear = |byte: u8| f64::from(tresses::light::material::linear(f32::from(byte) / 255.0));
@@ -473,7 +463,7 @@ fn far_heads_do_not_flicker() {
         Pose::about(focus.center, Quat::from_rotation_y(angle))
     };
     let mut run = |away: f32, azimuth: f32, every: Option<u32>| -> Vec<f64> {
-        let mut hair = another(gpu, pipelines, &first);
+        let mut hair = first.another(&[]).unwrap();
         let height = (2.0 * focus.radius / (away * 0.000_744_3)).ceil() as u32;
         let eye =
             focus.center + Quat::from_rotation_y(azimuth) * Vec3::new(0.0, 0.02, 1.0).normalize() * away;
@@ -487,9 +477,9 @@ fn far_heads_do_not_flicker() {
             ..Default::default()
         };
         let options = ViewOptions { samples: 4, coverage: Coverage::Tiles, ..Default::default() };
-        let mut view = View::new(&gpu.device, pipelines, &options, [height; 2], 1).unwrap();
+        let mut view = View::new(context, &options, [height; 2], 1).unwrap();
         let frames = (0..48u32).map(|i| {
-            hair.look_from(device.0, device.1, &camera, &turn(i));
+            hair.look_from(&camera, &turn(i));
             let dt = if i == 0 { 0.0 } else { 1.0 / 60.0 };
             submit(|recorder| recorder.advance(&mut hair, &frame(turn(i), dt)));
             body.pose = turn(i);
@@ -499,8 +489,8 @@ fn far_heads_do_not_flicker() {
                 Some(every) => zone.every = every,
                 None => zone.pose = turn(i),
             }
-            view.set_zones(&gpu.device, pipelines, &[zone]);
-            let seen = picture(gpu, &view, &[&hair], &[&body], &scene);
+            view.set_zones(&[zone]);
+            let seen = picture(&view, &[&hair], &[&body], &scene);
             let pixels = seen.as_chunks::<4>().0.iter();
             let light =
                 pixels.map(|[r, g, b, _]| 0.2126 * linear(*r) + 0.7152 * linear(*g) + 0.0722 * linear(*b));

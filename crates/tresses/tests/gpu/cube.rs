@@ -3,8 +3,8 @@
 use crate::common;
 use half::f16;
 use tresses::{
+    Context,
     glam::{Mat3, Quat, Vec3},
-    gpu::Gpu,
     light::{CubeMap, CubeProbe, Environment},
     wgpu,
 };
@@ -24,9 +24,9 @@ fn direction(face: usize, x: f32, y: f32) -> Vec3 {
 }
 
 /// A cube map with texels of `light`, and with levels where `levels` says so.
-fn map(gpu: &Gpu, size: u32, levels: bool, light: impl Fn(Vec3) -> Vec3) -> wgpu::TextureView {
+fn map(context: &Context, size: u32, levels: bool, light: impl Fn(Vec3) -> Vec3) -> wgpu::TextureView {
     let count = if levels { size.ilog2() + 1 } else { 1 };
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+    let texture = context.device().create_texture(&wgpu::TextureDescriptor {
         label: Some("test"),
         size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 6 },
         mip_level_count: count,
@@ -52,7 +52,7 @@ fn map(gpu: &Gpu, size: u32, levels: bool, light: impl Fn(Vec3) -> Vec3) -> wgpu
             }
             let halves: Vec<[f16; 4]> =
                 texels.iter().map(|t| [t.x, t.y, t.z, 1.0].map(f16::from_f32)).collect();
-            gpu.queue.write_texture(
+            context.queue().write_texture(
                 wgpu::TexelCopyTextureInfo {
                     texture: &texture,
                     mip_level: level,
@@ -90,15 +90,14 @@ fn off(a: &Environment, b: &Environment) -> f32 {
 
 #[test]
 fn a_cube_map_is_measured() {
-    let Some(gpu) = common::gpu() else { return };
-    let (device, queue) = (&gpu.device, &gpu.queue);
-    let probe = CubeProbe::new(device);
+    let Some(context) = common::context() else { return };
+    let probe = CubeProbe::new(context);
     let measure = |map: &wgpu::TextureView, of, to_map| {
-        let light = probe.measure(device, queue, map, of, to_map).unwrap();
-        pollster::block_on(light.wait(device)).unwrap()
+        let light = probe.measure(map, of, to_map).unwrap();
+        pollster::block_on(light.wait()).unwrap()
     };
     let truth = surroundings();
-    let diffuse = map(gpu, 32, false, |d| truth.around(d));
+    let diffuse = map(context, 32, false, |d| truth.around(d));
     let found = measure(&diffuse, CubeMap::Irradiance, Mat3::IDENTITY);
     assert!(off(&found, &truth) < 0.01, "{}", off(&found, &truth));
     let as_radiance = measure(&diffuse, CubeMap::Radiance, Mat3::IDENTITY);
@@ -108,7 +107,7 @@ fn a_cube_map_is_measured() {
     let turn = Quat::from_euler(tresses::glam::EulerRot::XYZ, 0.4, 1.2, -0.8);
     let mirror = Mat3::from_diagonal(Vec3::new(1.0, 1.0, -1.0));
     let to_map = mirror * Mat3::from_quat(turn.inverse());
-    let mirrored = map(gpu, 32, false, |d| truth.around(mirror * d));
+    let mirrored = map(context, 32, false, |d| truth.around(mirror * d));
     let found = measure(&mirrored, CubeMap::Irradiance, to_map);
     assert!(off(&found, &truth.turned(turn)) < 0.01, "{}", off(&found, &truth.turned(turn)));
     assert!(off(&found, &truth) > 0.04, "a turn is seen");
@@ -116,14 +115,14 @@ fn a_cube_map_is_measured() {
     // A small sun in a fine map is not missed where the map has levels: against a picture of it.
     let sun = Vec3::new(0.3, 0.8, -0.5).normalize();
     let sky = |d: Vec3| Vec3::splat(if d.dot(sun) > 0.9995 { 800.0 } else { 0.2 });
-    let found = measure(&map(gpu, 512, true, sky), CubeMap::Radiance, Mat3::IDENTITY);
+    let found = measure(&map(context, 512, true, sky), CubeMap::Radiance, Mat3::IDENTITY);
     let angle = std::f32::consts::TAU * (1.0 - 0.9995);
     let straight = 0.282_095 * (0.2 * 4.0 * std::f32::consts::PI + 800.0 * angle);
     let share = found.coefficients[0].x / straight;
     assert!((share - 1.0).abs() < 0.03, "{share}");
     assert!(found.around(sun).x > 2.0 * found.around(-sun).x);
     // Nonsense is black.
-    let broken = map(gpu, 8, false, |_| Vec3::splat(f32::INFINITY));
+    let broken = map(context, 8, false, |_| Vec3::splat(f32::INFINITY));
     let found = measure(&broken, CubeMap::Radiance, Mat3::IDENTITY);
     assert_eq!(found, Environment::default());
 }

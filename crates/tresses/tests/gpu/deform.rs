@@ -2,17 +2,16 @@
 
 use crate::common;
 use tresses::{
-    Error, Hair, HairOptions, Pose,
-    body::Body,
+    Context, Error, Hair, HairOptions, Pose,
+    body::{Body, Skin},
     collide::{
         Collider, ColliderDescriptor, ColliderPoses, FieldId, FieldSource, Shape,
         deform::{DeformingField, Which},
     },
-    frame::Frame,
     glam::{Quat, Vec3},
-    gpu::{Gpu, readback::blocking as readback},
+    gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, Strands, TriMesh, bind, mesh::shapes},
-    roots::Skin,
+    hair::HairFrame,
     simulate::SimulationParams,
     strands::StrandVertex,
     volume::HairHairMode,
@@ -41,7 +40,7 @@ fn groom() -> Groom {
 
 /// Hair on a ball whose field is rigid or deforms with the skin.
 struct Stage<'a> {
-    gpu: &'a Gpu,
+    context: &'a Context,
     hair: Hair,
     body: Body,
     rest: TriMesh,
@@ -51,12 +50,10 @@ struct Stage<'a> {
 }
 
 impl<'a> Stage<'a> {
-    fn new(gpu: &'a Gpu, deforms: bool, friction: f32) -> Self {
-        let pipelines = common::pipelines().expect("there is a GPU");
-        let Gpu { device, queue, .. } = gpu;
+    fn new(context: &'a Context, deforms: bool, friction: f32) -> Self {
         let mut rest = shapes::sphere(RADIUS, 48);
         rest.compute_normals();
-        let body = Body::with_levels(device, &rest, &[], 4);
+        let body = Body::with_levels(context, &rest, &[], 4);
         let mut physics = SimulationParams { friction, ..Default::default() };
         physics.hair_hair.mode = HairHairMode::Off;
         let options = HairOptions { simulation: physics, ..Default::default() };
@@ -67,13 +64,13 @@ impl<'a> Stage<'a> {
             colliders: &[Collider::new(Shape::Field(FieldId(0)))],
             ..Default::default()
         };
-        let mut hair = Hair::with_colliders(device, queue, pipelines, &groom(), &options, &what).unwrap();
+        let mut hair = Hair::with_colliders(context, &groom(), &options, &what).unwrap();
         if deforms {
             let fields = [DeformingField { which: BALL, triangles: &rest.triangles }];
             let skin = Skin::from(&body);
-            hair.colliders.deform(device, queue, &pipelines.deform, &rest, &skin, &fields).unwrap();
+            hair.colliders.deform(&rest, &skin, &fields).unwrap();
         }
-        Self { gpu, hair, body, rest, physics, ball: Pose::IDENTITY }
+        Self { context, hair, body, rest, physics, ball: Pose::IDENTITY }
     }
 
     /// On by a frame in which the skin comes to lie as `place` says and the head, with the ball's field, at `head`.
@@ -81,19 +78,24 @@ impl<'a> Stage<'a> {
         let mut moved = self.rest.clone();
         moved.positions.iter_mut().for_each(|p| *p = place(*p));
         moved.compute_normals();
-        self.body.move_to(&self.gpu.queue, &moved);
+        self.body.move_to(&moved);
         if let Some(deformation) = &mut self.hair.colliders.deformation {
             deformation.poses = vec![head.after(&self.ball)];
         }
         let colliders = ColliderPoses { head: None, colliders: vec![head.after(&self.ball)] };
-        let frame =
-            Frame { dt: DT, head, colliders: &colliders, simulation: &self.physics, ..Default::default() };
+        let frame = HairFrame {
+            dt: DT,
+            head,
+            colliders: &colliders,
+            simulation: &self.physics,
+            ..Default::default()
+        };
         common::submit(|recorder| recorder.advance(&mut self.hair, &frame));
     }
 
     fn vertices(&self) -> Vec<Vec3> {
-        let Gpu { device, queue, .. } = self.gpu;
-        let read: Vec<StrandVertex> = readback::buffer(device, queue, &self.hair.strands.vertices).unwrap();
+        let context = self.context;
+        let read: Vec<StrandVertex> = readback::buffer(context, &self.hair.strands.vertices).unwrap();
         read.iter().map(|vertex| vertex.position).collect()
     }
 }
@@ -109,9 +111,9 @@ fn bump(out: Vec3) -> f32 {
 
 #[test]
 fn hair_is_kept_out_of_skin_that_swells() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let deepest = |deforms: bool| {
-        let mut stage = Stage::new(gpu, deforms, 0.2);
+        let mut stage = Stage::new(context, deforms, 0.2);
         let mut worst = 0.0f32;
         for i in 0..90 {
             // Within half a second, then it stays.
@@ -136,12 +138,12 @@ fn hair_is_kept_out_of_skin_that_swells() {
 
 #[test]
 fn skin_that_turns_is_a_collider_that_turns() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     // Under hair that is heavier than it was made for, and lies on it: a ball that turns, and one whose skin does. What
     // touches them must be taken along alike, and is not where the skin stands still.
     let turn = |i: usize| Quat::from_rotation_y(0.35 * (i.saturating_sub(60) as f32 / 30.0).min(1.0));
     let moved = |ball: bool, skin: bool| {
-        let mut stage = Stage::new(gpu, true, 0.8);
+        let mut stage = Stage::new(context, true, 0.8);
         stage.physics.gravity *= 4.0;
         for i in 0..100 {
             let [ball, skin] = [ball, skin].map(|turns| if turns { turn(i) } else { Quat::IDENTITY });
@@ -167,8 +169,8 @@ fn skin_that_turns_is_a_collider_that_turns() {
 
 #[test]
 fn still_skin_changes_nothing() {
-    let Some(gpu) = common::gpu() else { return };
-    let (mut rigid, mut skinned) = (Stage::new(gpu, false, 0.2), Stage::new(gpu, true, 0.2));
+    let Some(context) = common::context() else { return };
+    let (mut rigid, mut skinned) = (Stage::new(context, false, 0.2), Stage::new(context, true, 0.2));
     let mut most = 0.0f32;
     for i in 0..40 {
         let t = i as f32 * DT;
@@ -184,14 +186,12 @@ fn still_skin_changes_nothing() {
 
 #[test]
 fn what_cannot_deform_is_said() {
-    let Some(gpu) = common::gpu() else { return };
-    let Gpu { device, queue, .. } = gpu;
-    let pipelines = common::pipelines().unwrap();
-    let mut stage = Stage::new(gpu, true, 0.2);
+    let Some(context) = common::context() else { return };
+    let mut stage = Stage::new(context, true, 0.2);
     let skin = Skin::from(&stage.body);
     let mut deform = |which, triangles: &[[u32; 3]], mesh: &TriMesh| {
         let fields = [DeformingField { which, triangles }];
-        let done = stage.hair.colliders.deform(device, queue, &pipelines.deform, mesh, &skin, &fields);
+        let done = stage.hair.colliders.deform(mesh, &skin, &fields);
         done.map_err(|error: Error| error.to_string())
     };
     let (rest, all) = (stage.rest.clone(), stage.rest.triangles.clone());
@@ -203,23 +203,22 @@ fn what_cannot_deform_is_said() {
     assert!(deform(BALL, &large.triangles, &large).unwrap_err().contains("too small"));
     // What was refused has changed nothing; none at all is none.
     assert!(stage.hair.colliders.deformation.is_some());
-    stage.hair.colliders.deform(device, queue, &pipelines.deform, &rest, &skin, &[]).unwrap();
+    stage.hair.colliders.deform(&rest, &skin, &[]).unwrap();
     assert!(stage.hair.colliders.deformation.is_none());
     assert!(deform_is_refused(&mut stage));
 }
 
 /// Whether a frame with another number of poses than parts is refused.
 fn deform_is_refused(stage: &mut Stage<'_>) -> bool {
-    let Gpu { device, queue, .. } = stage.gpu;
-    let pipelines = common::pipelines().unwrap();
+    let context = stage.context;
+    let device = context.device();
     let fields = [DeformingField { which: BALL, triangles: &stage.rest.triangles }];
     let skin = Skin::from(&stage.body);
-    stage.hair.colliders.deform(device, queue, &pipelines.deform, &stage.rest, &skin, &fields).unwrap();
+    stage.hair.colliders.deform(&stage.rest, &skin, &fields).unwrap();
     stage.hair.colliders.deformation.as_mut().unwrap().poses.clear();
     let colliders = ColliderPoses { head: None, colliders: vec![Pose::IDENTITY] };
-    let frame = Frame { dt: DT, colliders: &colliders, simulation: &stage.physics, ..Default::default() };
+    let frame = HairFrame { dt: DT, colliders: &colliders, simulation: &stage.physics, ..Default::default() };
     let mut encoder = device.create_command_encoder(&Default::default());
-    let mut recorder =
-        tresses::frame::Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None };
+    let mut recorder = context.recorder(&mut encoder);
     recorder.advance(&mut stage.hair, &frame).unwrap_err().to_string().contains("poses")
 }

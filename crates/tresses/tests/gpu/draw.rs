@@ -2,18 +2,19 @@
 
 use crate::common;
 
-use common::{gpu, metre_is_pixel, picture};
+use common::{context, metre_is_pixel, picture};
 use tresses::{
-    Camera, Pipelines, View,
+    Camera, Context, View,
+    draw::Coverage,
     glam::Vec3,
-    gpu::{Gpu, readback::blocking as readback},
+    gpu::readback::blocking as readback,
     light::{HairMaterial, HairSet, ShadingModel, ShadingRate, ShadowMethod, Sphere, unpack_radiance},
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
     view::{Picture, ViewOptions},
 };
 
-fn upload(gpu: &Gpu, radius: f32, strands: &[[Vec3; 2]]) -> StrandBuffers {
-    let buffers = StrandBuffers::new(&gpu.device, strands.len() as u32, 2).expect("fits");
+fn upload(context: &Context, radius: f32, strands: &[[Vec3; 2]]) -> StrandBuffers {
+    let buffers = StrandBuffers::new(context, strands.len() as u32, 2).expect("fits");
     let vertices: Vec<_> = strands
         .iter()
         .flat_map(|[a, b]| {
@@ -24,26 +25,19 @@ fn upload(gpu: &Gpu, radius: f32, strands: &[[Vec3; 2]]) -> StrandBuffers {
     let infos: Vec<_> = (0..strands.len() as u32)
         .map(|i| Strand { radius, seed: i.wrapping_mul(0x9e37_79b9), root_color: 0, tip_color: 0 })
         .collect();
-    gpu.queue.write_buffer(&buffers.vertices, 0, bytemuck::cast_slice(&vertices));
-    gpu.queue.write_buffer(&buffers.strands, 0, bytemuck::cast_slice(&infos));
+    context.queue().write_buffer(&buffers.vertices, 0, bytemuck::cast_slice(&vertices));
+    context.queue().write_buffer(&buffers.strands, 0, bytemuck::cast_slice(&infos));
     buffers
 }
 
-/// Pipelines, and a view of `size`² pixels of so many samples and texels along each axis.
-fn view(gpu: &Gpu, size: u32, samples: u32, ssaa: u32) -> (&'static Pipelines, View) {
-    let pipelines = common::pipelines().expect("there is a GPU");
-    let options = ViewOptions { samples, ..Default::default() };
-    let view = View::new(&gpu.device, pipelines, &options, [size, size], ssaa).expect("fits");
-    (pipelines, view)
+/// A view of `size`² pixels of so many samples and texels along each axis.
+fn view(context: &Context, size: u32, samples: u32, ssaa: u32) -> View {
+    let options = ViewOptions { samples, coverage: Coverage::SampleMask, ..Default::default() };
+    View::new(context, &options, [size, size], ssaa).expect("fits")
 }
 
-fn render(
-    gpu: &Gpu,
-    (pipelines, view): &(&'static Pipelines, View),
-    scene: &Picture,
-    hair: &HairSet,
-) -> Vec<u8> {
-    picture(gpu, (pipelines, view), scene, &[hair], &[])
+fn render(context: &Context, view: &View, scene: &Picture, hair: &HairSet) -> Vec<u8> {
+    picture(context, view, scene, &[hair], &[])
 }
 
 const SIZE: u32 = 512;
@@ -52,7 +46,7 @@ const LENGTH: f32 = 9.0;
 
 /// Strands of `LENGTH` pixels in all directions, one in each cell of a grid, so that none hides
 /// another: the share of the picture's area that they should cover and that they do.
-fn coverage(gpu: &Gpu, width: f32, samples: u32, ssaa: u32) -> (f64, f64) {
+fn coverage(context: &Context, width: f32, samples: u32, ssaa: u32) -> (f64, f64) {
     // One metre is one pixel.
     let cells = SIZE / CELL;
     let strands: Vec<_> = (0..cells * cells)
@@ -67,24 +61,24 @@ fn coverage(gpu: &Gpu, width: f32, samples: u32, ssaa: u32) -> (f64, f64) {
             [center - half, center + half]
         })
         .collect();
-    let view = view(gpu, SIZE, samples, ssaa);
+    let view = view(context, SIZE, samples, ssaa);
     let strands_count = strands.len();
-    let buffers = upload(gpu, 0.5 * width, &strands);
-    let hair = HairSet::new(&gpu.device, &buffers).expect("fits");
+    let buffers = upload(context, 0.5 * width, &strands);
+    let hair = HairSet::new(context, &buffers).expect("fits");
     let half = SIZE as f32 * 0.5;
     let scene = Picture {
         camera: metre_is_pixel(SIZE),
         focus: Sphere { center: Vec3::new(half, half, 0.0), radius: SIZE as f32 },
         ..common::dark()
     };
-    let picture = render(gpu, &view, &scene, &hair);
+    let picture = render(context, &view, &scene, &hair);
     let drawn: f64 = picture.chunks(4).map(|pixel| f64::from(pixel[3]) / 255.0).sum();
     (f64::from(width * LENGTH) * strands_count as f64, drawn)
 }
 
 #[test]
 fn strips_cover_their_area() {
-    let Some(gpu) = gpu() else { return };
+    let Some(context) = context() else { return };
     // (width in pixels, tolerance): below a pixel each strand rounds to whole samples by its own
     // hash, so that the sum over 1024 strands has a statistical error.
     for (samples, ssaa) in [(4, 1), (1, 1), (4, 2)] {
@@ -93,7 +87,7 @@ fn strips_cover_their_area() {
         {
             // A single sample is smoothed along strands, and their ends fray into what is beside them.
             let tolerance = tolerance + if samples * ssaa == 1 { 0.02 } else { 0.0 };
-            let (expected, drawn) = coverage(gpu, width, samples, ssaa);
+            let (expected, drawn) = coverage(context, width, samples, ssaa);
             let error = drawn / expected - 1.0;
             println!(
                 "{samples} samples, ssaa {ssaa}, {width} px: {drawn:.0} of {expected:.0} ({:+.1} %)",
@@ -106,8 +100,8 @@ fn strips_cover_their_area() {
 
 #[test]
 fn light_is_finite_and_bounded() {
-    let Some(gpu) = gpu() else { return };
-    let view = view(gpu, 16, 1, 1);
+    let Some(context) = context() else { return };
+    let view = view(context, 16, 1, 1);
     // A ball of directions, well apart so that no strand shades another.
     let strands: Vec<_> = (0..600)
         .map(|i| {
@@ -119,7 +113,7 @@ fn light_is_finite_and_bounded() {
             [at, at + direction.any_orthonormal_vector() * 0.001 + direction * 0.002]
         })
         .collect();
-    let mut hair = HairSet::new(&gpu.device, &upload(gpu, 4e-5, &strands)).expect("fits");
+    let mut hair = HairSet::new(context, &upload(context, 4e-5, &strands)).expect("fits");
     let models = [ShadingModel::KajiyaKay, ShadingModel::Fiber];
     for (name, model) in HairMaterial::NAMES.iter().flat_map(|name| models.map(|model| (name, model))) {
         let mut brightest = 0f32;
@@ -134,9 +128,8 @@ fn light_is_finite_and_bounded() {
             };
             // Also where light, tangent and eye are on one line.
             scene.lights.directional[0].direction = eye.normalize();
-            render(gpu, &view, &scene, &hair);
-            let shaded: Vec<u32> =
-                readback::buffer(&gpu.device, &gpu.queue, &view.1.shaded(&hair).unwrap()).expect("values");
+            render(context, &view, &scene, &hair);
+            let shaded: Vec<u32> = readback::buffer(context, &view.shaded(&hair).unwrap()).expect("values");
             for word in shaded {
                 // A word cannot say what is no number: that becomes nothing, or the brightest that there is.
                 let most = unpack_radiance(word).max_element();
@@ -152,8 +145,8 @@ fn light_is_finite_and_bounded() {
 /// Hair before other hair: less light behind it, and the two shading rates agree.
 #[test]
 fn hair_shades_hair() {
-    let Some(gpu) = gpu() else { return };
-    let view = view(gpu, 64, 1, 1);
+    let Some(context) = context() else { return };
+    let view = view(context, 64, 1, 1);
     // Two curtains without gaps, the second a centimetre behind the first, as the key light sees
     // it, and shorter, so that it does not see past the other's ends.
     let curtain = |z: f32, tall: f32| {
@@ -163,7 +156,7 @@ fn hair_shades_hair() {
         })
     };
     let strands: Vec<_> = curtain(0.0, 0.06).chain(curtain(-0.01, 0.05)).collect();
-    let mut hair = HairSet::new(&gpu.device, &upload(gpu, 1e-4, &strands)).expect("fits");
+    let mut hair = HairSet::new(context, &upload(context, 1e-4, &strands)).expect("fits");
     let mut scene = Picture {
         camera: Camera::look_at(Vec3::new(0.0, 0.0, 0.5), Vec3::ZERO, 0.15, [64, 64]),
         focus: Sphere { center: Vec3::ZERO, radius: 0.1 },
@@ -183,9 +176,8 @@ fn hair_shades_hair() {
         (ShadowMethod::DeepOpacity, 1.6, 0.15),
     ] {
         scene.shadows.method = method;
-        render(gpu, &view, &scene, &hair);
-        let shaded: Vec<u8> =
-            readback::buffer(&gpu.device, &gpu.queue, &view.1.shaded(&hair).unwrap()).expect("values");
+        render(context, &view, &scene, &hair);
+        let shaded: Vec<u8> = readback::buffer(context, &view.shaded(&hair).unwrap()).expect("values");
         let mean = |strands: std::ops::Range<usize>| {
             let count = strands.len() as f32;
             // The key light's byte of the first of two vertices of eight bytes.
@@ -198,10 +190,10 @@ fn hair_shades_hair() {
         assert!(front < if method == ShadowMethod::DeepOpacity { 0.8 } else { 0.01 }, "{method:?}: {front}");
         assert!((back - expected).abs() < tolerance, "{method:?}: {back}, not {expected}");
     }
-    let pixels = render(gpu, &view, &scene, &hair);
+    let pixels = render(context, &view, &scene, &hair);
 
     scene.shading = ShadingRate::PerVertex;
-    let vertices = render(gpu, &view, &scene, &hair);
+    let vertices = render(context, &view, &scene, &hair);
     let level = |picture: &[u8]| picture.iter().map(|v| f64::from(*v)).sum::<f64>() / picture.len() as f64;
     let (a, b) = (level(&pixels), level(&vertices));
     assert!((a - b).abs() < 4.0, "per pixel {a}, per vertex {b}");

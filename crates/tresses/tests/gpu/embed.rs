@@ -5,14 +5,14 @@ use crate::common;
 
 use half::f16;
 use tresses::{
-    Camera, Error, Hair, Pipelines, Pose, Result, View,
+    Camera, Context, Error, Hair, Pose, Result, View,
     draw::{Coverage, Embed, Surroundings},
-    frame::{Recorder, Shows, Sight},
+    frame::{Shows, Sight},
     glam::{
         Mat4, Vec3, Vec4,
         camera::rh::proj::directx::{orthographic, perspective},
     },
-    gpu::{Gpu, readback},
+    gpu::readback,
     light::{Lights, Sphere},
     view::{Picture, ViewOptions},
     wgpu::{self, TextureFormat, TextureUsages},
@@ -25,8 +25,7 @@ const FOV: f32 = 0.5;
 
 /// A scene of one colour and one depth, and the hair that is drawn into it.
 struct Setup<'a> {
-    gpu: &'a Gpu,
-    pipelines: &'static Pipelines,
+    context: &'a Context,
     embed: Embed,
     hair: Hair,
     view: View,
@@ -40,9 +39,7 @@ struct Setup<'a> {
 }
 
 impl<'a> Setup<'a> {
-    fn new(gpu: &'a Gpu, options: &ViewOptions, ssaa: u32) -> Self {
-        let device = &gpu.device;
-        let pipelines = common::pipelines().expect("there is a GPU");
+    fn new(context: &'a Context, options: &ViewOptions, ssaa: u32) -> Self {
         let hair = common::hair_on_a_ball(500);
         let scene = Picture {
             camera: Camera::look_at(Vec3::Z * DISTANCE, Vec3::ZERO, FOV, SIZE),
@@ -51,16 +48,15 @@ impl<'a> Setup<'a> {
             ..Default::default()
         };
         Self {
-            embed: Embed::new(device, (options.samples, options.coverage), TextureFormat::Rgba16Float)
+            embed: Embed::new(context, (options.samples, options.coverage), TextureFormat::Rgba16Float)
                 .unwrap(),
-            view: View::new(device, pipelines, options, SIZE, ssaa).unwrap(),
-            pipelines,
+            view: View::new(context, options, SIZE, ssaa).unwrap(),
             hair,
             scene,
             grown: true,
             origin: [0; 2],
             samples: (1, 0),
-            gpu,
+            context,
         }
     }
 
@@ -71,12 +67,13 @@ impl<'a> Setup<'a> {
 
     /// The same, and where the hair is if `asked`.
     fn drawn(&self, color: Vec4, projection: Mat4, depth: f32, asked: bool) -> Result<[Vec<Vec4>; 2]> {
-        let Gpu { device, queue, .. } = self.gpu;
+        let context = self.context;
+        let (device, queue) = (context.device(), context.queue());
         let ([width, height], [left, top]) = (SIZE, self.origin);
         let whole = [width + 2 * left, height + 2 * top];
         let mut encoder = device.create_command_encoder(&Default::default());
         let behind = (self.samples.1 != 0).then(|| far_away(device, self.samples, projection));
-        let scene = Drawn::new(self.gpu, &mut encoder, (whole, self.samples.0), (color, depth), behind);
+        let scene = Drawn::new(self.context, &mut encoder, (whole, self.samples.0), (color, depth), behind);
         let known = target(device, Embed::GEOMETRY, TextureUsages::COPY_SRC, (SIZE, 1));
         let known_view = known.create_view(&Default::default());
         let geometry = asked.then_some(&known_view);
@@ -86,15 +83,10 @@ impl<'a> Setup<'a> {
             ..Surroundings::new(&scene.color, &scene.depth, projection)
         };
         let sight = Sight { shows: Shows::Over(&self.embed, into), ..Sight::new(&self.view, &self.scene) };
-        Recorder { pipelines: self.pipelines, device, queue, encoder: &mut encoder, timings: None }.draw(
-            &[&self.hair][..usize::from(self.grown)],
-            &[],
-            sight,
-        )?;
+        context.recorder(&mut encoder).draw(&[&self.hair][..usize::from(self.grown)], &[], sight)?;
         queue.submit([encoder.finish()]);
-        let texels = scene.read(self.gpu)?;
-        let known =
-            bytemuck::pod_collect_to_vec(&pollster::block_on(readback::texture(device, queue, &known))?);
+        let texels = scene.read(self.context)?;
+        let known = bytemuck::pod_collect_to_vec(&pollster::block_on(readback::texture(context, &known))?);
         Ok([texels, known])
     }
 
@@ -141,13 +133,13 @@ pub struct Drawn {
 impl Drawn {
     /// Of so many pixels and samples of depth, some of which a pipeline puts elsewhere.
     pub fn new(
-        gpu: &Gpu,
+        context: &Context,
         encoder: &mut wgpu::CommandEncoder,
         (size, samples): ([u32; 2], u32),
         (color, depth): (Vec4, f32),
         behind: Option<wgpu::RenderPipeline>,
     ) -> Self {
-        let device = &gpu.device;
+        let device = context.device();
         let picture = target(device, TextureFormat::Rgba16Float, TextureUsages::COPY_SRC, (size, 1));
         let depths = (TextureFormat::Depth32Float, TextureUsages::TEXTURE_BINDING);
         let depths = target(device, depths.0, depths.1, (size, samples)).create_view(&Default::default());
@@ -187,8 +179,8 @@ impl Drawn {
     }
 
     /// What is in its colour.
-    pub fn read(&self, gpu: &Gpu) -> Result<Vec<Vec4>> {
-        let bytes = pollster::block_on(readback::texture(&gpu.device, &gpu.queue, &self.picture))?;
+    pub fn read(&self, context: &Context) -> Result<Vec<Vec4>> {
+        let bytes = pollster::block_on(readback::texture(context, &self.picture))?;
         let texels: Vec<[f16; 4]> = bytemuck::pod_collect_to_vec(&bytes);
         Ok(texels.iter().map(|texel| Vec4::from_array(texel.map(f16::to_f32))).collect())
     }
@@ -242,14 +234,14 @@ pub fn difference(a: &[Vec4], b: &[Vec4]) -> f32 {
 
 #[test]
 fn hair_is_hidden_by_what_is_in_front_of_it() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let blue = Vec4::new(0.125, 0.25, 0.5, 1.0);
     let usual = perspective(FOV, SIZE[0] as f32 / SIZE[1] as f32, 0.05, 50.0);
     use Coverage::{SampleMask, Tiles};
     let modes = [(4, 1, SampleMask), (1, 1, SampleMask), (1, 2, SampleMask), (4, 1, Tiles), (1, 2, Tiles)];
     for (samples, ssaa, coverage) in modes {
         let options = ViewOptions { samples, coverage, shadow_resolution: 64, ..Default::default() };
-        let stage = Setup::new(gpu, &options, ssaa);
+        let stage = Setup::new(context, &options, ssaa);
         let [free, halved, hidden] = [20.0, DISTANCE, 0.3].map(|at| stage.wall(blue, usual, at));
         let [some, half, none] = [&free, &halved, &hidden].map(|picture| covered(picture, blue));
         println!(
@@ -283,12 +275,12 @@ fn hair_is_hidden_by_what_is_in_front_of_it() {
 
 #[test]
 fn a_picture_may_be_a_part_of_the_scene() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let blue = Vec4::new(0.125, 0.25, 0.5, 1.0);
     let usual = perspective(FOV, SIZE[0] as f32 / SIZE[1] as f32, 0.05, 50.0);
     for (samples, ssaa, coverage) in [(4, 1, Coverage::SampleMask), (1, 2, Coverage::Tiles)] {
         let options = ViewOptions { samples, coverage, shadow_resolution: 64, ..Default::default() };
-        let mut stage = Setup::new(gpu, &options, ssaa);
+        let mut stage = Setup::new(context, &options, ssaa);
         let alone = stage.wall(blue, usual, DISTANCE);
         stage.origin = [13, 7];
         let [width, height] = [SIZE[0] + 26, SIZE[1] + 14];
@@ -308,13 +300,13 @@ fn a_picture_may_be_a_part_of_the_scene() {
 
 #[test]
 fn of_several_depths_in_a_pixel_those_behind_hair_count() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let blue = Vec4::new(0.125, 0.25, 0.5, 1.0);
     let aspect = SIZE[0] as f32 / SIZE[1] as f32;
     for projection in [perspective(FOV, aspect, 0.05, 50.0), Camera::perspective(FOV, aspect, 0.02)] {
         for (samples, coverage) in [(4, Coverage::SampleMask), (1, Coverage::Tiles)] {
             let options = ViewOptions { samples, coverage, shadow_resolution: 64, ..Default::default() };
-            let mut stage = Setup::new(gpu, &options, 1);
+            let mut stage = Setup::new(context, &options, 1);
             let [free, halved] = [20.0, DISTANCE].map(|at| stage.wall(blue, projection, at));
             stage.samples = (4, 0);
             assert!(stage.wall(blue, projection, DISTANCE) == halved, "four equal samples are one");
@@ -339,11 +331,11 @@ fn of_several_depths_in_a_pixel_those_behind_hair_count() {
 
 #[test]
 fn hair_is_blended_over_the_scene() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let projection = perspective(FOV, SIZE[0] as f32 / SIZE[1] as f32, 0.05, 50.0);
     for coverage in [Coverage::SampleMask, Coverage::AlphaToCoverage, Coverage::Tiles] {
         let options = ViewOptions { samples: 4, coverage, shadow_resolution: 64, ..Default::default() };
-        let stage = Setup::new(gpu, &options, 1);
+        let stage = Setup::new(context, &options, 1);
         let [black, grey, white] =
             [0.0, 0.5, 1.0].map(|c| stage.wall(Vec4::new(c, c, c, 1.0), projection, 20.0));
         // What shows through is linear in the scene's colour ...
@@ -363,7 +355,7 @@ fn hair_is_blended_over_the_scene() {
         }
         assert!(partial > 100, "{coverage:?}: {partial} pixels are partly covered");
     }
-    assert!(Embed::new(&gpu.device, (1, Coverage::PEELING), TextureFormat::Rgba16Float).is_err());
+    assert!(Embed::new(context, (1, Coverage::PEELING), TextureFormat::Rgba16Float).is_err());
 }
 
 /// The distance from the eye along the view that a depth of `projection` tells.
@@ -379,13 +371,13 @@ fn per_millimetre(distance: f32) -> f32 {
 
 #[test]
 fn a_scene_is_told_where_hair_is() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let aspect = SIZE[0] as f32 / SIZE[1] as f32;
     let [usual, reversed] = [perspective(FOV, aspect, 0.05, 50.0), Camera::perspective(FOV, aspect, 0.02)];
     for (samples, ssaa) in [(1, 1), (4, 1), (1, 2)] {
         let options =
             ViewOptions { samples, coverage: Coverage::Tiles, shadow_resolution: 64, ..Default::default() };
-        let mut stage = Setup::new(gpu, &options, ssaa);
+        let mut stage = Setup::new(context, &options, ssaa);
         let still = stage.known(usual);
         let hair = |known: &[Vec4]| known.iter().copied().filter(|texel| texel.w > 0.05).collect::<Vec<_>>();
         assert!(hair(&still).len() > 800, "{} pixels of hair", hair(&still).len());
@@ -427,9 +419,8 @@ fn a_scene_is_told_where_hair_is() {
             assert!(off < 0.02, "{texel} of {expected}");
         }
         // With other vertices nothing is known of the picture before but its camera.
-        let (device, queue) = (&gpu.device, &gpu.queue);
         let detail = stage.hair.lod.detail(1e-2, 20.0);
-        stage.hair.set_detail(device, queue, detail);
+        stage.hair.set_detail(detail);
         common::advance(&mut stage.hair, &common::frame(Pose::IDENTITY, 0.0));
         assert!(most(&stage.known(usual)) < 1e-3);
         // Without hair nothing is told of it, whatever the picture before had.
@@ -438,7 +429,12 @@ fn a_scene_is_told_where_hair_is() {
         let far = |texel: &Vec4| *texel == Vec4::ZERO;
         assert!(known.iter().all(far), "{:?}", known.iter().find(|texel| !far(texel)));
     }
-    let options = ViewOptions { samples: 4, shadow_resolution: 64, ..Default::default() };
-    let refused = Setup::new(gpu, &options, 1).drawn(Vec4::ZERO, usual, 1.0, true);
+    let options = ViewOptions {
+        samples: 4,
+        shadow_resolution: 64,
+        coverage: Coverage::SampleMask,
+        ..Default::default()
+    };
+    let refused = Setup::new(context, &options, 1).drawn(Vec4::ZERO, usual, 1.0, true);
     assert!(matches!(refused, Err(Error::Parameter { .. })), "masks know nothing of it");
 }

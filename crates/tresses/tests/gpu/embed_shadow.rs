@@ -7,9 +7,9 @@ use crate::{
 };
 
 use tresses::{
-    Camera, Error, Hair, Result, View,
+    Camera, Context, Error, Hair, Result, View,
     draw::{Coverage, Embed, Shade, Surroundings, embed::shade},
-    frame::{Recorder, Shows, Sight},
+    frame::{Shows, Sight},
     glam::{
         Mat4, Vec3, Vec4,
         camera::rh::{
@@ -17,7 +17,7 @@ use tresses::{
             view::look_at_mat4,
         },
     },
-    gpu::{Gpu, readback},
+    gpu::readback,
     light::{Directional, Lights, SceneShadow, Sky, Sphere},
     view::{Picture, ViewOptions},
     wgpu::{self, TextureFormat, TextureUsages, util::DeviceExt},
@@ -33,7 +33,7 @@ const WALL: Vec4 = Vec4::new(0.5, 0.5, 0.5, 1.0);
 
 /// Hair that hangs from a ball, before a wall that faces the eye.
 struct Setup<'a> {
-    gpu: &'a Gpu,
+    context: &'a Context,
     embed: Embed,
     hair: Hair,
     view: View,
@@ -47,9 +47,7 @@ struct Setup<'a> {
 }
 
 impl<'a> Setup<'a> {
-    fn new(gpu: &'a Gpu, direction: Vec3) -> Self {
-        let device = &gpu.device;
-        let pipelines = common::pipelines().expect("there is a GPU");
+    fn new(context: &'a Context, direction: Vec3) -> Self {
         let hair = common::hair_on_a_ball(2000);
         let mut lights = Lights {
             directional: [Directional::OFF; 4],
@@ -65,8 +63,8 @@ impl<'a> Setup<'a> {
             ..Default::default()
         };
         Self {
-            embed: Embed::new(device, (1, Coverage::Tiles), TextureFormat::Rgba16Float).unwrap(),
-            view: View::new(device, pipelines, &options, SIZE, 1).unwrap(),
+            embed: Embed::new(context, (1, Coverage::Tiles), TextureFormat::Rgba16Float).unwrap(),
+            view: View::new(context, &options, SIZE, 1).unwrap(),
             hair,
             picture: Picture {
                 camera: Camera::look_at(Vec3::Z * DISTANCE, Vec3::ZERO, FOV, SIZE),
@@ -78,13 +76,14 @@ impl<'a> Setup<'a> {
             samples: 1,
             shade: Shade::default(),
             projection: None,
-            gpu,
+            context,
         }
     }
 
     /// The picture with the scene's `shadows`, and with so much of hair's own `shade`.
     fn drawn(&self, shadows: &[SceneShadow<'_>], shade: f32) -> Result<Vec<Vec4>> {
-        let Gpu { device, queue, .. } = self.gpu;
+        let context = self.context;
+        let (device, queue) = (context.device(), context.queue());
         let aspect = SIZE[0] as f32 / SIZE[1] as f32;
         let projection = self.projection.unwrap_or(perspective(FOV, aspect, 0.05, 50.0));
         // What is infinitely far is where nothing is.
@@ -92,19 +91,14 @@ impl<'a> Setup<'a> {
         let nothing = if depth(2.0) > depth(1.0) { 1.0 } else { 0.0 };
         let far = if self.wall.is_finite() { depth(self.wall) } else { nothing };
         let mut encoder = device.create_command_encoder(&Default::default());
-        let scene = Drawn::new(self.gpu, &mut encoder, (SIZE, self.samples), (WALL, far), None);
+        let scene = Drawn::new(self.context, &mut encoder, (SIZE, self.samples), (WALL, far), None);
         let shade = (shade != 0.0).then_some(Shade { strength: shade, ..self.shade });
         let into =
             Surroundings { shadows, shade, ..Surroundings::new(&scene.color, &scene.depth, projection) };
         let sight = Sight { shows: Shows::Over(&self.embed, into), ..Sight::new(&self.view, &self.picture) };
-        let pipelines = common::pipelines().expect("there is a GPU");
-        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }.draw(
-            &[&self.hair],
-            &[],
-            sight,
-        )?;
+        context.recorder(&mut encoder).draw(&[&self.hair], &[], sight)?;
         queue.submit([encoder.finish()]);
-        scene.read(self.gpu)
+        scene.read(self.context)
     }
 
     /// A shadow map of the scene of so many columns and rows, whose texel at x and y has what is `metres(x, y)` metres
@@ -115,7 +109,8 @@ impl<'a> Setup<'a> {
         [wide, high]: [u32; 2],
         metres: impl Fn(u32, u32) -> f32,
     ) -> wgpu::TextureView {
-        let Gpu { device, queue, .. } = self.gpu;
+        let context = self.context;
+        let device = context.device();
         let far = if projection.project_point3(Vec3::NEG_Z).z < projection.project_point3(Vec3::NEG_Z * 2.0).z
         {
             1.0
@@ -140,8 +135,12 @@ impl<'a> Setup<'a> {
             view_formats: &[],
         };
         let order = wgpu::util::TextureDataOrder::LayerMajor;
-        let texture =
-            device.create_texture_with_data(queue, &descriptor, order, bytemuck::cast_slice(&texels));
+        let texture = device.create_texture_with_data(
+            context.queue(),
+            &descriptor,
+            order,
+            bytemuck::cast_slice(&texels),
+        );
         texture.create_view(&Default::default())
     }
 }
@@ -171,9 +170,9 @@ fn light(picture: &[Vec4], columns: std::ops::Range<usize>) -> f32 {
 
 #[test]
 fn a_scenes_shadow_maps_keep_light_from_hair() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     // From the eye: what is left in the picture is left in the maps.
-    let mut setup = Setup::new(gpu, Vec3::Z);
+    let mut setup = Setup::new(context, Vec3::Z);
     setup.picture.lights.directional[1].irradiance = Vec3::splat(40.0);
     let free = setup.drawn(&[], 0.0).unwrap();
     let all = 0..SIZE[0] as usize;
@@ -244,8 +243,8 @@ fn a_scenes_shadow_maps_keep_light_from_hair() {
 
 #[test]
 fn an_edge_of_a_coarse_map_is_a_line() {
-    let Some(gpu) = common::gpu() else { return };
-    let mut setup = Setup::new(gpu, Vec3::Z);
+    let Some(context) = common::context() else { return };
+    let mut setup = Setup::new(context, Vec3::Z);
     setup.picture.lights.directional[1].irradiance = Vec3::splat(40.0);
     let free = setup.drawn(&[], 0.0).unwrap();
     // Eight texels of 0.1 m to an edge, of which those above the diagonal are covered: a staircase.
@@ -279,9 +278,9 @@ fn an_edge_of_a_coarse_map_is_a_line() {
 
 #[test]
 fn hair_casts_its_shadow_on_the_scene() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let direction = Vec3::new(0.6, 0.0, 0.8);
-    let mut setup = Setup::new(gpu, direction);
+    let mut setup = Setup::new(context, direction);
     setup.picture.lights.sky =
         Sky { zenith: Vec3::splat(0.2), horizon: Vec3::splat(0.2), ground: Vec3::splat(0.2) };
     // Of a matt surface that faces the eye.
@@ -362,8 +361,8 @@ fn hair_casts_its_shadow_on_the_scene() {
 
 /// What the scene's shaders are told of light 0 at some points of surfaces that face `normal`.
 fn told(setup: &Setup<'_>, points: &[Vec3], normal: Vec3) -> Vec<Vec4> {
-    let Gpu { device, queue, .. } = setup.gpu;
-    let pipelines = common::pipelines().expect("there is a GPU");
+    let context = setup.context;
+    let (device, queue) = (context.device(), context.queue());
     let code = shade::wgsl(1)
         + "
         @group(0) @binding(0) var<storage, read_write> points: array<vec4<f32>>;
@@ -386,7 +385,7 @@ fn told(setup: &Setup<'_>, points: &[Vec3], normal: Vec3) -> Vec<Vec4> {
     );
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: None,
-        bind_group_layouts: &[Some(&own), Some(pipelines.light_layout())],
+        bind_group_layouts: &[Some(&own), Some(&View::light_layout(context))],
         immediate_size: 0,
     });
     let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -415,7 +414,7 @@ fn told(setup: &Setup<'_>, points: &[Vec3], normal: Vec3) -> Vec<Vec4> {
     pass.dispatch_workgroups(points.len().div_ceil(64) as u32, 1, 1);
     drop(pass);
     queue.submit([encoder.finish()]);
-    pollster::block_on(readback::buffer::<[f32; 4]>(device, queue, &buffer))
+    pollster::block_on(readback::buffer::<[f32; 4]>(context, &buffer))
         .unwrap()
         .into_iter()
         .map(Vec4::from_array)
@@ -424,8 +423,8 @@ fn told(setup: &Setup<'_>, points: &[Vec3], normal: Vec3) -> Vec<Vec4> {
 
 #[test]
 fn a_scenes_own_shaders_can_ask_hair_for_its_shadow() {
-    let Some(gpu) = common::gpu() else { return };
-    let mut setup = Setup::new(gpu, Vec3::new(0.6, 0.0, 0.8));
+    let Some(context) = common::context() else { return };
+    let mut setup = Setup::new(context, Vec3::new(0.6, 0.0, 0.8));
     setup.wall = 1.2;
     // Without a sky the pass leaves of the colour what the function says.
     let [plain, shaded] = [0.0, 1.0].map(|shade| setup.drawn(&[], shade).unwrap());
@@ -451,8 +450,8 @@ fn a_scenes_own_shaders_can_ask_hair_for_its_shadow() {
 
 #[test]
 fn a_map_knows_what_it_sees() {
-    let Some(gpu) = common::gpu() else { return };
-    let setup = Setup::new(gpu, Vec3::Z);
+    let Some(context) = common::context() else { return };
+    let setup = Setup::new(context, Vec3::Z);
     let flat = orthographic(-1.0, 1.0, -1.0, 1.0, 1.0, 9.0);
     let lamp = Camera::perspective(std::f32::consts::FRAC_PI_2, 1.0, 0.1);
     let depth = setup.map(flat, [4; 2], |_, _| f32::NAN);

@@ -4,9 +4,10 @@ use crate::common;
 
 use std::path::Path;
 use tresses::{
-    Camera, View,
+    Camera, Context, View,
+    draw::Coverage,
     glam::{DVec3, Mat3, Vec3},
-    gpu::{Gpu, readback::blocking as readback},
+    gpu::readback::blocking as readback,
     light::{
         Directional, Environment, FiberMaterial, HairMaterial, HairSet, Lights, MAX_LIGHTS, ShadingModel,
         ShadowMethod, Shadows, Sky, Sphere,
@@ -115,8 +116,8 @@ impl View1 {
 }
 
 /// What `light::shade` makes of one fibre per light, all lit with an irradiance of 1.
-fn on_gpu(gpu: &Gpu, view: &View1, material: FiberMaterial) -> Vec<Vec3> {
-    let Gpu { device, queue, .. } = gpu;
+fn on_gpu(context: &Context, view: &View1, material: FiberMaterial) -> Vec<Vec3> {
+    let queue = context.queue();
     let to_light = Vec3::new(0.3, 0.8, 0.5).normalize();
     let count = view.lights.len() as u32;
     // Each fibre is turned so that its light comes from there.
@@ -130,14 +131,18 @@ fn on_gpu(gpu: &Gpu, view: &View1, material: FiberMaterial) -> Vec<Vec3> {
             [0.0, 1e-5].map(|y| StrandVertex { position: at(y), tangent })
         })
         .collect();
-    let pipelines = common::pipelines().expect("there is a GPU");
-    let options = ViewOptions { samples: 1, shadow_resolution: 64, ..Default::default() };
-    let eye = View::new(device, pipelines, &options, [16, 16], 1).expect("fits");
-    let strands = StrandBuffers::new(device, count, 2).expect("fits");
+    let options = ViewOptions {
+        samples: 1,
+        shadow_resolution: 64,
+        coverage: Coverage::SampleMask,
+        ..Default::default()
+    };
+    let eye = View::new(context, &options, [16, 16], 1).expect("fits");
+    let strands = StrandBuffers::new(context, count, 2).expect("fits");
     queue.write_buffer(&strands.vertices, 0, bytemuck::cast_slice(&vertices));
     let info = vec![Strand { radius: 1e-4, seed: 7, root_color: 0, tip_color: 0 }; count as usize];
     queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&info));
-    let mut hair = HairSet::new(device, &strands).expect("fits");
+    let mut hair = HairSet::new(context, &strands).expect("fits");
     hair.material = HairMaterial {
         model: ShadingModel::Fiber,
         fiber: material,
@@ -159,8 +164,8 @@ fn on_gpu(gpu: &Gpu, view: &View1, material: FiberMaterial) -> Vec<Vec3> {
         shadows,
         ..Default::default()
     };
-    common::picture(gpu, (pipelines, &eye), &picture, &[&hair], &[]);
-    let shaded: Vec<u32> = readback::buffer(device, queue, &eye.shaded(&hair).unwrap()).expect("read back");
+    common::picture(context, &eye, &picture, &[&hair], &[]);
+    let shaded: Vec<u32> = readback::buffer(context, &eye.shaded(&hair).unwrap()).expect("read back");
     shaded.into_iter().step_by(2).map(unpack_radiance).collect()
 }
 
@@ -171,7 +176,7 @@ fn alone(sigma_a: Vec3, shape: FiberShape) -> FiberMaterial {
 
 #[test]
 fn gpu_and_twin_agree() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     for (shape, sigma, theta) in [
         (FiberShape::default(), bsdf::melanin(1.3, 0.2), 0.2_f32),
         (
@@ -185,7 +190,7 @@ fn gpu_and_twin_agree() {
         let far = FarField::new(&shape);
         // Of what the twin says of `shape` and `sigma`, relative to the brightest.
         let error = |given: FiberMaterial| {
-            let shaded = on_gpu(gpu, &view, given);
+            let shaded = on_gpu(context, &view, given);
             let (mut worst, mut brightest) = (0.0_f32, 0.0_f32);
             for (shaded, light) in shaded.iter().zip(&view.lights) {
                 let exact = far.scatter(Vec3::Y, view.eye, *light, sigma);
@@ -209,11 +214,11 @@ fn gpu_and_twin_agree() {
 
 #[test]
 fn white_furnace_on_the_gpu() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     for theta in [0.0_f32, 0.7, -1.2] {
         let view = View1::new(theta, 6000);
         let sum = |sigma: f32| {
-            let shaded = on_gpu(gpu, &view, alone(Vec3::splat(sigma), FiberShape::default()));
+            let shaded = on_gpu(context, &view, alone(Vec3::splat(sigma), FiberShape::default()));
             shaded.iter().map(|v| v.y).sum::<f32>() * 4.0 * std::f32::consts::PI / shaded.len() as f32
         };
         let (white, grey) = (sum(0.0), sum(0.15));
@@ -224,21 +229,20 @@ fn white_furnace_on_the_gpu() {
 }
 
 /// The radiances of both ends of upright strands at these places, lit from where the eye is.
-fn upright(gpu: &Gpu, places: &[Vec3], density_back: f32, strand_by_strand: f32) -> Vec<f32> {
-    upright_in(gpu, places, density_back, strand_by_strand, 0)
+fn upright(context: &Context, places: &[Vec3], density_back: f32, strand_by_strand: f32) -> Vec<f32> {
+    upright_in(context, places, density_back, strand_by_strand, 0)
 }
 
 /// The same with strand maps of so many texels along each edge, 0 for none.
 fn upright_in(
-    gpu: &Gpu,
+    context: &Context,
     places: &[Vec3],
     density_back: f32,
     strand_by_strand: f32,
     strand_map: u32,
 ) -> Vec<f32> {
-    let Gpu { device, queue, .. } = gpu;
-    let pipelines = common::pipelines().expect("there is a GPU");
-    let strands = StrandBuffers::new(device, places.len() as u32, 2).expect("fits");
+    let queue = context.queue();
+    let strands = StrandBuffers::new(context, places.len() as u32, 2).expect("fits");
     let ends = |at: &Vec3| {
         [-0.05, 0.05]
             .map(|y| StrandVertex { position: *at + Vec3::Y * y, tangent: pack_tangent(Vec3::Y, 1.0) })
@@ -248,7 +252,7 @@ fn upright_in(
     let one = |i: u32| Strand { radius: 1e-4, seed: 7 + i, root_color: 0, tip_color: 0 };
     let info: Vec<_> = (0..places.len() as u32).map(one).collect();
     queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&info));
-    let mut hair = HairSet::new(device, &strands).expect("fits");
+    let mut hair = HairSet::new(context, &strands).expect("fits");
     let mut lights = Lights { directional: [Directional::OFF; MAX_LIGHTS], ..Default::default() };
     lights.directional[0] = Directional { direction: Vec3::Z, irradiance: Vec3::ONE };
     lights.sky = Sky::default();
@@ -262,10 +266,16 @@ fn upright_in(
     let fiber = FiberMaterial { density_back, ..FiberMaterial::uniform(Vec3::splat(0.1)) };
     hair.material =
         HairMaterial { model: ShadingModel::Fiber, fiber, warmth_spread: 0.0, ..Default::default() };
-    let options = ViewOptions { samples: 1, shadow_resolution: 256, strand_map, ..Default::default() };
-    let eye = View::new(device, pipelines, &options, [16, 16], 1).expect("fits");
-    common::picture(gpu, (pipelines, &eye), &picture, &[&hair], &[]);
-    let shaded: Vec<u32> = readback::buffer(device, queue, &eye.shaded(&hair).unwrap()).expect("read back");
+    let options = ViewOptions {
+        samples: 1,
+        shadow_resolution: 256,
+        strand_map,
+        coverage: Coverage::SampleMask,
+        ..Default::default()
+    };
+    let eye = View::new(context, &options, [16, 16], 1).expect("fits");
+    common::picture(context, &eye, &picture, &[&hair], &[]);
+    let shaded: Vec<u32> = readback::buffer(context, &eye.shaded(&hair).unwrap()).expect("read back");
     shaded.into_iter().map(|word| unpack_radiance(word).y).collect()
 }
 
@@ -282,11 +292,11 @@ fn block(fibers: f32) -> Vec<Vec3> {
 
 #[test]
 fn hair_throws_back_as_much_as_there_is_of_it() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     // What others throw back over that without, for the first.
     let found = [0.0, 0.5, 2.0, 16.0].map(|fibers| {
         let places = block(fibers);
-        let [with, without] = [0.7, 0.0].map(|density_back| upright(gpu, &places, density_back, 0.0)[0]);
+        let [with, without] = [0.7, 0.0].map(|density_back| upright(context, &places, density_back, 0.0)[0]);
         with / without
     });
     println!("{found:?}");
@@ -297,10 +307,10 @@ fn hair_throws_back_as_much_as_there_is_of_it() {
 
 #[test]
 fn strands_are_in_light_or_shade_as_often_as_the_mean_says() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let places = block(6.0);
     // What every strand would have in the mean, and what it has; by depth, where the mean goes from 1 to e^-6.
-    let [smooth, single] = [0.0, 1.0].map(|strength| upright(gpu, &places, 0.7, strength));
+    let [smooth, single] = [0.0, 1.0].map(|strength| upright(context, &places, 0.7, strength));
     let spread = |values: &[f32]| {
         let mean = values.iter().sum::<f32>() / values.len() as f32;
         let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f32>() / values.len() as f32;
@@ -317,22 +327,22 @@ fn strands_are_in_light_or_shade_as_often_as_the_mean_says() {
         assert!(much > 1.3 * little, "strands differ");
     }
     // Where hardly anything is in the way hardly anything is by chance.
-    let alone = [0.0, 1.0].map(|strength| upright(gpu, &block(0.0), 0.7, strength)[0]);
+    let alone = [0.0, 1.0].map(|strength| upright(context, &block(0.0), 0.7, strength)[0]);
     assert!((alone[1] / alone[0] - 1.0).abs() < 0.02, "{alone:?}");
 }
 
 /// Strand maps find out which strands are in light.
 #[test]
 fn strands_are_in_the_shade_of_those_before_them() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     // Among strands of 0.2 mm, seen from where the light is: one alone, one that it hides, and one beside both.
     let row = [Vec3::ZERO, Vec3::new(0.0, 0.0, -0.01), Vec3::new(0.005, 0.0, -0.01)];
-    let found = upright_in(gpu, &row, 0.0, 1.0, 2048);
+    let found = upright_in(context, &row, 0.0, 1.0, 2048);
     let [alone, hidden, beside] = [0, 1, 2].map(|i| found[2 * i]);
     println!("alone {alone:.4}, hidden {hidden:.4}, beside {beside:.4}");
     assert!(hidden < 0.4 * alone && (beside / alone - 1.0).abs() < 0.05);
     // By chance nobody can say that.
-    let chance = upright(gpu, &row, 0.0, 1.0);
+    let chance = upright(context, &row, 0.0, 1.0);
     assert!(
         chance[2] > 2.0 * hidden,
         "a strand that is hidden by one is mostly lit in the mean: {}",
@@ -341,8 +351,8 @@ fn strands_are_in_the_shade_of_those_before_them() {
 
     // In a block of hair: what is lit is what no strand nearer to the light covers, counted one by one.
     let places = block(6.0);
-    let found = upright_in(gpu, &places, 0.0, 1.0, 2048);
-    let light = upright_in(gpu, &places[..1], 0.0, 1.0, 2048)[0];
+    let found = upright_in(context, &places, 0.0, 1.0, 2048);
+    let light = upright_in(context, &places[..1], 0.0, 1.0, 2048)[0];
     let dark = hidden / alone;
     let (mut right, mut all) = (0, 0);
     for (i, place) in places.iter().enumerate() {

@@ -4,9 +4,9 @@
 use crate::common;
 
 use tresses::{
-    Hair, HairOptions, Pipelines, Pose,
+    Context, Hair, HairOptions, Pose,
     glam::{Quat, Vec3},
-    gpu::{Gpu, readback::blocking as readback},
+    gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, SdfGrid, bind},
     strands::StrandVertex,
 };
@@ -14,8 +14,7 @@ use tresses::{
 const HEAD: f32 = 0.09;
 
 struct Setup {
-    gpu: &'static Gpu,
-    pipelines: &'static Pipelines,
+    context: &'static Context,
     groom: Groom,
     field: SdfGrid,
 }
@@ -28,17 +27,17 @@ impl Setup {
     }
 
     fn new() -> Option<Self> {
-        let gpu = common::gpu()?;
+        let context = common::context()?;
         let mut groom = bind(&common::hanging(300, 16, 0.12), &BindOptions::default()).unwrap();
         // As the hair has them.
         tresses::lod::arrange(&mut groom.strands);
-        Some(Self { pipelines: common::pipelines()?, groom, field: common::ball(HEAD, 64), gpu })
+        Some(Self { groom, field: common::ball(HEAD, 64), context })
     }
 
     fn hair(&self) -> Hair {
-        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let context = self.context;
         let options = HairOptions::default();
-        Hair::new(device, queue, self.pipelines, &self.groom, &options, Some(&self.field)).unwrap()
+        Hair::new(context, &self.groom, &options, Some(&self.field)).unwrap()
     }
 
     fn advance(&self, hair: &mut Hair, head: Pose, dt: f32) {
@@ -46,7 +45,7 @@ impl Setup {
     }
 
     fn vertices(&self, hair: &Hair) -> Vec<StrandVertex> {
-        readback::buffer(&self.gpu.device, &self.gpu.queue, &hair.strands.vertices).unwrap()
+        readback::buffer(self.context, &hair.strands.vertices).unwrap()
     }
 
     /// After `seconds` of turning at a constant rate, at `fps`.

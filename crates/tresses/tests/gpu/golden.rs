@@ -5,10 +5,10 @@ use crate::common;
 
 use std::path::Path;
 use tresses::{
-    Camera, View,
+    Camera, Context, View,
     body::Body,
+    draw::Coverage,
     glam::Vec3,
-    gpu::Gpu,
     groom::TriMesh,
     light::{FiberMaterial, HairMaterial, HairSet, ShadingModel, Sphere},
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
@@ -22,7 +22,7 @@ const VERTICES: u32 = 12;
 pub const COUNT: u32 = 3000;
 
 /// Wavy strands that leave the upper half of a ball of 8 cm and fall: those of [`COUNT`] with these numbers.
-pub fn strands(gpu: &Gpu, numbers: impl IntoIterator<Item = u32>) -> StrandBuffers {
+pub fn strands(context: &Context, numbers: impl IntoIterator<Item = u32>) -> StrandBuffers {
     let count = COUNT as i32;
     let mut vertices = Vec::new();
     let mut infos = Vec::new();
@@ -49,9 +49,9 @@ pub fn strands(gpu: &Gpu, numbers: impl IntoIterator<Item = u32>) -> StrandBuffe
             tip_color: 0,
         });
     }
-    let buffers = StrandBuffers::new(&gpu.device, infos.len() as u32, VERTICES).expect("fits");
-    gpu.queue.write_buffer(&buffers.vertices, 0, bytemuck::cast_slice(&vertices));
-    gpu.queue.write_buffer(&buffers.strands, 0, bytemuck::cast_slice(&infos));
+    let buffers = StrandBuffers::new(context, infos.len() as u32, VERTICES).expect("fits");
+    context.queue().write_buffer(&buffers.vertices, 0, bytemuck::cast_slice(&vertices));
+    context.queue().write_buffer(&buffers.strands, 0, bytemuck::cast_slice(&infos));
     buffers
 }
 
@@ -77,14 +77,14 @@ pub fn ball() -> TriMesh {
     mesh
 }
 
-pub fn picture(gpu: &Gpu, hair_material: HairMaterial) -> Vec<u8> {
-    let pipelines = common::pipelines().expect("there is a GPU");
-    let options = ViewOptions { shadow_resolution: 256, ..Default::default() };
-    let view = View::new(&gpu.device, pipelines, &options, SIZE, 1).expect("fits");
-    let mut hair = HairSet::new(&gpu.device, &strands(gpu, 0..COUNT)).expect("fits");
+pub fn picture(context: &Context, hair_material: HairMaterial) -> Vec<u8> {
+    let options =
+        ViewOptions { shadow_resolution: 256, coverage: Coverage::SampleMask, ..Default::default() };
+    let view = View::new(context, &options, SIZE, 1).expect("fits");
+    let mut hair = HairSet::new(context, &strands(context, 0..COUNT)).expect("fits");
     hair.material = hair_material;
-    let body = Body::new(&gpu.device, &ball());
-    common::picture(gpu, (pipelines, &view), &scene(), &[&hair], &[&body])
+    let body = Body::new(context, &ball());
+    common::picture(context, &view, &scene(), &[&hair], &[&body])
 }
 
 /// From before the ball.
@@ -112,15 +112,15 @@ fn agree(a: &[u8], b: &[u8]) -> bool {
 
 #[test]
 fn hair_on_a_ball_looks_as_it_did() {
-    let Some(gpu) = common::gpu() else { return };
-    if !gpu.tier.software {
+    let Some(context) = common::context() else { return };
+    if !context.tier().software {
         // Others place samples and round differently; this is about changes of our own.
         return println!("skipped: the picture was made by the software driver");
     }
     let brown = HairMaterial { model: ShadingModel::KajiyaKay, ..HairMaterial::brown() };
     let lighter = HairMaterial { diffuse: 1.3 * brown.diffuse, ..brown };
     let flat = HairMaterial { opacity: 0.0, ..brown };
-    compare(gpu, "ball.png", brown, &[lighter, flat]);
+    compare(context, "ball.png", brown, &[lighter, flat]);
 
     let brown = HairMaterial { model: ShadingModel::Fiber, ..brown };
     let fiber = |fiber: FiberMaterial| HairMaterial { fiber, ..brown };
@@ -128,13 +128,13 @@ fn hair_on_a_ball_looks_as_it_did() {
     let mut smooth = brown.fiber;
     smooth.shape.longitudinal = 0.2;
     let alone = fiber(FiberMaterial { density_forward: 0.0, density_back: 0.0, ..brown.fiber });
-    compare(gpu, "ball-fiber.png", brown, &[lighter, fiber(smooth), alone]);
+    compare(context, "ball-fiber.png", brown, &[lighter, fiber(smooth), alone]);
 }
 
 /// Holds `material` against the picture `name`, and makes sure that the others do not look like it.
-fn compare(gpu: &Gpu, name: &str, material: HairMaterial, others: &[HairMaterial]) {
+fn compare(context: &Context, name: &str, material: HairMaterial, others: &[HairMaterial]) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
-    let now = picture(gpu, material);
+    let now = picture(context, material);
     if std::env::var_os("TRESSES_WRITE_GOLDEN").is_some() {
         let file = std::fs::File::create(&path).expect("a writable tree");
         let mut encoder = png::Encoder::new(file, SIZE[0], SIZE[1]);
@@ -149,8 +149,8 @@ fn compare(gpu: &Gpu, name: &str, material: HairMaterial, others: &[HairMaterial
 
     // The comparison sees a slightly different hair colour, and what is missing.
     for other in others {
-        assert!(!agree(&picture(gpu, *other), &golden), "{other:?}");
+        assert!(!agree(&picture(context, *other), &golden), "{other:?}");
     }
     // The same bits twice.
-    assert_eq!(difference(&now, &picture(gpu, material)), (0.0, 0));
+    assert_eq!(difference(&now, &picture(context, material)), (0.0, 0));
 }

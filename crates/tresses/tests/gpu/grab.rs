@@ -3,13 +3,14 @@
 use crate::common;
 
 use tresses::{
-    Hair, HairOptions, Pipelines, Pose,
+    Context, Hair, HairOptions, Pose,
     collide::{Collider, ColliderPoses, Shape},
-    frame::{Frame, Recorder},
     glam::{Quat, Vec3},
-    gpu::{Gpu, readback},
+    gpu::readback,
     groom::{BindOptions, Groom, GuideCount, SdfGrid, bind},
-    simulate::{Ray, SimulationParams, Target, grab::GrabState},
+    hair::HairFrame,
+    math::Ray,
+    simulate::{SimulationParams, Target, grab::GrabState},
     volume::HairHairMode,
 };
 
@@ -19,8 +20,7 @@ const FRONT: Ray = Ray { origin: Vec3::new(0.02, -0.03, 1.0), direction: Vec3::N
 const RADIUS: f32 = 0.015;
 
 struct Setup {
-    gpu: &'static Gpu,
-    pipelines: &'static Pipelines,
+    context: &'static Context,
     groom: Groom,
     field: SdfGrid,
     physics: SimulationParams,
@@ -34,12 +34,11 @@ impl Setup {
     }
 
     fn new() -> Option<Self> {
-        let gpu = common::gpu()?;
+        let context = common::context()?;
         // Hair that touches other hair passes the pull on: here it is told apart.
         let mut physics = SimulationParams::default();
         physics.hair_hair.mode = HairHairMode::Off;
         Some(Self {
-            pipelines: common::pipelines()?,
             groom: bind(
                 &common::hanging(300, 16, 0.2),
                 &BindOptions { guides: GuideCount::OneIn(2), ..Default::default() },
@@ -47,16 +46,15 @@ impl Setup {
             .unwrap(),
             field: common::ball(HEAD, 64),
             physics,
-            gpu,
+            context,
         })
     }
 
     /// Hair that has settled for half a second.
     fn hair(&self) -> Hair {
-        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let context = self.context;
         let options = HairOptions { simulation: self.physics, ..Default::default() };
-        let mut hair =
-            Hair::new(device, queue, self.pipelines, &self.groom, &options, Some(&self.field)).unwrap();
+        let mut hair = Hair::new(context, &self.groom, &options, Some(&self.field)).unwrap();
         for _ in 0..31 {
             self.advance(&mut hair, Pose::IDENTITY, 1.0 / 60.0, &[]);
         }
@@ -76,7 +74,7 @@ impl Setup {
         simulation: &SimulationParams,
     ) {
         let poses = ColliderPoses { head: None, colliders: colliders.to_vec() };
-        common::advance(hair, &Frame { dt, head, colliders: &poses, simulation, ..Default::default() });
+        common::advance(hair, &HairFrame { dt, head, colliders: &poses, simulation, ..Default::default() });
     }
 
     fn still(&self, hair: &mut Hair, frames: u32) {
@@ -88,14 +86,13 @@ impl Setup {
     /// Positions of the guides' vertices, vertex by vertex.
     fn guides(&self, hair: &Hair) -> Vec<Vec3> {
         let list: Vec<[f32; 4]> =
-            pollster::block_on(readback::buffer(&self.gpu.device, &self.gpu.queue, &hair.guides.current))
-                .unwrap();
+            pollster::block_on(readback::buffer(self.context, &hair.guides.current)).unwrap();
         list.iter().map(|p| hair.place().point(Vec3::new(p[0], p[1], p[2]))).collect()
     }
 
     fn state(&self, hair: &Hair) -> GrabState {
         let buffer = hair.grabbed().state().expect("there was a grab");
-        pollster::block_on(readback::buffer(&self.gpu.device, &self.gpu.queue, buffer)).unwrap()[0]
+        pollster::block_on(readback::buffer(self.context, buffer)).unwrap()[0]
     }
 
     /// Grabs, and lets a frame pass, so that it is known what was hit.
@@ -318,11 +315,12 @@ fn jumps_and_resets_let_go() {
 #[test]
 fn a_ball_comes_pushes_hair_and_goes() {
     let Some(stage) = Setup::open() else { return };
-    let Gpu { device, queue, .. } = stage.gpu;
+    let context = stage.context;
+    let device = context.device();
     let mut hair = stage.hair();
     let free = stage.guides(&hair);
     let ball = 0.03;
-    hair.set_colliders(device, queue, &[Collider::new(Shape::sphere(ball))]).unwrap();
+    hair.set_colliders(&[Collider::new(Shape::sphere(ball))]).unwrap();
     // From the front into the hair beside the head, and out at the back.
     let at = |t: f32| Pose { translation: Vec3::new(0.14, -0.05, 0.25 - 0.25 * t), ..Pose::IDENTITY };
     let (mut pushed, mut inside) = (0.0f32, 0.0f32);
@@ -336,13 +334,13 @@ fn a_ball_comes_pushes_hair_and_goes() {
     }
     println!("a ball of {ball} m pushes by {pushed:.3} m and is entered by {:.2} mm", 1e3 * inside);
     assert!(pushed > 0.02 && inside < 2e-3, "{pushed} {inside}");
-    hair.set_colliders(device, queue, &[]).unwrap();
+    hair.set_colliders(&[]).unwrap();
     stage.still(&mut hair, 120);
     let left = apart(&stage.guides(&hair), &free);
     assert!(left < 0.5 * pushed, "hair comes back: {left} of {pushed}");
     // Poses must fit the list.
     let poses = ColliderPoses { head: None, colliders: vec![Pose::IDENTITY] };
-    let frame = Frame {
+    let frame = HairFrame {
         dt: 0.0,
         head: Pose::IDENTITY,
         colliders: &poses,
@@ -350,7 +348,6 @@ fn a_ball_comes_pushes_hair_and_goes() {
         ..Default::default()
     };
     let mut encoder = device.create_command_encoder(&Default::default());
-    let pipelines = stage.pipelines;
-    let mut recorder = Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None };
+    let mut recorder = context.recorder(&mut encoder);
     assert!(recorder.advance(&mut hair, &frame).is_err());
 }

@@ -5,12 +5,12 @@ use crate::{
     golden::{self, SIZE, difference},
 };
 use tresses::{
-    Camera, Hair, HairOptions, Pipelines, Pose, View,
+    Camera, Context, Hair, HairOptions, Pose, View,
     body::Body,
     draw::Coverage,
     frame::Sight,
     glam::{Quat, Vec3},
-    gpu::{Gpu, readback::blocking as readback},
+    gpu::readback::blocking as readback,
     groom::{BindOptions, bind},
     light::{HairMaterial, HairSet, Lights, Sphere},
     math::hash::pcg,
@@ -30,27 +30,26 @@ const MODES: [(u32, Coverage); 7] = [
     (4, Coverage::Tiles),
 ];
 
-fn view(gpu: &Gpu, pipelines: &Pipelines, (samples, coverage): (u32, Coverage), size: [u32; 2]) -> View {
+fn view(context: &Context, (samples, coverage): (u32, Coverage), size: [u32; 2]) -> View {
     let options = ViewOptions { samples, coverage, shadow_resolution: 256, ..Default::default() };
-    View::new(&gpu.device, pipelines, &options, size, 1).expect("fits")
+    View::new(context, &options, size, 1).expect("fits")
 }
 
 /// The groom of the golden picture split at random is the picture of the whole: what lies before what, who shades
 /// whom and how thick hair is do not know of grooms. Strands are numbered through, groom after groom.
 #[test]
 fn a_groom_in_two_parts_is_the_whole() {
-    let (Some(gpu), Some(pipelines)) = (common::gpu(), common::pipelines()) else { return };
+    let Some(context) = common::context() else { return };
     let set = |numbers: &[u32]| {
-        HairSet::new(&gpu.device, &golden::strands(gpu, numbers.iter().copied())).expect("fits")
+        HairSet::new(context, &golden::strands(context, numbers.iter().copied())).expect("fits")
     };
     let (first, second): (Vec<u32>, Vec<u32>) = (0..golden::COUNT).partition(|i| pcg(*i) % 5 < 2);
     let whole = set(&[first.as_slice(), &second].concat());
     let [one, other] = [set(&first), set(&second)];
-    let body = Body::new(&gpu.device, &golden::ball());
+    let body = Body::new(context, &golden::ball());
     for mode in MODES {
-        let view = view(gpu, pipelines, mode, SIZE);
-        let picture =
-            |hair: &[&HairSet]| common::picture(gpu, (pipelines, &view), &golden::scene(), hair, &[&body]);
+        let view = view(context, mode, SIZE);
+        let picture = |hair: &[&HairSet]| common::picture(context, &view, &golden::scene(), hair, &[&body]);
         let exact = picture(&[&whole]);
         let (mean, high) = difference(&exact, &picture(&[&one, &other]));
         println!("{mode:?}: mean {mean:.4} of 255, 99th percentile {high}");
@@ -63,9 +62,8 @@ fn a_groom_in_two_parts_is_the_whole() {
         // A part alone is seen, and so is a part that does not shade the other.
         let (mean, _) = difference(&exact, &picture(&[&other]));
         assert!(mean > 1.0, "{mode:?}: {mean}");
-        let shaded = |of: &HairSet| -> Vec<u8> {
-            readback::buffer(&gpu.device, &gpu.queue, &view.shaded(of).unwrap()).unwrap()
-        };
+        let shaded =
+            |of: &HairSet| -> Vec<u8> { readback::buffer(context, &view.shaded(of).unwrap()).unwrap() };
         let alone = shaded(&other);
         picture(&[&one, &other]);
         assert!(alone != shaded(&other), "{mode:?}: the grooms shade each other");
@@ -73,11 +71,11 @@ fn a_groom_in_two_parts_is_the_whole() {
 }
 
 /// A hanging groom, at rest.
-fn hair(gpu: &Gpu, pipelines: &Pipelines) -> Hair {
+fn hair(context: &Context) -> Hair {
     let groom = bind(&common::hanging(300, 16, 0.15), &BindOptions::default()).unwrap();
     let field = common::ball(0.085, 32);
     let options = HairOptions::default();
-    Hair::new(&gpu.device, &gpu.queue, pipelines, &groom, &options, Some(&field)).unwrap()
+    Hair::new(context, &groom, &options, Some(&field)).unwrap()
 }
 
 fn eye(azimuth: f32) -> Picture {
@@ -92,13 +90,13 @@ fn eye(azimuth: f32) -> Picture {
 
 #[test]
 fn two_views_in_one_submission_are_those_of_two() {
-    let (Some(gpu), Some(pipelines)) = (common::gpu(), common::pipelines()) else { return };
-    let mut hair = hair(gpu, pipelines);
+    let Some(context) = common::context() else { return };
+    let mut hair = hair(context);
     submit(|recorder| recorder.advance(&mut hair, &frame(Pose::IDENTITY, 0.0)));
     let pictures = [eye(0.2), eye(1.7)];
     let modes = [(4, Coverage::Tiles), (4, Coverage::SampleMask)];
-    let read = |view: &View| pollster::block_on(view.targets().read(&gpu.device, &gpu.queue)).unwrap();
-    let views = || modes.map(|mode| view(gpu, pipelines, mode, [96, 80]));
+    let read = |view: &View| pollster::block_on(view.targets().read()).unwrap();
+    let views = || modes.map(|mode| view(context, mode, [96, 80]));
     let apart = views();
     for (view, picture) in apart.iter().zip(&pictures) {
         submit(|recorder| recorder.draw(&[&hair], &[], Sight::new(view, picture)));
@@ -116,14 +114,13 @@ fn two_views_in_one_submission_are_those_of_two() {
 
 #[test]
 fn one_groom_at_two_places_has_two_poses() {
-    let (Some(gpu), Some(pipelines)) = (common::gpu(), common::pipelines()) else { return };
+    let Some(context) = common::context() else { return };
     let place =
         |side: f32, turn: f32| Pose { rotation: Quat::from_rotation_y(turn), translation: Vec3::X * side };
     let poses = |i: u32| [place(-0.25, 0.1 * i as f32), place(0.25, -0.05 * i as f32)];
-    let vertices = |hair: &Hair| -> Vec<StrandVertex> {
-        readback::buffer(&gpu.device, &gpu.queue, &hair.strands.vertices).unwrap()
-    };
-    let [mut apart, mut together] = [(); 2].map(|()| [hair(gpu, pipelines), hair(gpu, pipelines)]);
+    let vertices =
+        |hair: &Hair| -> Vec<StrandVertex> { readback::buffer(context, &hair.strands.vertices).unwrap() };
+    let [mut apart, mut together] = [(); 2].map(|()| [hair(context), hair(context)]);
     for hair in [&mut apart, &mut together] {
         hair[1].set.material = HairMaterial::blond();
     }
@@ -133,7 +130,7 @@ fn one_groom_at_two_places_has_two_poses() {
         background: Background::transparent(),
         ..Default::default()
     };
-    let both = view(gpu, pipelines, MODES[0], SIZE);
+    let both = view(context, MODES[0], SIZE);
     for i in 0..12 {
         let dt = if i == 0 { 0.0 } else { 1.0 / 60.0 };
         for (hair, pose) in apart.iter_mut().zip(poses(i)) {
@@ -150,7 +147,7 @@ fn one_groom_at_two_places_has_two_poses() {
     }
     assert!(vertices(&apart[0]) != vertices(&apart[1]));
     // Each is where it is, in its own colour.
-    let seen = pollster::block_on(both.targets().read(&gpu.device, &gpu.queue)).unwrap();
+    let seen = pollster::block_on(both.targets().read()).unwrap();
     let half = |left: bool| -> f64 {
         let pixels = seen.as_chunks::<4>().0.iter().enumerate();
         let own = pixels.filter(|(i, _)| (*i as u32 % SIZE[0] < SIZE[0] / 2) == left);
@@ -159,6 +156,6 @@ fn one_groom_at_two_places_has_two_poses() {
     assert!(half(false) > 1.2 * half(true), "blond hair is lighter: {} {}", half(true), half(false));
     let sight = || Sight::new(&both, &scene);
     submit(|recorder| recorder.draw(&[&together[0]], &[], sight()));
-    let one = pollster::block_on(both.targets().read(&gpu.device, &gpu.queue)).unwrap();
+    let one = pollster::block_on(both.targets().read()).unwrap();
     assert!(difference(&seen, &one).0 > 1.0);
 }

@@ -3,52 +3,55 @@
 use crate::common;
 
 use tresses::{
-    Pose,
+    Context, Pose,
     glam::{Quat, Vec3},
-    gpu::{Gpu, readback::blocking as readback},
+    gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, Strands, bind},
-    interpolate::{self, Interpolation},
+    interpolate::Interpolation,
     simulate::{RestOptions, SimulationParams, rest},
     strands::{
         GuideBuffers, GuideSample, StrandBuffers, StrandVertex, guide::pack_lag, vertex::unpack_tangent,
     },
-    tessellate::{self, TessellateParams, Tessellation, rest_samples},
+    tessellate::{TessellateParams, Tessellation, rest_samples},
     wgpu,
 };
 
 /// The drawn vertices when the guides are at `previous` and `current` (world, guide-major).
 fn draw(
-    gpu: &Gpu,
+    context: &Context,
     groom: &Groom,
     previous: &[Vec3],
     current: &[Vec3],
     blend: f32,
     now: Pose,
 ) -> Vec<StrandVertex> {
-    draw_twisted(gpu, groom, previous, current, (blend, [0.0; 2]), now)
+    draw_twisted(context, groom, previous, current, (blend, [0.0; 2]), now)
 }
 
 /// The same where guides are twisted, from end to end by so much after the last step and before it.
 fn draw_twisted(
-    gpu: &Gpu,
+    context: &Context,
     groom: &Groom,
     previous: &[Vec3],
     current: &[Vec3],
     (blend, twist): (f32, [f32; 2]),
     now: Pose,
 ) -> Vec<StrandVertex> {
-    let (device, queue) = (&gpu.device, &gpu.queue);
     let n = groom.guides.vertex_count as usize;
     // Strands that are their own guides need no samples.
     let follows = groom.guides.len() == groom.strands.len();
     let samples = if follows { 0 } else { groom.strands.vertex_count.max(groom.guides.vertex_count) };
-    let guides = GuideBuffers::new(device, groom.guides.len() as u32, n as u32, samples).unwrap();
-    let guides = if twist == [0.0; 2] { guides } else { guides.with_twist(device).unwrap() };
-    let strands = StrandBuffers::new(device, groom.strands.len() as u32, groom.strands.vertex_count).unwrap();
+    let guides = GuideBuffers::new(context, groom.guides.len() as u32, n as u32, samples).unwrap();
+    let guides = if twist == [0.0; 2] { guides } else { guides.with_twist(context).unwrap() };
+    let strands =
+        StrandBuffers::new(context, groom.strands.len() as u32, groom.strands.vertex_count).unwrap();
     let params = SimulationParams::default();
     let (positions, options) = (&groom.guides.positions, RestOptions::default());
-    rest::guides(positions, n as u32, &[], &params, &options, None).unwrap().upload(queue, &guides).unwrap();
-    let write = |buffer: &wgpu::Buffer, bytes: &[u8]| queue.write_buffer(buffer, 0, bytes);
+    rest::guides(positions, n as u32, &[], &params, &options, None)
+        .unwrap()
+        .upload(context, &guides)
+        .unwrap();
+    let write = |buffer: &wgpu::Buffer, bytes: &[u8]| context.queue().write_buffer(buffer, 0, bytes);
     let count = groom.guides.len();
     let state = (0..n * count).map(|at| {
         let i = (at % count) * n + at / count;
@@ -60,7 +63,11 @@ fn draw_twisted(
         // A share for each bend between two edges.
         let bends = n - 2;
         let twists = vec![twist.map(|whole| whole / bends as f32); bends * count];
-        queue.write_buffer(&guides.velocity, 8 * ((n + 1) * count) as u64, bytemuck::cast_slice(&twists));
+        context.queue().write_buffer(
+            &guides.velocity,
+            8 * ((n + 1) * count) as u64,
+            bytemuck::cast_slice(&twists),
+        );
     }
     if !follows {
         let resting: Vec<_> = (0..groom.guides.len())
@@ -72,24 +79,22 @@ fn draw_twisted(
     write(&strands.bindings, bytemuck::cast_slice(&groom.strands.bindings));
     write(&strands.rest, bytemuck::cast_slice(&groom.strands.rest));
 
-    let (tessellate, interpolate) = (tessellate::Pipelines::new(device), interpolate::Pipelines::new(device));
-    let tessellation = Tessellation::new(device, &tessellate, &guides);
+    let tessellation = Tessellation::new(context, &guides);
     let interpolation = if follows {
-        Interpolation::following(device, &interpolate, &guides, &strands, &tessellation)
+        Interpolation::following(context, &guides, &strands, &tessellation)
     } else {
-        Interpolation::new(device, &interpolate, &guides, &strands)
+        Interpolation::new(context, &guides, &strands)
     };
-    tessellation
-        .prepare(queue, &TessellateParams::new(&guides, (&now, &now, 0.0), &now, (blend, twist != [0.0; 2])));
-    interpolation.prepare(queue, &guides, &strands);
-    let mut encoder = device.create_command_encoder(&Default::default());
-    {
-        let mut pass = tresses::gpu::compute_pass(&mut encoder, &Default::default());
-        tessellation.record(&tessellate, &mut pass, &guides);
-        interpolation.record(&interpolate, &mut pass, &strands);
-    }
-    queue.submit([encoder.finish()]);
-    readback::buffer(device, queue, &strands.vertices).unwrap()
+    tessellation.prepare(
+        context,
+        &TessellateParams::new(&guides, (&now, &now, 0.0), &now, (blend, twist != [0.0; 2])),
+    );
+    interpolation.prepare(context, &guides, &strands);
+    common::compute(context, |pass| {
+        tessellation.record(pass, &guides);
+        interpolation.record(pass, &strands);
+    });
+    readback::buffer(context, &strands.vertices).unwrap()
 }
 
 /// The largest distance between drawn vertices and rest positions moved by `pose`.
@@ -100,24 +105,26 @@ fn error(groom: &Groom, drawn: &[StrandVertex], pose: Pose) -> f32 {
 
 #[test]
 fn strands_at_rest_come_back_within_a_tenth_of_a_millimetre() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     for guides in [GuideCount::OneIn(16), GuideCount::All] {
         let groom =
             bind(&common::hanging(400, 16, 0.2), &BindOptions { guides, ..Default::default() }).unwrap();
         let rest = groom.guides.positions.clone();
-        let drawn = draw(gpu, &groom, &rest, &rest, 0.3, Pose::IDENTITY);
+        let drawn = draw(context, &groom, &rest, &rest, 0.3, Pose::IDENTITY);
         let off = error(&groom, &drawn, Pose::IDENTITY);
         assert!(off < 1e-4, "{off}");
         // The comparer notices a guide that is not at rest.
         let mut bent = rest.clone();
         bent[40] += Vec3::X * 0.01;
-        assert!(error(&groom, &draw(gpu, &groom, &bent, &bent, 1.0, Pose::IDENTITY), Pose::IDENTITY) > 1e-4);
+        assert!(
+            error(&groom, &draw(context, &groom, &bent, &bent, 1.0, Pose::IDENTITY), Pose::IDENTITY) > 1e-4
+        );
     }
 }
 
 #[test]
 fn a_rigid_motion_of_the_guides_is_a_rigid_motion_of_the_strands() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     for guides in [GuideCount::OneIn(16), GuideCount::All] {
         let options = BindOptions { guides, ..Default::default() };
         let groom = bind(&common::hanging(300, 16, 0.2), &options).unwrap();
@@ -126,14 +133,14 @@ fn a_rigid_motion_of_the_guides_is_a_rigid_motion_of_the_strands() {
             translation: Vec3::new(0.3, 1.0, -0.2),
         };
         let moved: Vec<_> = groom.guides.positions.iter().map(|p| pose.point(*p)).collect();
-        let off = error(&groom, &draw(gpu, &groom, &moved, &moved, 0.5, pose), pose);
+        let off = error(&groom, &draw(context, &groom, &moved, &moved, 0.5, pose), pose);
         assert!(off < 1e-4, "{off}");
     }
 }
 
 #[test]
 fn strands_turn_with_the_twist_of_their_guides() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let options = BindOptions { guides: GuideCount::OneIn(16), ..Default::default() };
     // Strands that hang straight down from a disc.
     let mut strands = Strands::default();
@@ -146,8 +153,8 @@ fn strands_turn_with_the_twist_of_their_guides() {
     let rest = groom.guides.positions.clone();
     // Half way between no twist and an eighth of a turn: 22.5° about each guide.
     let eighth = std::f32::consts::FRAC_PI_4;
-    let twisted = draw_twisted(gpu, &groom, &rest, &rest, (0.5, [eighth, 0.0]), Pose::IDENTITY);
-    let straight = draw(gpu, &groom, &rest, &rest, 0.5, Pose::IDENTITY);
+    let twisted = draw_twisted(context, &groom, &rest, &rest, (0.5, [eighth, 0.0]), Pose::IDENTITY);
+    let straight = draw(context, &groom, &rest, &rest, 0.5, Pose::IDENTITY);
     let aside = |p: Vec3| Vec3::new(p.x, 0.0, p.z);
     let off = |drawn: &[StrandVertex], whole: f32| {
         let (mut far, mut way) = (0.0, 0.0);
@@ -178,13 +185,13 @@ fn strands_turn_with_the_twist_of_their_guides() {
     // A strand that is its own straight guide has nothing that could turn.
     let own = bind(&strands, &BindOptions { guides: GuideCount::All, ..Default::default() }).unwrap();
     let rest = own.guides.positions.clone();
-    let drawn = draw_twisted(gpu, &own, &rest, &rest, (1.0, [eighth; 2]), Pose::IDENTITY);
+    let drawn = draw_twisted(context, &own, &rest, &rest, (1.0, [eighth; 2]), Pose::IDENTITY);
     assert!(error(&own, &drawn, Pose::IDENTITY) < 1e-4);
 }
 
 #[test]
 fn strands_that_follow_guides_of_their_own_are_where_samples_would_have_them() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let options = BindOptions { guides: GuideCount::All, ..Default::default() };
     let own = bind(&common::hanging(100, 16, 0.2), &options).unwrap();
     // With a guide that nobody follows there are samples.
@@ -204,8 +211,9 @@ fn strands_that_follow_guides_of_their_own_are_where_samples_would_have_them() {
         groom.guides.positions.iter().enumerate().map(swung).collect()
     };
     let far = |angle: f32| {
-        let drawn = draw(gpu, &own, &swing(&own, 0.3), &swing(&own, 1.2), 0.4, Pose::IDENTITY);
-        let other = draw(gpu, &sampled, &swing(&sampled, 0.3), &swing(&sampled, angle), 0.4, Pose::IDENTITY);
+        let drawn = draw(context, &own, &swing(&own, 0.3), &swing(&own, 1.2), 0.4, Pose::IDENTITY);
+        let other =
+            draw(context, &sampled, &swing(&sampled, 0.3), &swing(&sampled, angle), 0.4, Pose::IDENTITY);
         let off = drawn.iter().zip(&other).map(|(a, b)| a.position.distance(b.position));
         off.fold(0.0, f32::max)
     };
@@ -216,7 +224,7 @@ fn strands_that_follow_guides_of_their_own_are_where_samples_would_have_them() {
 
 #[test]
 fn lengths_are_kept_and_tangents_follow_when_guides_bend_apart() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let groom = bind(&common::hanging(400, 16, 0.25), &BindOptions::default()).unwrap();
     let n = groom.guides.vertex_count as usize;
     // Every guide swings by its own angle about its root.
@@ -229,7 +237,7 @@ fn lengths_are_kept_and_tangents_follow_when_guides_bend_apart() {
         })
         .collect();
     assert_eq!(swung.len(), groom.guides.len() * n);
-    let drawn = draw(gpu, &groom, &swung, &swung, 1.0, Pose::IDENTITY);
+    let drawn = draw(context, &groom, &swung, &swung, 1.0, Pose::IDENTITY);
     let m = groom.strands.vertex_count as usize;
     let mut moved = 0.0f32;
     for (i, strand) in drawn.chunks(m).enumerate() {

@@ -4,12 +4,12 @@ use crate::common;
 
 use half::f16;
 use tresses::{
-    Camera, Error, Hair, Result, View,
+    Camera, Context, Error, Hair, Result, View,
     camera::ToneMap,
     draw::Coverage,
-    frame::{Recorder, Sight},
+    frame::Sight,
     glam::{Vec2, Vec3},
-    gpu::{Gpu, readback::blocking as readback},
+    gpu::readback::blocking as readback,
     light::{Lights, Sphere},
     present::Background,
     strands::StrandVertex,
@@ -20,16 +20,14 @@ use tresses::{
 const SIZE: [u32; 2] = [96, 80];
 
 struct Setup<'a> {
-    gpu: &'a Gpu,
+    context: &'a Context,
     hair: Hair,
     view: View,
     scene: Picture,
 }
 
 impl<'a> Setup<'a> {
-    fn new(gpu: &'a Gpu, samples: u32, coverage: Coverage) -> Self {
-        let device = &gpu.device;
-        let pipelines = common::pipelines().expect("there is a GPU");
+    fn new(context: &'a Context, samples: u32, coverage: Coverage) -> Self {
         let hair = common::hair_on_a_ball(300);
         let options = ViewOptions { samples, coverage, shadow_resolution: 64, ..Default::default() };
         let scene = Picture {
@@ -38,46 +36,40 @@ impl<'a> Setup<'a> {
             lights: Lights::around(0.3),
             ..Default::default()
         };
-        Self { view: View::new(device, pipelines, &options, SIZE, 1).unwrap(), gpu, hair, scene }
+        Self { view: View::new(context, &options, SIZE, 1).unwrap(), context, hair, scene }
     }
 
     /// The picture, asked for more or not.
     fn drawn(&self, asks: bool) -> Result<Vec<u8>> {
-        let Gpu { device, queue, .. } = self.gpu;
-        let pipelines = common::pipelines().expect("there is a GPU");
+        let context = self.context;
+        let (device, queue) = (context.device(), context.queue());
         let mut encoder = device.create_command_encoder(&Default::default());
         let sight = Sight { asks, ..Sight::new(&self.view, &self.scene) };
-        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }.draw(
-            &[&self.hair],
-            &[],
-            sight,
-        )?;
+        context.recorder(&mut encoder).draw(&[&self.hair], &[], sight)?;
         queue.submit([encoder.finish()]);
-        pollster::block_on(self.view.targets().read(device, queue))
+        pollster::block_on(self.view.targets().read())
     }
 }
 
 #[test]
 fn labels_are_of_the_strand_that_is_there() {
-    let Some(gpu) = common::gpu() else { return };
-    let Gpu { device, queue, .. } = gpu;
+    let Some(context) = common::context() else { return };
     for samples in [1, 4] {
-        let stage = Setup::new(gpu, samples, Coverage::Tiles);
+        let stage = Setup::new(context, samples, Coverage::Tiles);
         let targets = stage.view.targets();
         let plain = stage.drawn(false).unwrap();
-        assert_eq!(pollster::block_on(targets.labels(device, queue)).unwrap(), None, "nobody asked");
+        assert_eq!(pollster::block_on(targets.labels()).unwrap(), None, "nobody asked");
         assert_eq!(stage.drawn(true).unwrap(), plain, "a picture that is asked is the same");
         assert!(!targets.knows_motion());
-        let known = pollster::block_on(targets.geometry(device, queue)).unwrap().unwrap();
-        let labels = pollster::block_on(targets.labels(device, queue)).unwrap().unwrap();
+        let known = pollster::block_on(targets.geometry()).unwrap().unwrap();
+        let labels = pollster::block_on(targets.labels()).unwrap().unwrap();
         stage.drawn(true).unwrap();
         assert!(targets.knows_motion());
         stage.drawn(false).unwrap();
-        assert_eq!(pollster::block_on(targets.labels(device, queue)).unwrap(), None, "nobody asked again");
-        assert_eq!(pollster::block_on(targets.geometry(device, queue)).unwrap(), None);
+        assert_eq!(pollster::block_on(targets.labels()).unwrap(), None, "nobody asked again");
+        assert_eq!(pollster::block_on(targets.geometry()).unwrap(), None);
 
-        let vertices: Vec<StrandVertex> =
-            readback::buffer(device, queue, &stage.hair.strands.vertices).unwrap();
+        let vertices: Vec<StrandVertex> = readback::buffer(context, &stage.hair.strands.vertices).unwrap();
         let Camera { view, projection, .. } = stage.scene.camera;
         let place = |strand: u32, vertex: u32, along: f32| {
             let at = (strand * stage.hair.set.drawn.vertex_count + vertex) as usize;
@@ -110,17 +102,16 @@ fn labels_are_of_the_strand_that_is_there() {
         }
         assert!(count > 300 && wrong > count * 9 / 10, "{count} {wrong}");
     }
-    let refused = Setup::new(gpu, 4, Coverage::SampleMask).drawn(true);
+    let refused = Setup::new(context, 4, Coverage::SampleMask).drawn(true);
     assert!(matches!(refused, Err(Error::Parameter { .. })), "masks do not know");
 }
 
 #[test]
 fn a_picture_is_the_same_in_another_output() {
-    let Some(gpu) = common::gpu() else { return };
-    let Gpu { device, queue, .. } = gpu;
-    let pipelines = common::pipelines().expect("there is a GPU");
+    let Some(context) = common::context() else { return };
+    let (device, queue) = (context.device(), context.queue());
     for (samples, coverage) in [(1, Coverage::Tiles), (4, Coverage::Tiles), (4, Coverage::SampleMask)] {
-        let stage = Setup::new(gpu, samples, coverage);
+        let stage = Setup::new(context, samples, coverage);
         let plain = stage.drawn(false).unwrap();
         let into = |tone: &ToneMap| -> Vec<[f32; 4]> {
             let texture = device.create_texture(&wgpu::TextureDescriptor {
@@ -136,11 +127,10 @@ fn a_picture_is_the_same_in_another_output() {
             let output = (&texture.create_view(&Default::default()), TextureFormat::Rgba16Float);
             let mut encoder = device.create_command_encoder(&Default::default());
             let background: &Background = &stage.scene.background;
-            let on = (pipelines, device, queue);
-            stage.view.present_into(on, &mut encoder, output, (background, tone)).unwrap();
+            stage.view.present_into(&mut encoder, output, (background, tone)).unwrap();
             queue.submit([encoder.finish()]);
             let texels: Vec<[f16; 4]> =
-                bytemuck::pod_collect_to_vec(&readback::texture(device, queue, &texture).unwrap());
+                bytemuck::pod_collect_to_vec(&readback::texture(context, &texture).unwrap());
             texels.iter().map(|texel| texel.map(f16::to_f32)).collect()
         };
         let off = |other: &[[f32; 4]]| {

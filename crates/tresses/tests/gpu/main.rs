@@ -1,12 +1,13 @@
 //! What crosses stages, on a GPU: one device and its pipelines serve all tests of this binary.
 //!
-//! `cargo test -p tresses --test gpu shadows` runs those of one file. Tests that are ignored are proof: they
+//! `cargo test -p tresses --test context shadows` runs those of one file. Tests that are ignored are proof: they
 //! take minutes, print the tables of `docs/`, and `make proof` runs them.
 
 mod ambient;
 mod avoid;
 mod avoid_grooms;
 mod character;
+mod characters;
 mod chosen;
 mod collide;
 mod common;
@@ -19,6 +20,7 @@ mod draw;
 mod edges;
 mod embed;
 mod embed_shadow;
+mod errors;
 mod fiber;
 mod frame;
 mod golden;

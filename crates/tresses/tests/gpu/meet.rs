@@ -2,11 +2,11 @@
 
 use crate::common::{self, submit};
 use tresses::{
-    Hair, HairOptions, Pose,
-    frame::{Frame, Recorder},
+    Context, Hair, HairOptions, Pose,
     glam::{DQuat, DVec3, Vec3},
-    gpu::{Gpu, readback::blocking as readback},
+    gpu::readback::blocking as readback,
     groom::{BindOptions, GuideCount, Strands, bind},
+    hair::HairFrame,
     simulate::SimulationParams,
     space::Space,
     strands::StrandVertex,
@@ -33,30 +33,24 @@ fn block() -> Strands {
 }
 
 struct Pair {
-    gpu: &'static Gpu,
+    context: &'static Context,
     hair: [Hair; 2],
 }
 
 impl Pair {
     fn new() -> Option<Self> {
-        let (gpu, pipelines) = (common::gpu()?, common::pipelines()?);
+        let context = common::context()?;
         let options =
             BindOptions { guides: GuideCount::OneIn(5), strand_vertices: Some(12), ..Default::default() };
         let groom = bind(&block(), &options).unwrap();
-        let (device, queue) = (&gpu.device, &gpu.queue);
-        let first = Hair::new(device, queue, pipelines, &groom, &HairOptions::default(), None).unwrap();
-        let second = first.another(device, queue, pipelines, &[]).unwrap();
-        Some(Self { gpu, hair: [first, second] })
+        let first = Hair::new(context, &groom, &HairOptions::default(), None).unwrap();
+        let second = first.another(&[]).unwrap();
+        Some(Self { context, hair: [first, second] })
     }
 
     /// Two heads that come to `apart` metres from each other, as `spaces` have them, while `meet` is asked to let them
     /// meet: where the hair of both is in the end, in the space that the first is given in.
-    fn come(
-        &mut self,
-        apart: f32,
-        spaces: [Space; 2],
-        meet: impl Fn(&mut Recorder<'_>, &mut [Hair; 2]),
-    ) -> [Vec<Vec3>; 2] {
+    fn come(&mut self, apart: f32, spaces: [Space; 2], meet: impl Fn(&mut [Hair; 2])) -> [Vec<Vec3>; 2] {
         let physics = SimulationParams::default();
         self.hair.iter_mut().for_each(Hair::reset);
         for i in 0..FRAMES {
@@ -65,31 +59,31 @@ impl Pair {
             let places = [-0.5, 0.5].map(|side| Vec3::X * side * (apart + 0.2 * left));
             let dt = if i == 0 { 0.0 } else { 1.0 / 60.0 };
             submit(|recorder| {
-                meet(recorder, &mut self.hair);
+                meet(&mut self.hair);
                 for (k, hair) in self.hair.iter_mut().enumerate() {
                     let head = Pose { translation: places[k], ..Pose::IDENTITY };
                     let head = spaces[k].pose_from(&spaces[0], &head);
                     let (space, drawn_in) = (spaces[k], Some(spaces[0]));
                     let frame =
-                        Frame { dt, head, simulation: &physics, space, drawn_in, ..Default::default() };
+                        HairFrame { dt, head, simulation: &physics, space, drawn_in, ..Default::default() };
                     recorder.advance(hair, &frame)?;
                 }
                 Ok(())
             });
         }
-        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let context = self.context;
         self.hair.each_ref().map(|hair| {
-            let all: Vec<StrandVertex> = readback::buffer(device, queue, &hair.strands.vertices).unwrap();
+            let all: Vec<StrandVertex> = readback::buffer(context, &hair.strands.vertices).unwrap();
             all.iter().map(|vertex| vertex.position).collect()
         })
     }
 }
 
-fn both(recorder: &mut Recorder<'_>, [first, second]: &mut [Hair; 2]) {
-    Hair::meet_each_other(recorder.device, recorder.pipelines, &mut [first, second]);
+fn both([first, second]: &mut [Hair; 2]) {
+    Hair::meet_each_other(&mut [first, second]);
 }
 
-fn alone(_: &mut Recorder<'_>, _: &mut [Hair; 2]) {}
+fn alone(_: &mut [Hair; 2]) {}
 
 /// Where the lower half of the hair of each is on average, metres from the middle.
 fn tips(hair: &[Vec<Vec3>; 2]) -> [f32; 2] {
@@ -118,8 +112,8 @@ fn hair_of_two_heads_gives_way() {
     assert!((way[0] / way[1] - 1.0).abs() < 0.1, "{way:?}");
 
     // One that knows nothing of the other does not give way.
-    let one = pair.come(BESIDE, here, |recorder, [first, second]| {
-        second.meet(recorder.device, recorder.pipelines, &[first]);
+    let one = pair.come(BESIDE, here, |[first, second]| {
+        second.meet(&[first]);
     });
     assert!(one[0] == through[0] && tips(&one)[1] > was[1] + 1.5e-3, "{one:?}");
 

@@ -3,12 +3,13 @@
 
 use crate::common;
 use tresses::{
-    Hair, HairOptions, Pipelines, Pose,
+    Context, Hair, HairOptions, Pose,
     avoid::{AvoidMode, AvoidOptions, StrandState},
-    frame::{Frame, Recorder},
+    frame::Recorder,
     glam::{Quat, Vec3},
-    gpu::{Gpu, readback::blocking as readback},
+    gpu::readback::blocking as readback,
     groom::{Groom, SdfGrid},
+    hair::HairFrame,
     strands::StrandVertex,
 };
 
@@ -38,9 +39,9 @@ pub struct Character {
 }
 
 impl Character {
-    pub fn hair(&self, gpu: &Gpu, pipelines: &Pipelines, avoid: AvoidOptions) -> Hair {
+    pub fn hair(&self, context: &Context, avoid: AvoidOptions) -> Hair {
         let options = HairOptions { avoid, ..Default::default() };
-        Hair::new(&gpu.device, &gpu.queue, pipelines, &self.groom, &options, Some(&self.field)).unwrap()
+        Hair::new(context, &self.groom, &options, Some(&self.field)).unwrap()
     }
 
     /// The head turned by `angle` radians.
@@ -57,54 +58,34 @@ impl Character {
 }
 
 /// Moves the hair on by `dt` seconds.
-pub fn advance(gpu: &Gpu, pipelines: &Pipelines, hair: &mut Hair, head: Pose, dt: f32) {
-    record(gpu, pipelines, head, dt, |recorder, frame| recorder.advance(hair, frame).unwrap());
+pub fn advance(context: &Context, hair: &mut Hair, head: Pose, dt: f32) {
+    record(context, head, dt, |recorder, frame| recorder.advance(hair, frame).unwrap());
 }
 
 /// The strands of the present guides as `mode` has them. With [`AvoidMode::ChangeOver`] only what
 /// the last [`advance`] left; nothing that is remembered changes otherwise.
-pub fn drawn(
-    gpu: &Gpu,
-    pipelines: &Pipelines,
-    hair: &mut Hair,
-    head: Pose,
-    mode: AvoidMode,
-) -> Vec<StrandVertex> {
+pub fn drawn(context: &Context, hair: &mut Hair, head: Pose, mode: AvoidMode) -> Vec<StrandVertex> {
     if mode != AvoidMode::ChangeOver {
         let before = std::mem::replace(&mut hair.avoidance.options.mode, mode);
-        record(gpu, pipelines, head, 0.0, |recorder, frame| recorder.follow(hair, frame).unwrap());
+        record(context, head, 0.0, |recorder, frame| recorder.follow(hair, frame).unwrap());
         hair.avoidance.options.mode = before;
     }
-    readback::buffer(&gpu.device, &gpu.queue, &hair.strands.vertices).unwrap()
+    readback::buffer(context, &hair.strands.vertices).unwrap()
 }
 
 /// Runs only the search for first hits.
-pub fn search(gpu: &Gpu, pipelines: &Pipelines, hair: &Hair) -> Vec<StrandState> {
-    let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    hair.avoidance.record_search(
-        &pipelines.avoid,
-        &mut tresses::gpu::compute_pass(&mut encoder, &Default::default()),
-        &hair.colliders,
-        &hair.strands,
-    );
-    gpu.queue.submit([encoder.finish()]);
-    states(gpu, hair)
+pub fn search(context: &Context, hair: &Hair) -> Vec<StrandState> {
+    common::compute(context, |pass| hair.avoidance.record_search(pass, &hair.colliders, &hair.strands));
+    states(context, hair)
 }
 
-pub fn states(gpu: &Gpu, hair: &Hair) -> Vec<StrandState> {
-    readback::buffer(&gpu.device, &gpu.queue, hair.avoidance.states()).unwrap()
+pub fn states(context: &Context, hair: &Hair) -> Vec<StrandState> {
+    readback::buffer(context, hair.avoidance.states()).unwrap()
 }
 
-fn record(
-    gpu: &Gpu,
-    pipelines: &Pipelines,
-    head: Pose,
-    dt: f32,
-    what: impl FnOnce(&mut Recorder<'_>, &Frame<'_>),
-) {
-    let (device, queue) = (&gpu.device, &gpu.queue);
-    let mut encoder = device.create_command_encoder(&Default::default());
-    let mut recorder = Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None };
+fn record(context: &Context, head: Pose, dt: f32, what: impl FnOnce(&mut Recorder<'_>, &HairFrame<'_>)) {
+    let mut encoder = context.device().create_command_encoder(&Default::default());
+    let mut recorder = context.recorder(&mut encoder);
     what(&mut recorder, &common::frame(head, dt));
-    queue.submit([encoder.finish()]);
+    context.queue().submit([encoder.finish()]);
 }

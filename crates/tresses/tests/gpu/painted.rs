@@ -2,11 +2,10 @@
 
 use crate::common;
 use tresses::{
-    Camera, View,
+    Camera, Context, View,
     body::Body,
     draw::Coverage,
     glam::{Vec2, Vec3},
-    gpu::Gpu,
     groom::{
         TriMesh,
         mesh::{
@@ -42,15 +41,14 @@ fn paint(base: Texture, relief: [u8; 4], cutout: Option<f32>) -> Paint {
 }
 
 /// The middles of the picture's quarters: upper left, upper right, lower left, lower right.
-fn quarters(gpu: &Gpu, body: &Body, light: Vec3) -> [[f32; 3]; 4] {
-    let pipelines = common::pipelines().expect("there is a GPU");
+fn quarters(context: &Context, body: &Body, light: Vec3) -> [[f32; 3]; 4] {
     let mut lights = Lights { directional: [Directional::OFF; MAX_LIGHTS], ..common::dark().lights };
     lights.directional[0] = Directional { direction: light.normalize(), irradiance: Vec3::splat(1.5) };
     let camera = Camera::look_at(3.0 * Vec3::Z, Vec3::ZERO, 0.62, SIZE);
     let picture = Picture { camera, lights, ..common::dark() };
     let options = ViewOptions { samples: 1, coverage: Coverage::SampleMask, ..Default::default() };
-    let view = View::new(&gpu.device, pipelines, &options, SIZE, 1).expect("fits");
-    let pixels = common::picture(gpu, (pipelines, &view), &picture, &[], &[body]);
+    let view = View::new(context, &options, SIZE, 1).expect("fits");
+    let pixels = common::picture(context, &view, &picture, &[], &[body]);
     [(16, 16), (48, 16), (16, 48), (48, 48)].map(|(x, y)| {
         let at = 4 * (y * SIZE[0] as usize + x);
         [0, 1, 2].map(|k| f32::from(pixels[at + k]))
@@ -59,35 +57,33 @@ fn quarters(gpu: &Gpu, body: &Body, light: Vec3) -> [[f32; 3]; 4] {
 
 #[test]
 fn pictures_lie_the_right_way_round() {
-    let Some(gpu) = common::gpu() else { return };
-    let Gpu { device, queue, .. } = gpu;
+    let Some(context) = common::context() else { return };
     let [red, green, blue, none] =
         [[220, 20, 20, 255], [20, 220, 20, 255], [20, 20, 220, 255], [200, 200, 200, 40]];
     let base = Texture { width: 2, height: 2, rgba: [red, green, blue, none].concat() };
-    let mut body = Body::new(device, &wall());
-    let plain = quarters(gpu, &body, Vec3::Z);
-    body.paint(device, queue, &paint(base.clone(), EVEN, None)).unwrap();
-    let seen = quarters(gpu, &body, Vec3::Z);
+    let mut body = Body::new(context, &wall());
+    let plain = quarters(context, &body, Vec3::Z);
+    body.paint(&paint(base.clone(), EVEN, None)).unwrap();
+    let seen = quarters(context, &body, Vec3::Z);
     println!("{plain:?}\n{seen:?}");
     let first = |i: usize, k: usize| (0..3).all(|other| other == k || seen[i][k] > 2.0 * seen[i][other]);
     assert!(first(0, 0) && first(1, 1) && first(2, 2));
     assert!(seen[3][0] > 100.0 && plain.iter().all(|rgb| (rgb[0] - plain[0][0]).abs() < 3.0));
     // What is not there shows the background.
-    body.paint(device, queue, &paint(base, EVEN, Some(0.5))).unwrap();
-    let cut = quarters(gpu, &body, Vec3::Z);
+    body.paint(&paint(base, EVEN, Some(0.5))).unwrap();
+    let cut = quarters(context, &body, Vec3::Z);
     assert_eq!(cut[..3], seen[..3]);
     assert!(cut[3][0] < 60.0, "{cut:?}");
 }
 
 #[test]
 fn normals_and_roughness_are_seen() {
-    let Some(gpu) = common::gpu() else { return };
-    let Gpu { device, queue, .. } = gpu;
-    let mut body = Body::new(device, &wall());
+    let Some(context) = common::context() else { return };
+    let mut body = Body::new(context, &wall());
     body.material.wrap = 0.0;
     let mut bright = |relief: [u8; 4], light: Vec3| {
-        body.paint(device, queue, &paint(Texture::even([180, 180, 180, 255]), relief, None)).unwrap();
-        quarters(gpu, &body, light)[0][1]
+        body.paint(&paint(Texture::even([180, 180, 180, 255]), relief, None)).unwrap();
+        quarters(context, &body, light)[0][1]
     };
     // Half as far to the right, and up, as out.
     let [right, up] = [[185, 128, 180, 255], [128, 185, 180, 255]];
@@ -111,14 +107,13 @@ fn normals_and_roughness_are_seen() {
 
 #[test]
 fn another_mesh_has_other_paint() {
-    let Some(gpu) = common::gpu() else { return };
-    let Gpu { device, queue, .. } = gpu;
-    let mut body = Body::new(device, &wall());
+    let Some(context) = common::context() else { return };
+    let mut body = Body::new(context, &wall());
     let whole = paint(Texture::even([255; 4]), EVEN, None);
     let mut refused = |change: fn(&mut Paint)| {
         let mut paint = whole.clone();
         change(&mut paint);
-        body.paint(device, queue, &paint).unwrap_err().to_string()
+        body.paint(&paint).unwrap_err().to_string()
     };
     assert!(refused(|paint| paint.of.truncate(3)).contains("mesh"));
     assert!(refused(|paint| paint.of[2] = 1).contains("mesh"));

@@ -2,37 +2,35 @@
 
 use crate::common;
 
-use tresses::glam;
+use tresses::{PipelineRequest, glam};
 
 #[test]
 fn simulate() {
-    let (device, _) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
-    let simulate = tresses::simulate::Pipelines::new(&device);
-    for vertex_count in [2, 8, 16, 24, 32, 48, 64] {
-        simulate.compile(vertex_count).unwrap();
-    }
-    let guides = tresses::strands::GuideBuffers::new(&device, 4, 16, 2).unwrap();
-    tresses::simulate::Simulation::new(&device, &simulate, &guides);
+    let context = &common::noop();
+    let steps = [2, 8, 16, 24, 32, 48, 64].map(PipelineRequest::Step);
+    pollster::block_on(context.prepare(&steps, &())).unwrap();
+    let guides = tresses::strands::GuideBuffers::new(context, 4, 16, 2).unwrap();
+    tresses::simulate::Simulation::new(context, &guides);
 }
 
 /// The whole library within the default limits of WebGPU and without any optional feature.
 #[test]
 fn a_frame_is_recorded_on_baseline_webgpu() {
     use tresses::{
-        Hair, HairOptions, Pipelines, Pose, View,
+        Hair, HairOptions, Pose, View,
         body::Body,
         collide::{
             Anchor, Collider, ColliderDescriptor, ColliderPoses, FieldBuilder, FieldId, FieldSource, Shape,
         },
-        frame::{Frame, Recorder, Shows, Sight},
+        frame::{Shows, Sight},
         groom::{BindOptions, TriMesh, bind},
+        hair::HairFrame,
         simulate::SimulationParams,
         view::Picture,
         views::{DebugView, DebugViews, Shown},
     };
-    let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
-    assert_eq!(device.limits().max_storage_buffers_per_shader_stage, 8);
-    let pipelines = Pipelines::new(&device);
+    let context = &common::noop();
+    assert_eq!(context.device().limits().max_storage_buffers_per_shader_stage, 8);
     let groom = bind(&common::hanging(50, 16, 0.1), &BindOptions::default()).unwrap();
     let field = common::ball(0.09, 16);
     let options = HairOptions::default();
@@ -46,18 +44,16 @@ fn a_frame_is_recorded_on_baseline_webgpu() {
     let list: Vec<_> = (0..127)
         .map(|i| Collider { anchor: [Anchor::World, Anchor::Head][i % 2], ..Collider::new(shapes[i % 4]) })
         .collect();
-    let builder = FieldBuilder::new(&device);
+    let builder = FieldBuilder::new(context);
     let cube = common::cube(0.1);
     let made = FieldSource::Mesh { builder: &builder, mesh: &cube, options: &Default::default() };
     let fields = [FieldSource::Grid(&field), made];
     let colliders =
         ColliderDescriptor { head: Some(&field), fields: &fields, colliders: &list, ..Default::default() };
-    let mut hair = Hair::with_colliders(&device, &queue, &pipelines, &groom, &options, &colliders).unwrap();
+    let mut hair = Hair::with_colliders(context, &groom, &options, &colliders).unwrap();
     let more = [list.as_slice(), &list[..1]].concat();
     let error = |colliders: &ColliderDescriptor<'_>| {
-        Hair::with_colliders(&device, &queue, &pipelines, &groom, &options, colliders)
-            .unwrap_err()
-            .to_string()
+        Hair::with_colliders(context, &groom, &options, colliders).unwrap_err().to_string()
     };
     assert!(error(&ColliderDescriptor { colliders: &more, ..colliders }).contains("129 are more than 128"));
     assert!(error(&ColliderDescriptor { fields: &fields[..1], ..colliders }).contains("no field 1, only 1"));
@@ -67,23 +63,17 @@ fn a_frame_is_recorded_on_baseline_webgpu() {
         triangles: vec![[0, 1, 2]],
         ..Default::default()
     };
-    let body = Body::new(&device, &triangle);
-    let view = View::new(&device, &pipelines, &Default::default(), [64, 64], 1).unwrap();
-    let input = Frame {
+    let body = Body::new(context, &triangle);
+    let view = View::new(context, &Default::default(), [64, 64], 1).unwrap();
+    let input = HairFrame {
         dt: 1.0 / 60.0,
         head: Pose::IDENTITY,
         colliders: &ColliderPoses { head: None, colliders: vec![Pose::IDENTITY; 127] },
         simulation: &SimulationParams { wind: tresses::wind::Wind::new(glam::Vec3::X), ..Default::default() },
         ..Default::default()
     };
-    let mut encoder = device.create_command_encoder(&Default::default());
-    let mut recorder = Recorder {
-        pipelines: &pipelines,
-        device: &device,
-        queue: &queue,
-        encoder: &mut encoder,
-        timings: None,
-    };
+    let mut encoder = context.device().create_command_encoder(&Default::default());
+    let mut recorder = context.recorder(&mut encoder);
     recorder.advance(&mut hair, &input).unwrap();
     let picture = Picture::default();
     recorder.draw(&[&hair], &[&body], Sight::new(&view, &picture)).unwrap();
@@ -93,13 +83,13 @@ fn a_frame_is_recorded_on_baseline_webgpu() {
     hair.drag_to(&tresses::simulate::Target::Ray(picture.camera.ray(30.0, 30.0))).unwrap();
     recorder.advance(&mut hair, &input).unwrap();
     assert!(hair.grabbed().is_active() && hair.grabbed().state().is_some());
-    let mut views = DebugViews::new(&device, tresses::draw::targets::PICTURE_FORMAT).unwrap();
+    let mut views = DebugViews::new(context, tresses::draw::targets::PICTURE_FORMAT).unwrap();
     views.set_head(Some(&field));
     for what in DebugView::ALL {
-        let shown = Shown { wind: glam::Vec3::X, ..Shown::new(what) };
+        let shown = Shown::new(what);
         let sight = Sight { shows: Shows::Inside(&mut views, &shown), ..Sight::new(&view, &picture) };
         recorder.draw(&[&hair], &[&body], sight).unwrap();
     }
-    queue.submit([encoder.finish()]);
+    context.queue().submit([encoder.finish()]);
     assert!(hair.bytes() > 50 * 31 * 16);
 }

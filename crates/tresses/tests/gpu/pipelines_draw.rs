@@ -1,10 +1,11 @@
 //! Every pipeline of light, draw and present is valid within baseline limits. No GPU needed.
 
+use crate::common;
 use tresses::{
-    Camera, Pipelines, View,
+    Camera, View,
     body::Body,
     draw::{Coverage, Embed, Surroundings, Targets},
-    frame::{Recorder, Shows, Sight},
+    frame::{Shows, Sight},
     glam::Mat4,
     groom::TriMesh,
     light::{HairSet, SceneShadow, ShadingRate},
@@ -14,22 +15,21 @@ use tresses::{
 
 /// Builds and records a whole frame with `samples` per pixel; what wgpu objects to.
 fn frame(samples: u32, coverage: Coverage) -> Option<wgpu::Error> {
-    let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
-    let (device, queue) = (&device, &queue);
-    let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-    let pipelines = &Pipelines::new(device);
+    let context = &common::noop();
+    let scope = context.device().push_error_scope(wgpu::ErrorFilter::Validation);
     let options = ViewOptions { samples, coverage, ..Default::default() };
-    let view = View::new(device, pipelines, &options, [64, 40], 2).expect("a fair size");
-    let strands = StrandBuffers::new(device, 5000, 16).expect("small enough");
-    let hair = [(); 2].map(|()| HairSet::new(device, &strands).expect("small enough"));
-    let body = Body::new(device, &TriMesh::default());
+    let view = View::new(context, &options, [64, 40], 2).expect("a fair size");
+    let strands = StrandBuffers::new(context, 5000, 16).expect("small enough");
+    let hair = [(); 2].map(|()| HairSet::new(context, &strands).expect("small enough"));
+    let body = Body::new(context, &TriMesh::default());
     for shading in [ShadingRate::PerPixel, ShadingRate::PerVertex] {
         let picture = Picture { shading, ..Default::default() };
-        let mut encoder = device.create_command_encoder(&Default::default());
-        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
+        let mut encoder = context.device().create_command_encoder(&Default::default());
+        context
+            .recorder(&mut encoder)
             .draw_strands(&hair.each_ref(), &[&body, &body], Sight::new(&view, &picture))
             .expect("every pipeline is made");
-        queue.submit([encoder.finish()]);
+        context.queue().submit([encoder.finish()]);
     }
     pollster::block_on(scope.pop())
 }
@@ -52,30 +52,28 @@ fn a_frame_is_valid() {
 
 #[test]
 fn samples_and_coverage_that_do_not_fit_are_refused() {
-    let (device, _) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
-    let pipelines = Pipelines::new(&device);
+    let context = &common::noop();
     let options = ViewOptions { samples: 4, coverage: Coverage::PEELING, ..Default::default() };
-    let error = View::new(&device, &pipelines, &options, [64, 40], 1).unwrap_err().to_string();
+    let error = View::new(context, &options, [64, 40], 1).unwrap_err().to_string();
     assert!(error.contains("samples"), "{error}");
     // A view that becomes another keeps what it was where that cannot be.
-    let mut view = View::new(&device, &pipelines, &ViewOptions::default(), [64, 40], 1).unwrap();
-    assert!(view.set_options(&device, &pipelines, &options).is_err());
+    let mut view = View::new(context, &ViewOptions::default(), [64, 40], 1).unwrap();
+    assert!(view.set_options(&options).is_err());
     assert_eq!(*view.options(), ViewOptions::default());
     let fits = ViewOptions { samples: 1, ..options };
-    view.set_options(&device, &pipelines, &fits).unwrap();
+    view.set_options(&fits).unwrap();
     assert_eq!((view.options(), view.targets().samples), (&fits, 1));
 }
 
 /// Hair in a scene of `format`, recorded; what wgpu objects to.
 fn embedded(samples: u32, format: wgpu::TextureFormat, color: wgpu::TextureFormat) -> Option<wgpu::Error> {
-    let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
-    let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-    let pipelines = &Pipelines::new(&device);
+    let context = &common::noop();
+    let scope = context.device().push_error_scope(wgpu::ErrorFilter::Validation);
     let options = ViewOptions { samples, ..Default::default() };
-    let view = View::new(&device, pipelines, &options, [64, 40], 2).expect("a fair size");
-    let embed = Embed::new(&device, (samples, options.coverage), format).expect("masks");
-    let strands = StrandBuffers::new(&device, 5000, 16).expect("small enough");
-    let hair = HairSet::new(&device, &strands).expect("small enough");
+    let view = View::new(context, &options, [64, 40], 2).expect("a fair size");
+    let embed = Embed::new(context, (samples, options.coverage), format).expect("masks");
+    let strands = StrandBuffers::new(context, 5000, 16).expect("small enough");
+    let hair = HairSet::new(context, &strands).expect("small enough");
     let texture = |format, usage| {
         let descriptor = wgpu::TextureDescriptor {
             label: None,
@@ -87,7 +85,7 @@ fn embedded(samples: u32, format: wgpu::TextureFormat, color: wgpu::TextureForma
             usage,
             view_formats: &[],
         };
-        device.create_texture(&descriptor).create_view(&Default::default())
+        context.device().create_texture(&descriptor).create_view(&Default::default())
     };
     let geometry = (options.coverage == Coverage::Tiles)
         .then(|| texture(Embed::GEOMETRY, wgpu::TextureUsages::RENDER_ATTACHMENT));
@@ -102,13 +100,11 @@ fn embedded(samples: u32, format: wgpu::TextureFormat, color: wgpu::TextureForma
         shade: Some(Default::default()),
         lit: false,
     };
-    let mut encoder = device.create_command_encoder(&Default::default());
+    let mut encoder = context.device().create_command_encoder(&Default::default());
     let picture = Picture::default();
     let sight = Sight { shows: Shows::Over(&embed, into), ..Sight::new(&view, &picture) };
-    Recorder { pipelines, device: &device, queue: &queue, encoder: &mut encoder, timings: None }
-        .draw_strands(&[&hair], &[], sight)
-        .expect("every pipeline is made");
-    queue.submit([encoder.finish()]);
+    context.recorder(&mut encoder).draw_strands(&[&hair], &[], sight).expect("every pipeline is made");
+    context.queue().submit([encoder.finish()]);
     pollster::block_on(scope.pop())
 }
 
@@ -132,10 +128,10 @@ fn debug_views(format: wgpu::TextureFormat, output: wgpu::TextureFormat) -> Opti
             outline::Pen,
         },
     };
-    let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
-    let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-    let mut debug = DebugStage::new(&device, format).expect("every pipeline is made");
-    let body = Body::new(&device, &TriMesh::default());
+    let context = &common::noop();
+    let scope = context.device().push_error_scope(wgpu::ErrorFilter::Validation);
+    let mut debug = DebugStage::new(context, format).expect("every pipeline is made");
+    let body = Body::new(context, &TriMesh::default());
     let texture = |dimension, format, depth_or_array_layers, usage| {
         let size = wgpu::Extent3d { width: 64, height: 40, depth_or_array_layers };
         let descriptor = wgpu::TextureDescriptor {
@@ -148,7 +144,7 @@ fn debug_views(format: wgpu::TextureFormat, output: wgpu::TextureFormat) -> Opti
             usage,
             view_formats: &[],
         };
-        device.create_texture(&descriptor).create_view(&Default::default())
+        context.device().create_texture(&descriptor).create_view(&Default::default())
     };
     let picture = texture(wgpu::TextureDimension::D2, output, 1, wgpu::TextureUsages::RENDER_ATTACHMENT);
     let values = texture(
@@ -166,7 +162,7 @@ fn debug_views(format: wgpu::TextureFormat, output: wgpu::TextureFormat) -> Opti
         turns: true,
     };
     let paint = Paint { low: 0.0, high: 1.0, opacity: 1.0 };
-    let guides = GuideBuffers::new(&device, 5, 16, 16).expect("small enough");
+    let guides = GuideBuffers::new(context, 5, 16, 16).expect("small enough");
     let seeds = Streams::upwind(&grid, Vec3::X, 4);
     let mut outline = Vec::new();
     Pen { value: 1.0, width: 1.0 }.cuboid(&mut outline, &grid);
@@ -182,10 +178,12 @@ fn debug_views(format: wgpu::TextureFormat, output: wgpu::TextureFormat) -> Opti
         Layer::Lines(&[], paint),
     ];
     let camera = Camera { size: [64, 40], ..Default::default() };
-    let mut encoder = device.create_command_encoder(&Default::default());
-    debug.record(&device, &mut encoder, None, &camera, &[&body], &picture, &layers).expect("small enough");
-    queue.submit([encoder.finish()]);
-    Peak::new(&device);
+    let mut encoder = context.device().create_command_encoder(&Default::default());
+    debug
+        .record(&mut context.commands(&mut encoder), &camera, &[&body], &picture, &layers)
+        .expect("small enough");
+    context.queue().submit([encoder.finish()]);
+    Peak::new(context);
     pollster::block_on(scope.pop())
 }
 
@@ -201,7 +199,7 @@ fn debug_views_are_valid() {
 
 #[test]
 fn an_empty_or_huge_picture_is_an_error() {
-    let (device, _) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
-    assert!(Targets::new(&device, [0, 10], (1, Coverage::SampleMask), 1).is_err());
-    assert!(Targets::new(&device, [1_000_000, 10], (1, Coverage::SampleMask), 1).is_err());
+    let context = &common::noop();
+    assert!(Targets::new(context, [0, 10], (1, Coverage::SampleMask), 1).is_err());
+    assert!(Targets::new(context, [1_000_000, 10], (1, Coverage::SampleMask), 1).is_err());
 }

@@ -3,13 +3,13 @@
 use crate::{common, golden};
 
 use tresses::{
-    View,
+    Context, View,
     body::{Body, BodyMaterial},
     camera::ToneMap,
     draw::Coverage,
     frame::Sight,
     glam::Vec3,
-    gpu::{Gpu, readback},
+    gpu::readback,
     light::{
         Directional, HairMaterial, HairSet, Lights, MAX_LIGHTS, ShadingModel, ShadowMethod, Shadows, Sky,
         material::linear,
@@ -35,12 +35,11 @@ fn mapped(tone: &ToneMap, radiance: f32) -> f32 {
 /// Black hair and a black ball before a grey: what gets through to it in each pixel is told by a dim one.
 #[test]
 fn a_pixel_is_tone_mapped_once() {
-    let Some(gpu) = common::gpu() else { return };
-    let pipelines = common::pipelines().expect("there is a GPU");
+    let Some(context) = common::context() else { return };
     let mut hair =
-        HairSet::new(&gpu.device, &golden::strands(gpu, (0..golden::COUNT).step_by(40))).expect("fits");
+        HairSet::new(context, &golden::strands(context, (0..golden::COUNT).step_by(40))).expect("fits");
     hair.material = HairMaterial { model: ShadingModel::KajiyaKay, ..HairMaterial::brown() };
-    let mut body = Body::new(&gpu.device, &golden::ball());
+    let mut body = Body::new(context, &golden::ball());
     body.material = BodyMaterial { color: Vec3::ZERO, ..Default::default() };
     let sky = Sky { zenith: Vec3::ZERO, horizon: Vec3::ZERO, ground: Vec3::ZERO };
     let unlit = Picture {
@@ -50,10 +49,10 @@ fn a_pixel_is_tone_mapped_once() {
     };
     for coverage in [Coverage::Tiles, Coverage::SampleMask] {
         let options = ViewOptions { coverage, shadow_resolution: 64, ..Default::default() };
-        let view = View::new(&gpu.device, pipelines, &options, golden::SIZE, 1).expect("fits");
+        let view = View::new(context, &options, golden::SIZE, 1).expect("fits");
         let shown = |radiance: f32, tone: ToneMap| -> Vec<f32> {
             let scene = Picture { background: Background::flat(Vec3::splat(radiance)), tone, ..unlit };
-            let bytes = common::picture(gpu, (pipelines, &view), &scene, &[&hair], &[&body]);
+            let bytes = common::picture(context, &view, &scene, &[&hair], &[&body]);
             bytes.as_chunks::<4>().0.iter().map(|rgba| linear(f32::from(rgba[1]) / 255.0)).collect()
         };
         let tone = ToneMap::default();
@@ -72,8 +71,13 @@ fn a_pixel_is_tone_mapped_once() {
 }
 
 /// A texture of the size of `view`'s picture, to be written and read, which may be looked at in other formats.
-fn output_of(gpu: &Gpu, view: &View, format: TextureFormat, others: &[TextureFormat]) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
+fn output_of(
+    context: &Context,
+    view: &View,
+    format: TextureFormat,
+    others: &[TextureFormat],
+) -> wgpu::Texture {
+    context.device().create_texture(&wgpu::TextureDescriptor {
         label: Some("output"),
         size: view.targets().picture().texture().size(),
         mip_level_count: 1,
@@ -88,13 +92,12 @@ fn output_of(gpu: &Gpu, view: &View, format: TextureFormat, others: &[TextureFor
 /// The bytes of a picture are the same, whoever applies the sRGB curve.
 #[test]
 fn a_format_that_applies_the_curve_shows_the_same() {
-    let Some(gpu) = common::gpu() else { return };
-    let pipelines = common::pipelines().expect("there is a GPU");
-    let body = Body::new(&gpu.device, &golden::ball());
+    let Some(context) = common::context() else { return };
+    let body = Body::new(context, &golden::ball());
     let bytes = |coverage, ssaa, made_for, output: TextureFormat| {
         let options = ViewOptions { coverage, shadow_resolution: 64, output: made_for, ..Default::default() };
-        let view = View::new(&gpu.device, pipelines, &options, golden::SIZE, ssaa).expect("fits");
-        let texture = output_of(gpu, &view, Rgba8Unorm, &[Rgba8UnormSrgb]);
+        let view = View::new(context, &options, golden::SIZE, ssaa).expect("fits");
+        let texture = output_of(context, &view, Rgba8Unorm, &[Rgba8UnormSrgb]);
         let into = texture.create_view(&wgpu::TextureViewDescriptor {
             format: Some(output),
             usage: Some(wgpu::TextureUsages::RENDER_ATTACHMENT),
@@ -105,7 +108,7 @@ fn a_format_that_applies_the_curve_shows_the_same() {
             let sight = Sight { output: Some(&into), ..Sight::new(&view, &scene) };
             recorder.draw(&[], &[&body], sight)
         });
-        pollster::block_on(readback::texture(&gpu.device, &gpu.queue, &texture)).expect("it is there")
+        pollster::block_on(readback::texture(context, &texture)).expect("it is there")
     };
     let most = |a: &[u8], b: &[u8]| a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max();
     for (coverage, ssaa) in [(Coverage::Tiles, 1), (Coverage::Tiles, 2), (Coverage::SampleMask, 1)] {
@@ -122,21 +125,20 @@ fn a_format_that_applies_the_curve_shows_the_same() {
 /// Dither is for formats that have steps: what is nearly black is so in floats, and not so in all pixels of eight bits.
 #[test]
 fn floats_are_not_dithered() {
-    let Some(gpu) = common::gpu() else { return };
-    let pipelines = common::pipelines().expect("there is a GPU");
+    let Some(context) = common::context() else { return };
     let radiance = 1e-4;
     let scene = Picture { background: Background::flat(Vec3::splat(radiance)), ..golden::scene() };
     for coverage in [Coverage::Tiles, Coverage::SampleMask, Coverage::DepthPeeling { layers: 2 }] {
         let seen = |output| {
             let options =
                 ViewOptions { samples: 1, coverage, shadow_resolution: 64, output, ..Default::default() };
-            let view = View::new(&gpu.device, pipelines, &options, golden::SIZE, 1).expect("fits");
-            let texture = output_of(gpu, &view, output, &[]);
+            let view = View::new(context, &options, golden::SIZE, 1).expect("fits");
+            let texture = output_of(context, &view, output, &[]);
             let into = texture.create_view(&Default::default());
             common::submit(|recorder| {
                 recorder.draw(&[], &[], Sight { output: Some(&into), ..Sight::new(&view, &scene) })
             });
-            pollster::block_on(readback::texture(&gpu.device, &gpu.queue, &texture)).expect("it is there")
+            pollster::block_on(readback::texture(context, &texture)).expect("it is there")
         };
         let halves: Vec<half::f16> = bytemuck::pod_collect_to_vec(&seen(Rgba16Float));
         let expected = 12.92 * radiance;

@@ -24,26 +24,25 @@ fn pack(@builtin(global_invocation_id) id: vec3<u32>) {
 /// Every brightness that light can have, in each channel, beside others as bright, half as bright and black.
 #[test]
 fn a_word_keeps_what_half_floats_hold() {
-    let Some(gpu) = common::gpu() else { return };
-    let (device, queue) = (&gpu.device, &gpu.queue);
+    let Some(context) = common::context() else { return };
     let all = (0..f16::INFINITY.to_bits()).map(|bits| f16::from_bits(bits).to_f32());
     let colors: Vec<Vec4> = all
         .flat_map(|most| [[most, 0.5 * most, 0.0], [0.0, most, most], [0.5 * most, 0.0, most]])
         .map(|[r, g, b]| Vec4::new(r, g, b, 1.0))
         .collect();
     let [given, words] = [bytemuck::cast_slice(&colors), &vec![0; 4 * colors.len()][..]].map(|contents| {
-        device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        context.device().create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("test"),
             contents,
             usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
         })
     });
     let source = [include_str!("../../src/light/radiance.wesl"), PACK].concat();
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+    let module = context.device().create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("test"),
         source: wgpu::ShaderSource::Wgsl(source.into()),
     });
-    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+    let pipeline = context.device().create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: Some("test"),
         layout: None,
         module: &module,
@@ -52,20 +51,20 @@ fn a_word_keeps_what_half_floats_hold() {
         cache: None,
     });
     let entries = [&given, &words].map(wgpu::Buffer::as_entire_binding);
-    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+    let group = context.device().create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("test"),
         layout: &pipeline.get_bind_group_layout(0),
         entries: &[0, 1]
             .map(|binding| wgpu::BindGroupEntry { binding, resource: entries[binding as usize].clone() }),
     });
-    let mut encoder = device.create_command_encoder(&Default::default());
+    let mut encoder = context.device().create_command_encoder(&Default::default());
     let mut pass = encoder.begin_compute_pass(&Default::default());
     pass.set_pipeline(&pipeline);
     pass.set_bind_group(0, &group, &[]);
     pass.dispatch_workgroups((colors.len() as u32).div_ceil(64), 1, 1);
     drop(pass);
-    queue.submit([encoder.finish()]);
-    let words: Vec<u32> = readback::buffer(device, queue, &words).unwrap();
+    context.queue().submit([encoder.finish()]);
+    let words: Vec<u32> = readback::buffer(context, &words).unwrap();
     // Black below, and not beyond the brightest that nine bits and the exponent reach.
     let (least, most) = (2f32.powi(-16), 65408.0);
     let off = |color: &Vec4, word: u32| {

@@ -2,14 +2,13 @@
 
 use crate::common;
 use tresses::{
-    Error, Hair, HairOptions, Pipelines, Pose,
-    body::Body,
+    Context, Error, Hair, HairOptions, Pose,
+    body::{Body, Skin, Words},
     collide::ColliderPoses,
-    frame::Frame,
     glam::{Mat3, Quat, Vec3},
-    gpu::{Gpu, readback::blocking as readback},
+    gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, TriMesh, bind, mesh::shapes},
-    roots::{Skin, Words},
+    hair::HairFrame,
     simulate::{Along, SimulationParams},
     strands::StrandVertex,
     volume::HairHairMode,
@@ -44,33 +43,30 @@ fn stiff() -> SimulationParams {
 
 /// Hair whose skin is a body's.
 struct Stage<'a> {
-    gpu: &'a Gpu,
-    pipelines: &'a Pipelines,
+    context: &'a Context,
     hair: Hair,
     body: Body,
     rest: TriMesh,
 }
 
 impl<'a> Stage<'a> {
-    fn new(gpu: &'a Gpu, groom: &Groom, living: bool) -> Self {
-        let pipelines = common::pipelines().expect("there is a GPU");
-        let Gpu { device, queue, .. } = gpu;
-        let mut hair = Hair::new(device, queue, pipelines, groom, &HairOptions::default(), None).unwrap();
+    fn new(context: &'a Context, groom: &Groom, living: bool) -> Self {
+        let mut hair = Hair::new(context, groom, &HairOptions::default(), None).unwrap();
         let mut rest = ball();
         rest.compute_normals();
-        let body = Body::with_levels(device, &rest, &[], 4);
+        let body = Body::with_levels(context, &rest, &[], 4);
         if living {
             let skin = Skin::from(&body);
-            let report = hair.attach(device, queue, pipelines, groom, &rest, &skin, 0.005).unwrap();
+            let report = hair.attach(groom, &rest, &skin, 0.005).unwrap();
             assert!(report.farthest < 1e-3 && report.roots > 150, "{report:?}");
         }
-        Self { gpu, pipelines, hair, body, rest }
+        Self { context, hair, body, rest }
     }
 
     /// On by a frame in which the skin comes to lie as `place` says and the head at `head`.
     fn advance(&mut self, head: Pose, dt: f32, place: impl Fn(Vec3) -> Vec3) {
-        self.body.move_to(&self.gpu.queue, &moved(&self.rest, place));
-        let frame = Frame {
+        self.body.move_to(&moved(&self.rest, place));
+        let frame = HairFrame {
             dt,
             head,
             colliders: &ColliderPoses::default(),
@@ -78,12 +74,11 @@ impl<'a> Stage<'a> {
             ..Default::default()
         };
         common::submit(|recorder| recorder.advance(&mut self.hair, &frame));
-        assert!(std::ptr::eq(self.pipelines, common::pipelines().unwrap()));
     }
 
     fn vertices(&self) -> Vec<Vec3> {
-        let Gpu { device, queue, .. } = self.gpu;
-        let read: Vec<StrandVertex> = readback::buffer(device, queue, &self.hair.strands.vertices).unwrap();
+        let context = self.context;
+        let read: Vec<StrandVertex> = readback::buffer(context, &self.hair.strands.vertices).unwrap();
         read.iter().map(|vertex| vertex.position).collect()
     }
 }
@@ -103,13 +98,13 @@ fn motion(t: f32) -> Pose {
 
 #[test]
 fn a_skin_that_moves_as_a_head_is_a_head() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     for guides in [GuideCount::All, GuideCount::Count(40)] {
         let groom = groom(guides);
-        let mut rigid = Stage::new(gpu, &groom, false);
+        let mut rigid = Stage::new(context, &groom, false);
         // One whose skin does all of it, and one that shares it with the head.
-        let mut skinned = Stage::new(gpu, &groom, true);
-        let mut shared = Stage::new(gpu, &groom, true);
+        let mut skinned = Stage::new(context, &groom, true);
+        let mut shared = Stage::new(context, &groom, true);
         let still = rigid.hair.strands.vertex_count as usize;
         let mut most = [0.0f32; 2];
         // Neither as long as steps nor a multiple of them.
@@ -130,7 +125,7 @@ fn a_skin_that_moves_as_a_head_is_a_head() {
         println!("{guides:?}: skin alone {:.1e} m, with the head {:.1e} m", most[0], most[1]);
         assert!(most.iter().all(|most| *most < 3e-4), "{most:?}");
         // What does not move is elsewhere.
-        let mut idle = Stage::new(gpu, &groom, true);
+        let mut idle = Stage::new(context, &groom, true);
         idle.advance(Pose::IDENTITY, dt, |p| p);
         assert!(apart(&rigid.vertices(), &idle.vertices()) > 0.05);
         assert_eq!(rigid.vertices().len(), 150 * still);
@@ -139,9 +134,9 @@ fn a_skin_that_moves_as_a_head_is_a_head() {
 
 #[test]
 fn a_still_skin_changes_nothing() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let groom = groom(GuideCount::Count(40));
-    let (mut rigid, mut living) = (Stage::new(gpu, &groom, false), Stage::new(gpu, &groom, true));
+    let (mut rigid, mut living) = (Stage::new(context, &groom, false), Stage::new(context, &groom, true));
     let mut most = 0.0f32;
     for i in 0..40 {
         let pose = motion(i as f32 / 60.0);
@@ -179,10 +174,10 @@ fn on_skin(rest: &TriMesh, now: &TriMesh, p: Vec3) -> Vec3 {
 
 #[test]
 fn strands_begin_where_the_skin_is() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     for guides in [GuideCount::All, GuideCount::Count(40)] {
         let groom = groom(guides);
-        let mut stage = Stage::new(gpu, &groom, true);
+        let mut stage = Stage::new(context, &groom, true);
         let mut arranged = groom.strands.clone();
         tresses::lod::arrange(&mut arranged);
         for i in 0..20 {
@@ -210,9 +205,9 @@ fn strands_begin_where_the_skin_is() {
 
 #[test]
 fn hair_at_rest_takes_the_skin_as_it_is() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let groom = groom(GuideCount::All);
-    let mut stage = Stage::new(gpu, &groom, true);
+    let mut stage = Stage::new(context, &groom, true);
     // Its first frame is on skin that is bent already: nothing swings there from rest.
     stage.advance(Pose::IDENTITY, 1.0 / 60.0, |p| bent(p, 0.4));
     let first = stage.vertices();
@@ -227,14 +222,13 @@ fn hair_at_rest_takes_the_skin_as_it_is() {
 
 #[test]
 fn what_does_not_fit_is_said() {
-    let Some(gpu) = common::gpu() else { return };
-    let Gpu { device, queue, .. } = gpu;
+    let Some(context) = common::context() else { return };
     let groom = groom(GuideCount::All);
-    let mut stage = Stage::new(gpu, &groom, false);
+    let mut stage = Stage::new(context, &groom, false);
     let small = shapes::sphere(0.05, 12);
     let skin = Skin::from(&stage.body);
     let mut attach = |groom: &Groom, mesh: &TriMesh, skin: &Skin<'_>| {
-        let attached = stage.hair.attach(device, queue, stage.pipelines, groom, mesh, skin, 0.005);
+        let attached = stage.hair.attach(groom, mesh, skin, 0.005);
         attached.map_err(|error: Error| error.to_string())
     };
     let far = attach(&groom, &small, &skin).unwrap_err();

@@ -12,9 +12,9 @@ use std::{
     process::Command,
 };
 use tresses::{
+    Context,
     avoid::{AvoidMode, AvoidOptions},
     glam::Vec3,
-    gpu::Gpu,
     groom::bind,
     light::{FiberMaterial, HairMaterial, ShadingModel},
 };
@@ -29,18 +29,17 @@ struct Made {
     motion: Vec<Vec<Vec3>>,
 }
 
-fn make(gpu: &Gpu) -> Made {
-    let picture = golden::picture(gpu, brown());
-    let pipelines = common::pipelines().expect("there is a GPU");
+fn make(context: &Context) -> Made {
+    let picture = golden::picture(context, brown());
     let groom = bind(&common::hanging(200, 16, 0.16), &Default::default()).unwrap();
     let character = Character { groom, field: common::ball(0.09, 48), neck: Vec3::new(0.0, 0.0, -0.02) };
-    let mut hair = character.hair(gpu, pipelines, AvoidOptions::default());
+    let mut hair = character.hair(context, AvoidOptions::default());
     let mut motion = Vec::new();
     for i in 0..=36u32 {
         let head = character.head(angle(SHAKE, i as f32 / 60.0));
-        advance(gpu, pipelines, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / 60.0 });
+        advance(context, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / 60.0 });
         if i % 6 == 0 {
-            let vertices = drawn(gpu, pipelines, &mut hair, head, AvoidMode::ChangeOver);
+            let vertices = drawn(context, &mut hair, head, AvoidMode::ChangeOver);
             motion.push(vertices.iter().map(|v| v.position).collect());
         }
     }
@@ -59,8 +58,8 @@ fn darker() -> FiberMaterial {
 }
 
 /// What a run writes and the other reads: the adapter's name, then the picture, then the vertices.
-fn write(folder: &Path, gpu: &Gpu, made: &Made) {
-    std::fs::write(folder.join("adapter"), &gpu.info.name).unwrap();
+fn write(folder: &Path, context: &Context, made: &Made) {
+    std::fs::write(folder.join("adapter"), context.device().adapter_info().name).unwrap();
     std::fs::write(folder.join("picture"), &made.picture).unwrap();
     let vertices: Vec<Vec3> = made.motion.iter().flatten().copied().collect();
     std::fs::write(folder.join("motion"), bytemuck::cast_slice::<Vec3, u8>(&vertices)).unwrap();
@@ -99,15 +98,15 @@ fn swiftshader() -> Option<PathBuf> {
 
 #[test]
 fn swiftshader_draws_and_moves_the_same() {
-    let Some(gpu) = common::gpu() else { return };
-    let made = make(gpu);
+    let Some(context) = common::context() else { return };
+    let made = make(context);
     if let Some(folder) = std::env::var_os(INTO) {
-        return write(Path::new(&folder), gpu, &made);
+        return write(Path::new(&folder), context, &made);
     }
     if !cfg!(target_os = "linux") {
         return println!("skipped: a process chooses its Vulkan driver on Linux alone");
     }
-    if !gpu.tier.software {
+    if !context.tier().software {
         return println!("skipped: a GPU places samples elsewhere than software does");
     }
     let Some(driver) = swiftshader() else {
@@ -129,13 +128,17 @@ fn swiftshader_draws_and_moves_the_same() {
         .unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let (adapter, other) = read(&folder, &made);
-    assert!(adapter.contains("SwiftShader") && adapter != gpu.info.name, "{adapter}, {}", gpu.info.name);
+    assert!(
+        adapter.contains("SwiftShader") && adapter != context.device().adapter_info().name,
+        "{adapter}, {}",
+        context.device().adapter_info().name
+    );
 
     let (mean, high) = golden::difference(&made.picture, &other.picture);
     let moved = apart(&made.motion, &other.motion);
     println!(
         "{adapter} and {}: pictures {mean:.3} / 255, 99 of 100 within {high}, vertices {:.4} mm",
-        gpu.info.name,
+        context.device().adapter_info().name,
         1e3 * moved
     );
     // Drivers may place samples and round as they like: less than a step in the mean, and of motion a hair's width.
@@ -143,7 +146,7 @@ fn swiftshader_draws_and_moves_the_same() {
     assert!(alike(mean) && moved < 1e-4, "{mean} {moved}");
     // What another picture or another moment is would be seen.
     let darker = HairMaterial { fiber: darker(), ..brown() };
-    let (mean, high) = golden::difference(&golden::picture(gpu, darker), &other.picture);
+    let (mean, high) = golden::difference(&golden::picture(context, darker), &other.picture);
     println!("a picture of hair with a third more pigment: {mean:.3} / 255, 99 of 100 within {high}");
     assert!(!alike(mean), "{mean}");
     assert!(apart(&made.motion[1..], &other.motion[..other.motion.len() - 1]) > 1e-3);

@@ -2,9 +2,10 @@
 
 use crate::common;
 use tresses::{
+    Context,
     body::Body,
     glam::{Mat4, Quat, Vec3},
-    gpu::{Gpu, readback::blocking as readback},
+    gpu::readback::blocking as readback,
     groom::{
         TriMesh, import,
         mesh::shapes,
@@ -14,22 +15,20 @@ use tresses::{
 };
 
 /// What the GPU makes of a body in a pose: positions and normals.
-fn bent(gpu: &Gpu, mesh: &TriMesh, rig: &Rig, pose: &RigPose) -> (Vec<Vec3>, Vec<Vec3>) {
-    let Gpu { device, queue, .. } = gpu;
-    let mut body = Body::with_levels(device, mesh, &[], 4);
-    let stage = &common::pipelines().expect("there is a GPU").skinning;
-    let mut skinning = Skinning::new(device, queue, stage, rig, &body).unwrap();
-    skinning.pose(queue, pose, &mut body).unwrap();
+fn bent(context: &Context, mesh: &TriMesh, rig: &Rig, pose: &RigPose) -> (Vec<Vec3>, Vec<Vec3>) {
+    let mut body = Body::with_levels(context, mesh, &[], 4);
+    let mut skinning = Skinning::new(context, rig, &body).unwrap();
+    skinning.pose(pose, &mut body).unwrap();
     common::submit(|recorder| recorder.bend(&[&skinning]));
-    let words: Vec<f32> = readback::buffer(device, queue, body.vertices()).unwrap();
+    let words: Vec<f32> = readback::buffer(context, body.vertices()).unwrap();
     let vertices = words.as_chunks::<{ Body::WORDS as usize }>().0;
     let three = |at: usize| vertices.iter().map(|v| Vec3::from_slice(&v[at..])).collect();
     (three(0), three(3))
 }
 
 /// How far the GPU is from the CPU: positions (metres), normals (their chord), and positions from those at rest.
-fn off(gpu: &Gpu, mesh: &TriMesh, rig: &Rig, pose: &RigPose) -> [f32; 3] {
-    let (positions, normals) = bent(gpu, mesh, rig, pose);
+fn off(context: &Context, mesh: &TriMesh, rig: &Rig, pose: &RigPose) -> [f32; 3] {
+    let (positions, normals) = bent(context, mesh, rig, pose);
     let mut twin = mesh.clone();
     rig.deform(pose, &mut twin);
     let most = |a: &[Vec3], b: &[Vec3]| {
@@ -84,17 +83,17 @@ fn pose(mirrors: bool) -> RigPose {
 
 #[test]
 fn skinning_is_as_on_the_cpu() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let (mesh, rig) = knotted();
     for mirrors in [false, true] {
         let pose = pose(mirrors);
-        let [position, normal, moved] = off(gpu, &mesh, &rig, &pose);
+        let [position, normal, moved] = off(context, &mesh, &rig, &pose);
         println!("mirrored {mirrors}: {position:.1e} m, normals {normal:.1e}, moved by {moved:.2} m");
         assert!(position < 2e-5 && normal < 2e-4 && moved > 0.1);
     }
     // One weight, one shape, one joint: each is seen.
     let right = pose(false);
-    let (seen, _) = bent(gpu, &mesh, &rig, &right);
+    let (seen, _) = bent(context, &mesh, &rig, &right);
     let differs = |rig: &Rig, pose: &RigPose| {
         let mut twin = mesh.clone();
         rig.deform(pose, &mut twin);
@@ -110,7 +109,7 @@ fn skinning_is_as_on_the_cpu() {
 
 #[test]
 fn characters_of_other_makers_bend_as_on_the_cpu() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     for name in ["CesiumMan", "RobotExpressive"] {
         let Some(path) = common::asset(format!("characters/{name}.glb")) else { return };
         let import::Body { mesh, rig, .. } = import::read_body(&[path], &Default::default()).unwrap();
@@ -118,7 +117,7 @@ fn characters_of_other_makers_bend_as_on_the_cpu() {
         for animation in &rig.animations {
             let morphs: Vec<_> = (0..rig.targets.len()).map(|i| (i, 0.4)).collect();
             let pose = rig.pose_with(Some((animation, 0.37 * animation.length)), &morphs);
-            let [position, normal, _] = off(gpu, &mesh, &rig, &pose);
+            let [position, normal, _] = off(context, &mesh, &rig, &pose);
             // The robot is 4.5 m tall.
             assert!(position < 1e-4 && normal < 2e-3, "{name} {}: {position} m, {normal}", animation.name);
         }
@@ -127,12 +126,10 @@ fn characters_of_other_makers_bend_as_on_the_cpu() {
 
 #[test]
 fn what_does_not_belong_together_is_said() {
-    let Some(gpu) = common::gpu() else { return };
-    let Gpu { device, queue, .. } = gpu;
-    let stage = &common::pipelines().expect("there is a GPU").skinning;
+    let Some(context) = common::context() else { return };
     let (mesh, rig) = knotted();
-    let mut body = Body::with_levels(device, &mesh, &[], 4);
-    let refused = |rig: &Rig| Skinning::new(device, queue, stage, rig, &body).unwrap_err().to_string();
+    let mut body = Body::with_levels(context, &mesh, &[], 4);
+    let refused = |rig: &Rig| Skinning::new(context, rig, &body).unwrap_err().to_string();
     assert!(
         refused(&Rig { vertices: rig.vertices[1..].to_vec(), ..rig.clone() })
             .contains("not that of the body")
@@ -141,7 +138,7 @@ fn what_does_not_belong_together_is_said() {
     let mut lost = rig.clone();
     lost.targets[0].deltas[0].vertex = 1 << 20;
     assert!(refused(&lost).contains("does not have"));
-    let mut skinning = Skinning::new(device, queue, stage, &rig, &body).unwrap();
+    let mut skinning = Skinning::new(context, &rig, &body).unwrap();
     let few = RigPose { weights: vec![], ..pose(false) };
-    assert!(skinning.pose(queue, &few, &mut body).unwrap_err().to_string().contains("not one of"));
+    assert!(skinning.pose(&few, &mut body).unwrap_err().to_string().contains("not one of"));
 }

@@ -29,9 +29,9 @@ fn floor() -> TriMesh {
 /// picture. The test fails where hair casts no shadow.
 #[test]
 fn few_points_tell_what_many_do() {
-    let (Some(gpu), Some(pipelines)) = (common::gpu(), common::pipelines()) else { return };
-    let hair = HairSet::new(&gpu.device, &golden::strands(gpu, 0..golden::COUNT)).expect("fits");
-    let body = Body::new(&gpu.device, &floor());
+    let Some(context) = common::context() else { return };
+    let hair = HairSet::new(context, &golden::strands(context, 0..golden::COUNT)).expect("fits");
+    let body = Body::new(context, &floor());
     let mut lights = Lights { directional: [Directional::OFF; MAX_LIGHTS], ..Lights::default() };
     lights.directional[0] =
         Directional { direction: Vec3::new(0.1, 1.0, 0.2).normalize(), irradiance: Vec3::splat(2.0) };
@@ -43,8 +43,8 @@ fn few_points_tell_what_many_do() {
     };
     let options = ViewOptions { samples: 1, coverage: Coverage::SampleMask, ..Default::default() };
     let draw = |ssaa: u32, hair: &[&HairSet]| {
-        let view = View::new(&gpu.device, pipelines, &options, SIZE, ssaa).expect("fits");
-        common::picture(gpu, (pipelines, &view), &picture, hair, &[&body])
+        let view = View::new(context, &options, SIZE, ssaa).expect("fits");
+        common::picture(context, &view, &picture, hair, &[&body])
     };
     let few = draw(1, &[&hair]);
     let (mean, high) = difference(&few, &draw(4, &[&hair]));

@@ -6,12 +6,14 @@ use crate::{
     golden::difference,
 };
 use tresses::{
-    Camera, Hair, HairOptions, Pose, Space, View,
+    Camera, Context, Hair, HairOptions, Pose, Space, View,
     collide::{Anchor, Collider, ColliderDescriptor, ColliderPoses, Shape},
-    frame::{Frame, Sight},
+    draw::Coverage,
+    frame::Sight,
     glam::{DQuat, DVec3, Quat, Vec3},
-    gpu::{Gpu, readback::blocking as readback},
+    gpu::readback::blocking as readback,
     groom::{BindOptions, GuideCount, bind},
+    hair::HairFrame,
     light::Sphere,
     simulate::SimulationParams,
     space::Velocity,
@@ -21,15 +23,15 @@ use tresses::{
 };
 
 /// A hanging groom, a ball that comes by, and glasses, which are as large as they were or `size` times as large.
-fn hair(gpu: &Gpu, size: f32) -> Hair {
+fn hair(context: &Context, size: f32) -> Hair {
     let options = BindOptions { guides: GuideCount::Count(30), ..Default::default() };
     let groom = bind(&common::hanging(90, 12, 0.15), &options).unwrap();
     let field = common::ball(0.085 * size, 32);
     let ball = Collider::new(Shape::sphere(0.04 * size));
     let colliders = [ball, Collider { anchor: Anchor::Head, ..ball }];
     let what = ColliderDescriptor { head: Some(&field), colliders: &colliders, ..Default::default() };
-    let (pipelines, options) = (common::pipelines().unwrap(), HairOptions::default());
-    Hair::with_colliders(&gpu.device, &gpu.queue, pipelines, &groom, &options, &what).unwrap()
+    let options = HairOptions::default();
+    Hair::with_colliders(context, &groom, &options, &what).unwrap()
 }
 
 fn nod(t: f64) -> Pose {
@@ -54,8 +56,8 @@ impl Given {
 }
 
 /// 0.3 s at 50 frames per second.
-fn ride(gpu: &Gpu, size: f32, physics: &SimulationParams, given: &dyn Fn(f64) -> Given) -> Hair {
-    let mut hair = hair(gpu, size);
+fn ride(context: &Context, size: f32, physics: &SimulationParams, given: &dyn Fn(f64) -> Given) -> Hair {
+    let mut hair = hair(context, size);
     for i in 0..=15 {
         let t = f64::from(i) / 50.0;
         let Given { space, head, given, drawn_in } = given(t);
@@ -63,19 +65,19 @@ fn ride(gpu: &Gpu, size: f32, physics: &SimulationParams, given: &dyn Fn(f64) ->
         let glasses = Pose { translation: Vec3::Z * 0.08, ..Pose::IDENTITY };
         let colliders = &ColliderPoses { head: None, colliders: vec![given.after(&ball), glasses] };
         let dt = if i == 0 { 0.0 } else { 0.02 };
-        let frame = Frame { dt, head, colliders, simulation: physics, space, drawn_in };
+        let frame = HairFrame { dt, head, colliders, simulation: physics, space, drawn_in };
         common::advance(&mut hair, &frame);
     }
     hair
 }
 
-fn strands(gpu: &Gpu, hair: &Hair) -> Vec<StrandVertex> {
-    readback::buffer(&gpu.device, &gpu.queue, &hair.strands.vertices).unwrap()
+fn strands(context: &Context, hair: &Hair) -> Vec<StrandVertex> {
+    readback::buffer(context, &hair.strands.vertices).unwrap()
 }
 
 /// The strands after that.
-fn run(gpu: &Gpu, physics: &SimulationParams, given: &dyn Fn(f64) -> Given) -> Vec<StrandVertex> {
-    strands(gpu, &ride(gpu, 1.0, physics, given))
+fn run(context: &Context, physics: &SimulationParams, given: &dyn Fn(f64) -> Given) -> Vec<StrandVertex> {
+    strands(context, &ride(context, 1.0, physics, given))
 }
 
 /// How far the strands `a`, moved by `way`, are from `b`, metres.
@@ -90,40 +92,40 @@ fn same(a: &[StrandVertex], b: &[StrandVertex]) -> bool {
 
 #[test]
 fn far_away_and_carried_along_hair_is_the_same_to_the_bit() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let physics = SimulationParams::default();
-    let here = run(gpu, &physics, &|t| Given::at(Space::WORLD, t));
+    let here = run(context, &physics, &|t| Given::at(Space::WORLD, t));
     let far = DVec3::new(1e4 + 0.1, -3.7, 2e3);
     let there = |t| Given::at(Space::at(far), t);
-    assert!(same(&here, &run(gpu, &physics, &there)), "10 km from the origin");
+    assert!(same(&here, &run(context, &physics, &there)), "10 km from the origin");
     let moves = DVec3::new(100.0, 0.0, 7.0);
     let platform = |t: f64| Given::at(Space { carries_air: true, ..Space::at(10.0 * far + moves * t) }, t);
-    assert!(same(&here, &run(gpu, &physics, &platform)), "on a platform at 100 m/s");
+    assert!(same(&here, &run(context, &physics, &platform)), "on a platform at 100 m/s");
     let jumps = |t: f64| {
         let i = (t * 50.0).round();
         Given::at(Space::at(DVec3::new(i % 2.0, (i * 7.0) % 5.0, 0.0) * 1e3), t)
     };
-    assert!(same(&here, &run(gpu, &physics, &jumps)), "kilometres from where it was in each frame");
+    assert!(same(&here, &run(context, &physics, &jumps)), "kilometres from where it was in each frame");
     // Poses that have the place in themselves, in single precision.
     let folded = |t: f64| {
         let given = Pose { translation: far.as_vec3(), ..Pose::IDENTITY };
         Given { head: given.after(&nod(t)), given, ..Given::at(Space::WORLD, t) }
     };
-    let off = apart(&run(gpu, &physics, &folded), -far.as_vec3(), &here);
+    let off = apart(&run(context, &physics, &folded), -far.as_vec3(), &here);
     assert!(off > 1e-4, "folded {off} m");
 }
 
 #[test]
 fn other_coordinates_move_nothing() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     // Without what is chaotic: strands that buckle or touch something, and the grid of the hair, which rounding enters.
     let mut physics = SimulationParams::default();
     physics.hair_hair.mode = tresses::volume::HairHairMode::Off;
     physics.bending.root *= 100.0;
     physics.bending.tip *= 100.0;
     let go = |given: &dyn Fn(f64) -> Given| {
-        let hair = ride(gpu, 0.01, &physics, given);
-        (strands(gpu, &hair), hair.colliders.drawn()[1].translation)
+        let hair = ride(context, 0.01, &physics, given);
+        (strands(context, &hair), hair.colliders.drawn()[1].translation)
     };
     // A run of 2.7 m, ever faster.
     let walk = |t: f64| Pose { translation: nod(t).translation + Vec3::X * 30.0 * (t * t) as f32, ..nod(t) };
@@ -151,27 +153,27 @@ fn other_coordinates_move_nothing() {
 
 #[test]
 fn a_platform_through_still_air_stands_in_the_wind() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let wind = |v: f32| SimulationParams {
         wind: Wind { gusts: 0.0, cells: 8, ..Wind::new(Vec3::X * v) },
         ..Default::default()
     };
-    let stands = run(gpu, &wind(6.0), &|t| Given::at(Space::WORLD, t));
+    let stands = run(context, &wind(6.0), &|t| Given::at(Space::WORLD, t));
     let space = |t: f64, v: f64| Space {
         velocity: Some(Velocity { linear: DVec3::X * v, angular: DVec3::ZERO }),
         ..Space::at(DVec3::new(2e4 + v * t, 0.0, 0.0))
     };
-    let moves = run(gpu, &wind(0.0), &|t| Given::at(space(t, -6.0), t));
+    let moves = run(context, &wind(0.0), &|t| Given::at(space(t, -6.0), t));
     assert!(same(&stands, &moves));
     // What moves with the wind does not feel it, in the fluid and beside it.
-    let calm = run(gpu, &wind(0.0), &|t| Given::at(Space::WORLD, t));
-    assert!(same(&calm, &run(gpu, &wind(6.0), &|t| Given::at(space(t, 6.0), t))));
+    let calm = run(context, &wind(0.0), &|t| Given::at(Space::WORLD, t));
+    assert!(same(&calm, &run(context, &wind(6.0), &|t| Given::at(space(t, 6.0), t))));
     assert!(apart(&calm, Vec3::ZERO, &stands) > 1e-2);
 }
 
 #[test]
 fn hair_of_several_places_is_drawn_together() {
-    let (Some(gpu), Some(pipelines)) = (common::gpu(), common::pipelines()) else { return };
+    let Some(context) = common::context() else { return };
     let spaces = |far: DVec3| {
         let turned = DQuat::from_rotation_y(0.6);
         [Space::at(far - DVec3::X * 0.2), Space { rotation: turned, ..Space::at(far + DVec3::X * 0.2) }]
@@ -181,19 +183,21 @@ fn hair_of_several_places_is_drawn_together() {
         focus: Sphere { center: Vec3::ZERO, radius: 0.5 },
         ..Default::default()
     };
-    let options = ViewOptions { shadow_resolution: 256, ..Default::default() };
+    let options =
+        ViewOptions { shadow_resolution: 256, coverage: Coverage::SampleMask, ..Default::default() };
     let see = |far: DVec3, seen: bool| {
-        let (mut pair, view) = (
-            [hair(gpu, 1.0), hair(gpu, 1.0)],
-            View::new(&gpu.device, pipelines, &options, [128, 96], 1).unwrap(),
-        );
+        let (mut pair, view) =
+            ([hair(context, 1.0), hair(context, 1.0)], View::new(context, &options, [128, 96], 1).unwrap());
         let colliders =
             &ColliderPoses { head: None, colliders: vec![Pose { translation: Vec3::Y, ..nod(0.0) }; 2] };
         for i in 0..4 {
             let (head, dt) = (nod(0.02 * f64::from(i)), if i == 0 { 0.0 } else { 0.02 });
             for (hair, space) in pair.iter_mut().zip(spaces(far)) {
                 let drawn_in = seen.then_some(Space::at(far));
-                common::advance(hair, &Frame { dt, head, colliders, space, drawn_in, ..Default::default() });
+                common::advance(
+                    hair,
+                    &HairFrame { dt, head, colliders, space, drawn_in, ..Default::default() },
+                );
             }
         }
         let [one, other] = &pair;
@@ -202,7 +206,7 @@ fn hair_of_several_places_is_drawn_together() {
             said = recorder.draw(&[one, other], &[], Sight::new(&view, &scene));
             Ok(())
         });
-        said.map(|()| pollster::block_on(view.targets().read(&gpu.device, &gpu.queue)).unwrap())
+        said.map(|()| pollster::block_on(view.targets().read()).unwrap())
     };
     let here = see(DVec3::ZERO, true).unwrap();
     for far in [DVec3::new(1e4, 3.0, -2e3), DVec3::new(4e6, 100.0, -1e5)] {

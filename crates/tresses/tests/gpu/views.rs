@@ -3,13 +3,15 @@
 use crate::common;
 
 use tresses::{
-    Camera, Hair, HairOptions, Pose, View,
+    Camera, Context, Hair, HairOptions, Pose, View,
     body::Body,
     collide::ColliderPoses,
-    frame::{Frame, Shows, Sight},
+    draw::Coverage,
+    frame::{Shows, Sight},
     glam::Vec3,
-    gpu::{Gpu, readback},
+    gpu::readback,
     groom::{BindOptions, bind},
+    hair::HairFrame,
     light::{Lights, ShadingModel, Sphere, Term, unpack_radiance},
     simulate::SimulationParams,
     view::{Picture, ViewOptions},
@@ -19,7 +21,7 @@ use tresses::{
 
 /// A head full of hair in the wind, and all that draws it.
 struct Setup {
-    gpu: &'static Gpu,
+    context: &'static Context,
     views: DebugViews,
     hair: Hair,
     body: Body,
@@ -29,19 +31,17 @@ struct Setup {
 
 impl Setup {
     fn new() -> Option<Self> {
-        let gpu = common::gpu()?;
-        let (device, queue) = (&gpu.device, &gpu.queue);
-        let pipelines = common::pipelines().expect("there is a GPU");
+        let context = common::context()?;
         let groom = bind(&common::hanging(400, 16, 0.15), &BindOptions::default()).unwrap();
         let field = common::ball(0.085, 32);
         let options = HairOptions::default();
-        let mut hair = Hair::new(device, queue, pipelines, &groom, &options, Some(&field)).unwrap();
-        let mut views = DebugViews::new(device, tresses::draw::targets::PICTURE_FORMAT).unwrap();
+        let mut hair = Hair::new(context, &groom, &options, Some(&field)).unwrap();
+        let mut views = DebugViews::new(context, tresses::draw::targets::PICTURE_FORMAT).unwrap();
         views.set_head(Some(&field));
         let simulation = SimulationParams { wind: Wind::new(Vec3::X * 6.0), ..Default::default() };
         for _ in 0..6 {
             let colliders = &ColliderPoses::default();
-            let frame = Frame {
+            let frame = HairFrame {
                 dt: 1.0 / 30.0,
                 head: Pose::IDENTITY,
                 colliders,
@@ -53,34 +53,34 @@ impl Setup {
         let camera = Camera::look_at(Vec3::new(0.1, 0.05, 0.8), Vec3::ZERO, 0.45, [120, 96]);
         let focus = Sphere { center: Vec3::ZERO, radius: 0.3 };
         let scene = Picture { camera, focus, lights: Lights::around(0.3), ..Default::default() };
-        let body = Body::new(device, &common::cube(0.05));
-        let options = ViewOptions { shadow_resolution: 128, ..Default::default() };
-        let view = View::new(device, pipelines, &options, [120, 96], 1).unwrap();
-        Some(Self { views, hair, body, view, scene, gpu })
+        let body = Body::new(context, &common::cube(0.05));
+        let options =
+            ViewOptions { shadow_resolution: 128, coverage: Coverage::SampleMask, ..Default::default() };
+        let view = View::new(context, &options, [120, 96], 1).unwrap();
+        Some(Self { views, hair, body, view, scene, context })
     }
 
     /// A picture of a view, or without one; of what it draws, the strands' colours.
     fn picture(&mut self, view: Option<DebugView>) -> (Vec<u8>, Vec<Vec3>) {
-        let Gpu { device, queue, .. } = self.gpu;
-        let shown = view.map(|view| Shown { wind: Vec3::X * 6.0, ..Shown::new(view) });
+        let context = self.context;
+        let shown = view.map(Shown::new);
         let shows = shown.as_ref().map_or(Shows::Hair, |shown| Shows::Inside(&mut self.views, shown));
         let sight = Sight { shows, ..Sight::new(&self.view, &self.scene) };
         common::submit(|recorder| recorder.draw(&[&self.hair], &[&self.body], sight));
         let shaded = self.view.shaded(&self.hair.set).unwrap();
-        let shaded: Vec<u32> = pollster::block_on(readback::buffer(device, queue, &shaded)).unwrap();
+        let shaded: Vec<u32> = pollster::block_on(readback::buffer(context, &shaded)).unwrap();
         let colors = shaded.into_iter().map(unpack_radiance).collect();
-        (pollster::block_on(self.view.targets().read(device, queue)).unwrap(), colors)
+        (pollster::block_on(self.view.targets().read()).unwrap(), colors)
     }
 
     /// What the last picture has lit, with twice the pixels along each axis.
     fn finer(&mut self, anew: bool) -> Vec<u8> {
-        let Gpu { device, queue, .. } = self.gpu;
-        self.view.resize(device, [120, 96], 2).unwrap();
+        self.view.resize([120, 96], 2).unwrap();
         let shows = if anew { Shows::Hair } else { Shows::Again };
         let sight = Sight { shows, ..Sight::new(&self.view, &self.scene) };
         common::submit(|recorder| recorder.draw(&[&self.hair], &[&self.body], sight));
-        let picture = pollster::block_on(self.view.targets().read(device, queue)).unwrap();
-        self.view.resize(device, [120, 96], 1).unwrap();
+        let picture = pollster::block_on(self.view.targets().read()).unwrap();
+        self.view.resize([120, 96], 1).unwrap();
         picture
     }
 

@@ -6,13 +6,13 @@ use crate::common;
 
 use std::{collections::HashMap, sync::Arc};
 use tresses::{
-    Hair, HairOptions, Pipelines, Pose,
+    Context, Hair, HairOptions, Pose,
     collide::ColliderPoses,
     drape::Character,
-    frame::Frame,
     glam::{IVec3, Quat, Vec3},
-    gpu::{Gpu, readback::blocking as readback},
+    gpu::readback::blocking as readback,
     groom::styles::Style,
+    hair::HairFrame,
     simulate::SimulationParams,
     strands::{StrandVertex, guide::unpack_velocity},
     volume::{HairHair, HairHairMode},
@@ -43,36 +43,33 @@ fn shaken(t: f32, neck: Vec3) -> Pose {
 }
 
 struct Setup {
-    gpu: &'static Gpu,
-    pipelines: &'static Pipelines,
+    context: &'static Context,
     character: Arc<Character>,
 }
 
 impl Setup {
     fn new(style: &str, strands: u32) -> Option<Self> {
-        let gpu = common::gpu()?;
-        let pipelines = common::pipelines()?;
+        let context = common::context()?;
         let character = common::character(style, strands)?;
-        Some(Self { gpu, pipelines, character })
+        Some(Self { context, character })
     }
 
     fn hair(&self, options: &HairOptions) -> Hair {
-        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let context = self.context;
         let Character { groom, field, .. } = &*self.character;
-        Hair::new(device, queue, self.pipelines, groom, options, Some(field)).unwrap()
+        Hair::new(context, groom, options, Some(field)).unwrap()
     }
 
     fn advance(&self, hair: &mut Hair, simulation: &SimulationParams, head: Pose, dt: f32) {
         common::advance(
             hair,
-            &Frame { dt, head, colliders: &ColliderPoses::default(), simulation, ..Default::default() },
+            &HairFrame { dt, head, colliders: &ColliderPoses::default(), simulation, ..Default::default() },
         );
     }
 
     /// Metres of drawn hair in every voxel, in the head's axes.
     fn voxels(&self, hair: &Hair, head: &Pose) -> HashMap<IVec3, f32> {
-        let vertices: Vec<StrandVertex> =
-            readback::buffer(&self.gpu.device, &self.gpu.queue, &hair.strands.vertices).unwrap();
+        let vertices: Vec<StrandVertex> = readback::buffer(self.context, &hair.strands.vertices).unwrap();
         let back = head.inverse();
         let mut voxels = HashMap::new();
         for strand in vertices.chunks(hair.strands.vertex_count as usize) {
@@ -158,7 +155,7 @@ fn unrest(stage: &Setup, hair_hair: HairHair) -> (f32, f32, f32) {
     let simulation = SimulationParams { hair_hair, ..Default::default() };
     let mut hair = stage.hair(&HairOptions::default());
     let read = |buffer: &tresses::wgpu::Buffer| -> Vec<Vec3> {
-        let values: Vec<[f32; 4]> = readback::buffer(&stage.gpu.device, &stage.gpu.queue, buffer).unwrap();
+        let values: Vec<[f32; 4]> = readback::buffer(stage.context, buffer).unwrap();
         values.iter().map(|v| Vec3::from_slice(v)).collect()
     };
     stage.advance(&mut hair, &simulation, Pose::IDENTITY, 0.0);
@@ -166,8 +163,7 @@ fn unrest(stage: &Setup, hair_hair: HairHair) -> (f32, f32, f32) {
     for _ in 0..120 {
         stage.advance(&mut hair, &simulation, Pose::IDENTITY, 1.0 / 60.0);
     }
-    let velocities: Vec<[u32; 2]> =
-        readback::buffer(&stage.gpu.device, &stage.gpu.queue, &hair.guides.velocity).unwrap();
+    let velocities: Vec<[u32; 2]> = readback::buffer(stage.context, &hair.guides.velocity).unwrap();
     let speeds: Vec<_> = velocities.iter().map(|v| unpack_velocity(*v).length()).collect();
     let moved = read(&hair.guides.current).iter().zip(&rest).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
     (speeds.iter().sum::<f32>() / speeds.len() as f32, speeds.iter().copied().fold(0.0, f32::max), moved)

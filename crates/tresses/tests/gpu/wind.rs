@@ -3,22 +3,21 @@
 use crate::common;
 
 use tresses::{
-    Pose,
+    Context, Pose,
     clock::{Mode, Step, Steps},
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     glam::Vec3,
-    gpu::{Gpu, readback::blocking as readback},
+    gpu::readback::blocking as readback,
     groom::SdfGrid,
     simulate::SimulationParams,
-    wind::{self, Air, HairGrid, Wind},
+    wind::{Air, HairGrid, Wind},
 };
 
 const STEP: f32 = 1.0 / 60.0;
 
 /// A head of radius 10 cm at the origin, and perhaps hair around it.
 struct Tunnel {
-    gpu: &'static Gpu,
-    fluid: &'static wind::Pipelines,
+    context: &'static Context,
     air: Air,
     colliders: ColliderSet,
     hair: Option<HairGrid>,
@@ -74,16 +73,12 @@ impl Flow {
     }
 }
 
-fn stage() -> Option<(&'static Gpu, &'static wind::Pipelines)> {
-    Some((common::gpu()?, &common::pipelines()?.wind))
-}
-
 /// The texels of a cube in rgba16float.
-fn texels(gpu: &Gpu, texture: &wgpu::Texture) -> Vec<Vec3> {
+fn texels(context: &Context, texture: &wgpu::Texture) -> Vec<Vec3> {
     let n = texture.width();
     let row = n * 8;
     let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+    let buffer = context.device().create_buffer(&wgpu::BufferDescriptor {
         label: None,
         size: u64::from(padded * n * n),
         usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
@@ -91,14 +86,14 @@ fn texels(gpu: &Gpu, texture: &wgpu::Texture) -> Vec<Vec3> {
     });
     let layout =
         wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: Some(n) };
-    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    let mut encoder = context.device().create_command_encoder(&Default::default());
     encoder.copy_texture_to_buffer(
         texture.as_image_copy(),
         wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
         texture.size(),
     );
-    gpu.queue.submit([encoder.finish()]);
-    let bytes: Vec<half::f16> = readback::buffer(&gpu.device, &gpu.queue, &buffer).unwrap();
+    context.queue().submit([encoder.finish()]);
+    let bytes: Vec<half::f16> = readback::buffer(context, &buffer).unwrap();
     bytes
         .chunks(padded as usize / 2)
         .flat_map(|line| line[..row as usize / 2].chunks(4))
@@ -107,9 +102,14 @@ fn texels(gpu: &Gpu, texture: &wgpu::Texture) -> Vec<Vec3> {
 }
 
 /// A texture of `n`³ values `(velocity, km/m³)` of a cube of edge `size` around the origin.
-fn volume(gpu: &Gpu, n: u32, size: f32, value: impl Fn(Vec3) -> [f32; 4]) -> (wgpu::TextureView, HairGrid) {
+fn volume(
+    context: &Context,
+    n: u32,
+    size: f32,
+    value: impl Fn(Vec3) -> [f32; 4],
+) -> (wgpu::TextureView, HairGrid) {
     let extent = wgpu::Extent3d { width: n, height: n, depth_or_array_layers: n };
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+    let texture = context.device().create_texture(&wgpu::TextureDescriptor {
         label: None,
         size: extent,
         mip_level_count: 1,
@@ -128,24 +128,23 @@ fn volume(gpu: &Gpu, n: u32, size: f32, value: impl Fn(Vec3) -> [f32; 4]) -> (wg
         .collect();
     let layout =
         wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(n * 8), rows_per_image: Some(n) };
-    gpu.queue.write_texture(texture.as_image_copy(), &bytes, layout, extent);
+    context.queue().write_texture(texture.as_image_copy(), &bytes, layout, extent);
     (texture.create_view(&Default::default()), HairGrid { bias: Vec3::splat(0.5), scale: 1.0 / size })
 }
 
 impl Tunnel {
     fn new(wind: Wind, radius: f32, hair: Option<&dyn Fn(Vec3) -> [f32; 4]>) -> Option<Self> {
-        let (gpu, fluid) = stage()?;
+        let context = common::context()?;
         let grid = SdfGrid::from_fn(Vec3::splat(-0.25), Vec3::splat(0.25), 50, |p| p.length() - radius);
         let what = ColliderDescriptor { head: (radius > 0.0).then_some(&grid), ..Default::default() };
-        let colliders = ColliderSet::new(&gpu.device, &gpu.queue, &what).unwrap();
+        let colliders = ColliderSet::new(context, &what).unwrap();
         let (view, place) = match hair {
-            Some(value) => volume(gpu, 32, 0.6, value),
-            None => volume(gpu, 1, 1.0, |_| [0.0; 4]),
+            Some(value) => volume(context, 32, 0.6, value),
+            None => volume(context, 1, 1.0, |_| [0.0; 4]),
         };
-        let air = Air::new(&gpu.device, &gpu.queue, fluid, wind.cells, (Vec3::ZERO, 1.0), &view).unwrap();
+        let air = Air::new(context, wind.cells, (Vec3::ZERO, 1.0), &view).unwrap();
         Some(Self {
-            gpu,
-            fluid,
+            context,
             air,
             colliders,
             hair: hair.map(|_| place),
@@ -162,18 +161,14 @@ impl Tunnel {
             Step { mode, begin: if self.fresh { head } else { self.head }, end: head, from: 0.0, to: 1.0 };
         self.fresh = false;
         self.head = head;
-        let Gpu { device, queue, .. } = self.gpu;
+        let context = self.context;
         let steps = [step];
         let moments = Moments { steps: &steps, substeps: 4, step: STEP, head, alpha: 1.0 };
-        self.colliders.advance(queue, &ColliderPoses::default(), &moments).unwrap();
+        self.colliders.advance(&ColliderPoses::default(), &moments).unwrap();
         let SimulationParams { wind, diameter, step, substeps, .. } = self.physics;
         let due = Steps { steps: &steps, length: step, substeps };
-        self.air.prepare(queue, &wind, diameter, &due, self.hair);
-        let mut encoder = device.create_command_encoder(&Default::default());
-        let mut pass = tresses::gpu::compute_pass(&mut encoder, &Default::default());
-        self.air.record(self.fluid, &mut pass, &self.colliders, 0);
-        drop(pass);
-        queue.submit([encoder.finish()]);
+        self.air.prepare(context, &wind, diameter, &due, self.hair);
+        common::compute(context, |pass| self.air.record(pass, &self.colliders, 0));
     }
 
     fn blow(&mut self, seconds: f32) {
@@ -183,7 +178,7 @@ impl Tunnel {
     }
 
     fn flow(&self) -> Flow {
-        let read = |texture| texels(self.gpu, texture);
+        let read = |texture| texels(self.context, texture);
         Flow { cells: self.air.cells as usize, faces: read(&self.air.faces), give: read(&self.air.give) }
     }
 

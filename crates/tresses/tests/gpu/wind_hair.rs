@@ -3,12 +3,12 @@
 use crate::common;
 
 use tresses::{
-    Hair, HairOptions, Pipelines, Pose,
+    Context, Hair, HairOptions, Pose,
     collide::ColliderPoses,
-    frame::Frame,
     glam::{Vec2, Vec3},
-    gpu::{Gpu, readback::blocking as readback},
+    gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind},
+    hair::HairFrame,
     simulate::{Along, SimulationParams},
     strands::GuideForce,
     volume::{HairHair, VolumeOptions},
@@ -16,8 +16,7 @@ use tresses::{
 };
 
 struct Setup {
-    gpu: &'static Gpu,
-    pipelines: &'static Pipelines,
+    context: &'static Context,
 }
 
 impl Setup {
@@ -25,18 +24,18 @@ impl Setup {
     fn open() -> Option<&'static Self> {
         static SETUP: std::sync::OnceLock<Option<Setup>> = std::sync::OnceLock::new();
         let new = || {
-            let gpu = common::gpu()?;
-            Some(Self { pipelines: common::pipelines()?, gpu })
+            let context = common::context()?;
+            Some(Self { context })
         };
         SETUP.get_or_init(new).as_ref()
     }
 
     /// `cells` of the hair's own grid along an axis.
     fn hair(&self, groom: &Groom, field: &SdfGrid, cells: u32) -> Hair {
-        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let context = self.context;
         let volume = VolumeOptions { resolution: cells, ..Default::default() };
         let options = HairOptions { volume, ..Default::default() };
-        Hair::new(device, queue, self.pipelines, groom, &options, Some(field)).unwrap()
+        Hair::new(context, groom, &options, Some(field)).unwrap()
     }
 
     /// The guides alone, `seconds` on.
@@ -46,7 +45,7 @@ impl Setup {
         loop {
             let part = steps.min(8);
             let dt = part as f32 / 60.0;
-            let frame = Frame {
+            let frame = HairFrame {
                 dt,
                 head: Pose::IDENTITY,
                 colliders: &colliders,
@@ -63,8 +62,7 @@ impl Setup {
 
     /// The guides, one after the other.
     fn guides(&self, hair: &Hair) -> Vec<Vec<Vec3>> {
-        let points: Vec<[f32; 4]> =
-            readback::buffer(&self.gpu.device, &self.gpu.queue, &hair.guides.current).unwrap();
+        let points: Vec<[f32; 4]> = readback::buffer(self.context, &hair.guides.current).unwrap();
         let n = hair.guides.count as usize;
         let at = |p: &[f32; 4]| Vec3::new(p[0], p[1], p[2]);
         (0..n).map(|g| points.iter().skip(g).step_by(n).map(at).collect()).collect()
@@ -165,10 +163,10 @@ fn in_plain_air(
     }
     let options = BindOptions { guides: GuideCount::Count(ways.len() as u32), ..Default::default() };
     let groom = bind(&strands, &options).unwrap();
-    let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
+    let context = stage.context;
     let volume = VolumeOptions { resolution: 8, ..Default::default() };
     let options = HairOptions { volume, simulation: physics, ..Default::default() };
-    let mut hair = Hair::new(device, queue, stage.pipelines, &groom, &options, None).unwrap();
+    let mut hair = Hair::new(context, &groom, &options, None).unwrap();
     let wind = Wind { cells: 16, gusts: 0.0, ..Wind::new(velocity) };
     let physics = SimulationParams { wind, hair_hair: HairHair::OFF, ..physics };
     stage.simulate(&mut hair, &physics, 0.0);
@@ -194,8 +192,7 @@ fn the_drag_on_guides_is_that_of_the_formula() {
         // The forces of the first step act on hair that still rests.
         let lines = stage.guides(&hair);
         stage.simulate(&mut hair, &physics, 1.0 / 60.0);
-        let packed: Vec<GuideForce> =
-            readback::buffer(&stage.gpu.device, &stage.gpu.queue, &hair.guides.forces).unwrap();
+        let packed: Vec<GuideForce> = readback::buffer(stage.context, &hair.guides.forces).unwrap();
         // The buffer is the groom's scratch, and longer.
         let vertices = (hair.guides.count * hair.guides.vertex_count) as usize;
         let worst = |wrong: f32| {

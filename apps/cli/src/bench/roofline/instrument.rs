@@ -344,7 +344,8 @@ mod tests {
                 return None;
             }
         };
-        let (device, queue) = (&gpu.device, &gpu.queue);
+        let context = &gpu.context;
+        let (device, queue) = (context.device(), context.queue());
         let source = wgpu::ShaderSource::Naga(std::borrow::Cow::Owned(instrument(wgsl).expect("it counts")));
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -386,8 +387,7 @@ mod tests {
         pass.dispatch_workgroups(3, 1, 1);
         drop(pass);
         queue.submit([encoder.finish()]);
-        let words: Vec<u32> =
-            tresses::gpu::readback::blocking::buffer(device, queue, &buffers[3]).expect("back");
+        let words: Vec<u32> = tresses::gpu::readback::blocking::buffer(context, &buffers[3]).expect("back");
         Some(Counted::read(&words))
     }
 

@@ -6,7 +6,10 @@ use std::{
     collections::HashMap,
     sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError},
 };
-use tresses::gpu::{probe::Probe, readback::blocking as readback};
+use tresses::{
+    Context,
+    gpu::{probe::Probe, readback::blocking as readback},
+};
 
 /// Dispatches and draws of a frame that there is room for.
 const MOST: usize = 4096;
@@ -25,22 +28,23 @@ pub struct Done {
 }
 
 /// Counts for the frames between [`start`](Self::start) and [`take`](Self::take).
-#[derive(Clone, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Meter(Arc<State>);
 
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct State {
     own: OnceLock<Own>,
     log: Mutex<Log>,
 }
 
+#[derive(Debug)]
 struct Own {
     buffer: wgpu::Buffer,
     layout: wgpu::BindGroupLayout,
     group: wgpu::BindGroup,
 }
 
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct Log {
     counts: bool,
     sizes: HashMap<wgpu::BindGroup, Vec<u64>>,
@@ -92,19 +96,19 @@ impl State {
 
 impl Meter {
     /// What is recorded from here on counts.
-    pub fn start(&self, device: &wgpu::Device, queue: &wgpu::Queue) {
+    pub fn start(&self, context: &Context) {
         let mut log = self.0.log();
         log.counts = true;
         log.work.clear();
         log.rows.clear();
-        let mut encoder = device.create_command_encoder(&Default::default());
-        encoder.clear_buffer(&self.0.own(device).buffer, 0, None);
-        queue.submit([encoder.finish()]);
+        let mut encoder = context.device().create_command_encoder(&Default::default());
+        encoder.clear_buffer(&self.0.own(context.device()).buffer, 0, None);
+        context.queue().submit([encoder.finish()]);
     }
 
     /// What was counted since, row by row. Blocks.
-    pub fn take(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<(&'static str, Done)>> {
-        let words: Vec<u32> = readback::buffer(device, queue, &self.0.own(device).buffer)?;
+    pub fn take(&self, context: &Context) -> Result<Vec<(&'static str, Done)>> {
+        let words: Vec<u32> = readback::buffer(context, &self.0.own(context.device()).buffer)?;
         let mut log = self.0.log();
         log.counts = false;
         ensure!(

@@ -6,8 +6,9 @@ mod meter;
 mod rates;
 
 use super::{
-    Sitting,
-    report::{Run, ms, table},
+    results::{Run, StageTime},
+    sitting::Sitting,
+    table::{ms, table},
     workload::{self, FPS, WARM_UP, Workload},
 };
 use crate::photographer::Photographer;
@@ -15,7 +16,8 @@ use anyhow::{Context, Result};
 use meter::{Done, Meter};
 use rates::Rates;
 use serde::Serialize;
-use tresses::gpu::{Clock, Gpu, probe};
+use std::sync::Arc;
+use tresses::gpu::{Clock, Gpu};
 use tresses_scene::{Motion, Viewpoint};
 
 /// Stages and their limits.
@@ -83,8 +85,7 @@ impl Stage {
     }
 }
 
-/// What is measured of `workload`, whose last state counts. From here on shaders of this process count what they do:
-/// nothing else is to be measured after it.
+/// What is measured of `workload`, whose last state counts.
 pub fn measure(workload: &Workload, sitting: Sitting<'_>) -> Result<Roofline> {
     let (state, motion) = *workload.runs.last().context("a state to measure")?;
     let mut scene = Photographer::with_samples_at_most(&workload.preset, workload.size)?;
@@ -104,25 +105,26 @@ fn count(
     clock: Clock,
 ) -> Result<Vec<(&'static str, Done)>> {
     let meter = Meter::default();
-    probe::install(Box::new(meter.clone()));
-    let mut scene = Photographer::with_samples_at_most(&workload.preset, workload.size)?;
+    let mut gpu = pollster::block_on(Gpu::open())?;
+    gpu.context = gpu.context.with_probe(Arc::new(meter.clone()));
+    let mut scene = Photographer::on(gpu, &workload.preset, workload.size)?;
     scene.measure_by(clock);
     let motion = Motion::named(motion).context("a built-in motion")?;
-    let pivot = scene.pivot();
+    let pivot = scene.character.neck();
     scene.reset(&motion.gesture(0.0, pivot))?;
     for frame in 0..=WARM_UP {
         if frame == WARM_UP {
-            meter.start(&scene.gpu.device, &scene.gpu.queue);
+            meter.start(&scene.gpu.context);
         }
         let pose = motion.gesture(f64::from(frame + 1) / FPS, pivot);
         scene.measured_frame(&pose, (1.0 / FPS) as f32, camera)?;
     }
-    meter.take(&scene.gpu.device, &scene.gpu.queue)
+    meter.take(&scene.gpu.context)
 }
 
 /// Times and counts of the same stages side by side.
 fn stages(run: &Run, done: &[(&'static str, Done)]) -> Vec<Stage> {
-    let stage = |time: &super::report::StageTime| {
+    let stage = |time: &StageTime| {
         let nothing = Done::default();
         let done = done.iter().find(|(name, _)| *name == time.name).map_or(&nothing, |(_, done)| done);
         let moved = run.recorded.iter().find(|row| row.stage == time.name).map_or(0, |row| row.bytes);

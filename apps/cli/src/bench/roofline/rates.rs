@@ -1,6 +1,6 @@
 //! What an adapter can do at best, measured: how fast it moves memory, computes, loads and counts.
 
-use crate::bench::report::{ms, table};
+use crate::bench::table::{ms, table};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use tresses::gpu::{Clock, Gpu, bindings::uniform};
@@ -123,7 +123,8 @@ fn count(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) coun
 
 /// Measures them all.
 pub fn measure(gpu: &Gpu, clock: Clock) -> Result<Rates> {
-    let Gpu { device, queue, tier, .. } = gpu;
+    let Gpu { context, .. } = gpu;
+    let (device, queue, tier) = (context.device(), context.queue(), context.tier());
     // Beyond all caches; threads enough to fill the machine for some milliseconds.
     let (bytes, threads): (u64, u64) = if tier.software { (64 << 20, 1 << 16) } else { (256 << 20, 1 << 22) };
     let buffer = |size| {

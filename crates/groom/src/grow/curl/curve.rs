@@ -1,7 +1,7 @@
 //! A curl drawn by an artist.
 
 use crate::error::{At, Error, Result};
-use crate::{curve, import};
+use crate::{curve, formats::source::Files, import};
 use glam::Vec3;
 use std::path::Path;
 
@@ -72,7 +72,7 @@ impl CurlCurve {
     /// What reading the file says; [`Error::File`] for a file of several curves and for a curve that
     /// [`new`](Self::new) refuses.
     pub fn read(path: &Path) -> Result<Self> {
-        Self::parse(path, &import::load(path)?)
+        Self::parse(path, &Files::Disk.load(path)?)
     }
 
     /// [`read`](Self::read) from bytes; `path` decides the format and stands in errors.

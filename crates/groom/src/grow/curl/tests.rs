@@ -1,5 +1,5 @@
-use super::super::super::styles::random::Rng;
 use super::*;
+use crate::random::Rng;
 use glam::Vec3;
 use proptest::prelude::*;
 use std::f32::consts::TAU;

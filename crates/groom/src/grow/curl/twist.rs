@@ -1,7 +1,7 @@
 //! How one lock curls, and the path of a strand within it.
 
 use super::Curls;
-use crate::styles::random::{Rng, lerp, noise, smoothstep};
+use crate::random::{Rng, lerp, noise, smoothstep};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 

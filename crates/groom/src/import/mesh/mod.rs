@@ -1,43 +1,24 @@
-//! Triangle meshes from OBJ, glTF/GLB, Alembic, USD and TressFX's text `.tfxmesh`.
+//! Triangle meshes from files.
 
-#[cfg(feature = "gltf")]
-pub(super) mod gltf;
-mod obj;
-mod tfxmesh;
+pub use crate::formats::raw::RawMesh;
 
 use std::{path::Path, sync::Arc};
 
-pub(crate) use super::Source;
-use super::{Files, Given};
 use crate::{
     TriMesh,
     error::{At, Error, Result},
-    formats,
+    formats::{
+        self, Format,
+        faces::PLAIN,
+        source::{Files, Given, Source},
+    },
     mesh::Paint,
-    orient::Choice,
     rig::Rig,
 };
-
-/// A mesh as its file has it.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct RawMesh {
-    /// In the file's own unit and axes. Skins and shapes are at rest.
-    pub mesh: TriMesh,
-    /// What the file or its format says of unit and axes.
-    pub declared: Choice,
-    /// What bends the mesh, with the same vertices in the same order: where a file has a skin, shapes to
-    /// blend or an animation.
-    pub rig: Option<Rig>,
-    /// What of the file was left out.
-    pub notes: Vec<String>,
-}
 
 /// The most bytes that the pictures of several files may take.
 #[cfg(feature = "textures")]
 const ROOM: u64 = 1 << 30;
-
-/// The body's colour where only some parts of a mesh have one: a neutral skin, linear.
-const PLAIN: glam::Vec3 = glam::Vec3::new(0.45, 0.32, 0.265);
 
 /// Reads one mesh, in the file's own unit and axes; [`crate::orient::head`] orients it. Normals
 /// that the file lacks are computed, angle-weighted; colours are the materials' base colours.
@@ -94,27 +75,11 @@ pub(super) fn read_from<P: AsRef<Path>>(files: Files<'_>, paths: &[P]) -> Result
 /// looked for.
 fn parse(files: Files<'_>, path: &Path, bytes: &[u8]) -> Result<RawMesh> {
     let source = Source { path, bytes, files, lenient: false };
-    let mut raw = match formats::extension(path).as_str() {
-        _ if bytes.is_empty() => return Err(source.problem(At::Byte(0), "the file is empty")),
-        "obj" => RawMesh { mesh: obj::read(&source)?, ..RawMesh::default() },
-        "tfxmesh" => RawMesh { mesh: tfxmesh::read(&source)?, ..RawMesh::default() },
-        #[cfg(feature = "alembic")]
-        "abc" => RawMesh { mesh: super::abc::read_mesh(&source)?, ..RawMesh::default() },
-        #[cfg(feature = "usd")]
-        "usd" | "usda" | "usdc" | "usdz" => {
-            let (mesh, rig, declared, notes) = super::usd::read_mesh(&source)?;
-            RawMesh { mesh, declared, rig, notes }
-        }
-        #[cfg(feature = "gltf")]
-        "gltf" | "glb" => {
-            let (mesh, rig, notes) = gltf::read(&source)?;
-            RawMesh { mesh, declared: Choice::METRES, rig, notes }
-        }
-        _ => {
-            let meshes = formats::listed(formats::MESHES, "or");
-            return Err(source.problem(At::File, format!("a head is an {meshes} file")));
-        }
-    };
+    if bytes.is_empty() {
+        return Err(source.problem(At::Byte(0), "the file is empty"));
+    }
+    let read = Format::of(path).and_then(|format| format.read_mesh);
+    let mut raw = read.ok_or_else(|| Format::unread(path, "a head", formats::MESHES))?(&source)?;
     if raw.mesh.triangles.is_empty() {
         return Err(source.problem(At::File, "the file holds no triangles"));
     }
@@ -128,37 +93,6 @@ fn parse(files: Files<'_>, path: &Path, bytes: &[u8]) -> Result<RawMesh> {
         }
     }
     Ok(raw)
-}
-
-/// Faces of `counts` corners each as fans of triangles: counterclockwise as they are listed, or `turned`. `corners`
-/// count `points` from 0, which begin at `base` in the mesh.
-#[cfg(any(feature = "alembic", feature = "usd"))]
-pub(super) fn fan(
-    counts: &[i64],
-    corners: &[i64],
-    points: usize,
-    base: u32,
-    turned: bool,
-    triangles: &mut Vec<[u32; 3]>,
-) -> Result<(), String> {
-    if let Some(index) = corners.iter().find(|index| !(0..points as i64).contains(index)) {
-        return Err(format!("vertex {index} does not exist, there are {points}"));
-    }
-    let mut rest = corners;
-    for count in counts {
-        let split = usize::try_from(*count).ok().and_then(|count| rest.split_at_checked(count));
-        let Some((face, more)) = split else {
-            return Err(format!("a face of {count} corners where {} are left", rest.len()));
-        };
-        rest = more;
-        // Below 2^28 in all.
-        let corner = |k: usize| base + face[k] as u32;
-        triangles.extend((2..face.len()).map(|k| match turned {
-            false => [corner(0), corner(k - 1), corner(k)],
-            true => [corner(0), corner(k), corner(k - 1)],
-        }));
-    }
-    Ok(())
 }
 
 /// The same error as one of a file.

@@ -4,7 +4,7 @@ use super::{grow, normal, push};
 use crate::{
     Strands, TriMesh,
     mannequin::{ears, forms::step},
-    styles::random::{Rng, noise},
+    random::{Rng, noise},
 };
 use glam::{Vec3, vec3};
 

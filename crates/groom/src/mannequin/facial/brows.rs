@@ -1,7 +1,7 @@
 //! Brows: short hairs along the ridge above each eye.
 
 use super::{grow, in_front, push};
-use crate::{Strands, styles::random::Rng};
+use crate::{Strands, random::Rng};
 use glam::{Vec2, Vec3};
 
 /// Hairs of a brow. People have 250 to 500 of all ages.

@@ -1,7 +1,7 @@
 //! Lashes: along the line where the closed lids meet.
 
 use super::{grow, in_front, push};
-use crate::{Strands, styles::random::Rng};
+use crate::{Strands, random::Rng};
 use glam::Vec3;
 
 /// Hairs of an upper and of a lower lid. People have 90 to 150 above, half as many below.

@@ -16,7 +16,7 @@ use std::collections::HashMap;
 
 use super::{Bind, Rig};
 use crate::{
-    Error, Result, SdfGrid, TriMesh, curve, mannequin,
+    Error, Result, SdfGrid, TriMesh, curve,
     mesh::{Bvh, SdfOptions, sdf},
 };
 
@@ -67,7 +67,7 @@ pub enum PartForm {
 }
 
 impl Part {
-    fn new(node: u32, field: Field, form: PartForm) -> Self {
+    pub(crate) fn new(node: u32, field: Field, form: PartForm) -> Self {
         Self { node, field, form, friction: 1.0, vertices: 0, fitted: None }
     }
 }
@@ -88,20 +88,6 @@ pub struct Anatomy {
 }
 
 impl Anatomy {
-    /// Of the built-in character, whose distance field `bust` is.
-    pub fn built_in(mesh: &TriMesh, bust: &SdfGrid) -> Self {
-        use mannequin::rig;
-        let [torso, neck, head] = rig::parts(bust).map(Field::Grid);
-        let part = |node, field| Part::new(node, field, PartForm::Field);
-        Self {
-            rig: rig::rig(mesh),
-            head: part(2, head),
-            parts: vec![part(1, neck), part(0, torso)],
-            turns: rig::SHARES.to_vec(),
-            is_rigid: true,
-        }
-    }
-
     /// Of the body `mesh` (groom space, metres) that hair grows on: each of `lines` is a strand or a guide from its root.
     ///
     /// # Errors
@@ -400,23 +386,5 @@ mod tests {
         assert!(of(1, neck).distance(neck) < 1e-6, "the neck turns where it is");
         let bent = Quat::from_rotation_x(0.5 * NECK_SHARE) * Vec3::Y * 0.2;
         assert!(of(2, neck + Vec3::Y * 0.2).distance(neck + bent) < 1e-6, "and the head is on it");
-    }
-
-    #[test]
-    fn the_built_in_character_has_parts() {
-        let mesh = mannequin::mesh(60);
-        let bust = mannequin::sdf(mannequin::FIELD_RESOLUTION);
-        let anatomy = Anatomy::built_in(&mesh, &bust);
-        assert_eq!((anatomy.head.node, anatomy.parts.len(), anatomy.is_rigid), (2, 2, true));
-        let field = |part: &Part| match &part.field {
-            Field::Grid(grid) => grid.clone(),
-            Field::Mesh(..) => panic!("it is known"),
-        };
-        assert!(field(&anatomy.head).sample(mannequin::CROWN).abs() < 2e-3);
-        let shoulder = Vec3::new(0.12, -0.095, -0.06);
-        assert!(
-            field(&anatomy.parts[1]).sample(shoulder).abs() < 0.02
-                && field(&anatomy.head).sample(shoulder) > 0.05
-        );
     }
 }

@@ -31,7 +31,7 @@
 
 use super::Bounds;
 use crate::{
-    Error, Result,
+    Context, Error, Result,
     constants::BUILD_WORKGROUP,
     gpu::{Binding, Kernel, readback},
     groom::{
@@ -81,6 +81,7 @@ const PART: u32 = 1 << 16;
 /// The pipelines of the builder; made once per device.
 #[derive(Debug)]
 pub struct FieldBuilder {
+    context: Context,
     skin: Kernel,
     measure: Kernel,
     flood: Kernel,
@@ -128,12 +129,13 @@ impl Plan {
 
 impl FieldBuilder {
     /// Builds the pipelines.
-    pub fn new(device: &wgpu::Device) -> Self {
+    pub fn new(context: &Context) -> Self {
         use Binding::{Storage, StorageMut, Uniform, Write3d};
         let kernel = |module, own: &[Binding]| {
-            Kernel::new(device, module, &[&[Uniform, Storage, Storage], own].concat())
+            Kernel::new(&context.device, module, &[&[Uniform, Storage, Storage], own].concat())
         };
         Self {
+            context: context.clone(),
             skin: kernel("collide::build::skin", &[StorageMut]),
             measure: kernel("collide::build::measure", &[Storage, StorageMut]),
             flood: kernel("collide::build::flood", &[Storage, Storage, StorageMut]),
@@ -147,16 +149,10 @@ impl FieldBuilder {
     /// # Errors
     /// What [`sdf::build`] says of the mesh and the options, [`Error::Groom`] when the mesh encloses
     /// nothing, [`Error::Limit`] and [`Error::Gpu`].
-    pub async fn grid(
-        &self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        mesh: &TriMesh,
-        options: &SdfOptions,
-    ) -> Result<SdfGrid> {
+    pub async fn grid(&self, mesh: &TriMesh, options: &SdfOptions) -> Result<SdfGrid> {
         let plan = Plan::new(mesh, options)?;
-        let distances = self.distances(device, queue, &plan)?;
-        let distances: Vec<f32> = readback::buffer(device, queue, &distances).await?;
+        let distances = self.distances(&plan)?;
+        let distances: Vec<f32> = readback::buffer(&self.context, &distances).await?;
         if !distances.iter().any(|d| *d < 0.0) {
             return Err(Error::unusable(sdf::NOTHING));
         }
@@ -167,33 +163,27 @@ impl FieldBuilder {
     ///
     /// # Errors
     /// [`Error::Limit`].
-    pub(super) fn write(
-        &self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        plan: &Plan,
-        texture: &wgpu::Texture,
-        tile: UVec3,
-    ) -> Result<()> {
-        let distances = self.distances(device, queue, plan)?;
-        let job = Job::new(device, queue, plan, tile);
+    pub(super) fn write(&self, plan: &Plan, texture: &wgpu::Texture, tile: UVec3) -> Result<()> {
+        let distances = self.distances(plan)?;
+        let job = Job::new(&self.context, plan, tile);
         let view = texture.create_view(&Default::default());
         let own = [distances.as_entire_binding(), wgpu::BindingResource::TextureView(&view)];
-        job.run(&self.texel, 0, job.voxels(), &own);
+        job.run(&self.texel, 0, job.voxels(), &own)?;
         Ok(())
     }
 
     /// The signed distances of `plan`'s voxels, metres, x fastest.
-    fn distances(&self, device: &wgpu::Device, queue: &wgpu::Queue, plan: &Plan) -> Result<wgpu::Buffer> {
-        let job = Job::new(device, queue, plan, UVec3::ZERO);
+    fn distances(&self, plan: &Plan) -> Result<wgpu::Buffer> {
+        let job = Job::new(&self.context, plan, UVec3::ZERO);
         let (voxels, triangles) = (job.voxels(), plan.corners.len() as u32 / 3);
-        let skin = storage::<u32>(device, "skin of a mesh", triangles.into())?;
-        let measured = storage::<[f32; 2]>(device, "winding numbers and distances", voxels.into())?;
-        let seeds = [0, 1].map(|_| storage::<u32>(device, "lids", voxels.into()));
+        let skin = storage::<u32>(&self.context.device, "skin of a mesh", triangles.into())?;
+        let measured =
+            storage::<[f32; 2]>(&self.context.device, "winding numbers and distances", voxels.into())?;
+        let seeds = [0, 1].map(|_| storage::<u32>(&self.context.device, "lids", voxels.into()));
         let [seeds, next] = seeds;
         let (mut seeds, mut next) = (seeds?, next?);
-        let distances = storage::<f32>(device, "distances", voxels.into())?;
-        job.run(&self.skin, 0, triangles, &[skin.as_entire_binding()]);
+        let distances = storage::<f32>(&self.context.device, "distances", voxels.into())?;
+        job.run(&self.skin, 0, triangles, &[skin.as_entire_binding()])?;
         // In bricks of 4 x 4 x 4 voxels.
         let bricks = plan.grid.size.map(|n| n.div_ceil(4)).element_product();
         job.run(
@@ -201,32 +191,32 @@ impl FieldBuilder {
             0,
             bricks * BUILD_WORKGROUP,
             &[skin.as_entire_binding(), measured.as_entire_binding()],
-        );
+        )?;
         let longest = plan.grid.size.max_element().next_power_of_two();
         // Down to single steps, and a single one more for what the large ones have missed.
         let jumps = std::iter::successors(Some(longest / 2), |j| (*j > 1).then_some(j / 2));
         for jump in std::iter::once(0).chain(jumps).chain([1]) {
             let own = [&measured, &seeds, &next].map(|b| b.as_entire_binding());
-            job.run(&self.flood, jump, voxels, &own);
+            job.run(&self.flood, jump, voxels, &own)?;
             std::mem::swap(&mut seeds, &mut next);
         }
         let own = [&measured, &seeds, &distances].map(|b| b.as_entire_binding());
-        job.run(&self.close, 0, voxels, &own);
+        job.run(&self.close, 0, voxels, &own)?;
         Ok(distances)
     }
 }
 
 /// What the dispatches of one field share.
 struct Job<'a> {
-    device: &'a wgpu::Device,
-    queue: &'a wgpu::Queue,
+    context: &'a Context,
     params: BuildParams,
     nodes: wgpu::Buffer,
     corners: wgpu::Buffer,
 }
 
 impl<'a> Job<'a> {
-    fn new(device: &'a wgpu::Device, queue: &'a wgpu::Queue, plan: &Plan, tile: UVec3) -> Self {
+    fn new(context: &'a Context, plan: &Plan, tile: UVec3) -> Self {
+        let Context { device, .. } = context;
         let buffer = |label, contents| {
             let usage = wgpu::BufferUsages::STORAGE;
             device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
@@ -236,8 +226,7 @@ impl<'a> Job<'a> {
             })
         };
         Self {
-            device,
-            queue,
+            context,
             params: plan.params(tile),
             nodes: buffer("mesh tree", bytemuck::cast_slice(&plan.nodes)),
             corners: buffer("mesh triangles", bytemuck::cast_slice(&plan.corners)),
@@ -249,28 +238,27 @@ impl<'a> Job<'a> {
     }
 
     /// Runs `kernel` for `count` threads, in parts of [`PART`], with its `own` bindings.
-    fn run(&self, kernel: &Kernel, jump: u32, count: u32, own: &[wgpu::BindingResource<'_>]) {
+    fn run(&self, kernel: &Kernel, jump: u32, count: u32, own: &[wgpu::BindingResource<'_>]) -> Result<()> {
         for begin in (0..count).step_by(PART as usize) {
             let end = count.min(begin + PART);
             let params = BuildParams { begin, end, jump, ..self.params };
-            let params = self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            let params = self.context.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
                 label: Some("field builder"),
                 contents: bytemuck::bytes_of(&params),
                 usage: wgpu::BufferUsages::UNIFORM,
             });
             let shared = [&params, &self.nodes, &self.corners].map(|b| b.as_entire_binding());
-            let group = kernel.bind(self.device, &[&shared, own].concat());
+            let group = kernel.bind(&[&shared, own].concat());
             let mut encoder = self
+                .context
                 .device
                 .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("field builder") });
-            {
-                let mut pass = crate::gpu::compute_pass(
-                    &mut encoder,
-                    &wgpu::ComputePassDescriptor { label: Some("field builder"), timestamp_writes: None },
-                );
-                kernel.record(&mut pass, &group, &[], (end - begin).div_ceil(BUILD_WORKGROUP));
-            }
-            self.queue.submit([encoder.finish()]);
+            let mut commands = self.context.commands(&mut encoder);
+            let mut pass = commands.compute("field builder");
+            kernel.record(&mut pass, &group, &[], (end - begin).div_ceil(BUILD_WORKGROUP));
+            pass.end()?;
+            self.context.queue.submit([encoder.finish()]);
         }
+        Ok(())
     }
 }

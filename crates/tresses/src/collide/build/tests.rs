@@ -1,10 +1,7 @@
 //! The GPU builder against the CPU builder and against closed forms.
 
 use super::*;
-use crate::{
-    gpu::{Gpu, for_tests as gpu},
-    groom::mesh::shapes,
-};
+use crate::{Context, gpu::for_tests as context, groom::mesh::shapes};
 use std::{path::PathBuf, time::Instant};
 
 /// How two fields on one grid differ where hair can be, within four cells of the surface: the largest
@@ -29,12 +26,12 @@ fn differs(a: &SdfGrid, b: &SdfGrid) -> Differs {
     Differs { most: *off.last().unwrap(), p99: off[off.len() * 99 / 100], signs }
 }
 
-fn both(gpu: &Gpu, name: &str, mesh: &TriMesh, resolution: u32) -> (SdfGrid, SdfGrid, Differs) {
+fn both(context: &Context, name: &str, mesh: &TriMesh, resolution: u32) -> (SdfGrid, SdfGrid, Differs) {
     // Cavities are the CPU's alone.
     let options = SdfOptions { resolution, fill_cavities: false, ..Default::default() };
-    let builder = FieldBuilder::new(&gpu.device);
+    let builder = FieldBuilder::new(context);
     let start = Instant::now();
-    let ours = pollster::block_on(builder.grid(&gpu.device, &gpu.queue, mesh, &options)).unwrap();
+    let ours = pollster::block_on(builder.grid(mesh, &options)).unwrap();
     let gpu_time = start.elapsed();
     let start = Instant::now();
     let reference = sdf::build(mesh, &options).unwrap();
@@ -49,9 +46,9 @@ fn both(gpu: &Gpu, name: &str, mesh: &TriMesh, resolution: u32) -> (SdfGrid, Sdf
 
 #[test]
 fn a_sphere_is_a_sphere() {
-    let Some(gpu) = gpu() else { return };
+    let Some(context) = context() else { return };
     for mesh in [shapes::sphere(0.1, 48), shapes::inverted(shapes::sphere(0.1, 48))] {
-        let (ours, _, d) = both(gpu, "sphere", &mesh, 32);
+        let (ours, _, d) = both(context, "sphere", &mesh, 32);
         assert!(d.most < 0.01 && d.signs == 0.0, "{d:?}");
         let exact = |i: usize| ours.node(i as u32).length() - 0.1;
         let off = |by: f32| {
@@ -77,8 +74,8 @@ fn bowl() -> TriMesh {
 
 #[test]
 fn an_open_mesh_has_a_lid() {
-    let Some(gpu) = gpu() else { return };
-    let (ours, _, d) = both(gpu, "bowl", &bowl(), 48);
+    let Some(context) = context() else { return };
+    let (ours, _, d) = both(context, "bowl", &bowl(), 48);
     assert!(d.most < 1.5 && d.p99 < 0.5 && d.signs == 0.0, "{d:?}");
     // On the axis the field passes zero at the rim's height.
     let (above, below) = (ours.sample(Vec3::Y * -0.05), ours.sample(Vec3::Y * -0.07));
@@ -96,9 +93,9 @@ fn an_open_mesh_has_a_lid() {
 
 #[test]
 fn heads_are_those_of_the_other_builder() {
-    let Some(gpu) = gpu() else { return };
+    let Some(context) = context() else { return };
     let mannequin = crate::groom::mannequin::mesh(64);
-    let (_, _, d) = both(gpu, "mannequin", &mannequin, 64);
+    let (_, _, d) = both(context, "mannequin", &mannequin, 64);
     assert!(d.p99 < 0.1 && d.signs < 1e-4, "{d:?}");
     let Some(assets) = std::env::var_os("TRESSES_ASSETS").map(PathBuf::from).filter(|f| f.is_dir()) else {
         let required = std::env::var_os("TRESSES_REQUIRE_ASSETS").is_some_and(|v| v == "1");
@@ -108,7 +105,7 @@ fn heads_are_those_of_the_other_builder() {
     };
     for (file, resolution) in [("sintel/sintel.obj", 64), ("tressfx2_head/head_max4.obj", 64)] {
         let (head, _) = crate::groom::import::read_head(&[assets.join(file)], &Default::default()).unwrap();
-        let (_, _, d) = both(gpu, file, &head, resolution);
+        let (_, _, d) = both(context, file, &head, resolution);
         assert!(d.p99 < 0.8 && d.signs < 1e-3, "{d:?}");
     }
 }

@@ -33,15 +33,16 @@ use super::{
     places::{JUMP, JUMP_ANGLE},
 };
 use crate::{
-    Error, Pose, Result,
+    Context, Error, Pose, Result,
+    body::Skin,
     constants::{BUILD_WORKGROUP, DEFORM_NODES},
-    gpu::{Binding, Kernel},
+    gpu::{Binding, Kernel, PipelineSet},
     groom::{TriMesh, mesh::Bvh, rig::anatomy::Flesh},
-    roots::Skin,
     strands::buffers::filled,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, UVec3, Vec3};
+use std::sync::Arc;
 
 /// The farthest that skin goes from where its part's joint would carry it, metres.
 pub const MOST: f32 = 0.04;
@@ -133,23 +134,25 @@ impl<'a> DeformingField<'a> {
 
 /// The pipelines.
 #[derive(Debug)]
-pub struct Pipelines {
+pub(crate) struct Pipelines {
     gather: Kernel,
     settle: Kernel,
 }
 
-impl Pipelines {
-    /// None compiled yet.
-    pub fn new(device: &wgpu::Device) -> Self {
+impl PipelineSet for Pipelines {
+    fn new(context: &Context) -> Self {
         use Binding::{Storage, StorageMut, Write3d};
         Self {
-            gather: Kernel::new(device, "collide::deform::gather", &[Storage, Storage, Storage, StorageMut]),
-            settle: Kernel::new(device, "collide::deform::settle", &[Storage, Storage, Write3d]),
+            gather: Kernel::new(
+                &context.device,
+                "collide::deform::gather",
+                &[Storage, Storage, Storage, StorageMut],
+            ),
+            settle: Kernel::new(&context.device, "collide::deform::settle", &[Storage, Storage, Write3d]),
         }
     }
 
-    /// All of them.
-    pub(crate) fn kernels(&self) -> Vec<&Kernel> {
+    fn kernels(&self) -> Vec<&Kernel> {
         vec![&self.gather, &self.settle]
     }
 }
@@ -191,6 +194,7 @@ pub(super) struct Grid<'a> {
 /// How the fields of one groom's colliders deform.
 #[derive(Debug)]
 pub struct Deformation {
+    pipelines: Arc<Pipelines>,
     /// Where each part is: from the field's frame to the space of the skin's vertices. As many as were given, in the same
     /// order. Set them before each frame.
     pub poses: Vec<Pose>,
@@ -206,26 +210,31 @@ pub struct Deformation {
     due: bool,
 }
 
-impl Deformation {
+/// The places of the skin that fields deform with, which instances of a body share.
+#[derive(Clone, Debug)]
+pub(crate) struct DeformPlaces {
+    nodes: wgpu::Buffer,
+    parts: Vec<DeformPart>,
+    /// The number of the field of each part, the head's first.
+    pub(super) fields: Vec<usize>,
+}
+
+impl DeformPlaces {
+    /// Finds them on `mesh`, as it is at rest, for the fields of these numbers.
     pub(super) fn new(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        stage: &Pipelines,
+        context: &Context,
         mesh: &TriMesh,
-        skin: &Skin<'_>,
         grids: &[Grid<'_>],
+        fields: Vec<usize>,
     ) -> Result<Self> {
-        let (buffer, words) = skin.positions;
-        let most = device.limits().max_texture_dimension_3d;
-        let deep = grids.len() as u64 * u64::from(DEFORM_NODES);
-        if grids.is_empty() || deep > u64::from(most) {
+        let most = context.device.limits().max_texture_dimension_3d;
+        if grids.len() as u64 * u64::from(DEFORM_NODES) > u64::from(most) {
             return Err(Error::Colliders(format!(
                 "{} fields cannot deform, but from one to {}",
                 grids.len(),
                 most / DEFORM_NODES
             )));
         }
-        words.hold(buffer, mesh)?;
         let (mut nodes, mut parts) = (Vec::with_capacity(grids.len() * PART as usize), Vec::new());
         for grid in grids {
             let [low, high] = grid.box_;
@@ -233,29 +242,41 @@ impl Deformation {
             parts.push(DeformPart { rotation: Quat::IDENTITY, low, per_metre, ..Default::default() });
             nodes.extend(nearest(mesh, grid.triangles, low, per_metre)?);
         }
-        let nodes = filled(device, queue, "deforming nodes", bytemuck::cast_slice(&nodes))?;
+        let nodes = filled(context, "deforming nodes", bytemuck::cast_slice(&nodes))?;
+        Ok(Self { nodes, parts, fields })
+    }
+}
+
+impl Deformation {
+    /// Fields that deform with `skin`.
+    pub(super) fn new(context: &Context, places: &DeformPlaces, skin: &Skin<'_>) -> Result<Self> {
+        let Context { device, .. } = context;
+        let pipelines: Arc<Pipelines> = context.pipelines();
+        let (buffer, words) = skin.positions;
+        let DeformPlaces { nodes, parts, .. } = places;
         let head = DeformHead {
-            count: grids.len() as u32 * PART,
+            count: parts.len() as u32 * PART,
             position_first: words.first,
             position_stride: words.stride,
             most: MOST,
             ..Default::default()
         };
-        let known = [bytemuck::bytes_of(&head), bytemuck::cast_slice(&parts)].concat();
-        let frame = filled(device, queue, "deforming parts", &known)?;
+        let known = [bytemuck::bytes_of(&head), bytemuck::cast_slice(parts)].concat();
+        let frame = filled(context, "deforming parts", &known)?;
         let moves = crate::strands::buffers::storage::<[f32; 4]>(device, "moves of skin", head.count.into())?;
-        let texture = texture(device, grids.len() as u32);
+        let texture = texture(device, parts.len() as u32);
         let view = texture.create_view(&Default::default());
-        let own = [&frame, &nodes, buffer, &moves];
-        let gather = stage.gather.bind(device, &own.map(|buffer| buffer.as_entire_binding()));
+        let own = [&frame, nodes, buffer, &moves];
+        let gather = pipelines.gather.bind(&own.map(|buffer| buffer.as_entire_binding()));
         let resources =
             [frame.as_entire_binding(), moves.as_entire_binding(), wgpu::BindingResource::TextureView(&view)];
-        let settle = stage.settle.bind(device, &resources);
-        let bytes = frame.size() + nodes.size() + moves.size() + texture_bytes(grids.len() as u64);
+        let settle = pipelines.settle.bind(&resources);
+        let bytes = frame.size() + nodes.size() + moves.size() + texture_bytes(parts.len() as u64);
         Ok(Self {
-            poses: vec![Pose::IDENTITY; grids.len()],
+            pipelines,
+            poses: vec![Pose::IDENTITY; parts.len()],
             head,
-            parts,
+            parts: parts.clone(),
             buffer: frame,
             gather,
             settle,
@@ -278,7 +299,8 @@ impl Deformation {
     ///
     /// # Errors
     /// [`Error::Colliders`] for poses that are not as many as parts, or not finite.
-    pub(super) fn prepare(&mut self, queue: &wgpu::Queue, steps: bool, jumps: bool) -> Result<u32> {
+    pub(super) fn prepare(&mut self, context: &Context, steps: bool, jumps: bool) -> Result<u32> {
+        let Context { queue, .. } = context;
         if self.poses.len() != self.parts.len() {
             let (poses, parts) = (self.poses.len(), self.parts.len());
             return Err(Error::Colliders(format!("{poses} poses do not place {parts} fields that deform")));
@@ -314,10 +336,10 @@ impl Deformation {
     }
 
     /// Records both kernels: after the skin has been bent, before the frame's first step.
-    pub(crate) fn record(&self, stage: &Pipelines, pass: &mut crate::gpu::ComputePass<'_>) {
+    pub(crate) fn record(&self, pass: &mut crate::gpu::ComputePass<'_>) {
         let groups = if self.due { self.head.count.div_ceil(BUILD_WORKGROUP) } else { 0 };
-        stage.gather.record(pass, &self.gather, &[], groups);
-        stage.settle.record(pass, &self.settle, &[], groups);
+        self.pipelines.gather.record(pass, &self.gather, &[], groups);
+        self.pipelines.settle.record(pass, &self.settle, &[], groups);
     }
 
     /// Bytes of GPU memory.

@@ -25,16 +25,17 @@ pub use shade::Shade;
 
 use super::{
     Coverage, Targets,
-    record::{Canvas, cleared, pass},
+    record::{Canvas, pass},
     targets::HDR_FORMAT,
     tiles::geometry,
 };
 use crate::light::SceneShadow;
 use crate::{
-    Error, Result,
+    Context, Error, Result,
     gpu::{
-        Binding,
-        bindings::{group, layout, uniform},
+        Binding, Device,
+        bindings::{layout, uniform},
+        commands::{cleared, colored},
         pipeline::{Recipe, blended},
     },
 };
@@ -126,22 +127,11 @@ impl<'a> Surroundings<'a> {
     }
 
     /// A pass over the picture's part of its colour.
-    fn pass<'p>(&self, canvas: &'p mut Canvas<'_>, label: &'static str) -> crate::gpu::RenderPass<'p> {
-        let mut pass = crate::gpu::render_pass(
-            canvas.encoder,
-            &wgpu::RenderPassDescriptor {
-                label: Some(label),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: self.color,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
-                })],
-                timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.render("embed")),
-                ..Default::default()
-            },
-        );
-        let [origin, size] = [self.origin, canvas.targets.size].map(|pixels| pixels.map(|n| n as f32));
+    fn pass<'p>(&self, canvas: &'p mut Canvas<'_, '_>) -> crate::gpu::RenderPass<'p> {
+        let size = canvas.targets.size;
+        let color = colored(self.color, wgpu::LoadOp::Load);
+        let mut pass = canvas.commands.render("embed", &[color], None);
+        let [origin, size] = [self.origin, size].map(|pixels| pixels.map(|n| n as f32));
         pass.set_viewport(origin, size);
         pass
     }
@@ -173,10 +163,11 @@ impl Embed {
     /// [`Error::Parameter`] for a coverage that peels: its layers are put together by `present` alone. [`Error::Gpu`]
     /// when wgpu refuses the format.
     pub fn new(
-        device: &wgpu::Device,
+        context: &Context,
         (samples, coverage): (u32, Coverage),
         format: wgpu::TextureFormat,
     ) -> Result<Self> {
+        let Context { device, .. } = context;
         if matches!(coverage, Coverage::DepthPeeling { .. }) {
             return Err(Error::Parameter {
                 name: "the coverage of hair in a scene",
@@ -253,18 +244,18 @@ impl Embed {
             composite_layout,
             geometry_layout,
             uniform: uniform(device, "embed", size_of::<EmbedUniform>()),
-            shade: shade::Caster::new(device, format),
+            shade: shade::Caster::new(context, format),
         })
     }
 
     fn bind(
         &self,
-        device: &wgpu::Device,
+        device: &Device,
         layout: &wgpu::BindGroupLayout,
         view: &wgpu::TextureView,
     ) -> wgpu::BindGroup {
         let texture = wgpu::BindingResource::TextureView(view);
-        group(device, "embed", layout, &[self.uniform.as_entire_binding(), texture])
+        device.group("embed", layout, &[self.uniform.as_entire_binding(), texture])
     }
 
     /// The map of depths to themselves, if a picture without a scene is asked where hair is.
@@ -299,11 +290,11 @@ impl Embed {
     }
 
     /// Records the scene's depth into the targets, seen with the projection `to`: before the hair.
-    pub(crate) fn record_depth(&self, canvas: &mut Canvas<'_>, to: Mat4, into: &Surroundings<'_>) {
+    pub(crate) fn record_depth(&self, canvas: &mut Canvas<'_, '_>, to: Mat4, into: &Surroundings<'_>) {
         let values = EmbedUniform::new(into, to, canvas.targets);
-        canvas.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&values));
+        canvas.commands.context().queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&values));
         let (pipeline, layout) = &self.depths[usize::from(has_samples(into.depth))];
-        let group = self.bind(canvas.device, layout, into.depth);
+        let group = self.bind(&canvas.commands.context().device, layout, into.depth);
         let mut pass = pass(canvas, "embed", true);
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &group, &[]);
@@ -311,17 +302,12 @@ impl Embed {
     }
 
     /// Records the shadow of hair over the scene's colour, before the hair.
-    pub(crate) fn record_shade(
-        &self,
-        canvas: &mut Canvas<'_>,
-        light: &crate::light::Pipelines,
-        into: &Surroundings<'_>,
-    ) -> Result<()> {
-        self.shade.record(canvas, light, into)
+    pub(crate) fn record_shade(&self, canvas: &mut Canvas<'_, '_>, into: &Surroundings<'_>) -> Result<()> {
+        self.shade.record(canvas, into)
     }
 
     /// Records what the targets have of hair over the scene's colour.
-    pub(crate) fn record(&self, canvas: &mut Canvas<'_>, into: &Surroundings<'_>) {
+    pub(crate) fn record(&self, canvas: &mut Canvas<'_, '_>, into: &Surroundings<'_>) {
         let tiles = canvas.targets.tiles.as_ref();
         let hair = tiles.map_or(&canvas.targets.hdr, |tiles| &tiles.hair);
         let known = tiles.filter(|_| has_samples(into.depth)).and_then(|tiles| tiles.geometry());
@@ -329,11 +315,13 @@ impl Embed {
             (Some((pipeline, layout)), Some(known)) => {
                 let [hair, known, depth] = [hair, &known, into.depth].map(wgpu::BindingResource::TextureView);
                 let entries = [self.uniform.as_entire_binding(), hair, known, depth];
-                (pipeline, group(canvas.device, "embed edges", layout, &entries))
+                (pipeline, canvas.commands.context().device.group("embed edges", layout, &entries))
             }
-            _ => (&self.composite, self.bind(canvas.device, &self.composite_layout, hair)),
+            _ => {
+                (&self.composite, self.bind(&canvas.commands.context().device, &self.composite_layout, hair))
+            }
         };
-        let mut pass = into.pass(canvas, "embed");
+        let mut pass = into.pass(canvas);
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &group, &[]);
         pass.draw(0..3, 0..1);
@@ -344,18 +332,11 @@ impl Embed {
     }
 
     /// Records where the hair is.
-    fn record_geometry(&self, canvas: &mut Canvas<'_>, target: &wgpu::TextureView) {
+    fn record_geometry(&self, canvas: &mut Canvas<'_, '_>, target: &wgpu::TextureView) {
         let known = canvas.targets.tiles.as_ref().and_then(|tiles| tiles.geometry());
-        let group = known.map(|known| self.bind(canvas.device, &self.geometry_layout, &known));
-        let mut pass = crate::gpu::render_pass(
-            canvas.encoder,
-            &wgpu::RenderPassDescriptor {
-                label: Some("embed geometry"),
-                color_attachments: &[cleared(target)],
-                timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.render("embed")),
-                ..Default::default()
-            },
-        );
+        let group =
+            known.map(|known| self.bind(&canvas.commands.context().device, &self.geometry_layout, &known));
+        let mut pass = canvas.commands.render("embed", &[cleared(target)], None);
         if let Some(group) = group {
             pass.set_pipeline(&self.geometry);
             pass.set_bind_group(0, &group, &[]);

@@ -20,14 +20,15 @@
 //! Rejected: light at the body's vertices, which are 2 mm apart on one head and 20 on another, and farther once
 //! simplified; asking in the fragment shader where no point lies in the plane, for which lavapipe asks for all.
 
-use super::record::{Canvas, canvas_parts, cleared};
+use super::record::{Canvas, canvas_parts};
 use crate::{
-    Camera, Result,
+    Camera, Context, Result,
     body::{self, Body},
     constants::STRAND_WORKGROUP,
     gpu::{
-        Binding, Kernel,
-        bindings::{self, group, layout},
+        Binding, Device, Kernel,
+        bindings::{self, layout},
+        commands::{cleared, deep},
         kernel::{self, Job},
         pipeline::{DEPTH_FORMAT, Made, Recipe},
     },
@@ -82,22 +83,22 @@ pub(super) struct Pipelines {
 }
 
 impl Pipelines {
-    pub(super) fn new(device: &wgpu::Device, light: &light::Pipelines) -> Self {
+    pub(super) fn new(context: &Context, light: &light::Pipelines) -> Self {
         use Binding::{Storage, StorageMut, Texels2d};
         let own = [Texels2d, Texels2d, Storage, StorageMut, Storage, Storage];
         Self {
             frame: light.frame.clone(),
             surface: Made::default(),
             list: Kernel::new(
-                device,
+                &context.device,
                 "draw::soft::list",
                 &[Texels2d, Storage, StorageMut, StorageMut, StorageMut],
             ),
-            ask: Kernel::new(device, "draw::soft::ask", &[&light::FRAME[..], &own].concat()),
+            ask: Kernel::new(&context.device, "draw::soft::ask", &[&light::FRAME[..], &own].concat()),
         }
     }
 
-    fn surface(&self, device: &wgpu::Device) -> Result<wgpu::RenderPipeline> {
+    fn surface(&self, device: &Device) -> Result<wgpu::RenderPipeline> {
         self.surface.get((), || {
             Recipe {
                 vertex: ("draw::soft::surface", "surface_vertex"),
@@ -113,7 +114,7 @@ impl Pipelines {
     }
 
     /// What compiles them.
-    pub(super) fn jobs<'a>(&'a self, device: &'a wgpu::Device) -> Vec<Job<'a>> {
+    pub(super) fn jobs<'a>(&'a self, device: &'a Device) -> Vec<Job<'a>> {
         let mut jobs = kernel::jobs([&self.list, &self.ask]);
         jobs.push(Box::new(move || self.surface(device).map(|_| ())));
         jobs
@@ -150,7 +151,7 @@ impl Soft {
     pub const BYTES: u64 = (16 + 8 + 4 + 4 * WORDS + 8) / (ACROSS[0] * ACROSS[0]) as u64;
 
     /// For a target of `size`, pixels.
-    pub(crate) fn new(device: &wgpu::Device, size: [u32; 2]) -> Self {
+    pub(crate) fn new(device: &Device, size: [u32; 2]) -> Self {
         let [width, height] = size.map(|side| side.div_ceil(ACROSS[0]));
         let texture = |label, format| {
             let texture = device.create_texture(&wgpu::TextureDescriptor {
@@ -182,7 +183,7 @@ impl Soft {
             position: texture("soft positions", POSITION),
             normal: texture("soft normals", NORMAL),
             depth: texture("soft depth", DEPTH_FORMAT),
-            group: group(device, "soft", &points_layout(device), &buffers),
+            group: device.group("soft", &points_layout(device), &buffers),
             asked: buffer("asked points", 8 * most, wgpu::BufferUsages::empty()),
             count: buffer(
                 "count of asked points",
@@ -206,32 +207,21 @@ impl Soft {
     pub(super) fn record(
         &self,
         pipelines: &Pipelines,
-        canvas: &mut Canvas<'_>,
+        canvas: &mut Canvas<'_, '_>,
         bodies: &[&Body],
     ) -> Result<()> {
         let across = Self::across(canvas.camera, canvas.targets.ssaa, canvas.focus);
         let [wide, high] = self.size.map(|side| side.div_ceil(across));
         let uniform = SoftUniform { across, wide, high, zone: 0, first: [0; 2], size: [wide, high] };
-        canvas.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+        canvas.commands.context().queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
 
-        let surface = pipelines.surface(canvas.device)?;
+        let surface = pipelines.surface(&canvas.commands.context().device)?;
         let strays: Vec<_> = bodies.iter().map(|body| canvas.stray(body).max(STRAY)).collect();
-        let mut pass = crate::gpu::render_pass(
-            canvas.encoder,
-            &wgpu::RenderPassDescriptor {
-                label: Some("body"),
-                color_attachments: &[cleared(&self.position), cleared(&self.normal)],
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: &self.depth,
-                    depth_ops: Some(wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(0.0),
-                        store: wgpu::StoreOp::Discard,
-                    }),
-                    stencil_ops: None,
-                }),
-                timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.render("body")),
-                ..Default::default()
-            },
+        let depth = wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard };
+        let mut pass = canvas.commands.render(
+            "body",
+            &[cleared(&self.position), cleared(&self.normal)],
+            deep(&self.depth, Some(depth)),
         );
         // The middle of a point's pixel is that of its square, also where the last squares reach beyond the picture.
         let [width, height] = self.size.map(|side| side as f32 / across as f32);
@@ -244,27 +234,26 @@ impl Soft {
             return self.record_zones(pipelines, canvas, bodies, uniform);
         }
 
-        canvas.queue.write_buffer(&self.count, 0, bytemuck::bytes_of(&NONE_ASKED));
-        let light = canvas.light.1;
-        self.ask(pipelines, canvas, (light, &self.uniform, &self.count), wide * high);
-        Ok(())
+        canvas.commands.context().queue.write_buffer(&self.count, 0, bytemuck::bytes_of(&NONE_ASKED));
+        let light = canvas.light;
+        self.ask(pipelines, canvas, (light, &self.uniform, &self.count), wide * high)
     }
 
     /// Lists and asks the points of one zone after the other: where its bodies can be, in its light.
     fn record_zones(
         &self,
         pipelines: &Pipelines,
-        canvas: &mut Canvas<'_>,
+        canvas: &mut Canvas<'_, '_>,
         bodies: &[&Body],
         whole: SoftUniform,
     ) -> Result<()> {
-        crate::gpu::pass::clear(canvas.encoder, &self.points, None);
+        canvas.commands.clear(&self.points, None);
         let parts = canvas.parts;
         // What a panic leaves behind is whole.
         let mut zones = self.zones.lock().unwrap_or_else(PoisonError::into_inner);
         while zones.len() < parts.len() {
             // The uniform, and how many points are asked.
-            zones.push(canvas.device.create_buffer(&wgpu::BufferDescriptor {
+            zones.push(canvas.commands.context().device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("soft zone"),
                 size: COUNT_AT + 16,
                 usage: wgpu::BufferUsages::STORAGE
@@ -279,10 +268,10 @@ impl Soft {
                 continue;
             };
             let uniform = SoftUniform { zone: part.number, first, size, ..whole };
-            canvas.queue.write_buffer(buffer, 0, bytemuck::bytes_of(&uniform));
-            canvas.queue.write_buffer(buffer, COUNT_AT, bytemuck::bytes_of(&NONE_ASKED));
-            canvas.encoder.copy_buffer_to_buffer(buffer, COUNT_AT, &self.count, 0, 16);
-            self.ask(pipelines, canvas, (part.light, buffer, &self.count), size[0] * size[1]);
+            canvas.commands.context().queue.write_buffer(buffer, 0, bytemuck::bytes_of(&uniform));
+            canvas.commands.context().queue.write_buffer(buffer, COUNT_AT, bytemuck::bytes_of(&NONE_ASKED));
+            canvas.commands.encoder().copy_buffer_to_buffer(buffer, COUNT_AT, &self.count, 0, 16);
+            self.ask(pipelines, canvas, (part.light, buffer, &self.count), size[0] * size[1])?;
         }
         Ok(())
     }
@@ -291,10 +280,10 @@ impl Soft {
     fn ask(
         &self,
         pipelines: &Pipelines,
-        canvas: &mut Canvas<'_>,
+        canvas: &mut Canvas<'_, '_>,
         (light, uniform, count): (&light::State, &wgpu::Buffer, &wgpu::Buffer),
         looked_at: u32,
-    ) {
+    ) -> Result<()> {
         let all = wgpu::Buffer::as_entire_binding;
         let [position, normal] = [&self.position, &self.normal].map(wgpu::BindingResource::TextureView);
         let soft = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
@@ -304,19 +293,14 @@ impl Soft {
         });
         let (points, asked, counted) = (all(&self.points), all(&self.asked), all(count));
         let listed = [position.clone(), soft.clone(), points.clone(), asked.clone(), counted.clone()];
-        let listed = pipelines.list.bind(canvas.device, &listed);
+        let listed = pipelines.list.bind(&listed);
         let light = light.frame_resources(canvas.eye);
         let lit = [&light[..], &[position, normal, soft, points, asked, counted]].concat();
-        let lit = pipelines.ask.bind(canvas.device, &lit);
-        let mut pass = crate::gpu::compute_pass(
-            canvas.encoder,
-            &wgpu::ComputePassDescriptor {
-                label: Some("body"),
-                timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.compute("body")),
-            },
-        );
+        let lit = pipelines.ask.bind(&lit);
+        let mut pass = canvas.commands.compute("body");
         pipelines.list.record(&mut pass, &listed, &[], looked_at.div_ceil(STRAND_WORKGROUP));
         pipelines.ask.record_indirect(&mut pass, &lit, &[], (count, 0));
+        pass.end()
     }
 }
 

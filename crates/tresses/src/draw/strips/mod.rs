@@ -13,12 +13,14 @@ use super::{
     targets::HDR_FORMAT,
 };
 use crate::{
-    Result,
+    Context, Result,
     gpu::{
+        Device,
         kernel::Job,
         pipeline::{Made, Recipe},
     },
     light::{self, Seen, ShadingRate},
+    stage::Stage,
 };
 use peel::Peel;
 
@@ -40,7 +42,7 @@ pub(crate) enum Strips {
 /// The pipelines.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
-    device: wgpu::Device,
+    device: Device,
     /// Of the frame, of the hair and of its fibres' tables.
     groups: [wgpu::BindGroupLayout; 3],
     strips: Made<(Kind, u32, ShadingRate), Strips>,
@@ -80,7 +82,8 @@ fn named(rate: ShadingRate) -> &'static str {
 }
 
 impl Pipelines {
-    pub fn new(device: &wgpu::Device, light: &light::Pipelines) -> Self {
+    pub fn new(context: &Context, light: &light::Pipelines) -> Self {
+        let Context { device, .. } = context;
         let groups = [&light.frame, &light.hair, &light.fiber].map(Clone::clone);
         Self { device: device.clone(), groups, strips: Made::default(), parts: Made::default() }
     }
@@ -147,8 +150,13 @@ pub(crate) fn body_first(coverage: Coverage) -> bool {
 
 /// Records `hair`, all grooms in every pass, so that none is before another. Clears the targets if `clear`; of
 /// peeled hair only its own, since bodies [come first](body_first).
-pub(crate) fn record(strips: &Strips, canvas: &mut Canvas<'_>, hair: &[Seen<'_>], clear: bool) -> Result<()> {
-    let apart = canvas.timings.as_ref().is_some_and(|timings| timings.takes_apart());
+pub(crate) fn record(
+    strips: &Strips,
+    canvas: &mut Canvas<'_, '_>,
+    hair: &[Seen<'_>],
+    clear: bool,
+) -> Result<()> {
+    let apart = canvas.commands.takes_apart();
     let mut once = |pipeline: &wgpu::RenderPipeline, clear| {
         if !apart {
             let mut pass = pass(canvas, "hair", clear);
@@ -164,7 +172,7 @@ pub(crate) fn record(strips: &Strips, canvas: &mut Canvas<'_>, hair: &[Seen<'_>]
                 pass.set_pipeline(pipeline);
                 seen.record_strips_of(&mut pass, begin..(begin + strands).min(drawn.count));
                 drop(pass);
-                canvas.lap("hair");
+                canvas.commands.lap(Stage::Hair);
             }
         }
         if first {

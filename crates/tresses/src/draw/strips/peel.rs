@@ -5,12 +5,13 @@ use crate::{
     Result,
     draw::targets::{HDR_FORMAT, TextureKind},
     gpu::{
-        Binding,
-        bindings::{group, layout},
-        pass,
+        Binding, Device,
+        bindings::layout,
+        commands::{colored, deep},
         pipeline::{DEPTH_FORMAT, Recipe, blended},
     },
     light::{Seen, ShadingRate},
+    stage::Stage,
 };
 
 /// The transmittance of the hair behind the last layer.
@@ -97,7 +98,7 @@ impl Peel {
     }
 
     /// Records the hair before the body that is in the targets.
-    pub(super) fn record(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>]) -> Result<()> {
+    pub(super) fn record(&self, canvas: &mut Canvas<'_, '_>, hair: &[Seen<'_>]) -> Result<()> {
         let (targets, frame) = (canvas.targets, canvas.frame);
         let layers = layers(targets)?;
         let clear = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
@@ -114,12 +115,7 @@ impl Peel {
         for i in 0..canvas.coverage.layers() as usize {
             let now = &layers.depths[i % 2];
             // The body hides what is behind it; hair that it hides must not take up a layer.
-            canvas.encoder.copy_texture_to_texture(
-                targets.depth_texture.as_image_copy(),
-                now.as_image_copy(),
-                now.size(),
-            );
-            pass::copied(pass::bytes(now));
+            canvas.commands.copy_texture(&targets.depth_texture, now);
             let kept = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
             let depth = Some((&layers.depth_views[i % 2], Some(kept)));
             let mut pass = canvas.begin("hair", &[(&layers.layer, clear)], depth);
@@ -133,7 +129,7 @@ impl Peel {
             pass.set_bind_group(0, &layers.under, &[]);
             pass.draw(0..3, 0..1);
             drop(pass);
-            canvas.lap("hair");
+            canvas.commands.lap(Stage::Hair);
         }
         // Which of the two depths is that of the last layer.
         let last = (canvas.coverage.layers() as usize + 1) % 2;
@@ -145,7 +141,7 @@ impl Peel {
         pass.set_bind_group(3, &layers.behind[last], &[]);
         hair.iter().for_each(|seen| seen.record_strips(&mut pass));
         drop(pass);
-        canvas.lap("thickness");
+        canvas.commands.lap(Stage::Thickness);
         let colors = [(&layers.rest, clear), (&layers.rest_passes, white)];
         let mut pass = canvas.begin("hair", &colors, Some((&targets.depth, None)));
         pass.set_pipeline(&self.rest);
@@ -158,7 +154,7 @@ impl Peel {
 
 type Cleared<'a> = (&'a wgpu::TextureView, wgpu::LoadOp<wgpu::Color>);
 
-impl Canvas<'_> {
+impl Canvas<'_, '_> {
     /// A pass of hair into `colors`, timed under a name; without operations, depth is read only.
     fn begin(
         &mut self,
@@ -166,29 +162,9 @@ impl Canvas<'_> {
         colors: &[Cleared<'_>],
         depth: Option<(&wgpu::TextureView, Option<wgpu::Operations<f32>>)>,
     ) -> crate::gpu::RenderPass<'_> {
-        let attachments: Vec<_> = colors
-            .iter()
-            .map(|(view, load)| {
-                Some(wgpu::RenderPassColorAttachment {
-                    view,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations { load: *load, store: wgpu::StoreOp::Store },
-                })
-            })
-            .collect();
-        crate::gpu::render_pass(
-            self.encoder,
-            &wgpu::RenderPassDescriptor {
-                label: Some(name),
-                color_attachments: &attachments,
-                depth_stencil_attachment: depth.map(|(view, depth_ops)| {
-                    wgpu::RenderPassDepthStencilAttachment { view, depth_ops, stencil_ops: None }
-                }),
-                timestamp_writes: self.timings.as_deref_mut().and_then(|timings| timings.render(name)),
-                ..Default::default()
-            },
-        )
+        let attachments: Vec<_> = colors.iter().map(|(view, load)| colored(view, *load)).collect();
+        let depth = depth.and_then(|(view, operations)| deep(view, operations));
+        self.commands.render(name, &attachments, depth)
     }
 }
 
@@ -216,7 +192,7 @@ impl Layers {
     pub const BYTES: u64 = 2 * 4 + 5 * 8 + 2;
 
     /// Textures that `texture` makes.
-    pub fn new(device: &wgpu::Device, texture: impl Fn(TextureKind) -> wgpu::Texture) -> Self {
+    pub fn new(device: &Device, texture: impl Fn(TextureKind) -> wgpu::Texture) -> Self {
         let [before, layer_layout, behind_layout] = layouts(device);
         use wgpu::{BindingResource::TextureView, TextureUsages as Usages};
         let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
@@ -225,18 +201,18 @@ impl Layers {
         let depths = [depth("layer depth, even"), depth("layer depth, odd")];
         let depth_views = [view(&depths[0]), view(&depths[1])];
         let layer = color("layer", HDR_FORMAT);
-        let behind = [0, 1].map(|i| group(device, "peel", &before, &[TextureView(&depth_views[i])]));
+        let behind = [0, 1].map(|i| device.group("peel", &before, &[TextureView(&depth_views[i])]));
         let thickness = [color("thickness, near", HDR_FORMAT), color("thickness, far", HDR_FORMAT)];
         let rest_behind = [0, 1].map(|i| {
             let views = [&depth_views[i], &thickness[0], &thickness[1]].map(TextureView);
-            group(device, "rest", &behind_layout, &views)
+            device.group("rest", &behind_layout, &views)
         });
         Self {
             front: color("layers", HDR_FORMAT),
             rest: color("hair behind the layers", HDR_FORMAT),
             rest_passes: color("light past that hair", PASSES_FORMAT),
             behind,
-            under: group(device, "under", &layer_layout, &[TextureView(&layer)]),
+            under: device.group("under", &layer_layout, &[TextureView(&layer)]),
             layer,
             thickness,
             rest_behind,

@@ -2,8 +2,8 @@
 
 use super::texels::Texels;
 use crate::{
-    draw::record::{Canvas, clear},
-    gpu::{Kernel, bindings::uniform, pass::bytes},
+    draw::record::Canvas,
+    gpu::{Kernel, bindings::uniform, commands::bytes},
     space::Space,
 };
 use bytemuck::{Pod, Zeroable};
@@ -52,15 +52,15 @@ impl Geometry {
     /// For pictures of `points`; the kernel's resources are `of_rows`, then those of its own around `round`.
     pub fn new(
         kernel: &Kernel,
-        canvas: &Canvas<'_>,
+        canvas: &Canvas<'_, '_>,
         points: &Texels,
         of_rows: &[wgpu::BindingResource<'_>],
         round: wgpu::BindingResource<'_>,
     ) -> Self {
-        let device = canvas.device;
+        let device = &canvas.commands.context().device;
         use wgpu::TextureUsages as Usages;
         let usage = Usages::TEXTURE_BINDING | Usages::STORAGE_BINDING | Usages::COPY_SRC;
-        let texture = canvas.targets.texture(device)(("hair's geometry", FORMAT, usage));
+        let texture = canvas.targets.texture()(("hair's geometry", FORMAT, usage));
         let texture = texture.create_view(&Default::default());
         let before = points.like(device, "points before");
         let uniform = uniform(device, "geometry of hair", size_of::<GeometryUniform>());
@@ -71,14 +71,20 @@ impl Geometry {
             uniform.as_entire_binding(),
             wgpu::BindingResource::TextureView(&texture),
         ];
-        let group = kernel.bind(device, &of_rows.iter().cloned().chain(own).collect::<Vec<_>>());
+        let group = kernel.bind(&of_rows.iter().cloned().chain(own).collect::<Vec<_>>());
         Self { texture, group, uniform, before, last: None, knows_motion: false }
     }
 
     /// Keeps the points of the picture before, which those of this one are about to replace, and clears the texture.
     /// `parts` are the strands and vertices of each groom; `depth` is as in [`GeometryUniform`].
-    pub fn begin(&mut self, canvas: &mut Canvas<'_>, points: &Texels, parts: Vec<[u32; 2]>, depth: [f32; 4]) {
-        points.keep(canvas.encoder, &self.before);
+    pub fn begin(
+        &mut self,
+        canvas: &mut Canvas<'_, '_>,
+        points: &Texels,
+        parts: Vec<[u32; 2]>,
+        depth: [f32; 4],
+    ) {
+        points.keep(canvas.commands, &self.before);
         let camera = canvas.camera.projection.as_dmat4() * canvas.camera.view.as_dmat4();
         let is_known = self.last.as_ref().is_some_and(|last| last.parts == parts);
         // What stands still in the world stands elsewhere before a camera whose space has moved.
@@ -87,8 +93,8 @@ impl Geometry {
         let last = last.map_or(camera, |last| last.camera * last.space.from(&canvas.space).matrix());
         let before = (last * camera.inverse()).as_mat4();
         let values = GeometryUniform { before, depth, is_known: is_known.into(), _pad: [0; 3] };
-        canvas.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&values));
-        clear(canvas.encoder, "no geometry", &self.texture);
+        canvas.commands.context().queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&values));
+        canvas.commands.clear_texture("no geometry", &self.texture);
     }
 
     /// Whether the last picture asked.

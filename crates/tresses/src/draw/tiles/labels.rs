@@ -2,8 +2,8 @@
 
 use super::geometry::FORMAT;
 use crate::{
-    draw::record::{Canvas, clear},
-    gpu::{Kernel, pass::bytes},
+    draw::record::Canvas,
+    gpu::{Kernel, commands::bytes},
 };
 
 /// What a pixel shows most of.
@@ -57,22 +57,22 @@ impl Labels {
     /// The kernel's resources are `of_rows`, the texture, and `round`.
     pub fn new(
         kernel: &Kernel,
-        canvas: &Canvas<'_>,
+        canvas: &Canvas<'_, '_>,
         of_rows: &[wgpu::BindingResource<'_>],
         round: wgpu::BindingResource<'_>,
     ) -> Self {
         let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_SRC;
-        let texture = canvas.targets.texture(canvas.device)(("labels of hair", FORMAT, usage));
+        let texture = canvas.targets.texture()(("labels of hair", FORMAT, usage));
         let texture = texture.create_view(&Default::default());
         let own = [wgpu::BindingResource::TextureView(&texture), round];
-        let group = kernel.bind(canvas.device, &of_rows.iter().cloned().chain(own).collect::<Vec<_>>());
+        let group = kernel.bind(&of_rows.iter().cloned().chain(own).collect::<Vec<_>>());
         Self { texture, group, owners: Vec::new() }
     }
 
     /// A picture begins whose points are those of `owners`; of one that does not ask, nobody's.
-    pub fn begin(&mut self, canvas: &mut Canvas<'_>, owners: Vec<Owner>) {
+    pub fn begin(&mut self, canvas: &mut Canvas<'_, '_>, owners: Vec<Owner>) {
         if !owners.is_empty() {
-            clear(canvas.encoder, "no labels", &self.texture);
+            canvas.commands.clear_texture("no labels", &self.texture);
         }
         self.owners = owners;
     }

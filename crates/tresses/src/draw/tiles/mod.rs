@@ -61,12 +61,13 @@ pub use labels::Label;
 pub(crate) use pipelines::Pipelines;
 pub(crate) use state::Tiles;
 
-use super::record::{Canvas, clear};
+use super::record::Canvas;
 use crate::{
     Error, Result,
     constants::{STRAND_WORKGROUP, TILE, TILE_ROUNDS},
     gpu::Kernel,
     light::Seen,
+    stage::Stage,
 };
 use state::{Asked, Bound, Control};
 use std::mem::offset_of;
@@ -100,7 +101,7 @@ impl<'a> Round<'a> {
     }
 }
 
-fn tiles<'a>(canvas: &Canvas<'a>) -> Result<&'a Tiles> {
+fn tiles<'a>(canvas: &Canvas<'a, '_>) -> Result<&'a Tiles> {
     canvas.targets.tiles.as_ref().ok_or_else(|| Error::Parameter {
         name: "targets",
         value: "without tiles".into(),
@@ -114,10 +115,10 @@ fn threads(count: u32) -> u32 {
 
 impl Pipelines {
     /// Records which segments are in which tiles and which of them are seen; bodies are drawn.
-    pub fn record_bins(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>]) -> Result<()> {
+    pub fn record_bins(&self, canvas: &mut Canvas<'_, '_>, hair: &[Seen<'_>]) -> Result<()> {
         let tiles = tiles(canvas)?;
         // Where no tile is busy nothing is written.
-        clear(canvas.encoder, "no hair", &tiles.hair);
+        canvas.commands.clear_texture("no hair", &tiles.hair);
         if hair.is_empty() {
             tiles.forget();
             return Ok(());
@@ -126,29 +127,31 @@ impl Pipelines {
         let Some(bound) = bound.as_mut() else { return Ok(()) };
         bound.begin(canvas, hair);
         for buffer in [&tiles.farthest, &tiles.bins, &tiles.ranges, &bound.seen] {
-            crate::gpu::pass::clear(canvas.encoder, buffer, None);
+            canvas.commands.clear(buffer, None);
         }
         let many = usize::from(canvas.targets.samples > 1);
-        let mut pass = compute(canvas, "bins");
+        let mut pass = canvas.commands.compute("bins");
         for groom in &bound.parts {
             self.project.record(&mut pass, &groom.project, &[], threads(groom.room));
         }
         self.surface[many].record(&mut pass, &bound.surface, &[], threads(tiles.count() * TILE));
         self.bound.record(&mut pass, &bound.bound, &[], threads(tiles.count()));
-        drop(pass);
-        tiles.bounds.1.copy(canvas.encoder, &tiles.bounds.0, tiles.count());
-        let mut pass = compute(canvas, "bins");
+        pass.end()?;
+        tiles.bounds.1.copy(canvas.commands, &tiles.bounds.0, tiles.count());
+        let mut pass = canvas.commands.compute("bins");
         self.count.record(&mut pass, &bound.count, &[], threads(bound.grid.points));
         self.totals.record(&mut pass, &bound.totals, &[], threads(tiles.count()));
         self.scan.record(&mut pass, &bound.scan, &[], 1);
-        drop(pass);
-        tiles.bounds.1.copy(canvas.encoder, &tiles.bounds.0, tiles.count());
-        canvas.lap("bins");
+        pass.end()?;
+        tiles.bounds.1.copy(canvas.commands, &tiles.bounds.0, tiles.count());
+        canvas.commands.lap(Stage::Bins);
         for round in Round::all(&tiles.control) {
             let fields = [offset_of!(Control, segments), offset_of!(Control, bins)];
-            self.order(&mut compute(canvas, "bins"), bound, &round, Asked::Front, fields);
-            canvas.lap("bins");
-            let mut pass = compute(canvas, "see");
+            let mut pass = canvas.commands.compute("bins");
+            self.order(&mut pass, bound, &round, Asked::Front, fields);
+            pass.end()?;
+            canvas.commands.lap(Stage::Bins);
+            let mut pass = canvas.commands.compute("see");
             let of = |field| (Asked::Front, field);
             round.run(&mut pass, &self.touch, &bound.touch, of(offset_of!(Control, bins)));
             round.run(&mut pass, &self.see[many], &bound.see, of(offset_of!(Control, rows)));
@@ -158,8 +161,8 @@ impl Pipelines {
             round.run(&mut pass, &self.merge, &bound.merge, of(offset_of!(Control, deep_tiles)));
             round.run(&mut pass, &self.touch, &bound.touch, of(offset_of!(Control, deep_tiles)));
             round.run(&mut pass, &self.see[many], &bound.see, of(offset_of!(Control, deep_rows)));
-            drop(pass);
-            canvas.lap("see");
+            pass.end()?;
+            canvas.commands.lap(Stage::See);
         }
         Ok(())
     }
@@ -180,30 +183,28 @@ impl Pipelines {
     }
 
     /// Records the shading of what the last [`record_bins`](Self::record_bins) has seen.
-    pub fn record_shade(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>]) -> Result<()> {
+    pub fn record_shade(&self, canvas: &mut Canvas<'_, '_>, hair: &[Seen<'_>]) -> Result<()> {
         let bound = tiles(canvas)?.bound();
         let Some(bound) = bound.as_ref().filter(|_| !hair.is_empty()) else { return Ok(()) };
         let chosen: Vec<_> =
             hair.iter().zip(&bound.parts).map(|(seen, groom)| (seen.hair, &groom.chosen)).collect();
-        let (pipelines, light) = canvas.light;
-        light.shade_chosen(pipelines, canvas.encoder, canvas.timings.as_deref_mut(), &chosen);
-        Ok(())
+        canvas.light.shade_chosen(canvas.commands, &chosen)
     }
 
     /// Records the hair of the last [`record_bins`](Self::record_bins); what is seen of it is shaded.
-    pub fn record_blend(&self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>]) -> Result<()> {
+    pub fn record_blend(&self, canvas: &mut Canvas<'_, '_>, hair: &[Seen<'_>]) -> Result<()> {
         let tiles = tiles(canvas)?;
         let bound = tiles.bound();
         let Some(bound) = bound.as_ref().filter(|_| !hair.is_empty()) else { return Ok(()) };
         let many = usize::from(canvas.targets.samples > 1);
-        let mut pass = compute(canvas, "hair");
+        let mut pass = canvas.commands.compute("hair");
         for groom in &bound.parts {
             self.tint.record(&mut pass, &groom.tint, &[], threads(groom.points));
         }
-        drop(pass);
+        pass.end()?;
         let (asked, labelled) = (canvas.geometry.is_some(), canvas.labels);
         for round in Round::all(&tiles.control) {
-            let mut pass = compute(canvas, "hair");
+            let mut pass = canvas.commands.compute("hair");
             let of = |field| (Asked::Whole, field);
             round.run(&mut pass, &self.rewind, &bound.rewind, of(offset_of!(Control, bins_again)));
             let fields = [offset_of!(Control, segments_again), offset_of!(Control, bins_again)];
@@ -216,18 +217,8 @@ impl Pipelines {
                 round.run(&mut pass, &self.label[many], &labels.group, of(offset_of!(Control, rows)));
             }
             round.run(&mut pass, &self.blend[many], &bound.blend, of(offset_of!(Control, rows)));
+            pass.end()?;
         }
         Ok(())
     }
-}
-
-/// A compute pass, timed under a name.
-fn compute<'e>(canvas: &'e mut Canvas<'_>, name: &'static str) -> crate::gpu::ComputePass<'e> {
-    crate::gpu::compute_pass(
-        canvas.encoder,
-        &wgpu::ComputePassDescriptor {
-            label: Some(name),
-            timestamp_writes: canvas.timings.as_deref_mut().and_then(|timings| timings.compute(name)),
-        },
-    )
 }

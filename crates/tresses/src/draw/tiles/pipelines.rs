@@ -1,5 +1,6 @@
 //! The kernels, each compiled when it is first recorded.
 
+use crate::Context;
 use crate::gpu::{
     Binding::{
         self, Depth, DepthMultisampled, Storage, StorageMut, Texels2d, Uniform, UniformDynamic, Words2d,
@@ -37,8 +38,8 @@ pub(crate) struct Pipelines {
 }
 
 impl Pipelines {
-    pub fn new(device: &wgpu::Device) -> Self {
-        let kernel = |module, bindings: &[Binding]| Kernel::new(device, module, bindings);
+    pub fn new(context: &Context) -> Self {
+        let kernel = |module, bindings: &[Binding]| Kernel::new(&context.device, module, bindings);
         let asked = [Storage, Storage, Storage, StorageMut, UniformDynamic];
         let sort = [&asked[..], &[Storage, Storage, WriteWords2d]].concat();
         let merge = [&asked[..], &[Storage, StorageMut, WriteWords2d]].concat();

@@ -7,7 +7,7 @@ use super::{
     texels::Texels,
 };
 use crate::{
-    Result,
+    Context, Result,
     constants::{TILE, TILE_BINS, TILE_BLOCK, TILE_ROUNDS},
     draw::record::Canvas,
     draw::targets::{HDR_FORMAT, TextureKind},
@@ -294,7 +294,7 @@ impl Tiles {
     pub(super) fn bind(
         &self,
         kernels: &Pipelines,
-        canvas: &Canvas<'_>,
+        canvas: &Canvas<'_, '_>,
         hair: &[Seen<'_>],
     ) -> Result<MutexGuard<'_, Option<Bound>>> {
         let mut bound = self.bound();
@@ -314,17 +314,17 @@ impl Tiles {
             *bound = Some(self.make(kernels, canvas, hair, of, next(entries))?);
         }
         if let Some(bound) = bound.as_mut() {
-            bound.prepare(canvas.queue, &self.grid, hair);
+            bound.prepare(canvas.commands.context(), &self.grid, hair);
         }
         Ok(bound)
     }
 
     /// Entries of a picture before, as far as they are known: nothing is waited for.
-    fn learn(&self, canvas: &Canvas<'_>, window: Option<u32>) -> u32 {
+    fn learn(&self, canvas: &Canvas<'_, '_>, window: Option<u32>) -> u32 {
         let mut room = self.room.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(window) = window {
             let asked =
-                room.asked.get_or_insert_with(|| Pending::buffer(canvas.device, canvas.queue, &self.control));
+                room.asked.get_or_insert_with(|| Pending::buffer(canvas.commands.context(), &self.control));
             if let Some(control) = asked.take() {
                 room.asked = None;
                 // A lost device is found by whoever waits for it.
@@ -340,9 +340,9 @@ impl Tiles {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.
-    pub async fn is_complete(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<bool> {
+    pub async fn is_complete(&self, context: &Context) -> Result<bool> {
         let Some(window) = self.bound().as_ref().map(|bound| bound.grid.window) else { return Ok(true) };
-        let control = Pending::buffer(device, queue, &self.control).wait(device).await?;
+        let control = Pending::buffer(context, &self.control).wait().await?;
         let mut room = self.room.lock().unwrap_or_else(PoisonError::into_inner);
         // What was asked before is older than this.
         room.asked = None;
@@ -352,12 +352,12 @@ impl Tiles {
     fn make(
         &self,
         kernels: &Pipelines,
-        canvas: &Canvas<'_>,
+        canvas: &Canvas<'_, '_>,
         hair: &[Seen<'_>],
         of: Vec<[wgpu::Buffer; 2]>,
         least: u32,
     ) -> Result<Bound> {
-        let device = canvas.device;
+        let device = &canvas.commands.context().device;
         let mut firsts = Vec::new();
         let mut all = 0u64;
         for seen in hair {
@@ -415,11 +415,11 @@ impl Tiles {
                 let offset = u64::from(*first) / 8;
                 let seen =
                     wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: &seen, offset, size: None });
-                let (pipelines, light) = (canvas.light.0, (own.light, canvas.eye));
+                let light = (own.light, canvas.eye);
                 Ok(Groom {
-                    chosen: Chosen::new(device, pipelines, light, own.hair, own.shaded, seen)?,
-                    project: kernels.project.bind(device, &project),
-                    tint: kernels.tint.bind(device, &tint),
+                    chosen: Chosen::new(canvas.commands.context(), light, own.hair, own.shaded, seen)?,
+                    project: kernels.project.bind(&project),
+                    tint: kernels.tint.bind(&tint),
                     points: 0,
                     room: 0,
                     part,
@@ -431,7 +431,7 @@ impl Tiles {
             surface.push(&camera);
         }
         let bind = |kernel: &crate::gpu::Kernel, of: &[&wgpu::BindingResource<'_>]| {
-            kernel.bind(device, &of.iter().map(|&of| of.clone()).collect::<Vec<_>>())
+            kernel.bind(&of.iter().map(|&of| of.clone()).collect::<Vec<_>>())
         };
         let hair_texture = wgpu::BindingResource::TextureView(&self.hair);
         let asked = [&g, &control, &busy, &d, &round];
@@ -493,7 +493,7 @@ fn window_of(points: u64) -> u64 {
 
 impl Bound {
     /// Before the points of a picture replace those of the one before: what tells how they moved.
-    pub fn begin(&mut self, canvas: &mut Canvas<'_>, hair: &[Seen<'_>]) {
+    pub fn begin(&mut self, canvas: &mut Canvas<'_, '_>, hair: &[Seen<'_>]) {
         if let Some(labels) = &mut self.labels {
             let owner = |(seen, first): (&Seen<'_>, &u32)| Owner {
                 first: *first,
@@ -514,7 +514,8 @@ impl Bound {
     }
 
     /// Writes the uniforms of a frame.
-    fn prepare(&mut self, queue: &wgpu::Queue, grid: &wgpu::Buffer, hair: &[Seen<'_>]) {
+    fn prepare(&mut self, context: &Context, grid: &wgpu::Buffer, hair: &[Seen<'_>]) {
+        let Context { queue, .. } = context;
         let mut points = 0;
         for ((seen, groom), first) in hair.iter().zip(&mut self.parts).zip(&self.firsts) {
             let drawn = &seen.hair.drawn;

@@ -1,6 +1,10 @@
 //! What some kernels write and others read much, as a texture.
 
-use crate::{Result, constants::TILE_POINTS, gpu::pass};
+use crate::{
+    Result,
+    constants::TILE_POINTS,
+    gpu::commands::{self, Commands},
+};
 
 /// Values in a texture, rows of [`TILE_POINTS`] of them: software drivers load texels many lanes at a time, but words of a
 /// buffer lane by lane. A kernel writes them, or they are copied from a buffer.
@@ -48,16 +52,8 @@ impl Texels {
     }
 
     /// Records that the first `count` values are those of a buffer with [room](Self::rows) for them.
-    pub fn copy(&self, encoder: &mut wgpu::CommandEncoder, buffer: &wgpu::Buffer, count: u32) {
-        let height = count.div_ceil(TILE_POINTS).min(self.texture.height());
-        let bytes_per_row = Some(TILE_POINTS * bytes(self.texture.format()));
-        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
-        encoder.copy_buffer_to_texture(
-            wgpu::TexelCopyBufferInfo { buffer, layout },
-            self.texture.as_image_copy(),
-            wgpu::Extent3d { width: TILE_POINTS, height, depth_or_array_layers: 1 },
-        );
-        pass::copied(u64::from(height) * u64::from(TILE_POINTS * bytes(self.texture.format())));
+    pub fn copy(&self, commands: &mut Commands<'_>, buffer: &wgpu::Buffer, count: u32) {
+        commands.copy_rows(buffer, &self.texture, count.div_ceil(TILE_POINTS));
     }
 
     /// A texture that the values of this one can be [kept](Self::keep) in.
@@ -75,9 +71,8 @@ impl Texels {
     }
 
     /// Records that `other` has what the texture has.
-    pub fn keep(&self, encoder: &mut wgpu::CommandEncoder, other: &wgpu::Texture) {
-        encoder.copy_texture_to_texture(self.texture.as_image_copy(), other.as_image_copy(), other.size());
-        pass::copied(self.bytes());
+    pub fn keep(&self, commands: &mut Commands<'_>, other: &wgpu::Texture) {
+        commands.copy_texture(&self.texture, other);
     }
 
     /// For who reads or writes it.
@@ -87,10 +82,6 @@ impl Texels {
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        pass::bytes(&self.texture)
+        commands::bytes(&self.texture)
     }
-}
-
-fn bytes(format: wgpu::TextureFormat) -> u32 {
-    format.block_copy_size(None).unwrap_or(4)
 }

@@ -1,7 +1,7 @@
 //! Evaluates ambient light at arbitrary points: used for measurements by tests and tools.
 
 use crate::{
-    Result,
+    Context, Result,
     gpu::Binding,
     light::{State, asked::Asked},
 };
@@ -27,31 +27,29 @@ impl AmbientProbe {
     ///
     /// # Errors
     /// [`crate::Error::Limit`] when the adapter cannot hold them.
-    pub fn new(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        light: &State,
-        points: &[(Vec3, Vec3)],
-    ) -> Result<Self> {
+    pub fn new(context: &Context, light: &State, points: &[(Vec3, Vec3)]) -> Result<Self> {
         use Binding::{Comparison, DepthArray, Sampler, Storage, Texture3d, Uniform};
         let entries = [Uniform, DepthArray, Comparison, Storage, Storage, Texture3d, Sampler];
         let frame = entries.into_iter().zip(light.resources());
         let words: Vec<_> =
             points.iter().flat_map(|(at, middle)| [at.extend(0.0), middle.extend(0.0)]).collect();
-        Ok(Self(Asked::new((device, queue), "light::ambient::ask", (&words, points.len()), frame)?))
+        Ok(Self(Asked::new(context, "light::ambient::ask", (&words, points.len()), frame)?))
     }
 
     /// Asks, after [`Recorder::light`](crate::frame::Recorder::light) has been recorded.
-    pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
-        self.0.record(encoder);
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the kernel cannot be compiled.
+    pub fn record(&self, encoder: &mut wgpu::CommandEncoder) -> Result<()> {
+        self.0.record(encoder)
     }
 
     /// The answers.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.
-    pub async fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<Around>> {
-        let answers = self.0.read(device, queue).await?;
+    pub async fn read(&self) -> Result<Vec<Around>> {
+        let answers = self.0.read().await?;
         let around = |[open, glow]: [Vec4; 2]| Around { open, glow: glow.truncate() };
         Ok(answers.into_iter().map(around).collect())
     }

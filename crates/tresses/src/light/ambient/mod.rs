@@ -5,7 +5,7 @@
 //! body, shadow maps ► glow ──┴► cells ─► settle ─► cells ─► sweep ─► fields, 24 ─► gather ─► five layers
 //! ```
 //!
-//! A cube of cells around [`Picture::focus`](crate::view::Picture::focus), [`ViewOptions::ambient_cells`] per
+//! A cube of cells around [`Picture::focus`](crate::view::Picture::focus), [`ViewOptions::ambient_cells`](crate::view::ViewOptions::ambient_cells) per
 //! edge, rebuilt each frame. `lay` adds the area of the hair, width times length, in fixed point; `glow`
 //! does the same with sample points over the body's surface ([`Surface`]), and adds the radiance that
 //! leaves them, from the lights that reach them through the shadow maps and from the sky. `settle` turns
@@ -46,13 +46,11 @@ pub use ask::{AmbientProbe, Around};
 
 use super::{FRAME, Seen};
 use crate::{
+    Context, Result,
     body::{self, Body},
     constants::{AMBIENT_STRANDS, STRAND_WORKGROUP},
-    gpu::{Binding, Kernel, Timings, bindings::linear, grid::grid_texture},
+    gpu::{Binding, Commands, Kernel, bindings::linear, grid::grid_texture},
 };
-
-#[cfg(doc)]
-use crate::{body::Surface, view::ViewOptions};
 
 /// Directions, words of a cell and layers, as in the shaders.
 const DIRECTIONS: u32 = 24;
@@ -76,16 +74,22 @@ pub(super) struct Pipelines {
 }
 
 impl Pipelines {
-    pub(super) fn new(device: &wgpu::Device) -> Self {
+    pub(super) fn new(context: &Context) -> Self {
+        let Context { device, .. } = context;
         use Binding::{Storage, StorageMut, Uniform, UniformDynamic, Write3d};
         let surface = body::surface_layout(device);
-        let kernel = |module, entries: &[Binding]| Kernel::new(device, module, entries);
+        let kernel = |module, entries: &[Binding]| Kernel::new(&context.device, module, entries);
         Self {
             lay: kernel("light::ambient::lay", &[Uniform, Uniform, Storage, Storage, StorageMut]),
-            skin: Kernel::beside(device, "light::ambient::skin", &[Uniform, StorageMut], &[&surface]),
+            skin: Kernel::beside(
+                &context.device,
+                "light::ambient::skin",
+                &[Uniform, StorageMut],
+                &[&surface],
+            ),
             // The first is nobody's: what asks for light binds the camera there.
             glow: Kernel::beside(
-                device,
+                &context.device,
                 "light::ambient::glow",
                 &[&FRAME[..], &[StorageMut]].concat(),
                 &[&surface],
@@ -122,12 +126,13 @@ pub struct Ambient {
 impl Ambient {
     /// Cells to an edge: as many as `wanted`, from 4 to 64.
     pub(super) fn new(
-        device: &wgpu::Device,
+        context: &Context,
         pipelines: &Pipelines,
         wanted: u32,
         lights: &wgpu::Buffer,
         shadow: [wgpu::BindingResource<'_>; 4],
     ) -> Self {
+        let Context { device, .. } = context;
         let cells = Self::within(wanted);
         let count = u64::from(cells).pow(3);
         let storage = |label, size| {
@@ -160,15 +165,15 @@ impl Ambient {
         };
         let Pipelines { skin, glow, settle, sweeps, gathers, .. } = pipelines;
         Self {
-            skin: skin.bind(device, &[all(lights), all(&sums)]),
-            glow: glow.bind(device, &frame),
-            settle: settle.bind(device, &[all(lights), all(&sums), all(&settled)]),
+            skin: skin.bind(&[all(lights), all(&sums)]),
+            glow: glow.bind(&frame),
+            settle: settle.bind(&[all(lights), all(&sums), all(&settled)]),
             sweeps: sweeps
                 .each_ref()
-                .map(|sweep| sweep.bind(device, &[all(lights), slice(), all(&settled), all(&fields)])),
+                .map(|sweep| sweep.bind(&[all(lights), slice(), all(&settled), all(&fields)])),
             gathers: gathers
                 .each_ref()
-                .map(|gather| gather.bind(device, &[all(lights), all(&fields), all(&weights), view()])),
+                .map(|gather| gather.bind(&[all(lights), all(&fields), all(&weights), view()])),
             cells,
             sampler: sampler.clone(),
             sums: sums.clone(),
@@ -217,20 +222,13 @@ impl Ambient {
     pub(super) fn record(
         &self,
         pipelines: &Pipelines,
-        encoder: &mut wgpu::CommandEncoder,
-        timings: Option<&mut Timings>,
+        commands: &mut Commands<'_>,
         hair: &[Seen<'_>],
         (bodies, every): (&[&Body], u32),
-    ) {
-        crate::gpu::pass::clear(encoder, &self.sums, None);
-        let mut pass = crate::gpu::compute_pass(
-            encoder,
-            &wgpu::ComputePassDescriptor {
-                label: Some("ambient"),
-                timestamp_writes: timings.and_then(|timings| timings.compute("ambient")),
-            },
-        );
-        let pass = &mut pass;
+    ) -> Result<()> {
+        commands.clear(&self.sums, None);
+        let mut recorded = commands.compute("ambient");
+        let pass = &mut recorded;
         for Seen { hair, shaded, .. } in hair {
             let every = (hair.drawn.count / AMBIENT_STRANDS).max(1);
             let strands = u64::from(hair.drawn.count.div_ceil(every));
@@ -257,6 +255,7 @@ impl Ambient {
             }
             pipelines.gathers[i].record(pass, &self.gathers[i], &[], cells.div_ceil(STRAND_WORKGROUP));
         }
+        recorded.end()
     }
 }
 

@@ -5,9 +5,10 @@ use super::{
     far::{AZIMUTHS, Around, COSINES, FarField, HUES, hue},
     mean,
 };
+use crate::Context;
 use crate::gpu::{
     Binding,
-    bindings::{self, group, layout},
+    bindings::{self, layout},
 };
 use glam::Vec3;
 use half::f16;
@@ -20,7 +21,7 @@ type Key = (FiberShape, f32);
 /// the fibre's shape changes: tens of milliseconds on the CPU.
 #[derive(Debug)]
 pub struct FiberTables {
-    device: wgpu::Device,
+    context: Context,
     around: wgpu::Texture,
     mean: wgpu::Texture,
     pub(crate) group: wgpu::BindGroup,
@@ -43,7 +44,8 @@ impl FiberTables {
     }
 
     /// Empty tables.
-    pub(crate) fn new(device: &wgpu::Device) -> Self {
+    pub(crate) fn new(context: &Context) -> Self {
+        let Context { device, .. } = context;
         let texture = |label, width, height, layers| {
             device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
@@ -64,8 +66,7 @@ impl FiberTables {
                 ..Default::default()
             })
         };
-        let group = group(
-            device,
+        let group = device.group(
             "fiber",
             &Self::layout(device),
             &[
@@ -74,12 +75,12 @@ impl FiberTables {
                 wgpu::BindingResource::Sampler(&bindings::linear(device)),
             ],
         );
-        Self { device: device.clone(), around, mean, group, filled: Mutex::new(None) }
+        Self { context: context.clone(), around, mean, group, filled: Mutex::new(None) }
     }
 
     /// Others, with nothing in them.
     pub(crate) fn empty(&self) -> Self {
-        Self::new(&self.device)
+        Self::new(&self.context)
     }
 
     /// Whether they are filled for other fibres than those of `shape`.
@@ -90,7 +91,7 @@ impl FiberTables {
 
     /// Fills the tables for fibres of `shape` among which the share `density` (Zinke's d_b) of what is
     /// scattered back meets others; does nothing when they already are.
-    pub(crate) fn fill(&self, queue: &wgpu::Queue, shape: &FiberShape, density: f32) {
+    pub(crate) fn fill(&self, shape: &FiberShape, density: f32) {
         let shape = shape.clamped();
         // A panic elsewhere leaves the key whole.
         let mut filled = self.filled.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
@@ -103,11 +104,11 @@ impl FiberTables {
             let second = table.iter().flat_map(|a| [a.path[1], a.spread[0], a.spread[1], 0.0]);
             first.chain(second).collect::<Vec<_>>()
         };
-        write(queue, &self.around, [ways(&far.direct), ways(&far.wide)].concat());
+        write(&self.context, &self.around, [ways(&far.direct), ways(&far.wide)].concat());
         let means = mean::table(&far, density);
         let first = means.iter().flat_map(|m| [m.forward, m.forward_variance, m.local, m.local_variance]);
         let second = means.iter().flat_map(|m| [m.local_turn, m.rest, m.backward, m.backward_variance]);
-        write(queue, &self.mean, first.chain(second).collect());
+        write(&self.context, &self.mean, first.chain(second).collect());
         *filled = Some(Filled { key: (shape, density), forward: mean::forward(&means) });
     }
 
@@ -131,7 +132,8 @@ impl FiberTables {
 }
 
 /// Fills a texture of four half floats per texel.
-fn write(queue: &wgpu::Queue, texture: &wgpu::Texture, values: Vec<f32>) {
+fn write(context: &Context, texture: &wgpu::Texture, values: Vec<f32>) {
+    let Context { queue, .. } = context;
     let halves: Vec<u16> = values.into_iter().map(|v| f16::from_f32(v).to_bits()).collect();
     let size = texture.size();
     queue.write_texture(

@@ -17,10 +17,10 @@
 
 use super::{Lights, ShadowMaps, Sphere, lights::SHADOW_MAPS};
 use crate::{
-    Error, Result,
+    Context, Error, Result,
     gpu::{
-        Binding,
-        bindings::{group, layout},
+        Binding, Device,
+        bindings::layout,
         pipeline::{Made, Recipe},
     },
 };
@@ -124,13 +124,14 @@ impl SceneUniform {
 /// The pipeline that brings them.
 #[derive(Debug)]
 pub(super) struct Pipelines {
-    device: wgpu::Device,
+    device: Device,
     layout: wgpu::BindGroupLayout,
     bring: Made<(), wgpu::RenderPipeline>,
 }
 
 impl Pipelines {
-    pub fn new(device: &wgpu::Device) -> Self {
+    pub fn new(context: &Context) -> Self {
+        let Context { device, .. } = context;
         let entries = [Binding::Uniform, Binding::Depth];
         let layout = layout(device, "scene shadow", wgpu::ShaderStages::FRAGMENT, &entries);
         Self { device: device.clone(), layout, bring: Made::default() }
@@ -193,7 +194,7 @@ impl Brought {
             });
             let depth = wgpu::BindingResource::TextureView(shadow.depth);
             let bound = [uniform.as_entire_binding(), depth];
-            (map, group(&pipelines.device, "scene shadow", &pipelines.layout, &bound))
+            (map, pipelines.device.group("scene shadow", &pipelines.layout, &bound))
         });
         let groups: Vec<_> = brought.collect();
         let pipeline = if groups.is_empty() { None } else { Some(pipelines.bring()?) };

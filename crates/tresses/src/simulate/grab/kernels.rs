@@ -2,7 +2,7 @@
 
 use super::GrabUniform;
 use crate::{
-    collide,
+    Context, collide,
     gpu::{Binding, Kernel},
     strands::{GuideBuffers, StrandBuffers},
 };
@@ -30,11 +30,13 @@ pub(crate) struct Groups {
 }
 
 impl GrabKernels {
-    pub fn new(device: &wgpu::Device) -> Self {
+    pub fn new(context: &Context) -> Self {
+        let Context { device, .. } = context;
         use Binding::{Storage, StorageMut, UniformDynamic};
         let obstacles = collide::layout(device);
-        let kernel = |name, entries: &[Binding]| Kernel::new(device, name, entries);
-        let beside = |name, entries: &[Binding]| Kernel::beside(device, name, entries, &[&obstacles]);
+        let kernel = |name, entries: &[Binding]| Kernel::new(&context.device, name, entries);
+        let beside =
+            |name, entries: &[Binding]| Kernel::beside(&context.device, name, entries, &[&obstacles]);
         Self {
             pick: kernel("simulate::grab::pick", &[UniformDynamic, StorageMut, Storage]),
             hit: beside("simulate::grab::hit", &[UniformDynamic, StorageMut, StorageMut]),
@@ -49,13 +51,7 @@ impl GrabKernels {
     }
 
     /// `own` is uniforms, marks, state and holds.
-    pub fn bind(
-        &self,
-        device: &wgpu::Device,
-        own: [&wgpu::Buffer; 4],
-        guides: &GuideBuffers,
-        strands: &StrandBuffers,
-    ) -> Groups {
+    pub fn bind(&self, own: [&wgpu::Buffer; 4], guides: &GuideBuffers, strands: &StrandBuffers) -> Groups {
         let [uniforms, marks, state, holds] = own;
         let bind = |kernel: &Kernel, buffers: &[&wgpu::Buffer]| {
             let uniform = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
@@ -64,7 +60,7 @@ impl GrabKernels {
                 size: wgpu::BufferSize::new(size_of::<GrabUniform>() as u64),
             });
             let buffers = buffers.iter().map(|buffer| buffer.as_entire_binding());
-            kernel.bind(device, &std::iter::once(uniform).chain(buffers).collect::<Vec<_>>())
+            kernel.bind(&std::iter::once(uniform).chain(buffers).collect::<Vec<_>>())
         };
         Groups {
             pick: bind(&self.pick, &[marks, &strands.vertices]),

@@ -50,15 +50,17 @@ pub(crate) use kernels::GrabKernels;
 
 use super::{Pipelines, SimulationParams};
 use crate::{
-    Error, Result,
+    Context, Error, Result,
     clock::{MAX_STEPS, MAX_SUBSTEPS, Mode, Step},
     collide::ColliderSet,
     constants::{STRAND_WORKGROUP, VOLUME_WORKGROUP},
-    space::Map,
+    math::Ray,
+    math::map::Map,
     strands::{GuideBuffers, StrandBuffers, buffers::storage},
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
+use std::sync::Arc;
 
 /// How much a millimetre beside the ray counts of a millimetre along it.
 pub const ASIDE: f32 = 3.0;
@@ -66,15 +68,6 @@ pub const ASIDE: f32 = 3.0;
 pub const SETTLE: f32 = 0.03;
 /// The strongest pull on a guide vertex, m/s².
 pub const STRONGEST: f32 = 2000.0;
-
-/// A half line, in the space in which the next frame is drawn.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ray {
-    /// Where it begins, metres.
-    pub origin: Vec3,
-    /// Where it leads, of any length but zero.
-    pub direction: Vec3,
-}
 
 /// Where the hand is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -193,6 +186,7 @@ pub struct Grab {
 /// What it needs on the GPU.
 #[derive(Debug)]
 pub(super) struct Buffers {
+    pipelines: Arc<Pipelines>,
     uniforms: wgpu::Buffer,
     marks: wgpu::Buffer,
     state: wgpu::Buffer,
@@ -278,18 +272,16 @@ impl Grab {
     ///
     /// # Errors
     /// [`Error::Limit`].
-    #[allow(clippy::too_many_arguments)]
     pub(crate) fn prepare(
         &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        simulate: &Pipelines,
+        context: &Context,
         physics: &SimulationParams,
         steps: &[Step],
         (guides, strands): (&GuideBuffers, &StrandBuffers),
         sights: &Sights,
         forced: bool,
     ) -> Result<bool> {
+        let Context { queue, .. } = context;
         if steps.iter().any(|step| step.mode != Mode::Step) {
             self.end();
         }
@@ -301,7 +293,7 @@ impl Grab {
         }
         self.fresh = false;
         if self.buffers.is_none() {
-            self.buffers = Some(Buffers::new(device, simulate, guides, strands)?);
+            self.buffers = Some(Buffers::new(context, guides, strands)?);
         }
         let Some(buffers) = &self.buffers else { return Ok(false) };
         let (target, toward) = match target {
@@ -350,31 +342,28 @@ impl Grab {
     }
 
     /// Records step `i` of those that [`prepare`](Self::prepare) wrote: after other forces, before the step.
-    pub(crate) fn record(
-        &self,
-        simulate: &Pipelines,
-        pass: &mut crate::gpu::ComputePass<'_>,
-        colliders: &ColliderSet,
-        i: u32,
-    ) {
-        let (Some(buffers), kernels) = (&self.buffers, &simulate.grab) else { return };
+    pub(crate) fn record(&self, pass: &mut crate::gpu::ComputePass<'_>, colliders: &ColliderSet, i: u32) {
+        let Some(buffers) = &self.buffers else { return };
         if self.is_active() {
             let [strands, guides] = self.threads;
             let workgroups = [strands.div_ceil(STRAND_WORKGROUP), guides.div_ceil(VOLUME_WORKGROUP)];
             pass.set_bind_group(1, colliders.group(), &[]);
-            kernels.record(pass, &buffers.groups, workgroups, i * STRIDE, self.picks && i == 0);
+            buffers.pipelines.grab.record(
+                pass,
+                &buffers.groups,
+                workgroups,
+                i * STRIDE,
+                self.picks && i == 0,
+            );
         }
     }
 }
 
 impl Buffers {
-    fn new(
-        device: &wgpu::Device,
-        simulate: &Pipelines,
-        guides: &GuideBuffers,
-        strands: &StrandBuffers,
-    ) -> Result<Self> {
-        let kernels = &simulate.grab;
+    fn new(context: &Context, guides: &GuideBuffers, strands: &StrandBuffers) -> Result<Self> {
+        let Context { device, .. } = context;
+        let pipelines: Arc<Pipelines> = context.pipelines();
+        let kernels = &pipelines.grab;
         let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("grab"),
             size: u64::from(STRIDE * MAX_STEPS),
@@ -388,7 +377,7 @@ impl Buffers {
             "grab holds",
             u64::from(guides.count) * u64::from(guides.vertex_count),
         )?;
-        let groups = kernels.bind(device, [&uniforms, &marks, &state, &holds], guides, strands);
-        Ok(Self { uniforms, marks, state, holds, groups })
+        let groups = kernels.bind([&uniforms, &marks, &state, &holds], guides, strands);
+        Ok(Self { pipelines, uniforms, marks, state, holds, groups })
     }
 }

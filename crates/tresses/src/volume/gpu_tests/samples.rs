@@ -96,7 +96,7 @@ fn quickest(scene: &mut Setup, mut record: impl FnMut(&mut Setup, &mut crate::gp
         .map(|_| {
             let start = std::time::Instant::now();
             scene.submit(&mut record);
-            scene.gpu.device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+            scene.context.device().poll(wgpu::PollType::wait_indefinitely()).unwrap();
             start.elapsed().as_secs_f64() * 1e3
         })
         .fold(f64::MAX, f64::min)
@@ -118,17 +118,17 @@ fn cost_of_a_thousand_guides() {
         // Again: now the obstacles rest.
         scene.prepare(&HairHair::default(), &step);
         let params = SimulationParams::default();
-        let mut solve = Simulation::new(&scene.gpu.device, &scene.simulate, &scene.guides);
-        solve.prepare(&scene.gpu.queue, &params, &[step], false).unwrap();
+        let mut solve = Simulation::new(scene.context, &scene.guides);
+        solve.prepare(scene.context, &params, &[step], false).unwrap();
         let nothing = quickest(&mut scene, |_, _| ());
-        let solve = quickest(&mut scene, |s, pass| solve.record(&s.simulate, pass, &s.colliders, 0));
+        let solve = quickest(&mut scene, |s, pass| solve.record(pass, &s.colliders, 0));
         let splat = quickest(&mut scene, |s, pass| {
             let workgroups = s.volume.base.splat_workgroups();
-            s.stage.splat.record(pass, &s.volume.groups.splat, &[0], workgroups);
+            s.volume.pipelines.splat.record(pass, &s.volume.groups.splat, &[0], workgroups);
         });
         for (i, name) in ["sum", "blur_x", "blur_y", "density", "push"].iter().enumerate() {
             let ms = quickest(&mut scene, |s, pass| {
-                let (stage, groups) = (&s.stage, &s.volume.groups);
+                let (stage, groups) = (&*s.volume.pipelines, &s.volume.groups);
                 let (kernel, group, cells) = [
                     (&stage.sum, &groups.sum, [1, 1, 1]),
                     (&stage.blur[0], &groups.blur[0], [4, 1, 1]),
@@ -140,8 +140,8 @@ fn cost_of_a_thousand_guides() {
             });
             println!("  {name} {:.2} ms", ms - nothing);
         }
-        let grid = quickest(&mut scene, |s, pass| s.volume.record(&s.stage, pass, &s.colliders, 0));
-        let forces = quickest(&mut scene, |s, pass| s.forces.record(&s.simulate, pass, 0));
+        let grid = quickest(&mut scene, |s, pass| s.volume.record(pass, &s.colliders, 0));
+        let forces = quickest(&mut scene, |s, pass| s.forces.record(pass, 0));
         println!(
             "{resolution}³, 1,000 guides of 32: solve {:.2} ms; splat {:.2}, whole volume {:.2}, forces {:.2}",
             solve - nothing,

@@ -1,13 +1,13 @@
 //! Guides, a head's pose and a grid on the GPU.
 
 use crate::{
-    Pose,
+    Context, Pose,
     clock::{Mode, Step, Steps},
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
-    gpu::{Gpu, for_tests as gpu, readback::blocking as readback},
-    simulate::{self, Forces, GuideTraits, RestOptions, SimulationParams, rest},
+    gpu::{for_tests as context, readback::blocking as readback},
+    simulate::{Forces, GuideTraits, RestOptions, SimulationParams, rest},
     strands::{Force, GuideBuffers, GuideForce, RestGuides, guide::pack_velocity},
-    volume::{HairHair, Pipelines, Volume, VolumeOptions},
+    volume::{HairHair, Volume, VolumeOptions},
 };
 use glam::{Quat, Vec3};
 use half::f16;
@@ -32,9 +32,7 @@ pub(super) fn cube(across: usize) -> (Vec<Vec3>, Vec<GuideTraits>) {
 }
 
 pub(super) struct Setup {
-    pub(super) gpu: &'static Gpu,
-    pub(super) stage: Pipelines,
-    pub(super) simulate: simulate::Pipelines,
+    pub(super) context: &'static Context,
     pub(super) guides: GuideBuffers,
     pub(super) rest: RestGuides,
     pub(super) volume: Volume,
@@ -59,18 +57,16 @@ impl Setup {
         options: &VolumeOptions,
         colliders: &ColliderDescriptor<'_>,
     ) -> Option<Self> {
-        let gpu = gpu()?;
+        let context = context()?;
         let params = SimulationParams::default();
         let rest =
             rest::guides(&positions, n as u32, &traits, &params, &RestOptions::default(), None).unwrap();
-        let guides = GuideBuffers::new(&gpu.device, rest.info.len() as u32, n as u32, 2).unwrap();
-        rest.upload(&gpu.queue, &guides).unwrap();
-        let stage = Pipelines::new(&gpu.device);
-        let simulate = simulate::Pipelines::new(&gpu.device);
-        let volume = Volume::new(&gpu.device, &stage, &guides, &rest, options).unwrap();
-        let forces = Forces::new(&gpu.device, &simulate, &guides, &volume, None);
-        let colliders = ColliderSet::new(&gpu.device, &gpu.queue, colliders).unwrap();
-        Some(Self { gpu, stage, simulate, guides, rest, volume, forces, colliders, places: Vec::new() })
+        let guides = GuideBuffers::new(context, rest.info.len() as u32, n as u32, 2).unwrap();
+        rest.upload(context, &guides).unwrap();
+        let volume = Volume::new(context, &guides, &rest, options).unwrap();
+        let forces = Forces::new(context, &guides, &volume, None);
+        let colliders = ColliderSet::new(context, colliders).unwrap();
+        Some(Self { context, guides, rest, volume, forces, colliders, places: Vec::new() })
     }
 
     /// Vertex-major, from the rest positions.
@@ -81,14 +77,12 @@ impl Setup {
     pub(super) fn put(&self, current: &[Vec3], velocity: &[Vec3]) {
         let current: Vec<[f32; 4]> = current.iter().map(|v| v.extend(0.0).into()).collect();
         let velocity: Vec<[u32; 2]> = velocity.iter().map(|v| pack_velocity(*v)).collect();
-        self.gpu.queue.write_buffer(&self.guides.current, 0, bytemuck::cast_slice(&current));
-        self.gpu.queue.write_buffer(&self.guides.velocity, 0, bytemuck::cast_slice(&velocity));
+        self.context.queue().write_buffer(&self.guides.current, 0, bytemuck::cast_slice(&current));
+        self.context.queue().write_buffer(&self.guides.velocity, 0, bytemuck::cast_slice(&velocity));
     }
 
     pub(super) fn submit(&mut self, record: impl FnOnce(&mut Self, &mut crate::gpu::ComputePass<'_>)) {
-        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        record(self, &mut crate::gpu::compute_pass(&mut encoder, &Default::default()));
-        self.gpu.queue.submit([encoder.finish()]);
+        crate::gpu::compute(self.context, |pass| record(self, pass));
     }
 
     pub(super) fn prepare(&mut self, params: &HairHair, step: &Step) {
@@ -96,9 +90,9 @@ impl Setup {
         let substeps = SimulationParams::default().substeps;
         let moments = Moments { steps: &steps, substeps, step: H, head: step.end, alpha: 1.0 };
         let poses = ColliderPoses { head: None, colliders: self.places.clone() };
-        self.colliders.advance(&self.gpu.queue, &poses, &moments).unwrap();
+        self.colliders.advance(&poses, &moments).unwrap();
         let frame = Steps { steps: &steps, length: H, substeps };
-        self.volume.prepare(&self.gpu.queue, params, &frame, &self.colliders);
+        self.volume.prepare(self.context, params, &frame, &self.colliders);
     }
 
     /// The integers after `splat` alone; zeroed again.
@@ -106,12 +100,11 @@ impl Setup {
         self.prepare(&HairHair::default(), step);
         self.submit(|scene, pass| {
             let workgroups = scene.volume.base.splat_workgroups();
-            scene.stage.splat.record(pass, &scene.volume.groups.splat, &[0], workgroups);
+            scene.volume.pipelines.splat.record(pass, &scene.volume.groups.splat, &[0], workgroups);
         });
-        let cells = readback::buffer(&self.gpu.device, &self.gpu.queue, &self.volume.cells).unwrap();
-        self.submit(|scene, pass| scene.volume.grids(&scene.stage, pass, 0));
-        let clear: Vec<i32> =
-            readback::buffer(&self.gpu.device, &self.gpu.queue, &self.volume.cells).unwrap();
+        let cells = readback::buffer(self.context, &self.volume.cells).unwrap();
+        self.submit(|scene, pass| scene.volume.grids(pass, 0));
+        let clear: Vec<i32> = readback::buffer(self.context, &self.volume.cells).unwrap();
         assert!(clear.iter().all(|i| *i == 0), "a step leaves the integers at zero");
         cells
     }
@@ -120,16 +113,15 @@ impl Setup {
     pub(super) fn forces(&mut self, params: &HairHair, step: &Step) -> Vec<Force> {
         self.prepare(params, step);
         self.submit(|scene, pass| {
-            scene.volume.record(&scene.stage, pass, &scene.colliders, 0);
-            scene.forces.record(&scene.simulate, pass, 0);
+            scene.volume.record(pass, &scene.colliders, 0);
+            scene.forces.record(pass, 0);
         });
-        let forces: Vec<GuideForce> =
-            readback::buffer(&self.gpu.device, &self.gpu.queue, &self.guides.forces).unwrap();
+        let forces: Vec<GuideForce> = readback::buffer(self.context, &self.guides.forces).unwrap();
         forces.iter().map(GuideForce::unpack).collect()
     }
 
     pub(super) fn texture(&self, texture: &wgpu::Texture) -> Vec<[f32; 4]> {
-        let bytes = readback::texture(&self.gpu.device, &self.gpu.queue, texture).unwrap();
+        let bytes = readback::texture(self.context, texture).unwrap();
         bytemuck::pod_collect_to_vec::<u8, [f16; 4]>(&bytes).iter().map(|t| t.map(f16::to_f32)).collect()
     }
 }

@@ -4,11 +4,11 @@ use super::scene::{H, N, Setup, cube, somewhere, still, swirl};
 use crate::{
     Pose,
     clock::{Mode, Step},
-    gpu::for_tests as gpu,
+    gpu::for_tests as context,
     strands::GuideBuffers,
     strands::RestGuides,
     volume::{
-        HairHair, Pipelines, Volume, VolumeOptions,
+        HairHair, Volume, VolumeOptions,
         params::VolumeUniforms,
         reference::{CHANNELS, MAX_SPEED, Splatted, splat},
     },
@@ -134,12 +134,11 @@ fn hair_outside_of_the_grid_and_what_is_no_number_harm_nothing() {
 
 #[test]
 fn resolutions_out_of_range_are_refused() {
-    let Some(gpu) = gpu() else { return };
-    let stage = Pipelines::new(&gpu.device);
-    let guides = GuideBuffers::new(&gpu.device, 1, 2, 2).unwrap();
+    let Some(context) = context() else { return };
+    let guides = GuideBuffers::new(context, 1, 2, 2).unwrap();
     for resolution in [0, 7, 97, u32::MAX] {
         let options = VolumeOptions { resolution, ..Default::default() };
-        let error = Volume::new(&gpu.device, &stage, &guides, &RestGuides::default(), &options).unwrap_err();
+        let error = Volume::new(context, &guides, &RestGuides::default(), &options).unwrap_err();
         assert!(error.to_string().contains("grid resolution"));
     }
 }

@@ -8,25 +8,21 @@ use std::{
 };
 use tresses::{
     drape::{self, Character},
-    groom::{
-        SdfGrid, Strands, TriMesh, import,
-        mesh::sdf,
-        styles::{GridScalp, Style},
-    },
+    groom::{SdfGrid, Strands, TriMesh, import, mesh::sdf, scalp::GridScalp, styles::Style},
 };
 
 /// The built-in style `name` with `strands` strands; made once. `None` where there is no GPU.
 pub fn character(name: &str, strands: u32) -> Option<Arc<Character>> {
     type Made = HashMap<(String, u32), Arc<OnceLock<Arc<Character>>>>;
     static MADE: Mutex<Option<Made>> = Mutex::new(None);
-    let (gpu, simulate) = (device::gpu()?, device::simulate()?);
+    let context = device::context()?;
     let place = {
         let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
         made.get_or_insert_default().entry((name.to_owned(), strands)).or_default().clone()
     };
     let made = place.get_or_init(|| {
         let style = name.parse::<Style>().expect("a style");
-        let made = drape::character(&gpu.device, &gpu.queue, simulate, &style, Some(strands));
+        let made = drape::character(context, &style, Some(strands));
         Arc::new(pollster::block_on(made).expect("a character"))
     });
     Some(made.clone())

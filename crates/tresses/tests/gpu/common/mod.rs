@@ -3,15 +3,14 @@
 mod device;
 mod fixtures;
 
-pub use device::{advance, frame, gpu, pipelines, simulate, submit};
+pub use device::{advance, compute, context, frame, noop, submit};
 pub use fixtures::{SINTEL, asset, character, scalp, sintel};
 
 use tresses::{
-    Camera, Hair, Pipelines, Pose, View,
+    Camera, Context, Hair, Pose, View,
     body::Body,
-    frame::{Recorder, Sight},
+    frame::Sight,
     glam::{Mat4, Vec3},
-    gpu::Gpu,
     groom::{Groom, SdfGrid, Strands, TriMesh, bind},
     light::{Directional, HairSet, Lights, MAX_LIGHTS, ShadowMethod, Shadows},
     present::Background,
@@ -43,11 +42,10 @@ pub fn ball(radius: f32, resolution: u32) -> SdfGrid {
 
 /// So many strands of 12 cm that hang from a ball, on the GPU, at rest.
 pub fn hair_on_a_ball(count: usize) -> Hair {
-    let (gpu, pipelines) = (gpu().expect("there is a GPU"), pipelines().expect("there is a GPU"));
+    let context = context().expect("there is a GPU");
     let groom = bind(&hanging(count, 16, 0.12), &Default::default()).unwrap();
     let field = ball(0.085, 32);
-    let mut hair =
-        Hair::new(&gpu.device, &gpu.queue, pipelines, &groom, &Default::default(), Some(&field)).unwrap();
+    let mut hair = Hair::new(context, &groom, &Default::default(), Some(&field)).unwrap();
     advance(&mut hair, &frame(Pose::IDENTITY, 0.0));
     hair
 }
@@ -86,19 +84,17 @@ pub fn dark() -> Picture {
 
 /// What `view` sees of `picture`: RGBA, rows from the top.
 pub fn picture(
-    gpu: &Gpu,
-    (pipelines, view): (&Pipelines, &View),
+    context: &Context,
+    view: &View,
     picture: &Picture,
     hair: &[&HairSet],
     bodies: &[&Body],
 ) -> Vec<u8> {
-    let Gpu { device, queue, .. } = gpu;
+    let (device, queue) = (context.device(), context.queue());
     let mut encoder = device.create_command_encoder(&Default::default());
-    Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
-        .draw_strands(hair, bodies, Sight::new(view, picture))
-        .expect("it fits");
+    context.recorder(&mut encoder).draw_strands(hair, bodies, Sight::new(view, picture)).expect("it fits");
     queue.submit([encoder.finish()]);
-    pollster::block_on(view.targets().read(device, queue)).expect("a picture")
+    pollster::block_on(view.targets().read()).expect("a picture")
 }
 
 /// An orthographic camera, depth reversed, of `size`² pixels, in which a metre is a pixel: the origin is

@@ -8,10 +8,9 @@ use super::{
 };
 use crate::common;
 use tresses::{
-    Camera,
+    Camera, Context,
     draw::Coverage,
     glam::Vec3,
-    gpu::Gpu,
     light::{ShadingModel, Sphere},
     present::Background,
     view::Picture,
@@ -34,8 +33,8 @@ pub fn scene(distance: f32, size: [u32; 2]) -> Picture {
 }
 
 /// How far from the exact area each distance is, as a factor less 1.
-fn errors(gpu: &Gpu, mode: Mode, groom: &Groom, exact: &[f64]) -> Vec<f64> {
-    let studio = Studio::new(gpu, mode, SIZE);
+fn errors(context: &Context, mode: Mode, groom: &Groom, exact: &[f64]) -> Vec<f64> {
+    let studio = Studio::new(context, mode, SIZE);
     let (mut hair, _strands) = studio.hair(groom);
     hair.material.model = ShadingModel::KajiyaKay;
     let drawn = DISTANCES.map(|distance| {
@@ -65,9 +64,9 @@ fn good(mode: Mode, errors: &[f64]) -> bool {
 
 #[test]
 fn total_coverage_is_exact() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     judge(
-        gpu,
+        context,
         &[super::MASK_4, super::PEEL, super::TILES, super::TILES_1, super::ALPHA_4],
         &[super::PEEL, super::TILES],
     );
@@ -77,18 +76,18 @@ fn total_coverage_is_exact() {
 #[test]
 #[ignore = "proof"]
 fn total_coverage_is_exact_in_any_mode() {
-    let Some(gpu) = common::gpu() else { return };
-    let all: Vec<_> = modes(gpu.tier.max_samples).collect();
-    judge(gpu, &all, &[super::MASK_4, super::PEEL]);
+    let Some(context) = common::context() else { return };
+    let all: Vec<_> = modes(context.tier().max_samples).collect();
+    judge(context, &all, &[super::MASK_4, super::PEEL]);
 }
 
 /// Holds `modes` against the exact area; strands that are too wide are drawn in the modes `perturbed`.
-fn judge(gpu: &Gpu, modes: &[Mode], perturbed: &[Mode]) {
+fn judge(context: &Context, modes: &[Mode], perturbed: &[Mode]) {
     let groom = Groom::on_a_ball(6000, 2.5e-4);
     let exact = DISTANCES.map(|distance| oracle::covered(&groom, &scene(distance, SIZE).camera));
     println!("exact: {exact:.1?} pixels");
     for &mode in modes {
-        let errors = errors(gpu, mode, &groom, &exact);
+        let errors = errors(context, mode, &groom, &exact);
         say(mode.name, &errors);
         if mode.coverage == Coverage::AlphaToCoverage {
             // Equal alpha is equal samples: strands hide behind each other, and the comparison sees it.
@@ -101,6 +100,6 @@ fn judge(gpu: &Gpu, modes: &[Mode], perturbed: &[Mode]) {
     let wide =
         Groom { root_radius: 1.03 * groom.root_radius, tip_radius: 1.03 * groom.tip_radius, ..groom.clone() };
     for &mode in perturbed {
-        assert!(!good(mode, &errors(gpu, mode, &wide, &exact)));
+        assert!(!good(mode, &errors(context, mode, &wide, &exact)));
     }
 }

@@ -7,11 +7,10 @@ use super::{MASK_1, MASK_4, Mode, TILES, TILES_2X};
 use crate::{common, lod::stage::Setup};
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8};
 use tresses::{
-    Camera, Hair, View,
+    Camera, Context, Hair, View,
     camera::ToneMap,
     frame::Sight,
     glam::Vec3,
-    gpu::Gpu,
     groom::{Groom, bind, import},
     light::{Lights, Sphere, material::linear},
     present::Background,
@@ -40,12 +39,10 @@ struct Shown {
 }
 
 /// `hair` from `radii` times the radius of its sphere, drawn so that each pixel shown has `finer` squared.
-fn shown(gpu: &Gpu, mode: Mode, hair: &Hair, radii: f32, finer: u32) -> Shown {
-    let Gpu { device, queue, .. } = gpu;
+fn shown(context: &Context, mode: Mode, hair: &Hair, radii: f32, finer: u32) -> Shown {
     let options = ViewOptions { samples: mode.samples, coverage: mode.coverage, ..Default::default() };
-    let pipelines = common::pipelines().expect("there is a GPU");
     let size = SIZE.map(|side| side * finer);
-    let view = View::new(device, pipelines, &options, size, mode.ssaa).expect("fits");
+    let view = View::new(context, &options, size, mode.ssaa).expect("fits");
     let (middle, radius) = hair.lod.sphere;
     let eye = middle + Vec3::new(0.6, 0.2, 1.0).normalize() * radius * radii;
     let scene = Picture {
@@ -59,10 +56,10 @@ fn shown(gpu: &Gpu, mode: Mode, hair: &Hair, radii: f32, finer: u32) -> Shown {
     };
     let draw = || common::submit(|recorder| recorder.draw(&[hair], &[], Sight::new(&view, &scene)));
     draw();
-    if !pollster::block_on(view.is_complete(device, queue)).expect("a device") {
+    if !pollster::block_on(view.is_complete()).expect("a device") {
         draw();
     }
-    let bytes = pollster::block_on(view.targets().read(device, queue)).expect("a picture");
+    let bytes = pollster::block_on(view.targets().read()).expect("a picture");
     let texel = |x: u32, y: u32| -> [u8; 4] { bytes.as_chunks().0[(y * size[0] + x) as usize] };
     let mut alpha = 0.0;
     let grey = linear(GREY);
@@ -104,17 +101,17 @@ fn light(shown: &Shown) -> f64 {
     shown.pixels.iter().flatten().map(|v| f64::from(*v)).sum::<f64>() / shown.pixels.len() as f64
 }
 
-fn judge(gpu: &Gpu, name: &str, groom: &Groom, radii: &[f32]) {
+fn judge(context: &Context, name: &str, groom: &Groom, radii: &[f32]) {
     let setup = Setup::open().expect("there is a GPU");
     let mut hair = setup.hair(groom, None);
     hair.lod.options.mode = tresses::lod::LodMode::Off;
     for &radii in radii {
-        let reference = shown(gpu, MASK_4, &hair, radii, FINER);
-        let drawn = shown(gpu, TILES, &hair, radii, 1);
+        let reference = shown(context, MASK_4, &hair, radii, FINER);
+        let drawn = shown(context, TILES, &hair, radii, 1);
         let [picture, of_hair] = flip(&reference, &drawn);
         let area = drawn.alpha / reference.alpha - 1.0;
         let lit = light(&drawn) / light(&reference) - 1.0;
-        let [_, finer] = flip(&reference, &shown(gpu, TILES_2X, &hair, radii, 1));
+        let [_, finer] = flip(&reference, &shown(context, TILES_2X, &hair, radii, 1));
         println!(
             "| {name} | {radii} | {picture:.4} | {of_hair:.4} | {finer:.4} | {:+.2} % | {:+.2} % |",
             100.0 * area,
@@ -125,9 +122,9 @@ fn judge(gpu: &Gpu, name: &str, groom: &Groom, radii: &[f32]) {
         assert!(area.abs() < SUMS[0] && lit.abs() < SUMS[1], "{name} from {radii} radii: {area} {lit}");
     }
     // How far the reference is from one of four times its samples, and what FLIP sees of a single one.
-    let reference = shown(gpu, MASK_4, &hair, radii[0], FINER);
-    let [_, floor] = flip(&shown(gpu, MASK_4, &hair, radii[0], 2 * FINER), &reference);
-    let [coarse, _] = flip(&reference, &shown(gpu, MASK_1, &hair, radii[0], 1));
+    let reference = shown(context, MASK_4, &hair, radii[0], FINER);
+    let [_, floor] = flip(&shown(context, MASK_4, &hair, radii[0], 2 * FINER), &reference);
+    let [coarse, _] = flip(&reference, &shown(context, MASK_1, &hair, radii[0], 1));
     println!("| {name}, 64 samples against 256 | {} | | {floor:.4} | | | |", radii[0]);
     println!("| {name}, masks with one sample | {} | {coarse:.4} | | | | |", radii[0]);
     assert!(coarse > FLIP[0], "{name}: {coarse}");
@@ -135,19 +132,19 @@ fn judge(gpu: &Gpu, name: &str, groom: &Groom, radii: &[f32]) {
 
 #[test]
 fn tiles_are_what_64_samples_make_of_strips() {
-    let Some(gpu) = common::gpu() else { return };
-    judge(gpu, "short", &Setup::style("short", 2000).0, &RADII[..1]);
+    let Some(context) = common::context() else { return };
+    judge(context, "short", &Setup::style("short", 2000).0, &RADII[..1]);
 }
 
 /// The table of docs/appearance/edges.md.
 #[test]
 #[ignore = "proof"]
 fn tiles_are_what_64_samples_make_of_any_groom() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     for name in ["long", "bob", "curly", "short"] {
-        judge(gpu, name, &Setup::style(name, 5000).0, &RADII);
+        judge(context, name, &Setup::style(name, 5000).0, &RADII);
     }
     let Some(file) = common::asset(common::SINTEL) else { return };
     let (strands, _) = import::read(&[file], &Default::default()).expect("a groom");
-    judge(gpu, "Sintel", &bind(&strands, &Default::default()).expect("a groom"), &RADII);
+    judge(context, "Sintel", &bind(&strands, &Default::default()).expect("a groom"), &RADII);
 }

@@ -9,7 +9,7 @@ use super::{
     picture::{Studio, write},
 };
 use crate::common;
-use tresses::{draw::Coverage, gpu::Gpu, present::Background, view::Picture};
+use tresses::{Context, draw::Coverage, present::Background, view::Picture};
 
 const SIZE: [u32; 2] = [192, 160];
 const FRAMES: u32 = 4;
@@ -24,14 +24,14 @@ const REFERENCE: Mode = mode("4×MSAA, 4× SSAA", 4, Coverage::SampleMask, 4);
 type Frames = Vec<Vec<[u8; 4]>>;
 
 /// What the frames look like from each distance.
-fn frames(gpu: &Gpu, mode: Mode, groom: &Groom, distances: &[f32]) -> Vec<Frames> {
-    let studio = Studio::new(gpu, mode, SIZE);
+fn frames(context: &Context, mode: Mode, groom: &Groom, distances: &[f32]) -> Vec<Frames> {
+    let studio = Studio::new(context, mode, SIZE);
     let (hair, strands) = studio.hair(groom);
     let turned = |distance: &f32| {
         let scene = Picture { background: Background::default(), ..scene(*distance, SIZE) };
         (0..FRAMES)
             .map(|frame| {
-                write(gpu, &groom.turned(STEP * frame as f32), &strands);
+                write(context, &groom.turned(STEP * frame as f32), &strands);
                 studio.picture(&scene, &hair)
             })
             .collect()
@@ -61,26 +61,26 @@ fn difference(frames: &[Vec<[u8; 4]>], exact: &[Vec<[u8; 4]>]) -> f64 {
 
 #[test]
 fn nothing_shimmers_in_motion() {
-    let Some(gpu) = common::gpu() else { return };
-    judge(gpu, &[MASK_4, MASK_1, TILES], &DISTANCES[1..]);
+    let Some(context) = common::context() else { return };
+    judge(context, &[MASK_4, MASK_1, TILES], &DISTANCES[1..]);
 }
 
 /// The table of docs/appearance/edges.md.
 #[test]
 #[ignore = "proof"]
 fn nothing_shimmers_in_any_mode() {
-    let Some(gpu) = common::gpu() else { return };
-    judge(gpu, &modes(gpu.tier.max_samples).collect::<Vec<_>>(), &DISTANCES);
+    let Some(context) = common::context() else { return };
+    judge(context, &modes(context.tier().max_samples).collect::<Vec<_>>(), &DISTANCES);
 }
 
 /// Holds the changes from frame to frame in `modes` against those of many more samples.
-fn judge(gpu: &Gpu, modes: &[Mode], distances: &[f32]) {
+fn judge(context: &Context, modes: &[Mode], distances: &[f32]) {
     let groom = Groom::on_a_ball(2500, 2.5e-4);
-    let exact = frames(gpu, REFERENCE, &groom, distances);
+    let exact = frames(context, REFERENCE, &groom, distances);
     let motion: Vec<_> = exact.iter().map(|frames| change(frames)).collect();
     println!("{distances:?} m: frames change by {motion:.2?} / 255");
     for &mode in modes {
-        let drawn = frames(gpu, mode, &groom, distances);
+        let drawn = frames(context, mode, &groom, distances);
         let ratios: Vec<_> =
             drawn.iter().zip(&motion).map(|(frames, motion)| change(frames) / motion).collect();
         let off: Vec<_> = drawn.iter().zip(&exact).map(|(drawn, exact)| difference(drawn, exact)).collect();

@@ -66,8 +66,8 @@ fn plain() -> HairMaterial {
 }
 
 /// `groom` in those colours, peeled.
-fn peeled<'a>(gpu: &'a tresses::gpu::Gpu, groom: &Groom, layers: u32) -> (Studio<'a>, HairSet) {
-    let studio = Studio::new(gpu, mode("", 1, Coverage::DepthPeeling { layers }, 1), [SIZE; 2]);
+fn peeled<'a>(context: &'a tresses::Context, groom: &Groom, layers: u32) -> (Studio<'a>, HairSet) {
+    let studio = Studio::new(context, mode("", 1, Coverage::DepthPeeling { layers }, 1), [SIZE; 2]);
     let (mut hair, _strands) = studio.hair(groom);
     hair.material = plain();
     (studio, hair)
@@ -144,14 +144,14 @@ fn error(picture: &[[u8; 4]], exact: &[DVec3]) -> f64 {
     (sum / (3 * exact.len()) as f64).sqrt()
 }
 
-fn drawn(gpu: &tresses::gpu::Gpu, groom: &Groom, layers: u32) -> Vec<[u8; 4]> {
-    let (studio, hair) = peeled(gpu, groom, layers);
+fn drawn(context: &tresses::Context, groom: &Groom, layers: u32) -> Vec<[u8; 4]> {
+    let (studio, hair) = peeled(context, groom, layers);
     studio.picture(&scene(), &hair)
 }
 
 #[test]
 fn what_lies_behind_the_layers_counts_by_depth() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     // As deep as hair is: 6 cm. Of the other straws, metres apart, no order is known behind the layers.
     let (deep, mut hair) = (straws(), straws());
     hair.points.iter_mut().for_each(|p| p.z = 0.06 * p.z / SIZE as f32 + 0.5 * SIZE as f32);
@@ -162,9 +162,10 @@ fn what_lies_behind_the_layers_counts_by_depth() {
         (a.iter().zip(b).map(square).sum::<f64>() / (3 * a.len()) as f64).sqrt()
     };
     // At most twelve strands lie in a pixel.
-    let exact = [&hair, &deep].map(|groom| drawn(gpu, groom, 16));
+    let exact = [&hair, &deep].map(|groom| drawn(context, groom, 16));
     for (layers, bound) in [(1, 0.5), (2, 0.6)] {
-        let [known, unknown] = [0, 1].map(|i| difference(&drawn(gpu, [&hair, &deep][i], layers), &exact[i]));
+        let [known, unknown] =
+            [0, 1].map(|i| difference(&drawn(context, [&hair, &deep][i], layers), &exact[i]));
         println!("{layers} layers: {known:.2} / 255 from 16 layers, in any order {unknown:.2}");
         assert!(known < bound * unknown && unknown > 0.8, "{known} {unknown}");
     }
@@ -172,17 +173,16 @@ fn what_lies_behind_the_layers_counts_by_depth() {
 
 #[test]
 fn more_layers_come_nearer_to_sorted_strands() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let (groom, scene) = (straws(), scene());
     let mut errors = Vec::new();
     let mut exact = Vec::new();
     for layers in [1, 2, 4, 8, 16] {
-        let (studio, hair) = peeled(gpu, &groom, layers);
+        let (studio, hair) = peeled(context, &groom, layers);
         let picture = studio.picture(&scene, &hair);
         if exact.is_empty() {
             // What each end of each strand looks like is not what is tested here.
-            let shaded: Vec<u32> =
-                readback::buffer(&gpu.device, &gpu.queue, &studio.shaded(&hair)).expect("values");
+            let shaded: Vec<u32> = readback::buffer(context, &studio.shaded(&hair)).expect("values");
             let colors: Vec<_> = shaded.into_iter().map(|word| unpack_radiance(word).as_dvec3()).collect();
             let brightest = colors.iter().map(|c| c.max_element()).fold(0.0, f64::max);
             assert!((0.2..0.98).contains(&brightest), "{brightest}");
@@ -200,6 +200,6 @@ fn more_layers_come_nearer_to_sorted_strands() {
     // The comparison sees strands in another order.
     let mut turned = groom.clone();
     turned.points.iter_mut().for_each(|p| p.z = SIZE as f32 - p.z);
-    let (studio, hair) = peeled(gpu, &turned, 16);
+    let (studio, hair) = peeled(context, &turned, 16);
     assert!(error(&studio.picture(&scene, &hair), &exact) > 3.0);
 }

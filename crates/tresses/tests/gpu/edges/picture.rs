@@ -3,9 +3,8 @@
 use super::Mode;
 use crate::common;
 use tresses::{
-    Pipelines, View,
+    Context, View,
     body::Body,
-    gpu::Gpu,
     light::HairSet,
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
     view::{Picture, ViewOptions},
@@ -15,28 +14,26 @@ use super::groom::Groom;
 
 /// A view of one mode.
 pub struct Studio<'a> {
-    gpu: &'a Gpu,
-    pipelines: &'static Pipelines,
+    context: &'a Context,
     view: View,
 }
 
 impl<'a> Studio<'a> {
-    pub fn new(gpu: &'a Gpu, mode: Mode, size: [u32; 2]) -> Self {
+    pub fn new(context: &'a Context, mode: Mode, size: [u32; 2]) -> Self {
         let options = ViewOptions {
             samples: mode.samples,
             coverage: mode.coverage,
             shadow_resolution: 256,
             ..Default::default()
         };
-        let pipelines = common::pipelines().expect("there is a GPU");
-        let view = View::new(&gpu.device, pipelines, &options, size, mode.ssaa).expect("fits");
-        Self { gpu, pipelines, view }
+        let view = View::new(context, &options, size, mode.ssaa).expect("fits");
+        Self { context, view }
     }
 
     /// Pictures of another size from here on.
     pub fn resize(&mut self, size: [u32; 2]) {
         let ssaa = self.view.targets().ssaa;
-        self.view.resize(&self.gpu.device, size, ssaa).expect("fits");
+        self.view.resize(size, ssaa).expect("fits");
     }
 
     /// What the strands of `hair` were shaded with in the last picture.
@@ -46,8 +43,8 @@ impl<'a> Studio<'a> {
 
     /// Brings `groom` to the GPU.
     pub fn hair(&self, groom: &Groom) -> (HairSet, StrandBuffers) {
-        let strands = upload(self.gpu, groom);
-        (HairSet::new(&self.gpu.device, &strands).expect("fits"), strands)
+        let strands = upload(self.context, groom);
+        (HairSet::new(self.context, &strands).expect("fits"), strands)
     }
 
     /// RGBA of `hair` alone, rows from the top.
@@ -57,25 +54,25 @@ impl<'a> Studio<'a> {
 
     /// Whether the last picture is all that it should be.
     pub fn is_complete(&self) -> bool {
-        pollster::block_on(self.view.is_complete(&self.gpu.device, &self.gpu.queue)).expect("a device")
+        pollster::block_on(self.view.is_complete()).expect("a device")
     }
 
     /// RGBA of `hair` and `bodies`, rows from the top.
     pub fn with(&self, scene: &Picture, hair: &HairSet, bodies: &[&Body]) -> Vec<[u8; 4]> {
-        let bytes = common::picture(self.gpu, (self.pipelines, &self.view), scene, &[hair], bodies);
+        let bytes = common::picture(self.context, &self.view, scene, &[hair], bodies);
         bytes.as_chunks().0.to_vec()
     }
 }
 
-fn upload(gpu: &Gpu, groom: &Groom) -> StrandBuffers {
+fn upload(context: &Context, groom: &Groom) -> StrandBuffers {
     let n = groom.vertices;
-    let buffers = StrandBuffers::new(&gpu.device, groom.count() as u32, n as u32).expect("fits");
-    write(gpu, groom, &buffers);
+    let buffers = StrandBuffers::new(context, groom.count() as u32, n as u32).expect("fits");
+    write(context, groom, &buffers);
     buffers
 }
 
 /// Replaces the vertices of `buffers` by those of `groom`.
-pub fn write(gpu: &Gpu, groom: &Groom, buffers: &StrandBuffers) {
+pub fn write(context: &Context, groom: &Groom, buffers: &StrandBuffers) {
     let n = groom.vertices;
     let vertices: Vec<_> = (0..groom.points.len())
         .map(|i| StrandVertex {
@@ -92,8 +89,8 @@ pub fn write(gpu: &Gpu, groom: &Groom, buffers: &StrandBuffers) {
         })
         .collect();
     assert_eq!(vertices.len(), infos.len() * n);
-    gpu.queue.write_buffer(&buffers.vertices, 0, bytemuck::cast_slice(&vertices));
-    gpu.queue.write_buffer(&buffers.strands, 0, bytemuck::cast_slice(&infos));
+    context.queue().write_buffer(&buffers.vertices, 0, bytemuck::cast_slice(&vertices));
+    context.queue().write_buffer(&buffers.strands, 0, bytemuck::cast_slice(&infos));
 }
 
 /// The sum of alpha, pixels.

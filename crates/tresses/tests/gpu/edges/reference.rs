@@ -72,12 +72,12 @@ fn a_real_groom_covers_what_the_reference_does_in_any_mode() {
 fn judge(sizes: &[[u32; 2]], asked: impl Fn(Mode) -> bool) {
     let Some(picture) = common::asset("../reference/sintel_coverage.png") else { return };
     let Some(file) = common::asset(common::SINTEL) else { return };
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let exact = reference(&picture);
     let groom = sintel(&file);
     let eye = Vec3::new(0.299_269_2, 1.586_853_9, 0.518_349_5);
-    for mode in modes(gpu.tier.max_samples).filter(|mode| asked(*mode)) {
-        let mut studio = Studio::new(gpu, mode, SIZES[0]);
+    for mode in modes(context.tier().max_samples).filter(|mode| asked(*mode)) {
+        let mut studio = Studio::new(context, mode, SIZES[0]);
         let (hair, _strands) = studio.hair(&groom);
         let errors = sizes.iter().map(|&size| {
             studio.resize(size);

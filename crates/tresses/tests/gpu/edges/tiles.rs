@@ -4,11 +4,10 @@
 use super::{MASK_4_2X, PEEL, TILES, TILES_1, groom::Groom, mode, picture::Studio, picture::total};
 use crate::{common, golden::difference};
 use tresses::{
-    Camera,
+    Camera, Context,
     body::Body,
     draw::Coverage,
     glam::{Quat, Vec2, Vec3},
-    gpu::Gpu,
     light::{Directional, Sphere},
     present::Background,
     strands::Strand,
@@ -55,8 +54,8 @@ fn error(studio: &Studio<'_>, drawn: &Groom, meant: &Groom) -> f64 {
 
 #[test]
 fn strands_of_any_width_cover_their_area() {
-    let Some(gpu) = common::gpu() else { return };
-    let studio = Studio::new(gpu, TILES_1, SIZE);
+    let Some(context) = common::context() else { return };
+    let studio = Studio::new(context, TILES_1, SIZE);
     for width in [WHOLE, 0.2, 0.7, 1.0, 3.0, 17.0, 80.0, 200.0] {
         for angle in [0.0f32, 0.11, 0.6, 0.785, 1.4] {
             // Those wider than long leave the picture when they stand.
@@ -88,8 +87,8 @@ fn arc(vertices: usize, radius: f32) -> Groom {
 
 #[test]
 fn a_wide_strand_that_bends_has_no_seams() {
-    let Some(gpu) = common::gpu() else { return };
-    let studio = Studio::new(gpu, TILES_1, SIZE);
+    let Some(context) = common::context() else { return };
+    let studio = Studio::new(context, TILES_1, SIZE);
     let inside = |groom: &Groom| {
         let (hair, _strands) = studio.hair(groom);
         let picture = studio.picture(&scene(), &hair);
@@ -128,10 +127,10 @@ fn lattice(count: usize) -> Groom {
 
 #[test]
 fn lists_that_do_not_fit_are_drawn_in_rounds() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let wait = |studio: &Studio<'_>| studio.is_complete();
     let shown = |groom: &Groom, redrawn: bool| {
-        let studio = Studio::new(gpu, TILES_1, SIZE);
+        let studio = Studio::new(context, TILES_1, SIZE);
         let (hair, _strands) = studio.hair(groom);
         let picture = studio.picture(&scene(), &hair).as_flattened().to_vec();
         let complete = wait(&studio);
@@ -149,7 +148,7 @@ fn lists_that_do_not_fit_are_drawn_in_rounds() {
 
 #[test]
 fn strands_end_at_the_near_plane() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     // From inside the hair, strands on all sides: some begin behind the eye.
     let view = Picture {
         camera: Camera::look_at(Vec3::new(0.01, 0.05, 0.082), Vec3::new(0.1, 0.03, 0.0), 0.9, SIZE),
@@ -159,7 +158,7 @@ fn strands_end_at_the_near_plane() {
     };
     let groom = Groom::on_a_ball(2000, 4e-4);
     let shown = |m, groom: &Groom| {
-        let studio = Studio::new(gpu, m, SIZE);
+        let studio = Studio::new(context, m, SIZE);
         let (hair, _strands) = studio.hair(groom);
         studio.picture(&view, &hair)
     };
@@ -178,7 +177,7 @@ fn strands_end_at_the_near_plane() {
 
 /// Strands at one place of the picture in one bin of depth, the nearest last: of `count`, the nearest half is red, the
 /// others green. `shown` tells which of them there are by the share that is nearer.
-fn crowd(gpu: &Gpu, count: usize, shown: impl Fn(f32) -> bool, turned: bool) -> Vec<u8> {
+fn crowd(context: &Context, count: usize, shown: impl Fn(f32) -> bool, turned: bool) -> Vec<u8> {
     let depths = (0..count).rev().map(|i| (i ^ 5) as f32 / count as f32).filter(|s| shown(*s));
     let depths: Vec<f32> = depths.collect();
     // A strand far behind takes the last bin, so that the others share the first.
@@ -186,12 +185,12 @@ fn crowd(gpu: &Gpu, count: usize, shown: impl Fn(f32) -> bool, turned: bool) -> 
     let points = depths.iter().map(|s| at(*s)).chain([[-10.0, -40.0]]);
     let points = points.flat_map(|[x, z]| [-1.0, 1.0].map(|y| Vec3::new(x + 0.1 * y, 30.0 * y, z) * 1e-3));
     let groom = Groom { vertices: 2, points: points.collect(), root_radius: 2e-3, tip_radius: 2e-3 };
-    let studio = Studio::new(gpu, TILES_1, SIZE);
+    let studio = Studio::new(context, TILES_1, SIZE);
     let (hair, buffers) = studio.hair(&groom);
     let colors = depths.iter().map(|s| if *s < 0.5 { 0xff } else { 0xff00 }).chain([0xff]);
     let infos: Vec<_> =
         colors.map(|color| Strand { radius: 2e-3, seed: 1, root_color: color, tip_color: color }).collect();
-    gpu.queue.write_buffer(&buffers.strands, 0, bytemuck::cast_slice(&infos));
+    context.queue().write_buffer(&buffers.strands, 0, bytemuck::cast_slice(&infos));
     let mut view = scene();
     view.lights.directional[0] = Directional { direction: Vec3::Z, irradiance: Vec3::splat(9.0) };
     studio.picture(&view, &hair).as_flattened().to_vec()
@@ -199,12 +198,12 @@ fn crowd(gpu: &Gpu, count: usize, shown: impl Fn(f32) -> bool, turned: bool) -> 
 
 #[test]
 fn crowded_bins_are_in_order() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     // Put in order by counting, and by a workgroup. The nearest half hides the other.
     for count in [30, 400, 1000, 6001] {
-        let front = crowd(gpu, count, |s| s < 0.5, false);
-        let all = difference(&crowd(gpu, count, |_| true, false), &front).0;
-        let turned = difference(&crowd(gpu, count, |_| true, true), &front).0;
+        let front = crowd(context, count, |s| s < 0.5, false);
+        let all = difference(&crowd(context, count, |_| true, false), &front).0;
+        let turned = difference(&crowd(context, count, |_| true, true), &front).0;
         println!("{count}: {all:.4} of 255 off the nearer half, {turned:.3} when the farther half is nearer");
         assert!(all < 0.06 && turned > 5.0 * all, "{count}: {all} {turned}");
     }
@@ -214,7 +213,7 @@ fn crowded_bins_are_in_order() {
 /// a picture is what it is alone.
 #[test]
 fn a_picture_does_not_depend_on_the_one_before() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let light = Directional { direction: Vec3::Z, irradiance: Vec3::splat(9.0) };
     let from = |eye: Vec3| {
         let camera = Camera::look_at(eye, Vec3::ZERO, 0.4, SIZE);
@@ -238,14 +237,14 @@ fn a_picture_does_not_depend_on_the_one_before() {
         (&wide, &near),
     ];
     for mode in [TILES_1, TILES] {
-        let studio = Studio::new(gpu, mode, SIZE);
+        let studio = Studio::new(context, mode, SIZE);
         let hair = [&wide, &thin].map(|groom| studio.hair(groom));
-        let ball = Body::new(&gpu.device, &crate::golden::ball());
+        let ball = Body::new(context, &crate::golden::ball());
         let mut before = Vec::new();
         for (i, (groom, scene)) in pictures.into_iter().enumerate() {
             let own = usize::from(std::ptr::eq(groom, &thin));
             let shown = studio.with(scene, &hair[own].0, &[&ball]).as_flattened().to_vec();
-            let alone = Studio::new(gpu, mode, SIZE);
+            let alone = Studio::new(context, mode, SIZE);
             let (own, _strands) = alone.hair(groom);
             let alone = alone.with(scene, &own, &[&ball]).as_flattened().to_vec();
             assert!(shown == alone, "{i}");
@@ -258,14 +257,14 @@ fn a_picture_does_not_depend_on_the_one_before() {
 /// Hair behind a body's edge, and before it, is as much there as samples tell.
 #[test]
 fn outlines_of_bodies_before_hair_are_smooth() {
-    let Some(gpu) = common::gpu() else { return };
-    let cube = Body::new(&gpu.device, &common::cube(0.07));
+    let Some(context) = common::context() else { return };
+    let cube = Body::new(context, &common::cube(0.07));
     let groom = Groom::on_a_ball(3000, 3e-4);
     let view = Picture { background: Background::default(), ..super::coverage::scene(0.6, SIZE) };
     let view =
         Picture { camera: Camera::look_at(Vec3::new(0.2, 0.12, 0.55), Vec3::Y * 0.05, 0.35, SIZE), ..view };
     let shown = |m| {
-        let studio = Studio::new(gpu, m, SIZE);
+        let studio = Studio::new(context, m, SIZE);
         let (hair, _strands) = studio.hair(&groom);
         studio.with(&view, &hair, &[&cube]).as_flattened().to_vec()
     };

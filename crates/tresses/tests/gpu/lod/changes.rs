@@ -107,7 +107,6 @@ fn slower_steps_are_the_same_motion_of_a_style() {
 }
 
 fn slower_steps(stage: &Setup, groom: &Groom, field: &SdfGrid, degrees: f32) {
-    let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
     // A turn and back in a second, and a second to come to rest.
     let pose = |t: f32| {
         let s = (std::f32::consts::PI * t.min(1.0)).sin();
@@ -119,7 +118,7 @@ fn slower_steps(stage: &Setup, groom: &Groom, field: &SdfGrid, degrees: f32) {
         (1..=120)
             .map(|i| {
                 let t = i as f32 / 60.0;
-                hair.set_detail(device, queue, Detail { step: slow(t), ..full });
+                hair.set_detail(Detail { step: slow(t), ..full });
                 stage.advance(&mut hair, pose(t), 1.0 / 60.0);
                 stage.vertices(&hair)
             })

@@ -2,13 +2,13 @@
 
 use crate::common;
 use tresses::{
-    Camera, Hair, HairOptions, Pipelines, Pose, View,
+    Camera, Context, Hair, HairOptions, Pose, View,
     camera::ToneMap,
     drape,
     draw::Coverage,
     frame::Sight,
     glam::Vec3,
-    gpu::{Gpu, readback::blocking as readback},
+    gpu::readback::blocking as readback,
     groom::{Groom, SdfGrid, styles::Style},
     light::{Lights, Sphere, material::linear},
     lod::{Detail, LodOptions},
@@ -24,8 +24,7 @@ const PIXEL_ANGLE: f32 = 0.000_744_3;
 const EXPOSURE: f32 = 1.0;
 
 pub struct Setup {
-    pub gpu: &'static Gpu,
-    pub pipelines: &'static Pipelines,
+    pub context: &'static Context,
 }
 
 impl Setup {
@@ -33,8 +32,8 @@ impl Setup {
         static SETUP: std::sync::OnceLock<Option<Setup>> = std::sync::OnceLock::new();
         SETUP
             .get_or_init(|| {
-                let gpu = common::gpu()?;
-                Some(Setup { pipelines: common::pipelines().expect("there is a GPU"), gpu })
+                let context = common::context()?;
+                Some(Setup { context })
             })
             .as_ref()
     }
@@ -46,13 +45,7 @@ impl Setup {
 
     /// A style that may not be a default one, measured for levels of detail that are as `lod` has them.
     pub fn grown(&self, style: &Style, strands: u32, lod: LodOptions) -> Hair {
-        let made = drape::character(
-            &self.gpu.device,
-            &self.gpu.queue,
-            &self.pipelines.simulate,
-            style,
-            Some(strands),
-        );
+        let made = drape::character(self.context, style, Some(strands));
         self.measured(&pollster::block_on(made).unwrap().groom, None, lod)
     }
 
@@ -61,9 +54,9 @@ impl Setup {
     }
 
     fn measured(&self, groom: &Groom, field: Option<&SdfGrid>, lod: LodOptions) -> Hair {
-        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let context = self.context;
         let options = HairOptions { lod, ..Default::default() };
-        let mut hair = Hair::new(device, queue, self.pipelines, groom, &options, field).unwrap();
+        let mut hair = Hair::new(context, groom, &options, field).unwrap();
         self.advance(&mut hair, Pose::IDENTITY, 0.0);
         hair
     }
@@ -73,7 +66,7 @@ impl Setup {
     }
 
     pub fn vertices(&self, hair: &Hair) -> Vec<StrandVertex> {
-        readback::buffer(&self.gpu.device, &self.gpu.queue, &hair.strands.vertices).unwrap()
+        readback::buffer(self.context, &hair.strands.vertices).unwrap()
     }
 
     /// The hair at `detail` from `distance` metres, in a picture `size` pixels high that it fills: linear,
@@ -86,13 +79,13 @@ impl Setup {
         size: u32,
         ssaa: u32,
     ) -> Vec<[f32; 4]> {
-        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let context = self.context;
         let (middle, radius) = hair.lod.sphere;
-        hair.set_detail(device, queue, detail);
+        hair.set_detail(detail);
         self.advance(hair, Pose::IDENTITY, 0.0);
         // As the command draws.
         let options = ViewOptions { samples: 1, coverage: Coverage::Tiles, ..Default::default() };
-        let mut view = View::new(device, self.pipelines, &options, [size; 2], ssaa).unwrap();
+        let mut view = View::new(context, &options, [size; 2], ssaa).unwrap();
         let eye = middle + shot.direction.normalize() * shot.distance;
         let scene = Picture {
             camera: Camera::look_at(eye, middle, shot.fov(radius), [size; 2]),
@@ -104,11 +97,11 @@ impl Setup {
             ..Default::default()
         };
         if shot.fits {
-            view.fit_light(device, self.pipelines, (&scene, 0.0), [1, 0]);
+            view.fit_light((&scene, 0.0), [1, 0]);
         }
         common::submit(|recorder| recorder.draw(&[&*hair], &[], Sight::new(&view, &scene)));
         let linear = |byte: u8| linear(f32::from(byte) / 255.0);
-        let bytes = pollster::block_on(view.targets().read(device, queue)).unwrap();
+        let bytes = pollster::block_on(view.targets().read()).unwrap();
         let pixel = |p: &[u8; 4]| [linear(p[0]), linear(p[1]), linear(p[2]), f32::from(p[3]) / 255.0];
         bytes.as_chunks::<4>().0.iter().map(pixel).collect()
     }

@@ -6,7 +6,7 @@ use tresses::{
     Hair, Pose,
     glam::{Quat, Vec3},
     gpu::readback::blocking as readback,
-    groom::{bind, grow::ScalpMap},
+    groom::{bind, scalp::ScalpMap},
     lod::{Detail, LodLevel, LodMode, arrange},
 };
 
@@ -16,10 +16,9 @@ fn fewer_vertices_lie_on_the_same_strand() {
     let mut groom = bind(&common::hanging(400, 16, 0.2), &Default::default()).unwrap();
     arrange(&mut groom.strands);
     let mut hair = stage.hair(&groom, None);
-    let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
     let full = *hair.lod.current();
     for segments in [15.0, 14.5, 7.4, 3.0, 1.0] {
-        hair.set_detail(device, queue, Detail { segments, strands: 300, ..full });
+        hair.set_detail(Detail { segments, strands: 300, ..full });
         stage.advance(&mut hair, Pose::IDENTITY, 0.0);
         let drawn = hair.strands.drawn;
         assert_eq!((drawn.count, drawn.vertex_count), (300, segments.ceil() as u32 + 1));
@@ -45,23 +44,23 @@ fn strands_that_come_back_have_forgotten() {
     arrange(&mut groom.strands);
     let field = common::ball(0.09, 64);
     let mut hair = stage.hair(&groom, Some(&field));
-    let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
+    let context = stage.context;
     let turn = |t: f32| Pose::about(Vec3::new(0.0, 0.0, -0.02), Quat::from_rotation_y((10.0 * t).sin()));
     for i in 1..40 {
         stage.advance(&mut hair, turn(i as f32 / 60.0), 1.0 / 60.0);
     }
     let amounts = |hair: &Hair| -> Vec<f32> {
-        let states: Vec<[f32; 4]> = readback::buffer(device, queue, hair.avoidance.states()).unwrap();
+        let states: Vec<[f32; 4]> = readback::buffer(context, hair.avoidance.states()).unwrap();
         states.iter().map(|state| state[1]).collect()
     };
     let most = |amounts: &[f32]| amounts.iter().copied().fold(0.0, f32::max);
     let before = amounts(&hair);
     assert!(most(&before[300..]) > 0.9, "{}", most(&before[300..]));
     let full = *hair.lod.current();
-    hair.set_detail(device, queue, Detail { strands: 300, ..full });
+    hair.set_detail(Detail { strands: 300, ..full });
     stage.advance(&mut hair, turn(40.0 / 60.0), 1.0 / 60.0);
     assert!(most(&amounts(&hair)[300..]) > 0.9, "what is not drawn is left alone");
-    hair.set_detail(device, queue, full);
+    hair.set_detail(full);
     stage.advance(&mut hair, turn(41.0 / 60.0), 1.0 / 60.0);
     let after = amounts(&hair);
     println!(
@@ -78,20 +77,20 @@ fn painted_levels_act_where_they_are_painted() {
     let mut groom = bind(&common::hanging(400, 16, 0.2), &Default::default()).unwrap();
     arrange(&mut groom.strands);
     let mut hair = stage.hair(&groom, None);
-    let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
+    let context = stage.context;
     let side =
         |left: f32, right: f32| Some(ScalpMap::from_fn(64, move |uv| if uv.x > 0.5 { left } else { right }));
     let levels = [
         LodLevel { size: 400.0, ..Default::default() },
         LodLevel { size: 100.0, density: side(0.0, 1.0), thickness: side(1.0, 2.0) },
     ];
-    hair.paint_levels(queue, &groom, &levels, Vec3::ZERO).unwrap();
+    hair.paint_levels(&groom, &levels, Vec3::ZERO).unwrap();
     hair.lod.options.mode = LodMode::Off;
     let mut scales = |size: f32| -> Vec<(f32, f32)> {
         let detail = hair.lod.detail(1e-3, size);
-        hair.set_detail(device, queue, detail);
+        hair.set_detail(detail);
         stage.advance(&mut hair, Pose::IDENTITY, 0.0);
-        let widening: Vec<f32> = readback::buffer(device, queue, &hair.strands.widening).unwrap();
+        let widening: Vec<f32> = readback::buffer(context, &hair.strands.widening).unwrap();
         let root = |i: usize| groom.strands.rest_positions(i).next().unwrap().x;
         // Away from the blend between the two sides.
         (0..400).filter(|i| root(*i).abs() > 0.03).map(|i| (root(i), 1.0 + widening[i])).collect()
@@ -106,7 +105,7 @@ fn painted_levels_act_where_they_are_painted() {
     assert!(half.iter().filter(|(x, _)| *x < 0.0).all(|(_, scale)| (scale - 1.5).abs() < 0.02));
     // Another groom is refused.
     let other = bind(&common::hanging(300, 16, 0.2), &Default::default()).unwrap();
-    assert!(hair.paint_levels(queue, &other, &levels, Vec3::ZERO).is_err());
+    assert!(hair.paint_levels(&other, &levels, Vec3::ZERO).is_err());
 }
 
 /// What the order of strands costs `interpolate`: figures for the docs.
@@ -114,39 +113,37 @@ fn painted_levels_act_where_they_are_painted() {
 #[ignore = "proof"]
 fn orders() {
     use tresses::{
-        interpolate::{self, Interpolation},
+        interpolate::Interpolation,
         strands::{GuideBuffers, StrandBuffers},
     };
     let Some(stage) = Setup::open() else { return };
-    let (device, queue) = (&stage.gpu.device, &stage.gpu.queue);
-    let interpolate = interpolate::Pipelines::new(device);
+    let context = stage.context;
     for (name, count) in [("long", 30_000), ("short", 60_000)] {
         let (groom, _) = Setup::style(name, count);
         let n = groom.strands.vertex_count;
         let mut arranged = groom.strands.clone();
         arrange(&mut arranged);
         let guides =
-            GuideBuffers::new(device, groom.guides.len() as u32, groom.guides.vertex_count, n).unwrap();
+            GuideBuffers::new(context, groom.guides.len() as u32, groom.guides.vertex_count, n).unwrap();
         let runs = [&groom.strands, &arranged].map(|strands| {
-            let buffers = StrandBuffers::new(device, strands.len() as u32, n).unwrap();
-            queue.write_buffer(&buffers.bindings, 0, bytemuck::cast_slice(&strands.bindings));
-            queue.write_buffer(&buffers.rest, 0, bytemuck::cast_slice(&strands.rest));
-            let between = Interpolation::new(device, &interpolate, &guides, &buffers);
-            between.prepare(queue, &guides, &buffers);
+            let buffers = StrandBuffers::new(context, strands.len() as u32, n).unwrap();
+            context.queue().write_buffer(&buffers.bindings, 0, bytemuck::cast_slice(&strands.bindings));
+            context.queue().write_buffer(&buffers.rest, 0, bytemuck::cast_slice(&strands.rest));
+            let between = Interpolation::new(context, &guides, &buffers);
+            between.prepare(context, &guides, &buffers);
             (between, buffers)
         });
         let mut times = [Vec::new(), Vec::new()];
         for _ in 0..25 {
             for ((between, buffers), times) in runs.iter().zip(&mut times) {
-                let mut encoder = device.create_command_encoder(&Default::default());
-                between.record(
-                    &interpolate,
-                    &mut tresses::gpu::compute_pass(&mut encoder, &Default::default()),
-                    buffers,
-                );
+                let mut encoder = context.device().create_command_encoder(&Default::default());
+                let mut commands = context.commands(&mut encoder);
+                let mut pass = commands.compute("interpolate");
+                between.record(&mut pass, buffers);
+                pass.end().unwrap();
                 let start = std::time::Instant::now();
-                queue.submit([encoder.finish()]);
-                device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+                context.queue().submit([encoder.finish()]);
+                context.device().poll(wgpu::PollType::wait_indefinitely()).unwrap();
                 times.push(start.elapsed().as_secs_f64() * 1e3);
             }
         }

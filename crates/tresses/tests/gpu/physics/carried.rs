@@ -7,10 +7,10 @@ use super::{
 use crate::common;
 use tresses::{
     Hair, HairOptions, Pose, Space,
-    frame::Frame,
     glam::{DQuat, DVec3, Vec3},
-    gpu::{Gpu, readback::blocking as readback},
+    gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, Strands, bind},
+    hair::HairFrame,
     simulate::{Along, RestShape, SimulationParams},
     space::Velocity,
     volume::HairHair,
@@ -42,8 +42,8 @@ impl Rider {
         let groom = bind(&strands, &options).unwrap();
         let params = SimulationParams { hair_hair: HairHair::OFF, ..params };
         let options = HairOptions { simulation: params, rest: RestShape::Natural, ..Default::default() };
-        let Gpu { device, queue, .. } = lab.gpu;
-        let hair = Hair::new(device, queue, common::pipelines().unwrap(), &groom, &options, None).unwrap();
+        let context = lab.context;
+        let hair = Hair::new(context, &groom, &options, None).unwrap();
         Self { lab, hair, groom, params, fps, head: Pose::IDENTITY, frames: 0 }
     }
 
@@ -56,7 +56,7 @@ impl Rider {
     fn ride(&mut self, space: &Space) {
         let dt = if self.frames == 0 { 0.0 } else { 1.0 / self.fps as f32 };
         let frame =
-            Frame { dt, head: self.head, simulation: &self.params, space: *space, ..Default::default() };
+            HairFrame { dt, head: self.head, simulation: &self.params, space: *space, ..Default::default() };
         common::submit(|recorder| recorder.simulate(&mut self.hair, &frame));
         self.frames += 1;
     }
@@ -70,8 +70,8 @@ impl Rider {
 
     /// The guides, in the axes that the space had when they began, from its origin.
     fn guides(&self) -> Vec<Vec<Vec3>> {
-        let Gpu { device, queue, .. } = self.lab.gpu;
-        let all: Vec<[f32; 4]> = readback::buffer(device, queue, &self.hair.guides.current).unwrap();
+        let context = self.lab.context;
+        let all: Vec<[f32; 4]> = readback::buffer(context, &self.hair.guides.current).unwrap();
         let count = self.groom.guides.len();
         (0..count).map(|g| all.iter().skip(g).step_by(count).map(|v| Vec3::from_slice(v)).collect()).collect()
     }
@@ -111,12 +111,12 @@ fn journey(lab: &'static Lab, space: &dyn Fn(f64) -> Space, folded: bool) -> Vec
             space.at = DVec3::ZERO;
         }
         let dt = if i == 0 { 0.0 } else { 1.0 / 60.0 };
-        let frame = Frame { dt, head, simulation: &rider.params, space, ..Default::default() };
+        let frame = HairFrame { dt, head, simulation: &rider.params, space, ..Default::default() };
         common::submit(|recorder| recorder.advance(&mut rider.hair, &frame));
     }
     // As they are drawn, from the head.
-    let Gpu { device, queue, .. } = lab.gpu;
-    let drawn: Vec<[f32; 4]> = readback::buffer(device, queue, &rider.hair.strands.vertices).unwrap();
+    let context = lab.context;
+    let drawn: Vec<[f32; 4]> = readback::buffer(context, &rider.hair.strands.vertices).unwrap();
     let back = head.inverse();
     let n = rider.hair.strands.vertex_count as usize;
     drawn.chunks(n).map(|strand| strand.iter().map(|v| back.point(Vec3::from_slice(v))).collect()).collect()

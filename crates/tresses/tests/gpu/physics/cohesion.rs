@@ -5,12 +5,12 @@ use crate::common;
 
 use std::collections::HashSet;
 use tresses::{
-    Hair, HairOptions, Pose,
+    Context, Hair, HairOptions, Pose,
     collide::ColliderPoses,
-    frame::Frame,
     glam::{IVec3, Quat, Vec3},
-    gpu::{Gpu, readback::blocking as readback},
+    gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind},
+    hair::HairFrame,
     simulate::SimulationParams,
     volume::HairHair,
 };
@@ -111,18 +111,16 @@ struct Shaken {
     fallen: f32,
 }
 
-fn shake(gpu: &Gpu, groom: &Groom, simulation: SimulationParams) -> Shaken {
-    let (device, queue) = (&gpu.device, &gpu.queue);
+fn shake(context: &Context, groom: &Groom, simulation: SimulationParams) -> Shaken {
     let options = HairOptions { simulation, ..Default::default() };
     let head = SdfGrid::from_fn(Vec3::splat(-0.15), Vec3::splat(0.15), 48, |p| p.length() - HEAD);
-    let mut hair =
-        Hair::new(device, queue, common::pipelines().unwrap(), groom, &options, Some(&head)).unwrap();
+    let mut hair = Hair::new(context, groom, &options, Some(&head)).unwrap();
     let count = hair.guides.count as usize;
     let mut advance = |dt: f32, head: Pose| -> Vec<Vec3> {
         let poses = ColliderPoses::default();
-        let frame = Frame { dt, head, colliders: &poses, simulation: &simulation, ..Default::default() };
+        let frame = HairFrame { dt, head, colliders: &poses, simulation: &simulation, ..Default::default() };
         common::submit(|recorder| recorder.simulate(&mut hair, &frame));
-        let all: Vec<[f32; 4]> = readback::buffer(device, queue, &hair.guides.current).unwrap();
+        let all: Vec<[f32; 4]> = readback::buffer(context, &hair.guides.current).unwrap();
         all.iter().map(|v| Vec3::from_slice(v)).collect()
     };
     let rest = advance(0.0, shaken(0.0));
@@ -148,13 +146,13 @@ fn shake(gpu: &Gpu, groom: &Groom, simulation: SimulationParams) -> Shaken {
     }
 }
 
-fn held(gpu: &Gpu, fault: bool) -> Vec<Row> {
+fn held(context: &Context, fault: bool) -> Vec<Row> {
     let usual = SimulationParams::default();
     let support = if fault { usual.support } else { 20.0 };
-    let stands = shake(gpu, &afro(0.2), SimulationParams { support, ..usual });
+    let stands = shake(context, &afro(0.2), SimulationParams { support, ..usual });
     let cohesion = if fault { 0.0 } else { 1000.0 };
     let hair_hair = HairHair { cohesion, ..usual.hair_hair };
-    let tied = shake(gpu, &ponytail(), SimulationParams { hair_hair, ..usual });
+    let tied = shake(context, &ponytail(), SimulationParams { hair_hair, ..usual });
     vec![
         near(
             "afro of 20 cm, support of 20, volume while it is shaken, of that at rest",
@@ -178,6 +176,6 @@ fn held(gpu: &Gpu, fault: bool) -> Vec<Row> {
 #[test]
 #[ignore = "proof"]
 fn hair_that_holds_keeps_its_volume() {
-    let Some(gpu) = common::gpu() else { return };
-    judge("hold", |fault| held(gpu, fault));
+    let Some(context) = common::context() else { return };
+    judge("hold", |fault| held(context, fault));
 }

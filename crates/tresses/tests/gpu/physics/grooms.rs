@@ -28,10 +28,9 @@ pub struct Subject {
 
 /// A draped built-in style.
 pub fn style(lab: &Lab, name: &str) -> Subject {
-    let (device, queue) = (&lab.gpu.device, &lab.gpu.queue);
+    let context = lab.context;
     let style = name.parse::<Style>().unwrap();
-    let (styled, scalp) =
-        pollster::block_on(drape::settled(device, queue, lab.simulate, &style, &())).unwrap();
+    let (styled, scalp) = pollster::block_on(drape::settled(context, &style, &())).unwrap();
     let traits = styled.stiffness.iter().map(|&stiffness| GuideTraits { stiffness, ..Default::default() });
     Subject {
         name: name.into(),

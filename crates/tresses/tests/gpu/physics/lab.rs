@@ -3,13 +3,13 @@
 use crate::common;
 use std::sync::OnceLock;
 use tresses::{
-    Pose,
+    Context, Pose,
     clock::{Clock, MAX_STEPS, Mode, Step},
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     glam::Vec3,
-    gpu::{Gpu, readback::blocking as readback},
+    gpu::readback::blocking as readback,
     groom::SdfGrid,
-    simulate::{self, Along, GuideTraits, RestOptions, RestShape, Simulation, SimulationParams, rest},
+    simulate::{Along, GuideTraits, RestOptions, RestShape, Simulation, SimulationParams, rest},
     strands::{
         GuideBuffers, RestGuides,
         guide::{pack_velocity, unpack_velocity},
@@ -18,14 +18,13 @@ use tresses::{
 
 /// An adapter and the pipelines, which all cases share.
 pub struct Lab {
-    pub gpu: &'static Gpu,
-    pub simulate: &'static simulate::Pipelines,
+    pub context: &'static Context,
 }
 
 /// The laboratory, or `None` where the machine has no adapter and need not have one.
 pub fn lab() -> Option<&'static Lab> {
     static LAB: OnceLock<Option<Lab>> = OnceLock::new();
-    LAB.get_or_init(|| Some(Lab { gpu: common::gpu()?, simulate: common::simulate()? })).as_ref()
+    LAB.get_or_init(|| Some(Lab { context: common::context()? })).as_ref()
 }
 
 /// Hair of one bending stiffness (N·m²) and nothing else: no goal, no drag, no damping.
@@ -75,21 +74,21 @@ impl Experiment {
         let n = strands[0].len();
         let options = RestOptions { shape, clearance: 1.5e-3 };
         let rest = rest::guides(&strands.concat(), n as u32, traits, &params, &options, field).unwrap();
-        let Gpu { device, queue, .. } = lab.gpu;
-        let guides = GuideBuffers::new(device, strands.len() as u32, n as u32, 2).unwrap();
-        let guides = if params.twist > 0.0 { guides.with_twist(device).unwrap() } else { guides };
-        rest.upload(queue, &guides).unwrap();
+        let context = lab.context;
+        let guides = GuideBuffers::new(context, strands.len() as u32, n as u32, 2).unwrap();
+        let guides = if params.twist > 0.0 { guides.with_twist(context).unwrap() } else { guides };
+        rest.upload(context, &guides).unwrap();
         let obstacles = ColliderDescriptor { head: field, ..Default::default() };
-        let colliders = ColliderSet::new(device, queue, &obstacles).unwrap();
-        let simulation = Simulation::new(device, lab.simulate, &guides);
+        let colliders = ColliderSet::new(context, &obstacles).unwrap();
+        let simulation = Simulation::new(context, &guides);
         let (obstacles, clock) = (ColliderPoses::default(), Clock::default());
         Self { colliders, lab, params, rest, n, obstacles, guides, simulation, clock }
     }
 
     /// Among `what`, which is at `obstacles`, instead of the head's field.
     pub fn among(mut self, what: &ColliderDescriptor<'_>, at: Vec<Pose>) -> Self {
-        let Gpu { device, queue, .. } = self.lab.gpu;
-        self.colliders = ColliderSet::new(device, queue, what).unwrap();
+        let context = self.lab.context;
+        self.colliders = ColliderSet::new(context, what).unwrap();
         self.obstacles.colliders = at;
         self
     }
@@ -100,18 +99,14 @@ impl Experiment {
 
     /// Any number of fixed steps.
     pub fn steps(&mut self, steps: &[Step]) {
-        let Gpu { device, queue, .. } = self.lab.gpu;
+        let context = self.lab.context;
         for steps in steps.chunks(MAX_STEPS as usize) {
-            let mut encoder = device.create_command_encoder(&Default::default());
-            {
-                let mut pass = tresses::gpu::compute_pass(&mut encoder, &Default::default());
-                let (substeps, head) = (self.params.substeps, steps[steps.len() - 1].end);
-                let moments = Moments { steps, substeps, step: self.params.step, head, alpha: 1.0 };
-                self.colliders.advance(queue, &self.obstacles, &moments).unwrap();
-                let (simulate, params) = (self.lab.simulate, &self.params);
-                self.simulation.run(simulate, queue, &mut pass, params, steps, &self.colliders).unwrap();
-            }
-            queue.submit([encoder.finish()]);
+            let (substeps, head) = (self.params.substeps, steps[steps.len() - 1].end);
+            let moments = Moments { steps, substeps, step: self.params.step, head, alpha: 1.0 };
+            self.colliders.advance(&self.obstacles, &moments).unwrap();
+            common::compute(context, |pass| {
+                self.simulation.run(context, pass, &self.params, steps, &self.colliders).unwrap();
+            });
         }
     }
 
@@ -149,8 +144,8 @@ impl Experiment {
         buffer: &tresses::wgpu::Buffer,
         unpack: impl Fn(&T) -> Vec3,
     ) -> Vec<Vec<Vec3>> {
-        let Gpu { device, queue, .. } = self.lab.gpu;
-        let all: Vec<T> = readback::buffer(device, queue, buffer).unwrap();
+        let context = self.lab.context;
+        let all: Vec<T> = readback::buffer(context, buffer).unwrap();
         let count = self.count();
         (0..count).map(|g| (0..self.n).map(|i| unpack(&all[i * count + g])).collect()).collect()
     }
@@ -173,7 +168,7 @@ impl Experiment {
     ) {
         let vertices = (0..self.n).flat_map(|i| values.iter().map(move |strand| strand[i]));
         let bytes: Vec<u8> = vertices.flat_map(pack).flat_map(u32::to_le_bytes).collect();
-        self.lab.gpu.queue.write_buffer(buffer, 0, &bytes);
+        self.lab.context.queue().write_buffer(buffer, 0, &bytes);
     }
 
     /// Each strand's vertices at rest, groom space.

@@ -7,12 +7,12 @@ use super::{
 };
 use crate::common;
 use tresses::{
-    Hair, HairOptions, Pose,
+    Context, Hair, HairOptions, Pose,
     collide::ColliderPoses,
-    frame::Frame,
     glam::{Quat, Vec3, Vec3Swizzles},
-    gpu::{Gpu, readback::blocking as readback},
+    gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind},
+    hair::HairFrame,
     simulate::{Held, SimulationParams, Tie},
     volume::HairHairMode,
 };
@@ -64,8 +64,7 @@ struct Swing {
 
 impl Swing {
     fn new(strands: &[Vec<Vec3>], ties: &[Tie]) -> Self {
-        let gpu = common::gpu().unwrap();
-        let (device, queue, pipelines) = (&gpu.device, &gpu.queue, common::pipelines().unwrap());
+        let context = common::context().unwrap();
         let mut params = SimulationParams { step: 1.0 / 240.0, substeps: 4, ..bare(0.0) };
         params.hair_hair.mode = HairHairMode::Off;
         let mut list = Strands::default();
@@ -74,8 +73,8 @@ impl Swing {
         let options = BindOptions { guides, guide_vertices: Some(N as u32), ..Default::default() };
         let groom = bind(&list, &options).unwrap();
         let options = HairOptions { simulation: params, ..Default::default() };
-        let mut hair = Hair::new(device, queue, pipelines, &groom, &options, None).unwrap();
-        hair.tie(device, queue, pipelines, &groom, ties).unwrap();
+        let mut hair = Hair::new(context, &groom, &options, None).unwrap();
+        hair.tie(&groom, ties).unwrap();
         let mut swing = Self { hair, params, count: strands.len() };
         swing.step(0.0);
         swing
@@ -83,12 +82,11 @@ impl Swing {
 
     /// Where the vertices are after a step, hair by hair.
     fn step(&mut self, dt: f32) -> Vec<Vec<Vec3>> {
-        let gpu = common::gpu().unwrap();
+        let context = common::context().unwrap();
         let poses = ColliderPoses::default();
-        let frame = Frame { dt, colliders: &poses, simulation: &self.params, ..Default::default() };
+        let frame = HairFrame { dt, colliders: &poses, simulation: &self.params, ..Default::default() };
         common::submit(|recorder| recorder.simulate(&mut self.hair, &frame));
-        let all: Vec<[f32; 4]> =
-            readback::buffer(&gpu.device, &gpu.queue, &self.hair.guides.current).unwrap();
+        let all: Vec<[f32; 4]> = readback::buffer(context, &self.hair.guides.current).unwrap();
         let at = |hair: usize, i: usize| Vec3::from_slice(&all[i * self.count + hair]);
         (0..self.count).map(|hair| (0..N).map(|i| at(hair, i)).collect()).collect()
     }
@@ -96,7 +94,7 @@ impl Swing {
     /// Moves every vertex by `way` of where it is and of how far it is below the root's end, 0 to 1, and measures the period of
     /// `what`.
     fn period(&mut self, way: impl Fn(Vec3, f32) -> Vec3, what: impl Fn(&[Vec<Vec3>]) -> f32) -> f32 {
-        let gpu = common::gpu().unwrap();
+        let context = common::context().unwrap();
         let now = self.step(0.0);
         let moved = (0..N).flat_map(|i| {
             let now = &now;
@@ -107,7 +105,7 @@ impl Swing {
             })
         });
         let words: Vec<[f32; 4]> = moved.collect();
-        gpu.queue.write_buffer(&self.hair.guides.current, 0, bytemuck::cast_slice(&words));
+        context.queue().write_buffer(&self.hair.guides.current, 0, bytemuck::cast_slice(&words));
         let samples: Vec<f32> = (0..560).map(|_| what(&self.step(1.0 / 240.0))).collect();
         period(&samples, self.params.step)
     }
@@ -155,7 +153,7 @@ fn swings(fault: bool) -> Vec<Row> {
 #[test]
 #[ignore = "proof"]
 fn what_is_tied_swings_as_one() {
-    if common::gpu().is_some() {
+    if common::context().is_some() {
         judge("tied", swings);
     }
 }
@@ -211,13 +209,11 @@ struct Shaken {
 }
 
 /// Of `frames` sixtieths of a second.
-fn shaken(gpu: &Gpu, ties: &[Tie], frames: usize) -> Shaken {
-    let (device, queue) = (&gpu.device, &gpu.queue);
+fn shaken(context: &Context, ties: &[Tie], frames: usize) -> Shaken {
     let (groom, simulation) = (ponytail(), SimulationParams::default());
     let head = SdfGrid::from_fn(Vec3::splat(-0.15), Vec3::splat(0.15), 48, |p| p.length() - HEAD);
-    let pipelines = common::pipelines().unwrap();
-    let mut hair = Hair::new(device, queue, pipelines, &groom, &HairOptions::default(), Some(&head)).unwrap();
-    hair.tie(device, queue, pipelines, &groom, ties).unwrap();
+    let mut hair = Hair::new(context, &groom, &HairOptions::default(), Some(&head)).unwrap();
+    hair.tie(&groom, ties).unwrap();
     let (count, n) = (groom.guides.len(), groom.guides.vertex_count as usize);
     let at_rest = |at: usize| groom.guides.guide(at % count)[at / count];
     let held: Vec<usize> =
@@ -241,9 +237,9 @@ fn shaken(gpu: &Gpu, ties: &[Tie], frames: usize) -> Shaken {
         let poses = ColliderPoses::default();
         let dt = if i == 0 { 0.0 } else { 1.0 / 60.0 };
         let frame =
-            Frame { dt, head: pose, colliders: &poses, simulation: &simulation, ..Default::default() };
+            HairFrame { dt, head: pose, colliders: &poses, simulation: &simulation, ..Default::default() };
         common::submit(|recorder| recorder.simulate(&mut hair, &frame));
-        let all: Vec<[f32; 4]> = readback::buffer(device, queue, &hair.guides.current).unwrap();
+        let all: Vec<[f32; 4]> = readback::buffer(context, &hair.guides.current).unwrap();
         let to_head = pose.inverse();
         let now = |at: usize| to_head.point(Vec3::from_slice(&all[at]));
         for at in 2 * count..n * count {
@@ -267,11 +263,11 @@ fn shaken(gpu: &Gpu, ties: &[Tie], frames: usize) -> Shaken {
 /// Radius of the band, metres.
 const BAND_RADIUS: f32 = 0.018;
 
-fn held(gpu: &Gpu, fault: bool) -> Vec<Row> {
+fn held(context: &Context, fault: bool) -> Vec<Row> {
     let none = band(BAND + Vec3::new(0.0, -0.2, -0.04), 0.02);
     let tie = if fault { none } else { band(BAND, BAND_RADIUS) };
-    let tied = shaken(gpu, &[tie], 300);
-    let pinned = shaken(gpu, &[Tie { held: Held::ToHead, ..tie }], 300);
+    let tied = shaken(context, &[tie], 300);
+    let pinned = shaken(context, &[Tie { held: Held::ToHead, ..tie }], 300);
     // What rests as it should comes back without a tie, too: that it does with one is no row.
     assert!(fault || (tied.spread - 1.0).abs() < 0.01 && tied.away < 1.0, "{tied:?}");
     assert!(fault || pinned.away < 0.01, "{pinned:?}");
@@ -296,41 +292,41 @@ fn held(gpu: &Gpu, fault: bool) -> Vec<Row> {
 #[test]
 #[ignore = "proof"]
 fn a_ponytail_stays_in_its_band() {
-    let Some(gpu) = common::gpu() else { return };
-    judge("held", |fault| held(gpu, fault));
+    let Some(context) = common::context() else { return };
+    judge("held", |fault| held(context, fault));
 }
 
 #[test]
 fn ties_hold_from_the_first_frame_on() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let pin = Tie { held: Held::ToHead, ..band(BAND, BAND_RADIUS) };
     let [pinned, tied, free] =
-        [&[pin][..], &[band(BAND, BAND_RADIUS)], &[]].map(|ties| shaken(gpu, ties, 24));
+        [&[pin][..], &[band(BAND, BAND_RADIUS)], &[]].map(|ties| shaken(context, ties, 24));
     assert!(pinned.slip < 0.5 && free.slip > 2.0, "{pinned:?} {free:?}");
     assert!(tied.widest < 1.3 && free.widest > 1.3, "{tied:?} {free:?}");
 }
 
 #[test]
 fn another_head_is_tied_as_the_first() {
-    let Some(gpu) = common::gpu() else { return };
-    let (device, queue, pipelines) = (&gpu.device, &gpu.queue, common::pipelines().unwrap());
+    let Some(context) = common::context() else { return };
     let (groom, simulation) = (ponytail(), SimulationParams::default());
     let ties =
         [band(BAND, BAND_RADIUS), Tie { held: Held::ToHead, ..band(Vec3::new(0.0, 0.08, -0.05), 0.025) }];
-    let mut hair = Hair::new(device, queue, pipelines, &groom, &HairOptions::default(), None).unwrap();
-    let report = hair.tie(device, queue, pipelines, &groom, &ties).unwrap();
+    let mut hair = Hair::new(context, &groom, &HairOptions::default(), None).unwrap();
+    let report = hair.tie(&groom, &ties).unwrap();
     assert!(report.rings == 1 && report.together > 100 && report.to_head > 10, "{report:?}");
-    let mut tied = hair.another(device, queue, pipelines, &[]).unwrap();
-    let mut free = hair.another(device, queue, pipelines, &[]).unwrap();
-    free.tie(device, queue, pipelines, &groom, &[]).unwrap();
+    let mut tied = hair.another(&[]).unwrap();
+    let mut free = hair.another(&[]).unwrap();
+    free.tie(&groom, &[]).unwrap();
     let run = |hair: &mut Hair| -> Vec<[u32; 4]> {
         for i in 0..12 {
             let head = Pose { rotation: Quat::from_rotation_y(i as f32 * 0.06), ..Pose::IDENTITY };
             let (poses, dt) = (ColliderPoses::default(), if i == 0 { 0.0 } else { 1.0 / 60.0 });
-            let frame = Frame { dt, head, colliders: &poses, simulation: &simulation, ..Default::default() };
+            let frame =
+                HairFrame { dt, head, colliders: &poses, simulation: &simulation, ..Default::default() };
             common::submit(|recorder| recorder.simulate(hair, &frame));
         }
-        readback::buffer(device, queue, &hair.guides.current).unwrap()
+        readback::buffer(context, &hair.guides.current).unwrap()
     };
     let [first, second, third] = [&mut hair, &mut tied, &mut free].map(run);
     assert!(first == second, "the other head moves otherwise");

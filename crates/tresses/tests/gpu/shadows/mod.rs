@@ -8,11 +8,11 @@ use crate::common;
 use oracle::{Oracle, Truth};
 use tangle::Tangle;
 use tresses::{
-    Camera, Pipelines, View,
+    Camera, Context, View,
     body::Body,
-    frame::{Recorder, Sight},
+    draw::Coverage,
+    frame::Sight,
     glam::{Quat, Vec3},
-    gpu::Gpu,
     light::{Directional, HairSet, Lights, Shadow, ShadowMethod, ShadowProbe, Shadows},
     math::hash::pcg,
     view::{Picture, ViewOptions},
@@ -37,8 +37,7 @@ fn lights(directions: &[Vec3]) -> [Directional; 4] {
 
 /// A tangle on the GPU, and points that are asked about.
 struct Bench<'a> {
-    gpu: &'a Gpu,
-    pipelines: &'static Pipelines,
+    context: &'a Context,
     view: View,
     hair: HairSet,
     body: Option<Body>,
@@ -47,28 +46,28 @@ struct Bench<'a> {
 }
 
 impl<'a> Bench<'a> {
-    fn new(gpu: &'a Gpu, tangle: &Tangle, points: &[(Vec3, u32)]) -> Self {
-        let pipelines = common::pipelines().expect("there is a GPU");
-        let options = ViewOptions { samples: 1, ..Default::default() };
-        let view = View::new(&gpu.device, pipelines, &options, [64, 64], 1).expect("fits");
-        let hair = HairSet::new(&gpu.device, &tangle.upload(gpu)).expect("fits");
-        let probe = probe(gpu, &view, points, None);
+    fn new(context: &'a Context, tangle: &Tangle, points: &[(Vec3, u32)]) -> Self {
+        let options = ViewOptions { samples: 1, coverage: Coverage::SampleMask, ..Default::default() };
+        let view = View::new(context, &options, [64, 64], 1).expect("fits");
+        let hair = HairSet::new(context, &tangle.upload(context)).expect("fits");
+        let probe = probe(context, &view, points, None);
         let scene = Picture { focus: tangle.focus(), ..Default::default() };
-        Self { gpu, pipelines, view, hair, body: None, probe, scene }
+        Self { context, view, hair, body: None, probe, scene }
     }
 
     /// Records a frame and what the probe answers; the picture and the answers.
     fn frame(&mut self) -> (Vec<u8>, Vec<[Shadow; 4]>) {
-        let Self { gpu: Gpu { device, queue, .. }, pipelines, view, hair, body, probe, scene } = self;
+        let Self { context, view, hair, body, probe, scene } = self;
         let bodies: Vec<_> = body.iter().collect();
-        let mut encoder = device.create_command_encoder(&Default::default());
-        Recorder { pipelines, device, queue, encoder: &mut encoder, timings: None }
+        let mut encoder = context.device().create_command_encoder(&Default::default());
+        context
+            .recorder(&mut encoder)
             .draw_strands(&[hair], &bodies, Sight::new(view, scene))
             .expect("it fits");
-        probe.record(&mut encoder);
-        queue.submit([encoder.finish()]);
-        let answers = pollster::block_on(probe.read(device, queue)).expect("answers");
-        (pollster::block_on(view.targets().read(device, queue)).expect("a picture"), answers)
+        probe.record(&mut encoder).expect("it compiles");
+        context.queue().submit([encoder.finish()]);
+        let answers = pollster::block_on(probe.read()).expect("answers");
+        (pollster::block_on(view.targets().read()).expect("a picture"), answers)
     }
 
     /// The fibres before each point in light from `direction`.
@@ -80,9 +79,9 @@ impl<'a> Bench<'a> {
 }
 
 /// Asks about `points`, which are seen from the direction `eye`.
-fn probe(gpu: &Gpu, view: &View, points: &[(Vec3, u32)], eye: Option<Vec3>) -> ShadowProbe {
+fn probe(context: &Context, view: &View, points: &[(Vec3, u32)], eye: Option<Vec3>) -> ShadowProbe {
     let places: Vec<_> = points.iter().map(|(at, _)| *at).collect();
-    ShadowProbe::new(&gpu.device, &gpu.queue, &view.light, &places, eye).expect("fits")
+    ShadowProbe::new(context, &view.light, &places, eye).expect("fits")
 }
 
 /// Points spread over all strands and all along them, and the strands they are on.
@@ -122,14 +121,14 @@ struct Sample {
 }
 
 /// Prints what each method errs by and holds it against bounds that come from the truth alone.
-fn methods_against_counting(gpu: &Gpu, samples: &[Sample]) {
+fn methods_against_counting(context: &Context, samples: &[Sample]) {
     println!(
         "mean error of the share of light: style, share, each method; exact count, one share for all points"
     );
     for Sample { style, strands, points: count, rays } in samples {
         let tangle = Tangle::style(style, *strands);
         let points = points(&tangle, *count);
-        let mut bench = Bench::new(gpu, &tangle, &points);
+        let mut bench = Bench::new(context, &tangle, &points);
         let truth = truth(&tangle, &points, key(), *rays);
         let share = truth.iter().map(|truth| truth.transmittance).sum::<f32>() / truth.len() as f32;
         // A count of fibres per point cannot say how they are spread over the disk: so much errs a method
@@ -158,21 +157,21 @@ fn methods_against_counting(gpu: &Gpu, samples: &[Sample]) {
 
 #[test]
 fn every_method_against_strands_counted_one_by_one() {
-    let Some(gpu) = common::gpu() else { return };
-    methods_against_counting(gpu, &[Sample { style: "long", strands: 2000, points: 300, rays: 64 }]);
+    let Some(context) = common::context() else { return };
+    methods_against_counting(context, &[Sample { style: "long", strands: 2000, points: 300, rays: 64 }]);
 }
 
 /// The table of docs/appearance/shadows.md.
 #[test]
 #[ignore = "proof"]
 fn every_method_and_style_against_strands_counted_one_by_one() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let sample = |style| Sample { style, strands: 4000, points: 1000, rays: 128 };
-    methods_against_counting(gpu, &["long", "curly", "short"].map(sample));
+    methods_against_counting(context, &["long", "curly", "short"].map(sample));
 }
 
 /// The share of light at points that are seen, held against rays.
-fn seen_points_against_rays(gpu: &Gpu, styles: &[(&str, u32)], count: u32, angles: &[f32]) {
+fn seen_points_against_rays(context: &Context, styles: &[(&str, u32)], count: u32, angles: &[f32]) {
     println!(
         "share of light at seen points, eye and light apart: style, radians, rays, deep, deep for any point"
     );
@@ -181,7 +180,7 @@ fn seen_points_against_rays(gpu: &Gpu, styles: &[(&str, u32)], count: u32, angle
         let tangle = Tangle::style(style, *strands);
         let points = points(&tangle, count);
         let to_light = Oracle::new(&tangle, key());
-        let mut bench = Bench::new(gpu, &tangle, &[]);
+        let mut bench = Bench::new(context, &tangle, &[]);
         for apart in angles {
             let eye = Quat::from_axis_angle(across.normalize(), *apart) * key();
             let to_eye = Oracle::new(&tangle, eye);
@@ -190,7 +189,7 @@ fn seen_points_against_rays(gpu: &Gpu, styles: &[(&str, u32)], count: u32, angle
             let mean = |shares: &mut dyn Iterator<Item = f32>| shares.sum::<f32>() / seen.len() as f32;
             let truth = mean(&mut seen.iter().map(|point| open(&to_light, *point)));
             let [found, any] = [Some(eye), None].map(|eye| {
-                bench.probe = probe(gpu, &bench.view, &seen, eye);
+                bench.probe = probe(context, &bench.view, &seen, eye);
                 let fibers = bench.fibers(key(), ShadowMethod::DeepOpacity);
                 mean(&mut fibers.iter().map(|n| (-n).exp()))
             });
@@ -206,8 +205,8 @@ fn seen_points_against_rays(gpu: &Gpu, styles: &[(&str, u32)], count: u32, angle
 
 #[test]
 fn what_is_seen_is_lit_as_rays_tell() {
-    let Some(gpu) = common::gpu() else { return };
-    seen_points_against_rays(gpu, &[("long", 12000)], 3000, &[0.3]);
+    let Some(context) = common::context() else { return };
+    seen_points_against_rays(context, &[("long", 12000)], 3000, &[0.3]);
 }
 
 /// As fine as a picture shows them: the hot spot is as large as a few strands are wide. The table of
@@ -215,9 +214,9 @@ fn what_is_seen_is_lit_as_rays_tell() {
 #[test]
 #[ignore = "proof"]
 fn what_is_seen_of_any_style_is_lit_as_rays_tell() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let styles = [("long", 12000), ("bob", 12000), ("curly", 8000), ("short", 12000)];
-    seen_points_against_rays(gpu, &styles, 12000, &[0.3, 0.65, 1.2]);
+    seen_points_against_rays(context, &styles, 12000, &[0.3, 0.65, 1.2]);
 }
 
 /// Mean change of the share of light from one moment to the next.
@@ -234,10 +233,10 @@ fn trembling(frames: &[Vec<f32>]) -> f32 {
 }
 
 /// Shadows in a light that turns, held against `rays` counted rays at each of `count` points.
-fn turning_light(gpu: &Gpu, strands: u32, count: u32, rays: u32, methods: &[ShadowMethod]) {
+fn turning_light(context: &Context, strands: u32, count: u32, rays: u32, methods: &[ShadowMethod]) {
     let tangle = Tangle::style("long", strands);
     let points = points(&tangle, count);
-    let mut bench = Bench::new(gpu, &tangle, &points);
+    let mut bench = Bench::new(context, &tangle, &points);
     let directions: Vec<_> =
         (0..6).map(|i| Quat::from_rotation_y((0.25 * i as f32).to_radians()) * key()).collect();
     let exact: Vec<Vec<f32>> = directions
@@ -274,24 +273,24 @@ fn turning_light(gpu: &Gpu, strands: u32, count: u32, rays: u32, methods: &[Shad
 
 #[test]
 fn a_turning_light_does_not_make_shadows_crawl() {
-    let Some(gpu) = common::gpu() else { return };
-    turning_light(gpu, 4000, 100, 512, &[ShadowMethod::DeepOpacity]);
+    let Some(context) = common::context() else { return };
+    turning_light(context, 4000, 100, 512, &[ShadowMethod::DeepOpacity]);
 }
 
 /// Rays by 64 times a filter of eight taps. The figures of docs/appearance/shadows.md.
 #[test]
 #[ignore = "proof"]
 fn a_turning_light_does_not_make_any_shadows_crawl() {
-    let Some(gpu) = common::gpu() else { return };
-    turning_light(gpu, 4000, 400, 512, &METHODS);
+    let Some(context) = common::context() else { return };
+    turning_light(context, 4000, 400, 512, &METHODS);
 }
 
 #[test]
 fn still_hair_is_still_from_any_camera() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let tangle = Tangle::style("short", 2000);
     let points = points(&tangle, 500);
-    let mut bench = Bench::new(gpu, &tangle, &points);
+    let mut bench = Bench::new(context, &tangle, &points);
     for method in METHODS {
         bench.scene.shadows.method = method;
         let middle = bench.scene.focus.center;
@@ -313,10 +312,10 @@ fn still_hair_is_still_from_any_camera() {
 
 #[test]
 fn four_lights_are_four_times_one() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let tangle = Tangle::style("short", 2000);
     let points = points(&tangle, 500);
-    let mut bench = Bench::new(gpu, &tangle, &points);
+    let mut bench = Bench::new(context, &tangle, &points);
     let directions = [key(), Vec3::new(1.0, 0.2, 0.1), Vec3::new(-0.3, 0.1, -1.0), Vec3::new(0.0, 0.9, 0.5)];
     for method in METHODS {
         let alone: Vec<_> = directions.iter().map(|d| bench.fibers(*d, method)).collect();
@@ -337,7 +336,7 @@ fn four_lights_are_four_times_one() {
 
 #[test]
 fn a_body_shadows_what_is_behind_it() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(context) = common::context() else { return };
     let tangle = Tangle::style("short", 200);
     let focus = tangle.focus();
     let mut mesh = common::cube(0.04);
@@ -346,8 +345,8 @@ fn a_body_shadows_what_is_behind_it() {
     let at = |x: f32, z: f32| (focus.center + Vec3::new(x, 0.0, z), 0);
     let points =
         [at(0.0, 0.06), at(0.0, -0.06), at(0.0, 0.0), at(0.05, -0.06), at(0.039, -0.06), at(0.041, -0.06)];
-    let mut bench = Bench::new(gpu, &tangle, &points);
-    bench.body = Some(Body::new(&gpu.device, &mesh));
+    let mut bench = Bench::new(context, &tangle, &points);
+    bench.body = Some(Body::new(context, &mesh));
     bench.scene.lights.directional = lights(&[Vec3::Z]);
     let solid: Vec<_> = bench.frame().1.iter().map(|lights| lights[0].solid).collect();
     assert_eq!(solid[..4], [1.0, 0.0, 0.0, 1.0]);

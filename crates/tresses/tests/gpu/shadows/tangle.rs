@@ -1,8 +1,8 @@
 //! Real tangles: built-in styles as strands on the CPU and on the GPU.
 
 use tresses::{
+    Context,
     glam::Vec3,
-    gpu::Gpu,
     groom::{
         grow::{self, Growth},
         styles::{self, Style},
@@ -47,7 +47,7 @@ impl Tangle {
     }
 
     /// The strands as `light` reads them.
-    pub fn upload(&self, gpu: &Gpu) -> StrandBuffers {
+    pub fn upload(&self, context: &Context) -> StrandBuffers {
         let n = self.vertex_count;
         let mut vertices = Vec::with_capacity(self.positions.len());
         let mut strands = Vec::with_capacity(self.len());
@@ -60,9 +60,9 @@ impl Tangle {
             }
             strands.push(Strand { radius: most, seed: pcg(i as u32), root_color: 0, tip_color: 0 });
         }
-        let buffers = StrandBuffers::new(&gpu.device, self.len() as u32, n as u32).expect("fits");
-        gpu.queue.write_buffer(&buffers.vertices, 0, bytemuck::cast_slice(&vertices));
-        gpu.queue.write_buffer(&buffers.strands, 0, bytemuck::cast_slice(&strands));
+        let buffers = StrandBuffers::new(context, self.len() as u32, n as u32).expect("fits");
+        context.queue().write_buffer(&buffers.vertices, 0, bytemuck::cast_slice(&vertices));
+        context.queue().write_buffer(&buffers.strands, 0, bytemuck::cast_slice(&strands));
         buffers
     }
 }

@@ -20,11 +20,11 @@
 
 use super::{Surroundings, has_samples};
 use crate::{
-    Result,
+    Context, Result,
     draw::record::Canvas,
     gpu::{
-        Binding,
-        bindings::{group, layout, uniform},
+        Binding, Device,
+        bindings::{layout, uniform},
         pipeline::{Made, Recipe, blended},
     },
     light::{self, lights::MAX_LIGHTS},
@@ -32,11 +32,12 @@ use crate::{
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
+use std::sync::Arc;
 
 /// WGSL for a scene's shaders: `tresses_left_by_hair(light: u32, position: vec3<f32>, normal: vec3<f32>) -> vec3<f32>` is
 /// the share of a light (of those that are on) that hair leaves at a point of a surface, of each channel; position (metres)
 /// and normal (unit) are in the space that hair is drawn in. Bindings are those of `@group(group)`:
-/// [`View::light_group`](crate::View::light_group) with [`Pipelines::light_layout`](crate::Pipelines::light_layout).
+/// [`View::light_group`](crate::View::light_group) with [`View::light_layout`](crate::View::light_layout).
 /// All other names in it begin with `package_`, `constants_` or `structs_`.
 pub fn wgsl(group: u32) -> String {
     shaders::source("draw::embed::shade::outside").replace("@group(0)", &format!("@group({group})"))
@@ -83,7 +84,7 @@ pub struct ShadeUniform {
 }
 
 impl ShadeUniform {
-    fn new(shade: &Shade, canvas: &Canvas<'_>, into: &Surroundings<'_>) -> Self {
+    fn new(shade: &Shade, canvas: &Canvas<'_, '_>, into: &Surroundings<'_>) -> Self {
         let depth = |z: f32| into.projection.project_point3(Vec3::NEG_Z * z).z;
         let is_on = canvas.lights.directional.iter().zip(shade.lights).filter(|(light, _)| light.is_on());
         let bits = is_on.enumerate().map(|(i, (_, casts))| u32::from(casts) << i);
@@ -103,6 +104,8 @@ impl ShadeUniform {
 /// What casts the shadow.
 #[derive(Debug)]
 pub(super) struct Caster {
+    device: Device,
+    light: Arc<light::Pipelines>,
     format: wgpu::TextureFormat,
     /// For depth of one sample, and of several.
     layouts: [wgpu::BindGroupLayout; 2],
@@ -111,11 +114,14 @@ pub(super) struct Caster {
 }
 
 impl Caster {
-    pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
+    pub fn new(context: &Context, format: wgpu::TextureFormat) -> Self {
+        let Context { device, .. } = context;
         let layout = |texture| {
             layout(device, "embed shade", wgpu::ShaderStages::FRAGMENT, &[Binding::Uniform, texture])
         };
         Self {
+            device: device.clone(),
+            light: context.pipelines(),
             format,
             layouts: [Binding::Depth, Binding::DepthMultisampled].map(layout),
             pipelines: Made::default(),
@@ -123,12 +129,7 @@ impl Caster {
         }
     }
 
-    fn pipeline(
-        &self,
-        device: &wgpu::Device,
-        light: &light::Pipelines,
-        many: bool,
-    ) -> Result<wgpu::RenderPipeline> {
+    fn pipeline(&self, many: bool) -> Result<wgpu::RenderPipeline> {
         self.pipelines.get(many, || {
             let (module, entry) = match many {
                 true => ("draw::embed::shade::shade_many", ["shade_many_vertex", "shade_many_fragment"]),
@@ -137,32 +138,28 @@ impl Caster {
             Recipe {
                 vertex: (module, entry[0]),
                 fragment: Some((module, entry[1])),
-                layouts: &[&light.frame, &self.layouts[usize::from(many)]],
+                layouts: &[&self.light.frame, &self.layouts[usize::from(many)]],
                 targets: &[blended(self.format, wgpu::BlendFactor::Dst, wgpu::BlendFactor::Zero)],
                 ..Recipe::PLAIN
             }
-            .build(device)
+            .build(&self.device)
         })
     }
 
     /// Darkens the scene's colour where hair is between it and the lights.
-    pub fn record(
-        &self,
-        canvas: &mut Canvas<'_>,
-        light: &light::Pipelines,
-        into: &Surroundings<'_>,
-    ) -> Result<()> {
+    pub fn record(&self, canvas: &mut Canvas<'_, '_>, into: &Surroundings<'_>) -> Result<()> {
         // What is no number casts none.
         let casts = |shade: &Shade| shade.strength.max(0.0) > 0.0 && shade.reach.max(0.0) > 0.0;
         let Some(shade) = into.shade.filter(casts) else { return Ok(()) };
         let many = has_samples(into.depth);
-        let pipeline = self.pipeline(canvas.device, light, many)?;
+        let pipeline = self.pipeline(many)?;
         let values = ShadeUniform::new(&shade, canvas, into);
-        canvas.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&values));
+        canvas.commands.context().queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&values));
         let bound = [self.uniform.as_entire_binding(), wgpu::BindingResource::TextureView(into.depth)];
-        let own = group(canvas.device, "embed shade", &self.layouts[usize::from(many)], &bound);
+        let own =
+            canvas.commands.context().device.group("embed shade", &self.layouts[usize::from(many)], &bound);
         let parts = canvas.parts;
-        let mut pass = into.pass(canvas, "embed shade");
+        let mut pass = into.pass(canvas);
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(1, &own, &[]);
         for part in parts {

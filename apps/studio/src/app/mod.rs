@@ -1,0 +1,280 @@
+//! The studio: all of its parts, and one frame of the window.
+
+mod receive;
+
+use crate::{
+    device,
+    dialog::Dialogs,
+    document::Document,
+    events::Waiting,
+    files::Files,
+    hair::{Hair, Source},
+    hosted::Host,
+    job::Job,
+    loss::{self, Lost},
+    messages::Messages,
+    options::Options,
+    panels::{self, Panels, overlay::Overlay},
+    picture::Snapshot,
+    record::Recorder,
+    renderer::Renderer,
+    stage::Show,
+    state::{self, State},
+    theme,
+    viewport::{self, Viewport},
+};
+use anyhow::{Context, Result};
+use eframe::egui;
+use std::time::Duration;
+use tresses::groom::styles::Style;
+
+/// The studio.
+pub struct Studio {
+    document: Document,
+    renderer: Renderer,
+    viewport: Viewport,
+    recorder: Recorder,
+    snapshot: Snapshot,
+    pub(crate) dialogs: Dialogs,
+    messages: Messages,
+    panels: Panels,
+    /// Whether the panels are hidden, as in a page of the host.
+    bare: bool,
+    /// The host page.
+    pub(crate) host: Host,
+    /// Pointer events for the next frame.
+    waiting: Waiting,
+    /// Loss of the device, as reported by the driver.
+    lost: Lost,
+}
+
+impl Studio {
+    /// An empty studio in a new window. The first job is under way.
+    ///
+    /// # Errors
+    /// When the window has no GPU.
+    pub fn new(context: &eframe::CreationContext<'_>, options: Options) -> Result<Self> {
+        let state = context.wgpu_render_state.clone().context("the window has no GPU that can draw hair")?;
+        let context = &context.egui_ctx;
+        theme::apply(context);
+        let gpu = device::gpu(&state);
+        let lost = Lost::default();
+        loss::listen(gpu.context.device(), context, &lost);
+        let source = if let Some(files) = options.given {
+            Source::Files { files, options: Box::new(options.import) }
+        } else if options.grooms.is_empty() {
+            Source::Style(options.style.unwrap_or_else(|| Style::default().name().into()))
+        } else {
+            let files = Files::Disk { grooms: options.grooms, heads: options.heads };
+            Source::Files { files, options: Box::new(options.import) }
+        };
+        let hair = Hair { source, companions: options.companions };
+        let mut messages = Messages::default();
+        let mut document = Document::new(context, gpu.clone(), options.settings, hair.clone());
+        document.make(hair, true, &mut messages);
+        messages.error = options.trouble;
+        Ok(Self {
+            document,
+            renderer: Renderer::new(context, state, gpu),
+            viewport: Viewport::default(),
+            recorder: Recorder::default(),
+            snapshot: Snapshot::default(),
+            dialogs: Dialogs::new(context),
+            messages,
+            panels: Panels::default(),
+            bare: options.bare,
+            host: Host::default(),
+            waiting: Waiting::default(),
+            lost,
+        })
+    }
+
+    /// Closes a window whose device is gone; [`crate::run`] opens another. Returns whether the window closes: then
+    /// nothing can be drawn.
+    #[cfg(not(target_arch = "wasm32"))]
+    fn leaves_if_gone(&self, context: &egui::Context) -> bool {
+        let frames = self.renderer.show.as_ref().map_or(0, |show| show.frames);
+        loss::lose_for_tests(self.renderer.gpu.context.device(), frames);
+        loss::remember(self.again());
+        let gone = self.lost.is_gone();
+        if gone {
+            context.send_viewport_cmd(egui::ViewportCommand::Close);
+        }
+        gone
+    }
+
+    /// Options that open the studio with the same hair and settings.
+    #[cfg(not(target_arch = "wasm32"))]
+    fn again(&self) -> Options {
+        let wanted = self.document.wanted();
+        let named = wanted.named();
+        Options {
+            grooms: named.grooms,
+            heads: named.heads,
+            style: named.style,
+            import: named.orientation,
+            companions: wanted.companions,
+            settings: self.document.settings.now().clone(),
+            bare: self.bare,
+            given: None,
+            trouble: None,
+        }
+    }
+
+    /// Keys and the panels around the picture.
+    fn frame(&mut self, ui: &mut egui::Ui) {
+        let Self { document, renderer, viewport, snapshot, dialogs, messages, panels, .. } = self;
+        let records = self.recorder.is_busy();
+        panels::keys::answer(panels, document, renderer, &mut viewport.tool, messages, ui.ctx());
+        let can_record = renderer.show.is_some() && !records;
+        panels::top::show(panels, document, snapshot, can_record, dialogs, messages, ui);
+        let hint = if renderer.show.is_some() { viewport.tool.hint() } else { "" };
+        let hint = messages.said.as_deref().unwrap_or(hint);
+        panels::status::show(hint, &panels.frames, renderer, ui);
+        panels::transport::show(renderer, records, messages, ui);
+        panels::side::show(panels, document, renderer, dialogs, messages, ui);
+    }
+
+    /// The picture and the controls over it.
+    fn picture(&mut self, ui: &mut egui::Ui) {
+        let Self { document, renderer, viewport, recorder, messages, .. } = self;
+        let rect = viewport.show(renderer, recorder.is_busy(), messages, ui);
+        if let Some(sentence) = self.lost.sentence() {
+            viewport::alarm(&sentence, ui, rect);
+            return;
+        }
+        let over = Overlay::new(ui, rect);
+        let shown = renderer.show.is_some();
+        if shown && !self.bare {
+            over.tools(&mut viewport.tool, renderer);
+            over.views(renderer);
+            over.wind(&renderer.orbit, document);
+        }
+        if let Some(job) = &document.job {
+            over.job(job, shown);
+        }
+        if recorder.recording.as_ref().is_some_and(|recording| over.recording(recording)) {
+            recorder.stop(renderer, messages);
+        }
+        if let Some(parts) = renderer.refined().filter(|_| !recorder.is_busy()) {
+            over.refined(parts);
+        }
+        match &mut messages.error {
+            None => over.legend(renderer),
+            error => over.error(error),
+        }
+    }
+
+    /// The small windows over everything.
+    fn windows(&mut self, ui: &egui::Ui) {
+        let Self { document, renderer, recorder, messages, panels, .. } = self;
+        if panels.record && !recorder.is_busy() {
+            let period = renderer.period();
+            if panels::record::show(&mut panels.record, &mut recorder.wish, period, ui) {
+                recorder.start(renderer, &self.dialogs, messages);
+            }
+        }
+        panels::ask::show(&mut panels.asked, document, messages, ui);
+    }
+
+    /// Draws the next frame of the hair, of a recording or of a picture to save, unless a frame is under way.
+    fn draw(&mut self, context: &egui::Context) {
+        let Self { document, renderer, recorder, messages, .. } = self;
+        renderer.dirty |= std::mem::take(&mut document.dirty) | renderer.orbit.is_gliding();
+        renderer.orbit.advance(context.input(|input| input.stable_dt));
+        let due = renderer.dirty || renderer.playback.is_due();
+        if !due {
+            renderer.playback.rest();
+        }
+        if self.lost.sentence().is_some() || renderer.area.min_elem() < 1.0 {
+            return;
+        }
+        if !renderer.is_free(due) {
+            return;
+        }
+        let settings = document.settings.now();
+        if !recorder.go_on(renderer, settings, messages)
+            && !self.snapshot.save(renderer, settings, &self.dialogs, messages)
+        {
+            renderer.draw_next(due, document.job.is_some(), settings, messages);
+        }
+    }
+
+    /// Reports the state to the host and to tests.
+    fn publish(&self, context: &egui::Context) {
+        let Self { document, renderer, .. } = self;
+        let (show, shown, records) =
+            (renderer.show.as_ref(), document.shown.as_ref(), self.recorder.is_busy());
+        let (picture, lost) = (show.and_then(Show::picture), self.lost.sentence());
+        let state = State {
+            frames: show.map_or(0, |show| show.frames),
+            seen: self.viewport.seen,
+            painted: context.cumulative_frame_nr(),
+            strands: show.map_or(0, |show| show.facts().strands),
+            file: shown.map(|shown| shown.hair.source.name()).unwrap_or_default(),
+            companions: shown.map_or_else(Vec::new, |shown| {
+                shown.hair.companions.all().map(|(what, name)| format!("{}: {name}", what.key)).collect()
+            }),
+            step: document.job.as_ref().map(Job::step).unwrap_or_default().into(),
+            lost: lost.is_some(),
+            error: self.messages.error.clone().or(lost).unwrap_or_default(),
+            playing: renderer.playback.play.playing,
+            time: renderer.playback.play.time,
+            size: picture.map_or([0; 2], |picture| picture.size),
+            ssaa: picture.map_or(0, |picture| picture.ssaa),
+            drawn: picture.map_or(0, |picture| picture.strands),
+            parts: renderer.refined().filter(|_| !records).map_or([0; 2], <[usize; 2]>::from),
+            distance: renderer.orbit.camera().distance(),
+            milliseconds: show.map_or(0.0, |show| show.milliseconds),
+            adapter: renderer.gpu.info.name.clone(),
+            busy: renderer.dirty
+                || records
+                || renderer.may_refine(document.job.is_some())
+                || renderer.playback.is_due()
+                || renderer.orbit.is_gliding()
+                || show.is_some_and(Show::is_under_way),
+        };
+        if let Some(tell) = &self.host.tell {
+            tell(&state);
+        }
+        state::publish(state);
+    }
+}
+
+impl eframe::App for Studio {
+    fn raw_input_hook(&mut self, context: &egui::Context, input: &mut egui::RawInput) {
+        if self.waiting.exchange(&mut input.events) {
+            context.request_repaint();
+        }
+    }
+
+    fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
+        let context = ui.ctx().clone();
+        #[cfg(not(target_arch = "wasm32"))]
+        if self.leaves_if_gone(&context) {
+            return;
+        }
+        self.receive(&context);
+        if let Some(ms) = self.renderer.land(self.recorder.is_busy()) {
+            self.panels.frames.push(ms);
+        }
+        if !self.bare {
+            self.frame(ui);
+        }
+        egui::CentralPanel::no_frame().show(ui, |ui| self.picture(ui));
+        if !self.bare {
+            self.windows(ui);
+        }
+        self.document.work_off(&mut self.messages);
+        self.draw(&context);
+        if self.document.job.is_some() {
+            // Seconds are counted.
+            context.request_repaint_after(Duration::from_millis(500));
+        }
+        self.publish(&context);
+    }
+
+    fn clear_color(&self, _: &egui::Visuals) -> [f32; 4] {
+        theme::PANEL.to_normalized_gamma_f32()
+    }
+}

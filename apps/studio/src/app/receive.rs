@@ -1,0 +1,120 @@
+//! Events between frames: files, commands, and jobs that have ended.
+
+use super::Studio;
+use crate::{
+    answer::Answer,
+    files::Files,
+    hair::{Hair, Source},
+    hosted::Command,
+    job::{Done, Ready},
+    panels::ask::Asked,
+};
+use eframe::egui;
+use std::sync::Arc;
+use tresses::groom::import::ImportOptions;
+use tresses_scene::Surroundings;
+
+impl Studio {
+    /// Takes the result of a job, answers, and dropped files.
+    pub(super) fn receive(&mut self, context: &egui::Context) {
+        match self.document.take_done(&mut self.messages) {
+            Some((_, Done::Hair(ready))) => self.present(*ready),
+            Some((hair, Done::Light(surroundings))) => self.light_up(hair, surroundings),
+            None => {}
+        }
+        for answer in self.dialogs.take() {
+            let Self { document, messages, .. } = self;
+            match answer {
+                Answer::Open(files) => self.open_files(files),
+                Answer::Preset(path, text, files) => document.open_preset(&path, &text, files, messages),
+                Answer::Companion(companion, name, files) => {
+                    document.put(companion, Some(name), &files, messages)
+                }
+                Answer::Picture(name, files) => self.panels.asked.push(Asked::new(name, files)),
+                Answer::Do(command) => self.obey(command),
+                Answer::Wrote(sentence) => messages.said = Some(sentence),
+                Answer::Failed(sentence) => messages.error = Some(sentence),
+            }
+        }
+        let dropped = context.input(|input| input.raw.dropped_files.clone());
+        if !dropped.is_empty() {
+            self.dialogs.dropped(dropped);
+        }
+    }
+
+    /// Opens a groom, a head for the groom that is shown, or both.
+    fn open_files(&mut self, mut files: Files) {
+        let mut choice = Box::<ImportOptions>::default();
+        if let Files::Disk { grooms, .. } = &mut files
+            && grooms.is_empty()
+        {
+            let Hair { source: Source::Files { files: Files::Disk { grooms: shown, .. }, options }, .. } =
+                self.document.wanted()
+            else {
+                let help = "a head needs a groom: open a groom first, or both together";
+                self.messages.error = Some(help.into());
+                return;
+            };
+            (*grooms, choice) = (shown, options);
+        }
+        self.document.open(Source::Files { files, options: choice }, &mut self.messages);
+    }
+
+    /// Shows a new character.
+    fn present(&mut self, ready: Ready) {
+        // The recording is of the previous hair.
+        self.recorder.stop(&mut self.renderer, &mut self.messages);
+        let Ready { mut stage, shown, keep } = ready;
+        self.document.arrived(&shown.hair);
+        if !keep {
+            self.renderer.orbit.show(stage.subject());
+            self.renderer.playback.play.reset();
+            self.renderer.playback.ball = None;
+        } else if let Some(show) = &self.renderer.show {
+            stage.character.continue_from(&show.stage.character);
+        }
+        self.renderer.present(stage);
+        self.document.shown = Some(shown);
+        self.snapshot.kept = false;
+        self.animate();
+    }
+
+    /// Lights the character with `surroundings`, or with the photographer's lights.
+    fn light_up(&mut self, hair: Hair, surroundings: Option<Arc<Surroundings>>) {
+        self.document.arrived(&hair);
+        let (Some(shown), Some(show)) = (&mut self.document.shown, &mut self.renderer.show) else { return };
+        show.stage.set_surroundings(surroundings.clone());
+        (shown.hair, shown.surroundings) = (hair, surroundings);
+        self.renderer.dirty = true;
+    }
+
+    /// Executes a command of the host.
+    fn obey(&mut self, command: Command) {
+        self.renderer.dirty = true;
+        match command {
+            Command::Set(knob, value) => {
+                let mut settings = self.document.settings.now().clone();
+                match knob.set(&mut settings, value) {
+                    Ok(()) => self.document.change(settings, knob.label),
+                    Err(error) => self.messages.fail(error),
+                }
+            }
+            Command::Playing(playing) => self.renderer.playback.play.playing = playing,
+            Command::Motion(name) => {
+                self.renderer.playback.play.choose(name);
+                self.renderer.playback.play.playing = true;
+            }
+            Command::Animation(name) => {
+                self.host.animation = Some(name);
+                if self.document.job.is_none() {
+                    self.animate();
+                }
+            }
+            Command::Camera(angle) => self.renderer.orbit.frame(angle),
+        }
+    }
+
+    fn animate(&mut self) {
+        self.host.animate(&mut self.renderer, &mut self.messages);
+    }
+}

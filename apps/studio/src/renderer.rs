@@ -1,0 +1,223 @@
+//! Frames of the hair: when one is due, and at which quality.
+
+use crate::{
+    messages::Messages,
+    orbit::Orbit,
+    pace::{Level, Pace},
+    playback::Playback,
+    stage::{Moment, Show},
+};
+use anyhow::Result;
+use eframe::{egui, egui_wgpu::RenderState};
+use std::time::Duration;
+use tresses::{glam::Vec3, gpu::Gpu, views};
+use tresses_scene::{Scene, Settings, camera::Angle};
+use web_time::Instant;
+
+/// How long nothing has moved before the picture is refined.
+const REST: Duration = Duration::from_millis(500);
+
+/// Smallest picture, pixels.
+const LEAST: u32 = 16;
+
+/// The character, its motion and camera, and the picture of it.
+pub struct Renderer {
+    context: egui::Context,
+    state: RenderState,
+    /// The window's device.
+    pub gpu: Gpu,
+    /// The character and its picture, once there is one.
+    pub show: Option<Show>,
+    /// Transport, hand and ball.
+    pub playback: Playback,
+    /// The camera.
+    pub orbit: Orbit,
+    /// Quality levels and frame time.
+    pub pace: Pace,
+    /// The active debug view.
+    pub debug: Option<views::Shown>,
+    /// Whether something has changed that the picture does not show yet.
+    pub dirty: bool,
+    /// Size of the picture on the screen, pixels.
+    pub area: egui::Vec2,
+    /// Start of the rest: nothing has moved since.
+    rest: Option<Instant>,
+}
+
+impl Renderer {
+    /// A renderer of the window of `context`, without a character.
+    pub fn new(context: &egui::Context, state: RenderState, gpu: Gpu) -> Self {
+        let orbit = Orbit::new(Angle::default(), (Vec3::new(-0.1, 1.4, -0.1), Vec3::new(0.1, 1.7, 0.1)));
+        Self {
+            context: context.clone(),
+            state,
+            playback: Playback::default(),
+            orbit,
+            pace: Pace::new(gpu.context.tier().software),
+            gpu,
+            show: None,
+            debug: None,
+            dirty: true,
+            area: egui::Vec2::ZERO,
+            rest: None,
+        }
+    }
+
+    /// Shows `stage` from the next frame on.
+    pub fn present(&mut self, stage: Scene) {
+        match &mut self.show {
+            Some(show) => show.replace(stage),
+            None => self.show = Some(Show::new(stage, &self.state)),
+        }
+        self.dirty = true;
+    }
+
+    /// Shows a frame that has ended and returns its milliseconds. Call it before the window is painted: nothing else may
+    /// wake the window again. `records`: the frame is one of a recording.
+    pub fn land(&mut self, records: bool) -> Option<f32> {
+        let ms = self.show.as_mut()?.landed()?;
+        self.dirty |= !records && self.pace.landed(ms);
+        Some(ms)
+    }
+
+    /// Whether a frame can begin: there is a character, and no frame is under way. A frame that is `due` does not wait
+    /// for the refinement of a still picture. Also keeps touched hair awake.
+    pub fn is_free(&mut self, due: bool) -> bool {
+        let Some(show) = &mut self.show else { return false };
+        self.playback.touch(show.stage.character.hair().grabbed().is_active());
+        if show.is_under_way() && due && self.pace.moved() {
+            show.give_up();
+        }
+        !show.is_under_way()
+    }
+
+    /// Draws the next frame if one is `due` or the picture can be refined; no frame is under way. `works`: a job is.
+    pub fn draw_next(&mut self, due: bool, works: bool, settings: &Settings, messages: &mut Messages) {
+        if due {
+            self.rest = None;
+            self.pace.moved();
+        } else if !self.refines(works) {
+            return;
+        }
+        let Some(show) = &mut self.show else { return };
+        if self.playback.play.take_reset() {
+            self.playback.ball = None;
+            show.stage.character.reset();
+        }
+        let seconds = self.playback.advance(self.gpu.context.tier().software);
+        let level = self.pace.level();
+        let drawn = show.picture().map(|picture| picture.level);
+        let again = !due && self.debug.is_none() && drawn.is_some_and(|drawn| drawn.is_only_smoothed(level));
+        let mut moment = self.prepare(level, settings, messages);
+        if let Some(show) = &self.show {
+            let solids = show.stage.character.solids();
+            self.playback.ball = self.playback.ball.and_then(|ball| ball.advanced(seconds, &solids));
+        }
+        (moment.seconds, moment.again, moment.ball) =
+            (seconds, again, self.playback.ball.map(|ball| ball.at));
+        self.dirty = false;
+        if let Err(error) = self.draw(&moment) {
+            messages.fail(error);
+            self.playback.play.playing = false;
+        }
+    }
+
+    /// Gives the stage the settings at `level`, before each frame. Returns a frame in which no time passes.
+    pub fn prepare(&mut self, level: &Level, settings: &Settings, messages: &mut Messages) -> Moment {
+        if let Some(show) = &mut self.show {
+            let dressed = level.dress(&mut show.stage, settings);
+            if let Err(error) = dressed.and_then(|()| show.stage.show(self.debug)) {
+                messages.fail(error);
+            }
+        }
+        let pivot = self.show.as_ref().map_or(Vec3::ZERO, |show| show.stage.character.neck());
+        let size = [self.area.x, self.area.y].map(|side| ((side * level.scale).round() as u32).max(LEAST));
+        Moment {
+            gesture: self.playback.gesture(pivot),
+            seconds: 0.0,
+            camera: self.orbit.camera(),
+            size,
+            ssaa: self.ssaa_at(level, size, settings),
+            ball: self.playback.ball.map(|ball| ball.at),
+            again: false,
+            level: *level,
+            parts: self.pace.is_long(level),
+        }
+    }
+
+    /// Draws a frame; none is under way.
+    ///
+    /// # Errors
+    /// Errors of the library.
+    pub fn draw(&mut self, moment: &Moment) -> Result<()> {
+        self.show.as_mut().map_or(Ok(()), |show| show.draw(&self.state, &self.context, moment))
+    }
+
+    /// Supersampling factor per axis of a picture of `size` at `level`. It exceeds the setting only where the adapter's
+    /// textures are large enough.
+    pub fn ssaa_at(&self, level: &Level, size: [u32; 2], settings: &Settings) -> u32 {
+        let most = self.gpu.context.device().limits().max_texture_dimension_2d / size[0].max(size[1]);
+        settings.ssaa.max(level.ssaa.min(most))
+    }
+
+    /// Wakes the window in a few milliseconds, for work that ends without a callback.
+    pub fn look_again(&self) {
+        self.context.request_repaint_after(Duration::from_millis(5));
+    }
+
+    /// Whether a still picture is drawn again at a finer level now.
+    fn refines(&mut self, works: bool) -> bool {
+        if !self.may_refine(works) {
+            self.rest = None;
+            return false;
+        }
+        if self.pace.finishes() {
+            return self.pace.refine();
+        }
+        let rested = self.rest.get_or_insert_with(Instant::now).elapsed();
+        let Some(left) = REST.checked_sub(rested) else { return self.pace.refine() };
+        self.context.request_repaint_after(left);
+        false
+    }
+
+    /// Whether a still picture can be refined: not during a job (`works`), nor while the pointer is down unless
+    /// [`finish`](Self::finish) was called.
+    pub fn may_refine(&self, works: bool) -> bool {
+        let down = self.context.input(|input| input.pointer.any_down());
+        !works && self.pace.can_refine() && (self.pace.finishes() || !down)
+    }
+
+    /// Stops the motion and refines the picture to the finest level until something moves.
+    pub fn finish(&mut self) {
+        self.playback.stop();
+        self.pace.finish();
+    }
+
+    /// Whether [`finish`](Self::finish) would change the picture.
+    pub fn can_finish(&self) -> bool {
+        let Some(show) = &self.show else { return false };
+        let full = show.picture().is_some_and(|picture| self.pace.is_finest(&picture.level));
+        !self.pace.finishes() && (self.playback.play.is_due() || !full)
+    }
+
+    /// Progress of a refinement: parts done, and all parts.
+    pub fn refined(&self) -> Option<(usize, usize)> {
+        let parts = self.show.as_ref()?.progress().filter(|(_, all)| *all > 1);
+        parts.filter(|_| self.pace.refines())
+    }
+
+    /// Lets a ball fall on the head.
+    pub fn drop_ball(&mut self) {
+        if let Some(show) = &self.show {
+            self.playback.drop_ball(show.stage.subject());
+            self.dirty = true;
+        }
+    }
+
+    /// Seconds of one period: of the body's animation, else of the motion.
+    pub fn period(&self) -> f64 {
+        let living = self.show.as_ref().and_then(|show| show.stage.character.rig());
+        let animation = living.and_then(|living| living.duration()).filter(|length| *length > 0.0);
+        animation.map_or_else(|| self.playback.play.period(), f64::from)
+    }
+}

@@ -1,0 +1,202 @@
+//! Curves as strands.
+
+use std::rc::Rc;
+
+use glam::Vec3;
+
+use super::{
+    Archive,
+    groom::{self, find},
+    property::{Compound, Property},
+    tree::{Object, Schema, Tree},
+};
+use crate::{
+    error::{At, Result},
+    formats::{
+        curves::{
+            self, Groom, How, Names, Place,
+            basis::{Basis, Blend},
+            clamped, cut, split_knots,
+        },
+        raw::{Moment, Raw, declared},
+        source::Source,
+    },
+    orient::Axis,
+};
+
+/// Reads all curves of a file at one moment.
+pub(crate) fn read(source: &Source, moment: Moment) -> Result<Raw> {
+    let archive = Archive::open(source)?;
+    let tree = Tree::read(&archive)?;
+    let objects: Vec<&Object> =
+        tree.objects.iter().filter(|object| object.schema == Schema::Curves).collect();
+    if objects.is_empty() {
+        let problem = match tree.objects.len() {
+            0 => "the file holds neither curves nor meshes",
+            _ => "the file holds no curves; its meshes can be the head of a groom",
+        };
+        return Err(source.problem(At::File, problem));
+    }
+    let mut groom = Groom::new("Alembic", Names { width: "width", uv: "uv" });
+    let (time, told) = when(&archive, &objects, moment)?;
+    groom.raw.notes.extend(told);
+    let matrices = tree.matrices(&archive, time)?;
+    let mut reading = Reading { archive: &archive, time, groom };
+    let by_name = curves::told_apart(objects.iter().map(|object| named_guides(object)));
+    for (i, object) in objects.iter().enumerate() {
+        let guides = by_name.then(|| named_guides(object));
+        let above = tree.above(object);
+        let places = groom::places(&archive, object, above)?;
+        let shared = curves::Object {
+            names: [&object.names[0], &object.names[1]],
+            index: i,
+            guides,
+            starts: &[],
+            points: &[],
+            cut: &[],
+            inner: false,
+            matrix: Tree::of(object, &matrices),
+            group_names: &groom::text(&archive, &places, "groom_group_name", time)?,
+        };
+        reading.object(object, &places, shared)?;
+    }
+    let Groom { mut raw, habits, .. } = reading.groom;
+    habits.tell(&mut raw, objects.len(), "by the names of their objects");
+    raw.declared = declared(super::entry(archive.about, "_ai_Description").unwrap_or_default());
+    if let Some(application) = archive.application() {
+        raw.notes.insert(0, format!("written by {application}"));
+        if application.starts_with("Blender") {
+            raw.declared.up.get_or_insert(Axis::Y);
+        }
+    }
+    Ok(raw)
+}
+
+fn named_guides(object: &Object) -> bool {
+    object.names.iter().any(|name| curves::names_guides(name))
+}
+
+/// The time that is meant, and what to say of it.
+fn when(archive: &Archive, objects: &[&Object], moment: Moment) -> Result<(f64, Option<String>)> {
+    let mut most: Option<Property> = None;
+    let mut first = f64::INFINITY;
+    for object in objects {
+        let Some(points) = object.shape.property(archive, "P")? else { continue };
+        if points.samples() > 0 {
+            first = first.min(points.time(archive, 0));
+        }
+        if most.as_ref().is_none_or(|most| most.samples() < points.samples()) {
+            most = Some(points);
+        }
+    }
+    let Some(most) = most.filter(|most| most.samples() > 0) else { return Ok((0.0, None)) };
+    let count = most.samples();
+    let last = most.time(archive, count - 1);
+    let time = match moment {
+        Moment::First => first,
+        Moment::Seconds(time) => time,
+        Moment::Frame(frame) if frame < count => most.time(archive, frame),
+        Moment::Frame(frame) => {
+            let problem = format!("frame {frame} is asked for, but there are {count}, from 0 on");
+            return Err(archive.source.problem(most.at(), problem));
+        }
+    };
+    let told = (count > 1 && most.moves())
+        .then(|| format!("{count} frames from {first:.3} to {last:.3} s, read at {time:.3} s"));
+    Ok((time, told))
+}
+
+/// A file in the making.
+struct Reading<'r, 's, 'a> {
+    archive: &'r Archive<'s, 'a>,
+    time: f64,
+    groom: Groom,
+}
+
+impl<'a> Reading<'_, '_, 'a> {
+    fn object(&mut self, object: &Object<'a>, places: &[Compound<'a>], shared: curves::Object) -> Result<()> {
+        let (archive, time) = (self.archive, self.time);
+        let shape = &object.shape;
+        let Some(points) = shape.property(archive, "P")? else { return Ok(()) };
+        let Some(counts) = shape.property(archive, "nVertices")? else {
+            return Err(archive.source.problem(points.at(), "curves without nVertices"));
+        };
+        let flat = points.floats(archive, time)?;
+        let starts = curves::starts(&counts.integers(archive, time)?, flat.len() / 3)
+            .map_err(|problem| archive.source.problem(counts.at(), problem))?;
+        let end = starts.last().map_or(0, |end| *end as usize);
+        let points: Vec<Vec3> = flat.as_chunks().0[..end].iter().map(|p| Vec3::from(*p)).collect();
+        let cut = self.curves(shape, &starts)?;
+        self.budget(&cut, shape)?;
+        let values = |place: Place, name: &str| match place {
+            Place::Shape => find(archive, std::slice::from_ref(shape), name, time),
+            Place::Beside => find(archive, places, name, time),
+        };
+        self.groom.add(&curves::Object { starts: &starts, points: &points, cut: &cut, ..shared }, &values)
+    }
+
+    /// How each curve is cut.
+    fn curves(&mut self, shape: &Compound<'a>, starts: &[u32]) -> Result<Vec<Rc<[Blend]>>> {
+        let (archive, time) = (self.archive, self.time);
+        let list = |name: &str| match shape.property(archive, name)? {
+            Some(property) => property.floats(archive, time),
+            None => Ok(Vec::new()),
+        };
+        let (kind, orders, knots) = (list("curveBasisAndType")?, list(".orders")?, list(".knots")?);
+        let code = |i: usize| kind.get(i).map_or(0, |v| *v as u8);
+        let straight = kind.is_empty() || code(0) == 1;
+        self.groom.habits.closed += usize::from(code(1) == 1);
+        self.groom.habits.rational += usize::from(!straight && list("w")?.iter().any(|w| *w != 1.0));
+        let knotted = match code(0) {
+            _ if straight => None,
+            2 if knots.is_empty() => clamped(starts, &orders),
+            kind => split_knots(starts, &orders, &knots, kind == 2),
+        };
+        self.groom.habits.clamped += usize::from(knotted.is_some() && knots.is_empty());
+        let name = match (code(0), code(2)) {
+            _ if straight => None,
+            _ if knotted.is_some() => Some("B-spline (with knots)"),
+            (2, _) => {
+                self.groom.habits.straightened += 1;
+                None
+            }
+            (_, 1) => Some("Bézier"),
+            (_, 2) => Some("B-spline"),
+            (_, 3) => Some("Catmull-Rom"),
+            (_, 0) => None,
+            (_, other) => {
+                let problem = format!("curves of basis {other} (Hermite is 4, power 5), which is not read");
+                return Err(archive.source.problem(self.at(shape)?, problem));
+            }
+        };
+        if let Some(name) = name.filter(|name| !self.groom.habits.curved.contains(name)) {
+            self.groom.habits.curved.push(name);
+        }
+        let how = match (name, &knotted) {
+            (_, Some(own)) => How::Knots(own),
+            (Some("Bézier"), _) => How::Basis(Basis::Bezier),
+            (Some("B-spline"), _) => How::Basis(Basis::BSpline { pinned: false }),
+            // Exporters of hair mean curves through all points.
+            (Some(_), _) => How::Basis(Basis::CatmullRom { pinned: true }),
+            (None, _) => How::Basis(Basis::Linear),
+        };
+        match cut(starts, &how) {
+            Ok(all) => Ok(all),
+            Err(problem) => Err(archive.source.problem(self.at(shape)?, problem)),
+        }
+    }
+
+    fn at(&self, shape: &Compound<'a>) -> Result<At> {
+        Ok(shape.property(self.archive, "curveBasisAndType")?.map_or(At::File, |property| property.at()))
+    }
+
+    /// Refuses vertices that the file's size does not justify.
+    fn budget(&self, curves: &[Rc<[Blend]>], shape: &Compound<'a>) -> Result<()> {
+        let count: u64 = curves.iter().map(|curve| curve.len() as u64).sum();
+        self.archive.source.check_vertices(0, self.groom.raw.strands.positions.len() as u64 + count)?;
+        match self.at(shape)? {
+            At::Byte(at) => self.archive.spend(count, at),
+            _ => self.archive.spend(count, 0),
+        }
+    }
+}

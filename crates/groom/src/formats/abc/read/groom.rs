@@ -1,0 +1,83 @@
+//! Where files keep values beside the shape of curves.
+
+use super::{Archive, property::Compound, tree::Object};
+use crate::{
+    error::Result,
+    formats::curves::{Param, Per},
+};
+
+/// What one of the object's compounds has of this name.
+pub(super) fn find<'a>(
+    archive: &Archive<'_, 'a>,
+    places: &[Compound<'a>],
+    name: &str,
+    time: f64,
+) -> Result<Option<Param>> {
+    for place in places {
+        if let Some(param) = read(archive, place, name, time)?.filter(|p| !p.flat.is_empty()) {
+            return Ok(Some(param));
+        }
+    }
+    Ok(None)
+}
+
+/// Values, or values with indices.
+fn read<'a>(archive: &Archive<'_, 'a>, place: &Compound<'a>, name: &str, time: f64) -> Result<Option<Param>> {
+    let indexed = place.compound(archive, name)?;
+    let values = match &indexed {
+        Some(both) => both.property(archive, ".vals")?,
+        None => place.property(archive, name)?,
+    };
+    let Some(values) = values.filter(|values| !values.is_text()) else { return Ok(None) };
+    let extent = values.extent();
+    // `arrayExtent` tells of values that were flattened.
+    let flattened = values.meta("arrayExtent").and_then(|text| text.parse::<usize>().ok()).unwrap_or(1);
+    let mut flat = values.floats(archive, time)?;
+    let indices = match &indexed {
+        Some(both) => both.property(archive, ".indices")?,
+        None => None,
+    };
+    if let Some(indices) = indices {
+        flat = Param::picked(&flat, &indices.integers(archive, time)?, extent).map_err(|index| {
+            let problem = format!("{name} has no value {index}, there are {}", flat.len() / extent.max(1));
+            archive.source.problem(indices.at(), problem)
+        })?;
+    }
+    let scope = match values.meta("geoScope") {
+        Some("con") => Some(Per::All),
+        Some("uni") => Some(Per::Curve),
+        Some("vtx" | "var" | "fvr") => Some(Per::Point),
+        _ => None,
+    };
+    Ok(Some(Param { flat, width: extent.saturating_mul(flattened.max(1)), scope, at: values.at() }))
+}
+
+/// Where an object's values may be: beside its shape, and on the transform above it.
+pub(super) fn places<'a>(
+    archive: &Archive<'_, 'a>,
+    object: &Object<'a>,
+    above: Option<&Compound<'a>>,
+) -> Result<Vec<Compound<'a>>> {
+    let mut all = Vec::new();
+    for holder in std::iter::once(&object.shape).chain(above) {
+        for name in [".arbGeomParams", ".userProperties"] {
+            all.extend(holder.compound(archive, name)?);
+        }
+    }
+    Ok(all)
+}
+
+/// The first text of this name.
+pub(super) fn text<'a>(
+    archive: &Archive<'_, 'a>,
+    places: &[Compound<'a>],
+    name: &str,
+    time: f64,
+) -> Result<Vec<String>> {
+    for place in places {
+        if let Some(property) = place.property(archive, name)?.filter(|property| property.is_text()) {
+            return property.texts(archive, time);
+        }
+    }
+    Ok(Vec::new())
+}

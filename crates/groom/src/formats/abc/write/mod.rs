@@ -1,0 +1,253 @@
+//! Alembic: strands as linear curves, with Unreal's `groom_*` beside them (schema 1.5), still or as a cache.
+//!
+//! ```text
+//! ABC ─ /groom (transform) ─ /groom/strands (curves): P, nVertices, width, .arbGeomParams: groom_…
+//! ```
+//!
+//! What never changes is written once; positions once per frame, as they come, so that a cache of any length needs
+//! no memory. The layout is described at the reader.
+
+mod digest;
+mod ogawa;
+mod property;
+#[cfg(test)]
+mod tests;
+
+use std::io::{Cursor, Result, Seek, Write};
+
+use glam::Vec3;
+
+use crate::{
+    Error, Strands, error,
+    formats::{
+        raw::{CENTIMETRES, MARK},
+        writer::{self, CacheOptions, Encoded, Output},
+    },
+    orient::Unit,
+};
+use ogawa::{Ogawa, Place};
+use property::{BOOL, Compound, F32, F64, I16, I32, Sampled, TEXT, U8};
+
+/// The version of the library whose layout this is.
+const LIBRARY: i32 = 10_800;
+const CURVES: &str = "schema=AbcGeom_Curve_v2;schemaBaseType=AbcGeom_GeomBase_v1";
+
+/// How a file is written.
+#[derive(Clone, Copy, PartialEq)]
+struct Options {
+    /// The unit of the file: what strands have in metres is divided by this.
+    unit: Unit,
+    /// Whether the strands are in metres, Y up, face +Z.
+    oriented: bool,
+    /// The time of the first frame, seconds.
+    start: f64,
+    /// Frames per second, where there are several.
+    rate: f64,
+}
+
+/// A cache in the making: strands whose positions change from frame to frame.
+struct Cache<W> {
+    out: Ogawa<W>,
+    options: Options,
+    strands: Strands,
+    points: Sampled,
+    bounds: Sampled,
+    frames: u32,
+}
+
+impl<W: Write + Seek> Cache<W> {
+    /// Begins a file of `strands`, whose positions are those of no frame yet.
+    fn new(out: W, strands: &Strands, options: Options) -> Result<Self> {
+        Ok(Self {
+            out: Ogawa::new(out)?,
+            options,
+            strands: strands.clone(),
+            points: Sampled::array("P", "geoScope=vtx;interpretation=point", F32, 3),
+            bounds: Sampled::scalar(".selfBnds", "interpretation=box", F64, 6),
+            frames: 0,
+        })
+    }
+
+    /// Ends the file; its output.
+    fn end(self) -> Result<W> {
+        let Self { mut out, options, strands, points, bounds, frames } = self;
+        let out_ = &mut out;
+        let version = out_.data(&0i32.to_le_bytes())?;
+        let library = out_.data(&LIBRARY.to_le_bytes())?;
+        let sampling = u32::from(frames > 1);
+        let shape = shape(out_, &strands, options, points, bounds, sampling)?;
+        let mut top = Compound::default();
+        top.inside(out_, ".geom", CURVES, shape)?;
+        let curves = object(out_, top, &[])?;
+        let mut still = Compound::default();
+        still.constant(out_, Sampled::scalar(".inherits", "", BOOL, 1), &[1])?;
+        let mut top = Compound::default();
+        top.inside(out_, ".xform", "schema=AbcGeom_Xform_v3", still)?;
+        let title = format!("{CURVES};schemaObjTitle=AbcGeom_Curve_v2:.geom");
+        let above = object(out_, top, &[("strands", &title, curves)])?;
+        let title = "schema=AbcGeom_Xform_v3;schemaObjTitle=AbcGeom_Xform_v3:.xform";
+        let all = object(out_, Compound::default(), &[("groom", title, above)])?;
+        let about = format!(
+            "_ai_AlembicVersion=Alembic 1.8.0;_ai_Application=Tresses {};_ai_Description={}",
+            env!("CARGO_PKG_VERSION"),
+            description(options)
+        );
+        let about = out_.data(about.as_bytes())?;
+        let samplings = out_.data(&samplings(options, frames))?;
+        let shared = out_.shared();
+        let shared = out_.data(&shared)?;
+        let root = out_.group(&[version, library, all, about, samplings, shared])?;
+        out.finish(root)
+    }
+}
+
+impl<W: Write + Seek> writer::Cache for Cache<W> {
+    fn frame(&mut self, positions: &[Vec3]) -> Result<()> {
+        if positions.len() != self.strands.positions.len() {
+            let problem =
+                format!("{} positions for {} vertices", positions.len(), self.strands.positions.len());
+            return Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, problem));
+        }
+        let scaled = |p: &Vec3| if self.options.unit.0 == 1.0 { *p } else { *p / self.options.unit.0 };
+        let mut bytes = Vec::with_capacity(12 * positions.len());
+        let (mut lo, mut hi) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for p in positions.iter().map(scaled) {
+            (lo, hi) = (lo.min(p), hi.max(p));
+            p.to_array().iter().for_each(|v| bytes.extend(v.to_le_bytes()));
+        }
+        self.points.push(&mut self.out, &bytes)?;
+        let bounds: Vec<u8> =
+            [lo, hi].iter().flat_map(|p| p.to_array()).flat_map(|v| f64::from(v).to_le_bytes()).collect();
+        self.bounds.push(&mut self.out, &bounds)?;
+        self.frames += 1;
+        Ok(())
+    }
+
+    fn finish(self: Box<Self>) -> Result<()> {
+        self.end().map(|_| ())
+    }
+}
+
+/// Begins a cache.
+pub(crate) fn cache<'a>(
+    out: Box<dyn Output + 'a>,
+    strands: &Strands,
+    options: CacheOptions,
+) -> Result<Box<dyn writer::Cache + 'a>> {
+    let CacheOptions { unit, rate, .. } = options;
+    Ok(Box::new(Cache::new(out, strands, Options { unit, oriented: true, start: 0.0, rate })?))
+}
+
+fn description(options: Options) -> &'static str {
+    match options.unit.0 {
+        1.0 if options.oriented => MARK,
+        0.01 if options.oriented => CENTIMETRES,
+        _ => "a groom",
+    }
+}
+
+/// The times: none, and one per frame.
+fn samplings(options: Options, frames: u32) -> Vec<u8> {
+    let mut all = Vec::new();
+    let each = [(1, 1.0, 0.0), (frames, 1.0 / options.rate, options.start)];
+    for (count, cycle, start) in each.iter().take(if frames > 1 { 2 } else { 1 }) {
+        all.extend(u32::to_le_bytes(*count));
+        all.extend(f64::to_le_bytes(*cycle));
+        all.extend(1u32.to_le_bytes());
+        all.extend(f64::to_le_bytes(*start));
+    }
+    all
+}
+
+/// An object: its properties, its children, their names with two digests behind them, which nobody compares.
+fn object<W: Write + Seek>(
+    out: &mut Ogawa<W>,
+    top: Compound,
+    children: &[(&str, &str, Place)],
+) -> Result<Place> {
+    let mut all = vec![top.finish(out)?];
+    let mut list = Vec::new();
+    for (name, meta, place) in children {
+        list.extend((name.len() as u32).to_le_bytes());
+        list.extend(name.bytes());
+        // The texts are few and short.
+        list.push(out.share(meta).unwrap_or(0));
+        all.push(*place);
+    }
+    let [one, other] = [digest::digest(&list, 1), digest::digest(&list, 2)];
+    list.extend(one.iter().chain(&other));
+    all.push(out.data(&list)?);
+    out.group(&all)
+}
+
+/// Curves, and what Unreal wants to know of them.
+fn shape<W: Write + Seek>(
+    out: &mut Ogawa<W>,
+    strands: &Strands,
+    options: Options,
+    points: Sampled,
+    bounds: Sampled,
+    sampling: u32,
+) -> Result<Compound> {
+    let floats =
+        |values: &mut dyn Iterator<Item = f32>| values.flat_map(f32::to_le_bytes).collect::<Vec<u8>>();
+    let integers =
+        |values: &mut dyn Iterator<Item = i32>| values.flat_map(i32::to_le_bytes).collect::<Vec<u8>>();
+    let widths = floats(&mut strands.radii.iter().map(|r| 2.0 * r / options.unit.0));
+    let mut shape = Compound::default();
+    shape.close(out, bounds, sampling)?;
+    shape.close(out, points, sampling)?;
+    let counts = integers(&mut strands.iter().map(|strand| strand.len() as i32));
+    shape.constant(out, Sampled::array("nVertices", "", I32, 1), &counts)?;
+    // Linear, open, without a basis.
+    shape.constant(out, Sampled::scalar("curveBasisAndType", "", U8, 4), &[1, 0, 0, 0])?;
+    if !widths.is_empty() {
+        shape.constant(out, Sampled::param("width", F32, 1, "vtx", ""), &widths)?;
+    }
+    let mut groom = Compound::default();
+    let mut put = |name, pod, extent, scope: &str, meaning: &str, bytes: &[u8]| {
+        groom.constant(out, Sampled::param(name, pod, extent, scope, meaning), bytes)
+    };
+    put("groom_version_major", I16, 1, "con", "", &1i16.to_le_bytes())?;
+    put("groom_version_minor", I16, 1, "con", "", &5i16.to_le_bytes())?;
+    put("groom_tool", TEXT, 1, "con", "", b"Tresses\0")?;
+    if !widths.is_empty() {
+        put("groom_width", F32, 1, "vtx", "", &widths)?;
+    }
+    if !strands.colors.is_empty() {
+        let colors = floats(&mut strands.colors.iter().flat_map(|c| c.to_array()));
+        put("groom_color", F32, 3, "vtx", "rgb", &colors)?;
+    }
+    if !strands.root_uvs.is_empty() {
+        let uvs = floats(&mut strands.root_uvs.iter().flat_map(|uv| uv.to_array()));
+        put("groom_root_uv", F32, 2, "uni", "vector", &uvs)?;
+    }
+    let marks = &strands.marks;
+    if !marks.is_empty() {
+        let guides: Vec<u8> = marks.iter().flat_map(|mark| i16::from(mark.guide).to_le_bytes()).collect();
+        put("groom_guide", I16, 1, "uni", "", &guides)?;
+        put("groom_id", I32, 1, "uni", "", &integers(&mut marks.iter().map(|mark| mark.id)))?;
+        put("groom_group_id", I32, 1, "uni", "", &integers(&mut marks.iter().map(|mark| mark.group)))?;
+        if marks.iter().any(|mark| mark.weights != [0.0; 3]) {
+            let closest = integers(&mut marks.iter().flat_map(|mark| mark.closest));
+            put("groom_closest_guides", I32, 3, "uni", "vector", &closest)?;
+            let weights = floats(&mut marks.iter().flat_map(|mark| mark.weights));
+            put("groom_guide_weights", F32, 3, "uni", "vector", &weights)?;
+        }
+    }
+    shape.inside(out, ".arbGeomParams", "", groom)?;
+    Ok(shape)
+}
+
+/// Encodes a still groom.
+pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> error::Result<Encoded> {
+    let options =
+        Options { unit: unit.unwrap_or(Unit(1.0)), oriented: unit.is_some(), start: 0.0, rate: 24.0 };
+    let written = || -> Result<Vec<u8>> {
+        let mut cache = Cache::new(Cursor::new(Vec::new()), strands, options)?;
+        writer::Cache::frame(&mut cache, &strands.positions)?;
+        Ok(cache.end()?.into_inner())
+    };
+    // Memory does not fail to be written to.
+    written().map(Encoded::from).map_err(|error| Error::Unusable(error.to_string()))
+}

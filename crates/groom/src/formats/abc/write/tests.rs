@@ -1,0 +1,80 @@
+use glam::{Vec2, Vec3};
+use std::io::Cursor;
+use std::path::Path;
+
+use super::{writer::Cache as _, *};
+use crate::{
+    import::{Moment, parse_at},
+    orient::Choice,
+    strands::Mark,
+};
+
+fn groom() -> Strands {
+    let mut strands = Strands::default();
+    for i in 0..7usize {
+        let root = Vec3::new(0.01 * i as f32, 1.7, 0.0);
+        let line: Vec<_> = (0..3 + i).map(|k| root + Vec3::new(0.001, -0.01, 0.002) * k as f32).collect();
+        strands.push(&line);
+        strands.root_uvs.push(Vec2::new(0.1 * i as f32, 0.5));
+        let weights = if i == 2 { [0.75, 0.25, 0.0] } else { [0.0; 3] };
+        strands.marks.push(Mark {
+            guide: i < 2,
+            id: 10 + i as i32,
+            group: i as i32 % 2,
+            closest: [10, 11, 0],
+            weights,
+        });
+    }
+    strands.radii = (0..strands.positions.len()).map(|i| 3e-5 + 1e-6 * i as f32).collect();
+    strands.colors = strands.positions.iter().map(|p| Vec3::new(p.x, 0.5, 0.25)).collect();
+    strands
+}
+
+#[test]
+fn what_is_written_is_read_back() {
+    let strands = groom();
+    let bytes = encode(&strands, Some(Unit(1.0))).unwrap().bytes;
+    let back = parse_at(Path::new("a.abc"), &bytes, false, Moment::First).unwrap();
+    assert_eq!(back.strands, strands);
+    assert_eq!(back.declared, Choice::METRES);
+    // Another groom is another file.
+    let mut other = strands;
+    other.positions[3].x += 1e-3;
+    assert_ne!(encode(&other, Some(Unit(1.0))).unwrap().bytes, bytes);
+}
+
+#[test]
+fn a_cache_has_its_frames() {
+    let strands = groom();
+    let options = Options { unit: Unit(0.01), oriented: true, rate: 30.0, start: 1.0 };
+    let moved = |frame: u32| -> Vec<Vec3> {
+        strands.positions.iter().map(|p| *p + Vec3::X * 0.5 * (frame.min(2)) as f32).collect()
+    };
+    let mut cache = Cache::new(Cursor::new(Vec::new()), &strands, options).unwrap();
+    for frame in 0..4 {
+        cache.frame(&moved(frame)).unwrap();
+    }
+    assert!(cache.frame(&strands.positions[1..]).is_err());
+    let bytes = cache.end().unwrap().into_inner();
+    let read = |moment| parse_at(Path::new("a.abc"), &bytes, false, moment);
+    for (moment, frame) in [
+        (Moment::First, 0),
+        (Moment::Frame(1), 1),
+        (Moment::Frame(3), 2),
+        (Moment::Seconds(0.0), 0),
+        (Moment::Seconds(1.04), 1),
+        (Moment::Seconds(9.0), 2),
+    ] {
+        let raw = read(moment).unwrap();
+        let expected: Vec<Vec3> = moved(frame).iter().map(|p| *p / 0.01).collect();
+        assert_eq!(raw.strands.positions, expected, "{moment:?}");
+        assert_eq!(raw.declared.unit, Some(Unit(0.01)));
+        assert!(
+            raw.notes.iter().any(|note| note.contains("4 frames from 1.000 to 1.100 s")),
+            "{:?}",
+            raw.notes
+        );
+    }
+    let error = read(Moment::Frame(4)).err().unwrap().to_string();
+    assert!(error.contains("frame 4 is asked for, but there are 4"), "{error}");
+}

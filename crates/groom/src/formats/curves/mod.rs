@@ -1,0 +1,286 @@
+//! Curves of exchange files as strands: what the readers of Alembic and USD share.
+//!
+//! A reader hands over one object of curves after the other, each with its points, how its curves are cut and the
+//! values beside it; here they become strands, with widths, colours, coordinates and marks.
+
+pub(super) mod basis;
+mod habits;
+mod knots;
+mod param;
+
+pub(super) use habits::Habits;
+#[cfg(feature = "alembic")]
+pub(super) use knots::clamped;
+pub(super) use knots::split_knots;
+pub(super) use param::{Param, Per};
+
+use std::{collections::HashMap, rc::Rc};
+
+use glam::{DMat4, DVec3, Vec2, Vec3};
+
+use crate::{error::Result, formats::raw::Raw, strands::Mark};
+use basis::{Basis, Blend};
+
+/// Where values of an object are looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Place {
+    /// Beside its points, as the format itself has them.
+    Shape,
+    /// Among what exporters add.
+    Beside,
+}
+
+/// Looks for the values of one name.
+pub(super) type Values<'v> = dyn Fn(Place, &str) -> Result<Option<Param>> + 'v;
+
+/// One object of curves.
+pub(super) struct Object<'o> {
+    /// Its own name, and its parent's where that only holds it.
+    pub names: [&'o str; 2],
+    /// Its number.
+    pub index: usize,
+    /// Whether all of it are guides, as far as nothing else is said; `None` where no object is.
+    pub guides: Option<bool>,
+    /// Where its curves begin among the points, and where the last ends.
+    pub starts: &'o [u32],
+    pub points: &'o [Vec3],
+    /// How each curve is cut.
+    pub cut: &'o [Rc<[Blend]>],
+    /// Whether cubic curves end before their outermost points.
+    pub inner: bool,
+    /// From its own space to the file's.
+    pub matrix: DMat4,
+    /// The names of groups, one for all or one per curve; empty where there are none.
+    pub group_names: &'o [String],
+}
+
+/// What a format calls things.
+pub(super) struct Names {
+    /// Widths beside the points.
+    pub width: &'static str,
+    /// Coordinates beside the points.
+    pub uv: &'static str,
+}
+
+/// A file in the making.
+pub(super) struct Groom {
+    pub raw: Raw,
+    pub habits: Habits,
+    pub names: Names,
+}
+
+impl Groom {
+    pub fn new(format: &'static str, names: Names) -> Self {
+        Self { raw: Raw::new(format), habits: Habits::default(), names }
+    }
+
+    /// Adds an object.
+    pub fn add(&mut self, object: &Object, values: &Values) -> Result<()> {
+        let Object { starts, points, matrix, .. } = object;
+        let moved = *matrix != DMat4::IDENTITY;
+        self.habits.moved += usize::from(moved);
+        let scale = matrix.determinant().abs().cbrt() as f32;
+        let widths =
+            self.per_point(object, values, &[self.names.width], &["groom_width", "width", "widths"], 1)?;
+        let colors =
+            self.per_point(object, values, &[], &["groom_color", "Cd", "displayColor", "color"], 3)?;
+        let strands = &mut self.raw.strands;
+        if strands.offsets.is_empty() {
+            strands.offsets.push(0);
+        }
+        for (i, curve) in object.cut.iter().enumerate() {
+            let range = starts[i] as usize..starts[i + 1] as usize;
+            for blend in curve.iter() {
+                let p = blend.of_values(&points[range.clone()]);
+                let p = if moved { matrix.transform_point3(DVec3::from(p)).as_vec3() } else { p };
+                strands.positions.push(p);
+                if let Some(widths) = &widths {
+                    strands.radii.push(0.5 * scale * blend.of_values(&widths[range.clone()]).x);
+                }
+                if let Some(colors) = &colors {
+                    strands.colors.push(blend.of_values(&colors[range.clone()]));
+                }
+            }
+            strands.offsets.push(strands.positions.len() as u32);
+        }
+        self.habits.without_width += usize::from(widths.is_none());
+        self.marks(object, values)
+    }
+
+    /// One value per control point: `own` names of the shape's properties, `others` of those beside it.
+    fn per_point(
+        &mut self,
+        object: &Object,
+        values: &Values,
+        own: &[&'static str],
+        others: &[&'static str],
+        width: usize,
+    ) -> Result<Option<Vec<Vec3>>> {
+        let starts = object.starts;
+        let (curves, points) = (starts.len() - 1, object.points.len());
+        let own = own.iter().map(|name| (Place::Shape, name));
+        for (place, name) in own.chain(others.iter().map(|name| (Place::Beside, name))) {
+            let Some(param) = values(place, name)? else { continue };
+            if let Some(knots) = (width == 1).then(|| param.at_knots(starts, object.inner)).flatten() {
+                self.habits.widths.push(name);
+                return Ok(Some(knots.into_iter().map(|value| Vec3::new(value, 0.0, 0.0)).collect()));
+            }
+            let Some(per) = param.per(width, curves, points) else {
+                self.misfit(name, &param, curves, points);
+                continue;
+            };
+            if width == 1 && !self.habits.widths.contains(name) {
+                self.habits.widths.push(name);
+            }
+            let at = |index: usize| Vec3::from(param.value::<3>(width, index));
+            return Ok(Some(match per {
+                Per::All => vec![at(0); points],
+                Per::Point => (0..points).map(at).collect(),
+                Per::Curve => {
+                    let spread = starts.windows(2).enumerate();
+                    spread.flat_map(|(i, w)| std::iter::repeat_n(at(i), (w[1] - w[0]) as usize)).collect()
+                }
+            }));
+        }
+        Ok(None)
+    }
+
+    fn misfit(&mut self, name: &str, param: &Param, curves: usize, points: usize) {
+        self.habits.misfits.push(format!(
+            "“{name}” has {param}, which fit neither {curves} curves nor {points} points, and is not used"
+        ));
+    }
+
+    /// Guides, ids, groups, coordinates.
+    fn marks(&mut self, object: &Object, values: &Values) -> Result<()> {
+        let starts = object.starts;
+        let (curves, before) = (starts.len() - 1, self.raw.strands.marks.len());
+        let find = |name: &str| values(Place::Beside, name);
+        let whole = |param: Option<Param>| param.and_then(|param| param.per_curve::<1>(1, starts));
+        let guide = whole(find("groom_guide")?);
+        let id = whole(find("groom_id")?);
+        let group = whole(find("groom_group_id")?);
+        let three = |param: Option<Param>| {
+            param.and_then(|param| {
+                param.per_curve::<3>(param.width(curves), starts).map(|all| (param.width(curves), all))
+            })
+        };
+        let (closest, weights) = (three(find("groom_closest_guides")?), three(find("groom_guide_weights")?));
+        let uvs = match find("groom_root_uv")? {
+            Some(param) => Some(param),
+            None => values(Place::Shape, self.names.uv)?,
+        };
+        if let Some(param) = uvs {
+            match param.per_curve::<2>(2, starts) {
+                Some(all) => self.raw.strands.root_uvs.extend(all.into_iter().map(Vec2::from)),
+                None => self.misfit("groom_root_uv", &param, curves, object.points.len()),
+            }
+        }
+        self.habits.groups |= group.is_some();
+        self.habits.guides_said |= guide.is_some();
+        self.habits.marked |= guide.is_some()
+            || id.is_some()
+            || group.is_some()
+            || closest.is_some()
+            || object.guides.is_some();
+        let names = object.group_names;
+        for i in 0..curves {
+            let mut mark = Mark { id: (before + i) as i32, group: object.index as i32, ..Default::default() };
+            mark.guide = match &guide {
+                Some(guide) => guide[i][0] != 0.0,
+                None => object.guides == Some(true),
+            };
+            self.habits.guides += usize::from(mark.guide);
+            if let Some(id) = &id {
+                mark.id = id[i][0] as i32;
+            }
+            if let Some(group) = &group {
+                mark.group = group[i][0] as i32;
+            }
+            if let Some((width, closest)) = &closest {
+                // One guide without a weight is followed alone.
+                mark.weights[0] = 1.0;
+                let named = (*width).min(3);
+                let names = closest[i].iter().take(named);
+                mark.closest.iter_mut().zip(names).for_each(|(id, name)| *id = *name as i32);
+                if let Some((_, weights)) = &weights {
+                    mark.weights = weights[i];
+                }
+            }
+            let name = match names.len() {
+                0 if group.is_none() => Some(object.names[usize::from(!object.names[1].is_empty())]),
+                0 => None,
+                1 => names.first().map(String::as_str),
+                _ => names.get(i).map(String::as_str),
+            };
+            if let Some(name) = name.filter(|_| !self.raw.group_names.contains_key(&mark.group)) {
+                self.raw.group_names.insert(mark.group, name.to_owned());
+            }
+            self.raw.strands.marks.push(mark);
+        }
+        Ok(())
+    }
+}
+
+/// Where curves of so many points each begin, and where the last ends; an error says which does not fit.
+pub(super) fn starts(counts: &[i64], points: usize) -> Result<Vec<u32>, String> {
+    let mut starts = vec![0u32];
+    let mut end = 0u64;
+    for count in counts {
+        // A curve of nothing would be a strand of nothing.
+        end =
+            u64::try_from(*count).ok().filter(|n| *n > 0).map_or(u64::MAX, |count| end.saturating_add(count));
+        if end > points as u64 {
+            return Err(format!("a curve of {count} points does not fit into {points} points"));
+        }
+        // As many as positions that were read, which are fewer.
+        starts.push(end as u32);
+    }
+    Ok(starts)
+}
+
+/// What curves are cut by.
+pub(super) enum How<'h> {
+    /// One basis for all.
+    Basis(Basis<'h>),
+    /// Each by its order and knots.
+    Knots(&'h [(usize, Vec<f32>)]),
+}
+
+/// How each curve is cut.
+pub(super) fn cut(starts: &[u32], how: &How) -> Result<Vec<Rc<[Blend]>>, String> {
+    let mut all: Vec<Rc<[Blend]>> = Vec::with_capacity(starts.len() - 1);
+    let mut known: HashMap<usize, Rc<[Blend]>> = HashMap::new();
+    for (i, pair) in starts.windows(2).enumerate() {
+        let count = (pair[1] - pair[0]) as usize;
+        // Most curves of an object are alike.
+        let like = match how {
+            How::Basis(_) => known.get(&count),
+            How::Knots(own) => all.last().filter(|_| i > 0 && own[i - 1] == own[i]),
+        };
+        if let Some(like) = like.cloned() {
+            all.push(like);
+            continue;
+        }
+        let vertices = match how {
+            How::Basis(basis) => basis.vertices(count),
+            How::Knots(own) => Basis::Knots { order: own[i].0, knots: &own[i].1 }.vertices(count),
+        };
+        let vertices: Rc<[Blend]> = vertices?.into();
+        known.insert(count, vertices.clone());
+        all.push(vertices);
+    }
+    Ok(all)
+}
+
+/// Whether a name says that what it names are guides.
+pub(super) fn names_guides(name: &str) -> bool {
+    name.to_ascii_lowercase().contains("guide")
+}
+
+/// Whether objects are told apart as guides by something: some say so, and others do not.
+pub(super) fn told_apart(says: impl Iterator<Item = bool>) -> bool {
+    let (mut some, mut others) = (false, false);
+    says.for_each(|guides| *(if guides { &mut some } else { &mut others }) = true);
+    some && others
+}

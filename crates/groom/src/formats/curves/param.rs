@@ -1,0 +1,168 @@
+//! Values beside the shape of curves: one for all, one per curve or one per point.
+
+use crate::error::At;
+
+/// Values of one name.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::formats) struct Param {
+    /// In one row.
+    pub flat: Vec<f32>,
+    /// How many make one value, as the file has it.
+    pub width: usize,
+    /// What they belong to, as the file has it.
+    pub scope: Option<Per>,
+    /// Where they are.
+    pub at: At,
+}
+
+/// What values belong to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::formats) enum Per {
+    All,
+    Curve,
+    Point,
+}
+
+impl Param {
+    /// The values of `extent` numbers each that `indices` name, in their order; an error is the index without one.
+    pub fn picked(known: &[f32], indices: &[i64], extent: usize) -> Result<Vec<f32>, i64> {
+        let mut flat = Vec::with_capacity(indices.len());
+        for index in indices {
+            let at = usize::try_from(*index).ok().and_then(|i| i.checked_mul(extent));
+            flat.extend_from_slice(at.and_then(|at| known.get(at..)?.get(..extent)).ok_or(*index)?);
+        }
+        Ok(flat)
+    }
+
+    /// What they belong to, if `width` numbers make one value and the curves have so many points.
+    pub fn per(&self, width: usize, curves: usize, points: usize) -> Option<Per> {
+        let count = self.flat.len() / width.max(1);
+        let fits = |per| match per {
+            Per::All => count == 1,
+            Per::Curve => count == curves,
+            Per::Point => count == points,
+        };
+        // Scopes are missing or wrong more often than counts.
+        let any = [Per::Point, Per::Curve, Per::All];
+        self.scope
+            .into_iter()
+            .chain(any)
+            .find(|per| self.flat.len().is_multiple_of(width.max(1)) && fits(*per))
+    }
+
+    /// The value of `index`, 0 where it has fewer numbers.
+    pub fn value<const N: usize>(&self, width: usize, index: usize) -> [f32; N] {
+        std::array::from_fn(|k| {
+            if k < width { self.flat.get(index * width + k).copied().unwrap_or(0.0) } else { 0.0 }
+        })
+    }
+
+    /// One value per curve, of `N` numbers; of points, the first of each curve. `None` where the counts fit
+    /// nothing.
+    pub fn per_curve<const N: usize>(&self, width: usize, starts: &[u32]) -> Option<Vec<[f32; N]>> {
+        let (curves, points) = (starts.len() - 1, starts.last().map_or(0, |end| *end as usize));
+        let per = self.per(width, curves, points)?;
+        let at = |i: usize| match per {
+            Per::All => 0,
+            Per::Curve => i,
+            Per::Point => starts[i] as usize,
+        };
+        Some((0..curves).map(|i| self.value(width, at(i))).collect())
+    }
+
+    /// One number per control point, where the file has one for each end of each piece (`varying`): of Bézier curves,
+    /// or, `inner`, of cubic ones that end before their outermost points.
+    pub fn at_knots(&self, starts: &[u32], inner: bool) -> Option<Vec<f32>> {
+        if inner {
+            return self.at_inner(starts);
+        }
+        let pieces =
+            |w: &[u32]| ((w[1] - w[0]) as usize).checked_sub(1).filter(|n| *n > 0 && n.is_multiple_of(3));
+        let ends: Option<usize> = starts.windows(2).map(|w| pieces(w).map(|n| n / 3 + 1)).sum();
+        if ends != Some(self.flat.len()) {
+            return None;
+        }
+        let mut first = 0;
+        let mut all = Vec::with_capacity(starts.last().map_or(0, |end| *end as usize));
+        for w in starts.windows(2) {
+            let points = (w[1] - w[0]) as usize;
+            let at = |k: usize| self.flat[first + k.min((points - 1) / 3)];
+            all.extend((0..points).map(|k| at(k / 3) + (at(k / 3 + 1) - at(k / 3)) * (k % 3) as f32 / 3.0));
+            first += (points - 1) / 3 + 1;
+        }
+        Some(all)
+    }
+
+    /// Ends of pieces lie beside all points but the outermost.
+    fn at_inner(&self, starts: &[u32]) -> Option<Vec<f32>> {
+        let inner = |w: &[u32]| ((w[1] - w[0]) as usize).checked_sub(2).filter(|n| *n > 1);
+        let ends: Option<usize> = starts.windows(2).map(inner).sum();
+        if ends != Some(self.flat.len()) {
+            return None;
+        }
+        let mut first = 0;
+        let mut all = Vec::with_capacity(starts.last().map_or(0, |end| *end as usize));
+        for count in starts.windows(2).filter_map(inner) {
+            all.extend((0..count + 2).map(|k| self.flat[first + k.saturating_sub(1).min(count - 1)]));
+            first += count;
+        }
+        Some(all)
+    }
+
+    /// How many numbers make one value, if there is one per curve; else as the file has it.
+    pub fn width(&self, curves: usize) -> usize {
+        match curves {
+            0 => self.width,
+            _ if self.flat.len().is_multiple_of(curves) && self.flat.len() / curves <= 3 => {
+                self.flat.len() / curves
+            }
+            _ => self.width,
+        }
+    }
+}
+
+impl std::fmt::Display for Param {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} numbers{}", self.flat.len(), self.at)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn param(flat: &[f32], scope: Option<Per>) -> Param {
+        Param { flat: flat.to_vec(), width: 1, scope, at: At::File }
+    }
+
+    #[test]
+    fn values_belong_to_what_they_are_as_many_as() {
+        // Two curves of four and seven points.
+        let starts = [0, 4, 11];
+        let per = |count: usize, scope| param(&vec![1.0; count], scope).per(1, 2, 11);
+        assert_eq!(
+            [1, 2, 11, 3].map(|n| per(n, None)),
+            [Some(Per::All), Some(Per::Curve), Some(Per::Point), None]
+        );
+        // A scope that does not fit counts for nothing.
+        assert_eq!(
+            (per(11, Some(Per::Curve)), per(2, Some(Per::Curve))),
+            (Some(Per::Point), Some(Per::Curve))
+        );
+        let knots = param(&[0.0, 3.0, 6.0, 9.0, 0.0], None).at_knots(&starts, false).unwrap();
+        assert_eq!(knots, [0.0, 1.0, 2.0, 3.0, 6.0, 7.0, 8.0, 9.0, 6.0, 3.0, 0.0]);
+        assert_eq!(param(&[0.0; 4], None).at_knots(&starts, false), None);
+        assert_eq!(param(&[0.0; 5], None).at_knots(&[0, 4, 10], false), None);
+        // Two and five ends of pieces between outermost points.
+        let inner = param(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0], None);
+        let spread = [1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 5.0, 6.0, 7.0, 7.0];
+        assert_eq!(inner.at_knots(&starts, true).unwrap(), spread);
+        assert_eq!((inner.at_knots(&[0, 4, 10], true), inner.at_knots(&starts, false)), (None, None));
+        let firsts = param(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0], None);
+        assert_eq!(firsts.per_curve::<1>(1, &starts), Some(vec![[0.0], [4.0]]));
+        assert_eq!(
+            param(&[1.0, 2.0, 3.0, 4.0], None).per_curve::<2>(2, &starts),
+            Some(vec![[1.0, 2.0], [3.0, 4.0]])
+        );
+    }
+}

@@ -1,0 +1,123 @@
+//! glTF and GLB meshes through the `gltf` crate.
+//!
+//! Every accessor is checked against its view and its buffer before it is read. Nodes come first, in the
+//! order in which the scene has them, a parent before its children; then the meshes of each, then what
+//! animates them. A skin's vertices are where the joints at rest have them.
+
+mod accessors;
+mod animation;
+mod file;
+pub(super) mod hair;
+mod morph;
+mod packed;
+#[cfg(feature = "textures")]
+mod paint;
+mod primitive;
+mod skin;
+mod walk;
+
+use glam::Mat4;
+
+use crate::{
+    TriMesh,
+    error::Result,
+    formats::{raw::RawMesh, source::Source},
+    orient::Choice,
+    rig::{Node, Rig},
+};
+use file::File;
+use morph::Shapes;
+use primitive::Reader;
+use skin::Skins;
+use walk::Placed;
+
+/// What makes a rig, as far as it is read.
+struct Rigging {
+    rig: Rig,
+    skins: Skins,
+    shapes: Shapes,
+    /// Triangles that follow skins, whose outside is known when all joints are.
+    skinned: Vec<std::ops::Range<usize>>,
+}
+
+/// Reads all triangles of the default scene at rest, what moves them if there is anything, and what was left out.
+pub(crate) fn read_mesh(source: &Source) -> Result<RawMesh> {
+    let file = packed::open(source)?;
+    let scene = file.document.default_scene().or_else(|| file.document.scenes().next());
+    let (placed, places) = match scene {
+        Some(scene) => walk::scene(&file, scene)?,
+        None => Default::default(),
+    };
+    let moves = may_move(&file);
+    let mut reader = Reader::new(&file, moves.then(|| Rigging::new(&placed, &places)));
+    for (i, node) in placed.iter().enumerate() {
+        if let Some(mesh) = node.node.mesh() {
+            reader.mesh(&mesh, node.global, node.node.skin(), i as u32)?;
+            reader.weights(&mesh, node.node.weights(), i as u32)?;
+        }
+    }
+    if placed.is_empty() {
+        for mesh in file.document.meshes() {
+            let node = reader.bare_node(mesh.name());
+            reader.mesh(&mesh, Mat4::IDENTITY, None, node)?;
+            reader.weights(&mesh, None, node)?;
+        }
+    }
+    let (mut mesh, rigging, bare, notes) = reader.finish();
+    let rig = match rigging {
+        Some(rigging) => rigging.finish(&file, &placed, &places, &mut mesh)?,
+        None => None,
+    };
+    if bare {
+        mesh.normals.clear();
+    }
+    Ok(RawMesh { mesh, declared: Choice::METRES, rig, notes })
+}
+
+/// Whether a file has anything that a rig is for.
+fn may_move(file: &File) -> bool {
+    let root = file.document.as_json();
+    let mut primitives = root.meshes.iter().flat_map(|m| &m.primitives);
+    !root.skins.is_empty() || !root.animations.is_empty() || primitives.any(|p| p.targets.is_some())
+}
+
+impl Rigging {
+    fn new(placed: &[Placed], places: &[Option<u32>]) -> Self {
+        let nodes = placed.iter().map(Placed::rest).collect();
+        let rig = Rig { nodes, ..Default::default() };
+        Self { rig, skins: Skins::new(places), shapes: Shapes::default(), skinned: Vec::new() }
+    }
+
+    /// The rig, and the mesh as the joints at rest have it. `None` if nothing of the file moves.
+    fn finish(
+        self,
+        file: &File,
+        placed: &[Placed],
+        places: &[Option<u32>],
+        mesh: &mut TriMesh,
+    ) -> Result<Option<Rig>> {
+        let mut rig = self.rig;
+        rig.animations = animation::read(file, placed, places, &self.shapes)?;
+        rig.targets = self.shapes.targets;
+        if self.skinned.is_empty() && rig.targets.is_empty() && rig.animations.is_empty() {
+            return Ok(None);
+        }
+        let rest = rig.rest_pose();
+        // A mesh without skin and shapes is at rest already, to the bit.
+        if !self.skinned.is_empty() || rest.weights.iter().any(|w| *w != 0.0) {
+            rig.deform(&rest, mesh);
+        }
+        for triangle in self.skinned.into_iter().flatten() {
+            let t = &mut mesh.triangles[triangle];
+            if t.iter().filter(|v| rig.mirrors(&rest, **v)).count() > 1 {
+                t.swap(1, 2);
+            }
+        }
+        Ok(Some(rig))
+    }
+}
+
+/// A node for a mesh that no scene has.
+fn lone(name: Option<&str>) -> Node {
+    Node { name: name.unwrap_or_default().into(), ..Default::default() }
+}

@@ -1,0 +1,433 @@
+//! File formats: one row each. Readers, writers, dialogs, help texts and the documentation follow this table.
+//!
+//! A new format is a module here and a row of [`FORMATS`]. The module has functions of these types:
+//!
+//! - `fn(&Source, Moment) -> Result<Raw>` for strands and `fn(&Source) -> Result<RawMesh>` for a mesh, each in the file's unit
+//!   and axes;
+//! - `fn(&Path, &[u8]) -> bool` where a file may hold strands or a mesh: whether it holds strands;
+//! - those of a [`Writer`]: strands as a file; bodies with hair, meshes and caches where the format holds them.
+
+#[cfg(feature = "alembic")]
+mod abc;
+mod chain;
+mod content;
+#[cfg(any(feature = "alembic", feature = "usd"))]
+mod curves;
+mod data;
+pub(crate) mod faces;
+#[cfg(feature = "gltf")]
+mod gltf;
+mod hair;
+mod obj;
+mod ply;
+pub(crate) mod raw;
+pub(crate) mod source;
+mod tfx;
+mod tfxmesh;
+mod usd;
+pub(crate) mod writer;
+
+pub use content::Content;
+
+use crate::{
+    Result,
+    error::{At, Error},
+};
+use raw::{Moment, Raw, RawMesh};
+use source::Source;
+use std::path::Path;
+use writer::Writer;
+
+/// A file format.
+#[derive(Clone, Copy, Debug)]
+pub struct Format {
+    /// Its name.
+    pub name: &'static str,
+    /// The extensions of its files, in lower case; the usual one first.
+    pub extensions: &'static [&'static str],
+    /// The feature of this crate that reads it, or `None` where it is always read.
+    pub feature: Option<&'static str>,
+    /// Whether the web page reads it.
+    pub in_browsers: bool,
+    /// What is read from such a file.
+    pub reads: &'static [Content],
+    /// The writers, one per extension that is written.
+    pub writers: &'static [Writer],
+    /// The extensions of files that its meshes may name: materials, buffers, textures.
+    pub companions: &'static [&'static str],
+    /// Reads strands at one moment; `None` without the feature, and where such files hold none.
+    pub(crate) read: Option<fn(&Source<'_>, Moment) -> Result<Raw>>,
+    /// Reads a mesh; `None` likewise.
+    pub(crate) read_mesh: Option<fn(&Source<'_>) -> Result<RawMesh>>,
+    /// Tells files with strands from files that are only a mesh, where both exist.
+    pub(crate) is_groom: Option<fn(&Path, &[u8]) -> bool>,
+    /// Tells whether a file with strands holds the body that they grow on.
+    pub(crate) holds_body: Option<fn(&Path, &[u8]) -> bool>,
+    /// Whether a file is read whole, as [`Cooked`](crate::cooked::Cooked), instead of by the readers here.
+    pub(crate) is_cooked: bool,
+}
+
+/// A row without functions.
+const NONE: Format = Format {
+    name: "",
+    extensions: &[],
+    feature: None,
+    in_browsers: true,
+    reads: &[],
+    writers: &[],
+    companions: &[],
+    read: None,
+    read_mesh: None,
+    is_groom: None,
+    holds_body: None,
+    is_cooked: false,
+};
+
+/// `Some`, with a feature.
+macro_rules! with {
+    ($feature:literal, $value:expr) => {{
+        #[cfg(feature = $feature)]
+        {
+            Some($value)
+        }
+        #[cfg(not(feature = $feature))]
+        {
+            None
+        }
+    }};
+}
+
+use Content::*;
+
+/// All formats, in the order in which people see them.
+pub const FORMATS: &[Format] = &[
+    Format {
+        name: "TressFX",
+        extensions: &["tfx"],
+        reads: &[Strands, Colors, RootUvs, PinnedTips, Followers, Units],
+        read: Some(|source, _| tfx::read(source)),
+        writers: &[Writer::new("tfx", &[Strands, Colors, RootUvs, PinnedTips, Units], tfx::encode)],
+        ..NONE
+    },
+    Format {
+        name: "Cem Yuksel's hair files",
+        extensions: &["hair"],
+        reads: &[Strands, Widths, Colors, Units],
+        read: Some(|source, _| hair::read(source)),
+        writers: &[Writer::new("hair", &[Strands, Widths, Colors, Units], hair::encode)],
+        ..NONE
+    },
+    Format {
+        name: "Wavefront OBJ",
+        extensions: &["obj"],
+        reads: &[Strands, Units, Mesh],
+        read: Some(|source, _| obj::read(source)),
+        read_mesh: Some(obj::read_mesh),
+        is_groom: Some(obj::is_groom),
+        companions: &["mtl"],
+        writers: &[Writer {
+            mesh: Some(obj::encode_mesh),
+            ..Writer::new("obj", &[Strands, Units, Mesh], obj::encode)
+        }],
+        ..NONE
+    },
+    Format {
+        name: "USC-HairSalon strands",
+        extensions: &["data"],
+        reads: &[Strands],
+        read: Some(|source, _| data::read(source)),
+        writers: &[Writer::new("data", &[Strands], data::encode)],
+        ..NONE
+    },
+    Format {
+        name: "PLY line sets",
+        extensions: &["ply"],
+        reads: &[Strands, Widths, Units],
+        read: Some(|source, _| ply::read(source)),
+        writers: &[Writer::new("ply", &[Strands, Widths, Units], ply::encode)],
+        ..NONE
+    },
+    Format {
+        name: "glTF with EXT_tresses_hair",
+        extensions: &["glb", "gltf"],
+        feature: Some("gltf"),
+        reads: &[
+            Strands, Widths, Colors, RootUvs, PinnedTips, Guides, Look, Units, Mesh, Textures, Rig,
+            Animations,
+        ],
+        read: with!("gltf", |source, _| gltf::read(source)),
+        read_mesh: with!("gltf", gltf::read_mesh),
+        is_groom: with!("gltf", gltf::is_groom),
+        holds_body: with!("gltf", gltf::holds_body),
+        companions: &["bin", "png", "jpg", "jpeg"],
+        writers: &[
+            #[cfg(feature = "gltf")]
+            Writer {
+                compresses: true,
+                character: Some(gltf::character),
+                mesh: Some(gltf::body),
+                ..Writer::new(
+                    "glb",
+                    &[
+                        Strands, Widths, Colors, RootUvs, PinnedTips, Guides, Look, Units, Mesh, Rig,
+                        Animations,
+                    ],
+                    gltf::encode,
+                )
+            },
+        ],
+        ..NONE
+    },
+    Format {
+        name: "Alembic (Ogawa)",
+        extensions: &["abc"],
+        feature: Some("alembic"),
+        reads: &[Strands, Widths, Colors, RootUvs, Guides, Units, Frames, Mesh],
+        read: with!("alembic", abc::read),
+        read_mesh: with!("alembic", abc::read_mesh),
+        is_groom: with!("alembic", abc::is_groom),
+        writers: &[
+            #[cfg(feature = "alembic")]
+            Writer {
+                any_unit: true,
+                cache: Some(abc::cache),
+                ..Writer::new("abc", &[Strands, Widths, Colors, RootUvs, Guides, Units, Frames], abc::encode)
+            },
+        ],
+        ..NONE
+    },
+    Format {
+        name: "USD",
+        extensions: &["usd", "usda", "usdc", "usdz"],
+        feature: Some("usd"),
+        in_browsers: false,
+        reads: &[Strands, Widths, Colors, RootUvs, Guides, Units, Frames, Mesh, Rig, Animations],
+        read: with!("usd", usd::read),
+        read_mesh: with!("usd", usd::read_mesh),
+        is_groom: with!("usd", usd::is_groom),
+        holds_body: with!("usd", usd::holds_body),
+        writers: &[
+            Writer {
+                any_unit: true,
+                character: Some(usd::character),
+                mesh: Some(usd::body),
+                cache: Some(usd::cache),
+                ..Writer::new(
+                    "usda",
+                    &[Strands, Widths, Colors, RootUvs, Guides, Units, Frames, Mesh, Rig, Animations],
+                    usd::encode,
+                )
+            },
+            #[cfg(feature = "usd")]
+            Writer {
+                any_unit: true,
+                character: Some(usd::packed::character),
+                mesh: Some(usd::packed::body),
+                ..Writer::new(
+                    "usdc",
+                    &[Strands, Widths, Colors, RootUvs, Guides, Units, Mesh, Rig, Animations],
+                    usd::packed::encode,
+                )
+            },
+        ],
+        ..NONE
+    },
+    Format {
+        name: "cooked groom of one version of Tresses",
+        extensions: &["tresses"],
+        feature: Some("cooked"),
+        reads: &[
+            Strands, Widths, Colors, RootUvs, PinnedTips, Guides, Followers, Look, Units, Mesh, Textures,
+            Rig, Animations, Computed,
+        ],
+        read: with!("cooked", |source, _| {
+            let alone = "a cooked groom stands for itself: it is no part of another";
+            Err(source.problem(At::File, alone))
+        }),
+        is_cooked: true,
+        ..NONE
+    },
+    Format {
+        name: "TressFX collision mesh",
+        extensions: &["tfxmesh"],
+        reads: &[Mesh],
+        read_mesh: Some(tfxmesh::read),
+        ..NONE
+    },
+];
+
+/// Extensions of files with strands that are read. An `.obj` holds strands when it has lines, a `.glb` or `.gltf` when it
+/// has `EXT_tresses_hair`.
+pub const GROOMS: &[&str] = &joined::<{ count(List::Grooms) }>(List::Grooms);
+/// Extensions of meshes that are read. An `.obj` is one when it has faces, an `.abc` or `.usd` when it has no curves.
+pub const MESHES: &[&str] = &joined::<{ count(List::Meshes) }>(List::Meshes);
+/// Extensions of grooms that are written.
+pub const WRITTEN: &[&str] = &joined::<{ count(List::Written) }>(List::Written);
+/// Extensions of files that meshes may need beside them.
+pub const COMPANIONS: &[&str] = &joined::<{ count(List::Companions) }>(List::Companions);
+
+#[derive(Clone, Copy)]
+enum List {
+    Grooms,
+    Meshes,
+    Written,
+    Companions,
+}
+
+/// The `k`-th extension that a format adds to a list.
+const fn entry(format: &Format, list: List, k: usize) -> Option<&'static str> {
+    let all = match list {
+        List::Grooms if format.read.is_some() => format.extensions,
+        List::Meshes if format.read_mesh.is_some() => format.extensions,
+        List::Companions if format.read_mesh.is_some() => format.companions,
+        List::Written if k < format.writers.len() => return Some(format.writers[k].extension),
+        _ => &[],
+    };
+    if k < all.len() { Some(all[k]) } else { None }
+}
+
+const fn count(list: List) -> usize {
+    let (mut all, mut i) = (0, 0);
+    while i < FORMATS.len() {
+        let mut k = 0;
+        while entry(&FORMATS[i], list, k).is_some() {
+            k += 1;
+        }
+        (all, i) = (all + k, i + 1);
+    }
+    all
+}
+
+/// A list of [`count`] extensions.
+const fn joined<const N: usize>(list: List) -> [&'static str; N] {
+    let (mut all, mut n, mut i) = ([""; N], 0, 0);
+    while i < FORMATS.len() {
+        let mut k = 0;
+        while let Some(extension) = entry(&FORMATS[i], list, k) {
+            all[n] = extension;
+            (n, k) = (n + 1, k + 1);
+        }
+        i += 1;
+    }
+    all
+}
+
+impl Format {
+    /// The format of files with this name, by its extension.
+    pub fn of(path: &Path) -> Option<&'static Self> {
+        let extension = extension(path);
+        FORMATS.iter().find(|format| format.extensions.contains(&extension.as_str()))
+    }
+
+    /// The error for a file that no reader takes as `what`, one of `extensions`.
+    pub(crate) fn unread(path: &Path, what: &str, extensions: &[&str]) -> Error {
+        let missing = Self::of(path).filter(|format| format.read.is_none() && format.read_mesh.is_none());
+        let problem = match missing.and_then(|format| Some((format.name, format.feature?))) {
+            Some((name, feature)) => {
+                format!("{name} is read with the feature `{feature}`, which is off here")
+            }
+            None => format!("{what} is a {} file", listed(extensions, "or")),
+        };
+        Error::File { path: path.to_path_buf(), at: At::File, problem }
+    }
+}
+
+/// Extensions of files that are written and can hold `content`.
+pub fn written(content: Content) -> Vec<&'static str> {
+    let writers = FORMATS.iter().flat_map(|format| format.writers);
+    writers.filter(|writer| writer.holds.contains(&content)).map(|writer| writer.extension).collect()
+}
+
+/// The extension of a file's name in lower case, or nothing.
+pub fn extension(path: &Path) -> String {
+    path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase()
+}
+
+/// Whether a file's name is that of a cooked groom.
+pub fn is_cooked(path: &Path) -> bool {
+    Format::of(path).is_some_and(|format| format.is_cooked)
+}
+
+/// Extensions for a sentence, `joint` before the last: ".tfx, .hair or .obj".
+pub fn listed(extensions: &[&str], joint: &str) -> String {
+    let dotted: Vec<_> = extensions.iter().map(|extension| format!(".{extension}")).collect();
+    match dotted.split_last() {
+        Some((last, [])) => last.clone(),
+        Some((last, others)) => format!("{} {joint} {last}", others.join(", ")),
+        None => String::new(),
+    }
+}
+
+/// The table as Markdown, for the documentation.
+pub fn markdown() -> String {
+    let names = |contents: &[Content]| contents.iter().map(|it| it.name()).collect::<Vec<_>>().join(", ");
+    let files = |all: &[&str]| all.iter().map(|it| format!("`.{it}`")).collect::<Vec<_>>().join(", ");
+    let mut text = String::from(
+        "| files | format | holds, when read | written | read by the web page |\n|---|---|---|---|---|\n",
+    );
+    for format in FORMATS {
+        let written = |writer: &Writer| {
+            let lost = format.reads.iter().copied().filter(|it| !writer.holds.contains(it));
+            match names(&lost.collect::<Vec<_>>()) {
+                lost if lost.is_empty() => format!("`.{}`", writer.extension),
+                lost => format!("`.{}` without {lost}", writer.extension),
+            }
+        };
+        let mut written: Vec<String> = format.writers.iter().map(written).collect();
+        if format.is_cooked {
+            written.push("by `tresses convert`".into());
+        }
+        text += &format!(
+            "| {} | {} | {} | {} | {} |\n",
+            files(format.extensions),
+            format.name,
+            names(format.reads),
+            if written.is_empty() { "no".into() } else { written.join("; ") },
+            if format.in_browsers { "yes" } else { "no" },
+        );
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn extensions_make_a_sentence() {
+        assert_eq!(listed(&["tfx", "hair", "obj"], "or"), ".tfx, .hair or .obj");
+        assert_eq!(listed(&["png"], "or"), ".png");
+        assert_eq!(extension(Path::new("a/B.GLTF")), "gltf");
+    }
+
+    #[test]
+    fn rows_say_what_their_functions_do() {
+        let mut seen: Vec<&str> = Vec::new();
+        for format in FORMATS {
+            let (name, reads) = (format.name, |content| format.reads.contains(&content));
+            let on = match format.feature {
+                Some("gltf") => cfg!(feature = "gltf"),
+                Some("alembic") => cfg!(feature = "alembic"),
+                Some("usd") => cfg!(feature = "usd"),
+                Some("cooked") => cfg!(feature = "cooked"),
+                Some(other) => panic!("{name}: no feature {other}"),
+                None => true,
+            };
+            let has_mesh = reads(Mesh) && !format.is_cooked;
+            assert_eq!(format.read.is_some(), on && reads(Strands), "{name}");
+            assert_eq!(format.read_mesh.is_some(), on && has_mesh, "{name}");
+            assert_eq!(format.is_groom.is_some(), on && reads(Strands) && has_mesh, "{name}");
+            for writer in format.writers {
+                let holds = |content| writer.holds.contains(&content);
+                assert!(format.extensions.contains(&writer.extension) && holds(Strands), "{name}");
+                assert_eq!((holds(Mesh), holds(Frames)), (writer.mesh.is_some(), writer.cache.is_some()));
+                assert_eq!(holds(Rig), writer.character.is_some(), "{name}");
+            }
+            seen.extend(format.extensions);
+        }
+        let count = seen.len();
+        seen.sort_unstable();
+        seen.dedup();
+        assert_eq!(seen.len(), count, "an extension is that of one format: {seen:?}");
+    }
+}

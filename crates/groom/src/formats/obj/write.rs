@@ -1,0 +1,47 @@
+//! The writer of OBJ. Rust prints a float so that it reads back exactly.
+
+use std::fmt::Write;
+
+use crate::{
+    Result, Rig, Strands, TriMesh,
+    formats::{raw::MARK, writer::Encoded},
+    orient::Unit,
+};
+
+/// Encodes strands: a `v` per vertex, an `l` per strand.
+pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<Encoded> {
+    let mut text = String::from("# Tresses groom\n");
+    if unit.is_some() {
+        text += "# ";
+        text += MARK;
+        text.push('\n');
+    }
+    // Writing into a string cannot fail.
+    for p in &strands.positions {
+        let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
+    }
+    for i in 0..strands.len() {
+        text.push('l');
+        for v in strands.range(i) {
+            let _ = write!(text, " {}", v + 1);
+        }
+        text.push('\n');
+    }
+    Ok(text.into_bytes().into())
+}
+
+/// Encodes a mesh (metres, Y up, face +Z) with its normals; the format holds no rig.
+pub(crate) fn encode_mesh(mesh: &TriMesh, _: Option<&Rig>) -> Result<Vec<u8>> {
+    let mut text = format!("# {MARK}\n");
+    // Writing into a string cannot fail.
+    for (key, values) in [("v", &mesh.positions), ("vn", &mesh.normals)] {
+        for v in values {
+            let _ = writeln!(text, "{key} {} {} {}", v.x, v.y, v.z);
+        }
+    }
+    for corners in &mesh.triangles {
+        let [a, b, c] = corners.map(|i| i + 1);
+        let _ = writeln!(text, "f {a}//{a} {b}//{b} {c}//{c}");
+    }
+    Ok(text.into_bytes())
+}

@@ -1,0 +1,268 @@
+//! The reader of `.ply`.
+
+use glam::Vec3;
+
+use crate::{
+    error::{At, Result},
+    formats::{
+        chain::chain,
+        raw::{Raw, declared},
+        source::{Source, excerpt},
+    },
+};
+
+/// How a file writes its numbers.
+#[derive(Clone, Copy, PartialEq)]
+enum Form {
+    Text,
+    Little,
+    Big,
+}
+
+/// A type of numbers.
+#[derive(Clone, Copy)]
+struct Type {
+    bytes: usize,
+    is_float: bool,
+    is_signed: bool,
+}
+
+impl Type {
+    fn named(name: &str) -> Option<Self> {
+        let (bytes, is_float, is_signed) = match name {
+            "char" | "int8" => (1, false, true),
+            "uchar" | "uint8" => (1, false, false),
+            "short" | "int16" => (2, false, true),
+            "ushort" | "uint16" => (2, false, false),
+            "int" | "int32" => (4, false, true),
+            "uint" | "uint32" => (4, false, false),
+            "float" | "float32" => (4, true, true),
+            "double" | "float64" => (8, true, true),
+            _ => return None,
+        };
+        Some(Self { bytes, is_float, is_signed })
+    }
+
+    /// What `bytes`, as many as it has, say in an order.
+    fn value(self, bytes: &[u8], form: Form) -> f64 {
+        let mut word = [0; 8];
+        for (to, i) in word.iter_mut().zip(0..self.bytes) {
+            *to = bytes[if form == Form::Big { self.bytes - 1 - i } else { i }];
+        }
+        let bits = u64::from_le_bytes(word);
+        match (self.is_float, self.bytes) {
+            (true, 4) => f64::from(f32::from_bits(bits as u32)),
+            (true, _) => f64::from_bits(bits),
+            (false, n) if self.is_signed => {
+                let unused = 64 - 8 * n as u32;
+                ((bits << unused) as i64 >> unused) as f64
+            }
+            (false, _) => bits as f64,
+        }
+    }
+}
+
+/// A value of an element, or a list of them with the type of its length.
+struct Property {
+    name: String,
+    of: Type,
+    length: Option<Type>,
+}
+
+struct Element {
+    name: String,
+    count: u64,
+    properties: Vec<Property>,
+}
+
+impl Element {
+    /// Where a value stands, if it is one and no list.
+    fn place(&self, name: &str) -> Option<usize> {
+        self.properties.iter().position(|property| property.name == name && property.length.is_none())
+    }
+}
+
+/// What stands in a file, value by value.
+struct Body<'s, 'a> {
+    source: &'s Source<'a>,
+    form: Form,
+    /// The next byte, and for a text its line.
+    at: usize,
+    line: u64,
+}
+
+impl Body<'_, '_> {
+    /// Where the next value stands.
+    fn here(&mut self) -> At {
+        if self.form != Form::Text {
+            return At::Byte(self.at as u64);
+        }
+        let rest = &self.source.bytes[self.at..];
+        let start = rest.iter().position(|b| !b.is_ascii_whitespace()).unwrap_or(rest.len());
+        self.line += rest[..start].iter().filter(|b| **b == b'\n').count() as u64;
+        self.at += start;
+        At::Line(self.line)
+    }
+
+    fn value(&mut self, of: Type) -> Result<f64> {
+        if self.form != Form::Text {
+            let bytes = self.source.array("values", self.at as u64, 1, of.bytes as u64)?;
+            self.at += of.bytes;
+            return Ok(of.value(bytes, self.form));
+        }
+        let here = self.here();
+        let rest = &self.source.bytes[self.at..];
+        let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
+        self.at += length;
+        let word = String::from_utf8_lossy(&rest[..length]);
+        // Through the type's own rounding, so that what was written comes back.
+        let number = match of.is_float && of.bytes == 4 {
+            true => word.parse::<f32>().map(f64::from),
+            false => word.parse::<f64>(),
+        };
+        number.map_err(|_| {
+            let excerpt = excerpt(&word);
+            self.source.problem(here, format!("a number should stand here, not “{excerpt}”"))
+        })
+    }
+
+    /// The values of one of an element; lists are passed over.
+    fn row(&mut self, element: &Element, row: &mut [f64]) -> Result<()> {
+        for (property, value) in element.properties.iter().zip(row) {
+            match property.length {
+                None => *value = self.value(property.of)?,
+                Some(length) => {
+                    let count = self.value(length)?;
+                    for _ in 0..count as u64 {
+                        self.value(property.of)?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Reads the whole file.
+pub(crate) fn read(source: &Source) -> Result<Raw> {
+    let mut raw = Raw::new("ply lines");
+    let (elements, mut body) = header(source, &mut raw)?;
+    let (mut points, mut radii, mut edges): (Vec<Vec3>, Vec<f32>, Vec<Vec<usize>>) = Default::default();
+    for element in &elements {
+        let mut row = vec![0.0; element.properties.len()];
+        let places = |names: &[&str]| -> Result<Vec<usize>> {
+            let place = |name: &&str| {
+                let missing =
+                    || source.problem(At::File, format!("the element {} has no {name}", element.name));
+                element.place(name).ok_or_else(missing)
+            };
+            names.iter().map(place).collect()
+        };
+        match element.name.as_str() {
+            "vertex" => {
+                source.check_vertices(0, element.count)?;
+                let (xyz, radius) = (places(&["x", "y", "z"])?, element.place("radius"));
+                if element.place("red").is_some() {
+                    raw.notes.push("colours per vertex are not used".into());
+                }
+                for _ in 0..element.count {
+                    let here = body.here();
+                    body.row(element, &mut row)?;
+                    let read = xyz.iter().chain(&radius).map(|at| row[*at] as f32).collect::<Vec<_>>();
+                    if let Some(bad) = read.iter().find(|v| !v.is_finite() && !source.lenient) {
+                        let what = format!("{bad} among the numbers of vertices, which must be finite");
+                        return Err(source.problem(here, what));
+                    }
+                    points.push(Vec3::from_slice(&read));
+                    radii.extend(read.get(3));
+                }
+            }
+            "edge" => {
+                let ends = places(&["vertex1", "vertex2"])?;
+                for _ in 0..element.count {
+                    let here = body.here();
+                    body.row(element, &mut row)?;
+                    let edge = [row[ends[0]], row[ends[1]]];
+                    if let Some(bad) = edge.iter().find(|i| !(0.0..points.len() as f64).contains(*i)) {
+                        let what =
+                            format!("vertex {bad} does not exist, there are {} before it", points.len());
+                        return Err(source.problem(here, what));
+                    }
+                    edges.push(edge.map(|i| i as usize).to_vec());
+                }
+            }
+            _ => {
+                for _ in 0..element.count {
+                    body.row(element, &mut row)?;
+                }
+            }
+        }
+    }
+    if edges.is_empty() {
+        let faces = elements.iter().any(|element| element.name == "face" && element.count > 0);
+        let what = if faces { "a mesh without edges" } else { "points without edges" };
+        return Err(source.problem(At::File, format!("{what}, hence no strands: lines need an element edge")));
+    }
+    for strand in chain(edges, points.len()) {
+        raw.strands.push(&strand.iter().map(|i| points[*i]).collect::<Vec<_>>());
+        raw.strands.radii.extend(strand.iter().filter_map(|i| radii.get(*i)));
+    }
+    Ok(raw)
+}
+
+/// The elements, and what comes after the header.
+fn header<'s, 'a>(source: &'s Source<'a>, raw: &mut Raw) -> Result<(Vec<Element>, Body<'s, 'a>)> {
+    let mut elements: Vec<Element> = Vec::new();
+    let mut form = None;
+    let (mut at, mut line) = (0, 0);
+    loop {
+        let rest = &source.bytes[at..];
+        let Some(length) = rest.iter().position(|b| *b == b'\n') else {
+            return Err(source.problem(At::Byte(at as u64), "the file ends here, before its header does"));
+        };
+        line += 1;
+        at += length + 1;
+        let problem = |what: String| source.problem(At::Line(line), what);
+        let text = String::from_utf8_lossy(&rest[..length]);
+        let words: Vec<_> = text.split_ascii_whitespace().collect();
+        let of = |name: &str| {
+            let unknown = || problem(format!("“{}” is no type of numbers", excerpt(name)));
+            Type::named(name).ok_or_else(unknown)
+        };
+        match words[..] {
+            ["ply"] if line == 1 => {}
+            _ if line == 1 => return Err(problem("a .ply file starts with “ply”, this one does not".into())),
+            ["format", name, _] => {
+                form = Some(match name {
+                    "ascii" => Form::Text,
+                    "binary_little_endian" => Form::Little,
+                    "binary_big_endian" => Form::Big,
+                    _ => return Err(problem(format!("“{}” is no format", excerpt(name)))),
+                });
+            }
+            ["element", name, count] => {
+                let count = source.count(line, Some(count), "the number of an element")?;
+                elements.push(Element { name: name.into(), count, properties: Vec::new() });
+            }
+            ["property", ref rest @ ..] => {
+                let (name, of, length) = match rest {
+                    ["list", length, kind, name] => (*name, of(kind)?, Some(of(length)?)),
+                    [kind, name] => (*name, of(kind)?, None),
+                    _ => return Err(problem("a property should be a type and a name".into())),
+                };
+                let element = elements.last_mut();
+                let element = element.ok_or_else(|| problem("a property before any element".into()))?;
+                element.properties.push(Property { name: name.into(), of, length });
+            }
+            ["comment" | "obj_info", ..] => raw.declared = raw.declared.or(declared(&text)),
+            ["end_header"] => break,
+            _ => return Err(problem("no line of a header".into())),
+        }
+    }
+    let form = form.ok_or_else(|| source.problem(At::Line(line), "the header does not say the format"))?;
+    // One without properties takes no bytes, so that no number of them would end.
+    if let Some(bare) = elements.iter().find(|element| element.properties.is_empty() && element.count > 0) {
+        return Err(source.problem(At::Line(line), format!("the element {} has no properties", bare.name)));
+    }
+    Ok((elements, Body { source, form, at, line: line + 1 }))
+}

@@ -1,0 +1,18 @@
+//! `.tfx`: AMD's TressFX, version 2 as text, 3 and 4 binary.
+
+mod binary;
+mod text;
+mod write;
+
+pub(super) use write::encode;
+
+use super::{raw::Raw, source::Source};
+use crate::Result;
+
+/// Reads any version.
+pub(super) fn read(source: &Source) -> Result<Raw> {
+    // A version number as a float always has a byte outside ASCII text.
+    let first = source.bytes.iter().find(|b| !b.is_ascii_whitespace());
+    let is_text = first.is_some_and(|b| b.is_ascii_alphabetic() || *b == b'#');
+    if is_text { text::read(source) } else { binary::read(source) }
+}

@@ -1,0 +1,245 @@
+//! Curves as strands.
+
+use std::rc::Rc;
+
+use glam::{DMat4, Vec3};
+use openusd::{
+    sdf::Value,
+    usd::{Prim, TimeCode},
+};
+
+use super::{
+    Moment, Scene, Source, guarded,
+    param::param,
+    skel::{Bound, Skeleton, Skeletons},
+    tree::{Object, Purpose, Schema, Tree, when},
+    value,
+};
+use crate::{
+    error::{At, Result},
+    formats::{
+        curves::{
+            self, Groom, How, Names, Place,
+            basis::{Basis, Blend},
+            cut, split_knots,
+        },
+        raw::Raw,
+        source::excerpt,
+    },
+};
+
+/// Reads all curves of a file at one moment.
+pub(crate) fn read(source: &Source, moment: Moment) -> Result<Raw> {
+    guarded(source, || {
+        let scene = Scene::open(source)?;
+        let tree = Tree::read(&scene)?;
+        Reading::of(&scene, &tree, moment)
+    })
+}
+
+/// A file in the making.
+struct Reading<'r> {
+    scene: &'r Scene<'r, 'r>,
+    tree: &'r Tree,
+    time: TimeCode,
+    skeletons: Skeletons,
+    /// What each skeleton brings its points with, and the skeleton's place.
+    palettes: Vec<(Vec<DMat4>, DMat4)>,
+    groom: Groom,
+}
+
+impl<'r> Reading<'r> {
+    fn of(scene: &'r Scene<'r, 'r>, tree: &'r Tree, moment: Moment) -> Result<Raw> {
+        let all: Vec<&Object> = tree.objects.iter().filter(|object| object.schema != Schema::Mesh).collect();
+        if all.is_empty() {
+            let mut problem = String::from(match tree.objects.len() {
+                0 => "the file holds neither curves nor meshes",
+                _ => "the file holds no curves; its meshes can be the head of a groom",
+            });
+            if let Some(missing) = scene.missing() {
+                problem += &format!(" ({missing})");
+            }
+            return Err(scene.problem(problem));
+        }
+        let skeletons = Skeletons::read(scene, tree)?;
+        let mut times = tree.times(scene, &all)?;
+        times.extend(skeletons.times(scene, tree, &all)?);
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        let (time, told) = when(scene, &times, moment)?;
+        let places = tree.places(scene, time)?;
+        let mut groom = Groom::new("USD", Names { width: "widths", uv: "st" });
+        groom.raw.notes.extend(told);
+        groom.raw.notes.extend(scene.missing());
+        groom.raw.declared = scene.declared()?;
+        let palette =
+            |skeleton: &Skeleton| Ok((skeleton.palette(scene, moment, time)?, skeleton.place(&places)));
+        let palettes = skeletons.0.iter().map(palette).collect::<Result<Vec<_>>>()?;
+        let mut reading = Self { scene, tree, time, skeletons, palettes, groom };
+        let objects = reading.chosen(all, &places)?;
+        let guides = |object: &Object| {
+            object.purpose == Purpose::Guide || object.names.iter().any(|n| curves::names_guides(n))
+        };
+        let told_apart = curves::told_apart(objects.iter().map(|object| guides(object)));
+        for (i, object) in objects.iter().enumerate() {
+            let shared = curves::Object {
+                names: [&object.names[0], &object.names[1]],
+                index: i,
+                guides: told_apart.then(|| guides(object)),
+                starts: &[],
+                points: &[],
+                cut: &[],
+                inner: false,
+                matrix: Tree::of(object, &places).0,
+                group_names: &reading.texts(object, "groom_group_name")?,
+            };
+            reading.object(object, shared)?;
+        }
+        let Groom { mut raw, habits, .. } = reading.groom;
+        habits.tell(&mut raw, objects.len(), "by the names or the purpose of their objects");
+        Ok(raw)
+    }
+
+    /// Those that are meant to be seen, and guides.
+    fn chosen(&mut self, all: Vec<&'r Object>, places: &[(glam::DMat4, bool)]) -> Result<Vec<&'r Object>> {
+        let count = all.len();
+        let shown: Vec<_> = all.into_iter().filter(|object| Tree::of(object, places).1).collect();
+        if shown.is_empty() {
+            return Err(self.scene.problem(format!("all {count} objects of curves are invisible")));
+        }
+        let hidden = count - shown.len();
+        // What stands in for others is all there is where there are no others.
+        let proxies = shown.iter().filter(|object| object.purpose == Purpose::Proxy).count();
+        let stand_in = proxies < shown.len();
+        let notes = &mut self.groom.raw.notes;
+        notes.extend((hidden > 0).then(|| format!("{hidden} invisible objects of curves are left out")));
+        let some = proxies > 0 && stand_in;
+        notes
+            .extend(some.then(|| format!("{proxies} objects that stand in for others (proxy) are left out")));
+        Ok(shown.into_iter().filter(|object| !stand_in || object.purpose != Purpose::Proxy).collect())
+    }
+
+    fn object(&mut self, object: &Object, shared: curves::Object) -> Result<()> {
+        let scene = self.scene;
+        let broken =
+            |problem: String| scene.problem(format!("{}: {problem}", excerpt(object.prim.path().as_str())));
+        let Some(value) = self.value(&object.prim, "points")? else { return Ok(()) };
+        let Some((flat, 3)) = value::row(&value, |number| number as f32) else {
+            return Err(broken("points that are no points".into()));
+        };
+        drop(value);
+        scene.source.check_finite(At::File, &flat, "points")?;
+        let counts = self.value(&object.prim, "curveVertexCounts")?;
+        let Some((counts, _)) = counts.as_ref().and_then(|counts| value::row(counts, |count| count as i64))
+        else {
+            return Err(broken("curves without curveVertexCounts".into()));
+        };
+        let starts = curves::starts(&counts, flat.len() / 3).map_err(broken)?;
+        let end = starts.last().map_or(0, |end| *end as usize);
+        let mut points: Vec<Vec3> = flat.as_chunks().0[..end].iter().map(|p| Vec3::from(*p)).collect();
+        let mut matrix = shared.matrix;
+        let whole = (object, flat.len() / 3);
+        if let Some(bound) = Bound::of(scene, self.tree, whole, &self.skeletons, self.time)? {
+            let (palette, place) = &self.palettes[bound.skeleton];
+            bound.bring(palette, &mut points);
+            matrix = *place;
+            self.groom.habits.bound += 1;
+        }
+        drop(flat);
+        let (cut, inner) = self.cut(object, &starts)?;
+        scene.take(cut.iter().map(|curve| curve.len() as u64).sum())?;
+        let (tree, time) = (self.tree, self.time);
+        let own = [&object.prim];
+        let values = |place: Place, name: &str| match place {
+            Place::Shape => param(scene, own.into_iter(), name, time),
+            Place::Beside => param(scene, tree.up(object), name, time),
+        };
+        // Where all of an object has one, it is that of a viewer's lines.
+        let viewers = values(Place::Beside, "displayColor")?.is_some_and(|color| color.flat.len() == 3);
+        if viewers && points.len() > 1 && !self.groom.habits.misfits.iter().any(|said| said == ONE_COLOR) {
+            self.groom.habits.misfits.push(ONE_COLOR.into());
+        }
+        let values = |place: Place, name: &str| match name {
+            "displayColor" if viewers => Ok(None),
+            _ => values(place, name),
+        };
+        self.groom.add(
+            &curves::Object { starts: &starts, points: &points, cut: &cut, inner, matrix, ..shared },
+            &values,
+        )
+    }
+
+    /// How each curve is cut, and whether curves end before their outermost points.
+    fn cut(&mut self, object: &Object, starts: &[u32]) -> Result<(Vec<Rc<[Blend]>>, bool)> {
+        let path = excerpt(object.prim.path().as_str());
+        let broken = |problem: String| self.scene.problem(format!("{path}: {problem}"));
+        let word = |name: &str| -> Result<String> {
+            Ok(self.value(&object.prim, name)?.as_ref().and_then(value::text).unwrap_or_default())
+        };
+        let list = |name: &str| -> Result<Vec<f32>> {
+            let value = self.value(&object.prim, name)?;
+            Ok(value.as_ref().and_then(|value| value::row(value, |n| n as f32)).unwrap_or_default().0)
+        };
+        if object.schema == Schema::Hermite {
+            return Err(broken("Hermite curves, which are not read".into()));
+        }
+        if object.schema == Schema::Nurbs {
+            let own = split_knots(starts, &list("order")?, &list("knots")?, true);
+            let Some(own) = own else {
+                return Err(broken("orders and knots that do not fit its curves".into()));
+            };
+            let rational = list("pointWeights")?.iter().any(|w| *w != 1.0);
+            let all = cut(starts, &How::Knots(&own)).map_err(broken)?;
+            self.groom.habits.rational += usize::from(rational);
+            self.curved("B-spline (with knots)");
+            return Ok((all, false));
+        }
+        let (kind, basis, wrap) = (word("type")?, word("basis")?, word("wrap")?);
+        // Its particles are splines that do not say that they begin at their roots.
+        let unsaid = wrap.is_empty() && basis == "bspline" && self.scene.of_blender()?;
+        self.groom.habits.clamped += usize::from(unsaid);
+        let pinned = unsaid || wrap == "pinned";
+        let (basis, name) = match (kind.as_str(), basis.as_str()) {
+            ("linear", _) => (Basis::Linear, None),
+            ("" | "cubic", "" | "bezier") => (Basis::Bezier, Some("Bézier")),
+            ("" | "cubic", "bspline") => (Basis::BSpline { pinned }, Some("B-spline")),
+            ("" | "cubic", "catmullRom") => (Basis::CatmullRom { pinned }, Some("Catmull-Rom")),
+            (kind, basis) => {
+                let problem =
+                    format!("curves that are {} {}, which are not read", excerpt(kind), excerpt(basis));
+                return Err(broken(problem));
+            }
+        };
+        let inner = matches!(basis, Basis::BSpline { pinned: false } | Basis::CatmullRom { pinned: false });
+        let all = cut(starts, &How::Basis(basis)).map_err(broken)?;
+        self.groom.habits.closed += usize::from(wrap == "periodic");
+        if let Some(name) = name {
+            self.curved(name);
+        }
+        Ok((all, inner))
+    }
+
+    fn curved(&mut self, name: &'static str) {
+        if !self.groom.habits.curved.contains(&name) {
+            self.groom.habits.curved.push(name);
+        }
+    }
+
+    fn value(&self, prim: &Prim, name: &str) -> Result<Option<Value>> {
+        self.scene.say(prim.attribute(name.to_owned()).get_at(self.time))
+    }
+
+    /// The texts of one name, of an object or what it is in.
+    fn texts(&self, object: &Object, name: &str) -> Result<Vec<String>> {
+        for prim in self.tree.up(object) {
+            for name in [format!("primvars:{name}"), name.to_owned()] {
+                if let Some(value) = self.value(prim, &name)? {
+                    return Ok(value::texts(&value));
+                }
+            }
+        }
+        Ok(Vec::new())
+    }
+}
+
+const ONE_COLOR: &str = "“displayColor” is one for all of an object, as viewers draw it, and is not used";

@@ -1,0 +1,113 @@
+//! What of a prim goes with which joints.
+
+use glam::{DMat4, DVec3, Vec3};
+use openusd::usd::TimeCode;
+
+use super::{Skeletons, inherited, value};
+use crate::{
+    error::Result,
+    formats::{
+        curves::Per,
+        source::excerpt,
+        usd::read::{
+            Scene,
+            param::param,
+            tree::{Object, Tree},
+        },
+    },
+};
+
+/// A prim's binding to a skeleton.
+pub(in crate::formats::usd) struct Bound {
+    /// Which skeleton.
+    pub skeleton: usize,
+    /// Where the prim was when it was bound.
+    pub geom: DMat4,
+    /// For each point, or once for all, so many joints of the skeleton and their weights.
+    width: usize,
+    joints: Vec<u32>,
+    weights: Vec<f32>,
+}
+
+impl Bound {
+    /// That of an object of so many points, if it has one.
+    pub fn of(
+        scene: &Scene,
+        tree: &Tree,
+        (object, points): (&Object, usize),
+        skeletons: &Skeletons,
+        time: TimeCode,
+    ) -> Result<Option<Self>> {
+        let Some(skeleton) = skeletons.of(scene, tree, object)? else { return Ok(None) };
+        let found = |name: &str| param(scene, tree.up(object), name, time);
+        let (Some(joints), Some(weights)) = (found("skel:jointIndices")?, found("skel:jointWeights")?) else {
+            return Ok(None);
+        };
+        let path = excerpt(object.prim.path().as_str());
+        let broken = |problem: String| scene.problem(format!("{path}: {problem}"));
+        let width = joints.width;
+        let fits = |count: usize| count == width || count == width.saturating_mul(points);
+        let constant = joints.scope == Some(Per::All);
+        if weights.flat.len() != joints.flat.len()
+            || !fits(joints.flat.len())
+            || constant && joints.flat.len() != width
+        {
+            let [given, shares] = [joints.flat.len(), weights.flat.len()];
+            return Err(broken(format!("{given} joints and {shares} weights of {points} points")));
+        }
+        let own = &skeletons.0[skeleton];
+        // Its own list of joints, where it has one.
+        let listed = inherited(scene, tree.up(object), "skel:joints", time)?;
+        let listed = listed.as_ref().map(value::texts).unwrap_or_default();
+        let places: Vec<Option<u32>> = match listed.is_empty() {
+            true => (0..own.joints.len() as u32).map(Some).collect(),
+            false => {
+                let place = |name: &String| own.places.get(name).map(|at| *at as u32);
+                listed.iter().map(place).collect()
+            }
+        };
+        let mut named = Vec::with_capacity(joints.flat.len());
+        for (joint, weight) in joints.flat.iter().zip(&weights.flat) {
+            let place = (*joint >= 0.0).then(|| places.get(*joint as usize).copied().flatten()).flatten();
+            match place {
+                Some(place) => named.push(place),
+                // What has no weight may name anything.
+                None if *weight == 0.0 => named.push(0),
+                None => return Err(broken(format!("a joint {joint} of {}", places.len()))),
+            }
+        }
+        let geom = inherited(scene, tree.up(object), "primvars:skel:geomBindTransform", time)?;
+        let geom = geom.as_ref().and_then(|value| value::matrices(value).first().copied());
+        let geom = geom.unwrap_or(DMat4::IDENTITY);
+        if !geom.is_finite() || geom.determinant() == 0.0 {
+            return Err(broken("a geomBindTransform that is not finite or flattens".into()));
+        }
+        Ok(Some(Self { skeleton, geom, width, joints: named, weights: weights.flat }))
+    }
+
+    /// What a point goes with, weights that sum to one; nothing where it has none.
+    pub fn at(&self, point: usize) -> impl Iterator<Item = (u32, f32)> {
+        let first = if self.joints.len() == self.width { 0 } else { point * self.width };
+        let own = first..first + self.width;
+        let (joints, weights) = (&self.joints[own.clone()], &self.weights[own]);
+        let sum: f32 = weights.iter().filter(|weight| **weight > 0.0).sum();
+        let held = joints.iter().zip(weights).filter(move |(_, weight)| **weight > 0.0 && sum > 0.0);
+        held.map(move |(joint, weight)| (*joint, weight / sum))
+    }
+
+    /// Brings points to where a skeleton's `palette` has them, in the skeleton's space.
+    pub fn bring(&self, palette: &[DMat4], points: &mut [Vec3]) {
+        let blend = |point: usize| {
+            let mut held = self.at(point).peekable();
+            if held.peek().is_none() {
+                return self.geom;
+            }
+            held.fold(DMat4::ZERO, |sum, (joint, weight)| sum + palette[joint as usize] * f64::from(weight))
+                * self.geom
+        };
+        let all = (self.joints.len() == self.width).then(|| blend(0));
+        for (i, point) in points.iter_mut().enumerate() {
+            *point = all.unwrap_or_else(|| blend(i)).transform_point3(DVec3::from(*point)).as_vec3();
+        }
+    }
+}

@@ -1,0 +1,365 @@
+//! A body on a skeleton with hair that goes with it (`UsdSkel`).
+//!
+//! Every node of the rig is a joint; a node that several entries of the palette follow, each bound elsewhere, has joints
+//! more below it that stay where it is. Points of body and hair are written where they were bound, so that both fit each
+//! other in programs that do not know skeletons, too. Animations are sampled frame by frame ([`rate`]).
+
+use std::collections::HashMap;
+
+use glam::{DMat4, DVec3, Mat4, Vec3};
+
+use super::{
+    Curves,
+    layer::{Layer, listed, matrix, per, point, quoted},
+};
+use crate::{
+    Error, Result, Strands, TriMesh,
+    formats::writer::Hair,
+    mesh::Bvh,
+    rig::{Animation, INFLUENCES, Node, Rig, Target},
+};
+
+/// Frames per second: those of films, television and games, whichever all keys of a rig's animations lie on, else many.
+pub(super) fn rate(rig: &Rig) -> f32 {
+    let keys = || rig.animations.iter().flat_map(|it| it.channels.iter().flat_map(|c| &c.curve.times));
+    let on = |rate: &f32| keys().all(|key| (key * rate - (key * rate).round()).abs() < 0.01);
+    [24.0, 25.0, 30.0, 50.0].into_iter().find(on).unwrap_or(60.0)
+}
+
+/// The longest animation, frames.
+const MOST_FRAMES: f32 = 100_000.0;
+/// The largest of half floats, which scales are.
+const MOST_SCALE: f64 = 65_504.0;
+/// The most joints that a strand goes with.
+const HELD: usize = 4;
+
+/// What of a file knows the skeleton.
+struct Joints {
+    paths: Vec<String>,
+    names: Vec<String>,
+    bind: Vec<DMat4>,
+    rest: Vec<DMat4>,
+    /// The joint of each entry of the rig's palette.
+    of: Vec<usize>,
+}
+
+impl Joints {
+    fn new(rig: &Rig, globals: &[Mat4]) -> Result<Self> {
+        let mut all = Self { paths: vec![], names: vec![], bind: vec![], rest: vec![], of: vec![] };
+        let mut used = HashMap::new();
+        for (i, node) in rig.nodes.iter().enumerate() {
+            let above = node.parent.map(|parent| all.paths[parent as usize].clone() + "/");
+            all.paths.push(unique(&mut used, &above.unwrap_or_default(), &node.name));
+            all.names.push(node.name.clone());
+            // Of what holds nothing it does not matter where it was bound.
+            let global = globals[i].as_dmat4();
+            all.bind.push(if global.determinant() == 0.0 { DMat4::IDENTITY } else { global });
+            all.rest.push(node.matrix.unwrap_or_else(|| node.rest.matrix()).as_dmat4());
+        }
+        let mut taken = vec![false; rig.nodes.len()];
+        for joint in &rig.joints {
+            let (node, bind) = (joint.node as usize, joint.inverse_bind.as_dmat4().inverse());
+            if !bind.is_finite() || bind.determinant() == 0.0 {
+                return Err(Error::Unusable("a joint that flattens what it holds is not written".into()));
+            }
+            if !std::mem::replace(&mut taken[node], true) {
+                all.bind[node] = bind;
+            }
+            if all.bind[node] == bind {
+                all.of.push(node);
+                continue;
+            }
+            all.of.push(all.paths.len());
+            let above = all.paths[node].clone() + "/";
+            all.paths.push(unique(&mut used, &above, "more"));
+            all.names.push(String::new());
+            all.bind.push(bind);
+            all.rest.push(DMat4::IDENTITY);
+        }
+        Ok(all)
+    }
+}
+
+/// A name that a path may have, and no other of those in `used` has, behind `above`; `used` counts those of one name.
+pub(super) fn unique(used: &mut HashMap<String, u32>, above: &str, name: &str) -> String {
+    let plain = format!("{above}{}", identifier(name));
+    let mut path = plain.clone();
+    while used.contains_key(&path) {
+        let count = used.entry(plain.clone()).or_insert(1);
+        *count += 1;
+        path = format!("{plain}_{count}");
+    }
+    used.insert(path.clone(), 1);
+    path
+}
+
+/// A name of letters, digits and underscores that does not begin with a digit.
+fn identifier(name: &str) -> String {
+    let plain: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    match plain.chars().next() {
+        Some(first) if !first.is_ascii_digit() => plain,
+        _ => format!("_{plain}"),
+    }
+}
+
+/// Writes the skeleton, its animations at so many frames per second, the body and the hair on it.
+pub(super) fn put(
+    layer: &mut Layer,
+    (mesh, rig): (&TriMesh, &Rig),
+    rate: f32,
+    hair: &[Hair<'_>],
+) -> Result<()> {
+    if rig.vertices.len() != mesh.positions.len() {
+        return Err(Error::Unusable("a rig of another mesh is not written".into()));
+    }
+    let rest = rig.rest_pose();
+    let joints = Joints::new(rig, &rest.globals)?;
+    let mut used = HashMap::from(["skeleton", "body"].map(|name| (name.to_owned(), 1)));
+    let names: Vec<String> = hair.iter().map(|hair| unique(&mut used, "", hair.name)).collect();
+    let animations: Vec<String> =
+        rig.animations.iter().map(|animation| unique(&mut used, "", &animation.name)).collect();
+
+    layer.open("Skeleton", "skeleton", &["SkelBindingAPI"]);
+    layer.list("uniform token[] joints", joints.paths.iter().map(|path| quoted(path)), &[]);
+    layer.list("uniform token[] jointNames", joints.names.iter().map(|name| quoted(name)), &[]);
+    layer.list("uniform matrix4d[] bindTransforms", joints.bind.iter().map(matrix), &[]);
+    layer.list("uniform matrix4d[] restTransforms", joints.rest.iter().map(matrix), &[]);
+    if rig.to_groom != Mat4::IDENTITY {
+        layer.line(format_args!("matrix4d xformOp:transform = {}", matrix(&rig.to_groom.as_dmat4())));
+        layer.line("uniform token[] xformOpOrder = [\"xformOp:transform\"]");
+    }
+    if let Some(first) = animations.first() {
+        layer.line(format_args!("rel skel:animationSource = </character/{first}>"));
+    }
+    layer.close();
+    for (animation, name) in rig.animations.iter().zip(&animations) {
+        moves(layer, (name, rate), animation, (rig, &rest.weights), &joints)?;
+    }
+    body(layer, mesh, (rig, &rest.weights), &joints);
+    let rest: Vec<DMat4> = rest.palette.iter().map(Mat4::as_dmat4).collect();
+    let bvh = Bvh::new(mesh);
+    for (hair, name) in hair.iter().zip(&names) {
+        on_skin(layer, (name, hair.strands), (mesh, rig), (&joints, &rest, &bvh))?;
+    }
+    Ok(())
+}
+
+fn moves(
+    layer: &mut Layer,
+    (name, rate): (&str, f32),
+    animation: &Animation,
+    (rig, resting): (&Rig, &[f32]),
+    joints: &Joints,
+) -> Result<()> {
+    let frames = (animation.length * rate).round().max(0.0);
+    if frames > MOST_FRAMES {
+        return Err(Error::Unusable(format!(
+            "the animation {name} of {} s is not written: the longest has {MOST_FRAMES} frames",
+            animation.length
+        )));
+    }
+    let frames = frames as u32;
+    layer.open("SkelAnimation", name, &[]);
+    let nodes = rig.nodes.len();
+    layer.list("uniform token[] joints", joints.paths[..nodes].iter().map(|path| quoted(path)), &[]);
+    let poses: Vec<_> = (0..=frames)
+        .map(|frame| {
+            // The end of a loop is its last moment, not its first.
+            let time = (frame as f32 / rate).min(animation.length * (1.0 - 1e-6));
+            let pose = rig.pose(animation, time);
+            let local = |(i, node): (usize, &Node)| {
+                let above = node.parent.map_or(DMat4::IDENTITY, |up| pose.globals[up as usize].as_dmat4());
+                // Below what is flattened nothing is seen, wherever it is.
+                let own = if above.determinant() == 0.0 { DMat4::IDENTITY } else { above.inverse() };
+                parts_of(&(own * pose.globals[i].as_dmat4()))
+            };
+            let parts: Vec<_> = rig.nodes.iter().enumerate().map(local).collect();
+            // Points are written as shapes have them at rest: only what is more moves them.
+            let weights = pose.weights.iter().zip(resting).map(|(now, rest)| now - rest).collect::<Vec<_>>();
+            (frame, parts, weights)
+        })
+        .collect();
+    let three = |v: &DVec3| point(&v.as_vec3());
+    layer.samples(
+        "float3[] translations",
+        poses.iter().map(|(frame, parts, _)| (*frame, listed(parts.iter().map(|(_, _, at)| three(at))))),
+    );
+    layer.samples(
+        "quatf[] rotations",
+        poses.iter().map(|(frame, parts, _)| {
+            let turn =
+                |q: &glam::DQuat| format!("({}, {}, {}, {})", q.w as f32, q.x as f32, q.y as f32, q.z as f32);
+            (*frame, listed(parts.iter().map(|(_, q, _)| turn(q))))
+        }),
+    );
+    layer.samples(
+        "half3[] scales",
+        poses.iter().map(|(frame, parts, _)| (*frame, listed(parts.iter().map(|(scale, ..)| three(scale))))),
+    );
+    if !rig.targets.is_empty() {
+        layer.list("uniform token[] blendShapes", shape_names(rig), &[]);
+        let weights = poses.iter().map(|(frame, _, weights)| (*frame, listed(weights)));
+        layer.samples("float[] blendShapeWeights", weights);
+    }
+    layer.close();
+    let widest = poses.iter().flat_map(|(_, parts, _)| parts).map(|(scale, ..)| scale.abs().max_element());
+    match widest.fold(0.0, f64::max) <= MOST_SCALE {
+        true => Ok(()),
+        false => Err(Error::Unusable(format!("the animation {name} scales by more than USD can hold"))),
+    }
+}
+
+/// Scale, turn and place of a joint in its parent's space; a joint that is flattened is not turned.
+fn parts_of(local: &DMat4) -> (DVec3, glam::DQuat, DVec3) {
+    let (scale, turn, place) = local.to_scale_rotation_translation();
+    if turn.is_finite() && scale.is_finite() {
+        return (scale, turn, place);
+    }
+    let scale = DVec3::new(
+        local.x_axis.truncate().length(),
+        local.y_axis.truncate().length(),
+        local.z_axis.truncate().length(),
+    );
+    (scale, glam::DQuat::IDENTITY, local.w_axis.truncate())
+}
+
+fn body(layer: &mut Layer, mesh: &TriMesh, (rig, resting): (&Rig, &[f32]), joints: &Joints) {
+    layer.open("Mesh", "body", &["SkelBindingAPI"]);
+    let vertices = &rig.vertices;
+    let mut bound_at = mesh.clone();
+    rig.shape(resting, &mut bound_at);
+    surface(layer, &bound_at);
+    let held = |i: usize| vertices[i].weights.iter().filter(|weight| **weight > 0.0).count();
+    let width = (0..vertices.len()).map(held).max().unwrap_or(0).max(1);
+    let own = |i: usize| -> Vec<(usize, f32)> {
+        let bind = &vertices[i];
+        let all = (0..INFLUENCES).filter(|k| bind.weights[*k] > 0.0);
+        all.map(|k| (joints.of[usize::from(bind.joints[k])], bind.weights[k])).collect()
+    };
+    bound(layer, (0..vertices.len()).map(own), width, false);
+    let mut used = HashMap::new();
+    let shapes: Vec<String> = rig.targets.iter().map(|target| unique(&mut used, "", &target.name)).collect();
+    if !shapes.is_empty() {
+        layer.list("uniform token[] skel:blendShapes", shape_names(rig), &[]);
+        let paths = shapes.iter().map(|shape| format!("</character/body/{shape}>"));
+        layer.list("rel skel:blendShapeTargets", paths, &[]);
+    }
+    for (target, name) in rig.targets.iter().zip(&shapes) {
+        shape(layer, name, target);
+    }
+    layer.close();
+}
+
+/// Triangles, their vertices, and their colours where they have some.
+pub(super) fn surface(layer: &mut Layer, mesh: &TriMesh) {
+    layer.list("int[] faceVertexCounts", mesh.triangles.iter().map(|_| 3), &[]);
+    layer.list("int[] faceVertexIndices", mesh.triangles.as_flattened(), &[]);
+    layer.list("point3f[] points", mesh.positions.iter().map(point), &[]);
+    layer.list("normal3f[] normals", mesh.normals.iter().map(point), &per("vertex"));
+    if mesh.colors.len() == mesh.positions.len() {
+        layer.list("color3f[] primvars:displayColor", mesh.colors.iter().map(point), &per("vertex"));
+    }
+    layer.line("uniform token subdivisionScheme = \"none\"");
+}
+
+fn shape(layer: &mut Layer, name: &str, target: &Target) {
+    layer.open("BlendShape", name, &[]);
+    layer.list("uniform vector3f[] offsets", target.deltas.iter().map(|d| point(&d.position)), &[]);
+    layer.list("uniform vector3f[] normalOffsets", target.deltas.iter().map(|d| point(&d.normal)), &[]);
+    layer.list("uniform int[] pointIndices", target.deltas.iter().map(|d| d.vertex), &[]);
+    layer.close();
+}
+
+/// The names of the rig's shapes, each once.
+fn shape_names(rig: &Rig) -> Vec<String> {
+    let mut used = HashMap::<String, u32>::new();
+    let name = |target: &Target| {
+        let count = used.entry(target.name.clone()).or_insert(0);
+        *count += 1;
+        if *count == 1 { quoted(&target.name) } else { quoted(&format!("{} {count}", target.name)) }
+    };
+    rig.targets.iter().map(name).collect()
+}
+
+/// Which joints carry each point, so many at most, or once for all of them.
+fn bound(layer: &mut Layer, points: impl Iterator<Item = Vec<(usize, f32)>>, width: usize, once: bool) {
+    let (mut joints, mut weights) = (Vec::new(), Vec::new());
+    for mut held in points {
+        held.resize(width, (0, 0.0));
+        joints.extend(held.iter().map(|(joint, _)| *joint));
+        weights.extend(held.iter().map(|(_, weight)| *weight));
+    }
+    let mut about = per(if once { "constant" } else { "vertex" });
+    about.insert(0, format!("elementSize = {width}"));
+    layer.list("int[] primvars:skel:jointIndices", joints, &about);
+    layer.list("float[] primvars:skel:jointWeights", weights, &about);
+    layer.line("rel skel:skeleton = </character/skeleton>");
+}
+
+/// Hair whose strands go with the skin that their roots are on.
+fn on_skin(
+    layer: &mut Layer,
+    (name, strands): (&str, &Strands),
+    (mesh, rig): (&TriMesh, &Rig),
+    (joints, rest, bvh): (&Joints, &[DMat4], &Bvh),
+) -> Result<()> {
+    let mut moved = strands.clone();
+    let mut held = Vec::with_capacity(strands.len());
+    for (i, line) in strands.iter().enumerate() {
+        let own = carriers(line[0], mesh, rig, bvh);
+        let sum =
+            own.iter().fold(DMat4::ZERO, |sum, (joint, weight)| sum + rest[*joint] * f64::from(*weight));
+        let back = sum.inverse();
+        if !back.is_finite() {
+            return Err(Error::Unusable("hair on skin that is flattened at rest is not written".into()));
+        }
+        for p in &mut moved.positions[strands.range(i)] {
+            *p = back.transform_point3(DVec3::from(*p)).as_vec3();
+        }
+        held.push(own.into_iter().map(|(joint, weight)| (joints.of[joint], weight)).collect::<Vec<_>>());
+    }
+    layer.open("BasisCurves", name, &["SkelBindingAPI"]);
+    // Widths are in the space of the skeleton.
+    let scale = rig.to_groom.determinant().abs().cbrt();
+    moved.radii.iter_mut().for_each(|radius| *radius /= scale);
+    let curves = Curves { strands: &moved, scale: 1.0 };
+    curves.points(layer);
+    curves.beside_points(layer);
+    // Hair on one joint says so once.
+    let once = held.iter().all(|own| own.len() == 1 && *own == held[0]);
+    let width = held.iter().map(Vec::len).max().unwrap_or(1);
+    match once {
+        true => bound(layer, held.into_iter().take(1), width, true),
+        false => {
+            let each = held.into_iter().zip(strands.iter());
+            let points = each.flat_map(|(own, line)| std::iter::repeat_n(own, line.len()));
+            bound(layer, points, width, false);
+        }
+    }
+    layer.close();
+    Ok(())
+}
+
+/// The entries of the palette that carry the skin nearest to a root, the strongest of them, with weights that sum to one.
+fn carriers(root: Vec3, mesh: &TriMesh, rig: &Rig, bvh: &Bvh) -> Vec<(usize, f32)> {
+    let Some(closest) = bvh.closest_point(root) else { return vec![(0, 1.0)] };
+    let corners = mesh.triangles[closest.triangle as usize];
+    let mut all: Vec<(usize, f32)> = Vec::new();
+    for (corner, share) in corners.into_iter().zip(closest.barycentric.to_array()) {
+        let bind = &rig.vertices[corner as usize];
+        for (joint, weight) in bind.joints.iter().zip(bind.weights).filter(|(_, weight)| *weight > 0.0) {
+            let (joint, weight) = (usize::from(*joint), weight * share);
+            match all.iter_mut().find(|(other, _)| *other == joint) {
+                Some((_, sum)) => *sum += weight,
+                None => all.push((joint, weight)),
+            }
+        }
+    }
+    all.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    all.truncate(HELD);
+    // What is hardly held by a joint is not held by it.
+    all.retain(|(_, weight)| *weight > 1e-4);
+    let sum: f32 = all.iter().map(|(_, weight)| weight).sum();
+    all.iter_mut().for_each(|(_, weight)| *weight /= sum);
+    if all.is_empty() { vec![(0, 1.0)] } else { all }
+}

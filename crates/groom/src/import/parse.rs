@@ -1,0 +1,45 @@
+//! One groom file from its bytes.
+
+use crate::{
+    error::{At, Result},
+    formats::{
+        self, Content, Format,
+        raw::{Moment, Raw},
+        source::{Files, Source},
+    },
+};
+use std::path::Path;
+
+/// One groom file as it is; `path` decides the format and stands in errors.
+pub(crate) fn parse(path: &Path, bytes: &[u8], lenient: bool) -> Result<Raw> {
+    parse_at(path, bytes, lenient, Moment::First)
+}
+
+/// The same at one moment, where the file is animated.
+pub(crate) fn parse_at(path: &Path, bytes: &[u8], lenient: bool, moment: Moment) -> Result<Raw> {
+    parse_source(&Source { path, bytes, files: Files::Given(&[]), lenient }, moment)
+}
+
+/// The same, and what it refers to beside it.
+pub(super) fn parse_source(source: &Source, moment: Moment) -> Result<Raw> {
+    let Source { path, bytes, .. } = *source;
+    if bytes.is_empty() {
+        return Err(source.problem(At::Byte(0), "the file is empty"));
+    }
+    let format = Format::of(path);
+    let Some((format, read)) = format.and_then(|format| Some((format, format.read?))) else {
+        return Err(match format.is_some_and(|format| format.read_mesh.is_some()) {
+            true => source.problem(At::File, "a mesh, not a groom; it can be the head of one"),
+            false => Format::unread(path, "a groom", formats::GROOMS),
+        });
+    };
+    let raw = read(source, moment)?;
+    if moment != Moment::First && !format.reads.contains(&Content::Frames) {
+        return Err(source.problem(At::File, "a format without frames, so none can be chosen"));
+    }
+    if raw.strands.is_empty() {
+        return Err(source.problem(At::File, "the file holds no strands"));
+    }
+    source.check_vertices(0, raw.strands.positions.len() as u64)?;
+    Ok(raw)
+}

@@ -1,0 +1,154 @@
+//! The head that hair grows on: its distance field and landmarks, directions over the scalp, and maps painted on it.
+
+mod map;
+
+pub use map::ScalpMap;
+
+use crate::SdfGrid;
+use glam::{Vec2, Vec3};
+
+/// Points of a head that hairstyles are measured from, groom space, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Landmarks {
+    /// The middle of the braincase: every scalp point is seen from here.
+    pub skull: Vec3,
+    /// Between the eyebrows.
+    pub brow: Vec3,
+    /// The lowest point of the chin.
+    pub chin: Vec3,
+    /// The middle of the left ear (at positive x); the right one mirrors it.
+    pub ear: Vec3,
+    /// Where the hair of the neck ends, in the middle of the back.
+    pub nape: Vec3,
+}
+
+/// A head on which hair grows.
+pub trait Scalp {
+    /// The signed distance from the skin, metres, negative inside.
+    fn distance(&self, p: Vec3) -> f32;
+
+    /// Its landmarks.
+    fn landmarks(&self) -> Landmarks;
+
+    /// The outward direction at `p`: the gradient of the distance.
+    fn normal(&self, p: Vec3) -> Vec3 {
+        // Four looks at the corners of a tetrahedron tell the whole gradient.
+        let corners = [
+            Vec3::new(1.0, -1.0, -1.0),
+            Vec3::new(-1.0, -1.0, 1.0),
+            Vec3::new(-1.0, 1.0, -1.0),
+            Vec3::new(1.0, 1.0, 1.0),
+        ];
+        corners.iter().map(|c| *c * self.distance(p + *c * 8e-4)).sum::<Vec3>().normalize_or(Vec3::Y)
+    }
+
+    /// The point of the skin that lies in the direction `dir` from the middle of the skull.
+    fn point(&self, dir: Vec3) -> Vec3 {
+        let from = self.landmarks().skull;
+        let dir = dir.normalize_or(Vec3::Y);
+        let mut along = 0.0;
+        for _ in 0..60 {
+            let d = self.distance(from + dir * along);
+            along -= d;
+            if d.abs() < 2e-5 {
+                break;
+            }
+        }
+        from + dir * along
+    }
+}
+
+/// A head given by its distance field on a grid.
+#[derive(Clone, Debug)]
+pub struct GridScalp {
+    /// The field.
+    pub field: SdfGrid,
+    /// The landmarks.
+    pub landmarks: Landmarks,
+}
+
+impl Scalp for GridScalp {
+    fn distance(&self, p: Vec3) -> f32 {
+        self.field.sample(p)
+    }
+
+    fn landmarks(&self) -> Landmarks {
+        self.landmarks
+    }
+}
+
+/// The direction in the middle of the scalp: up and back.
+fn pole() -> Vec3 {
+    Vec3::new(0.0, 0.87, -0.493_052_7)
+}
+
+/// The angle from the pole at the edge of the scalp map, radians.
+const MAP_ANGLE: f32 = 2.4;
+
+/// Where the direction `dir` from the skull lies on a scalp map: 0.5 in the middle of the scalp,
+/// distances from there in proportion, the left of the head (positive x) at large u, the front at
+/// large v. The whole scalp lies within 0..1.
+pub fn scalp_uv(dir: Vec3) -> Vec2 {
+    let pole = pole();
+    let front = Vec3::X.cross(pole);
+    let dir = dir.normalize_or(pole);
+    let flat = Vec2::new(dir.x, dir.dot(front));
+    let angle = dir.dot(pole).clamp(-1.0, 1.0).acos();
+    Vec2::splat(0.5) + flat.normalize_or_zero() * (0.5 * angle / MAP_ANGLE)
+}
+
+/// The direction from the skull to the point `uv` of a scalp map: undoes [`scalp_uv`].
+pub fn scalp_direction(uv: Vec2) -> Vec3 {
+    let pole = pole();
+    let front = Vec3::X.cross(pole);
+    let flat = (uv - Vec2::splat(0.5)) * (2.0 * MAP_ANGLE);
+    let (angle, way) = (flat.length(), flat.normalize_or_zero());
+    (pole * angle.cos() + (Vec3::X * way.x + front * way.y) * angle.sin()).normalize()
+}
+
+/// The stereographic projection about the middle of the scalp: circles stay circles, so that a
+/// Delaunay triangulation of the plane is one of the sphere.
+pub(crate) fn stereographic(dir: Vec3) -> Vec2 {
+    let pole = pole();
+    let front = Vec3::X.cross(pole);
+    let dir = dir.normalize_or(pole);
+    Vec2::new(dir.x, dir.dot(front)) / (1.0 + dir.dot(pole)).max(1e-3)
+}
+
+/// The `i`-th of evenly spread directions over the part of the sphere that holds the scalp: an
+/// additive recurrence, so that every beginning of the sequence is spread evenly too.
+pub(crate) fn spread_direction(i: u32, start: Vec2) -> Vec3 {
+    let pole = pole();
+    let front = Vec3::X.cross(pole);
+    // The fractional parts are taken in 64 bits: after a million directions 32 would repeat.
+    let step = |g: f64, s: f32| ((f64::from(i) * g + f64::from(s)).fract()) as f32;
+    let u = step(0.754_877_666_246_692_8, start.x);
+    let v = step(0.569_840_290_998_053_3, start.y) * std::f32::consts::TAU;
+    let height = 1.0 - u * (1.0 - MAP_ANGLE.cos());
+    let around = (1.0 - height * height).max(0.0).sqrt();
+    pole * height + (Vec3::X * v.cos() + front * v.sin()) * around
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn maps_go_there_and_back() {
+        for i in 0..500 {
+            let dir = spread_direction(i, Vec2::new(0.2, 0.7));
+            let uv = scalp_uv(dir);
+            assert!(uv.cmpge(Vec2::ZERO).all() && uv.cmple(Vec2::ONE).all(), "{uv}");
+            assert!(scalp_direction(uv).dot(dir) > 0.9999, "{dir}");
+        }
+        let (left, front) = (scalp_uv(Vec3::X), scalp_uv(Vec3::new(0.0, 0.5, 0.8)));
+        assert!(left.x > 0.6 && front.y > 0.6, "{left} {front}");
+    }
+
+    #[test]
+    fn directions_are_spread_evenly() {
+        let count =
+            |n: u32| (0..n).filter(|&i| spread_direction(i, Vec2::ZERO).x > 0.3).count() as f32 / n as f32;
+        assert!((count(400) - count(20_000)).abs() < 0.02);
+    }
+}

@@ -1,0 +1,133 @@
+//! The library's options that [settings](Settings) come to: growth, material, view, pipelines.
+
+mod edges;
+mod shading;
+mod style;
+
+use crate::{
+    companions::Maps,
+    knobs::{self, Refusal},
+    quality::Quality,
+    settings::Settings,
+};
+use tresses::{
+    PipelineRequest, Result,
+    character::Styling,
+    groom::{Look, styles::Style},
+    light::HairMaterial,
+    simulate::SimulationParams,
+    view::{Picture, ViewOptions},
+    volume::HairHairMode,
+};
+
+/// Why settings make no sense, in one sentence.
+#[derive(Debug, thiserror::Error)]
+pub enum SettingsError {
+    /// A parameter is out of its range.
+    #[error(transparent)]
+    Knob(#[from] Refusal),
+    /// What the library says.
+    #[error(transparent)]
+    Library(#[from] tresses::Error),
+}
+
+impl Settings {
+    /// Whether every parameter is within its range and all of them fit together.
+    ///
+    /// # Errors
+    /// One sentence that names the first that does not.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        for knob in knobs::all() {
+            knob.check(knob.get(self))?;
+        }
+        Ok(self.check_library()?)
+    }
+
+    /// The library's own checks.
+    pub(crate) fn check_library(&self) -> Result<()> {
+        self.physics().check()?;
+        self.avoidance.check()?;
+        self.lod().check()?;
+        self.check_edges()?;
+        self.growth(&Style::default(), &Maps::default())?.check()?;
+        if let Some(restyle) = self.restyle(&Maps::default())? {
+            restyle.check()?;
+        }
+        Ok(())
+    }
+
+    /// The same with every automatic parameter as it comes out: on a built-in style, or `None` for a
+    /// groom from a file, whose strands stay as they are. What an interface shows beside *automatic*.
+    /// A parameter for which a file has a value of its own, such as its widths, stays automatic.
+    pub fn resolved(&self, style: Option<&Style>) -> Self {
+        let mut resolved = self.clone();
+        self.resolve_style(style, &mut resolved);
+        self.resolve_look(&mut resolved);
+        self.resolve_edges(&mut resolved);
+        resolved
+    }
+
+    /// The options of a view where the adapter offers `most` samples per pixel.
+    ///
+    /// # Errors
+    /// Samples and coverage that do not go together.
+    pub fn view_options(&self, most: u32) -> Result<ViewOptions> {
+        let (samples, coverage) = self.sampling(most)?;
+        Ok(ViewOptions { samples, coverage, ..self.view })
+    }
+
+    /// The pipelines of a picture of hair at rest, for a view with `options`.
+    pub fn pipelines(&self, options: ViewOptions) -> Vec<PipelineRequest> {
+        use PipelineRequest::{Avoid, Strands, View};
+        vec![Strands, Avoid, View(options, self.shading_rate())]
+    }
+
+    /// Those that hair in motion needs besides, with guides of `guide_vertices` vertices.
+    pub fn pipelines_of_motion(&self, guide_vertices: &[u32]) -> Vec<PipelineRequest> {
+        let SimulationParams { wind, hair_hair, twist, .. } = self.physics();
+        let wind = wind.blows();
+        let volume = wind || hair_hair.mode != HairHairMode::Off;
+        let mut requests = vec![PipelineRequest::Forces];
+        let step = if twist > 0.0 { PipelineRequest::TwistStep } else { PipelineRequest::Step };
+        requests.extend(guide_vertices.iter().map(|count| step(*count)));
+        requests.extend(volume.then_some(PipelineRequest::Volume));
+        requests.extend(wind.then_some(PipelineRequest::Wind));
+        requests
+    }
+
+    /// How pictures of `size` (pixels) are sampled where the adapter offers `most` samples per pixel.
+    ///
+    /// # Errors
+    /// As [`view_options`](Self::view_options).
+    pub fn quality(&self, size: [u32; 2], most: u32) -> Result<Quality> {
+        Ok(Quality { size, view: self.view_options(most)?, ssaa: self.ssaa, lod: self.lod() })
+    }
+
+    /// How strands become what is drawn: on a built-in style, or `None` for a groom from files.
+    ///
+    /// # Errors
+    /// Curls out of range.
+    pub fn styling(&self, style: Option<&Style>, maps: &Maps) -> Result<Styling> {
+        Ok(Styling {
+            growth: style.map(|style| self.growth(style, maps)).transpose()?,
+            strands: self.strands(),
+            fill: self.growing(),
+            guides: self.guides(),
+            paint: self.paint(maps),
+            restyle: if style.is_none() { self.restyle(maps)? } else { None },
+            stiffness: maps.stiffness.clone(),
+            levels: maps.levels.clone(),
+            ties: maps.ties.clone(),
+            face: self.style.face,
+        })
+    }
+
+    /// Puts hair colour, shading, shadows and exposure into `picture` and `material`; the lights, which may go with
+    /// the camera, are [`LightSettings::lights`].
+    pub fn apply(&self, picture: &mut Picture, material: &mut HairMaterial, look: Option<&Look>) {
+        *material = self.material_of(look);
+        picture.shading = self.shading_rate();
+        picture.shadows = self.shadows;
+        picture.tone.exposure = self.lights.exposure;
+    }
+}

@@ -1,0 +1,120 @@
+//! What the light of a picture covers: one sphere around a head, or a zone for each of several heads.
+
+use super::Character;
+use crate::{
+    Camera,
+    light::{Sphere, Zone},
+};
+
+/// Characters so close together that they are lit as one head: a beard as a character of its own, an embrace.
+#[derive(Debug)]
+struct Group {
+    focus: Sphere,
+    /// Their places in the list.
+    members: Vec<usize>,
+}
+
+/// The spheres around the heads of a picture, for a host that chooses lights and shadow maps by them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Foci {
+    /// The head nearest to the camera, which the view's own shadow maps cover.
+    pub nearest: Sphere,
+    /// Each head in view. Hair, brows and a beard on one head have one sphere.
+    pub all: Vec<Sphere>,
+}
+
+impl Character {
+    /// The spheres that the light of a picture of `characters` before `camera` covers, as the last frame has placed them.
+    pub fn foci(characters: &[&Self], camera: &Camera) -> Foci {
+        let bodies = vec![Vec::new(); characters.len()];
+        let Lighting { focus: nearest, zones } = Lighting::new(characters, &bodies, camera);
+        let zones = zones.iter().map(|zone| zone.focus);
+        Foci { nearest, all: if zones.len() > 0 { zones.collect() } else { vec![nearest] } }
+    }
+}
+
+/// The light of a picture.
+#[derive(Debug)]
+pub(super) struct Lighting {
+    /// What the view's own shadow maps cover.
+    pub focus: Sphere,
+    /// A zone for each head; none for a single one.
+    pub zones: Vec<Zone>,
+}
+
+impl Lighting {
+    /// Of `characters` before `camera`, whose bodies have the numbers `bodies` in the picture.
+    pub fn new(characters: &[&Character], bodies: &[Vec<usize>], camera: &Camera) -> Self {
+        let spheres: Vec<_> = characters.iter().map(|character| character.focus_drawn()).collect();
+        let groups = groups(&spheres);
+        let eye = camera.eye();
+        let away = |group: &&Group| group.focus.center.distance(eye);
+        let seen = |group: &&Group| group.members.iter().any(|i| characters[*i].hair().is_seen());
+        let nearest = groups.iter().filter(seen).min_by(|a, b| away(a).total_cmp(&away(b)));
+        let focus = nearest.or(groups.first()).map_or(Sphere::default(), |group| group.focus);
+        if groups.len() < 2 {
+            return Self { focus, zones: Vec::new() };
+        }
+        let mut first = 0;
+        let grooms: Vec<_> = characters
+            .iter()
+            .map(|character| {
+                let numbers = first..first + character.grooms().count();
+                first = numbers.end;
+                numbers
+            })
+            .collect();
+        let zone = |group: &Group| {
+            let hair = group.members.iter().flat_map(|i| grooms[*i].clone()).collect();
+            let mut on: Vec<_> = group.members.iter().flat_map(|i| bodies[*i].iter().copied()).collect();
+            on.sort_unstable();
+            on.dedup();
+            let first = characters[group.members[0]];
+            Zone { pose: first.head_drawn(), ..Zone::seen(group.focus, camera, first.bias, hair, on) }
+        };
+        Self { focus, zones: groups.iter().filter(seen).map(zone).collect() }
+    }
+}
+
+/// Sorts spheres into heads: one whose center is well inside another belongs to it.
+fn groups(spheres: &[Sphere]) -> Vec<Group> {
+    let mut order: Vec<_> = (0..spheres.len()).collect();
+    order.sort_by(|a, b| spheres[*b].radius.total_cmp(&spheres[*a].radius));
+    let mut groups: Vec<Group> = Vec::new();
+    for i in order {
+        let sphere = spheres[i];
+        let near =
+            |group: &&mut Group| group.focus.center.distance(sphere.center) < 0.75 * group.focus.radius;
+        match groups.iter_mut().find(near) {
+            Some(group) => {
+                let reach = group.focus.center.distance(sphere.center) + sphere.radius;
+                group.focus.radius = group.focus.radius.max(reach);
+                group.members.push(i);
+            }
+            None => groups.push(Group { focus: sphere, members: vec![i] }),
+        }
+    }
+    // In the order of the list, which stays the same from frame to frame.
+    groups.iter_mut().for_each(|group| group.members.sort_unstable());
+    groups.sort_by_key(|group| group.members[0]);
+    groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn a_beard_is_on_the_head_that_has_the_hair() {
+        let at = |x: f32, y: f32, radius| Sphere { center: Vec3::new(x, y, 0.0), radius };
+        // A beard, hair, a second head with hair and brows.
+        let spheres = [at(0.0, -0.1, 0.08), at(0.0, 0.0, 0.25), at(0.6, 0.0, 0.2), at(0.6, 0.05, 0.03)];
+        let found = groups(&spheres);
+        let members: Vec<_> = found.iter().map(|group| group.members.as_slice()).collect();
+        assert_eq!(members, [&[0, 1][..], &[2, 3]]);
+        assert_eq!((found[0].focus, found[1].focus), (spheres[1], spheres[2]));
+        let apart = [at(0.0, 0.0, 0.25), at(0.2, 0.0, 0.25)];
+        assert_eq!(groups(&apart).len(), 2);
+    }
+}

@@ -1,0 +1,161 @@
+//! A character before the GPU.
+
+use super::facial::FaceGroom;
+use crate::{
+    Result,
+    groom::{
+        Groom, Look, Rig, SdfGrid, TriMesh, mannequin,
+        mesh::{
+            Level,
+            sdf::{self, SdfOptions},
+        },
+        rig::anatomy::{Anatomy, Field},
+    },
+    lod::LodLevel,
+    simulate::Tie,
+};
+use glam::Vec3;
+
+/// How far the joint that a head nods and turns about lies below and behind the crown, metres.
+const NECK_BELOW_CROWN: Vec3 = Vec3::new(0.0, -0.165, -0.012);
+
+/// From that joint to the middle of the braincase, metres.
+pub(super) const SKULL_ABOVE_NECK: Vec3 = Vec3::new(0.0, 0.075, 0.012);
+
+/// A character on the CPU, in groom space: metres, Y up, face towards +Z. All lengths are metres.
+///
+/// [`Character::new`](super::Character::new) uploads it. A host that must survive a lost device keeps it.
+#[derive(Clone, Debug)]
+pub struct CharacterParts {
+    /// Guides and strands of the hair.
+    pub groom: Groom,
+    /// Brows, lashes, beard: further grooms on the same skin. They need [`head`](Self::head).
+    pub face: Vec<FaceGroom>,
+    /// The mesh of the head or the whole body, drawn with the hair.
+    pub head: Option<TriMesh>,
+    /// The mesh's coarser levels; `None` to compute them.
+    pub levels_of_head: Option<Vec<Level>>,
+    /// The distance field of the rigid part that the hair grows on.
+    pub field: Option<SdfGrid>,
+    /// The distance field that the hair lies on at rest, where that is more than [`field`](Self::field).
+    pub rest: Option<SdfGrid>,
+    /// The joint that the head turns about.
+    pub neck: Vec3,
+    /// The rig of a skinned body and the collider of each of its parts; `None` for a rigid body.
+    pub anatomy: Option<Anatomy>,
+    /// Painted levels of detail.
+    pub levels: Vec<LodLevel>,
+    /// Bands, braids and pins.
+    pub ties: Vec<Tie>,
+    /// The fiber that the groom's file describes.
+    pub look: Option<Look>,
+    /// Warnings for the user, a sentence each.
+    pub notes: Vec<String>,
+}
+
+impl CharacterParts {
+    /// Hair on `head`: a rigid one, or one that `rig` deforms. Builds the distance field that the hair collides with.
+    ///
+    /// # Errors
+    /// [`crate::groom::Error::Unusable`] when no root lies on the rig's mesh, or when the mesh encloses nothing.
+    pub fn new(groom: Groom, head: Option<TriMesh>, rig: Option<Rig>) -> Result<Self> {
+        let guides = (0..groom.guides.len()).map(|i| groom.guides.guide(i));
+        let anatomy =
+            rig.zip(head.as_ref()).map(|(rig, head)| Anatomy::new(rig, head, guides)).transpose()?;
+        let field = match rigid(anatomy.as_ref(), head.as_ref()) {
+            Some(mesh) => Some(sdf::build(mesh, &SdfOptions::default())?),
+            None => None,
+        };
+        let roots = (0..groom.guides.len()).filter_map(|i| groom.guides.guide(i).first().copied());
+        let neck = neck(roots, head.as_ref());
+        Ok(Self { head, field, neck, anatomy, ..Self::bare(groom) })
+    }
+
+    /// Hair without a body.
+    pub fn bare(groom: Groom) -> Self {
+        Self {
+            groom,
+            face: Vec::new(),
+            head: None,
+            levels_of_head: None,
+            field: None,
+            rest: None,
+            neck: mannequin::NECK_JOINT,
+            anatomy: None,
+            levels: Vec::new(),
+            ties: Vec::new(),
+            look: None,
+            notes: Vec::new(),
+        }
+    }
+
+    /// The distance field of the body as one rigid piece.
+    pub fn whole(&self) -> Option<&SdfGrid> {
+        self.rest.as_ref().or(self.field.as_ref())
+    }
+
+    /// Vertices of each guide, for every groom.
+    pub fn guide_vertices(&self) -> Vec<u32> {
+        let face = self.face.iter().map(|face| face.groom.guides.vertex_count);
+        std::iter::once(self.groom.guides.vertex_count).chain(face).collect()
+    }
+
+    /// The middle of the braincase.
+    pub fn skull(&self) -> Vec3 {
+        self.neck + SKULL_ABOVE_NECK
+    }
+}
+
+/// The rigid part of `head` that hair grows on: all of it without a rig.
+pub(super) fn rigid<'a>(anatomy: Option<&'a Anatomy>, head: Option<&'a TriMesh>) -> Option<&'a TriMesh> {
+    match anatomy.map(|anatomy| &anatomy.head.field) {
+        Some(Field::Mesh(mesh, _)) => Some(mesh),
+        _ => head,
+    }
+}
+
+/// Where the head turns: below the highest root, between the sides of the head.
+pub(super) fn neck(roots: impl Iterator<Item = Vec3>, head: Option<&TriMesh>) -> Vec3 {
+    let Some((lo, hi)) = roots.map(|p| (p, p)).reduce(|(lo, hi), (p, _)| (lo.min(p), hi.max(p))) else {
+        return Vec3::ZERO;
+    };
+    let middle = 0.5 * (lo + hi);
+    let x = head.and_then(TriMesh::bounds).map_or(middle.x, |(lo, hi)| 0.5 * (lo.x + hi.x));
+    Vec3::new(x, hi.y, middle.z) + NECK_BELOW_CROWN
+}
+
+/// A box, smallest and largest corner, metres.
+pub type Bounds = (Vec3, Vec3);
+
+/// The height that a portrait shows below the top of the hair or head, metres: a head with its chin.
+const HEAD_HEIGHT: f32 = 0.27;
+
+/// The part of the hair's and the head's boxes that a portrait shows: all hair and the head to its chin, not the shoulders.
+pub fn subject(hair: Bounds, head: Option<Bounds>) -> Bounds {
+    let top = head.map_or(hair.1.y, |head| head.1.y.max(hair.1.y));
+    let mut lo = hair.0;
+    let mut hi = hair.1;
+    hi.y = top;
+    if let Some(head) = head {
+        lo.y = lo.y.min((top - HEAD_HEIGHT).max(head.0.y));
+        // A bust's shoulders are wider than the picture needs to be; its face is not.
+        lo.z = lo.z.min(head.0.z.max(hair.0.z - 0.05));
+        hi.z = hi.z.max(head.1.z.min(hair.1.z + 0.05));
+    }
+    (lo, hi)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn short_hair_shows_the_chin_and_no_shoulders() {
+        let hair = (Vec3::new(-0.09, 1.60, -0.10), Vec3::new(0.09, 1.70, 0.08));
+        let bust = (Vec3::new(-0.25, 1.20, -0.15), Vec3::new(0.25, 1.69, 0.12));
+        let (lo, hi) = subject(hair, Some(bust));
+        assert!((hi.y - lo.y - HEAD_HEIGHT).abs() < 1e-5);
+        assert!(hi.x < 0.1 && hi.z >= 0.12);
+        assert_eq!(subject(hair, None), hair);
+    }
+}

@@ -1,0 +1,486 @@
+//! What a character is made of, before its strands are styled: the groom and the body of files, or a built-in style.
+//!
+//! ```text
+//! files ──────► CharacterSource ── dress(Styling) ──► CharacterParts
+//! Style ─drape─►   (slow)             (fast)
+//! ```
+
+#[cfg(feature = "cooked")]
+mod cooked;
+mod fill;
+
+pub use fill::FillOptions;
+
+use super::{
+    CharacterParts,
+    facial::FaceHair,
+    parts::{SKULL_ABOVE_NECK, neck, rigid},
+};
+use crate::{
+    Context, Error, Progress, Result,
+    constants::MAX_STRAND_VERTICES,
+    drape,
+    groom::{
+        BindOptions, Groom, GuideCount, Restyle, Rig, SdfGrid, Strands, TriMesh, bind, bind_filled, curve,
+        grow::{self, Curls, Growth, Paint},
+        import::{self, Given, ImportOptions, ImportReport},
+        lint, mannequin,
+        mesh::{
+            Level,
+            sdf::{self, SdfOptions},
+        },
+        orient::Placement,
+        rig::anatomy::{Anatomy, Field},
+        scalp::{GridScalp, ScalpMap},
+        styles::{Style, StyledGuides},
+    },
+    lod::LodLevel,
+    simulate::Tie,
+};
+use glam::Vec3;
+use std::{borrow::Cow, path::PathBuf};
+
+/// Vertices per turn below which curls are seen to be made of straight pieces.
+const SMOOTH: f32 = 6.0;
+
+/// How strands become what is drawn, on a [`CharacterSource`].
+#[derive(Clone, Debug, Default)]
+pub struct Styling {
+    /// How strands grow on a built-in style; `None` for as the style says. CharacterFiles have their strands.
+    pub growth: Option<Growth>,
+    /// How many strands of a file are drawn, at most; `None` for all.
+    pub strands: Option<u32>,
+    /// How hair grows between the strands of a file.
+    pub fill: FillOptions,
+    /// How many strands are simulated; `None` for what is usual.
+    pub guides: Option<GuideCount>,
+    /// The maps that act on a file's strands before they are bound.
+    pub paint: Paint,
+    /// What changes on a file's strands after they are bound.
+    pub restyle: Option<Restyle>,
+    /// Factors of the stiffness over the scalp.
+    pub stiffness: Option<ScalpMap>,
+    /// Painted levels of detail.
+    pub levels: Vec<LodLevel>,
+    /// What holds the hair.
+    pub ties: Vec<Tie>,
+    /// What grows on a built-in character's face.
+    pub face: FaceHair,
+}
+
+impl Styling {
+    /// Whether a file's strands are bound as they are, by [`BindOptions::default`], where none
+    /// grow between them.
+    fn leaves_files_alone(&self) -> bool {
+        self.strands.is_none()
+            && self.guides.is_none()
+            && self.restyle.is_none()
+            && self.paint == Paint::default()
+    }
+}
+
+/// Where the files of a groom and its head are.
+#[derive(Clone, Debug)]
+pub enum CharacterFiles<'a> {
+    /// On the disk.
+    Disk {
+        /// Joined into one groom.
+        grooms: &'a [PathBuf],
+        /// Joined into one head; there may be none.
+        heads: &'a [PathBuf],
+    },
+    /// Their bytes, sorted by what they are: [`import::read_given`].
+    Given(&'a [Given<'a>]),
+}
+
+impl CharacterFiles<'_> {
+    fn head_name(&self) -> String {
+        match self {
+            Self::Disk { heads, .. } => heads.first().map(|name| name.display().to_string()),
+            Self::Given(files) => first(files, |kind| kind == import::Kind::Mesh),
+        }
+        .unwrap_or_default()
+    }
+
+    fn groom_name(&self) -> String {
+        match self {
+            Self::Disk { grooms, .. } => grooms.first().map(|name| name.display().to_string()),
+            Self::Given(files) => first(files, |kind| kind != import::Kind::Mesh),
+        }
+        .unwrap_or_default()
+    }
+}
+
+/// The name of the first of `files` that is of a kind.
+fn first(files: &[Given<'_>], is: impl Fn(import::Kind) -> bool) -> Option<String> {
+    let found = files.iter().find(|(name, bytes)| import::kind(name, bytes).is_some_and(&is));
+    found.map(|(name, _)| name.display().to_string())
+}
+
+/// Everything of a character that does not depend on how its strands are styled.
+#[derive(Debug)]
+pub struct CharacterSource {
+    head: Option<TriMesh>,
+    neck: Vec3,
+    anatomy: Option<Anatomy>,
+    hair: Hair,
+    notes: Vec<String>,
+    /// What was read and how it was oriented, for files.
+    pub report: Option<ImportReport>,
+}
+
+#[derive(Debug)]
+#[allow(clippy::large_enum_variant)] // There is one.
+enum Hair {
+    /// Draped guides.
+    BuiltIn { style: Style, styled: StyledGuides, scalp: GridScalp },
+    /// The strands of files.
+    Imported { strands: Strands, field: Option<SdfGrid>, known: Option<Known> },
+}
+
+/// What a cooked file stores besides strands and head.
+#[derive(Debug)]
+struct Known {
+    /// The strands bound by [`BindOptions::default`].
+    groom: Groom,
+    levels_of_head: Vec<Level>,
+}
+
+impl CharacterSource {
+    /// The mannequin with the guides of `style`, draped on the GPU.
+    ///
+    /// # Errors
+    /// When the device is lost.
+    pub async fn built_in(context: &Context, style: &Style, progress: &impl Progress) -> Result<Self> {
+        let head = mannequin::mesh_with(mannequin::RESOLUTION, progress).await;
+        let (styled, scalp) = drape::settled(context, style, progress).await?;
+        let anatomy = Some(Anatomy::built_in(&head, &scalp.field));
+        Ok(Self {
+            head: Some(head),
+            neck: mannequin::NECK_JOINT,
+            anatomy,
+            hair: Hair::BuiltIn { style: *style, styled, scalp },
+            notes: Vec::new(),
+            report: None,
+        })
+    }
+
+    /// The groom of `files`, on their head if they have one.
+    ///
+    /// # Errors
+    /// One sentence that names the file, when one cannot be read or makes no sense.
+    pub async fn imported(
+        files: &CharacterFiles<'_>,
+        options: &ImportOptions,
+        progress: &impl Progress,
+    ) -> Result<Self> {
+        progress.step("reading the groom", 0.0).await;
+        #[cfg(feature = "cooked")]
+        if let Some((path, cooked)) = files.cooked(options)? {
+            return Self::cooked(&path, cooked);
+        }
+        let (strands, head, mut report) = match files {
+            CharacterFiles::Disk { grooms, heads } => import::read_whole(grooms, heads, options)?,
+            CharacterFiles::Given(files) => import::read_given(files, options)?,
+        };
+        let mut base = Self::of(strands, head, report.rig.take(), &files.head_name(), progress).await?;
+        base.tell(report, &files.groom_name(), &files.head_name());
+        Ok(base)
+    }
+
+    /// Keeps what was read, and what is in doubt of it.
+    fn tell(&mut self, report: ImportReport, groom: &str, head: &str) {
+        // The same may be in doubt of both.
+        let doubts = |what: String, placement: &Placement| -> Vec<String> {
+            placement.doubts.iter().map(|doubt| format!("{what}: {doubt}")).collect()
+        };
+        self.notes = doubts(format!("groom {groom}"), &report.placement);
+        if let Some(placement) = &report.head_placement {
+            self.notes.extend(doubts(format!("head {head}"), placement));
+        }
+        self.report = Some(report);
+    }
+
+    /// The groom of `strands`, in metres, Y up, face towards +Z, on their head if they have one; they are repaired.
+    ///
+    /// # Errors
+    /// One sentence, when they make no sense.
+    pub async fn given(
+        mut strands: Strands,
+        head: Option<TriMesh>,
+        progress: &impl Progress,
+    ) -> Result<Self> {
+        lint::repair(&mut strands);
+        if strands.is_empty() {
+            let why = "every strand has zero length or a single vertex, so nothing is left to use";
+            return Err(Error::unusable(why));
+        }
+        Self::of(strands, head, None, "the head", progress).await
+    }
+
+    /// Of strands that are fit for use; `name` is the head's.
+    async fn of(
+        strands: Strands,
+        head: Option<TriMesh>,
+        rig: Option<Rig>,
+        name: &str,
+        progress: &impl Progress,
+    ) -> Result<Self> {
+        let anatomy = anatomy(rig, head.as_ref(), &strands)?;
+        let field = match rigid(anatomy.as_ref(), head.as_ref()) {
+            Some(head) => {
+                let built = sdf::build_with(head, &SdfOptions::default(), progress).await;
+                let named =
+                    |error| Error::unusable(format!("{name}, {} high as it is read: {error}", high(head)));
+                Some(built.map_err(named)?)
+            }
+            None => None,
+        };
+        let neck = neck(strands.iter().filter_map(|strand| strand.first().copied()), head.as_ref());
+        Ok(Self {
+            head,
+            neck,
+            anatomy,
+            hair: Hair::Imported { strands, field, known: None },
+            notes: Vec::new(),
+            report: None,
+        })
+    }
+
+    /// What is in doubt of what was read, a sentence each.
+    pub fn notes(&self) -> impl Iterator<Item = &str> {
+        self.notes.iter().map(String::as_str)
+    }
+
+    /// The built-in style, if it is one.
+    pub fn style(&self) -> Option<&Style> {
+        match &self.hair {
+            Hair::BuiltIn { style, .. } => Some(style),
+            Hair::Imported { .. } => None,
+        }
+    }
+
+    /// The character with strands as `styling` says.
+    ///
+    /// # Errors
+    /// One sentence, when that makes no sense.
+    pub async fn dress(&self, styling: &Styling, progress: &impl Progress) -> Result<CharacterParts> {
+        let skull = self.neck + SKULL_ABOVE_NECK;
+        let mut notes = self.notes.clone();
+        let mut face = Vec::new();
+        let (mut groom, field) = match &self.hair {
+            Hair::BuiltIn { style, styled, scalp } => {
+                let growth = styling.growth.clone().unwrap_or_else(|| Growth::for_style(style));
+                let grown = grow::grow_with(styled, &growth, scalp, progress).await?;
+                let groom = grown.bind(styled);
+                let groom = match styling.guides {
+                    None => groom,
+                    Some(guides) => rebound(&groom, guides)?,
+                };
+                notes.extend(note(&growth.curls, &groom));
+                if let Some(head) = &self.head {
+                    face = styling.face.grow(head)?;
+                }
+                notes.extend(styling.fill.unused());
+                (groom, Some(scalp.field.clone()))
+            }
+            Hair::Imported { strands, field, known } => {
+                let mut strands = Cow::Borrowed(strands);
+                if let Some(count) = styling.strands {
+                    strands = Cow::Owned(thinned(&strands, count as usize));
+                }
+                let filled = self.filled(&strands, styling, progress).await?;
+                if filled.is_none() && styling.paint != Paint::default() {
+                    strands = Cow::Owned(styling.paint.apply(&strands, skull, 1)?);
+                }
+                let guides = styling.guides.unwrap_or(BindOptions::default().guides);
+                let restyle = styling.restyle.as_ref();
+                // Curls need as many vertices as there may be.
+                let strand_vertices = restyle.and_then(|r| r.curls.any().then_some(MAX_STRAND_VERTICES));
+                let options = BindOptions { guides, strand_vertices, ..Default::default() };
+                let known = known.as_ref().filter(|_| styling.leaves_files_alone());
+                let mut groom = match (&filled, known) {
+                    (Some(filled), _) => bind_filled(filled, &options)?,
+                    (None, Some(known)) => known.groom.clone(),
+                    (None, None) => bind(&strands, &options)?,
+                };
+                notes.extend(filled.map(|filled| styling.fill.told(&filled)));
+                if let Some(restyle) = restyle {
+                    restyle.apply(&mut groom, skull)?;
+                    notes.extend(note(&restyle.curls, &groom));
+                }
+                (groom, field.clone())
+            }
+        };
+        if let Some(map) = &styling.stiffness {
+            groom.guides.stiffen(map, skull);
+        }
+        let (head, levels, anatomy) = (self.head.clone(), styling.levels.clone(), self.anatomy.clone());
+        let ties = styling.ties.clone();
+        let part = anatomy.as_ref().and_then(|anatomy| match &anatomy.head.field {
+            Field::Grid(part) => Some(part.clone()),
+            Field::Mesh(..) => None,
+        });
+        let (field, rest) = match part {
+            Some(part) => (Some(part), field),
+            None => (field, None),
+        };
+        let levels_of_head = match &self.hair {
+            Hair::Imported { known: Some(known), .. } => Some(known.levels_of_head.clone()),
+            _ => None,
+        };
+        let neck = self.neck;
+        let look = self.report.as_ref().and_then(|report| report.look);
+        Ok(CharacterParts {
+            groom,
+            face,
+            head,
+            levels_of_head,
+            field,
+            rest,
+            neck,
+            anatomy,
+            levels,
+            ties,
+            look,
+            notes,
+        })
+    }
+}
+
+/// What bends `head`, if something does.
+fn anatomy(rig: Option<Rig>, head: Option<&TriMesh>, strands: &Strands) -> Result<Option<Anatomy>> {
+    let Some((rig, head)) = rig.zip(head) else { return Ok(None) };
+    Ok(Some(Anatomy::new(rig, head, strands.iter())?))
+}
+
+/// How high a mesh is, in a unit that makes a handy number: a wrong unit is seen at once.
+fn high(mesh: &TriMesh) -> String {
+    let (low, high) = mesh
+        .positions
+        .iter()
+        .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), p| (low.min(p.y), high.max(p.y)));
+    match high - low {
+        metres if metres >= 1.0 => format!("{metres:.3} m"),
+        metres if metres >= 0.01 => format!("{:.3} cm", 100.0 * metres),
+        metres => format!("{:.3} mm", 1000.0 * metres),
+    }
+}
+
+/// What the user should know of curls on `groom`.
+fn note(curls: &Curls, groom: &Groom) -> Option<String> {
+    let mut lengths: Vec<f32> =
+        (0..groom.guides.len()).map(|i| curve::length(groom.guides.guide(i))).collect();
+    lengths.sort_by(f32::total_cmp);
+    let length = *lengths.get(lengths.len() / 2)?;
+    let vertices = curls.vertices_per_turn(length, groom.strands.vertex_count);
+    (curls.any() && vertices < SMOOTH).then(|| {
+        format!(
+            "curls of {:.0} mm on strands of {:.0} cm have {vertices:.1} vertices per turn and look angular",
+            curls.wavelength * 1e3,
+            length * 1e2
+        )
+    })
+}
+
+/// The same strands on other guides, chosen among the strands.
+fn rebound(groom: &Groom, guides: GuideCount) -> Result<Groom> {
+    let mut strands = Strands::default();
+    for i in 0..groom.strands.len() {
+        let line: Vec<_> = groom.strands.rest_positions(i).collect();
+        strands.push(&line);
+    }
+    let options = BindOptions {
+        guides,
+        guide_vertices: Some(groom.strands.vertex_count),
+        strand_vertices: Some(groom.strands.vertex_count),
+        ..Default::default()
+    };
+    let mut rebound = bind(&strands, &options)?;
+    // They look as before: width, and the seeds of what differs from strand to strand.
+    rebound.strands.strands.clone_from(&groom.strands.strands);
+    Ok(rebound)
+}
+
+/// How many strands of the default style make about `triangles` triangles.
+pub fn strands_for(triangles: u64) -> u32 {
+    let segments = u64::from(Growth::default().vertices.max(2) - 1);
+    u32::try_from(triangles / (2 * segments)).unwrap_or(u32::MAX)
+}
+
+/// About `count` strands, evenly picked.
+fn thinned(strands: &Strands, count: usize) -> Strands {
+    let all = strands.len();
+    if count >= all {
+        return strands.clone();
+    }
+    let mut few = Strands { offsets: vec![0], ..Strands::default() };
+    for k in 0..count {
+        let i = k * all / count;
+        let range = strands.range(i);
+        few.positions.extend_from_slice(&strands.positions[range.clone()]);
+        few.offsets.push(few.positions.len() as u32);
+        // Attributes are there for all or for none.
+        few.radii.extend(strands.radii.get(range.clone()).into_iter().flatten());
+        few.colors.extend(strands.colors.get(range).into_iter().flatten());
+        few.root_uvs.extend(strands.root_uvs.get(i));
+        few.tip_pinned.extend(strands.tip_pinned.get(i));
+        few.marks.extend(strands.marks.get(i));
+    }
+    few
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_in_doubt_names_its_file() {
+        use std::fmt::Write;
+        // A head of no usual unit with hair on it.
+        let at = |j: u32, i: u32| {
+            let (t, p) = (j as f32 / 12.0, std::f32::consts::TAU * i as f32 / 16.0);
+            let t = std::f32::consts::PI * t;
+            Vec3::new(t.sin() * p.cos(), t.cos(), 1.2 * t.sin() * p.sin())
+        };
+        let (mut groom, mut head) = (String::new(), String::new());
+        for (n, (j, i)) in (0..13).flat_map(|j| (0..16).map(move |i| (j, i))).enumerate() {
+            let p = 1.7 * at(j, i);
+            writeln!(head, "v {} {} {}", p.x, p.y, p.z).unwrap();
+            if (1..6).contains(&j) {
+                for k in 0..4 {
+                    let p = (1.7 + 0.1 * k as f32) * at(j, i);
+                    writeln!(groom, "v {} {} {}", p.x, p.y, p.z).unwrap();
+                }
+                groom += "l -4 -3 -2 -1\n";
+            }
+            if j < 12 {
+                let (a, b) = (n + 1, n + 1 - i as usize + (i as usize + 1) % 16);
+                writeln!(head, "f {a} {b} {} {}", b + 16, a + 16).unwrap();
+            }
+        }
+        let file = |name: &str, text: String| (PathBuf::from(name), Cow::Owned(text.into_bytes()));
+        let files = [file("odd.obj", groom), file("head.obj", head)];
+        let (files, options) = (CharacterFiles::Given(&files), ImportOptions::default());
+        let base = pollster::block_on(CharacterSource::imported(&files, &options, &())).unwrap();
+        for name in ["groom odd.obj: the size is a guess", "head head.obj: the size is a guess"] {
+            assert!(base.notes.iter().any(|note| note.starts_with(name)), "{name}: {:?}", base.notes);
+        }
+    }
+
+    #[test]
+    fn thinning_keeps_strands_whole() {
+        let mut strands = Strands::default();
+        for i in 0..10 {
+            let x = Vec3::X * i as f32;
+            strands.push(&[x, x + Vec3::Y, x + Vec3::Y * 2.0]);
+            strands.root_uvs.push(glam::Vec2::splat(i as f32));
+        }
+        strands.radii = vec![1.0; 30];
+        let few = thinned(&strands, 5);
+        assert_eq!((few.len(), few.positions.len(), few.radii.len(), few.root_uvs.len()), (5, 15, 15, 5));
+        assert_eq!(few.strand(2), strands.strand(4));
+        assert!(few.colors.is_empty());
+        assert_eq!(thinned(&strands, 20), strands);
+    }
+}

@@ -1,0 +1,159 @@
+//! More hair between the strands of files: as many as somebody wants, or the followers that a file asks for.
+
+use super::{CharacterSource, Hair, SKULL_ABOVE_NECK, Styling};
+use crate::{
+    Progress, Result,
+    groom::{
+        Fill, Filled, Head, Strands,
+        fill::{fill_with, follow_with},
+        grow::Paint,
+    },
+};
+
+/// How hair grows between the strands of files.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FillOptions {
+    /// How many strands they are filled up to; 0 for none but the files' own, `None` for the followers that
+    /// they ask for. [`Styling::strands`] is the most in any case.
+    pub strands: Option<u32>,
+    /// The angle between neighbours from which on hair between them goes with one of them, radians.
+    pub parting: f32,
+    /// What every choice follows from.
+    pub seed: u32,
+}
+
+impl Default for FillOptions {
+    fn default() -> Self {
+        let Fill { parting, seed, .. } = Fill::default();
+        Self { strands: None, parting, seed }
+    }
+}
+
+impl FillOptions {
+    /// What grew.
+    pub(super) fn told(&self, filled: &Filled) -> String {
+        let (given, new) = (filled.given, filled.strands.len() - filled.given);
+        match self.strands {
+            None => format!(
+                "the file asks for followers: {new} are grown around its {given} strands (--grow 0 for none, --grow N for N strands in all)"
+            ),
+            Some(_) => format!("{new} strands are grown between the {given} of the file"),
+        }
+    }
+
+    /// What to say of built-in hair that is to be filled.
+    pub(super) fn unused(&self) -> Option<String> {
+        let asked = self.strands.is_some_and(|strands| strands > 0);
+        asked.then(|| "--grow fills grooms of files; built-in styles grow --strands".into())
+    }
+}
+
+impl CharacterSource {
+    /// `strands` of files with those that `styling` wants between them, painted; `None` where it wants none.
+    pub(super) async fn filled(
+        &self,
+        strands: &Strands,
+        styling: &Styling,
+        progress: &impl Progress,
+    ) -> Result<Option<Filled>> {
+        let Hair::Imported { field, .. } = &self.hair else { return Ok(None) };
+        let head = Head { mesh: self.head.as_ref(), field: field.as_ref() };
+        let skull = self.neck + SKULL_ABOVE_NECK;
+        let FillOptions { strands: wanted, parting, seed } = styling.fill;
+        let most = styling.strands.unwrap_or(u32::MAX);
+        let followers = self.report.as_ref().map_or(&[][..], |report| &report.followers);
+        // Where strands are thinned out, or are as many already, there are no others.
+        let more = match wanted {
+            Some(wanted) => wanted.min(most) as usize > strands.len(),
+            None => followers.len() == strands.len() && most as usize > strands.len(),
+        };
+        if !more {
+            return Ok(None);
+        }
+        let filled = match wanted {
+            Some(wanted) => {
+                let density = styling.paint.density.clone();
+                let fill =
+                    Fill { strands: wanted.min(most), density, skull, parting, seed, ..Fill::default() };
+                fill_with(strands, head, &fill, progress).await?
+            }
+            None => follow_with(strands, head, followers, most, seed, progress).await?,
+        };
+        Ok(Some(match styling.paint != Paint::default() {
+            true => filled.painted(&styling.paint, skull, 1)?,
+            false => filled,
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{super::CharacterFiles, *};
+    use crate::groom::{
+        import::ImportOptions,
+        orient::{Choice, Unit},
+        scalp::ScalpMap,
+    };
+    use glam::Vec3;
+    use std::{borrow::Cow, path::PathBuf};
+
+    /// Sixty strands on a slope, as a file that asks for `header`.
+    fn base(header: &str) -> CharacterSource {
+        let mut text = format!("version 2.0\nscale 1.0\n{header}numStrands 60\n");
+        for i in 0..60 {
+            let root = Vec3::new(0.012 * (i % 10) as f32 - 0.054, 1.7, 0.012 * (i / 10) as f32);
+            text += &format!("strand {i} numVerts 8 texcoord 0 0\n");
+            for k in 0..8 {
+                let p = root + Vec3::new(0.0, 0.02, -0.01) * k as f32;
+                text += &format!("{} {} {}\n", p.x, p.y, p.z);
+            }
+        }
+        let given = [(PathBuf::from("a.tfx"), Cow::Owned(text.into_bytes()))];
+        let unit = Some(Unit(1.0));
+        let options = ImportOptions { orient: Choice { unit, ..Default::default() }, ..Default::default() };
+        pollster::block_on(CharacterSource::imported(&CharacterFiles::Given(&given), &options, &())).unwrap()
+    }
+
+    const ASKING: &str = "numFollowHairsPerGuideHair 4\nmaxRadiusAroundGuideHair 0.002\n";
+
+    /// How many strands there are, and what is said of it.
+    fn dressed(header: &str, grow: Option<u32>, styling: Styling) -> (usize, String) {
+        let growing = FillOptions { strands: grow, ..FillOptions::default() };
+        let character =
+            pollster::block_on(base(header).dress(&Styling { fill: growing, ..styling }, &())).unwrap();
+        (character.groom.strands.len(), character.notes.last().cloned().unwrap_or_default())
+    }
+
+    #[test]
+    fn as_many_are_drawn_as_the_file_or_somebody_asks_for() {
+        let count = |header, grow| dressed(header, grow, Styling::default()).0;
+        assert_eq!(
+            [count("", None), count("", Some(0)), count("", Some(60)), count("", Some(900))],
+            [60, 60, 60, 900]
+        );
+        assert_eq!([count(ASKING, None), count(ASKING, Some(0)), count(ASKING, Some(900))], [300, 60, 900]);
+        let said = |grow| dressed(ASKING, grow, Styling::default()).1;
+        assert!(said(None).contains("240 are grown around its 60 strands"), "{}", said(None));
+        assert!(said(Some(900)).contains("840 strands are grown between the 60"), "{}", said(Some(900)));
+        assert!(!said(Some(0)).contains("grown"), "{}", said(Some(0)));
+        // At most as many as are to be drawn.
+        let at_most =
+            |most, grow| dressed(ASKING, grow, Styling { strands: Some(most), ..Styling::default() }).0;
+        assert_eq!([at_most(200, None), at_most(30, None), at_most(200, Some(900))], [200, 30, 200]);
+        assert!(FillOptions::default().unused().is_none());
+        assert!(FillOptions { strands: Some(9), ..FillOptions::default() }.unused().is_some());
+    }
+
+    #[test]
+    fn maps_thin_out_what_grows() {
+        for (header, grow) in [(ASKING, None), ("", Some(900))] {
+            let count = |density: f32| {
+                let density = Some(ScalpMap::from_fn(4, |_| density));
+                let paint = Paint { density, ..Paint::default() };
+                dressed(header, grow, Styling { paint, ..Styling::default() }).0 as f32
+            };
+            let half = count(0.5) / count(1.0);
+            assert!((half - 0.5).abs() < 0.1, "{grow:?}: {half}");
+        }
+    }
+}

@@ -1,0 +1,311 @@
+//! Commands of a frame: an encoder, the times of its passes, and counts of what is recorded. Each pass, dispatch, draw,
+//! change of pipeline and bound group costs on every driver, whatever it does.
+//!
+//! A pass carries the first error of the kernels recorded in it, and returns it when it [ends](ComputePass::end).
+//!
+//! Counting is a few additions per pass. [`Timings::counts`](super::Timings::counts) ascribes them to the rows of the frame.
+
+use super::{
+    Context, Timings,
+    counts::Counts,
+    probe::{GROUP, Groups},
+};
+use crate::{Error, Result, stage::Stage};
+use std::ops::Range;
+
+/// Records commands into an encoder of the caller, see [`Context::commands`].
+#[derive(Debug)]
+pub struct Commands<'a> {
+    context: Context,
+    encoder: &'a mut wgpu::CommandEncoder,
+    timings: Option<&'a mut Timings>,
+    /// What was recorded since the last lap.
+    counts: Counts,
+    /// The first error that no pass has returned yet.
+    error: Option<Error>,
+}
+
+/// A compute pass that counts.
+#[derive(Debug)]
+#[must_use = "`end` returns the errors of a pass"]
+pub struct ComputePass<'a> {
+    pass: wgpu::ComputePass<'a>,
+    counts: &'a mut Counts,
+    error: &'a mut Option<Error>,
+    groups: Groups,
+}
+
+/// A render pass that counts.
+#[derive(Debug)]
+pub struct RenderPass<'a> {
+    pass: wgpu::RenderPass<'a>,
+    counts: &'a mut Counts,
+    groups: Groups,
+}
+
+impl Context {
+    /// Records commands into `encoder`. After an error the encoder must not be submitted.
+    pub fn commands<'a>(&self, encoder: &'a mut wgpu::CommandEncoder) -> Commands<'a> {
+        Commands { context: self.clone(), encoder, timings: None, counts: Counts::default(), error: None }
+    }
+}
+
+impl<'a> Commands<'a> {
+    /// Measures passes with `timings`.
+    pub fn with_timings(self, timings: impl Into<Option<&'a mut Timings>>) -> Self {
+        Self { timings: timings.into(), ..self }
+    }
+
+    /// The context that records.
+    pub fn context(&self) -> &Context {
+        &self.context
+    }
+
+    /// The encoder.
+    pub fn encoder(&mut self) -> &mut wgpu::CommandEncoder {
+        self.encoder
+    }
+
+    /// Begins a compute pass, measured under its name.
+    pub fn compute(&mut self, name: &'static str) -> ComputePass<'_> {
+        let timings = self.timings.as_deref_mut();
+        let timestamp_writes = timings.and_then(|timings| timings.compute(name));
+        let descriptor = wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes };
+        self.counts.passes += 1;
+        ComputePass {
+            pass: self.encoder.begin_compute_pass(&descriptor),
+            counts: &mut self.counts,
+            error: &mut self.error,
+            groups: Groups::new(self.context.device.probe.as_ref()),
+        }
+    }
+
+    /// Begins a render pass, measured under its name.
+    pub fn render(
+        &mut self,
+        name: &'static str,
+        color_attachments: &[Option<wgpu::RenderPassColorAttachment<'_>>],
+        depth_stencil_attachment: Option<wgpu::RenderPassDepthStencilAttachment<'_>>,
+    ) -> RenderPass<'_> {
+        let timings = self.timings.as_deref_mut();
+        let descriptor = wgpu::RenderPassDescriptor {
+            label: Some(name),
+            color_attachments,
+            depth_stencil_attachment,
+            timestamp_writes: timings.and_then(|timings| timings.render(name)),
+            ..Default::default()
+        };
+        self.counts += Counts { passes: 1, bytes: attached(&descriptor), ..Counts::default() };
+        RenderPass {
+            pass: self.encoder.begin_render_pass(&descriptor),
+            counts: &mut self.counts,
+            groups: Groups::new(self.context.device.probe.as_ref()),
+        }
+    }
+
+    /// Fills `size` bytes of a buffer with zeros, or all of it.
+    pub(crate) fn clear(&mut self, buffer: &wgpu::Buffer, size: Option<u64>) {
+        self.encoder.clear_buffer(buffer, 0, size);
+        let bytes = size.unwrap_or(buffer.size());
+        self.counts += Counts { transfers: 1, bytes, ..Counts::default() };
+    }
+
+    /// Fills a texture with zeros, in a pass that is not measured.
+    pub(crate) fn clear_texture(&mut self, label: &str, view: &wgpu::TextureView) {
+        let descriptor = wgpu::RenderPassDescriptor {
+            label: Some(label),
+            color_attachments: &[cleared(view)],
+            ..Default::default()
+        };
+        self.counts += Counts { passes: 1, bytes: attached(&descriptor), ..Counts::default() };
+        self.encoder.begin_render_pass(&descriptor);
+    }
+
+    /// Copies all of a texture to another of the same size.
+    pub(crate) fn copy_texture(&mut self, from: &wgpu::Texture, to: &wgpu::Texture) {
+        self.encoder.copy_texture_to_texture(from.as_image_copy(), to.as_image_copy(), to.size());
+        self.copied(bytes(to));
+    }
+
+    /// Copies rows from a buffer to the top of a texture of two dimensions.
+    pub(crate) fn copy_rows(&mut self, from: &wgpu::Buffer, to: &wgpu::Texture, rows: u32) {
+        let height = rows.min(to.height());
+        let row = to.width() * to.format().block_copy_size(None).unwrap_or(4);
+        let layout =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
+        self.encoder.copy_buffer_to_texture(
+            wgpu::TexelCopyBufferInfo { buffer: from, layout },
+            to.as_image_copy(),
+            wgpu::Extent3d { width: to.width(), height, depth_or_array_layers: 1 },
+        );
+        self.copied(u64::from(height) * u64::from(row));
+    }
+
+    /// Counts a copy of so many bytes, which are read and written.
+    fn copied(&mut self, bytes: u64) {
+        self.counts += Counts { transfers: 1, bytes: 2 * bytes, ..Counts::default() };
+    }
+
+    /// A part of a stage begins here. What was recorded before belongs to no row of the times.
+    pub(crate) fn start(&mut self) {
+        self.counts = Counts::default();
+        if let Some(timings) = &mut self.timings {
+            timings.start();
+        }
+    }
+
+    /// A part of a stage ends here and the next begins ([`Timings::lap`]).
+    pub(crate) fn lap(&mut self, stage: Stage) {
+        let name = stage.name();
+        if let Some(probe) = &self.context.device.probe {
+            probe.lap(name);
+        }
+        let counts = std::mem::take(&mut self.counts);
+        if let Some(timings) = &mut self.timings {
+            timings.lap(&self.context, self.encoder, (name, counts));
+        }
+    }
+
+    /// Whether frames are taken apart, and are to be in parts that are not too long.
+    pub(crate) fn takes_apart(&self) -> bool {
+        self.timings.as_ref().is_some_and(|timings| timings.takes_apart())
+    }
+}
+
+/// A texture that a pass begins with nothing in it.
+pub(crate) fn cleared(view: &wgpu::TextureView) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+    colored(view, wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT))
+}
+
+/// A texture that a pass draws into.
+pub(crate) fn colored(
+    view: &wgpu::TextureView,
+    load: wgpu::LoadOp<wgpu::Color>,
+) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+    let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
+    Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
+}
+
+/// The depth that a pass tests, and writes if there are operations on it.
+pub(crate) fn deep(
+    view: &wgpu::TextureView,
+    depth_ops: Option<wgpu::Operations<f32>>,
+) -> Option<wgpu::RenderPassDepthStencilAttachment<'_>> {
+    Some(wgpu::RenderPassDepthStencilAttachment { view, depth_ops, stencil_ops: None })
+}
+
+/// Bytes that the attachments of a pass are read with when it begins and written with when it ends or clears.
+fn attached(descriptor: &wgpu::RenderPassDescriptor<'_>) -> u64 {
+    fn moved<V>(ops: &wgpu::Operations<V>) -> u64 {
+        u64::from(matches!(ops.load, wgpu::LoadOp::Load)) + u64::from(ops.store == wgpu::StoreOp::Store)
+    }
+    let color = descriptor.color_attachments.iter().flatten().map(|to| (to.view, moved(&to.ops)));
+    let depth = descriptor.depth_stencil_attachment.iter();
+    // Depth that is read only is read.
+    let depth = depth.map(|to| (to.view, to.depth_ops.as_ref().map_or(1, moved)));
+    color.chain(depth).map(|(view, times)| times * bytes(view.texture())).sum()
+}
+
+/// Bytes of one layer of a texture at its finest.
+pub(crate) fn bytes(texture: &wgpu::Texture) -> u64 {
+    let texel = texture.format().block_copy_size(None).unwrap_or(4);
+    [texture.width(), texture.height(), texture.sample_count(), texel].map(u64::from).iter().product()
+}
+
+impl ComputePass<'_> {
+    fn probe(&mut self) {
+        if let Some((group, from)) = self.groups.work() {
+            self.pass.set_bind_group(GROUP, &group, &[from]);
+        }
+    }
+
+    /// As of wgpu's pass.
+    pub fn set_pipeline(&mut self, pipeline: &wgpu::ComputePipeline) {
+        self.counts.pipelines += 1;
+        self.pass.set_pipeline(pipeline);
+    }
+
+    /// As of wgpu's pass.
+    pub fn set_bind_group(&mut self, index: u32, group: &wgpu::BindGroup, offsets: &[u32]) {
+        self.counts.groups += 1;
+        self.groups.set(index, group);
+        self.pass.set_bind_group(index, group, offsets);
+    }
+
+    /// As of wgpu's pass.
+    pub fn dispatch_workgroups(&mut self, x: u32, y: u32, z: u32) {
+        self.probe();
+        self.counts.dispatches += 1;
+        self.pass.dispatch_workgroups(x, y, z);
+    }
+
+    /// As of wgpu's pass.
+    pub fn dispatch_workgroups_indirect(&mut self, workgroups: &wgpu::Buffer, from: u64) {
+        self.probe();
+        self.counts.dispatches += 1;
+        self.pass.dispatch_workgroups_indirect(workgroups, from);
+    }
+
+    /// A kernel cannot be recorded.
+    pub(super) fn fail(&mut self, error: Error) {
+        self.error.get_or_insert(error);
+    }
+
+    /// Ends the pass.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] for the first kernel recorded in it that cannot be compiled.
+    pub fn end(self) -> Result<()> {
+        self.error.take().map_or(Ok(()), Err)
+    }
+}
+
+impl RenderPass<'_> {
+    fn probe(&mut self) {
+        if let Some((group, from)) = self.groups.work() {
+            self.pass.set_bind_group(GROUP, &group, &[from]);
+        }
+    }
+
+    /// As of wgpu's pass.
+    pub fn set_pipeline(&mut self, pipeline: &wgpu::RenderPipeline) {
+        self.counts.pipelines += 1;
+        self.pass.set_pipeline(pipeline);
+    }
+
+    /// As of wgpu's pass.
+    pub fn set_bind_group(&mut self, index: u32, group: &wgpu::BindGroup, offsets: &[u32]) {
+        self.counts.groups += 1;
+        self.groups.set(index, group);
+        self.pass.set_bind_group(index, group, offsets);
+    }
+
+    /// As of wgpu's pass.
+    pub fn set_vertex_buffer(&mut self, slot: u32, vertices: wgpu::BufferSlice<'_>) {
+        self.pass.set_vertex_buffer(slot, vertices);
+    }
+
+    /// As of wgpu's pass.
+    pub fn set_index_buffer(&mut self, indices: wgpu::BufferSlice<'_>, format: wgpu::IndexFormat) {
+        self.pass.set_index_buffer(indices, format);
+    }
+
+    /// A viewport of depths from 0 to 1, from its upper left corner on.
+    pub fn set_viewport(&mut self, [x, y]: [f32; 2], [width, height]: [f32; 2]) {
+        self.pass.set_viewport(x, y, width, height, 0.0, 1.0);
+    }
+
+    /// As of wgpu's pass.
+    pub fn draw(&mut self, vertices: Range<u32>, instances: Range<u32>) {
+        self.probe();
+        self.counts.draws += 1;
+        self.pass.draw(vertices, instances);
+    }
+
+    /// As of wgpu's pass.
+    pub fn draw_indexed(&mut self, indices: Range<u32>, base: i32, instances: Range<u32>) {
+        self.probe();
+        self.counts.draws += 1;
+        self.pass.draw_indexed(indices, base, instances);
+    }
+}

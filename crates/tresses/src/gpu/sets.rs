@@ -1,0 +1,66 @@
+//! Pipelines of a context, made once per device at first use.
+
+use super::{Context, Kernel, kernel::Job, pipeline::lock};
+use std::{any::TypeId, sync::Arc};
+
+/// The pipelines of one stage, made once per device at first use.
+pub(crate) trait PipelineSet: wgpu::WasmNotSendSync + Sized + 'static {
+    /// The set for the device of `context`, nothing compiled yet.
+    fn new(context: &Context) -> Self;
+
+    /// The kernels that [`Context::prepare`] compiles for a request of the stage.
+    fn kernels(&self) -> Vec<&Kernel> {
+        Vec::new()
+    }
+}
+
+impl Context {
+    /// The pipelines `T`, which all clones of this context share.
+    pub(crate) fn pipelines<T: PipelineSet>(&self) -> Arc<T> {
+        let slot = lock(&self.sets).entry(TypeId::of::<T>()).or_default().clone();
+        // The map is not locked meanwhile: a set may ask for others.
+        let set = slot.get_or_init(|| Box::new(Arc::new(T::new(self))));
+        set.downcast_ref::<Arc<T>>().expect("the slot of a type holds that type").clone()
+    }
+
+    /// Jobs that compile the kernels of `T`.
+    pub(crate) fn jobs<T: PipelineSet>(&self) -> Vec<Job<'static>> {
+        let set = self.pipelines::<T>();
+        let job = |i: usize| {
+            let set = set.clone();
+            Box::new(move || set.kernels()[i].compile()) as Job<'static>
+        };
+        (0..set.kernels().len()).map(job).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Debug)]
+    struct Inner;
+    #[derive(Debug)]
+    struct Outer(Arc<Inner>);
+
+    impl PipelineSet for Inner {
+        fn new(_: &Context) -> Self {
+            Self
+        }
+    }
+
+    impl PipelineSet for Outer {
+        fn new(context: &Context) -> Self {
+            Self(context.pipelines())
+        }
+    }
+
+    #[test]
+    fn clones_share_pipelines_and_devices_do_not() {
+        let first = crate::gpu::noop();
+        let outer = first.clone().pipelines::<Outer>();
+        assert!(Arc::ptr_eq(&outer, &first.pipelines()));
+        assert!(Arc::ptr_eq(&outer.0, &first.pipelines()));
+        assert!(!Arc::ptr_eq(&outer, &crate::gpu::noop().pipelines()));
+    }
+}

@@ -1,0 +1,30 @@
+//! What acts on the guides besides their own physics.
+
+use crate::{
+    Context,
+    simulate::{Forces, Grab, Links},
+    strands::GuideBuffers,
+    volume::Volume,
+};
+
+/// Forces of grids, links and a hand.
+#[derive(Debug)]
+pub(super) struct Effects {
+    /// Forces of self-collision and wind.
+    pub forces: Forces,
+    /// Springs between neighboring guides, where hair is cohesive.
+    pub links: Option<Links>,
+    pub grab: Grab,
+    /// Whether the wind blows in this frame.
+    pub windy: bool,
+    /// Whether the grids act on the guides in this frame.
+    pub forced: bool,
+}
+
+impl Effects {
+    /// Without wind and a hand.
+    pub fn new(context: &Context, guides: &GuideBuffers, volume: &Volume, links: Option<Links>) -> Self {
+        let forces = Forces::new(context, guides, volume, None);
+        Self { forces, links, grab: Grab::default(), windy: false, forced: false }
+    }
+}

@@ -1,0 +1,227 @@
+//! Characters: what hosts hold.
+
+use crate::common;
+use tresses::{
+    Camera, Character, Context, Pose, View,
+    body::Body,
+    budget::Budget,
+    character::{CharacterOptions, CharacterSource, CrowdBudget, FaceHair, Gesture, Obstacle, Styling},
+    collide::{Collider, Shape},
+    glam::{Quat, Vec3},
+    gpu::readback::blocking as readback,
+    groom::{grow::Growth, mannequin::facial::Beard, styles::Style},
+    lod::{LodMode, LodOptions},
+    view::{Picture, ViewOptions},
+};
+
+/// The built-in character with few strands, brows, lashes and a beard that hangs.
+fn bearded(context: &Context) -> Character {
+    let style = Style::default();
+    let source = pollster::block_on(CharacterSource::built_in(context, &style, &())).unwrap();
+    let styling = Styling {
+        growth: Some(Growth::for_style(&style).with_strands(300)),
+        face: FaceHair { beard: Beard::Full, ..FaceHair::default() },
+        ..Styling::default()
+    };
+    let parts = pollster::block_on(source.dress(&styling, &())).unwrap();
+    let options = CharacterOptions::default();
+    let mut character = pollster::block_on(Character::new(context, parts, &options, &())).unwrap();
+    character.set_lod(LodOptions { mode: LodMode::Off, ..LodOptions::default() });
+    character
+}
+
+fn advance(context: &Context, characters: &mut [&mut Character], dt: f32) {
+    let mut encoder = context.device().create_command_encoder(&Default::default());
+    context.frame(&mut encoder).advance(characters, dt).unwrap();
+    context.queue().submit([encoder.finish()]);
+}
+
+/// What a camera before a character at the origin sees of `characters`.
+fn seen(context: &Context, characters: &[&Character]) -> Vec<u8> {
+    let size = [96, 96];
+    let mut view = View::new(context, &ViewOptions::default(), size, 1).unwrap();
+    let camera = Camera::look_at(Vec3::new(0.0, 0.05, 1.2), Vec3::new(0.0, 0.05, 0.0), 0.5, size);
+    let picture = Picture { camera, ..Picture::default() };
+    let output = view.targets().picture().clone();
+    let mut encoder = context.device().create_command_encoder(&Default::default());
+    context.frame(&mut encoder).draw(&mut view, characters, &picture, &output).unwrap();
+    context.queue().submit([encoder.finish()]);
+    pollster::block_on(view.targets().read()).unwrap()
+}
+
+/// The vertices of every groom as they are drawn.
+fn vertices(character: &Character) -> Vec<Vec<u32>> {
+    let context = common::context().unwrap();
+    character.grooms().map(|hair| readback::buffer(context, &hair.strands.vertices).unwrap()).collect()
+}
+
+fn nod(degrees: f32) -> Gesture {
+    let rotation = Quat::from_rotation_x(degrees.to_radians());
+    Gesture { head: Pose { rotation, ..Pose::IDENTITY }, ..Gesture::default() }
+}
+
+#[test]
+fn an_instance_moves_and_looks_like_a_character_of_its_own() {
+    let Some(context) = common::context() else { return };
+    let (mut first, mut moved) = (bearded(context), bearded(context));
+    moved.gesture = nod(20.0);
+    advance(context, &mut [&mut moved], 0.5);
+    // Of a body that rests, and of one that has bent.
+    let (mut second, mut third) = (first.instance().unwrap(), moved.instance().unwrap());
+    third.reset();
+    for i in 0..3 {
+        let gesture = nod(4.0 + 8.0 * i as f32);
+        for character in [&mut first, &mut second, &mut third] {
+            character.gesture.clone_from(&gesture);
+        }
+        advance(context, &mut [&mut first, &mut second, &mut third], 1.0 / 60.0);
+    }
+    for other in [&second, &third] {
+        assert!(vertices(&first) == vertices(other));
+        assert!(seen(context, &[&first]) == seen(context, &[other]));
+    }
+}
+
+#[test]
+fn instances_bend_and_go_on_their_own() {
+    let Some(context) = common::context() else { return };
+    let mut first = bearded(context);
+    let mut second = first.instance().unwrap();
+    second.gesture = nod(25.0);
+    for _ in 0..4 {
+        advance(context, &mut [&mut first, &mut second], 1.0 / 60.0);
+    }
+    let body = |character: &Character| -> Vec<u32> {
+        readback::buffer(context, character.body().map(Body::vertices).unwrap()).unwrap()
+    };
+    assert!(body(&first) != body(&second), "only one of them nods");
+    let [still, nodding] = [&first, &second].map(vertices);
+    assert!(still.iter().zip(&nodding).all(|(a, b)| a != b), "every groom goes with its own skin");
+    assert!(first.head() == Pose::IDENTITY && second.head() != Pose::IDENTITY);
+    assert!(first.shared_bytes() > 0 && second.own_bytes() < first.own_bytes() + first.shared_bytes());
+}
+
+#[test]
+fn a_crowd_keeps_its_budget_and_each_head_has_light_of_its_own() {
+    let Some(context) = common::context() else { return };
+    let mut first = bearded(context);
+    first.set_lod(LodOptions { mode: LodMode::Auto, ..LodOptions::CROWD });
+    let mut crowd: Vec<_> = (0..3).map(|_| first.instance().unwrap()).collect();
+    for (i, character) in crowd.iter_mut().enumerate() {
+        character.set_pose(Pose { translation: Vec3::X * (i as f32 - 1.0), ..Pose::IDENTITY });
+    }
+    let eye = |size| [Camera::look_at(Vec3::new(0.0, 0.1, 4.0), Vec3::ZERO, 0.6, [size, size])];
+    let strands = |bytes: u64, camera: &[Camera]| {
+        let mut crowd: Vec<_> = crowd.iter().map(|character| character.instance().unwrap()).collect();
+        let mut budget =
+            CrowdBudget { budget: Budget { bytes, ..Budget::default() }, ..CrowdBudget::default() };
+        let mut all: Vec<_> = crowd.iter_mut().collect();
+        let mut encoder = context.device().create_command_encoder(&Default::default());
+        let frame = context.frame(&mut encoder).seen_by(camera);
+        frame.within(&mut budget).advance(&mut all, 1.0 / 60.0).unwrap();
+        context.queue().submit([encoder.finish()]);
+        let strands = budget.chosen.heads.iter().map(|head| head.strands).sum::<u32>();
+        (strands, budget.chosen.heads.len())
+    };
+    let (near, far) = (eye(1024), eye(64));
+    let grooms = first.grooms().count();
+    assert_eq!(strands(u64::MAX, &near).1, 3 * grooms, "every groom has a level");
+    assert_eq!(strands(u64::MAX, &far).1, 3, "faces of small heads are left out");
+    assert!(strands(1, &near).0 < strands(u64::MAX, &near).0);
+    let mut all: Vec<_> = crowd.iter_mut().collect();
+    advance(context, &mut all, 0.0);
+    let size = [64, 64];
+    let mut view = View::new(context, &ViewOptions::default(), size, 1).unwrap();
+    let picture = Picture { camera: far[0], ..Picture::default() };
+    let output = view.targets().picture().clone();
+    let mut draw = |count: usize| {
+        let all: Vec<_> = crowd.iter().take(count).collect();
+        let mut encoder = context.device().create_command_encoder(&Default::default());
+        context.frame(&mut encoder).draw(&mut view, &all, &picture, &output).unwrap();
+        context.queue().submit([encoder.finish()]);
+        view.zone_bytes()
+    };
+    let [three, two] = [draw(3), draw(2)];
+    assert!(three > two && two > 0, "a zone each: {three} {two}");
+}
+
+#[test]
+fn obstacles_push_hair_and_come_and_go() {
+    let Some(context) = common::context() else { return };
+    let mut first = bearded(context);
+    let mut second = first.instance().unwrap();
+    let ball = Obstacle {
+        id: 1,
+        collider: Collider::new(Shape::sphere(0.1)),
+        pose: Pose { translation: Vec3::new(0.1, -0.1, 0.0), ..Pose::IDENTITY },
+    };
+    second.set_obstacles(&[ball]).unwrap();
+    for _ in 0..3 {
+        advance(context, &mut [&mut first, &mut second], 1.0 / 60.0);
+    }
+    assert!(vertices(&first)[0] != vertices(&second)[0], "the ball is in the hair");
+    assert_eq!(second.drawn_obstacles().len(), 1);
+    second.set_obstacles(&[]).unwrap();
+    assert!(second.place_obstacles(&[Pose::IDENTITY]).is_err(), "it was made with none");
+    advance(context, &mut [&mut second], 1.0 / 60.0);
+    assert!(second.drawn_obstacles().is_empty());
+    let field = Shape::Field(tresses::collide::FieldId(77));
+    let unknown = Obstacle { collider: Collider::new(field), ..ball };
+    assert!(second.set_obstacles(&[unknown]).is_err());
+    advance(context, &mut [&mut second], 1.0 / 60.0);
+}
+
+#[test]
+fn teleported_hair_keeps_its_shape() {
+    let Some(context) = common::context() else { return };
+    let mut character = bearded(context);
+    for _ in 0..3 {
+        advance(context, &mut [&mut character], 1.0 / 60.0);
+    }
+    let guides = |character: &Character| -> Vec<[f32; 4]> {
+        readback::buffer(context, &character.hair().guides.current).unwrap()
+    };
+    let before = guides(&character);
+    let far = Pose { translation: Vec3::new(0.3, 0.0, 0.0), ..Pose::IDENTITY };
+    let moved = |teleports: bool| {
+        let mut character = character.instance().unwrap();
+        for _ in 0..3 {
+            advance(context, &mut [&mut character], 1.0 / 60.0);
+        }
+        character.set_pose(far);
+        if teleports {
+            character.teleport();
+        }
+        advance(context, &mut [&mut character], 1.0 / 60.0);
+        let place = character.hair().place();
+        let head = character.head().inverse();
+        let shape = guides(&character);
+        let off = shape.iter().zip(&before).map(|(now, then)| {
+            let [x, y, z, _] = *now;
+            head.point(place.point(Vec3::new(x, y, z))).distance(Vec3::from_slice(&then[..3]))
+        });
+        off.fold(0.0, f32::max)
+    };
+    let [carried, dragged] = [moved(true), moved(false)];
+    assert!(carried < 0.01 && dragged > 0.1, "carried {carried} m, dragged {dragged} m");
+}
+
+#[test]
+fn another_groom_goes_on_where_the_first_was() {
+    let Some(context) = common::context() else { return };
+    let mut character = bearded(context);
+    character.gesture = nod(15.0);
+    character.rig_mut().unwrap().set_shape("smile", 0.5).ok();
+    advance(context, &mut [&mut character], 0.5);
+    let (time, material) = (character.time(), character.hair().set.material);
+    let source =
+        pollster::block_on(CharacterSource::built_in(context, &"bob".parse().unwrap(), &())).unwrap();
+    let growth = Growth::for_style(&"bob".parse().unwrap()).with_strands(200);
+    let styling = Styling { growth: Some(growth), ..Styling::default() };
+    let parts = pollster::block_on(source.dress(&styling, &())).unwrap();
+    pollster::block_on(character.replace(context, parts, &CharacterOptions::default(), &())).unwrap();
+    assert_eq!((character.time(), character.hair().set.material), (time, material));
+    assert_eq!((character.gesture.clone(), character.hair().strands.count), (nod(15.0), 200));
+    assert!(character.animate("Walk", 0.0).unwrap_err().to_string().contains("Walk"));
+    advance(context, &mut [&mut character], 1.0 / 60.0);
+}
